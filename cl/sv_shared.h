@@ -1,0 +1,86 @@
+/*
+ * What the kernels and the C side both need to know: layouts, limits and words. Read by the OpenCL C compiler
+ * and by the C compiler, so it holds only what means the same to both.
+ */
+#ifndef SV_SHARED_H
+#define SV_SHARED_H
+
+/* Rays a work item of the strip kernels holds in one vector. Rows of every per-ray map are padded to a
+ * multiple. */
+#define SV_LANES 16
+
+/* Samples along a ray per slice (the inverse of the sampling step). Structure, not a tunable: it changes the
+ * kernel. */
+#ifndef SV_SUBSTEPS
+#define SV_SUBSTEPS 1
+#endif
+#define SV_MAX_SUBSTEPS 4
+
+/* Largest kernel size k of the mean filter, and the spare columns its row buffers need on top of the padded
+ * width: (k - 1) / 2 zeros on either side, and one vector of slack for each of the reads that run ahead. */
+#define SV_MAX_K     63
+#define SV_ROW_SLACK 192
+
+/* Status map, as in smartvis_plugin.h. */
+#define SV_STATUS_NONE    0
+#define SV_STATUS_INITIAL 1
+#define SV_STATUS_EMPTY   2
+
+/* Bone threshold modes (spec 3). */
+#define SV_BONE_ABSOLUTE 0
+#define SV_BONE_OFFSET   1
+#define SV_BONE_FRACTION 2
+
+/* Planes of the 8-bit and of the 16-bit ray state; a plane is padded_width * height values. Depths are
+ * counted in samples: slice * SV_SUBSTEPS. */
+#define SV_STATE_MAX       0 /* largest intensity so far */
+#define SV_STATE_TISSUE    1 /* 255 if the last scanned sample was tissue, else 0 */
+#define SV_STATE_LAST      2 /* voxel of the last slice (used for SV_SUBSTEPS > 1) */
+#define SV_STATE8_PLANES   3
+#define SV_STATE_ENTRY     0 /* last entry into tissue */
+#define SV_STATE_EXIT      1 /* last exit from tissue, that is entry into fluid */
+#define SV_STATE_MAX_ENTRY 2 /* entry that was current when the maximum was met */
+#define SV_STATE_MAX_EXIT  3 /* exit that was current when the maximum was met */
+#define SV_STATE16_PLANES  4
+
+/* Planes of the reconstruction: weight * near end, weight * far end (fixed point), weight. */
+#define SV_SUM_NEAR   0
+#define SV_SUM_FAR    1
+#define SV_SUM_WEIGHT 2
+#define SV_SUM_PLANES 3
+
+/* Words of the frame's record on the device. The first ten are sv_stats of the ABI, word for word (`size`
+ * unused), so that a read of the record is the host's struct. */
+#define SV_REC_OUTCOME  1
+#define SV_REC_RAYS     2
+#define SV_REC_POINTS   3
+#define SV_REC_EMPTY    4
+#define SV_REC_PASSES   5
+#define SV_REC_UNFILLED 6
+#define SV_REC_MAX      7 /* float bits, 0..1 */
+#define SV_REC_TB       8 /* float bits, 0..1 */
+#define SV_REC_WORDS    10
+#define SV_REC_LEVEL    10 /* bone level 0..255: a ray is bone above it */
+#define SV_REC_PASS0    11 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
+
+/* What a frame asks of the kernels; passed to them by value. 32-bit members only, so both compilers lay it
+ * out alike. */
+typedef struct {
+    unsigned int width, padded_width, height;
+    unsigned int bone_mode;                     /* SV_BONE_* */
+    unsigned int fluid_level;                   /* T_L as a grey level: tissue lies above it */
+    unsigned int bone_level;                    /* absolute mode: T_B as a grey level */
+    unsigned int bone_drop;                     /* offset mode: grey levels below the volume's maximum */
+    unsigned int bone_wanted;                   /* fraction mode: rays that must qualify at least, >= 1 */
+    unsigned int drop_empty;                    /* 1: rays with an empty interval give no point */
+    unsigned int fraction;                      /* fraction bits of a depth */
+    unsigned int k;                             /* mean filter: window, odd */
+    unsigned int weight_initial, weight_filled; /* mean filter: integer weights, their ratio is omega */
+    unsigned int pass_limit;                    /* passes that are enough for any set of points */
+} sv_job;
+
+#define SV_OUTCOME_OK         0
+#define SV_OUTCOME_NO_SURFACE 1
+#define SV_OUTCOME_PARTIAL    2
+
+#endif

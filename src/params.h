@@ -1,0 +1,44 @@
+/* The plugin's parameters: one table that describes them, and the values of one frame. */
+#ifndef SV_PARAMS_H
+#define SV_PARAMS_H
+
+#include "diag.h"
+#include "ref/sv_ref.h"
+
+/* Stable ids (never reused). They index sv_values. */
+enum {
+    SV_PARAM_Q = 1,
+    SV_PARAM_FLUID_THRESHOLD = 2,
+    SV_PARAM_BONE_MODE = 3,
+    SV_PARAM_BONE_OFFSET = 4,
+    SV_PARAM_BONE_THRESHOLD = 5,
+    SV_PARAM_BONE_FRACTION = 6,
+    SV_PARAM_KERNEL = 7,
+    SV_PARAM_FILL_WEIGHT = 8,
+    SV_PARAM_DROP_EMPTY = 9,
+    SV_PARAM_SUBSTEPS = 10,
+    SV_PARAM_STRATEGY = 11,
+    SV_PARAM_ID_END
+};
+
+/* Strategies: how the work is laid out on the device. All give the same bits. */
+enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
+
+/* Values by id; [0] is unused. */
+typedef struct {
+    double of[SV_PARAM_ID_END];
+} sv_values;
+
+uint32_t sv_params_count(void);
+sv_status sv_params_info(sv_diag *diag, uint32_t index, sv_param_info *out);
+sv_status sv_params_text(sv_diag *diag, uint32_t id, double value, char *out, uint32_t bytes);
+
+void sv_params_defaults(sv_values *values);
+
+/* Writes a list of values over `values`, all or none. `call` names the ABI call for messages. Only parameters
+ * with all of `required` flags may be in the list; those with SV_PARAM_REACTIVATE may be in any list if they
+ * keep the value they have in `values`. */
+sv_status sv_params_apply(sv_diag *diag, const char *call, const sv_param_value *list, uint32_t count,
+                          uint32_t required, bool activating, sv_values *values);
+
+#endif

@@ -1,0 +1,174 @@
+/* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
+#include "enqueue.h"
+
+#include <string.h>
+
+/* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
+ * as a pass (docs/performance.md, "bands or one launch"). */
+enum { SINGLE_MAX_PIXELS = 200 * 200 };
+enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };
+
+uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
+    if (slices == 0) return 0;
+    const uint64_t last = slices - 1;
+    const uint64_t row = last / c->tiles_x * c->tile_h + c->height - 1;
+    const uint64_t full_row = slices > c->tiles_x ? c->tiles_x - 1 : last; /* the widest row of tiles */
+    const uint64_t end_last = row * c->row_pitch + last % c->tiles_x * c->tile_w + c->width;
+    const uint64_t row_above =
+        slices > c->tiles_x ? (last / c->tiles_x - 1) * c->tile_h + c->height - 1 : row;
+    const uint64_t end_above = row_above * c->row_pitch + full_row * c->tile_w + c->width;
+    return end_last > end_above ? end_last : end_above;
+}
+
+bool sv_pipeline_needs_wide(const sv_config *c) {
+    return sv_ref_fixed_format(c->width, c->height, c->slices, SV_MAX_K, 4).wide;
+}
+
+static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
+    if (c->strategy != SV_STRATEGY_AUTO) return c->strategy;
+    if (!device->is_cpu) return SV_STRATEGY_RAYS;
+    return (uint64_t)c->width * c->height <= SINGLE_MAX_PIXELS ? SV_STRATEGY_SINGLE : SV_STRATEGY_BANDS;
+}
+
+static uint32_t band_count(const sv_device *device, const sv_config *c) {
+    if (c->strategy != SV_STRATEGY_BANDS) return 1;
+    const uint32_t wanted = device->compute_units * BANDS_PER_UNIT;
+    const uint32_t most = (c->height + BAND_MIN_ROWS - 1) / BAND_MIN_ROWS;
+    return wanted < most ? wanted : most;
+}
+
+static sv_status create_buffers(sv_pipeline *p) {
+    const sv_config *c = &p->config;
+    const size_t plane = (size_t)p->padded_width * c->height;
+    const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
+    const size_t scratch_rows = (size_t)p->bands * 3 * SV_SUM_PLANES;
+    sv_buffers *b = &p->buffers;
+    sv_status status = SV_OK;
+    const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
+    if (in_place)
+        b->host_slabs = sv_clx_buffer(p->diag, p->device, c->host_memory_bytes,
+                                      (void *)(uintptr_t)c->host_memory, &status);
+    else if (c->carrier != SV_CARRIER_BUFFER)
+        b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes, NULL, &status);
+    b->state8 = sv_clx_buffer(p->diag, p->device, SV_STATE8_PLANES * plane, NULL, &status);
+    b->state16 =
+        sv_clx_buffer(p->diag, p->device, SV_STATE16_PLANES * plane * sizeof(cl_ushort), NULL, &status);
+    b->survey = sv_clx_buffer(p->diag, p->device, (size_t)p->bands * 257 * sizeof(cl_uint), NULL, &status);
+    b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
+    b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
+    b->sums_a = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
+    b->sums_b = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
+    b->scratch = sv_clx_buffer(p->diag, p->device, scratch_rows * (p->padded_width + SV_ROW_SLACK) * sum,
+                               NULL, &status);
+    b->surfaces = sv_clx_buffer(p->diag, p->device, 2 * plane * sizeof(cl_float), NULL, &status);
+    b->record = sv_clx_buffer(p->diag, p->device, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint),
+                              NULL, &status);
+    b->depth =
+        sv_clx_buffer(p->diag, p->device, (size_t)c->width * c->height * sizeof(cl_float), NULL, &status);
+    return status;
+}
+
+/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. Two
+ * more show that nothing is left to reach when the fill weight is 0. */
+static uint32_t pass_limit(const sv_config *c, uint32_t k) {
+    const uint32_t longest = c->width > c->height ? c->width : c->height;
+    const uint32_t limit = (longest - 1 + k / 2 - 1) / (k / 2);
+    return limit < 3 ? 3 : limit;
+}
+
+sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, sv_program *narrow,
+                             sv_program *wide, sv_timing *timing, const sv_config *config) {
+    *p = (sv_pipeline){
+        .diag = diag, .device = device, .narrow = narrow, .wide = wide, .timing = timing, .config = *config};
+    p->config.strategy = resolve_strategy(device, config);
+    p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
+    p->bands = band_count(device, &p->config);
+    p->pass_capacity = pass_limit(config, 3);
+    p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
+    const sv_status status = create_buffers(p);
+    if (status != SV_OK) sv_pipeline_destroy(p);
+    return status;
+}
+
+void sv_pipeline_destroy(sv_pipeline *p) {
+    sv_buffers *b = &p->buffers;
+    cl_mem *const all[] = {&b->slab,      &b->host_slabs, &b->state8, &b->state16, &b->survey,
+                           &b->histogram, &b->status,     &b->sums_a, &b->sums_b,  &b->scratch,
+                           &b->surfaces,  &b->record,     &b->depth};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) sv_clx_release(all[i]);
+}
+
+void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
+    const sv_config *c = &p->config;
+    const double *v = values->of;
+    sv_job *j = &p->job;
+    *j = (sv_job){.width = c->width, .padded_width = p->padded_width, .height = c->height};
+    j->bone_mode = (uint32_t)v[SV_PARAM_BONE_MODE];
+    j->fluid_level = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], 1);
+    j->bone_level = sv_ref_level(v[SV_PARAM_BONE_THRESHOLD], 1);
+    j->bone_drop = 255 - sv_ref_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
+    j->bone_wanted = sv_ref_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
+    j->drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
+    j->k = (uint32_t)v[SV_PARAM_KERNEL];
+    sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
+    j->pass_limit = pass_limit(c, j->k);
+    const sv_ref_fixed format = sv_ref_fixed_format(c->width, c->height, c->slices, j->k, j->weight_initial);
+    j->fraction = format.fraction;
+    p->program = format.wide ? p->wide : p->narrow;
+    p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
+    p->next_slice = 0;
+    if (p->timing) sv_timing_reset(p->timing);
+}
+
+/* Brings a slab where the kernels can read it: the buffer and the offset of its first byte. */
+static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer, uint64_t *offset) {
+    const sv_config *c = &p->config;
+    *buffer = p->buffers.slab;
+    *offset = 0;
+    if (c->carrier == SV_CARRIER_BUFFER) {
+        *buffer = slab->object;
+        *offset = slab->offset;
+        return SV_OK;
+    }
+    if (p->buffers.host_slabs) {
+        *buffer = p->buffers.host_slabs;
+        *offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
+        return SV_OK;
+    }
+    if (c->carrier == SV_CARRIER_HOST) {
+        const size_t bytes = sv_pipeline_slab_bytes(c, slab->slice_count);
+        return sv_clx_check(p->diag,
+                            clEnqueueWriteBuffer(p->device->queue, *buffer, CL_FALSE, 0, bytes, slab->memory,
+                                                 0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),
+                            "slab: clEnqueueWriteBuffer");
+    }
+    const size_t origin[3] = {0, 0, 0};
+    const size_t tile_rows = (slab->slice_count + c->tiles_x - 1) / c->tiles_x;
+    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, (tile_rows - 1) * c->tile_h + c->height, 1};
+    return sv_clx_check(p->diag,
+                        clEnqueueCopyImageToBuffer(p->device->queue, slab->object, *buffer, origin, region, 0,
+                                                   0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),
+                        "slab: clEnqueueCopyImageToBuffer");
+}
+
+sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
+    const sv_config *c = &p->config;
+    cl_mem buffer = NULL;
+    uint64_t offset = 0;
+    const sv_status status = place_slab(p, slab, &buffer, &offset);
+    if (status != SV_OK) return status;
+    const bool rays = c->strategy == SV_STRATEGY_RAYS;
+    sv_launch l = rays ? SV_LAUNCH(p, profile_rays) : SV_LAUNCH(p, profile_strip);
+    sv_launch_buffer(&l, buffer);
+    sv_launch_arg(&l, sizeof offset, &offset);
+    const uint32_t numbers[] = {c->row_pitch,       c->tiles_x,    c->tile_w,
+                                c->tile_h,          c->width,      p->padded_width,
+                                c->height,          p->next_slice, slab->slice_count,
+                                p->job.fluid_level, p->level_n,    (uint32_t)c->padding & 255u};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
+    sv_launch_buffer(&l, p->buffers.state8);
+    sv_launch_buffer(&l, p->buffers.state16);
+    p->next_slice += slab->slice_count;
+    return rays ? sv_launch_pixels(&l, c->width, c->height, SV_STAGE_PROFILE)
+                : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+}

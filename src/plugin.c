@@ -1,0 +1,215 @@
+/* The ABI's glue: one screen per function. What is behind it: instance.c, then pipeline.c. */
+#include "instance.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const sv_descriptor descriptor = {
+    .size = sizeof descriptor,
+    .id = "org.smartvis.mean",
+    .name = "SmartVis mean filter",
+    .vendor = "SmartVis",
+    .version = "0.1.0",
+    .summary = "Clipping depthmap from bone rays and an iterated mean filter (thesis 3.2, 3.3).",
+};
+
+static sv_instance *instance_of(const sv_plugin *plugin) {
+    sv_instance *in = plugin->plugin_data;
+    in->diag.last_error[0] = '\0';
+    return in;
+}
+
+static void plugin_deactivate(const sv_plugin *plugin) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state == SV_STATE_INACTIVE)
+        (void)sv_blame_host(&in->diag, SV_ERR_STATE, "deactivate: not active");
+    else
+        sv_instance_deactivate(in);
+}
+
+static void plugin_destroy(const sv_plugin *plugin) {
+    if (!plugin) return;
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_INACTIVE) {
+        (void)sv_blame_host(&in->diag, SV_ERR_STATE, "destroy: still active, deactivating");
+        sv_instance_deactivate(in);
+    }
+    free(in);
+}
+
+static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *format) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_INACTIVE)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "activate: already active");
+    const sv_status status = sv_validate_format(&in->diag, format);
+    return status == SV_OK ? sv_instance_activate(in, format) : status;
+}
+
+static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "begin: not active");
+    in->state = SV_STATE_IDLE;
+    if (!frame) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
+    if (frame->size < sizeof *frame)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", frame->size,
+                             sizeof *frame);
+    if (frame->flags != 0)
+        return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, no flag is known",
+                             frame->flags);
+    sv_values values = in->activated;
+    const sv_status status =
+        sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
+    if (status != SV_OK) return status;
+    in->frame = values;
+    sv_pipeline_begin(&in->pipeline, &in->frame);
+    in->state = SV_STATE_SLABS;
+    return SV_OK;
+}
+
+static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_SLABS)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "slab: no frame was begun");
+    sv_status status = sv_validate_slab(&in->diag, &in->pipeline, slab);
+    if (status == SV_OK) status = sv_pipeline_slab(&in->pipeline, slab);
+    if (status != SV_OK) in->state = SV_STATE_IDLE;
+    return status;
+}
+
+/* In own-queue mode: waits, and returns what the frame came to. */
+static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result *result) {
+    if (!in->device.owned) return SV_OK;
+    const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);
+    if (status != SV_OK || !result->stats) return status;
+    return result->stats->outcome;
+}
+
+static sv_status output(sv_instance *in, const char *call, const sv_values *values, const sv_result *result) {
+    sv_result own = *result;
+    sv_stats stats = {.size = sizeof stats};
+    if (in->device.owned && !own.stats) own.stats = &stats; /* end must return the outcome */
+    const sv_status status = sv_pipeline_output(&in->pipeline, (float)values->of[SV_PARAM_Q], &own);
+    return status == SV_OK ? wait_outcome(in, call, &own) : status;
+}
+
+static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_SLABS) return sv_blame_host(&in->diag, SV_ERR_STATE, "end: no frame was begun");
+    in->state = SV_STATE_IDLE;
+    if (in->pipeline.next_slice < in->pipeline.config.slices)
+        return sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
+                             in->pipeline.next_slice, in->pipeline.config.slices);
+    sv_status status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
+    if (status == SV_OK) status = sv_pipeline_end(&in->pipeline);
+    if (status == SV_OK) status = output(in, "end", &in->frame, result);
+    if (status < 0) return status;
+    in->state = SV_STATE_FINISHED;
+    in->timing.complete = in->timing.enabled;
+    return status;
+}
+
+static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
+                               const sv_result *result) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_FINISHED)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "adjust: no finished frame");
+    sv_values adjusted = in->frame;
+    sv_status status =
+        sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
+    return status == SV_OK ? output(in, "adjust", &adjusted, result) : status;
+}
+
+static uint32_t plugin_param_count(const sv_plugin *plugin) {
+    (void)plugin;
+    return sv_params_count();
+}
+
+static sv_status plugin_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
+    return sv_params_info(&instance_of(plugin)->diag, index, out);
+}
+
+static sv_status plugin_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
+                                   uint32_t bytes) {
+    return sv_params_text(&instance_of(plugin)->diag, id, value, out, bytes);
+}
+
+static const char *plugin_last_error(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return in->diag.last_error;
+}
+
+static sv_status stats_enable(const sv_plugin *plugin, uint32_t on) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "stats: not active");
+    sv_timing_reset(&in->timing);
+    in->timing.enabled = on != 0;
+    return SV_OK;
+}
+
+static sv_status stats_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
+    sv_instance *in = instance_of(plugin);
+    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "stage_times: out is NULL");
+    if (out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "stage_times: size is %u, expected at least %zu",
+                             out->size, sizeof *out);
+    return sv_timing_read(&in->timing, &in->diag, out);
+}
+
+static const sv_ext_stats ext_stats = {
+    .size = sizeof ext_stats, .enable = stats_enable, .stage_times = stats_stage_times};
+
+static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
+    (void)plugin;
+    return id && strcmp(id, SV_EXT_STATS) == 0 ? &ext_stats : NULL;
+}
+
+static const sv_plugin vtable = {
+    .size = sizeof vtable,
+    .descriptor = &descriptor,
+    .destroy = plugin_destroy,
+    .activate = plugin_activate,
+    .deactivate = plugin_deactivate,
+    .begin = plugin_begin,
+    .slab = plugin_slab,
+    .end = plugin_end,
+    .adjust = plugin_adjust,
+    .param_count = plugin_param_count,
+    .param_info = plugin_param_info,
+    .param_text = plugin_param_text,
+    .last_error = plugin_last_error,
+    .get_extension = plugin_get_extension,
+};
+
+static const sv_descriptor *entry_descriptor(uint32_t index) {
+    return index == 0 ? &descriptor : NULL;
+}
+
+static sv_status entry_create(const sv_host *host, const char *id, const sv_plugin **out) {
+    if (!out) return SV_ERR_ARGUMENT;
+    *out = NULL;
+    if (!host || !id) return SV_ERR_ARGUMENT;
+    if (host->size < sizeof *host) return SV_ERR_SIZE;
+    sv_diag diag = {.host = host};
+    if (strcmp(id, descriptor.id) != 0)
+        return sv_blame_host(&diag, SV_ERR_UNKNOWN_ID, "create: no plugin '%.100s' here, only '%s'", id,
+                             descriptor.id);
+    sv_instance *in = calloc(1, sizeof *in);
+    if (!in)
+        return sv_fail(&diag, SV_ERR_NO_MEMORY, "create: no memory for an instance (%zu bytes)", sizeof *in);
+    in->abi = vtable;
+    in->abi.plugin_data = in;
+    in->diag = diag;
+    sv_params_defaults(&in->activated);
+    *out = &in->abi;
+    return SV_OK;
+}
+
+const sv_entry smartvis_plugin_entry = {
+    .abi_major = SV_ABI_MAJOR,
+    .abi_minor = SV_ABI_MINOR,
+    .size = sizeof smartvis_plugin_entry,
+    .count = 1,
+    .descriptor = entry_descriptor,
+    .create = entry_create,
+};

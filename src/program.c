@@ -1,0 +1,68 @@
+#include "program.h"
+
+#include "kernels_embedded.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The build log goes to the host's log whole; the error keeps its beginning. */
+static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program program, cl_int code) {
+    size_t bytes = 0;
+    (void)clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
+    char *log = calloc(bytes + 1, 1);
+    if (log) (void)clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
+    if (log) sv_log(diag, SV_LOG_ERROR, log);
+    const sv_status status = sv_fail(diag, SV_ERR_BUILD, "the kernels do not build: %s (%d): %.300s",
+                                     sv_clx_name(code), code, log ? log : "");
+    free(log);
+    return status;
+}
+
+static bool divides_exactly(const sv_device *device) {
+    cl_device_fp_config config = 0;
+    (void)clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
+    return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+}
+
+static sv_status create_kernels(sv_diag *diag, sv_program *p) {
+    cl_int code = CL_SUCCESS;
+#define SV_KERNEL_CREATE(name)                                                                               \
+    p->name = clCreateKernel(p->program, #name, &code);                                                      \
+    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateKernel(" #name ")");
+    SV_KERNELS(SV_KERNEL_CREATE)
+#undef SV_KERNEL_CREATE
+    return SV_OK;
+}
+
+sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
+                           sv_program *out) {
+    *out = (sv_program){0};
+    char options[256];
+    (void)snprintf(options, sizeof options,
+                   "-cl-std=CL1.2%s -DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d "
+                   "-DSV_WIDE_SUMS=%d%s%s",
+                   divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+                   structure->substeps, structure->strip, structure->padded, structure->wide_sums,
+                   getenv("SMARTVIS_BUILD_OPTIONS") ? " " : "",
+                   getenv("SMARTVIS_BUILD_OPTIONS") ? getenv("SMARTVIS_BUILD_OPTIONS") : "");
+    const char *text = (const char *)sv_kernel_source;
+    const size_t length = sv_kernel_source_size;
+    cl_int code = CL_SUCCESS;
+    out->program = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
+    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
+    code = clBuildProgram(out->program, 1, &device->device, options, NULL, NULL);
+    sv_status status =
+        code == CL_SUCCESS ? create_kernels(diag, out) : report_build(diag, device, out->program, code);
+    if (status != SV_OK) sv_program_release(out);
+    return status;
+}
+
+void sv_program_release(sv_program *program) {
+#define SV_KERNEL_RELEASE(name)                                                                              \
+    if (program->name) (void)clReleaseKernel(program->name);
+    SV_KERNELS(SV_KERNEL_RELEASE)
+#undef SV_KERNEL_RELEASE
+    if (program->program) (void)clReleaseProgram(program->program);
+    *program = (sv_program){0};
+}

@@ -1,0 +1,47 @@
+/* Builds the embedded kernels for one structure (-D options) and holds the kernel objects. One set per
+ * instance. */
+#ifndef SV_PROGRAM_H
+#define SV_PROGRAM_H
+
+#include "clx.h"
+
+/* Every kernel by its name in cl/. */
+#define SV_KERNELS(X)                                                                                        \
+    X(profile_strip)                                                                                         \
+    X(profile_rays)                                                                                          \
+    X(frame_end)                                                                                             \
+    X(band_survey)                                                                                           \
+    X(band_level)                                                                                            \
+    X(band_points)                                                                                           \
+    X(band_mean)                                                                                             \
+    X(band_record)                                                                                           \
+    X(rays_clear)                                                                                            \
+    X(rays_survey)                                                                                           \
+    X(rays_points)                                                                                           \
+    X(rays_columns)                                                                                          \
+    X(rays_means)                                                                                            \
+    X(blend)
+
+typedef struct {
+    cl_program program;
+#define SV_KERNEL_FIELD(name) cl_kernel name;
+    SV_KERNELS(SV_KERNEL_FIELD)
+#undef SV_KERNEL_FIELD
+} sv_program;
+
+/* What changes the code: see the same names in cl/. */
+typedef struct {
+    uint32_t substeps; /* SV_SUBSTEPS */
+    uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
+    bool padded;       /* SV_PADDED */
+    bool wide_sums;    /* SV_WIDE_SUMS */
+} sv_structure;
+
+/* SV_ERR_BUILD with the build log in the host's log. */
+sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
+                           sv_program *out);
+
+/* Safe on a zeroed struct. */
+void sv_program_release(sv_program *program);
+
+#endif

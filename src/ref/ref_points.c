@@ -1,0 +1,62 @@
+/* Bone threshold and initial points: Algorithm 4.1, lines 15-22, and the three threshold modes of spec 3. */
+#include "ref/sv_ref.h"
+
+#include <math.h>
+
+uint32_t sv_ref_wanted(double fraction, uint32_t rays) {
+    const double wanted = ceil(fraction * rays - SV_LEVEL_SLACK);
+    return wanted < 1.0 ? 1 : (uint32_t)wanted;
+}
+
+/* The largest level that at least `wanted` rays exceed. */
+static uint32_t level_of_fraction(const sv_ref_ray *rays, size_t count, uint32_t wanted) {
+    for (uint32_t level = 254;; level--) {
+        uint32_t above = 0;
+        for (size_t i = 0; i < count; i++) above += rays[i].maximum > level;
+        if (above >= wanted || level == 0) return level;
+    }
+}
+
+/* T_B = maximum - delta: bone exceeds the largest level that is not above it. */
+static uint32_t level_of_offset(const sv_ref_ray *rays, size_t count, double offset) {
+    uint32_t maximum = 0;
+    for (size_t i = 0; i < count; i++)
+        if (rays[i].maximum > maximum) maximum = rays[i].maximum;
+    const double level = floor(maximum - offset * 255.0 + SV_LEVEL_SLACK);
+    return level < 0.0 ? 0 : (uint32_t)level;
+}
+
+uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone) {
+    uint32_t level = 0;
+    switch (bone->bone_mode) {
+    case SV_REF_ABSOLUTE:
+        level = sv_ref_level(bone->bone_threshold, 1);
+        break;
+    case SV_REF_OFFSET:
+        level = level_of_offset(rays, count, bone->bone_offset);
+        break;
+    default:
+        level = level_of_fraction(rays, count, sv_ref_wanted(bone->bone_fraction, (uint32_t)count));
+        break;
+    }
+    const uint32_t fluid = sv_ref_level(bone->fluid_threshold, 1);
+    return level > fluid ? level : fluid; /* bone is tissue */
+}
+
+uint32_t sv_ref_points(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone, uint32_t level,
+                       uint8_t *status, double *near_end, double *far_end) {
+    uint32_t points = 0;
+    for (size_t i = 0; i < count; i++) {
+        const bool open = rays[i].max_entry > rays[i].max_exit;
+        const bool point = rays[i].maximum > level && (open || !bone->drop_empty);
+        status[i] = point ? (open ? 1 : 2) : 0;
+        near_end[i] = point && open ? rays[i].max_exit : 0.0;
+        far_end[i] = point && open ? rays[i].max_entry : 0.0;
+        points += point;
+    }
+    return points;
+}
+
+void sv_ref_blend(const float *near_surface, const float *far_surface, size_t count, float q, float *depth) {
+    for (size_t i = 0; i < count; i++) depth[i] = far_surface[i] + q * (near_surface[i] - far_surface[i]);
+}

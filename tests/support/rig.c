@@ -1,0 +1,227 @@
+#include "rig.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void fail(const char *what, const char *detail) {
+    (void)fprintf(stderr, "rig: %s: %s\n", what, detail);
+    exit(2);
+}
+
+static void keep_log(const sv_host *host, int32_t severity, const char *text) {
+    rig *r = host->host_data;
+    (void)severity;
+    (void)snprintf(r->last_log, sizeof r->last_log, "%s", text);
+    r->log_lines++;
+}
+
+static void open_device(rig *r) {
+    cl_platform_id platform = NULL;
+    cl_int code = clGetPlatformIDs(1, &platform, NULL);
+    if (code == CL_SUCCESS) code = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &r->device, NULL);
+    if (code == CL_SUCCESS) r->context = clCreateContext(NULL, 1, &r->device, NULL, NULL, &code);
+    if (code == CL_SUCCESS)
+        r->queue = clCreateCommandQueue(r->context, r->device, CL_QUEUE_PROFILING_ENABLE, &code);
+    if (code != CL_SUCCESS) fail("OpenCL", "no device");
+}
+
+void rig_open(rig *r, const char *path) {
+    char standard[1024];
+    memset(r, 0, sizeof *r);
+    const char *build = getenv("SV_BUILD_DIR");
+    (void)snprintf(standard, sizeof standard, "%s/smartvis.so", build ? build : ".");
+    r->library = dlopen(path ? path : standard, RTLD_NOW | RTLD_LOCAL);
+    if (!r->library) fail("dlopen", dlerror());
+    r->entry = dlsym(r->library, SV_ENTRY_SYMBOL);
+    if (!r->entry) fail("dlsym", dlerror());
+    r->host =
+        (sv_host){.size = sizeof r->host, .host_data = r, .name = "rig", .version = "1", .log = keep_log};
+    if (r->entry->create(&r->host, r->entry->descriptor(0)->id, &r->plugin) != SV_OK)
+        fail("create", r->last_log);
+    open_device(r);
+}
+
+void rig_close(rig *r) {
+    r->plugin->destroy(r->plugin);
+    (void)clReleaseCommandQueue(r->queue);
+    (void)clReleaseContext(r->context);
+    (void)dlclose(r->library);
+}
+
+rig_result rig_result_make(uint32_t width, uint32_t height) {
+    rig_result out = {.depth = calloc((size_t)width * height, sizeof(float)),
+                      .status = calloc((size_t)width * height, 1),
+                      .stats = {.size = sizeof(sv_stats)}};
+    if (!out.depth || !out.status) fail("memory", "result");
+    return out;
+}
+
+void rig_result_free(rig_result *out) {
+    free(out->depth);
+    free(out->status);
+    memset(out, 0, sizeof *out);
+}
+
+uint32_t rig_param(const rig *r, const char *key) {
+    for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++) {
+        sv_param_info info = {.size = sizeof info};
+        if (r->plugin->param_info(r->plugin, i, &info) == SV_OK && strcmp(info.key, key) == 0) return info.id;
+    }
+    fail("no parameter", key);
+    return 0;
+}
+
+uint32_t rig_values(const rig *r, const rig_settings *s, sv_param_value *values) {
+    const struct {
+        const char *key;
+        double value;
+    } list[] = {{"q", (double)s->q},
+                {"fluid_threshold", s->fluid_threshold},
+                {"bone_mode", s->bone.bone_mode},
+                {"bone_offset", s->bone.bone_offset},
+                {"bone_threshold", s->bone.bone_threshold},
+                {"bone_fraction", s->bone.bone_fraction},
+                {"kernel", s->k},
+                {"fill_weight", s->omega},
+                {"drop_empty", s->bone.drop_empty}};
+    const uint32_t count = sizeof list / sizeof *list;
+    for (uint32_t i = 0; i < count; i++)
+        values[i] = (sv_param_value){.id = rig_param(r, list[i].key), .value = list[i].value};
+    return count;
+}
+
+/* Where slabs lie during a run. */
+typedef struct {
+    sv_format format;
+    uint8_t *memory; /* one texture after the other */
+    size_t texture_bytes;
+    uint32_t slab_count;
+    uint32_t first[1024], length[1024];
+    cl_mem objects[1024]; /* per slab: buffer or image */
+} textures;
+
+static void split(textures *t, const rig_format *f) {
+    const uint32_t longest = f->slab_slices ? f->slab_slices : f->slices;
+    for (uint32_t first = 0; first < f->slices && t->slab_count < 1024; t->slab_count++) {
+        uint32_t length = f->lengths ? f->lengths[t->slab_count] : longest;
+        if (length > f->slices - first) length = f->slices - first;
+        t->first[t->slab_count] = first;
+        t->length[t->slab_count] = length;
+        if (length > t->format.max_slab_slices) t->format.max_slab_slices = length;
+        first += length;
+    }
+}
+
+/* Copies the volume into textures; everything that is padding holds 255, the worst it could. */
+static void fill_textures(textures *t, const rig_format *f, const uint8_t *volume) {
+    const sv_format *m = &t->format;
+    const uint32_t tile_rows = (m->max_slab_slices + m->tiles_x - 1) / m->tiles_x;
+    t->texture_bytes = (size_t)tile_rows * m->tile_h * m->row_pitch;
+    t->memory = malloc(t->texture_bytes * t->slab_count);
+    if (!t->memory) fail("memory", "textures");
+    memset(t->memory, 255, t->texture_bytes * t->slab_count);
+    for (uint32_t n = 0; n < t->slab_count; n++)
+        for (uint32_t s = 0; s < t->length[n]; s++)
+            for (uint32_t y = 0; y < f->height; y++) {
+                const size_t row = (size_t)(s / m->tiles_x) * m->tile_h + y;
+                memcpy(t->memory + n * t->texture_bytes + row * m->row_pitch +
+                           (size_t)(s % m->tiles_x) * m->tile_w,
+                       volume + ((size_t)(t->first[n] + s) * f->height + y) * f->width, f->width);
+            }
+}
+
+static void make_objects(textures *t, const rig *r) {
+    const sv_format *m = &t->format;
+    for (uint32_t n = 0; n < t->slab_count; n++) {
+        uint8_t *texture = t->memory + n * t->texture_bytes;
+        cl_int code = CL_SUCCESS;
+        if (m->carrier == SV_CARRIER_BUFFER) {
+            t->objects[n] = clCreateBuffer(r->context, CL_MEM_READ_ONLY, t->texture_bytes + 64, NULL, &code);
+            if (code == CL_SUCCESS)
+                code = clEnqueueWriteBuffer(r->queue, t->objects[n], CL_TRUE, 64, t->texture_bytes, texture,
+                                            0, NULL, NULL);
+        } else {
+            const cl_image_format format = {CL_R, n % 2 ? CL_UNORM_INT8 : CL_UNSIGNED_INT8};
+            const cl_image_desc desc = {.image_type = CL_MEM_OBJECT_IMAGE2D,
+                                        .image_width = (size_t)m->tiles_x * m->tile_w,
+                                        .image_height = t->texture_bytes / m->row_pitch,
+                                        .image_row_pitch = m->row_pitch};
+            t->objects[n] = clCreateImage(r->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, &format, &desc,
+                                          texture, &code);
+        }
+        if (code != CL_SUCCESS) fail("OpenCL", "slab object");
+    }
+}
+
+static void make_textures(textures *t, const rig *r, const rig_format *f, const uint8_t *volume) {
+    memset(t, 0, sizeof *t);
+    sv_format *m = &t->format;
+    *m = (sv_format){.size = sizeof *m,
+                     .width = f->width,
+                     .height = f->height,
+                     .slices = f->slices,
+                     .voxel_type = SV_VOXEL_U8,
+                     .carrier = f->carrier ? f->carrier : SV_CARRIER_HOST,
+                     .padding_value = f->padding,
+                     .tiles_x = f->tiles_x ? f->tiles_x : 4,
+                     .tile_w = f->width + f->extra_w,
+                     .tile_h = f->height + f->extra_h,
+                     .values = f->fixed,
+                     .value_count = f->fixed_count};
+    m->row_pitch = m->tiles_x * m->tile_w + f->extra_pitch;
+    if (!f->own_queue) {
+        m->context = r->context;
+        m->device = r->device;
+        m->queue = r->queue;
+    }
+    split(t, f);
+    fill_textures(t, f, volume);
+    if (f->in_place) {
+        m->host_memory = t->memory;
+        m->host_memory_bytes = t->texture_bytes * t->slab_count;
+    }
+    if (m->carrier != SV_CARRIER_HOST) make_objects(t, r);
+}
+
+static sv_status run_frame(rig *r, const textures *t, const sv_param_value *values, uint32_t count,
+                           rig_result *out) {
+    const sv_plugin *p = r->plugin;
+    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count};
+    sv_status status = p->begin(p, &frame);
+    for (uint32_t n = 0; status == SV_OK && n < t->slab_count; n++) {
+        const bool host = t->format.carrier == SV_CARRIER_HOST;
+        const sv_slab slab = {.size = sizeof slab,
+                              .first_slice = t->first[n],
+                              .slice_count = t->length[n],
+                              .memory = host ? t->memory + n * t->texture_bytes : NULL,
+                              .object = t->objects[n],
+                              .offset = t->format.carrier == SV_CARRIER_BUFFER ? 64 : 0,
+                              .bytes = t->texture_bytes};
+        status = p->slab(p, &slab);
+    }
+    if (status != SV_OK) return status;
+    const sv_result result = {
+        .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
+    status = p->end(p, &result);
+    if (t->format.queue) (void)clFinish(t->format.queue);
+    return status == SV_OK ? out->stats.outcome : status;
+}
+
+sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_param_value *values,
+                  uint32_t count, rig_result *out) {
+    textures *t = malloc(sizeof *t);
+    if (!t) fail("memory", "textures");
+    make_textures(t, r, f, volume);
+    sv_status status = r->plugin->activate(r->plugin, &t->format);
+    if (status == SV_OK) {
+        status = run_frame(r, t, values, count, out);
+        r->plugin->deactivate(r->plugin);
+    }
+    for (uint32_t n = 0; n < t->slab_count; n++)
+        if (t->objects[n]) (void)clReleaseMemObject(t->objects[n]);
+    free(t->memory);
+    free(t);
+    return status;
+}

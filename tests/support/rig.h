@@ -1,0 +1,89 @@
+/* A plugin under test, driven through the ABI alone: any format, carrier and split into slabs. */
+#ifndef SV_RIG_H
+#define SV_RIG_H
+
+#include "ref/sv_ref.h"
+#include "smartvis_plugin.h"
+
+#include <CL/cl.h>
+
+typedef struct {
+    void *library;
+    const sv_entry *entry;
+    const sv_plugin *plugin;
+    sv_host host;
+    cl_context context; /* the host's OpenCL objects, made by rig_open */
+    cl_device_id device;
+    cl_command_queue queue;
+    char last_log[1024]; /* the last line the plugin logged */
+    unsigned log_lines;
+} rig;
+
+/* One way of handing a volume over. Zeroed fields take the plain default. */
+typedef struct {
+    uint32_t width, height, slices;
+    uint32_t slab_slices;    /* longest slab; 0: all slices */
+    const uint32_t *lengths; /* lengths of the slabs, ending with 0; NULL: slab_slices each, the last short */
+    uint32_t tiles_x;        /* 0: 4 */
+    uint32_t extra_w, extra_h, extra_pitch; /* tile and pitch padding */
+    uint32_t carrier;                       /* 0: SV_CARRIER_HOST */
+    bool own_queue;                         /* the plugin picks its device */
+    bool in_place;                          /* register the slab memory at activation */
+    int32_t padding;                        /* 0 is a value: use RIG_NO_PADDING for none */
+    sv_param_value fixed[4];                /* parameters for activate */
+    uint32_t fixed_count;
+} rig_format;
+
+typedef struct {
+    float *depth;
+    uint8_t *status;
+    sv_stats stats;
+} rig_result;
+
+/* Loads SV_BUILD_DIR/smartvis.so (or `path`) and creates its first plugin. Fails the test program otherwise.
+ */
+void rig_open(rig *r, const char *path);
+void rig_close(rig *r);
+
+/* activate, one frame, deactivate; returns the first status that is not SV_OK, else that of end. */
+sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_param_value *values,
+                  uint32_t count, rig_result *out);
+
+rig_result rig_result_make(uint32_t width, uint32_t height);
+void rig_result_free(rig_result *out);
+
+/* The same frame by the scalar definition: fixed point (`bits`) or float64. Arrays of width * height. */
+typedef struct {
+    double fluid_threshold, omega;
+    sv_ref_bone bone;
+    uint32_t k, substeps;
+    float q;
+} rig_settings;
+rig_settings rig_default_settings(void);
+
+typedef struct {
+    uint8_t *status;
+    float *depth;         /* fixed point: what the kernels must give to the bit */
+    double *depth_double; /* float64 definition */
+    uint32_t points, level;
+    sv_ref_fill fill;
+} rig_expected;
+rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *settings, bool with_double);
+void rig_expected_free(rig_expected *e);
+
+/* Settings as parameter values for a frame (by key); returns their number (at most 12). */
+uint32_t rig_values(const rig *r, const rig_settings *settings, sv_param_value *values);
+/* Id of the parameter with this key; fails the test if there is none. */
+uint32_t rig_param(const rig *r, const char *key);
+
+/* A seeded volume of the given kind. */
+typedef enum {
+    RIG_NOISE,    /* any value anywhere */
+    RIG_EXTREMES, /* values at 0, 255 and within one level of T_L */
+    RIG_LAYERS,   /* tissue, fluid, bone: like a scan */
+    RIG_SPARSE,   /* mostly fluid, few bones: the filter needs many passes */
+    RIG_KIND_COUNT
+} rig_kind;
+uint8_t *rig_volume(rig_kind kind, uint32_t width, uint32_t height, uint32_t slices, uint32_t seed);
+
+#endif
