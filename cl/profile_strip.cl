@@ -126,6 +126,7 @@ static inline void strip_chunk(strip_t *s, __global const uchar *texture, strip_
         texture + (size_t)(done / t.tiles_x) * t.tile_h * t.row_pitch + tile_x * t.tile_w;
     for (uint i = 0; i < count; i++) {
         const u8v v = clip ? load_clipped(row, width) : U8V_LOAD(row + x);
+        SV_PREFETCH(row + x + t.row_pitch);
         strip_slice(s, v, i, alone && i == 0, levels);
         row += t.tile_w;
         if (++tile_x == t.tiles_x) {

@@ -118,7 +118,7 @@ __kernel void band_mean(sv_job job, uint number, __global const sum_t *restrict 
     if (!pass_needed(record, number)) return;
     const uint2 rows = band_rows(job.height);
     const size_t stride = job.padded_width + SV_ROW_SLACK;
-    const pass_t p = {from, to, surfaces, status, scratch + get_global_id(0) * 3 * SV_SUM_PLANES * stride};
+    const pass_t p = {from, to, surfaces, status, scratch + get_global_id(0) * SV_SCRATCH_ROWS * stride};
     const uint unfilled = rows_mean(&job, &p, rows.x, rows.y);
     if (unfilled > 0) atomic_add(record + SV_REC_PASS0 + number, unfilled);
 }

@@ -49,6 +49,10 @@
 #define SV_SUM_WEIGHT 2
 #define SV_SUM_PLANES 3
 
+/* Scratch of a band in the mean filter: column sums, and a batch of rows of prefix sums. */
+#define SV_MEAN_BATCH   4
+#define SV_SCRATCH_ROWS (SV_SUM_PLANES * (1 + SV_MEAN_BATCH))
+
 /* Words of the frame's record on the device. The first ten are sv_stats of the ABI, word for word (`size`
  * unused), so that a read of the record is the host's struct. */
 #define SV_REC_OUTCOME  1

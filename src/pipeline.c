@@ -41,7 +41,7 @@ static sv_status create_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const size_t plane = (size_t)p->padded_width * c->height;
     const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
-    const size_t scratch_rows = (size_t)p->bands * 3 * SV_SUM_PLANES;
+    const size_t scratch_rows = (size_t)p->bands * SV_SCRATCH_ROWS;
     sv_buffers *b = &p->buffers;
     sv_status status = SV_OK;
     const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
