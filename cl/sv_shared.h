@@ -21,6 +21,14 @@
 #define SV_MAX_K     63
 #define SV_ROW_SLACK 192
 
+/* Points that the spline solver takes at most, and the finest grid that merges to no more than that. */
+#define SV_SPLINE_MAX_POINTS 1400
+#define SV_SPLINE_MAX_GRID   37
+
+/* Weight of a point in the membrane and the plate, against 1 for the smoothness. */
+#define SV_MIN_DATA_WEIGHT 1e-3
+#define SV_MAX_DATA_WEIGHT 1e3
+
 /* Status map, as in smartvis_plugin.h. */
 #define SV_STATUS_NONE    0
 #define SV_STATUS_INITIAL 1

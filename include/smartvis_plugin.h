@@ -413,6 +413,31 @@ typedef struct sv_ext_stats {
     sv_status (*stage_times)(const sv_plugin *plugin, sv_stage_times *out);
 } sv_ext_stats;
 
+/*
+ * smartvis.spline/1: what the thin-plate spline of the last frame came to (parameter method = spline).
+ */
+#define SV_EXT_SPLINE "smartvis.spline/1"
+
+typedef struct sv_spline_report {
+    uint32_t size;
+    uint32_t points;     /* control points, after merging; 0: the frame had no initial point */
+    uint32_t merge_grid; /* cells per side that points were merged on; 0: not merged */
+    uint32_t rank;       /* of the plane: 3, or 2 for collinear points, or 1 for a single one */
+    uint32_t dropped;    /* unknowns left out because their pivot was as good as 0 */
+    float condition;     /* ratio of the largest to the smallest pivot: at most the matrix' condition number */
+    float residual;      /* largest error of the solved equations at a control point, slices */
+    uint32_t reserved;   /* 0 */
+} sv_spline_report;
+
+typedef struct sv_ext_spline {
+    uint32_t size;
+    uint32_t reserved; /* 0 */
+
+    /* [control] Waits for the queue and reads the report of the last frame whose end succeeded. SV_ERR_STATE if
+     * there is none, or the method is another one. */
+    sv_status (*report)(const sv_plugin *plugin, sv_spline_report *out);
+} sv_ext_spline;
+
 /* -------------------------------------------------------------------------------------------- entry -- */
 
 /*

@@ -21,6 +21,7 @@ typedef struct {
     bool owned;
     bool is_cpu;        /* a CPU: the strip kernels, and host memory read in place */
     bool shares_memory; /* CL_DEVICE_HOST_UNIFIED_MEMORY on a CPU */
+    bool has_doubles;   /* cl_khr_fp64 */
     cl_uint compute_units;
 } sv_device;
 

@@ -6,6 +6,12 @@ sv_launch sv_launch_begin(sv_pipeline *pipeline, cl_kernel kernel, const char *n
     return (sv_launch){.pipeline = pipeline, .kernel = kernel, .name = name};
 }
 
+sv_launch sv_launch_job(sv_pipeline *pipeline, cl_kernel kernel, const char *name) {
+    sv_launch l = sv_launch_begin(pipeline, kernel, name);
+    sv_launch_arg(&l, sizeof pipeline->job, &pipeline->job);
+    return l;
+}
+
 void sv_launch_arg(sv_launch *launch, size_t bytes, const void *value) {
     if (launch->code == CL_SUCCESS)
         launch->code = clSetKernelArg(launch->kernel, launch->next++, bytes, value);
@@ -39,4 +45,14 @@ sv_status sv_launch_pixels(sv_launch *l, uint32_t width, uint32_t height, sv_sta
     const size_t local[2] = {SV_RAYS_LOCAL, 1};
     const size_t global[2] = {((size_t)width + SV_RAYS_LOCAL - 1) / SV_RAYS_LOCAL * SV_RAYS_LOCAL, height};
     return launch(l, 2, global, local, stage);
+}
+
+sv_status sv_launch_grid(sv_launch *l, size_t items_x, size_t items_y, sv_stage stage) {
+    const size_t local[2] = {1, 1};
+    const size_t global[2] = {items_x, items_y};
+    return launch(l, 2, global, local, stage);
+}
+
+sv_status sv_launch_vectors(sv_launch *l, uint32_t padded_width, uint32_t height, sv_stage stage) {
+    return sv_launch_grid(l, padded_width / SV_LANES, height, stage);
 }

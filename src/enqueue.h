@@ -15,6 +15,9 @@ typedef struct {
 
 sv_launch sv_launch_begin(sv_pipeline *pipeline, cl_kernel kernel, const char *name);
 #define SV_LAUNCH(pipeline, name) sv_launch_begin(pipeline, (pipeline)->program->name, #name)
+/* The same with the frame's job as the first argument. */
+sv_launch sv_launch_job(sv_pipeline *pipeline, cl_kernel kernel, const char *name);
+#define SV_LAUNCH_JOB(pipeline, name) sv_launch_job(pipeline, (pipeline)->program->name, #name)
 void sv_launch_arg(sv_launch *launch, size_t bytes, const void *value);
 void sv_launch_buffer(sv_launch *launch, cl_mem buffer);
 void sv_launch_uint(sv_launch *launch, uint32_t value);
@@ -23,5 +26,11 @@ void sv_launch_uint(sv_launch *launch, uint32_t value);
 sv_status sv_launch_items(sv_launch *launch, size_t items, sv_stage stage);
 sv_status sv_launch_pixels(sv_launch *launch, uint32_t width, uint32_t height, sv_stage stage);
 #define SV_RAYS_LOCAL 32
+
+/* Any 2D range; local size 1. */
+sv_status sv_launch_grid(sv_launch *launch, size_t items_x, size_t items_y, sv_stage stage);
+
+/* One work item per vector of SV_LANES pixels of a padded row. */
+sv_status sv_launch_vectors(sv_launch *launch, uint32_t padded_width, uint32_t height, sv_stage stage);
 
 #endif

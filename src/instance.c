@@ -17,6 +17,10 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .padding = f->padding_value,
                    .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
                    .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
+                   .method = (uint32_t)values->of[SV_PARAM_METHOD],
+                   .prefilter = (uint32_t)values->of[SV_PARAM_PREFILTER],
+                   .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
+                   .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
                    .host_memory = f->host_memory,
                    .host_memory_bytes = f->host_memory_bytes};
     return c;
@@ -62,13 +66,15 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format) {
     const sv_config config = config_of(format, &values);
     /* Every command of a frame: slabs (copy and kernel), passes (two kernels), and a dozen more. */
     const uint32_t longest = config.width > config.height ? config.width : config.height;
-    status = sv_timing_create(&in->timing, &in->diag, 2 * config.slices + 2 * (longest + 3) + 16);
+    status = sv_timing_create(&in->timing, &in->diag,
+                              2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
     if (status == SV_OK)
         status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
     if (status == SV_OK) status = build_kernels(in, &config);
     if (status == SV_OK)
         status = sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow,
                                     sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
+    if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline);
     if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
     if (status != SV_OK)
         sv_instance_deactivate(in);

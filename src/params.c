@@ -1,10 +1,14 @@
 #include "params.h"
 
+#include "sv_shared.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 static const char *const bone_modes[] = {"absolute", "offset", "fraction"};
+static const char *const methods[] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate"};
+static const char *const prefilters[] = {"none", "minimum"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 
 /* In order of importance, which is the order a host shows them in. */
@@ -31,14 +35,44 @@ static const struct {
     {SV_PARAM_BONE_FRACTION, SV_PARAM_FLOAT, 0, "bone_fraction", "Bone fraction", "",
      "Mode fraction: T_B is the highest threshold that at least this share of the rays exceeds.", 0.0, 1.0,
      0.01, 0.1, 0.03, 0.01, NULL},
-    {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Mean filter size k", "pixels",
-     "Window of the mean filter, odd; larger is smoother.", 3.0, 63.0, 3.0, 63.0, 23.0, 2.0, NULL},
+    {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
+     "How depths spread from the initial points to all pixels; all but minimum are linear in the depths, so "
+     "that turning q costs next to nothing.",
+     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods},
+    {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
+     "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
+     23.0, 2.0, NULL},
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
      1.0, 0.0, 1.0, 0.5, 0.25, NULL},
     {SV_PARAM_DROP_EMPTY, SV_PARAM_BOOL, SV_PARAM_EXPERT, "drop_empty", "Drop empty intervals", "",
      "Bone rays without fluid before the bone give no initial point instead of a vote for depth 0.", 0.0, 1.0,
      0.0, 1.0, 0.0, 1.0, NULL},
+    {SV_PARAM_PREFILTER, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "prefilter", "Pre-filter", "",
+     "What is done to the initial points first: minimum takes the smallest depth nearby, against outliers "
+     "that "
+     "lie too deep; every turn of q then reconstructs again.",
+     0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters},
+    {SV_PARAM_PREFILTER_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_passes", "Pre-filter passes", "",
+     "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL},
+    {SV_PARAM_PREFILTER_KERNEL, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_kernel", "Pre-filter size",
+     "pixels", "Window of the pre-filter, odd.", 3.0, 63.0, 3.0, 63.0, 5.0, 2.0, NULL},
+    {SV_PARAM_LAMBDA, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "lambda", "Spline smoothing", "pixels^2",
+     "Method spline: 0 passes through the points, larger is smoother.", 0.0, 1e6, 0.0, 1000.0, 0.0, 1.0,
+     NULL},
+    {SV_PARAM_MERGE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "merge_grid", "Spline merging",
+     "",
+     "Method spline: points within a cell of this many by as many are merged; 0 merges only if there are "
+     "more points than the solver takes.",
+     0.0, SV_SPLINE_MAX_GRID, 0.0, 32.0, 8.0, 1.0, NULL},
+    {SV_PARAM_SPLINE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "spline_grid",
+     "Spline evaluation", "",
+     "Method spline: evaluated at the nodes of this many by as many cells, linear in between; 0: at every "
+     "pixel.",
+     0.0, 256.0, 0.0, 64.0, 32.0, 1.0, NULL},
+    {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
+     "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
+     SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL},

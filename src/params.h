@@ -18,11 +18,31 @@ enum {
     SV_PARAM_DROP_EMPTY = 9,
     SV_PARAM_SUBSTEPS = 10,
     SV_PARAM_STRATEGY = 11,
+    SV_PARAM_METHOD = 12,
+    SV_PARAM_PREFILTER = 13,
+    SV_PARAM_PREFILTER_PASSES = 14,
+    SV_PARAM_PREFILTER_KERNEL = 15,
+    SV_PARAM_LAMBDA = 16,
+    SV_PARAM_MERGE_GRID = 17,
+    SV_PARAM_SPLINE_GRID = 18,
+    SV_PARAM_DATA_WEIGHT = 19,
     SV_PARAM_ID_END
 };
 
 /* Strategies: how the work is laid out on the device. All give the same bits. */
 enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
+
+/* Methods of surface reconstruction (method.h), and what may be done to the points before. */
+enum {
+    SV_METHOD_MEAN = 0,
+    SV_METHOD_MINIMUM = 1,
+    SV_METHOD_SPLINE = 2,
+    SV_METHOD_PUSHPULL = 3,
+    SV_METHOD_MEMBRANE = 4,
+    SV_METHOD_PLATE = 5,
+    SV_METHOD_COUNT
+};
+enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
 
 /* Values by id; [0] is unused. */
 typedef struct {

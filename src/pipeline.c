@@ -57,9 +57,11 @@ static sv_status create_buffers(sv_pipeline *p) {
     b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
     b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
     b->sums_a = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
-    b->sums_b = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
-    b->scratch = sv_clx_buffer(p->diag, p->device, scratch_rows * (p->padded_width + SV_ROW_SLACK) * sum,
-                               NULL, &status);
+    if (c->method == SV_METHOD_MEAN) {
+        b->sums_b = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
+        b->scratch = sv_clx_buffer(p->diag, p->device, scratch_rows * (p->padded_width + SV_ROW_SLACK) * sum,
+                                   NULL, &status);
+    }
     b->surfaces = sv_clx_buffer(p->diag, p->device, 2 * plane * sizeof(cl_float), NULL, &status);
     b->record = sv_clx_buffer(p->diag, p->device, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint),
                               NULL, &status);
@@ -85,12 +87,22 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->bands = band_count(device, &p->config);
     p->pass_capacity = pass_limit(config, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
-    const sv_status status = create_buffers(p);
+    sv_status status = create_buffers(p);
+    if (status == SV_OK) status = sv_chain_create(p);
     if (status != SV_OK) sv_pipeline_destroy(p);
     return status;
 }
 
+sv_status sv_pipeline_warm_up(sv_pipeline *p) {
+    if (p->chain.plain_mean) return SV_OK;
+    sv_values values;
+    sv_params_defaults(&values);
+    sv_pipeline_begin(p, &values);
+    return sv_chain_run(p, 0.0f); /* the record is zeros: no points */
+}
+
 void sv_pipeline_destroy(sv_pipeline *p) {
+    sv_chain_destroy(&p->chain);
     sv_buffers *b = &p->buffers;
     cl_mem *const all[] = {&b->slab,      &b->host_slabs, &b->state8, &b->state16, &b->survey,
                            &b->histogram, &b->status,     &b->sums_a, &b->sums_b,  &b->scratch,
@@ -117,6 +129,7 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     p->program = format.wide ? p->wide : p->narrow;
     p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
     p->next_slice = 0;
+    p->values = *values;
     if (p->timing) sv_timing_reset(p->timing);
 }
 

@@ -5,19 +5,22 @@
 #ifndef SV_PIPELINE_H
 #define SV_PIPELINE_H
 
+#include "method.h"
 #include "params.h"
 #include "program.h"
 #include "sv_shared.h"
 #include "timing.h"
 
 /* What stays the same from frame to frame; from sv_format and the parameters that need reactivation. */
-typedef struct {
+typedef struct sv_config {
     uint32_t width, height, slices, max_slab_slices;
     uint32_t tiles_x, tile_w, tile_h, row_pitch; /* row_pitch of the texture as the kernels read it */
     uint32_t carrier;
     int32_t padding; /* SV_NO_PADDING: none */
     uint32_t substeps;
-    uint32_t strategy; /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
+    uint32_t strategy;          /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
+    uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */
+    uint32_t merge_grid, spline_grid;
     const void *host_memory;
     uint64_t host_memory_bytes;
 } sv_config;
@@ -30,13 +33,14 @@ typedef struct {
     cl_mem survey;    /* bands: 257 words each */
     cl_mem histogram; /* 256 words */
     cl_mem status;
-    cl_mem sums_a, sums_b, scratch;
-    cl_mem surfaces; /* near, far: float32 slices */
-    cl_mem record;   /* SV_REC_* */
-    cl_mem depth;    /* the depthmap, where the host wants it in its memory */
+    cl_mem sums_a;          /* written with the points, whatever the method */
+    cl_mem sums_b, scratch; /* mean filter only */
+    cl_mem surfaces;        /* near, far: float32 slices */
+    cl_mem record;          /* SV_REC_* */
+    cl_mem depth;           /* the depthmap, where the host wants it in its memory */
 } sv_buffers;
 
-typedef struct {
+typedef struct sv_pipeline {
     sv_diag *diag;
     const sv_device *device;
     sv_program *narrow; /* kernels with 32-bit sums */
@@ -44,10 +48,12 @@ typedef struct {
     sv_timing *timing;
     sv_config config;
     sv_buffers buffers;
+    sv_chain chain;
     uint32_t padded_width, bands, pass_capacity;
     uint64_t slab_bytes; /* of the longest slab */
 
     /* the frame under way, or the last one */
+    sv_values values;
     sv_job job;
     sv_program *program; /* narrow or wide */
     uint32_t level_n;    /* T_L in 1 / substeps grey level */
@@ -64,12 +70,16 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
 sv_status sv_pipeline_create(sv_pipeline *pipeline, sv_diag *diag, const sv_device *device,
                              sv_program *narrow, sv_program *wide, sv_timing *timing,
                              const sv_config *config);
+
+/* Launches every kernel of the method once, on no points. The self-test did so for the others. */
+sv_status sv_pipeline_warm_up(sv_pipeline *pipeline);
 void sv_pipeline_destroy(sv_pipeline *pipeline);
 
 /* Enqueues a frame's stages. The caller has validated everything. */
 void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values);
 sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);
-sv_status sv_pipeline_end(sv_pipeline *pipeline); /* up to the surfaces */
+sv_status sv_pipeline_end(sv_pipeline *pipeline, float q);    /* up to the surfaces */
+sv_status sv_pipeline_adjust(sv_pipeline *pipeline, float q); /* what another q asks for before the output */
 sv_status sv_pipeline_output(sv_pipeline *pipeline, float q, const sv_result *result); /* S(q) and the rest */
 
 #endif

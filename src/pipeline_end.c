@@ -1,28 +1,11 @@
-/* The end of a frame: bone threshold, initial points, mean filter, S(q) and the results. */
+/* The end of a frame: bone threshold, initial points, reconstruction (method.c), S(q) and the results. */
 #include "enqueue.h"
 
 #include <string.h>
 
-static sv_launch with_job(sv_pipeline *p, cl_kernel kernel, const char *name) {
-    sv_launch l = sv_launch_begin(p, kernel, name);
-    sv_launch_arg(&l, sizeof p->job, &p->job);
-    return l;
-}
-#define WITH_JOB(p, name) with_job(p, (p)->program->name, #name)
-
-/* All in one work item. */
-static sv_status end_single(sv_pipeline *p) {
-    const sv_buffers *b = &p->buffers;
-    sv_launch l = WITH_JOB(p, frame_end);
-    const cl_mem buffers[] = {b->state8, b->state16, b->histogram, b->status, b->sums_a,
-                              b->sums_b, b->scratch, b->surfaces,  b->record};
-    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) sv_launch_buffer(&l, buffers[i]);
-    return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
-}
-
 /* The bone level from the survey, and an empty record. */
 static sv_status launch_level(sv_pipeline *p) {
-    sv_launch l = WITH_JOB(p, band_level);
+    sv_launch l = SV_LAUNCH_JOB(p, band_level);
     sv_launch_buffer(&l, p->buffers.survey);
     sv_launch_uint(&l, p->bands);
     sv_launch_buffer(&l, p->buffers.histogram);
@@ -30,93 +13,53 @@ static sv_status launch_level(sv_pipeline *p) {
     return sv_launch_items(&l, 1, SV_STAGE_THRESHOLD);
 }
 
-static sv_status launch_record(sv_pipeline *p) {
-    sv_launch l = SV_LAUNCH(p, band_record);
-    sv_launch_uint(&l, p->job.pass_limit);
-    sv_launch_buffer(&l, p->buffers.record);
-    return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
-}
-
 static void points_args(sv_launch *l, const sv_buffers *b) {
     const cl_mem buffers[] = {b->state8, b->state16, b->status, b->sums_a, b->surfaces, b->record};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) sv_launch_buffer(l, buffers[i]);
 }
 
-static sv_status end_bands(sv_pipeline *p) {
+/* Status map, sums and an empty surface, by bands of rows. */
+static sv_status points_by_bands(sv_pipeline *p) {
     const sv_buffers *b = &p->buffers;
-    sv_launch l = WITH_JOB(p, band_survey);
+    sv_launch l = SV_LAUNCH_JOB(p, band_survey);
     sv_launch_buffer(&l, b->state8);
     sv_launch_buffer(&l, b->survey);
     sv_status status = sv_launch_items(&l, p->bands, SV_STAGE_THRESHOLD);
     if (status == SV_OK) status = launch_level(p);
-    if (status == SV_OK) {
-        l = WITH_JOB(p, band_points);
-        points_args(&l, b);
-        status = sv_launch_items(&l, p->bands, SV_STAGE_THRESHOLD);
-    }
-    for (uint32_t pass = 0; status == SV_OK && pass < p->job.pass_limit; pass++) {
-        l = WITH_JOB(p, band_mean);
-        sv_launch_uint(&l, pass);
-        sv_launch_buffer(&l, pass % 2 ? b->sums_b : b->sums_a);
-        sv_launch_buffer(&l, pass % 2 ? b->sums_a : b->sums_b);
-        sv_launch_buffer(&l, b->surfaces);
-        sv_launch_buffer(&l, b->status);
-        sv_launch_buffer(&l, b->scratch);
-        sv_launch_buffer(&l, b->record);
-        status = sv_launch_items(&l, p->bands, SV_STAGE_RECONSTRUCT);
-    }
-    return status == SV_OK ? launch_record(p) : status;
-}
-
-static sv_status rays_pass(sv_pipeline *p, uint32_t pass) {
-    const sv_buffers *b = &p->buffers;
-    sv_launch l = WITH_JOB(p, rays_columns);
-    sv_launch_uint(&l, pass);
-    sv_launch_buffer(&l, b->sums_a);
-    sv_launch_buffer(&l, b->sums_b);
-    sv_launch_buffer(&l, b->record);
-    const sv_status status = sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = WITH_JOB(p, rays_means);
-    sv_launch_uint(&l, pass);
-    sv_launch_buffer(&l, b->sums_b);
-    sv_launch_buffer(&l, b->sums_a);
-    sv_launch_buffer(&l, b->surfaces);
-    sv_launch_buffer(&l, b->status);
-    sv_launch_buffer(&l, b->record);
-    return sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_RECONSTRUCT);
+    l = SV_LAUNCH_JOB(p, band_points);
+    points_args(&l, b);
+    return sv_launch_items(&l, p->bands, SV_STAGE_THRESHOLD);
 }
 
-static sv_status end_rays(sv_pipeline *p) {
+/* The same, by pixels. */
+static sv_status points_by_rays(sv_pipeline *p) {
     const sv_buffers *b = &p->buffers;
     sv_launch l = SV_LAUNCH(p, rays_clear);
     sv_launch_buffer(&l, b->survey);
     sv_status status = sv_launch_items(&l, 257, SV_STAGE_THRESHOLD);
     if (status == SV_OK) {
-        l = WITH_JOB(p, rays_survey);
+        l = SV_LAUNCH_JOB(p, rays_survey);
         sv_launch_buffer(&l, b->state8);
         sv_launch_buffer(&l, b->survey);
         status = sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_THRESHOLD);
     }
     if (status == SV_OK) status = launch_level(p);
-    if (status == SV_OK) {
-        l = WITH_JOB(p, rays_points);
-        points_args(&l, b);
-        status = sv_launch_pixels(&l, p->padded_width, p->config.height, SV_STAGE_THRESHOLD);
-    }
-    for (uint32_t pass = 0; status == SV_OK && pass < p->job.pass_limit; pass++) status = rays_pass(p, pass);
-    return status == SV_OK ? launch_record(p) : status;
+    if (status != SV_OK) return status;
+    l = SV_LAUNCH_JOB(p, rays_points);
+    points_args(&l, b);
+    return sv_launch_pixels(&l, p->padded_width, p->config.height, SV_STAGE_THRESHOLD);
 }
 
-sv_status sv_pipeline_end(sv_pipeline *p) {
-    switch (p->config.strategy) {
-    case SV_STRATEGY_SINGLE:
-        return end_single(p);
-    case SV_STRATEGY_BANDS:
-        return end_bands(p);
-    default:
-        return end_rays(p);
-    }
+sv_status sv_pipeline_end(sv_pipeline *p, float q) {
+    if (p->chain.plain_mean && p->config.strategy == SV_STRATEGY_SINGLE) return sv_mean_single(p);
+    const bool rays = p->config.strategy == SV_STRATEGY_RAYS;
+    const sv_status status = rays ? points_by_rays(p) : points_by_bands(p);
+    return status == SV_OK ? sv_chain_run(p, q) : status;
+}
+
+sv_status sv_pipeline_adjust(sv_pipeline *p, float q) {
+    return p->chain.linear ? SV_OK : sv_chain_run(p, q);
 }
 
 /* Enqueues a read of a map whose rows are `from_pitch` bytes apart into host rows `to_pitch` apart. */
@@ -150,6 +93,7 @@ sv_status sv_pipeline_output(sv_pipeline *p, float q, const sv_result *result) {
     const size_t row = (size_t)c->width * sizeof(float);
     const cl_mem depth = result->depth_object ? result->depth_object : p->buffers.depth;
     const cl_ulong offset = result->depth_object ? result->depth_offset / sizeof(float) : 0;
+    if (!p->chain.linear) q = 1.0f; /* q is in the first plane already, and the second holds zeros */
     sv_launch l = SV_LAUNCH(p, blend);
     sv_launch_buffer(&l, p->buffers.surfaces);
     sv_launch_uint(&l, c->width);

@@ -100,7 +100,7 @@ static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
         return sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
                              in->pipeline.next_slice, in->pipeline.config.slices);
     sv_status status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
-    if (status == SV_OK) status = sv_pipeline_end(&in->pipeline);
+    if (status == SV_OK) status = sv_pipeline_end(&in->pipeline, (float)in->frame.of[SV_PARAM_Q]);
     if (status == SV_OK) status = output(in, "end", &in->frame, result);
     if (status < 0) return status;
     in->state = SV_STATE_FINISHED;
@@ -117,6 +117,7 @@ static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *va
     sv_status status =
         sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
+    if (status == SV_OK) status = sv_pipeline_adjust(&in->pipeline, (float)adjusted.of[SV_PARAM_Q]);
     return status == SV_OK ? output(in, "adjust", &adjusted, result) : status;
 }
 
@@ -159,9 +160,33 @@ static sv_status stats_stage_times(const sv_plugin *plugin, sv_stage_times *out)
 static const sv_ext_stats ext_stats = {
     .size = sizeof ext_stats, .enable = stats_enable, .stage_times = stats_stage_times};
 
+static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
+    sv_instance *in = instance_of(plugin);
+    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "spline: out is NULL");
+    if (out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "spline: size is %u, expected at least %zu", out->size,
+                             sizeof *out);
+    if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_SPLINE)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "spline: no finished frame with method spline");
+    float r[SV_SPLINE_REPORT_WORDS];
+    const sv_status status = sv_spline_read(&in->pipeline, r);
+    if (status == SV_OK)
+        *out = (sv_spline_report){.size = out->size,
+                                  .points = (uint32_t)r[0],
+                                  .merge_grid = (uint32_t)r[1],
+                                  .rank = (uint32_t)r[2],
+                                  .dropped = (uint32_t)r[3],
+                                  .condition = r[4],
+                                  .residual = r[5]};
+    return status;
+}
+
+static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
+
 static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
     (void)plugin;
-    return id && strcmp(id, SV_EXT_STATS) == 0 ? &ext_stats : NULL;
+    if (id && strcmp(id, SV_EXT_STATS) == 0) return &ext_stats;
+    return id && strcmp(id, SV_EXT_SPLINE) == 0 ? &ext_spline : NULL;
 }
 
 static const sv_plugin vtable = {

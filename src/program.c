@@ -35,25 +35,30 @@ static sv_status create_kernels(sv_diag *diag, sv_program *p) {
     return SV_OK;
 }
 
+/* Compiles one source with the options every program has, then `more`, then those of the environment. */
+static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
+                         const char *more, cl_program *out) {
+    const char *extra = getenv("SMARTVIS_BUILD_OPTIONS");
+    const char *text = (const char *)source;
+    char options[320];
+    (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s %s%s%s",
+                   divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", more,
+                   extra ? " " : "", extra ? extra : "");
+    cl_int code = CL_SUCCESS;
+    *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
+    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
+    code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
+    return code == CL_SUCCESS ? SV_OK : report_build(diag, device, *out, code);
+}
+
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
                            sv_program *out) {
     *out = (sv_program){0};
-    char options[256];
-    (void)snprintf(options, sizeof options,
-                   "-cl-std=CL1.2%s -DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d "
-                   "-DSV_WIDE_SUMS=%d%s%s",
-                   divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
-                   structure->substeps, structure->strip, structure->padded, structure->wide_sums,
-                   getenv("SMARTVIS_BUILD_OPTIONS") ? " " : "",
-                   getenv("SMARTVIS_BUILD_OPTIONS") ? getenv("SMARTVIS_BUILD_OPTIONS") : "");
-    const char *text = (const char *)sv_kernel_source;
-    const size_t length = sv_kernel_source_size;
-    cl_int code = CL_SUCCESS;
-    out->program = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
-    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
-    code = clBuildProgram(out->program, 1, &device->device, options, NULL, NULL);
-    sv_status status =
-        code == CL_SUCCESS ? create_kernels(diag, out) : report_build(diag, device, out->program, code);
+    char options[128];
+    (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_WIDE_SUMS=%d",
+                   structure->substeps, structure->strip, structure->padded, structure->wide_sums);
+    sv_status status = compile(diag, device, sv_kernel_source, sv_kernel_source_size, options, &out->program);
+    if (status == SV_OK) status = create_kernels(diag, out);
     if (status != SV_OK) sv_program_release(out);
     return status;
 }
@@ -65,4 +70,25 @@ void sv_program_release(sv_program *program) {
 #undef SV_KERNEL_RELEASE
     if (program->program) (void)clReleaseProgram(program->program);
     *program = (sv_program){0};
+}
+
+sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsigned char *source,
+                              size_t source_size, const char *const *names, const char *options,
+                              sv_kernel_set *out) {
+    *out = (sv_kernel_set){0};
+    sv_status status = compile(diag, device, source, source_size, options, &out->program);
+    for (uint32_t i = 0; status == SV_OK && names[i]; i++) {
+        cl_int code = CL_SUCCESS;
+        out->kernel[i] = clCreateKernel(out->program, names[i], &code);
+        status = sv_clx_check(diag, code, names[i]);
+    }
+    if (status != SV_OK) sv_kernel_set_release(out);
+    return status;
+}
+
+void sv_kernel_set_release(sv_kernel_set *set) {
+    for (uint32_t i = 0; i < SV_MAX_METHOD_KERNELS; i++)
+        if (set->kernel[i]) (void)clReleaseKernel(set->kernel[i]);
+    if (set->program) (void)clReleaseProgram(set->program);
+    *set = (sv_kernel_set){0};
 }

@@ -29,6 +29,21 @@ typedef struct {
 #undef SV_KERNEL_FIELD
 } sv_program;
 
+/* Kernels of a method (method.h), by their place in its list of names. */
+#define SV_MAX_METHOD_KERNELS 16
+typedef struct {
+    cl_program program;
+    cl_kernel kernel[SV_MAX_METHOD_KERNELS];
+} sv_kernel_set;
+
+/* Builds `source` and makes the kernels of the NULL-terminated list. */
+sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsigned char *source,
+                              size_t source_size, const char *const *names, const char *options,
+                              sv_kernel_set *out);
+
+/* Safe on a zeroed struct. */
+void sv_kernel_set_release(sv_kernel_set *set);
+
 /* What changes the code: see the same names in cl/. */
 typedef struct {
     uint32_t substeps; /* SV_SUBSTEPS */

@@ -86,7 +86,7 @@ static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v,
         if (status == SV_OK)
             status = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
     }
-    if (status == SV_OK) status = sv_pipeline_end(p);
+    if (status == SV_OK) status = sv_pipeline_end(p, (float)Q);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
     if (status == SV_OK) status = sv_pipeline_output(p, (float)Q, &result);
     const sv_status waited = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");

@@ -1,0 +1,155 @@
+/* The steps of the multigrid-preconditioned conjugate gradients; see method_grid.clh. */
+#ifndef SV_METHOD_GRID_CLH
+#include "method_grid.clh"
+#endif
+
+/* Numbers of the iteration, per plane. */
+#define SCALAR_RZ    0 /* r . z */
+#define SCALAR_ALPHA 1
+#define SCALAR_BETA  2
+#define SCALAR_COUNT 3
+
+/* This work item's pixel; false outside, or if the frame has no point. */
+#define GRID_PIXEL(level)                                                                                    \
+    const int x = (int)get_global_id(0), y = (int)get_global_id(1);                                          \
+    if (x >= (int)(level).width || !HAS_POINTS(record)) return;                                              \
+    const size_t i = (level).offset + (size_t)y * (level).width + x
+
+/* Data weights and right-hand side: r = b, S = 0. */
+__kernel void grid_enter(grid_level level, uint padded_width, float weight, uint planes,
+                         __global const float *maps, __global real *weights, __global real *r,
+                         __global real *solution, __global const uint *record) {
+    GRID_PIXEL(level);
+    const size_t from = (size_t)y * padded_width + x;
+    const bool point = !isinf(maps[from]);
+    weights[i] = point ? (real)weight : 0;
+    for (uint p = 0; p < planes; p++) {
+        const real depth = point ? maps[p * (size_t)padded_width * level.height + from] : 0;
+        r[p * (size_t)level.pixels + i] = weights[i] * depth;
+        solution[p * (size_t)level.pixels + i] = 0;
+    }
+}
+
+/* A coarser level's data weights: those of the fine pixels, shared out as their depths are. */
+__kernel void grid_weights(grid_level fine, grid_level coarse, __global real *weights,
+                           __global const uint *record) {
+    GRID_PIXEL(coarse);
+    weights[i] = grid_gather(&fine, &coarse, weights + fine.offset, x, y);
+}
+
+/* A smoothing step from `from` (0 if `zero`) to `to`: to = from + omega (b - A from) / diagonal. */
+__kernel void grid_smooth(grid_level level, uint planes, float omega, uint zero, __global const real *weights,
+                          __global const real *b, __global const real *from, __global real *to,
+                          __global const uint *record) {
+    GRID_PIXEL(level);
+    const real scale = omega / (grid_diagonal(&level, x, y) + weights[i]);
+    for (uint p = 0; p < planes; p++) {
+        const size_t at = p * (size_t)level.pixels;
+        if (zero) {
+            to[at + i] = scale * b[at + i];
+            continue;
+        }
+        const real applied = grid_apply(&level, from + at + level.offset, x, y) + weights[i] * from[at + i];
+        to[at + i] = from[at + i] + scale * (b[at + i] - applied);
+    }
+}
+
+/* to = b - A from; without `b`: to = A from. */
+__kernel void grid_residual(grid_level level, uint planes, uint with_b, __global const real *weights,
+                            __global const real *b, __global const real *from, __global real *to,
+                            __global const uint *record) {
+    GRID_PIXEL(level);
+    for (uint p = 0; p < planes; p++) {
+        const size_t at = p * (size_t)level.pixels;
+        const real applied = grid_apply(&level, from + at + level.offset, x, y) + weights[i] * from[at + i];
+        to[at + i] = with_b ? b[at + i] - applied : applied;
+    }
+}
+
+__kernel void grid_restrict(grid_level fine, grid_level coarse, uint planes, __global const real *residual,
+                            __global real *b, __global const uint *record) {
+    GRID_PIXEL(coarse);
+    for (uint p = 0; p < planes; p++) {
+        const size_t at = p * (size_t)fine.pixels;
+        b[at + i] = grid_gather(&fine, &coarse, residual + at + fine.offset, x, y);
+    }
+}
+
+/* Adds the coarse correction, linear between the coarse pixels. */
+__kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, __global real *s,
+                           __global const uint *record) {
+    GRID_PIXEL(fine);
+    const uint u0 = x / 2, u1 = grid_parent(x, coarse.width);
+    const uint v0 = y / 2, v1 = grid_parent(y, coarse.height);
+    for (uint p = 0; p < planes; p++) {
+        const size_t at = p * (size_t)fine.pixels;
+        __global const real *c = s + at + coarse.offset;
+        const real near_row = (real)0.75 * c[v0 * coarse.width + u0] + (real)0.25 * c[v0 * coarse.width + u1];
+        const real next_row = (real)0.75 * c[v1 * coarse.width + u0] + (real)0.25 * c[v1 * coarse.width + u1];
+        s[at + i] += (real)0.75 * near_row + (real)0.25 * next_row;
+    }
+}
+
+/* One row per work item: its part of a . b, per plane. */
+__kernel void grid_dot(grid_level level, uint planes, __global const real *a, __global const real *b,
+                       __global real *partial, __global const uint *record) {
+    if (!HAS_POINTS(record)) return;
+    const size_t row = get_global_id(0) * level.width;
+    for (uint p = 0; p < planes; p++) {
+        real sum = 0;
+        for (uint x = 0; x < level.width; x++)
+            sum += a[p * (size_t)level.pixels + row + x] * b[p * (size_t)level.pixels + row + x];
+        partial[p * level.height + get_global_id(0)] = sum;
+    }
+}
+
+/* One work item: the step length (alpha, from p . A p) or the new direction's share of the old (beta, from r
+ * . z). */
+__kernel void grid_scalar(grid_level level, uint planes, uint beta, __global const real *partial,
+                          __global real *scalars, __global const uint *record) {
+    if (!HAS_POINTS(record)) return;
+    for (uint p = 0; p < planes; p++) {
+        __global real *s = scalars + p * SCALAR_COUNT;
+        real sum = 0;
+        for (uint y = 0; y < level.height; y++) sum += partial[p * level.height + y];
+        if (beta == 0) {
+            s[SCALAR_ALPHA] = sum > 0 ? s[SCALAR_RZ] / sum : 0; /* 0: solved to the last bit */
+        } else {
+            s[SCALAR_BETA] =
+                beta == 1 && s[SCALAR_RZ] > 0 ? sum / s[SCALAR_RZ] : 0; /* 2: the first direction */
+            s[SCALAR_RZ] = sum;
+        }
+    }
+}
+
+/* S += alpha p, r -= alpha A p. */
+__kernel void grid_advance(grid_level level, uint planes, __global const real *scalars,
+                           __global const real *direction, __global const real *applied,
+                           __global real *solution, __global real *r, __global const uint *record) {
+    GRID_PIXEL(level);
+    for (uint p = 0; p < planes; p++) {
+        const size_t at = p * (size_t)level.pixels + i;
+        const real alpha = scalars[p * SCALAR_COUNT + SCALAR_ALPHA];
+        solution[at] += alpha * direction[at];
+        r[at] -= alpha * applied[at];
+    }
+}
+
+/* p = z + beta p. */
+__kernel void grid_turn(grid_level level, uint planes, __global const real *scalars, __global const real *z,
+                        __global real *direction, __global const uint *record) {
+    GRID_PIXEL(level);
+    for (uint p = 0; p < planes; p++) {
+        const size_t at = p * (size_t)level.pixels + i;
+        const real beta = scalars[p * SCALAR_COUNT + SCALAR_BETA];
+        direction[at] = beta == 0 ? z[at] : z[at] + beta * direction[at];
+    }
+}
+
+__kernel void grid_leave(grid_level level, uint padded_width, uint planes, __global const real *solution,
+                         __global float *surfaces, __global const uint *record) {
+    GRID_PIXEL(level);
+    for (uint p = 0; p < planes; p++)
+        surfaces[p * (size_t)padded_width * level.height + (size_t)y * padded_width + x] =
+            (float)solution[p * (size_t)level.pixels + i];
+}

@@ -1,0 +1,17 @@
+/* The membrane's energy: the sum of (S_i - S_j)^2 over all pairs of pixels that share an edge. */
+#include "ref/sv_ref_methods.h"
+
+void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, double *out) {
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            const size_t i = (size_t)y * width + x;
+            if (x + 1 < width) {
+                out[i] += s[i] - s[i + 1];
+                out[i + 1] += s[i + 1] - s[i];
+            }
+            if (y + 1 < height) {
+                out[i] += s[i] - s[i + width];
+                out[i + width] += s[i + width] - s[i];
+            }
+        }
+}

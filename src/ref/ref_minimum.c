@@ -1,0 +1,58 @@
+/* The minimum filter over sparse data, window by window (Algorithm 4.4 without its split into columns and
+ * rows). */
+#include "ref/sv_ref_methods.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One pass; empty pixels are INFINITY. Returns the pixels that stay empty. */
+static uint32_t minimum_pass(const double *from, uint32_t width, uint32_t height, uint32_t k, double *to) {
+    const int64_t r = k / 2;
+    uint32_t empty = 0;
+    for (int64_t y = 0; y < height; y++)
+        for (int64_t x = 0; x < width; x++) {
+            double least = INFINITY;
+            for (int64_t v = y - r; v <= y + r; v++)
+                for (int64_t u = x - r; u <= x + r; u++)
+                    if (u >= 0 && v >= 0 && u < width && v < height && from[v * width + u] < least)
+                        least = from[v * width + u];
+            to[y * width + x] = least;
+            empty += isinf(least) != 0;
+        }
+    return empty;
+}
+
+/* `passes` passes, or as many as it takes (UINT32_MAX), from the map to `now`. */
+static bool minimum_passes(const sv_ref_map *map, uint32_t k, uint32_t passes, double *now,
+                           sv_ref_fill *fill) {
+    const size_t count = (size_t)map->width * map->height;
+    double *next = malloc(count * sizeof *next);
+    if (!next) return false;
+    uint32_t points = 0;
+    for (size_t i = 0; i < count; i++) {
+        now[i] = map->status[i] ? map->depth[i] : INFINITY;
+        points += map->status[i] != 0;
+    }
+    *fill = (sv_ref_fill){0, (uint32_t)count};
+    while (points > 0 && fill->passes < passes && (passes != UINT32_MAX || fill->unfilled > 0)) {
+        fill->unfilled = minimum_pass(now, map->width, map->height, k, next);
+        fill->passes++;
+        memcpy(now, next, count * sizeof *now);
+    }
+    free(next);
+    return true;
+}
+
+bool sv_ref_minimum(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill) {
+    const size_t count = (size_t)map->width * map->height;
+    if (!minimum_passes(map, k, UINT32_MAX, surface, fill)) return false;
+    for (size_t i = 0; i < count; i++)
+        if (isinf(surface[i])) surface[i] = 0.0;
+    return true;
+}
+
+bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes, double *filtered) {
+    sv_ref_fill fill;
+    return minimum_passes(map, k, passes, filtered, &fill);
+}
