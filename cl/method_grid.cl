@@ -7,7 +7,8 @@
 #define SCALAR_RZ    0 /* r . z */
 #define SCALAR_ALPHA 1
 #define SCALAR_BETA  2
-#define SCALAR_COUNT 3
+#define SCALAR_MEAN  3 /* of the initial depths: where the iteration starts */
+#define SCALAR_COUNT 4
 
 /* This work item's pixel; false outside, or if the frame has no point. */
 #define GRID_PIXEL(level)                                                                                    \
@@ -15,26 +16,63 @@
     if (x >= (int)(level).width || !HAS_POINTS(record)) return;                                              \
     const size_t i = (level).offset + (size_t)y * (level).width + x
 
-/* Data weights and right-hand side: r = b, S = 0. */
+/* One row per work item: count of its points and sums of their depths, 3 values a row. */
+__kernel void grid_sums(grid_level level, uint padded_width, __global const float *maps, __global real *partial,
+                        __global const uint *record) {
+    if (!HAS_POINTS(record)) return;
+    __global const float *near = maps + get_global_id(0) * padded_width;
+    __global const float *far = near + (size_t)padded_width * level.height;
+    real count = 0, sum_near = 0, sum_far = 0;
+    for (uint x = 0; x < level.width; x++) {
+        if (isinf(near[x])) continue;
+        count += 1;
+        sum_near += near[x];
+        sum_far += far[x];
+    }
+    __global real *mine = partial + 3 * get_global_id(0);
+    mine[0] = count;
+    mine[1] = sum_near;
+    mine[2] = sum_far;
+}
+
+/* One work item: the mean depths. */
+__kernel void grid_means(grid_level level, __global const real *partial, __global real *scalars,
+                         __global const uint *record) {
+    if (!HAS_POINTS(record)) return;
+    real sums[3] = {0, 0, 0};
+    for (uint y = 0; y < level.height; y++)
+        for (uint n = 0; n < 3; n++) sums[n] += partial[3 * y + n];
+    for (uint p = 0; p < 2; p++) scalars[p * SCALAR_COUNT + SCALAR_MEAN] = sums[1 + p] / sums[0];
+}
+
+/* Data weights, the start S = mean depth, and its residual: A is 0 on constants, but for the data term. */
 __kernel void grid_enter(grid_level level, uint padded_width, float weight, uint planes,
-                         __global const float *maps, __global real *weights, __global real *r,
+                         __global const float *maps, __global const real *scalars, __global real *weights,
+                         __global real *r,
                          __global real *solution, __global const uint *record) {
     GRID_PIXEL(level);
     const size_t from = (size_t)y * padded_width + x;
     const bool point = !isinf(maps[from]);
     weights[i] = point ? (real)weight : 0;
     for (uint p = 0; p < planes; p++) {
-        const real depth = point ? maps[p * (size_t)padded_width * level.height + from] : 0;
-        r[p * (size_t)level.pixels + i] = weights[i] * depth;
-        solution[p * (size_t)level.pixels + i] = 0;
+        const real mean = scalars[p * SCALAR_COUNT + SCALAR_MEAN];
+        const real depth = point ? (real)maps[p * (size_t)padded_width * level.height + from] : mean;
+        r[p * (size_t)level.pixels + i] = weights[i] * (depth - mean);
+        solution[p * (size_t)level.pixels + i] = mean;
     }
 }
 
-/* A coarser level's data weights: those of the fine pixels, shared out as their depths are. */
+/*
+ * A coarser level's data weights: those of the fine pixels, shared out as their depths are. A point would then hold
+ * each of its coarse pixels where it is, though it only knows their mean; so the weight stops where it is a few times
+ * as stiff as the surface. The preconditioner alone sees this: the equations that are solved do not change.
+ */
+#define GRID_MOST_WEIGHT 3
 __kernel void grid_weights(grid_level fine, grid_level coarse, __global real *weights,
                            __global const uint *record) {
     GRID_PIXEL(coarse);
-    weights[i] = grid_gather(&fine, &coarse, weights + fine.offset, x, y);
+    const real most = GRID_MOST_WEIGHT * (4 * coarse.tension + 20 * coarse.bending);
+    weights[i] = fmin(grid_gather(&fine, &coarse, weights + fine.offset, x, y), most);
 }
 
 /* A smoothing step from `from` (0 if `zero`) to `to`: to = from + omega (b - A from) / diagonal. */

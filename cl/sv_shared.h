@@ -27,7 +27,7 @@
 
 /* Weight of a point in the membrane and the plate, against 1 for the smoothness. */
 #define SV_MIN_DATA_WEIGHT 1e-3
-#define SV_MAX_DATA_WEIGHT 1e3
+#define SV_MAX_DATA_WEIGHT 10.0
 
 /* Status map, as in smartvis_plugin.h. */
 #define SV_STATUS_NONE    0

@@ -6,6 +6,8 @@
 #include <math.h>
 
 enum {
+    K_SUMS,
+    K_MEANS,
     K_ENTER,
     K_WEIGHTS,
     K_SMOOTH,
@@ -18,14 +20,14 @@ enum {
     K_TURN,
     K_LEAVE
 };
-const char *const sv_grid_kernels[] = {"grid_enter",    "grid_weights", "grid_smooth", "grid_residual",
+const char *const sv_grid_kernels[] = {"grid_sums", "grid_means", "grid_enter",    "grid_weights", "grid_smooth", "grid_residual",
                                        "grid_restrict", "grid_prolong", "grid_dot",    "grid_scalar",
                                        "grid_advance",  "grid_turn",    "grid_leave",  NULL};
 
 /* Over all levels: data weights; z and a second map for smoothing; the right-hand sides (level 0: r). Over
  * the map: direction, solution. Then the rows' parts of dot products, with the scalars behind them. */
 enum { WEIGHTS, Z, SPARE, R, DIRECTION, SOLUTION, PARTIAL, SCALARS };
-enum { SCALAR_COUNT = 3 };
+enum { SCALAR_COUNT = 4 };
 
 /* What a solve hands down. */
 typedef struct {
@@ -57,7 +59,7 @@ sv_source sv_grid_source(void) {
 }
 
 uint32_t sv_grid_commands(uint32_t steps) {
-    return (steps + 1) * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 4;
+    return (steps + 1) * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 6;
 }
 
 sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
@@ -70,7 +72,7 @@ sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
                             [R] = 2 * all,
                             [DIRECTION] = 2 * all,
                             [SOLUTION] = 2 * all,
-                            [PARTIAL] = 2 * (size_t)p->config.height * real,
+                            [PARTIAL] = 3 * (size_t)p->config.height * real,
                             [SCALARS] = 2 * SCALAR_COUNT * real};
     sv_status status = SV_OK;
     for (int i = 0; i <= SCALARS; i++)
@@ -101,6 +103,22 @@ static void second_level(const solver *v, sv_launch *l, uint32_t level) {
     sv_launch_arg(l, sizeof g, &g);
 }
 
+/* The mean depth of the points, where the iteration starts. */
+static sv_status means(const solver *v) {
+    sv_launch l = begin(v, K_SUMS, 0);
+    sv_launch_uint(&l, v->p->padded_width);
+    sv_launch_buffer(&l, v->p->chain.maps);
+    BUFFERS(v, &l, PARTIAL);
+    sv_launch_buffer(&l, v->p->buffers.record);
+    const sv_status status = sv_launch_items(&l, v->p->config.height, SV_STAGE_RECONSTRUCT);
+    if (status != SV_OK) return status;
+    l = begin(v, K_MEANS, 0);
+    BUFFERS(v, &l, PARTIAL, SCALARS);
+    sv_launch_buffer(&l, v->p->buffers.record);
+    return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
+}
+
+/* Data weights on all levels, the start and its residual. */
 static sv_status enter(const solver *v) {
     const float weight = (float)v->p->values.of[SV_PARAM_DATA_WEIGHT];
     sv_launch l = begin(v, K_ENTER, 0);
@@ -108,7 +126,7 @@ static sv_status enter(const solver *v) {
     sv_launch_arg(&l, sizeof weight, &weight);
     sv_launch_uint(&l, v->planes);
     sv_launch_buffer(&l, v->p->chain.maps);
-    BUFFERS(v, &l, WEIGHTS, R, SOLUTION);
+    BUFFERS(v, &l, SCALARS, WEIGHTS, R, SOLUTION);
     sv_status status = over_pixels(v, &l, 0);
     for (uint32_t n = 0; status == SV_OK && n + 1 < v->s->levels.count; n++) {
         l = begin(v, K_WEIGHTS, n);
@@ -211,7 +229,8 @@ static sv_status advance(const solver *v) {
 
 sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, const sv_grid_energy *energy) {
     const solver v = {p, s, planes, energy};
-    sv_status status = enter(&v);
+    sv_status status = means(&v);
+    if (status == SV_OK) status = enter(&v);
     for (uint32_t n = 0; status == SV_OK && n < energy->steps; n++) {
         status = turn(&v, n == 0);
         if (status == SV_OK) status = advance(&v);

@@ -4,7 +4,7 @@
 
 /* Eigenvalues of A scaled by its diagonal lie below 2; the smoother damps those from 0.4 on. */
 static const sv_grid_energy energy = {
-    .tension = 1.0f, .bending = 0.0f, .omega = {0.566f, 1.577f}, .steps = 12};
+    .tension = 1.0f, .bending = 0.0f, .omega = {0.566f, 1.577f}, .steps = 16};
 
 static uint32_t commands(const sv_config *config) {
     (void)config;

@@ -6,7 +6,7 @@
 
 /* Eigenvalues of A scaled by its diagonal lie below 4; the smoother damps those from 0.4 on. */
 static const sv_grid_energy energy = {
-    .tension = 1e-3f, .bending = 1.0f, .omega = {0.288f, 1.079f}, .steps = 30};
+    .tension = 1e-3f, .bending = 1.0f, .omega = {0.288f, 1.079f}, .steps = 48};
 
 static uint32_t commands(const sv_config *config) {
     (void)config;

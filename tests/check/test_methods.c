@@ -1,0 +1,196 @@
+/* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the knob. */
+#include "support/surfaces.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* `count` points anywhere, near and far ends anywhere in the volume. */
+static surface_points scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count, uint32_t seed) {
+    surface_points p = surface_points_make(width, height, slices);
+    uint32_t random = seed * 2654435761u + 1;
+    for (uint32_t n = 0; n < count; n++) {
+        const uint32_t x = surface_random(&random) % width, y = surface_random(&random) % height;
+        const uint32_t far_end = 1 + surface_random(&random) % (slices - 1);
+        surface_put(&p, x, y, surface_random(&random) % far_end, far_end);
+    }
+    return p;
+}
+
+/* Runs a chain and holds it to its definition; prints what docs/numerics.md quotes. */
+static void check(rig *r, const surface_points *points, const surface_chain *chain, double bound,
+                  const char *what) {
+    const size_t count = (size_t)points->width * points->height;
+    rig_result out = rig_result_make(points->width, points->height);
+    const sv_status status = surface_run(r, points, chain, &out, NULL);
+    if (status != SV_OK) print_message("%s: %s\n", surface_names[chain->method], r->last_log);
+    assert_int_equal(status, SV_OK);
+    assert_memory_equal(out.status, points->status, count);
+    double *expected = surface_expect(points, chain);
+    const double error = surface_error(&out, expected, count);
+    print_message("%-9s %-34s %4u x %-4u error %.2e slices, bound %.0e\n", surface_names[chain->method], what,
+                  points->width, points->height, error, bound);
+    assert_true(error <= bound);
+    assert_int_equal(out.stats.unfilled, 0);
+    free(expected);
+    rig_result_free(&out);
+}
+
+static void test_definition(void **state) {
+    static const uint32_t sizes[][2] = {{75, 40}, {16, 64}, {33, 31}};
+    for (int method = MINIMUM; method < METHODS; method++)
+        for (uint32_t n = 0; n < 3; n++) {
+            const uint32_t pixels = sizes[n][0] * sizes[n][1];
+            surface_points p = scattered(sizes[n][0], sizes[n][1], 60, pixels / 20, 5 + n);
+            const surface_chain chain = {.method = method, .q = 0.25f, .k = 11};
+            check(*state, &p, &chain, surface_bound(&chain, 60), "5 % of the pixels");
+            surface_points_free(&p);
+        }
+}
+
+/* q > 1: depths below 0 must come through. */
+static void test_negative_depths(void **state) {
+    for (int method = MEAN; method < METHODS; method++) {
+        surface_points p = scattered(48, 40, 60, 60, 11);
+        const surface_chain chain = {.method = method, .q = 1.5f, .k = 9};
+        check(*state, &p, &chain, surface_bound(&chain, 60), "q = 1.5");
+        surface_points_free(&p);
+    }
+}
+
+/* The pre-filter, in chains with every method; the mean filter takes its points from maps then. */
+static void test_prefilter(void **state) {
+    for (int method = MEAN; method < METHODS; method++)
+        for (uint32_t passes = 1; passes <= 3; passes += 2) {
+            surface_points p = scattered(50, 37, 60, 150, 23);
+            const surface_chain chain = {
+                .method = method, .q = 1.25f, .k = 9, .prefilter_passes = passes, .prefilter_k = 7};
+            check(*state, &p, &chain, surface_bound(&chain, 60), "behind the pre-filter, q = 1.25");
+            surface_points_free(&p);
+        }
+}
+
+/* What a parameter of one method changes. */
+static void test_settings(void **state) {
+    surface_points p = scattered(64, 48, 60, 120, 31);
+    const surface_chain chains[] = {
+        {.method = SPLINE, .lambda = 250.0},
+        {.method = SPLINE, .merge_grid = 8},
+        {.method = SPLINE, .merge_grid = 8, .spline_grid = 32, .lambda = 3.5},
+        {.method = SPLINE, .spline_grid = 1},
+        {.method = MEMBRANE, .data_weight = 10.0},
+        {.method = MEMBRANE, .data_weight = 0.01},
+        {.method = PLATE, .data_weight = 0.01},
+        {.method = MINIMUM, .k = 63},
+        {.method = MINIMUM, .k = 3},
+    };
+    for (size_t i = 0; i < sizeof chains / sizeof *chains; i++)
+        check(*state, &p, &chains[i], surface_bound(&chains[i], 60), "other settings");
+    surface_points_free(&p);
+}
+
+/* The plate needs most steps where it is tied down hardest: few points and the largest weight. */
+static void test_plate_hardest(void **state) {
+    surface_points p = scattered(128, 96, 60, 12, 41);
+    const surface_chain sparse = {.method = PLATE}, tied = {.method = PLATE, .data_weight = 10.0};
+    check(*state, &p, &sparse, 1e-3, "12 points");
+    check(*state, &p, &tied, 1e-3, "12 points, data weight 10");
+    surface_points_free(&p);
+}
+
+/* Depths near 8,000 with detail of 1 slice: what the width of float32 leaves. */
+static void test_deep(void **state) {
+    surface_points p = surface_points_make(40, 30, 8192);
+    uint32_t random = 77;
+    for (uint32_t n = 0; n < 60; n++) {
+        const uint32_t far_end = 8180 + surface_random(&random) % 10;
+        surface_put(&p, surface_random(&random) % 40, surface_random(&random) % 30, far_end - 4, far_end);
+    }
+    for (int method = MEAN; method < METHODS; method++) {
+        const surface_chain chain = {.method = method, .q = 0.5f, .k = 3};
+        check(*state, &p, &chain, surface_bound(&chain, 8192), "depths near 8,180");
+    }
+    surface_points_free(&p);
+}
+
+/* One frame with q = 0.25, then adjust to 1.5: the same map as a frame with q = 1.5. */
+static void check_adjust(rig *r, const surface_points *points, int method, bool prefilter) {
+    const sv_plugin *p = r->plugin;
+    const sv_param_value fixed[] = {{rig_param(r, "method"), 0, method},
+                                    {rig_param(r, "prefilter"), 0, prefilter}};
+    const sv_format format = {.size = sizeof format,
+                              .width = points->width,
+                              .height = points->height,
+                              .slices = points->slices,
+                              .max_slab_slices = points->slices,
+                              .voxel_type = SV_VOXEL_U8,
+                              .carrier = SV_CARRIER_HOST,
+                              .padding_value = SV_NO_PADDING,
+                              .tiles_x = 1,
+                              .tile_w = points->width,
+                              .tile_h = points->height,
+                              .row_pitch = points->width,
+                              .values = fixed,
+                              .value_count = 2};
+    const size_t count = (size_t)points->width * points->height;
+    uint8_t *volume = surface_volume(points);
+    rig_result first = rig_result_make(points->width, points->height);
+    rig_result second = rig_result_make(points->width, points->height);
+    const sv_param_value low = {rig_param(r, "q"), 0, 0.25}, high = {rig_param(r, "q"), 0, 1.5};
+    assert_int_equal(p->activate(p, &format), SV_OK);
+    for (int n = 0; n < 2; n++) {
+        const sv_frame frame = {.size = sizeof frame, .values = n ? &high : &low, .value_count = 1};
+        const sv_slab slab = {.size = sizeof slab,
+                              .slice_count = points->slices,
+                              .memory = volume,
+                              .bytes = count * points->slices};
+        rig_result *out = n ? &second : &first;
+        const sv_result result = {.size = sizeof result, .depth = out->depth, .stats = &out->stats};
+        assert_int_equal(p->begin(p, &frame), SV_OK);
+        assert_int_equal(p->slab(p, &slab), SV_OK);
+        assert_int_equal(p->end(p, &result), SV_OK);
+        if (n == 0) assert_int_equal(p->adjust(p, &high, 1, &result), SV_OK);
+    }
+    assert_memory_equal(first.depth, second.depth, count * sizeof(float));
+    assert_int_equal(first.stats.passes, second.stats.passes);
+    p->deactivate(p);
+    free(volume);
+    rig_result_free(&first);
+    rig_result_free(&second);
+}
+
+static void test_adjust(void **state) {
+    surface_points p = scattered(40, 33, 60, 70, 3);
+    for (int method = MEAN; method < METHODS; method++)
+        for (int prefilter = 0; prefilter < 2; prefilter++) check_adjust(*state, &p, method, prefilter);
+    surface_points_free(&p);
+}
+
+static int setup(void **state) {
+    rig *r = calloc(1, sizeof *r);
+    if (!r) return -1;
+    rig_open(r, NULL);
+    *state = r;
+    return 0;
+}
+
+static int teardown(void **state) {
+    rig_close(*state);
+    free(*state);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_definition),    cmocka_unit_test(test_negative_depths),
+        cmocka_unit_test(test_prefilter),     cmocka_unit_test(test_settings),
+        cmocka_unit_test(test_plate_hardest), cmocka_unit_test(test_deep),
+        cmocka_unit_test(test_adjust),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

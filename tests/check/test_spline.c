@@ -1,0 +1,230 @@
+/*
+ * The spline solver: against LAPACK (dgesv on the whole matrix of Eq. 3.8) up to the most points it takes, and on
+ * the sets that defeat LU without pivoting (thesis 5.2: clusters, collinear and nearly coincident points).
+ */
+#include "support/surfaces.h"
+
+#include <lapacke.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+static const double BOUND = 1e-3; /* slices: issue 4 */
+
+/* `count` different pixels; depths on a smooth hill with some noise, as skin is. */
+static surface_points hill(uint32_t width, uint32_t height, uint32_t count, uint32_t seed) {
+    surface_points p = surface_points_make(width, height, 80);
+    uint32_t random = seed * 2654435761u + 1;
+    for (uint32_t n = 0; n < count;) {
+        const uint32_t x = surface_random(&random) % width, y = surface_random(&random) % height;
+        if (p.status[(size_t)y * width + x]) continue;
+        const double height_here = 40.0 + 15.0 * sin(x * 0.05) * cos(y * 0.04);
+        const uint32_t far_end = (uint32_t)height_here + surface_random(&random) % 3;
+        surface_put(&p, x, y, far_end / 2, far_end);
+        n++;
+    }
+    return p;
+}
+
+/* The spline through the far ends (q = 0) by LAPACK, at every pixel. */
+static double *lapack_surface(const surface_points *p, uint32_t count, double lambda) {
+    const size_t n = count, size = n + 3, pixels = (size_t)p->width * p->height;
+    double *m = calloc(size * size, sizeof *m), *b = calloc(size, sizeof *b);
+    double *x = calloc(n, sizeof *x), *y = calloc(n, sizeof *y), *surface = calloc(pixels, sizeof *surface);
+    lapack_int *pivots = calloc(size, sizeof *pivots);
+    assert_true(m && b && x && y && surface && pivots);
+    size_t k = 0;
+    for (size_t i = 0; i < pixels; i++)
+        if (p->status[i]) {
+            x[k] = (double)(i % p->width);
+            y[k] = (double)(i / p->width);
+            b[k++] = p->far_end[i];
+        }
+    assert_int_equal(k, n);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++)
+            m[i * size + j] = sv_ref_phi((x[i] - x[j]) * (x[i] - x[j]) + (y[i] - y[j]) * (y[i] - y[j]));
+        m[i * size + i] += lambda;
+        m[i * size + n] = m[n * size + i] = 1.0;
+        m[i * size + n + 1] = m[(n + 1) * size + i] = x[i];
+        m[i * size + n + 2] = m[(n + 2) * size + i] = y[i];
+    }
+    assert_int_equal(
+        LAPACKE_dgesv(LAPACK_ROW_MAJOR, (lapack_int)size, 1, m, (lapack_int)size, pivots, b, 1), 0);
+    for (size_t i = 0; i < pixels; i++) {
+        const double u = (double)(i % p->width), v = (double)(i / p->width);
+        surface[i] = b[n] + b[n + 1] * u + b[n + 2] * v;
+        for (size_t j = 0; j < n; j++)
+            surface[i] += b[j] * sv_ref_phi((u - x[j]) * (u - x[j]) + (v - y[j]) * (v - y[j]));
+    }
+    free(m);
+    free(b);
+    free(x);
+    free(y);
+    free(pivots);
+    return surface;
+}
+
+static void test_lapack(void **state) {
+    static const uint32_t counts[] = {4, 10, 33, 64, 200, 700, 1400};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        for (double lambda = 0.0; lambda <= 50.0; lambda += 50.0) {
+            surface_points p = hill(128, 96, counts[i], 9 + (uint32_t)i);
+            const surface_chain chain = {.method = SPLINE, .lambda = lambda};
+            rig_result out = rig_result_make(p.width, p.height);
+            sv_spline_report report;
+            assert_int_equal(surface_run(*state, &p, &chain, &out, &report), SV_OK);
+            double *expected = lapack_surface(&p, counts[i], lambda);
+            const double error = surface_error(&out, expected, (size_t)p.width * p.height);
+            print_message("%4u points, lambda %2.0f: error against LAPACK %.2e slices, residual %.1e, pivot ratio %.1e\n",
+                          counts[i], lambda, error, (double)report.residual, (double)report.condition);
+            assert_true(error <= BOUND);
+            assert_int_equal(report.points, counts[i]);
+            assert_int_equal(report.merge_grid, 0);
+            assert_int_equal(report.rank, 3);
+            assert_int_equal(report.dropped, 0);
+            assert_true((double)report.residual <= 1e-6);
+            free(expected);
+            rig_result_free(&out);
+            surface_points_free(&p);
+        }
+}
+
+/* The reference solver itself against LAPACK, and its condition estimate against LAPACK's. */
+static void test_reference_solver(void **state) {
+    (void)state;
+    enum { N = 60 };
+    static double a[N * N], lu[N * N], b[N], x[N], work[3 * N];
+    static uint32_t pivots[N];
+    static lapack_int order[N];
+    uint32_t random = 4711;
+    double norm = 0.0;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j <= i; j++)
+            a[i * N + j] = a[j * N + i] = surface_random(&random) / 4294967296.0 - 0.5;
+    for (int i = 0; i < N; i++) {
+        double sum = 0.0;
+        a[i * N + i] = 0.0; /* what LU without pivoting cannot begin with */
+        for (int j = 0; j < N; j++) sum += fabs(a[i * N + j]);
+        norm = fmax(norm, sum);
+        b[i] = x[i] = i % 7 - 3.0;
+    }
+    for (int i = 0; i < N * N; i++) lu[i] = a[i];
+    assert_true(sv_ref_factor(lu, N, pivots));
+    sv_ref_solve(lu, N, pivots, x);
+    const double estimate = norm * sv_ref_inverse_norm(lu, N, pivots, work);
+    assert_int_equal(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, N, N, a, N, order), 0);
+    double reciprocal = 0.0;
+    assert_int_equal(LAPACKE_dgecon(LAPACK_ROW_MAJOR, '1', N, a, N, norm, &reciprocal), 0);
+    assert_int_equal(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', N, 1, a, N, order, b, 1), 0);
+    for (int i = 0; i < N; i++) assert_true(fabs(x[i] - b[i]) <= 1e-10);
+    assert_true(estimate >= 0.3 / reciprocal && estimate <= 3.0 / reciprocal); /* both are estimates */
+    static double singular[4] = {1.0, 2.0, 2.0, 4.0};
+    assert_false(sv_ref_factor(singular, 2, pivots));
+}
+
+/* A degenerate set: a surface that meets the definition, and the rank that was found. */
+static void check_rank(rig *r, const surface_points *p, uint32_t rank, const char *what) {
+    const surface_chain chain = {.method = SPLINE};
+    rig_result out = rig_result_make(p->width, p->height);
+    sv_spline_report report;
+    assert_int_equal(surface_run(r, p, &chain, &out, &report), SV_OK);
+    double *expected = surface_expect(p, &chain);
+    const double error = surface_error(&out, expected, (size_t)p->width * p->height);
+    print_message("%-28s %4u points, rank %u, error %.2e slices, residual %.1e\n", what, report.points,
+                  report.rank, error, (double)report.residual);
+    assert_int_equal(report.rank, rank);
+    assert_int_equal(report.dropped, 0);
+    assert_true(error <= BOUND);
+    free(expected);
+    rig_result_free(&out);
+}
+
+static void test_degenerate(void **state) {
+    surface_points one = surface_points_make(50, 40, 60), two = surface_points_make(50, 40, 60);
+    surface_points row = surface_points_make(50, 40, 60), slant = surface_points_make(50, 40, 60);
+    surface_points nearly = surface_points_make(50, 40, 60), clump = surface_points_make(50, 40, 60);
+    surface_put(&one, 13, 9, 5, 20);
+    surface_put(&two, 3, 9, 5, 20);
+    surface_put(&two, 41, 30, 5, 50);
+    for (uint32_t i = 0; i < 40; i += 3) {
+        surface_put(&row, i, 17, 5, 20 + i % 7);
+        surface_put(&slant, i, i * 2 / 3, 5, 20 + i % 5);
+        surface_put(&nearly, i, i == 18 ? 18 : 17, 5, 20 + i % 7);
+    }
+    for (uint32_t y = 0; y < 12; y++) /* Figure 5.1: clusters of unlike depths, side by side */
+        for (uint32_t x = 0; x < 24; x++) surface_put(&clump, 10 + x, 12 + y, 2, x < 12 ? 15 : 45);
+    check_rank(*state, &one, 1, "one point");
+    check_rank(*state, &two, 2, "two points");
+    check_rank(*state, &row, 2, "collinear, level");
+    check_rank(*state, &slant, 2, "collinear, slanting");
+    check_rank(*state, &nearly, 3, "collinear but for one pixel");
+    check_rank(*state, &clump, 3, "two unlike clusters");
+    surface_points *all[] = {&one, &two, &row, &slant, &nearly, &clump};
+    for (size_t i = 0; i < 6; i++) surface_points_free(all[i]);
+}
+
+/* More points than the solver takes: merged, and said so. */
+static void test_too_many(void **state) {
+    surface_points p = hill(90, 80, 1401, 77);
+    const surface_chain chain = {.method = SPLINE};
+    rig_result out = rig_result_make(p.width, p.height);
+    sv_spline_report report;
+    assert_int_equal(surface_run(*state, &p, &chain, &out, &report), SV_OK);
+    double *expected = surface_expect(&p, &chain);
+    assert_true(surface_error(&out, expected, (size_t)p.width * p.height) <= BOUND);
+    assert_int_equal(report.merge_grid, 37);
+    assert_in_range(report.points, 700, 1369);
+    free(expected);
+    rig_result_free(&out);
+    surface_points_free(&p);
+}
+
+/* The coarse grid costs what bilinear interpolation costs: against the spline itself, on the hill above. */
+static void test_coarse_grid(void **state) {
+    surface_points p = hill(128, 128, 300, 5);
+    const surface_chain fine = {.method = SPLINE, .merge_grid = 8};
+    double *expected = surface_expect(&p, &fine);
+    double before = INFINITY;
+    for (uint32_t grid = 16; grid <= 64; grid *= 2) {
+        const surface_chain coarse = {.method = SPLINE, .merge_grid = 8, .spline_grid = grid};
+        rig_result out = rig_result_make(p.width, p.height);
+        assert_int_equal(surface_run(*state, &p, &coarse, &out, NULL), SV_OK);
+        const double error = surface_error(&out, expected, (size_t)p.width * p.height);
+        print_message("coarse grid %2u: error %.3f slices\n", grid, error);
+        assert_true(error < before);
+        if (grid == 32) assert_true(error <= 0.1); /* docs/numerics.md */
+        before = error;
+        rig_result_free(&out);
+    }
+    free(expected);
+    surface_points_free(&p);
+}
+
+static int setup(void **state) {
+    rig *r = calloc(1, sizeof *r);
+    if (!r) return -1;
+    rig_open(r, NULL);
+    *state = r;
+    return 0;
+}
+
+static int teardown(void **state) {
+    rig_close(*state);
+    free(*state);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lapack),     cmocka_unit_test(test_reference_solver),
+        cmocka_unit_test(test_degenerate), cmocka_unit_test(test_too_many),
+        cmocka_unit_test(test_coarse_grid),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

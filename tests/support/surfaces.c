@@ -1,0 +1,188 @@
+#include "support/surfaces.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const surface_names[METHODS] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate"};
+
+static void *must(void *p) {
+    if (!p) abort();
+    return p;
+}
+
+surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t slices) {
+    const size_t count = (size_t)width * height;
+    return (surface_points){.width = width,
+                            .height = height,
+                            .slices = slices,
+                            .status = must(calloc(count, 1)),
+                            .near_end = must(calloc(count, sizeof(double))),
+                            .far_end = must(calloc(count, sizeof(double)))};
+}
+
+void surface_points_free(surface_points *points) {
+    free(points->status);
+    free(points->near_end);
+    free(points->far_end);
+    memset(points, 0, sizeof *points);
+}
+
+void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end) {
+    assert(near_end < far_end && far_end < points->slices && x < points->width && y < points->height);
+    const size_t i = (size_t)y * points->width + x;
+    points->status[i] = 1;
+    points->near_end[i] = near_end;
+    points->far_end[i] = far_end;
+}
+
+uint8_t *surface_volume(const surface_points *points) {
+    const size_t plane = (size_t)points->width * points->height;
+    uint8_t *volume = must(malloc(plane * points->slices));
+    for (uint32_t z = 0; z < points->slices; z++)
+        for (size_t i = 0; i < plane; i++) {
+            const bool fluid = points->status[i] && z >= points->near_end[i] && z < points->far_end[i];
+            const bool bone = points->status[i] && z >= points->far_end[i];
+            volume[z * plane + i] = fluid ? 0 : bone ? 255 : 100;
+        }
+    return volume;
+}
+
+static sv_status run_active(rig *r, const surface_points *points, const uint8_t *volume,
+                            const sv_param_value *values, uint32_t count, rig_result *out) {
+    const sv_plugin *p = r->plugin;
+    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count};
+    const sv_slab slab = {.size = sizeof slab,
+                          .slice_count = points->slices,
+                          .memory = volume,
+                          .bytes = (uint64_t)points->width * points->height * points->slices};
+    const sv_result result = {
+        .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
+    sv_status status = p->begin(p, &frame);
+    if (status == SV_OK) status = p->slab(p, &slab);
+    if (status == SV_OK) status = p->end(p, &result);
+    (void)clFinish(r->queue);
+    return status == SV_OK ? out->stats.outcome : status;
+}
+
+sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
+                      sv_spline_report *report) {
+    const sv_param_value fixed[] = {
+        {rig_param(r, "method"), 0, chain->method},
+        {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
+        {rig_param(r, "merge_grid"), 0, chain->merge_grid},
+        {rig_param(r, "spline_grid"), 0, chain->spline_grid},
+    };
+    const sv_format format = {.size = sizeof format,
+                              .width = points->width,
+                              .height = points->height,
+                              .slices = points->slices,
+                              .max_slab_slices = points->slices,
+                              .voxel_type = SV_VOXEL_U8,
+                              .carrier = SV_CARRIER_HOST,
+                              .padding_value = SV_NO_PADDING,
+                              .tiles_x = 1,
+                              .tile_w = points->width,
+                              .tile_h = points->height,
+                              .row_pitch = points->width,
+                              .context = r->context,
+                              .device = r->device,
+                              .queue = r->queue,
+                              .values = fixed,
+                              .value_count = sizeof fixed / sizeof *fixed};
+    const sv_param_value values[] = {
+        {rig_param(r, "q"), 0, (double)chain->q},
+        {rig_param(r, "kernel"), 0, chain->k ? chain->k : 23},
+        {rig_param(r, "prefilter_passes"), 0, chain->prefilter_passes},
+        {rig_param(r, "prefilter_kernel"), 0, chain->prefilter_k ? chain->prefilter_k : 5},
+        {rig_param(r, "lambda"), 0, chain->lambda},
+        {rig_param(r, "data_weight"), 0, chain->data_weight > 0.0 ? chain->data_weight : 1.0},
+    };
+    sv_status status = r->plugin->activate(r->plugin, &format);
+    if (status != SV_OK) return status;
+    uint8_t *volume = surface_volume(points);
+    status = run_active(r, points, volume, values, sizeof values / sizeof *values, out);
+    free(volume);
+    if (status >= 0 && report && chain->method == SPLINE) {
+        const sv_ext_spline *spline = r->plugin->get_extension(r->plugin, SV_EXT_SPLINE);
+        *report = (sv_spline_report){.size = sizeof *report};
+        const sv_status read = spline->report(r->plugin, report);
+        if (read != SV_OK) status = read;
+    }
+    r->plugin->deactivate(r->plugin);
+    return status;
+}
+
+static bool expect_spline(const sv_ref_map *map, const surface_chain *chain, double *surface) {
+    const size_t count = (size_t)map->width * map->height;
+    double *x = must(malloc(3 * count * sizeof *x)), *y = x + count, *z = y + count;
+    uint32_t n = sv_ref_merge(map, chain->merge_grid, x, y, z);
+    if (chain->merge_grid == 0 && n > 1400) n = sv_ref_merge(map, 37, x, y, z); /* what the solver takes */
+    sv_ref_spline spline;
+    const bool ok = sv_ref_spline_solve(x, y, z, n, chain->lambda, &spline);
+    if (ok && spline.singular) abort();
+    if (ok) sv_ref_spline_surface(&spline, map->width, map->height, chain->spline_grid, surface);
+    if (ok) sv_ref_spline_free(&spline);
+    free(x);
+    return ok;
+}
+
+double *surface_expect(const surface_points *points, const surface_chain *chain) {
+    const size_t count = (size_t)points->width * points->height;
+    const uint32_t k = chain->k ? chain->k : 23;
+    const double weight = chain->data_weight > 0.0 ? chain->data_weight : 1.0;
+    double *depth = must(malloc(count * sizeof *depth)), *filtered = must(malloc(count * sizeof *depth));
+    double *surface = must(malloc(count * sizeof *surface));
+    for (size_t i = 0; i < count; i++) { /* in float32, as the minimum filter gets them: it must be exact */
+        const float near_end = (float)points->near_end[i], far_end = (float)points->far_end[i];
+        depth[i] = (double)(far_end + chain->q * (near_end - far_end));
+    }
+    sv_ref_map map = {points->status, depth, points->width, points->height};
+    bool ok = true;
+    if (chain->prefilter_passes > 0) {
+        ok = sv_ref_minimum_prefilter(&map, chain->prefilter_k ? chain->prefilter_k : 5, chain->prefilter_passes,
+                                      filtered);
+        map.depth = filtered;
+    }
+    sv_ref_fill fill;
+    if (chain->method == MEAN)
+        ok = ok && sv_ref_mean(map.status, map.depth, map.width, map.height, k, 0.5, surface, &fill);
+    if (chain->method == MINIMUM) ok = ok && sv_ref_minimum(&map, k, surface, &fill);
+    if (chain->method == SPLINE) ok = ok && expect_spline(&map, chain, surface);
+    if (chain->method == PUSHPULL) ok = ok && sv_ref_pushpull(&map, surface);
+    if (chain->method == MEMBRANE) ok = ok && sv_ref_least_energy(&map, sv_ref_membrane_energy, weight, surface);
+    if (chain->method == PLATE) ok = ok && sv_ref_least_energy(&map, sv_ref_plate_energy, weight, surface);
+    if (!ok) abort();
+    free(depth);
+    free(filtered);
+    return surface;
+}
+
+double surface_error(const rig_result *out, const double *expected, size_t count) {
+    double worst = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(out->depth[i])) return (double)NAN;
+        worst = fmax(worst, fabs((double)out->depth[i] - expected[i]));
+    }
+    return worst;
+}
+
+double surface_bound(const surface_chain *chain, uint32_t slices) {
+    const double ulp = slices * 0x1p-24; /* half a float32 step at the largest depth */
+    switch (chain->method) {
+    case MINIMUM:
+        return 0.0;
+    case PUSHPULL:
+        return 8.0 * ulp; /* a few roundings a level, which the next level halves, and the blend */
+    default:
+        return 1e-3;
+    }
+}
+
+uint32_t surface_random(uint32_t *state) {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state;
+}

@@ -1,0 +1,53 @@
+/* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition says. */
+#ifndef SV_SURFACES_H
+#define SV_SURFACES_H
+
+#include "support/rig.h"
+
+#include "ref/sv_ref_methods.h"
+
+enum { MEAN, MINIMUM, SPLINE, PUSHPULL, MEMBRANE, PLATE, METHODS };
+extern const char *const surface_names[METHODS];
+
+/* One chain. Zeroed: mean filter, k = 23, no pre-filter, no merging, spline at every pixel, data weight 1. */
+typedef struct {
+    int method;
+    uint32_t k;                              /* 0: 23 */
+    uint32_t prefilter_passes, prefilter_k;  /* passes 0: no pre-filter */
+    double lambda, data_weight;              /* weight 0: 1 */
+    uint32_t merge_grid, spline_grid;
+    float q;
+} surface_chain;
+
+/* Initial points of a map: status, and both ends in slices (whole numbers). */
+typedef struct {
+    uint32_t width, height, slices;
+    uint8_t *status;
+    double *near_end, *far_end;
+} surface_points;
+
+surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t slices);
+void surface_points_free(surface_points *points);
+/* 0 <= near < far < slices. */
+void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end);
+
+/* A volume whose initial points are these, with the rig's default thresholds. */
+uint8_t *surface_volume(const surface_points *points);
+
+/* A frame on the host's queue; `report` (may be NULL) is filled for splines. */
+sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
+                      sv_spline_report *report);
+
+/* The same in float64 from the definitions. */
+double *surface_expect(const surface_points *points, const surface_chain *chain);
+
+/* Largest difference; NAN if a depth is not finite. */
+double surface_error(const rig_result *out, const double *expected, size_t count);
+
+/* The bound of docs/numerics.md for a chain on depths up to `slices`. */
+double surface_bound(const surface_chain *chain, uint32_t slices);
+
+/* Deterministic numbers: xorshift, 32 bits. */
+uint32_t surface_random(uint32_t *state);
+
+#endif
