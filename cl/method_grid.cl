@@ -17,8 +17,8 @@
     const size_t i = (level).offset + (size_t)y * (level).width + x
 
 /* One row per work item: count of its points and sums of their depths, 3 values a row. */
-__kernel void grid_sums(grid_level level, uint padded_width, __global const float *maps, __global real *partial,
-                        __global const uint *record) {
+__kernel void grid_sums(grid_level level, uint padded_width, __global const float *maps,
+                        __global real *partial, __global const uint *record) {
     if (!HAS_POINTS(record)) return;
     __global const float *near = maps + get_global_id(0) * padded_width;
     __global const float *far = near + (size_t)padded_width * level.height;
@@ -48,8 +48,7 @@ __kernel void grid_means(grid_level level, __global const real *partial, __globa
 /* Data weights, the start S = mean depth, and its residual: A is 0 on constants, but for the data term. */
 __kernel void grid_enter(grid_level level, uint padded_width, float weight, uint planes,
                          __global const float *maps, __global const real *scalars, __global real *weights,
-                         __global real *r,
-                         __global real *solution, __global const uint *record) {
+                         __global real *r, __global real *solution, __global const uint *record) {
     GRID_PIXEL(level);
     const size_t from = (size_t)y * padded_width + x;
     const bool point = !isinf(maps[from]);
@@ -63,9 +62,10 @@ __kernel void grid_enter(grid_level level, uint padded_width, float weight, uint
 }
 
 /*
- * A coarser level's data weights: those of the fine pixels, shared out as their depths are. A point would then hold
- * each of its coarse pixels where it is, though it only knows their mean; so the weight stops where it is a few times
- * as stiff as the surface. The preconditioner alone sees this: the equations that are solved do not change.
+ * A coarser level's data weights: those of the fine pixels, shared out as their depths are. A point would
+ * then hold each of its coarse pixels where it is, though it only knows their mean; so the weight stops where
+ * it is a few times as stiff as the surface. The preconditioner alone sees this: the equations that are
+ * solved do not change.
  */
 #define GRID_MOST_WEIGHT 3
 __kernel void grid_weights(grid_level fine, grid_level coarse, __global real *weights,

@@ -20,9 +20,13 @@ enum {
     K_TURN,
     K_LEAVE
 };
-const char *const sv_grid_kernels[] = {"grid_sums", "grid_means", "grid_enter",    "grid_weights", "grid_smooth", "grid_residual",
-                                       "grid_restrict", "grid_prolong", "grid_dot",    "grid_scalar",
-                                       "grid_advance",  "grid_turn",    "grid_leave",  NULL};
+const char *const sv_grid_kernels[] = {"grid_sums",     "grid_means",
+                                       "grid_enter",    "grid_weights",
+                                       "grid_smooth",   "grid_residual",
+                                       "grid_restrict", "grid_prolong",
+                                       "grid_dot",      "grid_scalar",
+                                       "grid_advance",  "grid_turn",
+                                       "grid_leave",    NULL};
 
 /* Over all levels: data weights; z and a second map for smoothing; the right-hand sides (level 0: r). Over
  * the map: direction, solution. Then the rows' parts of dot products, with the scalars behind them. */

@@ -1,4 +1,5 @@
-/* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the knob. */
+/* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the knob.
+ */
 #include "support/surfaces.h"
 
 #include <math.h>
@@ -11,7 +12,8 @@
 #include <cmocka.h>
 
 /* `count` points anywhere, near and far ends anywhere in the volume. */
-static surface_points scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count, uint32_t seed) {
+static surface_points scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count,
+                                uint32_t seed) {
     surface_points p = surface_points_make(width, height, slices);
     uint32_t random = seed * 2654435761u + 1;
     for (uint32_t n = 0; n < count; n++) {

@@ -92,6 +92,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
                               .values = fixed,
                               .value_count = sizeof fixed / sizeof *fixed};
     const sv_param_value values[] = {
+        {rig_param(r, "bone_mode"), 0, SV_REF_ABSOLUTE}, /* a volume without bone must not make its own */
         {rig_param(r, "q"), 0, (double)chain->q},
         {rig_param(r, "kernel"), 0, chain->k ? chain->k : 23},
         {rig_param(r, "prefilter_passes"), 0, chain->prefilter_passes},
@@ -141,8 +142,8 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
     sv_ref_map map = {points->status, depth, points->width, points->height};
     bool ok = true;
     if (chain->prefilter_passes > 0) {
-        ok = sv_ref_minimum_prefilter(&map, chain->prefilter_k ? chain->prefilter_k : 5, chain->prefilter_passes,
-                                      filtered);
+        ok = sv_ref_minimum_prefilter(&map, chain->prefilter_k ? chain->prefilter_k : 5,
+                                      chain->prefilter_passes, filtered);
         map.depth = filtered;
     }
     sv_ref_fill fill;
@@ -151,7 +152,8 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
     if (chain->method == MINIMUM) ok = ok && sv_ref_minimum(&map, k, surface, &fill);
     if (chain->method == SPLINE) ok = ok && expect_spline(&map, chain, surface);
     if (chain->method == PUSHPULL) ok = ok && sv_ref_pushpull(&map, surface);
-    if (chain->method == MEMBRANE) ok = ok && sv_ref_least_energy(&map, sv_ref_membrane_energy, weight, surface);
+    if (chain->method == MEMBRANE)
+        ok = ok && sv_ref_least_energy(&map, sv_ref_membrane_energy, weight, surface);
     if (chain->method == PLATE) ok = ok && sv_ref_least_energy(&map, sv_ref_plate_energy, weight, surface);
     if (!ok) abort();
     free(depth);

@@ -1,4 +1,5 @@
-/* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition says. */
+/* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition
+ * says. */
 #ifndef SV_SURFACES_H
 #define SV_SURFACES_H
 
@@ -12,9 +13,9 @@ extern const char *const surface_names[METHODS];
 /* One chain. Zeroed: mean filter, k = 23, no pre-filter, no merging, spline at every pixel, data weight 1. */
 typedef struct {
     int method;
-    uint32_t k;                              /* 0: 23 */
-    uint32_t prefilter_passes, prefilter_k;  /* passes 0: no pre-filter */
-    double lambda, data_weight;              /* weight 0: 1 */
+    uint32_t k;                             /* 0: 23 */
+    uint32_t prefilter_passes, prefilter_k; /* passes 0: no pre-filter */
+    double lambda, data_weight;             /* weight 0: 1 */
     uint32_t merge_grid, spline_grid;
     float q;
 } surface_chain;
@@ -31,7 +32,7 @@ void surface_points_free(surface_points *points);
 /* 0 <= near < far < slices. */
 void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end);
 
-/* A volume whose initial points are these, with the rig's default thresholds. */
+/* A volume whose initial points are these, with T_B = 0.74 and T_L as by default. */
 uint8_t *surface_volume(const surface_points *points);
 
 /* A frame on the host's queue; `report` (may be NULL) is filled for splines. */
