@@ -12,7 +12,7 @@ __kernel void spline_kvt(uint stride, float lambda, __global real *restrict vect
     const real x = vectors[VECTOR_X * stride + i], y = vectors[VECTOR_Y * stride + i];
     real8 sums[3] = {(real8)(0), (real8)(0), (real8)(0)};
     for (uint j = 0; j < n; j += 8) { /* V is 0 behind the last point */
-        const real8 phi = spline_row8(vectors, stride, x, y, j);
+        const real8 phi = spline_row8(vectors, frame, stride, x, y, j);
         for (uint c = 0; c < 3; c++) sums[c] += phi * vload8(0, v + c * stride + j);
     }
     for (uint c = 0; c < 3; c++) {
@@ -75,7 +75,8 @@ __kernel void spline_middle(uint stride, __global real *restrict vectors, __glob
  * factorisation does their forward substitution, too. Rows and columns count from the rank on.
  */
 __kernel void spline_matrix(uint stride, float lambda, __global const real *restrict vectors,
-                            __global real *restrict matrix, __global const uint *restrict info) {
+                            __global const real *restrict frame, __global real *restrict matrix,
+                            __global const uint *restrict info) {
     const uint rank = info[INFO_RANK], n = info[INFO_POINTS], size = n - rank;
     const uint row = (uint)get_global_id(0);
     if (n == 0 || row >= size + 2) return;
@@ -87,8 +88,8 @@ __kernel void spline_matrix(uint stride, float lambda, __global const real *rest
     const uint i = row + rank;
     __global const real *v = vectors + VECTOR_V * stride, *x = vectors + VECTOR_KVT * stride;
     for (uint j = 0; j <= row; j += 8) {
-        real8 a = spline_row8(vectors, stride, vectors[VECTOR_X * stride + i], vectors[VECTOR_Y * stride + i],
-                              j + rank);
+        real8 a = spline_row8(vectors, frame, stride, vectors[VECTOR_X * stride + i],
+                              vectors[VECTOR_Y * stride + i], j + rank);
         for (uint c = 0; c < 3; c++)
             a -= v[c * stride + i] * vload8(0, x + c * stride + j + rank) +
                  x[c * stride + i] * vload8(0, v + c * stride + j + rank);
@@ -207,13 +208,13 @@ __kernel void spline_back(uint stride, __global real *restrict matrix, __global 
 
 /* One point per work item: z - (K + lambda I) w for both right-hand sides. */
 __kernel void spline_rest(uint stride, float lambda, __global real *restrict vectors,
-                          __global const uint *restrict info) {
+                          __global const real *restrict frame, __global const uint *restrict info) {
     const uint i = (uint)get_global_id(0), n = info[INFO_POINTS];
     if (i >= n) return;
     real8 near = (real8)(0), far = (real8)(0);
     for (uint j = 0; j < n; j += 8) {
-        const real8 phi =
-            spline_row8(vectors, stride, vectors[VECTOR_X * stride + i], vectors[VECTOR_Y * stride + i], j);
+        const real8 phi = spline_row8(vectors, frame, stride, vectors[VECTOR_X * stride + i],
+                                      vectors[VECTOR_Y * stride + i], j);
         near += phi * vload8(0, vectors + VECTOR_W * stride + j);
         far += phi * vload8(0, vectors + (VECTOR_W + 1) * stride + j);
     }

@@ -13,7 +13,7 @@ __kernel void spline_nodes(uint stride, uint nodes_x, uint pitch, ulong plane, f
     const real x = (real)nx * step_x, y = (real)ny * step_y;
     real8 near = (real8)(0), far = (real8)(0);
     for (uint j = 0; j < n; j += 8) {
-        const real8 phi = spline_row8(vectors, stride, x, y, j);
+        const real8 phi = spline_row8(vectors, frame, stride, x, y, j);
         near += phi * vload8(0, vectors + VECTOR_W * stride + j);
         far += phi * vload8(0, vectors + (VECTOR_W + 1) * stride + j);
     }

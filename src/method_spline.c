@@ -166,11 +166,11 @@ static sv_status factor_panel(sv_pipeline *p, sv_method_state *s, uint32_t numbe
 static sv_status solve(sv_pipeline *p, sv_method_state *s) {
     sv_status status = STEP(K_KVT, true, s->capacity, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_MIDDLE, false, 1, VECTORS, FRAME, INFO);
-    if (status == SV_OK) status = STEP(K_MATRIX, true, s->capacity + 2, VECTORS, MATRIX, INFO);
+    if (status == SV_OK) status = STEP(K_MATRIX, true, s->capacity + 2, VECTORS, FRAME, MATRIX, INFO);
     for (uint32_t n = 0; status == SV_OK && n * PANEL_COLUMNS < s->capacity; n++)
         status = factor_panel(p, s, n);
     if (status == SV_OK) status = STEP(K_BACK, false, 2, MATRIX, VECTORS, FRAME, INFO);
-    if (status == SV_OK) status = STEP(K_REST, true, s->capacity, VECTORS, INFO);
+    if (status == SV_OK) status = STEP(K_REST, true, s->capacity, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_PLANE, false, 1, VECTORS, FRAME, INFO);
     if (status != SV_OK) return status;
     sv_launch l = begin(p, s, K_REPORT);
