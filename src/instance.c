@@ -71,6 +71,7 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format) {
     if (status == SV_OK)
         status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
     if (status == SV_OK) status = build_kernels(in, &config);
+    if (status == SV_OK) status = sv_selftest_method(&in->diag, &in->device, &in->narrow, &config);
     if (status == SV_OK)
         status = sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow,
                                     sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);

@@ -1,0 +1,124 @@
+/* The method's part of the self-test: a small map of scattered points, reconstructed on the device and by
+ * src/ref/. */
+#include "selftest.h"
+
+#include "ref/sv_ref_methods.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Small enough for the references (milliseconds), and wider than the widest vector of the profile kernels. */
+enum { WIDTH = 67, HEIGHT = 14, SLICES = 24, PIXELS = WIDTH * HEIGHT };
+enum { KERNEL = 5, PREFILTER_KERNEL = 3, MERGE = 8 };
+static const float Q = 0.25f;
+
+typedef struct {
+    uint8_t volume[PIXELS * SLICES], status[PIXELS], expected_status[PIXELS];
+    float depth[PIXELS];
+    double points[PIXELS], filtered[PIXELS], expected[PIXELS], x[PIXELS], y[PIXELS], z[PIXELS];
+} bench;
+
+/* A point on every 13th ray: fluid from slice `near` up to bone at `far`. */
+static void fill(bench *b) {
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        const uint32_t near_end = 1 + i * 7 % 5, far_end = 8 + i * 11 % 13;
+        b->expected_status[i] = i % 13 == 4;
+        for (uint32_t z = 0; z < SLICES; z++)
+            b->volume[z * PIXELS + i] =
+                !b->expected_status[i] || z < near_end ? 100 : (uint8_t)(z < far_end ? 0 : 255);
+        b->points[i] = (double)((float)far_end + Q * ((float)near_end - (float)far_end));
+    }
+}
+
+static bool expect_spline(bench *b, const sv_ref_map *map) {
+    sv_ref_spline spline;
+    const uint32_t count = sv_ref_merge(map, MERGE, b->x, b->y, b->z);
+    if (!sv_ref_spline_solve(b->x, b->y, b->z, count, 0.0, &spline)) return false;
+    sv_ref_spline_surface(&spline, WIDTH, HEIGHT, 0, b->expected);
+    sv_ref_spline_free(&spline);
+    return true;
+}
+
+static bool expect(bench *b, uint32_t method, uint32_t prefilter) {
+    sv_ref_map map = {b->expected_status, b->points, WIDTH, HEIGHT};
+    sv_ref_fill passes;
+    if (prefilter == SV_PREFILTER_MINIMUM) {
+        if (!sv_ref_minimum_prefilter(&map, PREFILTER_KERNEL, 1, b->filtered)) return false;
+        map.depth = b->filtered;
+    }
+    switch (method) {
+    case SV_METHOD_MEAN:
+        return sv_ref_mean(map.status, map.depth, WIDTH, HEIGHT, KERNEL, 0.5, b->expected, &passes);
+    case SV_METHOD_MINIMUM:
+        return sv_ref_minimum(&map, KERNEL, b->expected, &passes);
+    case SV_METHOD_SPLINE:
+        return expect_spline(b, &map);
+    case SV_METHOD_PUSHPULL:
+        return sv_ref_pushpull(&map, b->expected);
+    case SV_METHOD_MEMBRANE:
+        return sv_ref_least_energy(&map, sv_ref_membrane_energy, 1.0, b->expected);
+    default:
+        return sv_ref_least_energy(&map, sv_ref_plate_energy, 1.0, b->expected);
+    }
+}
+
+static sv_status compute(sv_pipeline *p, bench *b) {
+    sv_values values;
+    sv_params_defaults(&values);
+    values.of[SV_PARAM_KERNEL] = KERNEL;
+    values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
+    sv_pipeline_begin(p, &values);
+    const sv_slab slab = {
+        .size = sizeof slab, .slice_count = SLICES, .memory = b->volume, .bytes = sizeof b->volume};
+    sv_status status = sv_pipeline_slab(p, &slab);
+    if (status == SV_OK) status = sv_pipeline_end(p, Q);
+    const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
+    if (status == SV_OK) status = sv_pipeline_output(p, Q, &result);
+    const sv_status waited = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
+    return status == SV_OK ? waited : status;
+}
+
+static sv_status compare(sv_diag *diag, const bench *b, bool doubles) {
+    const double bound = doubles ? 1e-3 : 1e-2; /* slices; docs/numerics.md */
+    for (int i = 0; i < PIXELS; i++)
+        if (b->status[i] != b->expected_status[i] || !(fabs((double)b->depth[i] - b->expected[i]) <= bound))
+            return sv_fail(
+                diag, SV_ERR_SELF_TEST,
+                "self-test of the method: ray (%d, %d) has status %d and depth %g slices, expected %d "
+                "and %g",
+                i % WIDTH, i / WIDTH, b->status[i], (double)b->depth[i], b->expected_status[i],
+                b->expected[i]);
+    return SV_OK;
+}
+
+sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow,
+                             const sv_config *config) {
+    if (config->method == SV_METHOD_MEAN && config->prefilter == SV_PREFILTER_NONE) return SV_OK;
+    const sv_config small = {.width = WIDTH,
+                             .height = HEIGHT,
+                             .slices = SLICES,
+                             .max_slab_slices = SLICES,
+                             .tiles_x = 1,
+                             .tile_w = WIDTH,
+                             .tile_h = HEIGHT,
+                             .row_pitch = WIDTH,
+                             .carrier = SV_CARRIER_HOST,
+                             .padding = config->padding >= 0 ? 7 : SV_NO_PADDING,
+                             .substeps = config->substeps,
+                             .strategy = config->strategy,
+                             .method = config->method,
+                             .prefilter = config->prefilter,
+                             .merge_grid = MERGE};
+    bench *b = calloc(1, sizeof *b);
+    if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
+    fill(b);
+    sv_pipeline pipeline;
+    sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, NULL, NULL, &small);
+    if (status == SV_OK) status = compute(&pipeline, b);
+    if (status == SV_OK && !expect(b, config->method, config->prefilter))
+        status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
+    if (status == SV_OK) status = compare(diag, b, device->has_doubles);
+    sv_pipeline_destroy(&pipeline);
+    free(b);
+    return status;
+}
