@@ -118,7 +118,8 @@ typedef struct sv_host sv_host;
 typedef int32_t sv_status;
 enum {
     SV_OK = 0,
-    SV_NO_SURFACE = 1, /* no initial point: nothing sure. The map holds zeros, which clip nothing. */
+    SV_NO_SURFACE = 1, /* no initial point, or too little evidence of fluid before the bone: nothing is sure.
+                          The map holds zeros, which clip nothing. */
     SV_PARTIAL = 2,    /* some pixels could not be reached (fill weight 0): they hold 0 and clip nothing */
 
     SV_ERR_INTERNAL = -1, /* a defect of the plugin */
@@ -296,7 +297,7 @@ typedef struct sv_stats {
     uint32_t unfilled;     /* pixels without a surface (SV_PARTIAL, SV_NO_SURFACE) */
     float volume_max;      /* largest intensity, 0 .. 1; padding does not count */
     float bone_threshold;  /* the T_B that was used, 0 .. 1: a ray is bone above it */
-    uint32_t reserved;     /* 0 */
+    uint32_t sure_points;  /* bone rays whose interval is long enough to be sure it is fluid */
 } sv_stats;
 
 /* Values in the status map, one byte a ray. */

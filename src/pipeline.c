@@ -20,6 +20,11 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
     return end_last > end_above ? end_last : end_above;
 }
 
+/* Texture rows up to the last voxel of a slab. */
+static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
+    return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
+}
+
 bool sv_pipeline_needs_wide(const sv_config *c) {
     return sv_ref_fixed_format(c->width, c->height, c->slices, SV_MAX_K, 4).wide;
 }
@@ -85,6 +90,8 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->bands = band_count(device, &p->config);
     p->pass_capacity = pass_limit(config, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
+    if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
+        p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
     const sv_status status = create_buffers(p);
     if (status != SV_OK) sv_pipeline_destroy(p);
     return status;
@@ -109,6 +116,8 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     j->bone_drop = 255 - sv_ref_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
     j->bone_wanted = sv_ref_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
     j->drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
+    j->min_gap = sv_ref_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
+    j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
     j->k = (uint32_t)v[SV_PARAM_KERNEL];
     sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
     j->pass_limit = pass_limit(c, j->k);
@@ -143,8 +152,7 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
                             "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
-    const size_t tile_rows = (slab->slice_count + c->tiles_x - 1) / c->tiles_x;
-    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, (tile_rows - 1) * c->tile_h + c->height, 1};
+    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
     return sv_clx_check(p->diag,
                         clEnqueueCopyImageToBuffer(p->device->queue, slab->object, *buffer, origin, region, 0,
                                                    0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),
