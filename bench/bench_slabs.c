@@ -5,7 +5,7 @@
 #include <string.h>
 
 enum { ALIGN = 4096 };
-_Static_assert(ALIGN >= PLAIN_READ_AHEAD, "the spare bytes after the last slab");
+_Static_assert(ALIGN >= (int)PLAIN_READ_AHEAD, "the spare bytes after the last slab");
 
 /* A disc of bone as the viewer sees it; lengths in volume edges. */
 typedef struct {

@@ -13,10 +13,10 @@ struct bench_team {
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t wake;
-    bool wanted, quit;           /* guarded by mutex: the second thread shall run; shall end */
-    bool pinned;                 /* there are two processors for two threads */
-    cpu_set_t processors, first; /* of the caller: all it may use; the one it has while the team is ready */
-    atomic_bool awake;           /* the second thread is out of its sleep */
+    bool wanted, quit;                        /* guarded by mutex: the second thread shall run; shall end */
+    bool parted;                              /* there are two processors for two threads: */
+    cpu_set_t processors, own[BENCH_THREADS]; /* all, and one for each to start on */
+    atomic_bool awake;                        /* the second thread is out of its sleep */
     atomic_bool resting;
     atomic_uint started, finished; /* jobs given out; jobs the second thread is through with */
     atomic_uint arrived, phase;    /* of the barrier */
@@ -64,22 +64,26 @@ static void *second_thread(void *argument) {
     }
 }
 
-/* A processor each: the system likes to wake a thread where the waking one runs, and is slow to part them. */
-static void pin_second(bench_team *team) {
-    cpu_set_t second;
+/* Finds a processor for each thread. */
+static void find_processors(bench_team *team) {
     unsigned found = 0;
-    CPU_ZERO(&team->first);
-    CPU_ZERO(&second);
     if (sched_getaffinity(0, sizeof team->processors, &team->processors) != 0) return;
     for (size_t p = 0; p < CPU_SETSIZE && found < BENCH_THREADS; p++) {
         if (!CPU_ISSET(p, &team->processors)) continue;
-        if (found++ == 0)
-            CPU_SET(p, &team->first);
-        else
-            CPU_SET(p, &second);
+        CPU_ZERO(&team->own[found]);
+        CPU_SET(p, &team->own[found++]);
     }
-    team->pinned =
-        found == BENCH_THREADS && pthread_setaffinity_np(team->thread, sizeof second, &second) == 0;
+    team->parted = found == BENCH_THREADS;
+}
+
+/* The system likes to wake a thread where the waking one runs, and is slow to part them: so each is sent to
+ * its own processor, and then left free to go where there is room. What fails here costs time, no more. */
+static void part_threads(const bench_team *team) {
+    if (!team->parted) return;
+    (void)pthread_setaffinity_np(team->thread, sizeof team->own[1], &team->own[1]);
+    (void)pthread_setaffinity_np(pthread_self(), sizeof team->own[0], &team->own[0]);
+    (void)pthread_setaffinity_np(team->thread, sizeof team->processors, &team->processors);
+    (void)pthread_setaffinity_np(pthread_self(), sizeof team->processors, &team->processors);
 }
 
 bench_team *bench_team_create(hs_error *err) {
@@ -93,7 +97,7 @@ bench_team *bench_team_create(hs_error *err) {
     atomic_store(&team->resting, true);
     const int code = pthread_create(&team->thread, NULL, second_thread, team);
     if (code == 0) {
-        pin_second(team);
+        find_processors(team);
         return team;
     }
     (void)hs_fail(err, HS_ERR_MEMORY, "benchmark threads: pthread_create gives %d", code);
@@ -117,20 +121,19 @@ void bench_team_destroy(bench_team *team) {
 void bench_team_ready(bench_team *team) {
     unsigned spins = 0;
     if (!atomic_load(&team->resting)) return;
-    if (team->pinned) (void)sched_setaffinity(0, sizeof team->first, &team->first);
     atomic_store(&team->resting, false);
     pthread_mutex_lock(&team->mutex);
     team->wanted = true;
     pthread_cond_signal(&team->wake);
     pthread_mutex_unlock(&team->mutex);
     while (!atomic_load(&team->awake)) pause_or_yield(&spins);
+    part_threads(team);
 }
 
 void bench_team_rest(bench_team *team) {
     unsigned spins = 0;
     atomic_store(&team->resting, true);
     while (atomic_load(&team->awake)) pause_or_yield(&spins);
-    if (team->pinned) (void)sched_setaffinity(0, sizeof team->processors, &team->processors);
 }
 
 void bench_team_run(bench_team *team, void (*job)(void *context, unsigned thread), void *context) {

@@ -53,7 +53,7 @@ void hs_camera_merge_box(hs_camera *camera, const hs_camera *other) {
 void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_map *map) {
     const double count[3] = {volume->nx, volume->ny, volume->nz};
     for (int k = 0; k < 3; k++) {
-        const double *row = &camera->rotation[k * 3];
+        const double *row = camera->rotation + (size_t)k * 3;
         map->du[k] = row[0] * camera->extent / volume->spacing[k];
         map->dv[k] = row[1] * camera->extent / volume->spacing[k];
         map->dw[k] = row[2] * camera->depth_extent / volume->spacing[k];

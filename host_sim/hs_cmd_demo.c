@@ -179,7 +179,6 @@ static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *fol
 static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     char folder[PATH_MAX];
     const char *const volumes[1] = {c->file};
-    static const char *const knob[1] = {"q=0.5"}; /* the middle of the fluid */
     hs_run_request request;
     hs_run run;
     hs_run_defaults(&request);
@@ -188,8 +187,6 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     request.scene.size = d->quick ? 128 : 256;
     request.volumes = volumes;
     request.volume_count = c->scene ? 0 : 1;
-    request.sets = knob;
-    request.set_count = d->plugin ? 0 : 1; /* another plugin may have no q */
     request.loop.frames = d->quick ? 10 : 30;
     (void)fprintf(stderr, "host_sim demo: %s ...\n", c->folder);
     if (!hs_cli_join(d->out, c->folder, folder, sizeof folder, err) || !hs_cli_make_folder(folder, err))

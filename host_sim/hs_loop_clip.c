@@ -91,6 +91,16 @@ void hs_clipper_destroy(hs_clipper *clipper) {
     *clipper = (hs_clipper){0};
 }
 
+/* Where the plugin shall write; the statistics are emptied. */
+static sv_result make_result(hs_clipper *clipper) {
+    clipper->stats = (sv_stats){.size = sizeof clipper->stats};
+    return (sv_result){.size = sizeof(sv_result),
+                       .depth = clipper->own_queue ? clipper->host_depth : NULL,
+                       .depth_object = clipper->own_queue ? NULL : clipper->depth,
+                       .status = clipper->want_status ? clipper->status : NULL,
+                       .stats = &clipper->stats};
+}
+
 /* begin, every slab, end. Returns the first status that is not SV_OK; *call names the call it came from. */
 static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **call) {
     const sv_plugin *instance = clipper->plugin->instance;
@@ -108,22 +118,13 @@ static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **ca
     }
     if (status != SV_OK) return status;
     *call = "end";
-    clipper->stats = (sv_stats){.size = sizeof clipper->stats};
-    const sv_result result = {.size = sizeof result,
-                              .depth = clipper->own_queue ? clipper->host_depth : NULL,
-                              .depth_object = clipper->own_queue ? NULL : clipper->depth,
-                              .status = clipper->want_status ? clipper->status : NULL,
-                              .stats = &clipper->stats};
+    const sv_result result = make_result(clipper);
     return instance->end(instance, &result);
 }
 
-bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_frame *frame, hs_error *err) {
-    if (!clipper->active) {
-        frame->outcome = SV_ERR_STATE;
-        return true;
-    }
-    const char *call;
-    sv_status status = ask_plugin(clipper, index, &call);
+/* After the plugin's last call: the depthmap is on the device, the queue has run, and the outcome is known.
+ */
+static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_frame *frame, hs_error *err) {
     if (status == SV_OK && clipper->own_queue) {
         cl_int code =
             clEnqueueWriteBuffer(clipper->cl->queue, clipper->depth, CL_FALSE, 0,
@@ -143,6 +144,26 @@ bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_frame *frame, hs_e
     frame->outcome = status != SV_OK ? status : clipper->stats.outcome;
     frame->clipped = frame->outcome == SV_OK;
     return true;
+}
+
+bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_frame *frame, hs_error *err) {
+    if (!clipper->active) {
+        frame->outcome = SV_ERR_STATE;
+        return true;
+    }
+    const char *call;
+    const sv_status status = ask_plugin(clipper, index, &call);
+    return settle(clipper, status, call, frame, err);
+}
+
+bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_frame *frame, hs_error *err) {
+    if (!clipper->active) {
+        frame->outcome = SV_ERR_STATE;
+        return true;
+    }
+    const sv_plugin *instance = clipper->plugin->instance;
+    const sv_result result = make_result(clipper);
+    return settle(clipper, instance->adjust(instance, &value, 1, &result), "adjust", frame, err);
 }
 
 static const sv_ext_stats *stats_extension(const hs_clipper *clipper) {

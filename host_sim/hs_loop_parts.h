@@ -63,6 +63,9 @@ void hs_clipper_destroy(hs_clipper *clipper);
  * be used. The slabs must be complete on the device. */
 bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_frame *frame, hs_error *err);
 
+/* The last successful frame with another value for one parameter that is flagged SV_PARAM_ADJUST. */
+bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_frame *frame, hs_error *err);
+
 /* Switches the plugin's own timing on or off; false if it has none. */
 bool hs_clipper_time_stages(hs_clipper *clipper, bool on);
 /* Its times for the last frame; false if it has none. */

@@ -81,6 +81,33 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     return ok;
 }
 
+/* A whole frame with one more value, which comes last and so counts. */
+static bool frame_with(hs_loop *loop, uint32_t index, sv_param_value value, hs_frame *frame, hs_error *err) {
+    hs_clipper *clipper = &loop->clipper;
+    const sv_param_value *before = clipper->values;
+    const uint32_t count = clipper->value_count;
+    sv_param_value *values = calloc(count + 1u, sizeof *values);
+    if (!values) return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", count + 1u);
+    if (count) memcpy(values, before, count * sizeof *values);
+    values[count] = value;
+    hs_loop_set_values(loop, values, count + 1);
+    const bool ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, frame, err);
+    hs_loop_set_values(loop, before, count);
+    free(values);
+    return ok;
+}
+
+bool hs_loop_turn(hs_loop *loop, uint32_t index, const sv_param_info *primary, double value, uint8_t *rgba,
+                  hs_error *err) {
+    const sv_param_value turned = {.id = primary->id, .value = value};
+    hs_frame frame = {0};
+    hs_camera camera;
+    hs_loop_camera(loop, index, &camera);
+    const bool ok = primary->flags & SV_PARAM_ADJUST ? hs_clipper_adjust(&loop->clipper, turned, &frame, err)
+                                                     : frame_with(loop, index, turned, &frame, err);
+    return ok && render_to(loop, loop->volume, &camera, frame.clipped, rgba, NULL, err);
+}
+
 void hs_view_free(hs_view *view) {
     free(view->result);
     free(view->full);

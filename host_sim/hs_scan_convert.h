@@ -33,8 +33,8 @@ hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volu
 /* Takes another volume of the same size (a live sequence); does not wait. No memory for voxels is allocated;
  * on a CPU device, host buffers that come again (up to 8 in turn) create no OpenCL object either. The spacing
  * may differ. */
-bool hs_device_volume_replace(hs_device_volume *device_volume, const hs_volume *volume, hs_error *err);
-void hs_device_volume_destroy(hs_device_volume *device_volume);
+bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_error *err);
+void hs_device_volume_destroy(hs_device_volume *dv);
 
 typedef struct hs_scan_converter hs_scan_converter;
 
@@ -55,8 +55,8 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
  * Nearest: where every box edge spans two source voxels or more (by the coarsest spacing, with a millionth of
  * tolerance) a sample is the nearest source voxel, and all is integer arithmetic: the same bytes on every
  * device. Positions are fixed-point with as many fraction bits as 32-bit sums allow (20 to 22 for 400^3
- * voxels), so a sample is placed to a thousandth of a voxel or better. (A box beyond 2^18 voxels would leave
- * fewer than 12 bits: it is sampled as below.)
+ * voxels), so a sample is placed to a thousandth of a voxel or better. (A box so long that fewer than 12 bits
+ * are left is sampled as below.)
  *
  * Trilinear: elsewhere a sample is trilinear between the voxel centres; in the outer half voxel the nearest
  * voxel counts. "Half covered", below, then has a tolerance of a thousandth.

@@ -23,6 +23,12 @@ const char *hs_scene_step_name(int step) {
     return step >= 0 && step < HS_SCENE_STEPS ? step_names[step] : "?";
 }
 
+const char *hs_scene_builtin(uint32_t index) {
+    static const char *const names[] = {"E01", "E02", "E03", "E04", "M01",
+                                        "M02", "M03", "D01", "D02", "real"};
+    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
+}
+
 const char *hs_scene_name(const hs_scene *scene) {
     return scene->spec.name;
 }

@@ -49,6 +49,9 @@ typedef struct {
 /* A step's name, e.g. "edge shadow". */
 const char *hs_scene_step_name(int step);
 
+/* Names of the built-in scenes: "D01", ..., "M03", "real"; NULL from the last on. */
+const char *hs_scene_builtin(uint32_t index);
+
 /* A scene that was read from its file. Read-only after that: any number of threads may generate from it. */
 typedef struct hs_scene hs_scene;
 

@@ -16,7 +16,7 @@ static const struct {
 } table[] = {
     {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
      "Where the surface lies in the fluid: 0 at the fetus, 1 at the occluder, up to 1.5 beyond it.", 0.0, 1.5,
-     0.0, 1.5, 0.25, 0.05, NULL},
+     0.0, 1.5, 0.5, 0.05, NULL},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,
      0.01, NULL},

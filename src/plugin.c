@@ -45,9 +45,17 @@ static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *forma
     return status == SV_OK ? sv_instance_activate(in, format) : status;
 }
 
+/* With its own queue nobody but the plugin can wait: after a failure, or when a frame is dropped, the host
+ * may reuse its slabs and maps at once. */
+static sv_status let_go(sv_instance *in, sv_status status) {
+    if (in->device.owned) (void)clFinish(in->device.queue);
+    return status;
+}
+
 static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
     sv_instance *in = instance_of(plugin);
     if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "begin: not active");
+    if (in->state == SV_STATE_SLABS) (void)let_go(in, SV_OK);
     in->state = SV_STATE_IDLE;
     if (!frame) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
     if (frame->size < sizeof *frame)
@@ -72,8 +80,9 @@ static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
         return sv_blame_host(&in->diag, SV_ERR_STATE, "slab: no frame was begun");
     sv_status status = sv_validate_slab(&in->diag, &in->pipeline, slab);
     if (status == SV_OK) status = sv_pipeline_slab(&in->pipeline, slab);
-    if (status != SV_OK) in->state = SV_STATE_IDLE;
-    return status;
+    if (status == SV_OK) return SV_OK;
+    in->state = SV_STATE_IDLE;
+    return let_go(in, status);
 }
 
 /* In own-queue mode: waits, and returns what the frame came to. */
@@ -96,13 +105,14 @@ static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
     sv_instance *in = instance_of(plugin);
     if (in->state != SV_STATE_SLABS) return sv_blame_host(&in->diag, SV_ERR_STATE, "end: no frame was begun");
     in->state = SV_STATE_IDLE;
+    sv_status status = SV_OK;
     if (in->pipeline.next_slice < in->pipeline.config.slices)
-        return sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
-                             in->pipeline.next_slice, in->pipeline.config.slices);
-    sv_status status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
+        status = sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
+                               in->pipeline.next_slice, in->pipeline.config.slices);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
     if (status == SV_OK) status = sv_pipeline_end(&in->pipeline);
     if (status == SV_OK) status = output(in, "end", &in->frame, result);
-    if (status < 0) return status;
+    if (status < 0) return let_go(in, status);
     in->state = SV_STATE_FINISHED;
     in->timing.complete = in->timing.enabled;
     return status;
@@ -117,7 +127,8 @@ static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *va
     sv_status status =
         sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
-    return status == SV_OK ? output(in, "adjust", &adjusted, result) : status;
+    if (status == SV_OK) status = output(in, "adjust", &adjusted, result);
+    return status < 0 ? let_go(in, status) : status;
 }
 
 static uint32_t plugin_param_count(const sv_plugin *plugin) {

@@ -19,10 +19,12 @@ static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program
     return status;
 }
 
-static bool divides_exactly(const sv_device *device) {
+static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *exactly) {
     cl_device_fp_config config = 0;
-    (void)clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
-    return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    const cl_int code =
+        clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
+    *exactly = (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
 }
 
 static sv_status create_kernels(sv_diag *diag, sv_program *p) {
@@ -38,12 +40,15 @@ static sv_status create_kernels(sv_diag *diag, sv_program *p) {
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
                            sv_program *out) {
     *out = (sv_program){0};
+    bool exactly = false;
+    sv_status status = divides_exactly(diag, device, &exactly);
+    if (status != SV_OK) return status;
     char options[256];
     (void)snprintf(options, sizeof options,
                    "-cl-std=CL1.2%s -DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d "
                    "-DSV_WIDE_SUMS=%d%s%s",
-                   divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
-                   structure->substeps, structure->strip, structure->padded, structure->wide_sums,
+                   exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", structure->substeps,
+                   structure->strip, structure->padded, structure->wide_sums,
                    getenv("SMARTVIS_BUILD_OPTIONS") ? " " : "",
                    getenv("SMARTVIS_BUILD_OPTIONS") ? getenv("SMARTVIS_BUILD_OPTIONS") : "");
     const char *text = (const char *)sv_kernel_source;
@@ -52,8 +57,7 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
     out->program = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
     code = clBuildProgram(out->program, 1, &device->device, options, NULL, NULL);
-    sv_status status =
-        code == CL_SUCCESS ? create_kernels(diag, out) : report_build(diag, device, out->program, code);
+    status = code == CL_SUCCESS ? create_kernels(diag, out) : report_build(diag, device, out->program, code);
     if (status != SV_OK) sv_program_release(out);
     return status;
 }

@@ -47,7 +47,8 @@ static inline void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tis
 }
 
 /* Like assert_float_equal, in double. */
-#define assert_near(found, expected, tolerance) assert_near_at(found, expected, tolerance, #found, __FILE__, __LINE__)
+#define assert_near(found, expected, tolerance)                                                              \
+    assert_near_at(found, expected, tolerance, #found, __FILE__, __LINE__)
 static inline void assert_near_at(double found, double expected, double tolerance, const char *what,
                                   const char *file, int line) {
     if (fabs(found - expected) <= tolerance) return;
@@ -59,8 +60,8 @@ static inline double level_db(int16_t level) {
     return (double)level / HS_LEVEL_ONE;
 }
 
-static inline void make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame,
-                              hs_scene_data *out, hs_scene_times *times) {
+static inline void make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed,
+                              uint32_t frame, hs_scene_data *out, hs_scene_times *times) {
     hs_error err = {0};
     hs_scene *scene = hs_scene_open(name, &err);
     if (!scene) fail_msg("%s", err.text);

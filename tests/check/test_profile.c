@@ -274,7 +274,7 @@ static void evidence_by_hand(void **state) {
     memset(volume, 90, sizeof volume);
     for (uint32_t i = 0; i < RAYS; i++) {
         for (uint32_t z = 0; z < gaps[i]; z++) volume[(1 + z) * RAYS + i] = 10;
-        volume[(1 + gaps[i]) * RAYS + i] = 250;
+        volume[(1u + gaps[i]) * RAYS + i] = 250;
     }
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         const rig_format f = {.width = RAYS,
@@ -296,7 +296,7 @@ static void evidence_by_hand(void **state) {
                          cases[i].evidence, status, out.stats.sure_points, cases[i].sure);
             assert_int_equal(out.stats.points, RAYS);
             assert_int_equal(out.stats.empty_points, 1);
-            assert_int_equal(out.stats.unfilled, cases[i].surface ? 0u : (uint32_t)RAYS);
+            assert_int_equal(out.stats.unfilled, cases[i].surface ? 0 : RAYS);
             for (uint32_t x = 0; x < RAYS; x++) {
                 assert_int_equal(out.status[x], x == 0 ? SV_POINT_EMPTY : SV_POINT_INITIAL);
                 assert_true((out.depth[x] > 0.0f) == cases[i].surface);

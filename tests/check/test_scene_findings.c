@@ -1,7 +1,8 @@
 /*
- * The findings of the thesis on its nine examinations, found again on the nine scenes: the two peaks of the histogram
- * (Figure 3.3), the share of initial points (3.2), and who is easy and who is hard at one setting (Tables 5.2 and 5.3,
- * Figure 5.8). The algorithm is the scalar definition; the clipping and the error are written here from spec 7.
+ * The findings of the thesis on its nine examinations, found again on the nine scenes: the two peaks of the
+ * histogram (Figure 3.3), the share of initial points (3.2), and who is easy and who is hard at one setting
+ * (Tables 5.2 and 5.3, Figure 5.8). The algorithm is the scalar definition; the clipping and the error are
+ * written here from spec 7.
  */
 #include "scene_fixture.h"
 
@@ -37,9 +38,9 @@ static double termination(const hs_volume *v, size_t pixel, double start) {
 }
 
 typedef struct {
-    double share;     /* of rays that give a point */
-    double right;     /* of the points that lie in the admissible interval, give or take a low-resolution slice */
-    double error;     /* mean absolute, slices of the full volume */
+    double share; /* of rays that give a point */
+    double right; /* of the points that lie in the admissible interval, give or take a low-resolution slice */
+    double error; /* mean absolute, slices of the full volume */
     uint32_t maximum; /* grey */
 } finding;
 
@@ -49,7 +50,8 @@ static double low_to_full(double depth) {
 
 /* The surface between the pixel centres of the low-resolution map. */
 static double surface_at(const double *surface, uint32_t x, uint32_t y) {
-    double u = fmin(fmax((x + 0.5) / 3.0 - 0.5, 0.0), LOW - 1.001), v = fmin(fmax((y + 0.5) / 3.0 - 0.5, 0.0), LOW - 1.001);
+    double u = fmin(fmax((x + 0.5) / 3.0 - 0.5, 0.0), LOW - 1.001),
+           v = fmin(fmax((y + 0.5) / 3.0 - 0.5, 0.0), LOW - 1.001);
     uint32_t i = (uint32_t)u, j = (uint32_t)v;
     const double *s = surface + j * LOW + i;
     u -= i, v -= j;
@@ -63,7 +65,8 @@ static double mean_error(const hs_scene_data *d, const double *surface) {
         for (uint32_t x = 0; x < SIZE; x++) {
             size_t pixel = (size_t)y * SIZE + x;
             if (d->label[pixel] == HS_LABEL_NEITHER) continue;
-            sum += fabs(termination(&d->truth, pixel, 0.0) - termination(&d->full, pixel, surface_at(surface, x, y)));
+            sum += fabs(termination(&d->truth, pixel, 0.0) -
+                        termination(&d->full, pixel, surface_at(surface, x, y)));
             count++;
         }
     return sum / (double)count;
@@ -73,7 +76,8 @@ static double mean_error(const hs_scene_data *d, const double *surface) {
 static finding find(const hs_scene_data *d, const sv_ref_ray *rays, double delta) {
     static uint8_t status[PIXELS];
     static double near_end[PIXELS], far_end[PIXELS], depth[PIXELS], surface[PIXELS];
-    const sv_ref_bone bone = {.fluid_threshold = fluid_threshold, .bone_mode = SV_REF_OFFSET, .bone_offset = delta};
+    const sv_ref_bone bone = {
+        .fluid_threshold = fluid_threshold, .bone_mode = SV_REF_OFFSET, .bone_offset = delta};
     uint32_t level = sv_ref_bone_level(rays, PIXELS, &bone);
     uint32_t points = sv_ref_points(rays, PIXELS, &bone, level, status, near_end, far_end), right = 0;
     finding found = {.share = (double)points / PIXELS};
@@ -82,7 +86,8 @@ static finding find(const hs_scene_data *d, const sv_ref_ray *rays, double delta
         if (rays[i].maximum > found.maximum) found.maximum = rays[i].maximum;
         size_t pixel = ((size_t)(i / LOW) * 3 + 1) * SIZE + i % LOW * 3 + 1;
         double z = low_to_full(depth[i]);
-        right += status[i] && d->label[pixel] && z > d->near_end[pixel] - 3.0f && z < d->far_end[pixel] + 3.0f;
+        right +=
+            status[i] && d->label[pixel] && z > d->near_end[pixel] - 3.0f && z < d->far_end[pixel] + 3.0f;
     }
     found.right = points ? (double)right / points : 0.0;
     sv_ref_fill fill;
@@ -92,8 +97,8 @@ static finding find(const hs_scene_data *d, const sv_ref_ray *rays, double delta
     return found;
 }
 
-/* Zeros are the highest bin. The second peak lies where tissue is, above T_L; what is between the two is fluid, and
- * lies lower than the second peak somewhere. */
+/* Zeros are the highest bin. The second peak lies where tissue is, above T_L; what is between the two is
+ * fluid, and lies lower than the second peak somewhere. */
 static void check_histogram(const char *name, const hs_volume *v) {
     uint32_t bins[256] = {0};
     for (size_t i = 0; i < hs_volume_count(v); i++) bins[v->voxels[i]]++;
@@ -129,13 +134,16 @@ static void findings_of_the_thesis(void **state) {
         const sv_ref_volume volume = {low, LOW, LOW, LOW, 0};
         sv_ref_profile(&volume, fluid_threshold, 1, rays);
         finding found = find(&d, rays, 0.24), high = find(&d, rays, 0.06);
-        printf("%s: maximum %u, points %.1f %% (%.0f %% right), error %.2f; T_B high: points %.2f %%, error %.2f\n",
+        printf("%s: maximum %u, points %.1f %% (%.0f %% right), error %.2f; T_B high: points %.2f %%, error "
+               "%.2f\n",
                scene_cases[c], found.maximum, 100.0 * found.share, 100.0 * found.right, found.error,
                100.0 * high.share, high.error);
         assert_true(found.share >= 0.01 && found.share <= 0.10);
         /* In M03 the points of the head are drawn into it: that is what the case is for. */
-        if (c == 8) assert_true(found.right < 0.5);
-        else assert_true(found.right > 0.85);
+        if (c == 8)
+            assert_true(found.right < 0.5);
+        else
+            assert_true(found.right > 0.85);
         error[c] = found.error;
         sum += found.error;
         sum_high += high.error;

@@ -15,7 +15,7 @@ rig_settings rig_default_settings(void) {
                                    .bone_fraction = 0.03},
                           .k = 23,
                           .substeps = 1,
-                          .q = 0.25f,
+                          .q = 0.5f,
                           .evidence = 0.0,
                           .min_gap = 2.0};
 }
