@@ -1,67 +1,76 @@
 #include "bench_team.h"
 
+#include <linux/futex.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
-/* Looks before a waiting thread yields its core: some 10 us, longer than the threads of a balanced job
- * differ. */
+/* Looks before a waiting thread goes to sleep: some 50 us, longer than the halves of a job differ. Sleeping,
+ * and not yielding: on a busy machine a thread that yields waits for everybody else's time slice. */
 enum { SPINS = 4096 };
 
 struct bench_team {
     pthread_t thread;
-    pthread_mutex_t mutex;
-    pthread_cond_t wake;
-    bool wanted, quit;                        /* guarded by mutex: the second thread shall run; shall end */
     bool parted;                              /* there are two processors for two threads: */
     cpu_set_t processors, own[BENCH_THREADS]; /* all, and one for each to start on */
-    atomic_bool awake;                        /* the second thread is out of its sleep */
-    atomic_bool resting;
-    atomic_uint started, finished; /* jobs given out; jobs the second thread is through with */
-    atomic_uint arrived, phase;    /* of the barrier */
+    atomic_uint started, finished;            /* jobs given out; jobs the second thread is through with */
+    atomic_uint arrived, phase;               /* of the barrier */
+    atomic_uint sleepers;
+    /* Written before `started` moves on. */
     void (*job)(void *context, unsigned thread);
     void *context;
+    bool nap, quit; /* after this job: sleep at once, end */
 };
 
-static void pause_or_yield(unsigned *spins) {
-    if (++*spins < SPINS) {
+/* Returns once *word is no longer `old`. */
+static void wait_change(bench_team *team, atomic_uint *word, unsigned old, unsigned spins) {
+    for (unsigned i = 0; i < spins; i++) {
+        if (atomic_load_explicit(word, memory_order_acquire) != old) return;
 #if defined(__x86_64__) || defined(__i386__)
         __builtin_ia32_pause();
 #endif
-        return;
     }
-    *spins = 0;
-    (void)sched_yield();
+    while (atomic_load(word) == old) {
+        atomic_fetch_add(&team->sleepers, 1);
+        (void)syscall(SYS_futex, word, FUTEX_WAIT_PRIVATE, old, NULL, NULL, 0);
+        atomic_fetch_sub(&team->sleepers, 1);
+    }
 }
 
-/* Takes jobs until the team rests. */
-static void serve(bench_team *team) {
-    unsigned spins = 0;
-    unsigned done = atomic_load(&team->finished);
-    atomic_store(&team->awake, true);
-    while (!atomic_load_explicit(&team->resting, memory_order_acquire)) {
-        if (atomic_load_explicit(&team->started, memory_order_acquire) == done) {
-            pause_or_yield(&spins);
-            continue;
-        }
-        team->job(team->context, 1);
-        atomic_store_explicit(&team->finished, ++done, memory_order_release);
-    }
-    atomic_store(&team->awake, false);
+/* Moves *word on and wakes whoever sleeps on it. A thread that is about to sleep has counted itself first,
+ * and the kernel lets it sleep only if the word has not moved: so it is either woken or never asleep. */
+static void move_on(bench_team *team, atomic_uint *word) {
+    atomic_fetch_add(word, 1);
+    if (atomic_load(&team->sleepers) > 0)
+        (void)syscall(SYS_futex, word, FUTEX_WAKE_PRIVATE, BENCH_THREADS, NULL, NULL, 0);
 }
 
 static void *second_thread(void *argument) {
     bench_team *team = argument;
+    unsigned done = 0;
+    bool nap = true;
     for (;;) {
-        pthread_mutex_lock(&team->mutex);
-        while (!team->wanted && !team->quit) pthread_cond_wait(&team->wake, &team->mutex);
+        wait_change(team, &team->started, done++, nap ? 0 : SPINS);
         const bool quit = team->quit;
-        team->wanted = false;
-        pthread_mutex_unlock(&team->mutex);
+        nap = team->nap;
+        if (team->job) team->job(team->context, 1);
+        move_on(team, &team->finished);
         if (quit) return NULL;
-        serve(team);
     }
+}
+
+/* Gives the second thread a job, or none: then it only does what nap and quit say. */
+static unsigned start_job(bench_team *team, void (*job)(void *context, unsigned thread), void *context,
+                          bool nap) {
+    const unsigned before = atomic_load(&team->finished);
+    team->job = job;
+    team->context = context;
+    team->nap = nap;
+    move_on(team, &team->started);
+    return before;
 }
 
 /* Finds a processor for each thread. */
@@ -92,9 +101,6 @@ bench_team *bench_team_create(hs_error *err) {
         (void)hs_fail(err, HS_ERR_MEMORY, "benchmark threads: no memory");
         return NULL;
     }
-    (void)pthread_mutex_init(&team->mutex, NULL);
-    (void)pthread_cond_init(&team->wake, NULL);
-    atomic_store(&team->resting, true);
     const int code = pthread_create(&team->thread, NULL, second_thread, team);
     if (code == 0) {
         find_processors(team);
@@ -107,52 +113,35 @@ bench_team *bench_team_create(hs_error *err) {
 
 void bench_team_destroy(bench_team *team) {
     if (!team) return;
-    bench_team_rest(team);
-    pthread_mutex_lock(&team->mutex);
     team->quit = true;
-    pthread_cond_signal(&team->wake);
-    pthread_mutex_unlock(&team->mutex);
+    (void)start_job(team, NULL, NULL, true);
     (void)pthread_join(team->thread, NULL);
-    (void)pthread_cond_destroy(&team->wake);
-    (void)pthread_mutex_destroy(&team->mutex);
     free(team);
 }
 
 void bench_team_ready(bench_team *team) {
-    unsigned spins = 0;
-    if (!atomic_load(&team->resting)) return;
-    atomic_store(&team->resting, false);
-    pthread_mutex_lock(&team->mutex);
-    team->wanted = true;
-    pthread_cond_signal(&team->wake);
-    pthread_mutex_unlock(&team->mutex);
-    while (!atomic_load(&team->awake)) pause_or_yield(&spins);
+    wait_change(team, &team->finished, start_job(team, NULL, NULL, false), SPINS);
     part_threads(team);
+    /* Once more: moving may have taken longer than it spins. */
+    wait_change(team, &team->finished, start_job(team, NULL, NULL, false), SPINS);
 }
 
 void bench_team_rest(bench_team *team) {
-    unsigned spins = 0;
-    atomic_store(&team->resting, true);
-    while (atomic_load(&team->awake)) pause_or_yield(&spins);
+    wait_change(team, &team->finished, start_job(team, NULL, NULL, true), SPINS);
 }
 
 void bench_team_run(bench_team *team, void (*job)(void *context, unsigned thread), void *context) {
-    unsigned spins = 0;
-    team->job = job;
-    team->context = context;
-    const unsigned number = atomic_load(&team->started) + 1;
-    atomic_store_explicit(&team->started, number, memory_order_release);
+    const unsigned before = start_job(team, job, context, false);
     job(context, 0);
-    while (atomic_load_explicit(&team->finished, memory_order_acquire) != number) pause_or_yield(&spins);
+    wait_change(team, &team->finished, before, SPINS);
 }
 
 void bench_team_barrier(bench_team *team) {
-    unsigned spins = 0;
     const unsigned phase = atomic_load(&team->phase);
     if (atomic_fetch_add(&team->arrived, 1) == BENCH_THREADS - 1) {
         atomic_store(&team->arrived, 0);
-        atomic_fetch_add(&team->phase, 1);
+        move_on(team, &team->phase);
         return;
     }
-    while (atomic_load_explicit(&team->phase, memory_order_acquire) == phase) pause_or_yield(&spins);
+    wait_change(team, &team->phase, phase, SPINS);
 }

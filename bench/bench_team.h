@@ -12,8 +12,9 @@ typedef struct bench_team bench_team;
 bench_team *bench_team_create(hs_error *err);
 void bench_team_destroy(bench_team *team);
 
-/* Wakes the second thread and returns once it runs, so that the next bench_team_run measures work and not the
- * system's wake-up. Until bench_team_rest it spins, and would take a core from anything else. */
+/* Wakes the second thread and returns once it runs, so that a bench_team_run right after measures work and
+ * not the system's wake-up. bench_team_rest lets it sleep at once; otherwise it would look for work some 50
+ * us more, and take a core from others. */
 void bench_team_ready(bench_team *team);
 void bench_team_rest(bench_team *team);
 

@@ -35,6 +35,7 @@ void hs_dvr_defaults(hs_dvr_settings *settings) {
         .ghost_offset = 0.0f,
         .ghost_width = 0.0f,
         .skin = {1.0f, 0.85f, 0.72f},
+        .exposure = 1.0f,
         .skip_empty = true,
     };
     *settings = defaults;
@@ -56,6 +57,7 @@ static bool check_settings(const hs_dvr_settings *s, hs_error *err) {
         {"skin[0]", s->skin[0], 0, 1},
         {"skin[1]", s->skin[1], 0, 1},
         {"skin[2]", s->skin[2], 0, 1},
+        {"exposure", s->exposure, 0.1, 10},
     };
     for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
         if (fields[i].value >= fields[i].low && fields[i].value <= fields[i].high) continue;
@@ -197,7 +199,8 @@ static cl_int set_transfer(hs_dvr *dvr, const view *v, const hs_start_depths *st
     }
     const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
     const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
-    const cl_float4 skin = {{s->skin[0], s->skin[1], s->skin[2], 0.0f}};
+    const float gain = s->exposure;
+    const cl_float4 skin = {{gain * s->skin[0], gain * s->skin[1], gain * s->skin[2], 0.0f}};
     cl_int code = clSetKernelArg(dvr->render, 8, sizeof(cl_mem), map ? &map : NULL);
     code |= clSetKernelArg(dvr->render, 9, sizeof map_dims, &map_dims);
     code |= clSetKernelArg(dvr->render, 10, sizeof to_steps, &to_steps);

@@ -41,6 +41,7 @@ typedef struct {
     float ghost_offset; /* s, in steps: opacity factor 0 up to d_p - s ... */
     float ghost_width;  /* w, in steps: ... rising linearly to 1 at d_p - s + w; 0: a hard cut */
     float skin[3];      /* colour of intensity 1 */
+    float exposure;     /* gain of the finished colour, 0.1..10, saturating; 1 is the formula as it stands */
     bool skip_empty; /* leap over transparent bricks: the same picture, sooner; off for measurements only */
 } hs_dvr_settings;
 

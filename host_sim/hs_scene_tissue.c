@@ -7,7 +7,7 @@
  * bone. Echo levels are set against the display: bone near the top, fluid below its range.
  */
 const hs_tissue_properties hs_tissue_defaults[HS_TISSUE_COUNT] = {
-    [HS_TISSUE_FLUID] = {-66.0f, 0.005f, 1.50f, 1510.0f},
+    [HS_TISSUE_FLUID] = {-70.0f, 0.005f, 1.50f, 1510.0f},
     [HS_TISSUE_WALL] = {-33.0f, 0.55f, 1.65f, 1570.0f},
     [HS_TISSUE_FAT] = {-35.0f, 0.48f, 1.38f, 1450.0f},
     [HS_TISSUE_MUSCLE] = {-33.0f, 0.60f, 1.70f, 1580.0f},

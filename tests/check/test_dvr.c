@@ -302,6 +302,7 @@ static void test_impossible_settings_are_refused(void **state) {
     s = good, s.step = 0.0f, assert_refused(*state, &s, "step");
     s = good, s.termination = 0.0f, assert_refused(*state, &s, "termination");
     s = good, s.ghost_width = -1.0f, assert_refused(*state, &s, "ghost_width");
+    s = good, s.exposure = 0.0f, assert_refused(*state, &s, "exposure");
     s = good, s.skin[2] = 1.5f, assert_refused(*state, &s, "skin[2]");
 }
 

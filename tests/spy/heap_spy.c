@@ -2,6 +2,7 @@
 
 #include "library_range.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stddef.h>
 #include <string.h>
@@ -15,10 +16,13 @@
 #define WITHOUT_HEAP_SPY
 #endif
 
+enum { MOST_BLOCKS = 256 };
+
 static struct {
     library_range watched;
     uint32_t count, fail_in;
-    int32_t live;
+    uint32_t live;
+    void *blocks[MOST_BLOCKS]; /* the live ones: whoever frees one, for a tail call hides its caller */
     bool failed;
 } spy;
 
@@ -35,7 +39,7 @@ void heap_spy_reset(void) {
 uint32_t heap_spy_count(void) {
     return spy.count;
 }
-int32_t heap_spy_live(void) {
+uint32_t heap_spy_live(void) {
     return spy.live;
 }
 bool heap_spy_failed(void) {
@@ -70,35 +74,52 @@ void *calloc(size_t count, size_t bytes);
 void *realloc(void *block, size_t bytes);
 void free(void *block);
 
-/* False if this allocation is to fail. Other threads (the driver's) never return into the library. */
-static bool allowed(const void *caller) {
-    if (!library_range_holds(spy.watched, caller)) return true;
+/* What becomes of an allocation. Other threads (the driver's) never return into the library. */
+typedef enum { FOREIGN, OURS, FAILS } verdict;
+
+static verdict judge(const void *caller) {
+    if (!library_range_holds(spy.watched, caller)) return FOREIGN;
     spy.count++;
-    if (spy.fail_in == 0 || --spy.fail_in > 0) {
-        spy.live++;
-        return true;
-    }
+    if (spy.fail_in == 0 || --spy.fail_in > 0) return OURS;
     spy.failed = true;
     errno = ENOMEM;
-    return false;
+    return FAILS;
+}
+
+static void *keep(verdict v, void *block) {
+    if (v != OURS || !block) return block;
+    assert(spy.live < MOST_BLOCKS);
+    spy.blocks[spy.live++] = block;
+    return block;
+}
+
+static void lose(const void *block) {
+    for (uint32_t i = 0; block && i < spy.live; i++)
+        if (spy.blocks[i] == block) {
+            spy.blocks[i] = spy.blocks[--spy.live];
+            return;
+        }
 }
 
 void *malloc(size_t bytes) {
-    return allowed(__builtin_return_address(0)) ? __libc_malloc(bytes) : NULL;
+    const verdict v = judge(__builtin_return_address(0));
+    return v == FAILS ? NULL : keep(v, __libc_malloc(bytes));
 }
 
 void *calloc(size_t count, size_t bytes) {
-    return allowed(__builtin_return_address(0)) ? __libc_calloc(count, bytes) : NULL;
+    const verdict v = judge(__builtin_return_address(0));
+    return v == FAILS ? NULL : keep(v, __libc_calloc(count, bytes));
 }
 
 void *realloc(void *block, size_t bytes) {
-    if (!allowed(__builtin_return_address(0))) return NULL;
-    if (block && library_range_holds(spy.watched, __builtin_return_address(0))) spy.live--;
-    return __libc_realloc(block, bytes);
+    const verdict v = judge(__builtin_return_address(0));
+    if (v == FAILS) return NULL;
+    lose(block);
+    return keep(v, __libc_realloc(block, bytes));
 }
 
 void free(void *block) {
-    if (block && library_range_holds(spy.watched, __builtin_return_address(0))) spy.live--;
+    lose(block);
     __libc_free(block);
 }
 

@@ -13,7 +13,7 @@ bool heap_spy_works(void);
 void heap_spy_watch(const void *address);
 void heap_spy_reset(void);      /* counts start again at 0, nothing fails; live blocks are kept */
 uint32_t heap_spy_count(void);  /* allocations of the library since the reset */
-int32_t heap_spy_live(void);    /* its allocations less its frees */
+uint32_t heap_spy_live(void);   /* its allocations that nobody has freed */
 void heap_spy_fail(uint32_t n); /* its nth allocation from now on (1, 2, ...) returns NULL; 0: none */
 bool heap_spy_failed(void);     /* that has happened */
 
