@@ -108,24 +108,36 @@ static const char *verdict(bool holds) {
     return holds ? "holds" : "does not hold";
 }
 
+static void print_ratio(const bench_plugin_result *r, const char *what) {
+    const bench_times *frame = &r->times[BENCH_FRAME], *plain = &r->times[BENCH_PLAIN];
+    const double medians = ratio(frame->median, plain->median), minima = ratio(frame->min, plain->min);
+    printf("%4u^3, %-6s slabs of %3u, %-34s at most %.0f x plain C: %5.2f x (%5.2f x)  %s\n", r->variant.n,
+           what, r->variant.slab_slices, bench_route_label(r->variant.route), BENCH_TARGET_RATIO, medians,
+           minima, verdict(medians <= BENCH_TARGET_RATIO && minima <= BENCH_TARGET_RATIO));
+}
+
+/* For each size the first combination that was measured, and the fastest. A busy machine can hide plain C's
+ * speed in the medians: the target holds if it does for medians and for minima. */
 void bench_print_targets(const bench_report *report) {
-    printf("\nTargets\n");
-    for (uint32_t i = 0; i < report->plugin_count; i++) {
-        const bench_plugin_result *r = &report->plugin[i];
-        const double measured = ratio(r->times[BENCH_FRAME].median, r->times[BENCH_PLAIN].median);
-        printf("%4u^3, slabs of %3u, %-34s at most %.0f x plain C:  %5.2f x  %s\n", r->variant.n,
-               r->variant.slab_slices, bench_route_label(r->variant.route), BENCH_TARGET_RATIO, measured,
-               verdict(measured <= BENCH_TARGET_RATIO));
+    printf("\nTargets (in brackets: the ratio of the minima)\n");
+    for (uint32_t first = 0, next; first < report->plugin_count; first = next) {
+        const bench_plugin_result *r = &report->plugin[first], *best = r;
+        for (next = first; next < report->plugin_count && report->plugin[next].variant.n == r->variant.n;
+             next++)
+            if (report->plugin[next].times[BENCH_FRAME].median < best->times[BENCH_FRAME].median)
+                best = &report->plugin[next];
+        print_ratio(r, "first:");
+        if (best != r) print_ratio(best, "best:");
     }
     if (!report->host) return;
     const hs_loop_result *still = &report->host->still.settings[HS_SETTING_SMARTVIS];
     const hs_loop_result *live = &report->host->live.settings[HS_SETTING_SMARTVIS];
-    printf("%-56s at most %.0f ms:      %6.1f ms  %s\n", "clipped DVR", BENCH_TARGET_DVR_MS,
+    printf("%-63s at most %.0f ms:      %6.1f ms  %s\n", "clipped DVR", BENCH_TARGET_DVR_MS,
            still->stage[HS_STAGE_DVR].median,
            verdict(still->stage[HS_STAGE_DVR].median <= BENCH_TARGET_DVR_MS));
-    printf("%-56s at least %.0f a second: %5.1f  %s\n", "whole loop (still camera)", BENCH_TARGET_VOLUMES,
+    printf("%-63s at least %.0f a second: %5.1f  %s\n", "whole loop (still camera)", BENCH_TARGET_VOLUMES,
            still->volumes_per_second, verdict(still->volumes_per_second >= BENCH_TARGET_VOLUMES));
-    printf("%-56s at least %.0f a second: %5.1f  %s\n", "whole loop, a new volume every frame",
+    printf("%-63s at least %.0f a second: %5.1f  %s\n", "whole loop, a new volume every frame",
            BENCH_TARGET_VOLUMES, live->volumes_per_second,
            verdict(live->volumes_per_second >= BENCH_TARGET_VOLUMES));
 }

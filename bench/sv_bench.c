@@ -1,6 +1,7 @@
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
 #include "bench_report.h"
 #include "hs_cli.h"
+#include "hs_output_file.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -273,7 +274,16 @@ static bool run_host_part(bench_run *run, hs_error *err) {
     return true;
 }
 
+/* Finds out now, not after minutes, that a file cannot be written. */
+static bool try_output(const char *path, hs_error *err) {
+    hs_output_file output = {0};
+    if (path && !hs_output_open(&output, path, err)) return false;
+    hs_output_discard(&output);
+    return true;
+}
+
 static bool measure(bench_run *run, hs_error *err) {
+    if (!try_output(run->o.csv, err) || !try_output(run->o.json, err)) return false;
     for (uint32_t i = 0; i < run->o.value_count; i++)
         if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);

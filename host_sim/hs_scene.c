@@ -98,7 +98,7 @@ static bool raster(making *m) {
 }
 
 static bool truth(making *m) {
-    if (m->given) hs_scene_real_combine(&m->field, m->given, m->data->full.voxels);
+    if (m->given) hs_scene_real_combine(&m->field, m->given, &m->data->full);
     if (!hs_scene_truth(&m->field, m->data, m->err)) return false;
     if (m->given) memcpy(m->data->truth.voxels, m->given->voxels, hs_volume_count(m->given));
     return true;
@@ -133,10 +133,10 @@ static bool run_step(making *m, int step) {
         hs_scene_noise(f, spec);
         break;
     case HS_SCENE_STEP_COMPRESS:
-        hs_scene_compress(f, spec, m->data->full.voxels);
+        hs_scene_compress(f, spec, &m->data->full);
         break;
     case HS_SCENE_STEP_FAN:
-        hs_scene_fan(f, spec, m->data->full.voxels);
+        hs_scene_fan(f, spec, &m->data->full);
         break;
     case HS_SCENE_STEP_TRUTH:
         return truth(m);

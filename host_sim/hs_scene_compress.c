@@ -15,14 +15,14 @@ static void compress_slice(void *context, uint32_t z) {
         c->voxels[i] = c->grey[c->field->envelope[i] - HS_LEVEL_SILENT];
 }
 
-void hs_scene_compress(const hs_field *field, const hs_scene_spec *spec, uint8_t *voxels) {
+void hs_scene_compress(const hs_field *field, const hs_scene_spec *spec, hs_volume *full) {
     uint8_t grey[HS_LEVEL_MAX - HS_LEVEL_SILENT + 1];
     for (int i = 0; i < (int)sizeof grey; i++) {
         float db = (float)(i + HS_LEVEL_SILENT) / (float)HS_LEVEL_ONE + spec->gain_db;
         float g = 255.0f * (1.0f + db / spec->dynamic_range_db);
         grey[i] = (uint8_t)lrintf(fminf(fmaxf(g, 1.0f), 255.0f));
     }
-    compress c = {field, grey, voxels};
+    compress c = {field, grey, full->voxels};
     hs_scene_parallel(field->threads, field->n[2], compress_slice, &c);
 }
 

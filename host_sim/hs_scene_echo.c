@@ -1,9 +1,14 @@
 /*
  * What the tissues send back before anything happens to it on the way: scattered echo, of random phase, and
- * the echo of interfaces. The reflection coefficient of an interface is R = (Z2 - Z1) / (Z2 + Z1) (Szabo
- * 2014, chapter 3; in simulation: Burger et al., IEEE Trans. Med. Imaging 32, 2013), and the echo of a rough
- * one falls with a power of the cosine between beam and normal (Kutter et al., Comput. Methods Programs
- * Biomed. 94, 2009).
+ * the echo of interfaces. The amplitude reflected by an interface is R = (Z2 - Z1) / (Z2 + Z1) (Szabo 2014,
+ * chapter 3), and it falls with the angle t between beam and normal as a power of the cosine, as simulators
+ * by geometrical acoustics set it (Kutter, Shams and Navab, Comput. Methods Programs Biomed. 94, 2009; Burger
+ * et al., IEEE Trans. Med. Imaging 32, 2013):
+ *
+ *     L = specular_db + 20 log10(R cos^p t)
+ *
+ * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
+ * fluid.
  */
 #include "hs_scene_field.h"
 #include "hs_scene_threads.h"

@@ -1,8 +1,13 @@
 /*
- * The region a mechanically swept convex probe scans: the beams of one plane leave an arc of radius r_a over
- * the angle azimuth, and the plane is swept over an arc of radius r_s and the angle sweep (Gee, Prager,
- * Treece and Berman, "Engineering a freehand 3D ultrasound system", Pattern Recognit. Lett. 24, 2003, give
- * the geometry). What lies outside, or deeper than the probe listens, holds 0.
+ * The region a mechanically swept convex probe scans (Fenster, Downey and Cardinal, "Three-dimensional
+ * ultrasound imaging", Phys. Med. Biol. 46, 2001, section 3.1: tilt scanning): the beams of one plane leave
+ * an arc of radius r_a over the angle `azimuth`, and the plane is tilted over an arc of radius r_s and the
+ * angle `sweep`. A point (x, y, z), measured from the middle of the probe's surface, is scanned if
+ *
+ *     |x| <= (z + r_a) tan(azimuth / 2),   |y| <= (z + r_s) tan(sweep / 2),
+ *     sqrt(x^2 + (z + r_a)^2) - r_a + sqrt(y^2 + (z + r_s)^2) - (z + r_s) <= depth.
+ *
+ * All else holds 0.
  */
 #include "hs_scene_field.h"
 #include "hs_scene_threads.h"
@@ -35,9 +40,9 @@ static void fan_slice(void *context, uint32_t z) {
     }
 }
 
-void hs_scene_fan(const hs_field *field, const hs_scene_spec *spec, uint8_t *voxels) {
+void hs_scene_fan(const hs_field *field, const hs_scene_spec *spec, hs_volume *full) {
     const float half_degree = 3.14159265f / 360.0f;
-    fan_pass p = {.field = field, .fan = &spec->fan, .voxels = voxels};
+    fan_pass p = {.field = field, .fan = &spec->fan, .voxels = full->voxels};
     p.tan_azimuth = tanf(spec->fan.azimuth_deg * half_degree);
     p.tan_sweep = tanf(spec->fan.sweep_deg * half_degree);
     hs_scene_parallel(field->threads, field->n[2], fan_slice, &p);

@@ -99,13 +99,13 @@ void hs_scene_add_powers(hs_field *field);
 bool hs_scene_side_lobes(hs_field *field, const hs_scene_spec *spec, hs_error *err);
 void hs_scene_noise(hs_field *field, const hs_scene_spec *spec);
 /* Log compression: grey = 255 (1 + (L + gain) / range), 1 .. 255. */
-void hs_scene_compress(const hs_field *field, const hs_scene_spec *spec, uint8_t *voxels);
+void hs_scene_compress(const hs_field *field, const hs_scene_spec *spec, hs_volume *full);
 /* Zeros outside the fan. */
-void hs_scene_fan(const hs_field *field, const hs_scene_spec *spec, uint8_t *voxels);
+void hs_scene_fan(const hs_field *field, const hs_scene_spec *spec, hs_volume *full);
 
 /* A `real` scene: occluders only where the given volume is free, then given volume and occluders in one. */
 void hs_scene_real_place(hs_field *field, const hs_volume *given);
-void hs_scene_real_combine(hs_field *field, const hs_volume *given, uint8_t *full);
+void hs_scene_real_combine(hs_field *field, const hs_volume *given, hs_volume *full);
 
 /* Label, interval, clipping surface and clipped volume from full->voxels (0 = not scanned) and tissue. */
 bool hs_scene_truth(const hs_field *field, hs_scene_data *data, hs_error *err);

@@ -68,7 +68,7 @@ static void combine_row(void *context, uint32_t y) {
     }
 }
 
-void hs_scene_real_combine(hs_field *field, const hs_volume *given, uint8_t *full) {
-    real r = {field, given, full};
+void hs_scene_real_combine(hs_field *field, const hs_volume *given, hs_volume *full) {
+    real r = {field, given, full->voxels};
     hs_scene_parallel(field->threads, field->n[1], combine_row, &r);
 }

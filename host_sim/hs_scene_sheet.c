@@ -117,12 +117,10 @@ static bool draw_histogram(sheet *s) {
     for (int g = 2; g < 256; g++) highest = bins[g] > highest ? bins[g] : highest;
     for (uint32_t j = 0; j < RENDER; j++)
         for (uint32_t i = 0; i < RENDER; i++) {
-            double height = (double)bins[i / 2] / (2.0 * highest) * RENDER;
-            bool threshold = i / 2 == 40 && i % 2 == 1;
-            put(s, i, j,
-                (double)(RENDER - j) <= height ? 0xc9ced6u
-                : threshold                    ? FAR_COLOUR
-                                               : HS_COLOUR_NO_VALUE);
+            const uint32_t level = i / 2,
+                           height = (uint32_t)fmin(0.5 * RENDER * bins[level] / highest, RENDER);
+            const bool threshold = i == 81; /* 40.5 */
+            put(s, i, j, RENDER - j <= height ? 0xc9ced6u : threshold ? FAR_COLOUR : HS_COLOUR_NO_VALUE);
         }
     return place(s, 1, 2, "Histogram 0 .. 255, with T_L");
 }

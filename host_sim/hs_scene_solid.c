@@ -6,8 +6,10 @@
 
 static void to_local(const hs_solid *s, const float p[3], float q[3]) {
     const float d[3] = {p[0] - s->centre[0], p[1] - s->centre[1], p[2] - s->centre[2]};
-    for (int i = 0; i < 3; i++)
-        q[i] = s->axis[3 * i] * d[0] + s->axis[3 * i + 1] * d[1] + s->axis[3 * i + 2] * d[2];
+    for (int i = 0; i < 3; i++) {
+        const float *row = s->axis + (size_t)i * 3;
+        q[i] = row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
+    }
 }
 
 /* First-order distance to an ellipsoid: k0 (k0 - 1) / |grad|, exact on the surface to first order. */
@@ -43,7 +45,7 @@ float hs_solid_distance(const hs_solid *s, const float p[3]) {
     return fmaxf(d, fmaxf(band, fabsf(y) - s->span));
 }
 
-void hs_rotation(const float deg[3], float m[9]) {
+void hs_rotation(const float deg[3], float axis[9]) {
     const double to_rad = 3.14159265358979323846 / 180.0;
     double sx = sin(deg[0] * to_rad), cx = cos(deg[0] * to_rad);
     double sy = sin(deg[1] * to_rad), cy = cos(deg[1] * to_rad);
@@ -58,7 +60,7 @@ void hs_rotation(const float deg[3], float m[9]) {
                          cx * sy * cz + sx * sz,
                          cx * sy * sz - sx * cz,
                          cx * cy};
-    for (int i = 0; i < 9; i++) m[i] = (float)r[i];
+    for (int i = 0; i < 9; i++) axis[i] = (float)r[i];
 }
 
 void hs_frame_point(const hs_solid_frame *f, const float p[3], float out[3]) {

@@ -59,8 +59,8 @@ static kernel gaussian(float sigma_voxels) {
     return k;
 }
 
-/* Quantiles of the normal distribution, scaled to unit variance: Acklam's rational approximation of its
- * inverse is not needed, Newton's method on erf does. */
+/* Quantiles of the normal distribution by Newton's method on its integral, scaled to unit variance. A draw is
+ * one of them, by 12 random bits; the point spread sums many draws. */
 static void make_normal(float *table) {
     double x = -4.5, square = 0.0;
     for (int i = 0; i < QUANTILES; i++) {

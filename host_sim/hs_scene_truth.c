@@ -69,7 +69,7 @@ static void take(spread *s, uint32_t x, uint32_t y, int dx, int dy, float step) 
 }
 
 bool hs_scene_spread(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
-    spread s = {map, malloc((size_t)nx * ny * sizeof(float)), nx, ny};
+    spread s = {map, calloc((size_t)nx * ny, sizeof(float)), nx, ny};
     if (!s.distance) return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %u x %u pixels", nx, ny);
     const float diagonal = 1.41421356f;
     for (size_t i = 0; i < (size_t)nx * ny; i++) {

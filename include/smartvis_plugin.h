@@ -101,7 +101,8 @@ extern "C" {
 #define SV_ABI_MINOR 0u /* adds only: any pair of minors works together */
 
 /* True if the struct at p is long enough to hold `field`. For every field added after 1.0. */
-#define SV_HAS(p, field) ((p)->size >= (uint32_t)((char *)&(p)->field - (char *)(p)) + sizeof((p)->field))
+#define SV_HAS(p, field)                                                                                     \
+    ((p)->size >= (uint32_t)((const char *)&(p)->field - (const char *)(p)) + sizeof((p)->field))
 
 /* OpenCL handles by their tags: the very types cl_mem, cl_context, ... without a CL include. */
 struct _cl_context;

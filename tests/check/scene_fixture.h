@@ -40,7 +40,7 @@ static inline void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tis
     field->seed = 7;
     field->noise_seed = hs_random_key(7, 1000);
     size_t count = (size_t)n * n * n;
-    memset(field->tissue, tissue, count);
+    memset(field->tissue, (int)tissue, count);
     memset(field->surface, tissue == HS_TISSUE_FLUID ? HS_DISTANCE_FAR : -HS_DISTANCE_FAR, count);
     memset(field->bone, HS_DISTANCE_FAR, count);
     for (size_t i = 0; i < count; i++) field->diffuse[i] = field->coherent[i] = HS_LEVEL_SILENT;

@@ -52,6 +52,9 @@ static void every_kernel(void **state) {
     compare_summary all = {0};
     for (uint32_t n = 0; n < 3 * 3 * 4 * 3; n++) {
         const uint32_t substeps = 1 + n / 9 % 4;
+        /* Each build takes a second: padding with every width and with every number of samples, not with
+         * both. */
+        if (n >= 36 && substeps > 1 && n % 3 != substeps % 3) continue;
         rig_format f = layout(*state, 1 + n / 3 % 3, substeps);
         f.width = widths[n % 3];
         f.height = 37;

@@ -208,7 +208,8 @@ static void fan_has_its_borders(void **state) {
     one_tissue_field(&f, N, 0.5f, HS_TISSUE_FLUID); /* 32 mm */
     static uint8_t voxels[N * N * N];
     memset(voxels, 9, sizeof voxels);
-    hs_scene_fan(&f, &spec, voxels);
+    hs_volume volume = {N, N, N, {0.5, 0.5, 0.5}, voxels, "fan"};
+    hs_scene_fan(&f, &spec, &volume);
     for (uint32_t z = 0; z < N; z++) /* x = y = 0.25 mm off the middle; depth z + 0.25 mm */
         assert_int_equal(voxels[hs_field_index(&f, 32, 32, z)], z < 50 ? 9 : 0);
     /* 20.25 tan 30 = 11.69 mm: 23 voxels of 0.5 mm reach 11.25 mm, the next centre is at 11.75. */
@@ -232,7 +233,8 @@ static void compresses_as_stated(void **state) {
     f.envelope[2] = hs_level(3.0f);
     f.envelope[3] = HS_LEVEL_SILENT;
     static uint8_t voxels[N * N * N];
-    hs_scene_compress(&f, &spec, voxels);
+    hs_volume volume = {N, N, N, {0.5, 0.5, 0.5}, voxels, "grey"};
+    hs_scene_compress(&f, &spec, &volume);
     assert_int_equal(voxels[0], 153);
     assert_int_equal(voxels[1], 1);
     assert_int_equal(voxels[2], 255);

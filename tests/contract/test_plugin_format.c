@@ -201,8 +201,10 @@ static void lists_of_values(void **state) {
     fixture *f = *state;
     const sv_plugin *p = f->r.plugin;
     const uint32_t q = rig_param(&f->r, "q");
-    sv_param_value values[] = {
-        {q, 0, 1.5}, {rig_param(&f->r, "kernel"), 0, 3}, {q, 0, 0.5}, {rig_param(&f->r, "kernel"), 0, 23}};
+    sv_param_value values[] = {{q, 0, 1.5},
+                               {rig_param(&f->r, "kernel"), 0, 3},
+                               {q, 0, rig_param_default(&f->r, "q")},
+                               {rig_param(&f->r, "kernel"), 0, 23}};
     assert_int_equal(rig_frame(&f->r, f->textures, values, 4, &f->out), SV_OK);
     assert_memory_equal(f->out.depth, f->good.depth, FIXTURE_RAYS * sizeof(float));
     values[3].value = 24;

@@ -15,7 +15,8 @@ int fixture_setup(void **state) {
     f->out = rig_result_make(FIXTURE_WIDTH, FIXTURE_HEIGHT);
     f->good = rig_result_make(FIXTURE_WIDTH, FIXTURE_HEIGHT);
     rig_settings settings = rig_default_settings();
-    settings.evidence = 0.5;
+    settings.evidence = rig_param_default(&f->r, "evidence");
+    settings.q = (float)rig_param_default(&f->r, "q");
     const sv_ref_volume volume = {f->volume, FIXTURE_WIDTH, FIXTURE_HEIGHT, FIXTURE_SLICES, SV_NO_PADDING};
     rig_expected e = rig_expect(&volume, &settings, false);
     memcpy(f->good.depth, e.depth, FIXTURE_RAYS * sizeof(float));

@@ -89,13 +89,20 @@ void rig_result_free(rig_result *out) {
     memset(out, 0, sizeof *out);
 }
 
-uint32_t rig_param(const rig *r, const char *key) {
-    for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++) {
-        sv_param_info info = {.size = sizeof info};
-        if (r->plugin->param_info(r->plugin, i, &info) == SV_OK && strcmp(info.key, key) == 0) return info.id;
-    }
+static sv_param_info info_of(const rig *r, const char *key) {
+    sv_param_info info = {.size = sizeof info};
+    for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++)
+        if (r->plugin->param_info(r->plugin, i, &info) == SV_OK && strcmp(info.key, key) == 0) return info;
     fail("no parameter", key);
-    return 0;
+    return info;
+}
+
+uint32_t rig_param(const rig *r, const char *key) {
+    return info_of(r, key).id;
+}
+
+double rig_param_default(const rig *r, const char *key) {
+    return info_of(r, key).default_value;
 }
 
 uint32_t rig_values(const rig *r, const rig_settings *s, sv_param_value *values) {

@@ -112,6 +112,7 @@ enum { RIG_MAX_VALUES = 12 };
 uint32_t rig_values(const rig *r, const rig_settings *settings, sv_param_value *values);
 /* Id of the parameter with this key; fails the test if there is none. */
 uint32_t rig_param(const rig *r, const char *key);
+double rig_param_default(const rig *r, const char *key);
 
 /* A seeded volume of the given kind. */
 typedef enum {
