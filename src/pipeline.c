@@ -46,7 +46,7 @@ static sv_status create_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const size_t plane = (size_t)p->padded_width * c->height;
     const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
-    const size_t scratch_rows = (size_t)p->bands * SV_SCRATCH_ROWS;
+    const size_t scratch_rows = p->bands * (size_t)SV_SCRATCH_ROWS;
     sv_buffers *b = &p->buffers;
     sv_status status = SV_OK;
     const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
@@ -57,7 +57,7 @@ static sv_status create_buffers(sv_pipeline *p) {
         b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes, NULL, &status);
     b->state8 = sv_clx_buffer(p->diag, p->device, SV_STATE8_PLANES * plane, NULL, &status);
     b->state16 =
-        sv_clx_buffer(p->diag, p->device, SV_STATE16_PLANES * plane * sizeof(cl_ushort), NULL, &status);
+        sv_clx_buffer(p->diag, p->device, plane * SV_STATE16_PLANES * sizeof(cl_ushort), NULL, &status);
     b->survey = sv_clx_buffer(p->diag, p->device, (size_t)p->bands * 257 * sizeof(cl_uint), NULL, &status);
     b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
     b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);

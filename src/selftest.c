@@ -40,8 +40,8 @@ static void fill_volume(bench *b, int32_t padding) {
 static void fill_slab(bench *b, uint32_t first, uint32_t count) {
     for (uint32_t s = 0; s < count; s++)
         for (size_t y = 0; y < HEIGHT; y++) {
-            const size_t row = s / TILES_X * HEIGHT + y;
-            memcpy(b->slab + row * TILES_X * WIDTH + s % TILES_X * WIDTH,
+            const size_t row = (size_t)(s / TILES_X) * HEIGHT + y;
+            memcpy(b->slab + row * TILES_X * WIDTH + (size_t)(s % TILES_X) * WIDTH,
                    b->volume + ((size_t)(first + s) * HEIGHT + y) * WIDTH, WIDTH);
         }
 }
