@@ -5,6 +5,7 @@
  */
 #include "plain_parts.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Rows of a thread: column sums with k / 2 zeros on either side, window sums, 1 / (sum of weights). */
@@ -71,7 +72,7 @@ static void row_surface(uint32_t width, float slices_per_unit, const uint32_t *r
     for (uint32_t x = 0; x < width; x++) {
         const float mean = (float)sum[x] * inverse[x];
         surface[x] = mean * slices_per_unit;
-        next[x] = weight[x] * (uint32_t)(mean + 0.5f);
+        next[x] = weight[x] * (uint32_t)rintf(mean); /* halves to even: they do not drift over many passes */
     }
 }
 

@@ -84,7 +84,7 @@ static bool draw_maps(sheet *s) {
     for (uint32_t j = 0; j < RENDER; j++)
         for (uint32_t i = 0; i < RENDER; i++)
             put(s, i, j, hs_colour_label(s->data->label[(size_t)at(j, v->ny) * v->nx + at(i, v->nx)]));
-    if (!place(s, 3, 1, "Label map: fetus, sac only, neither")) return false;
+    if (!place(s, 3, 1, "Label map: fetus orange, sac only blue")) return false;
     for (uint32_t j = 0; j < RENDER; j++)
         for (uint32_t i = 0; i < RENDER; i++) {
             size_t pixel = (size_t)at(j, v->ny) * v->nx + at(i, v->nx);

