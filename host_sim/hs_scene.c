@@ -37,14 +37,6 @@ const char *hs_scene_title(const hs_scene *scene) {
     return scene->spec.title;
 }
 
-bool hs_scene_is_real(const hs_scene *scene) {
-    return scene->spec.real;
-}
-
-bool hs_scene_moves(const hs_scene *scene) {
-    return scene->spec.motion.on;
-}
-
 /* A name without a slash or a dot is a built-in case; SMARTVIS_SCENES names another folder for them. */
 static void scene_path(const char *name_or_path, char *path, size_t size) {
     const char *folder = getenv("SMARTVIS_SCENES");

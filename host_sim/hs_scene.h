@@ -14,10 +14,10 @@ typedef struct {
     hs_volume full;  /* what the probe delivers */
     hs_volume truth; /* the same with everything before a correct clipping surface removed (set to 1) */
     uint8_t *label;  /* HS_LABEL_* */
-    float *near_end; /* nearest admissible clipping depth; NAN where the label is 0 */
-    float *far_end;  /* farthest admissible clipping depth; NAN where the label is 0. Both are voxel centres,
-                        and all  voxels from near to far are fluid. A fetus that is touched by its occluder has
-                        no fluid  before it: near = far = the first voxel of the fetus. */
+    /* Nearest and farthest admissible clipping depth; NAN where the label is 0. Both are voxel centres, and
+     * all voxels from near to far are fluid. A fetus that is touched by its occluder has no fluid before it:
+     * near = far = the first voxel of the fetus. */
+    float *near_end, *far_end;
     /* The clipping surface of `truth`: the middle of the interval, or deeper where an occluder beside the ray
      * ends deeper, always inside the interval; on label 0 carried on from the nearest pixel that has one.
      * Voxels z < clip are removed. */
@@ -49,7 +49,7 @@ typedef struct {
 /* A step's name, e.g. "edge shadow". */
 const char *hs_scene_step_name(int step);
 
-/* Names of the built-in scenes: "D01", ..., "M03", "real"; NULL from the last on. */
+/* Names of the built-in scenes: "E01", ..., "D02", "real"; NULL from the last on. */
 const char *hs_scene_builtin(uint32_t index);
 
 /* A scene that was read from its file. Read-only after that: any number of threads may generate from it. */
@@ -60,21 +60,20 @@ typedef struct hs_scene hs_scene;
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
 void hs_scene_close(hs_scene *scene);
 const char *hs_scene_name(const hs_scene *scene);
-/* True for a scene of kind "real": it needs a given volume. */
-bool hs_scene_is_real(const hs_scene *scene);
-/* True if the scene lists motion: frames differ in more than their speckle. */
-bool hs_scene_moves(const hs_scene *scene);
 /* What the thesis says of the case, one sentence. */
 const char *hs_scene_title(const hs_scene *scene);
 
 typedef struct {
-    uint32_t size; /* voxels per axis, 32 .. 512; not read for a `real` scene, which has its volume's */
-    uint64_t seed; /* 0: the scene's own. Speckle, noise and the places of particles come from it */
-    uint32_t
-        frame; /* of the scene's motion; 0 is the scene as it stands in the file. Fresh speckle per frame */
-    uint32_t threads; /* 0: one per processor. The bytes do not depend on it */
-    uint64_t skip; /* artefacts to leave out although the scene lists them: bits 1 << HS_SCENE_STEP_*. For the
-                      table of costs and for tests */
+    /* Voxels per axis, 32 .. 512; not read for a `real` scene, which has its volume's. */
+    uint32_t size;
+    /* 0: the scene's own. Speckle, noise and the places of particles come from it. */
+    uint64_t seed;
+    /* Of the scene's motion; 0 is the scene as it stands in the file. Every frame has speckle of its own. */
+    uint32_t frame;
+    /* 0: one per processor. The bytes do not depend on it. */
+    uint32_t threads;
+    /* Artefacts to leave out although the scene lists them: bits 1 << HS_SCENE_STEP_*. */
+    uint64_t skip;
     /* MetaImage volume that a scene of kind "real" puts its occluders before; NULL for all others. */
     const char *real;
 } hs_scene_options;

@@ -240,6 +240,9 @@ static bool read_artefacts(const hs_json *array, hs_scene_spec *spec) {
         hs_json_element(array, i, &object);
         if (!read_artefact(&object, spec)) return false;
     }
+    const float *to = spec->far_band.direction;
+    if (spec->far_band.on && to[0] == 0.0f && to[1] == 0.0f && to[2] == 0.0f)
+        return hs_json_fail(array, "the far_band's direction is 0, 0, 0");
     return true;
 }
 

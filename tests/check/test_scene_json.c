@@ -69,6 +69,10 @@ static void tells_line_and_field(void **state) {
                 "x.json:8: artefacts[1].type: 'noise' is listed twice");
     refuse_part("", "{ \"type\": \"speckle\" }", "artefacts[0]: has no field 'axial_mm'");
     refuse_part("", "{ \"level_db\": 3 }", "artefacts[0]: has no field 'type'");
+    refuse_part("",
+                "{ \"type\": \"far_band\", \"gap_mm\": 1, \"thickness_mm\": 1, \"level_db\": 0,\n"
+                "\"direction\": [0, 0, 0], \"angle_deg\": 20 }",
+                "direction is 0, 0, 0");
     refuse_part("7", "", "x.json:4: structures[0]: is a number, expected an object");
 }
 
@@ -84,6 +88,38 @@ static void locates_values(void **state) {
     assert_int_equal(hs_json_line(text, "f"), 5);
     assert_int_equal(hs_json_line(text, "c[9].e"), 2); /* the nearest that is there */
     assert_int_equal(hs_json_line(text, "zzz"), 1);
+}
+
+/* Every byte of a real scene file in turn left out, doubled, or made something else: a scene or an error with
+ * a text, never a crash (the sanitizers look on). */
+static void survives_broken_files(void **state) {
+    (void)state;
+    static char text[16384], broken[16400];
+    const char *folder = getenv("SV_SOURCE_DIR");
+    char path[1024];
+    snprintf(path, sizeof path, "%s/data/scenes/M03.json", folder ? folder : ".");
+    FILE *file = fopen(path, "rb");
+    if (!file) skip();
+    size_t length = fread(text, 1, sizeof text - 1, file), refused = 0, variants = 0;
+    fclose(file);
+    assert_true(length > 1000 && length < sizeof text - 1);
+    const char put[] = {'0', '-', '"', '[', '}', '\\'};
+    for (size_t i = 0; i < length; i++)
+        for (size_t v = 0; v < 2 + sizeof put; v++, variants++) {
+            size_t kept = v == 0 ? 0 : v == 1 ? 2 : 1;
+            memcpy(broken, text, i);
+            for (size_t k = 0; k < kept; k++) broken[i + k] = v < 2 ? text[i] : put[v - 2];
+            memcpy(broken + i + kept, text + i + 1, length - i - 1);
+            broken[length - 1 + kept] = '\0';
+            hs_scene_spec spec;
+            hs_error err = {0};
+            if (hs_scene_read_text(path, broken, &spec, &err)) continue;
+            refused++;
+            assert_int_equal(err.code, HS_ERR_INPUT);
+            assert_non_null(strstr(err.text, "M03.json:"));
+        }
+    printf("%zu of %zu broken files refused\n", refused, variants);
+    assert_true(refused > variants / 2);
 }
 
 static void names_missing_files_and_bad_options(void **state) {
@@ -107,11 +143,9 @@ static void names_missing_files_and_bad_options(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_defaults),
-        cmocka_unit_test(tells_the_line_of_syntax_errors),
-        cmocka_unit_test(tells_line_and_field),
-        cmocka_unit_test(locates_values),
-        cmocka_unit_test(names_missing_files_and_bad_options),
+        cmocka_unit_test(reads_defaults),        cmocka_unit_test(tells_the_line_of_syntax_errors),
+        cmocka_unit_test(tells_line_and_field),  cmocka_unit_test(locates_values),
+        cmocka_unit_test(survives_broken_files), cmocka_unit_test(names_missing_files_and_bad_options),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
