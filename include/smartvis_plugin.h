@@ -240,9 +240,9 @@ typedef struct sv_format {
     uint32_t voxel_type;      /* SV_VOXEL_U8 */
     uint32_t carrier;         /* SV_CARRIER_HOST .. SV_CARRIER_IMAGE */
     int32_t padding_value;    /* 0 .. 255: voxels of this value were not scanned; or SV_NO_PADDING */
-    uint32_t tiles_x;         /* tiles in one row of a slab texture, >= 1 */
-    uint32_t tile_w;          /* voxels from one tile to the next in x, >= width */
-    uint32_t tile_h;          /* texture rows from one tile to the next in y, >= height */
+    uint32_t tiles_x;         /* tiles in one row of a slab texture, 1 .. 8192 */
+    uint32_t tile_w;          /* voxels from one tile to the next in x, width .. 16384 */
+    uint32_t tile_h;          /* texture rows from one tile to the next in y, height .. 16384 */
     uint32_t row_pitch;       /* bytes from one texture row to the next, >= tiles_x * tile_w * voxel bytes */
 
     struct _cl_context *context;
@@ -274,7 +274,7 @@ typedef struct sv_frame {
 
 /*
  * One slab. Exactly one carrier, the one named in the format. The contents must not change until the
- * commands of this frame have run (host queue) or end has returned (own queue).
+ * commands of this frame have run (host queue), or end or a call that failed has returned (own queue).
  */
 typedef struct sv_slab {
     uint32_t size;
@@ -377,8 +377,9 @@ struct sv_plugin {
      * An enum's value text is its name. */
     sv_status (*param_text)(const sv_plugin *plugin, uint32_t id, double value, char *out, uint32_t bytes);
 
-    /* [control] or [frame] The reason of the last call that did not return SV_OK, or "". UTF-8, valid until
-     * the next call of this instance. */
+    /* [control] or [frame] The reason of the last [control] or [frame] call that did not return SV_OK, or ""
+     * if the last one did. UTF-8, valid until the next such call of this instance. Calls for [any] thread
+     * only log. */
     const char *(*last_error)(const sv_plugin *plugin);
 
     /* [any] An extension's const table by its id, or NULL. Valid until destroy. */

@@ -55,6 +55,7 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config) {
         char text[96];
         (void)snprintf(text, sizeof text, "no vectors of %u rays on this device; going on with 16", widest);
         sv_log(&in->diag, SV_LOG_INFO, text);
+        in->diag.last_error[0] = '\0'; /* nothing has failed yet */
     }
     return build_and_test(in, config, 16);
 }

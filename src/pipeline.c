@@ -26,7 +26,9 @@ static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
 }
 
 bool sv_pipeline_needs_wide(const sv_config *c) {
-    return sv_ref_fixed_format(c->width, c->height, c->slices, SV_MAX_K, 4).wide;
+    for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
+        if (sv_ref_fixed_format(c->width, c->height, c->slices, k, 4).wide) return true;
+    return false;
 }
 
 static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
@@ -73,14 +75,6 @@ static sv_status create_buffers(sv_pipeline *p) {
     return status;
 }
 
-/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. Two
- * more show that nothing is left to reach when the fill weight is 0. */
-static uint32_t pass_limit(const sv_config *c, uint32_t k) {
-    const uint32_t longest = c->width > c->height ? c->width : c->height;
-    const uint32_t limit = (longest - 1 + k / 2 - 1) / (k / 2);
-    return limit < 3 ? 3 : limit;
-}
-
 sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, sv_program *narrow,
                              sv_program *wide, sv_timing *timing, const sv_config *config) {
     *p = (sv_pipeline){
@@ -88,7 +82,7 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->config.strategy = resolve_strategy(device, config);
     p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
     p->bands = band_count(device, &p->config);
-    p->pass_capacity = pass_limit(config, 3);
+    p->pass_capacity = sv_ref_pass_limit(config->width, config->height, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
     if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
         p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
@@ -120,7 +114,7 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
     j->k = (uint32_t)v[SV_PARAM_KERNEL];
     sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
-    j->pass_limit = pass_limit(c, j->k);
+    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
     const sv_ref_fixed format = sv_ref_fixed_format(c->width, c->height, c->slices, j->k, j->weight_initial);
     j->fraction = format.fraction;
     p->program = format.wide ? p->wide : p->narrow;

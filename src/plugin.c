@@ -89,8 +89,13 @@ static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
 static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result *result) {
     if (!in->device.owned) return SV_OK;
     const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);
-    if (status != SV_OK || !result->stats) return status;
-    return result->stats->outcome;
+    const sv_stats *stats = result->stats;
+    if (status != SV_OK || !stats || stats->outcome == SV_OK) return status;
+    return sv_report(
+        &in->diag, SV_LOG_DEBUG, stats->outcome,
+        "%s: %s: %u initial points, %u of them surely behind fluid, %u of %u pixels without a surface", call,
+        stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points, stats->sure_points,
+        stats->unfilled, stats->rays);
 }
 
 static sv_status output(sv_instance *in, const char *call, const sv_values *values, const sv_result *result) {
@@ -127,7 +132,9 @@ static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *va
     sv_status status =
         sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
+    in->pipeline.timing = NULL; /* the times stay those of the frame */
     if (status == SV_OK) status = output(in, "adjust", &adjusted, result);
+    in->pipeline.timing = &in->timing;
     return status < 0 ? let_go(in, status) : status;
 }
 
@@ -136,13 +143,22 @@ static uint32_t plugin_param_count(const sv_plugin *plugin) {
     return sv_params_count();
 }
 
+/* Calls from any thread tell the host's log what is wrong, but leave last_error to the instance's own
+ * threads. */
+static sv_diag diag_of_any_thread(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return (sv_diag){.host = in->diag.host};
+}
+
 static sv_status plugin_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
-    return sv_params_info(&instance_of(plugin)->diag, index, out);
+    sv_diag diag = diag_of_any_thread(plugin);
+    return sv_params_info(&diag, index, out);
 }
 
 static sv_status plugin_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
                                    uint32_t bytes) {
-    return sv_params_text(&instance_of(plugin)->diag, id, value, out, bytes);
+    sv_diag diag = diag_of_any_thread(plugin);
+    return sv_params_text(&diag, id, value, out, bytes);
 }
 
 static const char *plugin_last_error(const sv_plugin *plugin) {

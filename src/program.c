@@ -46,12 +46,15 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
     /* For those who debug kernels, and for the test of a build that fails. */
     const char *more = getenv("SMARTVIS_BUILD_OPTIONS");
     char options[512];
-    (void)snprintf(options, sizeof options,
-                   "-cl-std=CL1.2%s -DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d "
-                   "-DSV_WIDE_SUMS=%d -DSV_FETCH_AHEAD=%d %s",
-                   exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", structure->substeps,
-                   structure->strip, structure->padded, structure->wide_sums, structure->fetch_ahead,
-                   more ? more : "");
+    const int length_wanted = snprintf(options, sizeof options,
+                                       "-cl-std=CL1.2%s -DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d "
+                                       "-DSV_WIDE_SUMS=%d -DSV_FETCH_AHEAD=%d %s",
+                                       exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+                                       structure->substeps, structure->strip, structure->padded,
+                                       structure->wide_sums, structure->fetch_ahead, more ? more : "");
+    if (length_wanted < 0 || (size_t)length_wanted >= sizeof options)
+        return sv_fail(diag, SV_ERR_BUILD, "SMARTVIS_BUILD_OPTIONS is too long (%zu characters)",
+                       more ? strlen(more) : 0);
     const char *text = (const char *)sv_kernel_source;
     const size_t length = sv_kernel_source_size;
     cl_int code = CL_SUCCESS;

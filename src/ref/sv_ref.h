@@ -99,6 +99,10 @@ bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uin
  * pair). */
 void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled);
 
+/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. At
+ * least three, so that a fill weight of 0 is seen to reach nothing new. */
+uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k);
+
 /* Fixed-point format of the kernels for a window: fraction bits, and whether sums need 64 bits. */
 typedef struct {
     uint32_t fraction;

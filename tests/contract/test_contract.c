@@ -163,8 +163,10 @@ static void null_arguments(void **state) {
     assert_int_equal(fixture_begin(f), SV_OK);
     assert_int_equal(fixture_slabs(f), SV_OK);
     fixture_refused(f, p->end(p, NULL), SV_ERR_ARGUMENT, "result is NULL");
-    fixture_refused(f, p->param_info(p, 0, NULL), SV_ERR_ARGUMENT, "out is NULL");
-    fixture_refused(f, p->param_text(p, 1, 0.0, NULL, 10), SV_ERR_ARGUMENT, "no room");
+    fixture_keep_reason(f);
+    fixture_refused_anywhere(f, p->param_info(p, 0, NULL), SV_ERR_ARGUMENT, "out is NULL");
+    fixture_keep_reason(f);
+    fixture_refused_anywhere(f, p->param_text(p, 1, 0.0, NULL, 10), SV_ERR_ARGUMENT, "no room");
     const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
     fixture_refused(f, stats->stage_times(p, NULL), SV_ERR_ARGUMENT, "out is NULL");
     assert_null(p->get_extension(p, NULL));
@@ -206,7 +208,8 @@ static void structs_too_short(void **state) {
         result.size = cut[i];
         fixture_refused(f, p->end(p, &result), SV_ERR_SIZE, text);
         sv_param_info info = {.size = cut[i]};
-        fixture_refused(f, p->param_info(p, 0, &info), SV_ERR_SIZE, text);
+        fixture_keep_reason(f);
+        fixture_refused_anywhere(f, p->param_info(p, 0, &info), SV_ERR_SIZE, text);
         sv_stage_times times = {.size = cut[i]};
         fixture_refused(f, stats->stage_times(p, &times), SV_ERR_SIZE, text);
     }

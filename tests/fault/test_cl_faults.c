@@ -42,7 +42,7 @@ static bool activate_failing(fixture *f, uint32_t n) {
         fixture_frame_is_good(f);
         f->r.plugin->deactivate(f->r.plugin);
     } else {
-        const bool build = strcmp(failed, "clBuildProgram") == 0;
+        const bool build = failed && strcmp(failed, "clBuildProgram") == 0;
         const sv_status expected = build               ? SV_ERR_BUILD
                                    : is_search(failed) ? SV_ERR_NO_DEVICE
                                                        : SV_ERR_OPENCL;

@@ -99,6 +99,18 @@ void fixture_frame_is_good(fixture *f) {
     assert_int_equal(f->out.stats.points, f->good.stats.points);
 }
 
+void fixture_keep_reason(fixture *f) {
+    (void)snprintf(f->reason, sizeof f->reason, "%s", f->r.plugin->last_error(f->r.plugin));
+}
+
+void fixture_refused_anywhere(fixture *f, sv_status status, sv_status expected, const char *text) {
+    const char *reason = f->r.plugin->last_error(f->r.plugin);
+    if (status != expected) fail_msg("status is %d, expected %d (%s)", status, expected, text);
+    if (!strstr(f->r.last_log, text))
+        fail_msg("the log's last line is '%s', expected '%s' in it", f->r.last_log, text);
+    if (strcmp(reason, f->reason) != 0) fail_msg("last_error became '%s' from '%s'", reason, f->reason);
+}
+
 void fixture_refused(fixture *f, sv_status status, sv_status expected, const char *text) {
     const char *reason = f->r.plugin->last_error(f->r.plugin);
     if (status != expected)
