@@ -1,4 +1,5 @@
 #include "fixture.h"
+#include <stdio.h>
 
 #include <setjmp.h>
 #include <stdarg.h>
