@@ -89,6 +89,21 @@ typedef struct {
     unsigned int pass_limit;                    /* passes that are enough for any set of points */
 } sv_job;
 
+/* Slabs that one launch takes: a launch costs as much as a million voxels. They follow each other, in one
+ * buffer. */
+#define SV_BATCH 8
+#ifdef __OPENCL_VERSION__
+typedef ulong sv_offset;
+#else
+typedef unsigned long long sv_offset;
+#endif
+typedef struct {
+    sv_offset offset[SV_BATCH];    /* bytes from the buffer's start to each slab's texture */
+    unsigned int slices[SV_BATCH]; /* slices of each slab */
+    unsigned int count;            /* slabs */
+    unsigned int first_slice;      /* of the first slab */
+} sv_batch;
+
 #define SV_OUTCOME_OK         0
 #define SV_OUTCOME_NO_SURFACE 1
 #define SV_OUTCOME_PARTIAL    2

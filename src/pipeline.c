@@ -7,6 +7,8 @@
  * as a pass (docs/performance.md, "bands or one launch"). */
 enum { SINGLE_MAX_PIXELS = 200 * 200 };
 enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };
+/* Slabs wait until they hold this many voxels: about what a launch costs, so waiting longer gains nothing. */
+enum { BATCH_VOXELS = 1 << 20 };
 
 uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
     if (slices == 0) return 0;
@@ -120,6 +122,7 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     p->program = format.wide ? p->wide : p->narrow;
     p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
     p->next_slice = 0;
+    p->batch = (sv_batch){0};
     if (p->timing) sv_timing_reset(p->timing);
 }
 
@@ -153,24 +156,42 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
                         "slab: clEnqueueCopyImageToBuffer");
 }
 
-sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
+/* Launches the profile of the slabs that wait. */
+static sv_status launch_profile(sv_pipeline *p) {
     const sv_config *c = &p->config;
-    cl_mem buffer = NULL;
-    uint64_t offset = 0;
-    const sv_status status = place_slab(p, slab, &buffer, &offset);
-    if (status != SV_OK) return status;
     const bool rays = c->strategy == SV_STRATEGY_RAYS;
     sv_launch l = rays ? SV_LAUNCH(p, profile_rays) : SV_LAUNCH(p, profile_strip);
-    sv_launch_buffer(&l, buffer);
-    sv_launch_arg(&l, sizeof offset, &offset);
-    const uint32_t numbers[] = {c->row_pitch,       c->tiles_x,    c->tile_w,
-                                c->tile_h,          c->width,      p->padded_width,
-                                c->height,          p->next_slice, slab->slice_count,
-                                p->job.fluid_level, p->level_n,    (uint32_t)c->padding & 255u};
+    sv_launch_buffer(&l, p->batch_buffer);
+    sv_launch_arg(&l, sizeof p->batch, &p->batch);
+    const uint32_t numbers[] = {
+        c->row_pitch,    c->tiles_x, c->tile_w,          c->tile_h,  c->width,
+        p->padded_width, c->height,  p->job.fluid_level, p->level_n, (uint32_t)c->padding & 255u};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
     sv_launch_buffer(&l, p->buffers.state8);
     sv_launch_buffer(&l, p->buffers.state16);
-    p->next_slice += slab->slice_count;
+    p->batch = (sv_batch){.first_slice = p->next_slice};
     return rays ? sv_launch_pixels(&l, c->width, c->height, SV_STAGE_PROFILE)
                 : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+}
+
+/* True if the slabs that wait are worth a launch, or cannot wait: copied slabs share one buffer, and the last
+ * slab ends the volume. */
+static bool batch_is_due(const sv_pipeline *p) {
+    const sv_config *c = &p->config;
+    const uint32_t slices = p->next_slice - p->batch.first_slice;
+    return p->batch_buffer == p->buffers.slab || p->batch.count == SV_BATCH || p->next_slice == c->slices ||
+           (uint64_t)c->width * c->height * slices >= BATCH_VOXELS;
+}
+
+sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
+    cl_mem buffer = NULL;
+    uint64_t offset = 0;
+    sv_status status = place_slab(p, slab, &buffer, &offset);
+    if (status == SV_OK && p->batch.count > 0 && buffer != p->batch_buffer) status = launch_profile(p);
+    if (status != SV_OK) return status;
+    p->batch_buffer = buffer;
+    p->batch.offset[p->batch.count] = offset;
+    p->batch.slices[p->batch.count++] = slab->slice_count;
+    p->next_slice += slab->slice_count;
+    return batch_is_due(p) ? launch_profile(p) : SV_OK;
 }
