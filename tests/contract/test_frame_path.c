@@ -57,7 +57,7 @@ static void quiet_frame(fixture *f, const sv_result *result) {
     assert_quiet("begin", 0, 0);
     for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
         assert_int_equal(fixture_slab(f, n), SV_OK);
-        assert_quiet("slab", 0, 1);
+        assert_quiet("slab", 0, n + 1 == FIXTURE_SLABS); /* slabs before the last may share its launch */
     }
     assert_int_equal(p->end(p, result), SV_OK);
     assert_quiet("end", waits, 2);
