@@ -1,6 +1,6 @@
 /* What stands around a method (src/method.h): the depths of the initial points, and the frame's record. */
-#ifndef SV_SHARED_H
-#include "sv_shared.h"
+#ifndef SV_RECORD_CLH
+#include "record.clh"
 #endif
 #pragma OPENCL FP_CONTRACT OFF
 
@@ -8,7 +8,7 @@
 __kernel void chain_begin(uint pass_limit, __global uint *restrict record) {
     record[SV_REC_PASSES] = 0;
     record[SV_REC_UNFILLED] = record[SV_REC_RAYS];
-    record[SV_REC_OUTCOME] = record[SV_REC_POINTS] > 0 ? SV_OUTCOME_PARTIAL : SV_OUTCOME_NO_SURFACE;
+    record[SV_REC_OUTCOME] = SV_OUTCOME_NO_SURFACE;
     for (uint pass = 0; pass < pass_limit; pass++) record[SV_REC_PASS0 + pass] = 0;
 }
 
@@ -35,9 +35,9 @@ __kernel void chain_gather(uint padded_width, uint height, __global const ushort
     vstore16(select(far, empty, none), 0, maps + plane + i);
 }
 
-/* One work item: every pixel got its surface, if there was a point. */
+/* One work item: every pixel got its surface, if there is one. */
 __kernel void chain_done(uint passes, __global uint *restrict record) {
-    if (record[SV_REC_POINTS] == 0) return;
+    if (!surface_wanted(record)) return;
     record[SV_REC_PASSES] = passes;
     record[SV_REC_UNFILLED] = 0;
     record[SV_REC_OUTCOME] = SV_OUTCOME_OK;

@@ -57,10 +57,10 @@ static void ray_slice(ray_t *r, uint v, uint slice, uint level, uint level_n, ui
     r->last = v;
 }
 
-__kernel void profile_rays(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
-                           uint tiles_x, uint tile_w, uint tile_h, uint width, uint padded_width, uint height,
-                           uint first_slice, uint slice_count, uint level, uint level_n, uint padding,
-                           __global uchar *restrict state8, __global ushort *restrict state16) {
+__kernel void profile_rays(__global const uchar *restrict slabs, sv_batch batch, uint row_pitch, uint tiles_x,
+                           uint tile_w, uint tile_h, uint width, uint padded_width, uint height, uint level,
+                           uint level_n, uint padding, __global uchar *restrict state8,
+                           __global ushort *restrict state16) {
     const uint x = (uint)get_global_id(0);
     const uint y = (uint)get_global_id(1);
     if (x >= width) return;
@@ -68,7 +68,8 @@ __kernel void profile_rays(__global const uchar *restrict slab, ulong slab_offse
     __global uchar *s8 = state8 + (size_t)y * padded_width + x;
     __global ushort *s16 = state16 + (size_t)y * padded_width + x;
     ray_t r = {0, 1, 0, 0, 0, 0, 0};
-    if (first_slice > 0) {
+    uint slice = batch.first_slice;
+    if (slice > 0) {
         r.maximum = s8[SV_STATE_MAX * plane_size];
         r.tissue = s8[SV_STATE_TISSUE * plane_size] != 0;
         r.last = s8[SV_STATE_LAST * plane_size];
@@ -77,11 +78,12 @@ __kernel void profile_rays(__global const uchar *restrict slab, ulong slab_offse
         r.max_entry = s16[SV_STATE_MAX_ENTRY * plane_size];
         r.max_exit = s16[SV_STATE_MAX_EXIT * plane_size];
     }
-    for (uint i = 0; i < slice_count; i++) {
-        const size_t row = (size_t)(i / tiles_x) * tile_h + y;
-        const uint v = slab[slab_offset + row * row_pitch + (size_t)(i % tiles_x) * tile_w + x];
-        ray_slice(&r, v, first_slice + i, level, level_n, padding);
-    }
+    for (uint n = 0; n < batch.count; n++)
+        for (uint i = 0; i < batch.slices[n]; i++, slice++) {
+            const size_t row = (size_t)(i / tiles_x) * tile_h + y;
+            const uint v = slabs[batch.offset[n] + row * row_pitch + (size_t)(i % tiles_x) * tile_w + x];
+            ray_slice(&r, v, slice, level, level_n, padding);
+        }
     s8[SV_STATE_MAX * plane_size] = (uchar)r.maximum;
     s8[SV_STATE_TISSUE * plane_size] = r.tissue ? (uchar)255 : (uchar)0;
     s8[SV_STATE_LAST * plane_size] = (uchar)r.last;

@@ -1,5 +1,5 @@
 /*
- * Ray profiles (spec 3; thesis Algorithm 4.1) for CPU devices: one slab is merged into the state every ray
+ * Ray profiles (spec 3; thesis Algorithm 4.1) for CPU devices: slabs are merged into the state every ray
  * carries.
  *
  * Access: a work item owns one row y of rays. It walks the row in vectors of SV_STRIP rays and, for each
@@ -180,41 +180,59 @@ static void strip_merge(const strip_t *s, u8v old_maximum, __global uchar *state
 #endif
 }
 
-__kernel void profile_strip(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
+/* What a work item needs to know of the map and of the state. */
+typedef struct {
+    uint y, width, padded_width, height;
+    __global uchar *state8;
+    __global ushort *state16;
+} strip_row_t;
+
+/* Slices done .. done + count - 1 of a slab (no more than fit a chunk) for every vector of a row. `texture`
+ * is the slab's texture at this row, `before` the slices of the volume that came before slice `done`. */
+static void strip_row(const strip_row_t *r, __global const uchar *texture, strip_texture_t t, uint done,
+                      uint count, uint before, strip_levels_t levels) {
+    __global uchar *state8 = r->state8;
+    __global ushort *state16 = r->state16;
+    const size_t plane_size = (size_t)r->padded_width * r->height;
+    const bool clip = r->width < SV_STRIP;
+    const bool first = before == 0;
+    const int base = ((int)before - 1) * SV_SUBSTEPS;
+    for (uint column = 0; column < r->width; column += SV_STRIP) {
+        const bool overlaps = column + SV_STRIP > r->width && !clip;
+        const uint x = overlaps ? r->width - SV_STRIP : column;
+        const u8v keep = overlaps ? first_lanes(column - x) : U8V(0);
+        const size_t offset = (size_t)r->y * r->padded_width + x;
+        strip_t s;
+        s.maximum = first ? U8V(0) : U8V_LOAD(STATE_AT(state8, SV_STATE_MAX));
+        s.tissue = first ? U8V(255) : U8V_LOAD(STATE_AT(state8, SV_STATE_TISSUE));
+        s.last = U8V(0);
+#if SV_SUBSTEPS > 1
+        if (!first) s.last = U8V_LOAD(STATE_AT(state8, SV_STATE_LAST));
+#endif
+        s.entry = s.exit = s.max_entry = s.max_exit = U8V(0);
+        const u8v old_maximum = s.maximum;
+        if (clip)
+            strip_chunk(&s, texture, t, x, r->width, done, count, first, levels, true);
+        else
+            strip_chunk(&s, texture, t, x, r->width, done, count, first, levels, false);
+        strip_merge(&s, old_maximum, state8, state16, plane_size, offset, base, first, keep, overlaps);
+    }
+}
+
+__kernel void profile_strip(__global const uchar *restrict slabs, sv_batch batch, uint row_pitch,
                             uint tiles_x, uint tile_w, uint tile_h, uint width, uint padded_width,
-                            uint height, uint first_slice, uint slice_count, uint level, uint level_n,
-                            uint padding, __global uchar *restrict state8,
-                            __global ushort *restrict state16) {
-    const uint y = (uint)get_global_id(0);
-    const size_t plane_size = (size_t)padded_width * height;
+                            uint height, uint level, uint level_n, uint padding,
+                            __global uchar *restrict state8, __global ushort *restrict state16) {
+    const strip_row_t row = {(uint)get_global_id(0), width, padded_width, height, state8, state16};
     const strip_texture_t t = {row_pitch, tiles_x, tile_w, tile_h};
     const strip_levels_t levels = {(uchar)level, (ushort)level_n, (uchar)padding};
-    __global const uchar *texture = slab + slab_offset + (size_t)y * row_pitch;
-    const bool clip = width < SV_STRIP;
-
-    for (uint done = 0; done < slice_count; done += STRIP_CHUNK) {
-        const bool first = first_slice + done == 0;
-        const uint count = min((uint)STRIP_CHUNK, slice_count - done);
-        const int base = ((int)(first_slice + done) - 1) * SV_SUBSTEPS;
-        for (uint column = 0; column < width; column += SV_STRIP) {
-            const bool overlaps = column + SV_STRIP > width && !clip;
-            const uint x = overlaps ? width - SV_STRIP : column;
-            const u8v keep = overlaps ? first_lanes(column - x) : U8V(0);
-            const size_t offset = (size_t)y * padded_width + x;
-            strip_t s;
-            s.maximum = first ? U8V(0) : U8V_LOAD(STATE_AT(state8, SV_STATE_MAX));
-            s.tissue = first ? U8V(255) : U8V_LOAD(STATE_AT(state8, SV_STATE_TISSUE));
-            s.last = U8V(0);
-#if SV_SUBSTEPS > 1
-            if (!first) s.last = U8V_LOAD(STATE_AT(state8, SV_STATE_LAST));
-#endif
-            s.entry = s.exit = s.max_entry = s.max_exit = U8V(0);
-            const u8v old_maximum = s.maximum;
-            if (clip)
-                strip_chunk(&s, texture, t, x, width, done, count, first, levels, true);
-            else
-                strip_chunk(&s, texture, t, x, width, done, count, first, levels, false);
-            strip_merge(&s, old_maximum, state8, state16, plane_size, offset, base, first, keep, overlaps);
+    uint before = batch.first_slice;
+    for (uint n = 0; n < batch.count; n++) {
+        __global const uchar *texture = slabs + batch.offset[n] + (size_t)row.y * row_pitch;
+        for (uint done = 0; done < batch.slices[n]; done += STRIP_CHUNK) {
+            const uint count = min((uint)STRIP_CHUNK, batch.slices[n] - done);
+            strip_row(&row, texture, t, done, count, before, levels);
+            before += count;
         }
     }
 }

@@ -71,25 +71,46 @@
 #define SV_REC_UNFILLED 6
 #define SV_REC_MAX      7 /* float bits, 0..1 */
 #define SV_REC_TB       8 /* float bits, 0..1 */
+#define SV_REC_SURE     9
 #define SV_REC_WORDS    10
 #define SV_REC_LEVEL    10 /* bone level 0..255: a ray is bone above it */
-#define SV_REC_PASS0    11 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
+#define SV_REC_BONE     11 /* rays above it, whether they give a point or not */
+#define SV_REC_EVIDENCE 12 /* sv_job.evidence */
+#define SV_REC_PASS0    13 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
 
 /* What a frame asks of the kernels; passed to them by value. 32-bit members only, so both compilers lay it
  * out alike. */
 typedef struct {
     unsigned int width, padded_width, height;
-    unsigned int bone_mode;                     /* SV_BONE_* */
-    unsigned int fluid_level;                   /* T_L as a grey level: tissue lies above it */
-    unsigned int bone_level;                    /* absolute mode: T_B as a grey level */
-    unsigned int bone_drop;                     /* offset mode: grey levels below the volume's maximum */
-    unsigned int bone_wanted;                   /* fraction mode: rays that must qualify at least, >= 1 */
-    unsigned int drop_empty;                    /* 1: rays with an empty interval give no point */
+    unsigned int bone_mode;   /* SV_BONE_* */
+    unsigned int fluid_level; /* T_L as a grey level: tissue lies above it */
+    unsigned int bone_level;  /* absolute mode: T_B as a grey level */
+    unsigned int bone_drop;   /* offset mode: grey levels below the volume's maximum */
+    unsigned int bone_wanted; /* fraction mode: rays that must qualify at least, >= 1 */
+    unsigned int drop_empty;  /* 1: rays with an empty interval give no point */
+    unsigned int min_gap;     /* samples: an interval at least this long is sure to be fluid */
+    unsigned int
+        evidence; /* 1/1000 of the bone rays that must have a sure interval, or there is no surface */
     unsigned int fraction;                      /* fraction bits of a depth */
     unsigned int k;                             /* mean filter: window, odd */
     unsigned int weight_initial, weight_filled; /* mean filter: integer weights, their ratio is omega */
     unsigned int pass_limit;                    /* passes that are enough for any set of points */
 } sv_job;
+
+/* Slabs that one launch takes: a launch costs as much as a million voxels. They follow each other, in one
+ * buffer. */
+#define SV_BATCH 8
+#ifdef __OPENCL_VERSION__
+typedef ulong sv_offset;
+#else
+typedef unsigned long long sv_offset;
+#endif
+typedef struct {
+    sv_offset offset[SV_BATCH];    /* bytes from the buffer's start to each slab's texture */
+    unsigned int slices[SV_BATCH]; /* slices of each slab */
+    unsigned int count;            /* slabs */
+    unsigned int first_slice;      /* of the first slab */
+} sv_batch;
 
 #define SV_OUTCOME_OK         0
 #define SV_OUTCOME_NO_SURFACE 1

@@ -7,6 +7,8 @@
  * as a pass (docs/performance.md, "bands or one launch"). */
 enum { SINGLE_MAX_PIXELS = 200 * 200 };
 enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };
+/* Slabs wait until they hold this many voxels: about what a launch costs, so waiting longer gains nothing. */
+enum { BATCH_VOXELS = 1 << 20 };
 
 uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
     if (slices == 0) return 0;
@@ -20,8 +22,15 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
     return end_last > end_above ? end_last : end_above;
 }
 
+/* Texture rows up to the last voxel of a slab. */
+static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
+    return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
+}
+
 bool sv_pipeline_needs_wide(const sv_config *c) {
-    return sv_ref_fixed_format(c->width, c->height, c->slices, SV_MAX_K, 4).wide;
+    for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
+        if (sv_ref_fixed_format(c->width, c->height, c->slices, k, 4).wide) return true;
+    return false;
 }
 
 static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
@@ -41,7 +50,7 @@ static sv_status create_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const size_t plane = (size_t)p->padded_width * c->height;
     const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
-    const size_t scratch_rows = (size_t)p->bands * SV_SCRATCH_ROWS;
+    const size_t scratch_rows = p->bands * (size_t)SV_SCRATCH_ROWS;
     sv_buffers *b = &p->buffers;
     sv_status status = SV_OK;
     const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
@@ -52,7 +61,7 @@ static sv_status create_buffers(sv_pipeline *p) {
         b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes, NULL, &status);
     b->state8 = sv_clx_buffer(p->diag, p->device, SV_STATE8_PLANES * plane, NULL, &status);
     b->state16 =
-        sv_clx_buffer(p->diag, p->device, SV_STATE16_PLANES * plane * sizeof(cl_ushort), NULL, &status);
+        sv_clx_buffer(p->diag, p->device, plane * SV_STATE16_PLANES * sizeof(cl_ushort), NULL, &status);
     b->survey = sv_clx_buffer(p->diag, p->device, (size_t)p->bands * 257 * sizeof(cl_uint), NULL, &status);
     b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
     b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
@@ -70,14 +79,6 @@ static sv_status create_buffers(sv_pipeline *p) {
     return status;
 }
 
-/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. Two
- * more show that nothing is left to reach when the fill weight is 0. */
-static uint32_t pass_limit(const sv_config *c, uint32_t k) {
-    const uint32_t longest = c->width > c->height ? c->width : c->height;
-    const uint32_t limit = (longest - 1 + k / 2 - 1) / (k / 2);
-    return limit < 3 ? 3 : limit;
-}
-
 sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, sv_program *narrow,
                              sv_program *wide, sv_timing *timing, const sv_config *config) {
     *p = (sv_pipeline){
@@ -85,8 +86,10 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->config.strategy = resolve_strategy(device, config);
     p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
     p->bands = band_count(device, &p->config);
-    p->pass_capacity = pass_limit(config, 3);
+    p->pass_capacity = sv_ref_pass_limit(config->width, config->height, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
+    if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
+        p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
     sv_status status = create_buffers(p);
     if (status == SV_OK) status = sv_chain_create(p);
     if (status != SV_OK) sv_pipeline_destroy(p);
@@ -121,15 +124,18 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     j->bone_drop = 255 - sv_ref_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
     j->bone_wanted = sv_ref_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
     j->drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
+    j->min_gap = sv_ref_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
+    j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
     j->k = (uint32_t)v[SV_PARAM_KERNEL];
     sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
-    j->pass_limit = pass_limit(c, j->k);
+    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
     const sv_ref_fixed format = sv_ref_fixed_format(c->width, c->height, c->slices, j->k, j->weight_initial);
     j->fraction = format.fraction;
     p->program = format.wide ? p->wide : p->narrow;
     p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
     p->next_slice = 0;
     p->values = *values;
+    p->batch = (sv_batch){0};
     if (p->timing) sv_timing_reset(p->timing);
 }
 
@@ -156,32 +162,49 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
                             "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
-    const size_t tile_rows = (slab->slice_count + c->tiles_x - 1) / c->tiles_x;
-    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, (tile_rows - 1) * c->tile_h + c->height, 1};
+    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
     return sv_clx_check(p->diag,
                         clEnqueueCopyImageToBuffer(p->device->queue, slab->object, *buffer, origin, region, 0,
                                                    0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),
                         "slab: clEnqueueCopyImageToBuffer");
 }
 
-sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
+/* Launches the profile of the slabs that wait. */
+static sv_status launch_profile(sv_pipeline *p) {
     const sv_config *c = &p->config;
-    cl_mem buffer = NULL;
-    uint64_t offset = 0;
-    const sv_status status = place_slab(p, slab, &buffer, &offset);
-    if (status != SV_OK) return status;
     const bool rays = c->strategy == SV_STRATEGY_RAYS;
     sv_launch l = rays ? SV_LAUNCH(p, profile_rays) : SV_LAUNCH(p, profile_strip);
-    sv_launch_buffer(&l, buffer);
-    sv_launch_arg(&l, sizeof offset, &offset);
-    const uint32_t numbers[] = {c->row_pitch,       c->tiles_x,    c->tile_w,
-                                c->tile_h,          c->width,      p->padded_width,
-                                c->height,          p->next_slice, slab->slice_count,
-                                p->job.fluid_level, p->level_n,    (uint32_t)c->padding & 255u};
+    sv_launch_buffer(&l, p->batch_buffer);
+    sv_launch_arg(&l, sizeof p->batch, &p->batch);
+    const uint32_t numbers[] = {
+        c->row_pitch,    c->tiles_x, c->tile_w,          c->tile_h,  c->width,
+        p->padded_width, c->height,  p->job.fluid_level, p->level_n, (uint32_t)c->padding & 255u};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
     sv_launch_buffer(&l, p->buffers.state8);
     sv_launch_buffer(&l, p->buffers.state16);
-    p->next_slice += slab->slice_count;
+    p->batch = (sv_batch){.first_slice = p->next_slice};
     return rays ? sv_launch_pixels(&l, c->width, c->height, SV_STAGE_PROFILE)
                 : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+}
+
+/* True if the slabs that wait are worth a launch, or cannot wait: copied slabs share one buffer, and the last
+ * slab ends the volume. */
+static bool batch_is_due(const sv_pipeline *p) {
+    const sv_config *c = &p->config;
+    const uint32_t slices = p->next_slice - p->batch.first_slice;
+    return p->batch_buffer == p->buffers.slab || p->batch.count == SV_BATCH || p->next_slice == c->slices ||
+           (uint64_t)c->width * c->height * slices >= BATCH_VOXELS;
+}
+
+sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
+    cl_mem buffer = NULL;
+    uint64_t offset = 0;
+    sv_status status = place_slab(p, slab, &buffer, &offset);
+    if (status == SV_OK && p->batch.count > 0 && buffer != p->batch_buffer) status = launch_profile(p);
+    if (status != SV_OK) return status;
+    p->batch_buffer = buffer;
+    p->batch.offset[p->batch.count] = offset;
+    p->batch.slices[p->batch.count++] = slab->slice_count;
+    p->next_slice += slab->slice_count;
+    return batch_is_due(p) ? launch_profile(p) : SV_OK;
 }

@@ -58,6 +58,8 @@ typedef struct sv_pipeline {
     sv_program *program; /* narrow or wide */
     uint32_t level_n;    /* T_L in 1 / substeps grey level */
     uint32_t next_slice;
+    sv_batch batch;      /* slabs that wait for a launch */
+    cl_mem batch_buffer; /* where they lie */
 } sv_pipeline;
 
 /* True if some frame with this format can need 64-bit sums. */

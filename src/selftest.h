@@ -14,7 +14,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow
                       const sv_config *config);
 
 /* The same for the configuration's method and pre-filter; SV_OK at once for the mean filter on its own. */
-sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow,
+sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
                              const sv_config *config);
 
 #endif

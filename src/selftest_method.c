@@ -9,7 +9,7 @@
 
 /* Small enough for the references (milliseconds), and wider than the widest vector of the profile kernels. */
 enum { WIDTH = 67, HEIGHT = 14, SLICES = 24, PIXELS = WIDTH * HEIGHT };
-enum { KERNEL = 5, PREFILTER_KERNEL = 3, MERGE = 8 };
+enum { KERNEL = 11, PREFILTER_KERNEL = 3, MERGE = 8 };
 static const float Q = 0.25f;
 
 typedef struct {
@@ -66,6 +66,7 @@ static sv_status compute(sv_pipeline *p, bench *b) {
     sv_values values;
     sv_params_defaults(&values);
     values.of[SV_PARAM_KERNEL] = KERNEL;
+    values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
     sv_pipeline_begin(p, &values);
     const sv_slab slab = {
@@ -91,7 +92,7 @@ static sv_status compare(sv_diag *diag, const bench *b, bool doubles) {
     return SV_OK;
 }
 
-sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow,
+sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
                              const sv_config *config) {
     if (config->method == SV_METHOD_MEAN && config->prefilter == SV_PREFILTER_NONE) return SV_OK;
     const sv_config small = {.width = WIDTH,
@@ -113,7 +114,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program 
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     fill(b);
     sv_pipeline pipeline;
-    sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, NULL, NULL, &small);
+    sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
     if (status == SV_OK) status = compute(&pipeline, b);
     if (status == SV_OK && !expect(b, config->method, config->prefilter))
         status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");

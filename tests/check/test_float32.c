@@ -1,6 +1,7 @@
 /*
- * Devices without float64 (SMARTVIS_FP64=0 makes the plugin believe it has one): the spline merges to 64 points, the
- * membrane and the plate iterate in float32. What is left of their accuracy, against the same definitions.
+ * Devices without float64 (SMARTVIS_FP64=0 makes the plugin believe it has one): the spline merges to 64
+ * points, the membrane and the plate iterate in float32. What is left of their accuracy, against the same
+ * definitions.
  */
 #include "support/surfaces.h"
 
@@ -12,15 +13,16 @@
 
 #include <cmocka.h>
 
-static void check(rig *r, const surface_points *p, const surface_chain *chain, double bound, const char *what) {
+static void check(rig *r, const surface_points *p, const surface_chain *chain, double bound,
+                  const char *what) {
     const size_t count = (size_t)p->width * p->height;
     rig_result out = rig_result_make(p->width, p->height);
     sv_spline_report report = {.points = 0};
     assert_int_equal(surface_run(r, p, chain, &out, &report), SV_OK);
     double *expected = surface_expect(p, chain);
     const double error = surface_error(&out, expected, count);
-    print_message("float32 %-9s %-24s error %.2e slices, bound %.0e\n", surface_names[chain->method], what, error,
-                  bound);
+    print_message("float32 %-9s %-24s error %.2e slices, bound %.0e\n", surface_names[chain->method], what,
+                  error, bound);
     assert_true(error <= bound);
     assert_true(report.points <= 64);
     free(expected);
@@ -39,7 +41,8 @@ static void test_scattered(void **state) {
         }
         const surface_chain spline = {.method = SPLINE, .merge_grid = 8, .q = 0.25f};
         const surface_chain finer = {.method = SPLINE, .merge_grid = 0, .q = 0.25f};
-        const surface_chain membrane = {.method = MEMBRANE, .q = 0.25f}, plate = {.method = PLATE, .q = 0.25f};
+        const surface_chain membrane = {.method = MEMBRANE, .q = 0.25f},
+                            plate = {.method = PLATE, .q = 0.25f};
         check(*state, &p, &spline, 1e-2, "merged on 8 x 8");
         check(*state, &p, &membrane, 1e-3, "5 % of the pixels");
         check(*state, &p, &plate, 1e-2, "5 % of the pixels");
@@ -75,18 +78,8 @@ static void test_degenerate(void **state) {
     }
 }
 
-static int setup(void **state) {
-    rig *r = calloc(1, sizeof *r);
-    if (!r || setenv("SMARTVIS_FP64", "0", 1) != 0) return -1;
-    rig_open(r, NULL);
-    *state = r;
-    return 0;
-}
-
-static int teardown(void **state) {
-    rig_close(*state);
-    free(*state);
-    return 0;
+static int setup_without_doubles(void **state) {
+    return setenv("SMARTVIS_FP64", "0", 1) == 0 ? rig_setup(state) : -1;
 }
 
 int main(void) {
@@ -94,5 +87,5 @@ int main(void) {
         cmocka_unit_test(test_scattered),
         cmocka_unit_test(test_degenerate),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, setup_without_doubles, rig_teardown);
 }

@@ -181,7 +181,7 @@ static void test_volumes(void **state) {
                                                .fixed_count = 1};
                     rig_settings s = rig_default_settings();
                     s.fluid_threshold = s.bone.fluid_threshold = 40.0 / 255.0; /* exactly a grey level */
-                    sv_param_value values[16];
+                    sv_param_value values[RIG_MAX_VALUES];
                     const uint32_t count = rig_values(r, &s, values);
                     rig_result out = rig_result_make(width, height);
                     const sv_status status = rig_run(r, &format, volume, values, count, &out);
@@ -192,25 +192,11 @@ static void test_volumes(void **state) {
                 }
 }
 
-static int setup(void **state) {
-    rig *r = calloc(1, sizeof *r);
-    if (!r) return -1;
-    rig_open(r, NULL);
-    *state = r;
-    return 0;
-}
-
-static int teardown(void **state) {
-    rig_close(*state);
-    free(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mean),     cmocka_unit_test(test_minimum),     cmocka_unit_test(test_spline),
         cmocka_unit_test(test_pushpull), cmocka_unit_test(test_membrane),    cmocka_unit_test(test_plate),
         cmocka_unit_test(test_volumes),  cmocka_unit_test(test_spline_ways),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -143,10 +143,11 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
     uint8_t *volume = surface_volume(points);
     rig_result first = rig_result_make(points->width, points->height);
     rig_result second = rig_result_make(points->width, points->height);
-    const sv_param_value low = {rig_param(r, "q"), 0, 0.25}, high = {rig_param(r, "q"), 0, 1.5};
+    const sv_param_value low[] = {{rig_param(r, "q"), 0, 0.25}, {rig_param(r, "evidence"), 0, 0.0}};
+    const sv_param_value high[] = {{rig_param(r, "q"), 0, 1.5}, {rig_param(r, "evidence"), 0, 0.0}};
     assert_int_equal(p->activate(p, &format), SV_OK);
     for (int n = 0; n < 2; n++) {
-        const sv_frame frame = {.size = sizeof frame, .values = n ? &high : &low, .value_count = 1};
+        const sv_frame frame = {.size = sizeof frame, .values = n ? high : low, .value_count = 2};
         const sv_slab slab = {.size = sizeof slab,
                               .slice_count = points->slices,
                               .memory = volume,
@@ -156,7 +157,7 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
         assert_int_equal(p->begin(p, &frame), SV_OK);
         assert_int_equal(p->slab(p, &slab), SV_OK);
         assert_int_equal(p->end(p, &result), SV_OK);
-        if (n == 0) assert_int_equal(p->adjust(p, &high, 1, &result), SV_OK);
+        if (n == 0) assert_int_equal(p->adjust(p, high, 1, &result), SV_OK);
     }
     assert_memory_equal(first.depth, second.depth, count * sizeof(float));
     assert_int_equal(first.stats.passes, second.stats.passes);
@@ -173,20 +174,6 @@ static void test_adjust(void **state) {
     surface_points_free(&p);
 }
 
-static int setup(void **state) {
-    rig *r = calloc(1, sizeof *r);
-    if (!r) return -1;
-    rig_open(r, NULL);
-    *state = r;
-    return 0;
-}
-
-static int teardown(void **state) {
-    rig_close(*state);
-    free(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_definition),    cmocka_unit_test(test_negative_depths),
@@ -194,5 +181,5 @@ int main(void) {
         cmocka_unit_test(test_plate_hardest), cmocka_unit_test(test_deep),
         cmocka_unit_test(test_adjust),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -208,25 +208,11 @@ static void test_coarse_grid(void **state) {
     surface_points_free(&p);
 }
 
-static int setup(void **state) {
-    rig *r = calloc(1, sizeof *r);
-    if (!r) return -1;
-    rig_open(r, NULL);
-    *state = r;
-    return 0;
-}
-
-static int teardown(void **state) {
-    rig_close(*state);
-    free(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lapack),      cmocka_unit_test(test_reference_solver),
         cmocka_unit_test(test_degenerate),  cmocka_unit_test(test_too_many),
         cmocka_unit_test(test_coarse_grid),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

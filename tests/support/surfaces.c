@@ -93,6 +93,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
                               .value_count = sizeof fixed / sizeof *fixed};
     const sv_param_value values[] = {
         {rig_param(r, "bone_mode"), 0, SV_REF_ABSOLUTE}, /* a volume without bone must not make its own */
+        {rig_param(r, "evidence"), 0, 0.0},              /* a point or two shall do */
         {rig_param(r, "q"), 0, (double)chain->q},
         {rig_param(r, "kernel"), 0, chain->k ? chain->k : 23},
         {rig_param(r, "prefilter_passes"), 0, chain->prefilter_passes},
