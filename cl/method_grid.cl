@@ -16,6 +16,13 @@
     if (x >= (int)(level).width || !surface_wanted(record)) return;                                          \
     const size_t i = (level).offset + (size_t)y * (level).width + x
 
+/* This work item's pixels: `count` of them from (x, y) on, 8 but at a row's end. */
+#define GRID_ROW8(level)                                                                                     \
+    const int x = (int)get_global_id(0) * 8, y = (int)get_global_id(1);                                      \
+    if (!surface_wanted(record)) return;                                                                     \
+    const int count = min(8, (int)(level).width - x);                                                        \
+    const size_t i = (level).offset + (size_t)y * (level).width + x
+
 /* One row per work item: count of its points and sums of their depths, 3 values a row. */
 __kernel void grid_sums(grid_level level, uint padded_width, __global const float *maps,
                         __global real *partial, __global const uint *record) {
@@ -75,32 +82,61 @@ __kernel void grid_weights(grid_level fine, grid_level coarse, __global real *we
     weights[i] = fmin(grid_gather(&fine, &coarse, weights + fine.offset, x, y), most);
 }
 
-/* A smoothing step from `from` (0 if `zero`) to `to`: to = from + omega (b - A from) / diagonal. */
+/* to = from + scale (b - A from), scale = omega / diagonal; for one pixel. */
+static real grid_relax(const grid_level *l, float omega, __global const real *weights, __global const real *b,
+                       __global const real *from, int x, int y, size_t i) {
+    const real scale = omega / (grid_diagonal(l, x, y) + weights[i]);
+    const real applied = grid_apply(l, from + l->offset, x, y) + weights[i] * from[i];
+    return from[i] + scale * (b[i] - applied);
+}
+
+/*
+ * A smoothing step, 8 pixels of a row per work item: to = from + omega (b - A from) / diagonal. From 0
+ * (`zero`) nothing need be applied.
+ */
 __kernel void grid_smooth(grid_level level, uint planes, float omega, uint zero, __global const real *weights,
                           __global const real *b, __global const real *from, __global real *to,
                           __global const uint *record) {
-    GRID_PIXEL(level);
-    const real scale = omega / (grid_diagonal(&level, x, y) + weights[i]);
+    GRID_ROW8(level);
+    const real inner = 4 * level.tension + 20 * level.bending;
     for (uint p = 0; p < planes; p++) {
         const size_t at = p * (size_t)level.pixels;
-        if (zero) {
-            to[at + i] = scale * b[at + i];
+        if (grid_inside8(&level, x, y)) {
+            const real8 weight = vload8(0, weights + i), right = vload8(0, b + at + i);
+            const real8 scale = (real8)(omega) / (inner + weight);
+            real8 result = scale * right;
+            if (!zero) {
+                const real8 now = vload8(0, from + at + i);
+                const real8 applied = grid_apply8(&level, from + at, i) + weight * now;
+                result = now + scale * (right - applied);
+            }
+            vstore8(result, 0, to + at + i);
             continue;
         }
-        const real applied = grid_apply(&level, from + at + level.offset, x, y) + weights[i] * from[at + i];
-        to[at + i] = from[at + i] + scale * (b[at + i] - applied);
+        for (int n = 0; n < count; n++)
+            to[at + i + n] = zero ? omega / (grid_diagonal(&level, x + n, y) + weights[i + n]) * b[at + i + n]
+                                  : grid_relax(&level, omega, weights, b + at, from + at, x + n, y, i + n);
     }
 }
 
-/* to = b - A from; without `b`: to = A from. */
+/* 8 pixels of a row per work item: to = b - A from; without `b`: to = A from. */
 __kernel void grid_residual(grid_level level, uint planes, uint with_b, __global const real *weights,
                             __global const real *b, __global const real *from, __global real *to,
                             __global const uint *record) {
-    GRID_PIXEL(level);
+    GRID_ROW8(level);
     for (uint p = 0; p < planes; p++) {
         const size_t at = p * (size_t)level.pixels;
-        const real applied = grid_apply(&level, from + at + level.offset, x, y) + weights[i] * from[at + i];
-        to[at + i] = with_b ? b[at + i] - applied : applied;
+        if (grid_inside8(&level, x, y)) {
+            const real8 applied =
+                grid_apply8(&level, from + at, i) + vload8(0, weights + i) * vload8(0, from + at + i);
+            vstore8(with_b ? vload8(0, b + at + i) - applied : applied, 0, to + at + i);
+            continue;
+        }
+        for (int n = 0; n < count; n++) {
+            const real applied =
+                grid_apply(&level, from + at + level.offset, x + n, y) + weights[i + n] * from[at + i + n];
+            to[at + i + n] = with_b ? b[at + i + n] - applied : applied;
+        }
     }
 }
 

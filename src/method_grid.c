@@ -97,6 +97,13 @@ static sv_status over_pixels(const solver *v, sv_launch *l, uint32_t level) {
     return sv_launch_pixels(l, v->s->levels.width[level], v->s->levels.height[level], SV_STAGE_RECONSTRUCT);
 }
 
+/* The same, 8 pixels of a row per work item. */
+static sv_status over_rows(const solver *v, sv_launch *l, uint32_t level) {
+    sv_launch_buffer(l, v->p->buffers.record);
+    return sv_launch_grid(l, (v->s->levels.width[level] + 7) / 8, v->s->levels.height[level],
+                          SV_STAGE_RECONSTRUCT);
+}
+
 static void buffers(const solver *v, sv_launch *l, const int *which) {
     for (; *which >= 0; which++) sv_launch_buffer(l, v->s->buffer[*which]);
 }
@@ -147,7 +154,7 @@ static sv_status smooth(const solver *v, uint32_t level, float omega, bool zero,
     sv_launch_arg(&l, sizeof omega, &omega);
     sv_launch_uint(&l, zero);
     BUFFERS(v, &l, WEIGHTS, R, from, to);
-    return over_pixels(v, &l, level);
+    return over_rows(v, &l, level);
 }
 
 static sv_status residual(const solver *v, uint32_t level, bool with_b, int from, int to) {
@@ -155,7 +162,7 @@ static sv_status residual(const solver *v, uint32_t level, bool with_b, int from
     sv_launch_uint(&l, v->planes);
     sv_launch_uint(&l, with_b);
     BUFFERS(v, &l, WEIGHTS, R, from, to);
-    return over_pixels(v, &l, level);
+    return over_rows(v, &l, level);
 }
 
 /* Down one level: two smoothing steps from 0, and the rest becomes the coarser right-hand side. */
