@@ -25,6 +25,9 @@
 #define SV_SPLINE_MAX_POINTS 1400
 #define SV_SPLINE_MAX_GRID   37
 
+/* Steps of the membrane's and the plate's solver. */
+#define SV_MAX_SOLVER_STEPS 96
+
 /* Weight of a point in the membrane and the plate, against 1 for the smoothness. */
 #define SV_MIN_DATA_WEIGHT 1e-3
 #define SV_MAX_DATA_WEIGHT 10.0

@@ -26,8 +26,7 @@ typedef struct {
 } sv_device;
 
 /* Uses the host's objects, or, if all are NULL, opens the first GPU, else the first device, with an in-order
- * profiling queue. The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows that choice;
- * SMARTVIS_FP64=0 makes the plugin do without float64, for tests of what it does on devices that lack it. */
+ * profiling queue. The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows that choice. */
 sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device, cl_command_queue queue,
                          sv_device *out);
 

@@ -49,8 +49,7 @@ static sv_status query_device(sv_diag *diag, sv_device *d) {
                                &d->compute_units, NULL);
     cl_device_fp_config doubles = 0;
     (void)clGetDeviceInfo(d->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
-    const char *without = getenv("SMARTVIS_FP64");
-    d->has_doubles = doubles != 0 && !(without && strcmp(without, "0") == 0);
+    d->has_doubles = doubles != 0;
     d->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     d->shares_memory = d->is_cpu && unified;
     return sv_clx_check(diag, code, "clGetDeviceInfo");

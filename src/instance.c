@@ -22,6 +22,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
                    .method = (uint32_t)values->of[SV_PARAM_METHOD],
                    .prefilter = (uint32_t)values->of[SV_PARAM_PREFILTER],
+                   .float32 = values->of[SV_PARAM_PRECISION] == SV_PRECISION_FLOAT32,
                    .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
                    .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
                    .host_memory = f->host_memory,

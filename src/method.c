@@ -18,7 +18,7 @@ static const char *const kernels[] = {"chain_begin", "chain_gather", "chain_done
 /* Builds the kernels of a method and lets it make its buffers. */
 static sv_status create_method(sv_pipeline *p, const sv_method *method, sv_method_state *state) {
     char options[64];
-    (void)snprintf(options, sizeof options, "-DSV_DOUBLES=%d", p->device->has_doubles);
+    (void)snprintf(options, sizeof options, "-DSV_DOUBLES=%d", p->chain.doubles);
     const sv_source source = method->source();
     sv_status status = method->kernels ? sv_kernel_set_build(p->diag, p->device, source.text, source.size,
                                                              method->kernels, options, &state->kernels)
@@ -36,6 +36,7 @@ sv_status sv_chain_create(sv_pipeline *p) {
     sv_chain *chain = &p->chain;
     const bool filtered = c->prefilter != SV_PREFILTER_NONE;
     chain->method = methods[c->method];
+    chain->doubles = p->device->has_doubles && !c->float32;
     chain->plain_mean = c->method == SV_METHOD_MEAN && !filtered;
     chain->linear = chain->method->linear && !filtered;
     if (chain->plain_mean) return SV_OK;

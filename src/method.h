@@ -65,6 +65,7 @@ typedef struct {
     const sv_method *method;
     bool plain_mean; /* the mean filter on its own takes its points from the sums: no maps, no gather */
     bool linear;     /* in the depths: one run serves every q */
+    bool doubles;    /* the solvers compute in float64 */
     sv_method_state state, filter; /* of the method, of the pre-filter */
     sv_kernel_set gather;
     cl_mem maps; /* near and far plane: float32 depth at initial points, INFINITY elsewhere */

@@ -62,13 +62,14 @@ sv_source sv_grid_source(void) {
     return (sv_source){sv_kernels_grid, sv_kernels_grid_size};
 }
 
-uint32_t sv_grid_commands(uint32_t steps) {
-    return (steps + 1) * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 6;
+uint32_t sv_grid_commands(const sv_config *config) {
+    (void)config;
+    return SV_MAX_SOLVER_STEPS * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 6;
 }
 
 sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
     s->levels = sv_levels_make(p->config.width, p->config.height);
-    const size_t real = p->device->has_doubles ? sizeof(cl_double) : sizeof(cl_float);
+    const size_t real = p->chain.doubles ? sizeof(cl_double) : sizeof(cl_float);
     const size_t all = (size_t)s->levels.pixels * real;
     const size_t bytes[] = {[WEIGHTS] = all,
                             [Z] = 2 * all,
@@ -240,9 +241,11 @@ static sv_status advance(const solver *v) {
 
 sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, const sv_grid_energy *energy) {
     const solver v = {p, s, planes, energy};
+    const uint32_t wanted = (uint32_t)p->values.of[SV_PARAM_SOLVER_STEPS];
+    const uint32_t steps = wanted ? wanted : energy->steps;
     sv_status status = means(&v);
     if (status == SV_OK) status = enter(&v);
-    for (uint32_t n = 0; status == SV_OK && n < energy->steps; n++) {
+    for (uint32_t n = 0; status == SV_OK && n < steps; n++) {
         status = turn(&v, n == 0);
         if (status == SV_OK) status = advance(&v);
     }
@@ -253,5 +256,5 @@ sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, con
     BUFFERS(&v, &l, SOLUTION);
     sv_launch_buffer(&l, p->buffers.surfaces);
     status = over_pixels(&v, &l, 0);
-    return status == SV_OK ? sv_chain_done(p, energy->steps) : status;
+    return status == SV_OK ? sv_chain_done(p, steps) : status;
 }

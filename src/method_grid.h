@@ -5,7 +5,8 @@
 
 #include "method.h"
 
-/* The energy's weights against the data term, and the steps that reach the bound of docs/numerics.md. */
+/* The energy's weights against the data term, and the steps that reach the bound of docs/numerics.md
+ * (solver_steps = 0). */
 typedef struct {
     float tension, bending;
     float omega[2]; /* damping of the two smoothing steps: Chebyshev's, over the upper part of the spectrum */
@@ -14,7 +15,7 @@ typedef struct {
 
 extern const char *const sv_grid_kernels[];
 sv_source sv_grid_source(void);
-uint32_t sv_grid_commands(uint32_t steps);
+uint32_t sv_grid_commands(const struct sv_config *config);
 sv_status sv_grid_create(struct sv_pipeline *pipeline, sv_method_state *state);
 sv_status sv_grid_solve(struct sv_pipeline *pipeline, sv_method_state *state, uint32_t planes,
                         const sv_grid_energy *energy);

@@ -6,11 +6,6 @@
 static const sv_grid_energy energy = {
     .tension = 1.0f, .bending = 0.0f, .omega = {0.566f, 1.577f}, .steps = 16};
 
-static uint32_t commands(const sv_config *config) {
-    (void)config;
-    return sv_grid_commands(energy.steps);
-}
-
 static sv_status run(sv_pipeline *pipeline, sv_method_state *state, uint32_t planes) {
     return sv_grid_solve(pipeline, state, planes, &energy);
 }
@@ -18,6 +13,6 @@ static sv_status run(sv_pipeline *pipeline, sv_method_state *state, uint32_t pla
 const sv_method sv_method_membrane = {.linear = true,
                                       .kernels = sv_grid_kernels,
                                       .source = sv_grid_source,
-                                      .commands = commands,
+                                      .commands = sv_grid_commands,
                                       .create = sv_grid_create,
                                       .run = run};

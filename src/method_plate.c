@@ -8,11 +8,6 @@
 static const sv_grid_energy energy = {
     .tension = 1e-3f, .bending = 1.0f, .omega = {0.288f, 1.079f}, .steps = 48};
 
-static uint32_t commands(const sv_config *config) {
-    (void)config;
-    return sv_grid_commands(energy.steps);
-}
-
 static sv_status run(sv_pipeline *pipeline, sv_method_state *state, uint32_t planes) {
     return sv_grid_solve(pipeline, state, planes, &energy);
 }
@@ -20,6 +15,6 @@ static sv_status run(sv_pipeline *pipeline, sv_method_state *state, uint32_t pla
 const sv_method sv_method_plate = {.linear = true,
                                    .kernels = sv_grid_kernels,
                                    .source = sv_grid_source,
-                                   .commands = commands,
+                                   .commands = sv_grid_commands,
                                    .create = sv_grid_create,
                                    .run = run};

@@ -49,14 +49,14 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 
 /* Cells per side of the merging grid: the one that was asked for, or the finest that always fits. */
 static uint32_t merge_cells(const sv_pipeline *p) {
-    const uint32_t most = p->device->has_doubles ? SV_SPLINE_MAX_GRID : FLOAT_GRID;
+    const uint32_t most = p->chain.doubles ? SV_SPLINE_MAX_GRID : FLOAT_GRID;
     return p->config.merge_grid ? smaller(p->config.merge_grid, most) : most;
 }
 
 static uint32_t most_points(const sv_pipeline *p) {
     const sv_config *c = &p->config;
     const uint32_t cells = merge_cells(p) * merge_cells(p);
-    const uint32_t most = p->device->has_doubles ? SV_SPLINE_MAX_POINTS : FLOAT_POINTS;
+    const uint32_t most = p->chain.doubles ? SV_SPLINE_MAX_POINTS : FLOAT_POINTS;
     const uint64_t pixels = (uint64_t)c->width * c->height;
     const uint32_t wanted = c->merge_grid ? cells : most;
     return pixels < wanted ? (uint32_t)pixels : wanted;
@@ -75,7 +75,7 @@ static bool coarse(const sv_config *c) {
 
 static sv_status create(sv_pipeline *p, sv_method_state *s) {
     s->capacity = most_points(p);
-    const size_t real = p->device->has_doubles ? sizeof(cl_double) : sizeof(cl_float);
+    const size_t real = p->chain.doubles ? sizeof(cl_double) : sizeof(cl_float);
     const size_t stride = stride_of(s), cells = merge_cells(p);
     const size_t nodes = coarse(&p->config) ? (size_t)p->config.spline_grid + 1 : 0;
     const size_t bytes[] = {[CELLS] = 5 * cells * cells * real,

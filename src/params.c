@@ -9,6 +9,7 @@
 static const char *const bone_modes[] = {"absolute", "offset", "fraction"};
 static const char *const methods[] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate"};
 static const char *const prefilters[] = {"none", "minimum"};
+static const char *const precisions[] = {"float64", "float32"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 
 /* In order of importance, which is the order a host shows them in. */
@@ -79,6 +80,17 @@ static const struct {
     {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
      "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
      SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL},
+    {SV_PARAM_SOLVER_STEPS, SV_PARAM_INT, SV_PARAM_EXPERT, "solver_steps", "Solver steps", "",
+     "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as the "
+     "promised "
+     "bound needs.",
+     0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL},
+    {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision",
+     "Solver precision", "",
+     "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at most "
+     "64 "
+     "points in a spline.",
+     0.0, 1.0, 0.0, 1.0, SV_PRECISION_FLOAT64, 1.0, precisions},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL},

@@ -28,6 +28,8 @@ enum {
     SV_PARAM_MERGE_GRID = 19,
     SV_PARAM_SPLINE_GRID = 20,
     SV_PARAM_DATA_WEIGHT = 21,
+    SV_PARAM_PRECISION = 22,
+    SV_PARAM_SOLVER_STEPS = 23,
     SV_PARAM_ID_END
 };
 
@@ -44,6 +46,8 @@ enum {
     SV_METHOD_PLATE = 5,
     SV_METHOD_COUNT
 };
+/* Numbers that the solvers (spline, membrane, plate) compute with. */
+enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1 };
 enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
 
 /* Values by id; [0] is unused. */

@@ -21,6 +21,7 @@ typedef struct sv_config {
     uint32_t strategy;          /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
     uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */
     uint32_t merge_grid, spline_grid;
+    bool float32; /* the solvers do without float64 even where the device has it */
     const void *host_memory;
     uint64_t host_memory_bytes;
 } sv_config;

@@ -109,6 +109,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program 
                              .strategy = config->strategy,
                              .method = config->method,
                              .prefilter = config->prefilter,
+                             .float32 = config->float32,
                              .merge_grid = MERGE};
     bench *b = calloc(1, sizeof *b);
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
@@ -118,7 +119,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program 
     if (status == SV_OK) status = compute(&pipeline, b);
     if (status == SV_OK && !expect(b, config->method, config->prefilter))
         status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
-    if (status == SV_OK) status = compare(diag, b, device->has_doubles);
+    if (status == SV_OK) status = compare(diag, b, pipeline.chain.doubles);
     sv_pipeline_destroy(&pipeline);
     free(b);
     return status;

@@ -105,6 +105,24 @@ static void test_plate_hardest(void **state) {
     surface_points_free(&p);
 }
 
+/* Fewer steps: how the error of the membrane and the plate falls. At most what docs/numerics.md says. */
+static void test_steps(void **state) {
+    static const struct {
+        int method;
+        uint32_t steps;
+        double bound;
+    } wanted[] = {
+        {MEMBRANE, 4, 0.02}, {MEMBRANE, 8, 1e-3}, {PLATE, 12, 1.0}, {PLATE, 18, 0.02}, {PLATE, 24, 1e-3}};
+    surface_points p = scattered(128, 96, 60, 128 * 96 / 33, 51);
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        const surface_chain chain = {.method = wanted[i].method, .solver_steps = wanted[i].steps};
+        char what[40];
+        (void)snprintf(what, sizeof what, "%u steps, 3 %% of the pixels", wanted[i].steps);
+        check(*state, &p, &chain, wanted[i].bound, what);
+    }
+    surface_points_free(&p);
+}
+
 /* Depths near 8,000 with detail of 1 slice: what the width of float32 leaves. */
 static void test_deep(void **state) {
     surface_points p = surface_points_make(40, 30, 8192);
@@ -179,7 +197,7 @@ int main(void) {
         cmocka_unit_test(test_definition),    cmocka_unit_test(test_negative_depths),
         cmocka_unit_test(test_prefilter),     cmocka_unit_test(test_settings),
         cmocka_unit_test(test_plate_hardest), cmocka_unit_test(test_deep),
-        cmocka_unit_test(test_adjust),
+        cmocka_unit_test(test_adjust),        cmocka_unit_test(test_steps),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

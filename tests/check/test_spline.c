@@ -208,11 +208,34 @@ static void test_coarse_grid(void **state) {
     surface_points_free(&p);
 }
 
+/* The extension refuses what the header says it refuses, and fills no more than it was given. */
+static void test_extension(void **state) {
+    rig *r = *state;
+    const sv_plugin *p = r->plugin;
+    const sv_ext_spline *spline = p->get_extension(p, SV_EXT_SPLINE);
+    assert_non_null(spline);
+    assert_null(p->get_extension(p, SV_EXT_SPLINE "0"));
+    sv_spline_report report = {.size = sizeof report, .points = 4711};
+    assert_int_equal(spline->report(p, NULL), SV_ERR_ARGUMENT);
+    assert_int_equal(spline->report(p, &report), SV_ERR_STATE); /* not active */
+    report.size--;
+    assert_int_equal(spline->report(p, &report), SV_ERR_SIZE);
+    assert_int_equal(report.points, 4711);
+    surface_points none = surface_points_make(20, 20, 30);
+    const surface_chain chain = {.method = SPLINE};
+    rig_result out = rig_result_make(20, 20);
+    assert_int_equal(surface_run(r, &none, &chain, &out, &report), SV_NO_SURFACE);
+    assert_int_equal(report.points, 0);
+    assert_true(report.residual == 0.0f && report.condition == 1.0f);
+    rig_result_free(&out);
+    surface_points_free(&none);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lapack),      cmocka_unit_test(test_reference_solver),
         cmocka_unit_test(test_degenerate),  cmocka_unit_test(test_too_many),
-        cmocka_unit_test(test_coarse_grid),
+        cmocka_unit_test(test_coarse_grid), cmocka_unit_test(test_extension),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

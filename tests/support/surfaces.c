@@ -73,6 +73,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
         {rig_param(r, "merge_grid"), 0, chain->merge_grid},
         {rig_param(r, "spline_grid"), 0, chain->spline_grid},
+        {rig_param(r, "precision"), 0, chain->float32},
     };
     const sv_format format = {.size = sizeof format,
                               .width = points->width,
@@ -99,6 +100,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter_passes"), 0, chain->prefilter_passes},
         {rig_param(r, "prefilter_kernel"), 0, chain->prefilter_k ? chain->prefilter_k : 5},
         {rig_param(r, "lambda"), 0, chain->lambda},
+        {rig_param(r, "solver_steps"), 0, chain->solver_steps},
         {rig_param(r, "data_weight"), 0, chain->data_weight > 0.0 ? chain->data_weight : 1.0},
     };
     sv_status status = r->plugin->activate(r->plugin, &format);

@@ -17,6 +17,8 @@ typedef struct {
     uint32_t prefilter_passes, prefilter_k; /* passes 0: no pre-filter */
     double lambda, data_weight;             /* weight 0: 1 */
     uint32_t merge_grid, spline_grid;
+    uint32_t solver_steps; /* 0: the method's own number */
+    bool float32;
     float q;
 } surface_chain;
 
