@@ -1,0 +1,158 @@
+/*
+ * What the reconstruction methods ask of OpenCL and of the heap: on the frame path they make, build and
+ * allocate nothing and never wait; and whichever of their calls fails, in activate or in a frame, there is an
+ * error with a reason, nothing is left behind, and the next frame is good.
+ */
+#include "spy/cl_spy.h"
+#include "spy/heap_spy.h"
+#include "support/fixture.h"
+#include "support/surfaces.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
+
+/* A method, with or without the pre-filter, in one of the work layouts. */
+static void choose(fixture *f, int method, bool prefilter, uint32_t strategy) {
+    rig_format how = {.fixed = {{rig_param(&f->r, "method"), 0, method},
+                                {rig_param(&f->r, "prefilter"), 0, prefilter},
+                                {rig_param(&f->r, "strategy"), 0, strategy}},
+                      .fixed_count = 3};
+    fixture_change(f, how);
+}
+
+/* A whole frame with any point good enough. */
+static sv_status frame(fixture *f) {
+    const sv_plugin *p = f->r.plugin;
+    const sv_param_value any = {rig_param(&f->r, "evidence"), 0, 0.0};
+    const sv_frame begin = {.size = sizeof begin, .values = &any, .value_count = 1};
+    sv_status status = p->begin(p, &begin);
+    if (status == SV_OK) status = fixture_slabs(f);
+    return status == SV_OK ? fixture_end(f) : status;
+}
+
+static void assert_good(fixture *f) {
+    for (int i = 0; i < FIXTURE_RAYS; i++) f->out.depth[i] = NAN;
+    assert_int_equal(frame(f), SV_OK);
+    assert_int_equal(f->out.stats.outcome, SV_OK);
+    assert_true(f->out.stats.points > 0);
+    for (int i = 0; i < FIXTURE_RAYS; i++) assert_true(isfinite(f->out.depth[i]));
+}
+
+static void assert_quiet(const char *method) {
+    const uint32_t made = spy_count(SPY_CREATE) + spy_count(SPY_BUILD) + spy_count(SPY_RELEASE);
+    const uint32_t waited = spy_count(SPY_WAIT) + spy_blocking();
+    if (made + waited + heap_spy_count() > 0)
+        fail_msg("%s: %u objects made or released, %u waits, %u allocations", method, made, waited,
+                 heap_spy_count());
+    assert_true(spy_count(SPY_ENQUEUE) > 0);
+}
+
+static void frames_are_quiet(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+    const sv_param_value q = {rig_param(&f->r, "q"), 0, 0.75};
+    for (int method = MEAN; method < METHODS; method++)
+        for (int prefilter = 0; prefilter < 2; prefilter++)
+            for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+                choose(f, method, prefilter, strategy);
+                assert_int_equal(fixture_activate(f), SV_OK);
+                spy_reset();
+                heap_spy_reset();
+                assert_int_equal(frame(f), SV_OK);
+                assert_quiet(surface_names[method]);
+                spy_reset();
+                const sv_result result = fixture_result(f);
+                assert_int_equal(f->r.plugin->adjust(f->r.plugin, &q, 1, &result), SV_OK);
+                assert_quiet(surface_names[method]);
+                assert_good(f);
+                f->r.plugin->deactivate(f->r.plugin);
+                assert_int_equal(spy_live(), 0);
+            }
+}
+
+/* One activation whose nth call fails. False if it makes fewer calls. */
+static bool activate_failing(fixture *f, uint32_t n) {
+    spy_reset();
+    spy_fail(n, CODE);
+    const sv_status status = fixture_activate(f);
+    const bool failed = spy_failed() != NULL;
+    if (failed && status >= 0) fail_msg("call %u, %s: failed unnoticed", n, spy_failed());
+    if (failed) assert_true(strlen(f->r.plugin->last_error(f->r.plugin)) > 0);
+    spy_fail(0, 0);
+    if (status == SV_OK) f->r.plugin->deactivate(f->r.plugin);
+    if (spy_live() != 0) fail_msg("call %u: %d objects left", n, spy_live());
+    return failed;
+}
+
+static void activations_fail(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    for (int method = MEAN; method < METHODS; method++) {
+        choose(f, method, method == MEAN, 1);
+        uint32_t n = 1;
+        /* the many steps of membrane and plate are alike: calls further and further apart */
+        while (activate_failing(f, n)) n += 3 + n / 16;
+        assert_int_equal(fixture_activate(f), SV_OK);
+        assert_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+        print_message("%s: activation of some %u calls\n", surface_names[method], n);
+        assert_true(n > 100);
+    }
+}
+
+static void frames_fail(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    for (int method = MEAN; method < METHODS; method++) {
+        choose(f, method, method == MEAN, 2);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        for (uint32_t n = 1;; n += 1 + n / 8) {
+            spy_reset();
+            spy_fail(n, CODE);
+            const sv_status status = frame(f);
+            const bool failed = spy_failed() != NULL;
+            spy_fail(0, 0);
+            if (!failed) break;
+            if (status != SV_ERR_OPENCL) fail_msg("%s, call %u: status %d", surface_names[method], n, status);
+            assert_true(strlen(f->r.plugin->last_error(f->r.plugin)) > 0);
+            assert_good(f);
+        }
+        f->r.plugin->deactivate(f->r.plugin);
+        assert_int_equal(spy_live(), 0);
+    }
+}
+
+static void allocations_fail(void **state) {
+    fixture *f = *state;
+    if (!heap_spy_works()) skip();
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+    for (int method = MEAN; method < METHODS; method++) {
+        choose(f, method, method == MEAN, 1);
+        for (uint32_t n = 1;; n++) {
+            heap_spy_reset();
+            heap_spy_fail(n);
+            const sv_status status = fixture_activate(f);
+            const bool failed = heap_spy_failed();
+            heap_spy_fail(0);
+            if (status == SV_OK) f->r.plugin->deactivate(f->r.plugin);
+            if (!failed) break;
+            assert_int_equal(status, SV_ERR_NO_MEMORY);
+            assert_int_equal(spy_live(), 0);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {FIXTURE_TEST(frames_are_quiet), FIXTURE_TEST(activations_fail),
+                                       FIXTURE_TEST(frames_fail), FIXTURE_TEST(allocations_fail)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
