@@ -1,6 +1,7 @@
 /* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
 #include "enqueue.h"
 
+#include <assert.h>
 #include <string.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
@@ -80,6 +81,7 @@ static sv_status create_buffers(sv_pipeline *p) {
 /* Slabs of full length that make a batch worth its launch. */
 static uint32_t batch_slots(const sv_config *c) {
     const uint64_t slab = (uint64_t)c->width * c->height * c->max_slab_slices;
+    assert(slab > 0);
     const uint64_t wanted = (BATCH_VOXELS + slab - 1) / slab;
     return wanted < SV_BATCH ? (uint32_t)wanted : SV_BATCH;
 }
