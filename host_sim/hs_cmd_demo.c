@@ -60,6 +60,14 @@ static int is_metaimage(const struct dirent *entry) {
     return dot && (strcmp(dot, ".mha") == 0 || strcmp(dot, ".mhd") == 0);
 }
 
+/* The same volume once more, behind the occluders of the scene "real". */
+static void add_hidden(demo *d, demo_case plain) {
+    demo_case *c = &d->cases[d->case_count++];
+    *c = plain;
+    c->scene = "real";
+    (void)snprintf(c->folder, sizeof c->folder, "hidden_%.200s", plain.folder);
+}
+
 /* The volumes of --data, by name. */
 static bool add_volumes(demo *d, hs_error *err) {
     struct dirent **entries = NULL;
@@ -73,6 +81,7 @@ static bool add_volumes(demo *d, hs_error *err) {
             (void)snprintf(c->folder, sizeof c->folder, "%s", entries[i]->d_name);
             for (char *dot = c->folder; (dot = strchr(dot, '.')) != NULL;) *dot = '_';
             ok = hs_cli_join(d->data, entries[i]->d_name, c->file, sizeof c->file, err);
+            if (ok) add_hidden(d, *c);
         }
         free(entries[i]);
     }
@@ -184,6 +193,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     hs_run_defaults(&request);
     request.plugin_path = d->plugin;
     request.scene.name = c->scene;
+    request.scene.real = c->scene && c->file[0] ? c->file : NULL;
     request.scene.size = d->quick ? 128 : 256;
     request.volumes = volumes;
     request.volume_count = c->scene ? 0 : 1;

@@ -104,6 +104,7 @@ void hs_scene_compress(const hs_field *field, const hs_scene_spec *spec, hs_volu
 void hs_scene_fan(const hs_field *field, const hs_scene_spec *spec, hs_volume *full);
 
 /* A `real` scene: occluders only where the given volume is free, then given volume and occluders in one. */
+bool hs_scene_real_lead(hs_volume *given, double share, hs_error *err);
 void hs_scene_real_place(hs_field *field, const hs_volume *given);
 void hs_scene_real_combine(hs_field *field, const hs_volume *given, hs_volume *full);
 

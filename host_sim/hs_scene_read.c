@@ -21,6 +21,7 @@ static const hs_json_field top_fields[] = {
     OTHER("kind", false),
     FIELD(hs_scene_spec, seed, SEED, 1, 9e15, true),
     FIELD(hs_scene_spec, extent_mm, FLOAT, 20, 400, false),
+    FIELD(hs_scene_spec, lead_mm, FLOAT, 0, 200, false),
     FIELD(hs_scene_spec, frequency_mhz, FLOAT, 0.5, 20, false),
     OTHER("display", false),
     OTHER("tissues", false),
@@ -314,6 +315,9 @@ static bool read_scene(const hs_json *root, hs_scene_spec *spec) {
     set_defaults(spec);
     if (!hs_json_read(root, top_fields, COUNT(top_fields), spec)) return false;
     if (hs_json_member(root, "kind", &part) && !read_kind(&part, spec)) return false;
+    if (hs_json_member(root, "lead_mm", &part) && (!spec->real || spec->lead_mm >= spec->extent_mm))
+        return hs_json_fail(&part, "is %g, expected less than extent_mm, %g, in a scene of kind real",
+                            (double)spec->lead_mm, (double)spec->extent_mm);
     if (hs_json_member(root, "display", &part) &&
         !hs_json_read(&part, display_fields, COUNT(display_fields), spec))
         return false;

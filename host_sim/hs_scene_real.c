@@ -1,9 +1,12 @@
 /*
- * Synthetic occluders before a given volume, which then is its own ground truth. What lies before the first
- * tissue of a column is taken as free; occluders are put there, and kept a gap away from it.
+ * Synthetic occluders before a given volume, which then is its own ground truth. The volume is moved back to
+ * make room; what lies before the first tissue of a column is taken as free; occluders are put there, and
+ * kept a gap away from it.
  */
 #include "hs_scene_field.h"
 #include "hs_scene_threads.h"
+
+#include <string.h>
 
 #define FLUID_LEVEL 40   /* T_L = 40.5 / 255 (spec 9): above it is tissue */
 #define GAP_MM      3.0f /* of fluid left between an occluder and the volume's tissue */
@@ -13,6 +16,31 @@ typedef struct {
     const hs_volume *given;
     uint8_t *full;
 } real;
+
+/* Makes a column scanned, as fluid, from the front to its first scanned voxel; one without any stays as it
+ * is. */
+static void open_column(hs_volume *v, size_t column) {
+    const size_t plane = (size_t)v->nx * v->ny;
+    uint32_t first = 0;
+    while (first < v->nz && v->voxels[first * plane + column] == 0) first++;
+    for (uint32_t z = 0; first < v->nz && z < first; z++) v->voxels[z * plane + column] = 1;
+}
+
+/* Moves the volume back until the room before it is `share` (0 .. 1, exclusive) of the whole depth. */
+bool hs_scene_real_lead(hs_volume *given, double share, hs_error *err) {
+    const uint32_t lead = (uint32_t)(given->nz * share / (1.0 - share) + 0.5);
+    const size_t plane = (size_t)given->nx * given->ny;
+    if (lead == 0) return true;
+    hs_volume moved;
+    if (!hs_volume_init(&moved, given->nx, given->ny, given->nz + lead, err)) return false;
+    memcpy(moved.voxels + lead * plane, given->voxels, given->nz * plane);
+    memcpy(moved.spacing, given->spacing, sizeof moved.spacing);
+    memcpy(moved.name, given->name, sizeof moved.name);
+    for (size_t column = 0; column < plane; column++) open_column(&moved, column);
+    hs_volume_free(given);
+    *given = moved;
+    return true;
+}
 
 /* True if the mean over the voxel and its neighbours is above T_L: a speck of noise is no tissue. */
 static bool is_tissue(const hs_volume *v, uint32_t x, uint32_t y, uint32_t z) {

@@ -122,6 +122,7 @@ typedef struct {
     bool real; /* occluders before a given volume */
     uint64_t seed;
     float extent_mm; /* edge of the cube */
+    float lead_mm;   /* real: depth of the cube that is put before the given volume, < extent_mm */
     float frequency_mhz;
     float dynamic_range_db, gain_db;   /* grey = 255 (1 + (level + gain) / range) */
     float specular_db, specular_power; /* level of an interface: specular_db + 20 log10(R cos^power) */

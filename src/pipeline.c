@@ -1,6 +1,7 @@
 /* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
 #include "enqueue.h"
 
+#include <assert.h>
 #include <string.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
@@ -58,7 +59,7 @@ static sv_status create_buffers(sv_pipeline *p) {
         b->host_slabs = sv_clx_buffer(p->diag, p->device, c->host_memory_bytes,
                                       (void *)(uintptr_t)c->host_memory, &status);
     else if (c->carrier != SV_CARRIER_BUFFER)
-        b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes, NULL, &status);
+        b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes * p->batch_slots, NULL, &status);
     b->state8 = sv_clx_buffer(p->diag, p->device, SV_STATE8_PLANES * plane, NULL, &status);
     b->state16 =
         sv_clx_buffer(p->diag, p->device, plane * SV_STATE16_PLANES * sizeof(cl_ushort), NULL, &status);
@@ -79,6 +80,14 @@ static sv_status create_buffers(sv_pipeline *p) {
     return status;
 }
 
+/* Slabs of full length that make a batch worth its launch. */
+static uint32_t batch_slots(const sv_config *c) {
+    const uint64_t slab = (uint64_t)c->width * c->height * c->max_slab_slices;
+    assert(slab > 0);
+    const uint64_t wanted = (BATCH_VOXELS + slab - 1) / slab;
+    return wanted < SV_BATCH ? (uint32_t)wanted : SV_BATCH;
+}
+
 sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, sv_program *narrow,
                              sv_program *wide, sv_timing *timing, const sv_config *config) {
     *p = (sv_pipeline){
@@ -90,6 +99,7 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
     if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
         p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
+    p->batch_slots = batch_slots(config);
     sv_status status = create_buffers(p);
     if (status == SV_OK) status = sv_chain_create(p);
     if (status != SV_OK) sv_pipeline_destroy(p);
@@ -139,11 +149,12 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     if (p->timing) sv_timing_reset(p->timing);
 }
 
-/* Brings a slab where the kernels can read it: the buffer and the offset of its first byte. */
+/* Brings a slab where the kernels can read it: the buffer and the offset of its first byte. Copied slabs get
+ * a slot each, for the batch that they will be launched with. */
 static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer, uint64_t *offset) {
     const sv_config *c = &p->config;
     *buffer = p->buffers.slab;
-    *offset = 0;
+    *offset = p->batch.count * p->slab_bytes;
     if (c->carrier == SV_CARRIER_BUFFER) {
         *buffer = slab->object;
         *offset = slab->offset;
@@ -154,19 +165,21 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
         *offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
         return SV_OK;
     }
+    cl_event *slot = sv_timing_slot(p->timing, SV_STAGE_TRANSFER);
+    const cl_command_queue queue = p->device->queue;
     if (c->carrier == SV_CARRIER_HOST) {
         const size_t bytes = sv_pipeline_slab_bytes(c, slab->slice_count);
-        return sv_clx_check(p->diag,
-                            clEnqueueWriteBuffer(p->device->queue, *buffer, CL_FALSE, 0, bytes, slab->memory,
-                                                 0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),
-                            "slab: clEnqueueWriteBuffer");
+        return sv_clx_check(
+            p->diag,
+            clEnqueueWriteBuffer(queue, *buffer, CL_FALSE, *offset, bytes, slab->memory, 0, NULL, slot),
+            "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
     const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
-    return sv_clx_check(p->diag,
-                        clEnqueueCopyImageToBuffer(p->device->queue, slab->object, *buffer, origin, region, 0,
-                                                   0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),
-                        "slab: clEnqueueCopyImageToBuffer");
+    return sv_clx_check(
+        p->diag,
+        clEnqueueCopyImageToBuffer(queue, slab->object, *buffer, origin, region, *offset, 0, NULL, slot),
+        "slab: clEnqueueCopyImageToBuffer");
 }
 
 /* Launches the profile of the slabs that wait. */
@@ -187,13 +200,12 @@ static sv_status launch_profile(sv_pipeline *p) {
                 : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
 }
 
-/* True if the slabs that wait are worth a launch, or cannot wait: copied slabs share one buffer, and the last
- * slab ends the volume. */
+/* True if the slabs that wait are worth a launch, or no more can wait. */
 static bool batch_is_due(const sv_pipeline *p) {
     const sv_config *c = &p->config;
-    const uint32_t slices = p->next_slice - p->batch.first_slice;
-    return p->batch_buffer == p->buffers.slab || p->batch.count == SV_BATCH || p->next_slice == c->slices ||
-           (uint64_t)c->width * c->height * slices >= BATCH_VOXELS;
+    const uint64_t slices = p->next_slice - p->batch.first_slice;
+    return p->batch.count == p->batch_slots || p->next_slice == c->slices ||
+           slices * c->width * c->height >= BATCH_VOXELS;
 }
 
 sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {

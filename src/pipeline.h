@@ -28,7 +28,7 @@ typedef struct sv_config {
 
 /* Buffers per stage. Rows of per-ray maps are padded to SV_LANES; see cl/sv_shared.h for the planes. */
 typedef struct {
-    cl_mem slab;       /* a slab's texture where it is not read in place */
+    cl_mem slab;       /* textures of a batch of slabs, where they are not read in place */
     cl_mem host_slabs; /* wraps sv_config.host_memory where slabs are read in place */
     cl_mem state8, state16;
     cl_mem survey;    /* bands: 257 words each */
@@ -50,7 +50,7 @@ typedef struct sv_pipeline {
     sv_config config;
     sv_buffers buffers;
     sv_chain chain;
-    uint32_t padded_width, bands, pass_capacity;
+    uint32_t padded_width, bands, pass_capacity, batch_slots;
     uint64_t slab_bytes; /* of the longest slab */
 
     /* the frame under way, or the last one */

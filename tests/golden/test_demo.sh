@@ -41,10 +41,11 @@ for case in D01 E01 D02; do
 done
 holds [ -s "$work/demo/layers_mha/panel.png" ]
 holds [ ! -e "$work/demo/layers_mha/truth.png" ]
+holds [ -s "$work/demo/hidden_layers_mha/truth.png" ]
 
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
-holds [ "$pictures" -eq $((3 * 7 + 6)) ]
+holds [ "$pictures" -eq $((4 * 7 + 6)) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/png;base64,iVBORw0KGgo' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"
@@ -56,7 +57,7 @@ for tag in figure figcaption div table details pre p h2; do
     holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
 done
 # One row a case in the table of speeds, after its head.
-holds [ "$(grep -c '^<tr><th>' "$page")" -eq 5 ]
+holds [ "$(grep -c '^<tr><th>' "$page")" -eq 6 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
 
 # With a plugin that fails, the demo ends with its code and shows the full volume.
