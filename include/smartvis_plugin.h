@@ -294,7 +294,7 @@ typedef struct sv_stats {
     uint32_t rays;         /* width * height */
     uint32_t points;       /* initial points, those with an empty interval included */
     uint32_t empty_points; /* points whose interval is empty: depth 0, "clip nothing here" */
-    uint32_t passes;       /* passes of the surface reconstruction */
+    uint32_t passes;       /* passes or steps of the surface reconstruction; 1 if it has none */
     uint32_t unfilled;     /* pixels without a surface (SV_PARTIAL, SV_NO_SURFACE) */
     float volume_max;      /* largest intensity, 0 .. 1; padding does not count */
     float bone_threshold;  /* the T_B that was used, 0 .. 1: a ray is bone above it */
@@ -364,8 +364,9 @@ struct sv_plugin {
     sv_status (*end)(const sv_plugin *plugin, const sv_result *result);
 
     /* [frame & active, after a successful end] The last volume again, with other values for parameters that
-     * are flagged SV_PARAM_ADJUST; the rest keep the frame's. Costs one multiply-add per pixel for q (the
-     * surface is linear in q, S(q) = S_f + q (S_n - S_f)), so a slider may call it at will. */
+     * are flagged SV_PARAM_ADJUST; the rest keep the frame's. Where the surface is linear in q, q costs one
+     * multiply-add per pixel, S(q) = S_f + q (S_n - S_f), so a slider may call it at will; where it is not
+     * (minimum filter), the surface is reconstructed again. */
     sv_status (*adjust)(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
                         const sv_result *result);
 
@@ -427,17 +428,17 @@ typedef struct sv_spline_report {
     uint32_t merge_grid; /* cells per side that points were merged on; 0: not merged */
     uint32_t rank;       /* of the plane: 3, or 2 for collinear points, or 1 for a single one */
     uint32_t dropped;    /* unknowns left out because their pivot was as good as 0 */
-    float condition;     /* ratio of the largest to the smallest pivot: at most the matrix' condition number */
-    float residual;      /* largest error of the solved equations at a control point, slices */
-    uint32_t reserved;   /* 0 */
+    float condition;   /* ratio of the largest to the smallest pivot: at most the matrix' condition number */
+    float residual;    /* largest error of the solved equations at a control point, slices */
+    uint32_t reserved; /* 0 */
 } sv_spline_report;
 
 typedef struct sv_ext_spline {
     uint32_t size;
     uint32_t reserved; /* 0 */
 
-    /* [control] Waits for the queue and reads the report of the last frame whose end succeeded. SV_ERR_STATE if
-     * there is none, or the method is another one. */
+    /* [control] Waits for the queue and reads the report of the last frame whose end succeeded. SV_ERR_STATE
+     * if there is none, or the method is another one. */
     sv_status (*report)(const sv_plugin *plugin, sv_spline_report *out);
 } sv_ext_spline;
 

@@ -151,6 +151,21 @@ AT(sv_ext_stats, enable, 8);
 AT(sv_ext_stats, stage_times, 16);
 SIZE(sv_ext_stats, 24);
 
+AT(sv_spline_report, size, 0);
+AT(sv_spline_report, points, 4);
+AT(sv_spline_report, merge_grid, 8);
+AT(sv_spline_report, rank, 12);
+AT(sv_spline_report, dropped, 16);
+AT(sv_spline_report, condition, 20);
+AT(sv_spline_report, residual, 24);
+AT(sv_spline_report, reserved, 28);
+SIZE(sv_spline_report, 32);
+
+AT(sv_ext_spline, size, 0);
+AT(sv_ext_spline, reserved, 4);
+AT(sv_ext_spline, report, 8);
+SIZE(sv_ext_spline, 16);
+
 AT(sv_entry, abi_major, 0);
 AT(sv_entry, abi_minor, 4);
 AT(sv_entry, size, 8);
