@@ -55,6 +55,22 @@ static void test_definition(void **state) {
         }
 }
 
+/* Whatever lays out the points' work, the methods get the same points. */
+static void test_layouts(void **state) {
+    surface_points p = scattered(70, 45, 60, 150, 61);
+    for (int method = MEAN; method < METHODS; method++)
+        for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+            const surface_chain chain = {.method = method,
+                                         .q = 1.25f,
+                                         .k = 9,
+                                         .prefilter_passes = (uint32_t)method % 2,
+                                         .prefilter_k = 3,
+                                         .strategy = strategy};
+            check(*state, &p, &chain, surface_bound(&chain, 60), "in every layout");
+        }
+    surface_points_free(&p);
+}
+
 /* q > 1: depths below 0 must come through. */
 static void test_negative_depths(void **state) {
     for (int method = MEAN; method < METHODS; method++) {
@@ -198,6 +214,7 @@ int main(void) {
         cmocka_unit_test(test_prefilter),     cmocka_unit_test(test_settings),
         cmocka_unit_test(test_plate_hardest), cmocka_unit_test(test_deep),
         cmocka_unit_test(test_adjust),        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_layouts),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

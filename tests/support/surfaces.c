@@ -74,6 +74,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "merge_grid"), 0, chain->merge_grid},
         {rig_param(r, "spline_grid"), 0, chain->spline_grid},
         {rig_param(r, "precision"), 0, chain->float32},
+        {rig_param(r, "strategy"), 0, chain->strategy},
     };
     const sv_format format = {.size = sizeof format,
                               .width = points->width,

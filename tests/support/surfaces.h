@@ -19,6 +19,7 @@ typedef struct {
     uint32_t merge_grid, spline_grid;
     uint32_t solver_steps; /* 0: the method's own number */
     bool float32;
+    uint32_t strategy; /* work layout; 0: auto */
     float q;
 } surface_chain;
 
