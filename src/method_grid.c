@@ -78,7 +78,7 @@ sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
                             [DIRECTION] = 2 * all,
                             [SOLUTION] = 2 * all,
                             [PARTIAL] = 3 * (size_t)p->config.height * real,
-                            [SCALARS] = 2 * SCALAR_COUNT * real};
+                            [SCALARS] = (size_t)2 * SCALAR_COUNT * real};
     sv_status status = SV_OK;
     for (int i = 0; i <= SCALARS; i++)
         s->buffer[i] = sv_clx_buffer(p->diag, p->device, bytes[i], NULL, &status);

@@ -20,7 +20,7 @@ static uint32_t commands(const sv_config *c) {
 
 static sv_status create(sv_pipeline *p, sv_method_state *s) {
     sv_status status = SV_OK;
-    const size_t bytes = ((size_t)p->padded_width + 2 * MARGIN) * p->config.height * sizeof(cl_float);
+    const size_t bytes = (p->padded_width + (size_t)2 * MARGIN) * p->config.height * sizeof(cl_float);
     s->buffer[MAP_A] = sv_clx_buffer(p->diag, p->device, bytes, NULL, &status);
     s->buffer[MAP_B] = sv_clx_buffer(p->diag, p->device, bytes, NULL, &status);
     if (status != SV_OK) return status;

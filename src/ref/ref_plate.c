@@ -24,7 +24,7 @@ void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, doubl
             const size_t i = y * width + x;
             if (x + 2 < width) add_element(s, (const size_t[]){i, i + 1, i + 2}, bend, 3, 1.0, out);
             if (y + 2 < height)
-                add_element(s, (const size_t[]){i, i + width, i + 2 * width}, bend, 3, 1.0, out);
+                add_element(s, (const size_t[]){i, i + width, i + (size_t)2 * width}, bend, 3, 1.0, out);
             if (x + 1 < width && y + 1 < height)
                 add_element(s, (const size_t[]){i, i + 1, i + width, i + width + 1}, twist, 4, 2.0, out);
             if (x + 1 < width) add_element(s, (const size_t[]){i, i + 1}, slope, 2, TENSION, out);

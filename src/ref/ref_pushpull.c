@@ -15,17 +15,23 @@ typedef struct {
     uint32_t width, height;
 } level;
 
-static void pull(const level *fine, level *coarse) {
-    for (uint32_t y = 0; y < fine->height; y++)
-        for (uint32_t x = 0; x < fine->width; x++) {
-            const size_t from = (size_t)y * fine->width + x, to = (size_t)(y / 2) * coarse->width + x / 2;
-            coarse->weight[to] += fine->weight[from];
-            coarse->value[to] += fine->weight[from] * fine->value[from];
+/* Coarse pixel (x, y) from its children inside the image. */
+static void pull_pixel(const level *fine, level *coarse, uint32_t x, uint32_t y) {
+    double sum = 0.0, weights = 0.0;
+    for (uint32_t v = 2 * y; v < 2 * y + 2 && v < fine->height; v++)
+        for (uint32_t u = 2 * x; u < 2 * x + 2 && u < fine->width; u++) {
+            const size_t i = (size_t)v * fine->width + u;
+            sum += fine->weight[i] * fine->value[i];
+            weights += fine->weight[i];
         }
-    for (size_t i = 0; i < (size_t)coarse->width * coarse->height; i++) {
-        if (coarse->weight[i] > 0.0) coarse->value[i] /= coarse->weight[i];
-        if (coarse->weight[i] > 1.0) coarse->weight[i] = 1.0;
-    }
+    const size_t i = (size_t)y * coarse->width + x;
+    coarse->value[i] = weights > 0.0 ? sum / weights : 0.0;
+    coarse->weight[i] = weights < 1.0 ? weights : 1.0;
+}
+
+static void pull(const level *fine, level *coarse) {
+    for (uint32_t y = 0; y < coarse->height; y++)
+        for (uint32_t x = 0; x < coarse->width; x++) pull_pixel(fine, coarse, x, y);
 }
 
 /* Parent's neighbour on the side of x, or the parent at the border. */
@@ -63,7 +69,7 @@ static bool fill_level(level *fine) {
 
 bool sv_ref_pushpull(const sv_ref_map *map, double *surface) {
     const size_t count = (size_t)map->width * map->height;
-    double *weight = malloc(count * sizeof *weight);
+    double *weight = calloc(count, sizeof *weight);
     if (!weight) return false;
     for (size_t i = 0; i < count; i++) {
         weight[i] = map->status[i] ? 1.0 : 0.0;
