@@ -8,6 +8,7 @@
  */
 #include "ref/sv_ref_methods.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 typedef struct {
@@ -53,8 +54,10 @@ static void push(level *fine, const level *coarse) {
 }
 
 static bool fill_level(level *fine) {
+    assert(fine->width >= 1 && fine->height >= 1);
     if (fine->width == 1 && fine->height == 1) return true;
-    level coarse = {.width = (fine->width + 1) / 2, .height = (fine->height + 1) / 2};
+    level coarse = {.width = fine->width / 2 + fine->width % 2,
+                    .height = fine->height / 2 + fine->height % 2};
     const size_t count = (size_t)coarse.width * coarse.height;
     double *both = calloc(2 * count, sizeof *both);
     if (!both) return false;
