@@ -2,13 +2,16 @@
 #ifndef SV_SHARED_H
 #include "sv_shared.h"
 #endif
+#ifndef SV_EVIDENCE_CLH
+#include "evidence.clh"
+#endif
 #pragma OPENCL FP_CONTRACT OFF
 
 /* One work item: forgets what an earlier run came to; the points stay. */
 __kernel void chain_begin(uint pass_limit, __global uint *restrict record) {
     record[SV_REC_PASSES] = 0;
     record[SV_REC_UNFILLED] = record[SV_REC_RAYS];
-    record[SV_REC_OUTCOME] = record[SV_REC_POINTS] > 0 ? SV_OUTCOME_PARTIAL : SV_OUTCOME_NO_SURFACE;
+    record[SV_REC_OUTCOME] = surface_wanted(record) ? SV_OUTCOME_PARTIAL : SV_OUTCOME_NO_SURFACE;
     for (uint pass = 0; pass < pass_limit; pass++) record[SV_REC_PASS0 + pass] = 0;
 }
 
@@ -35,9 +38,9 @@ __kernel void chain_gather(uint padded_width, uint height, __global const ushort
     vstore16(select(far, empty, none), 0, maps + plane + i);
 }
 
-/* One work item: every pixel got its surface, if there was a point. */
+/* One work item: every pixel got its surface, if the frame has one. */
 __kernel void chain_done(uint passes, __global uint *restrict record) {
-    if (record[SV_REC_POINTS] == 0) return;
+    if (!surface_wanted(record)) return;
     record[SV_REC_PASSES] = passes;
     record[SV_REC_UNFILLED] = 0;
     record[SV_REC_OUTCOME] = SV_OUTCOME_OK;

@@ -13,13 +13,13 @@
 /* This work item's pixel; false outside, or if the frame has no point. */
 #define GRID_PIXEL(level)                                                                                    \
     const int x = (int)get_global_id(0), y = (int)get_global_id(1);                                          \
-    if (x >= (int)(level).width || !HAS_POINTS(record)) return;                                              \
+    if (x >= (int)(level).width || !surface_wanted(record)) return;                                              \
     const size_t i = (level).offset + (size_t)y * (level).width + x
 
 /* One row per work item: count of its points and sums of their depths, 3 values a row. */
 __kernel void grid_sums(grid_level level, uint padded_width, __global const float *maps,
                         __global real *partial, __global const uint *record) {
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     __global const float *near = maps + get_global_id(0) * padded_width;
     __global const float *far = near + (size_t)padded_width * level.height;
     real count = 0, sum_near = 0, sum_far = 0;
@@ -38,7 +38,7 @@ __kernel void grid_sums(grid_level level, uint padded_width, __global const floa
 /* One work item: the mean depths. */
 __kernel void grid_means(grid_level level, __global const real *partial, __global real *scalars,
                          __global const uint *record) {
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     real sums[3] = {0, 0, 0};
     for (uint y = 0; y < level.height; y++)
         for (uint n = 0; n < 3; n++) sums[n] += partial[3 * y + n];
@@ -131,7 +131,7 @@ __kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, __gl
 /* One row per work item: its part of a . b, per plane. */
 __kernel void grid_dot(grid_level level, uint planes, __global const real *a, __global const real *b,
                        __global real *partial, __global const uint *record) {
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     const size_t row = get_global_id(0) * level.width;
     for (uint p = 0; p < planes; p++) {
         real sum = 0;
@@ -145,7 +145,7 @@ __kernel void grid_dot(grid_level level, uint planes, __global const real *a, __
  * . z). */
 __kernel void grid_scalar(grid_level level, uint planes, uint beta, __global const real *partial,
                           __global real *scalars, __global const uint *record) {
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     for (uint p = 0; p < planes; p++) {
         __global real *s = scalars + p * SCALAR_COUNT;
         real sum = 0;

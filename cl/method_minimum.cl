@@ -24,7 +24,7 @@ static uint minimum_lanes_set(int16 mask) {
 
 /* As in sums.clh: the pass before left empty pixels (the filter always gets on while it has a point). */
 static bool minimum_needed(__global const volatile uint *record, uint number) {
-    if (!HAS_POINTS(record)) return false;
+    if (!surface_wanted(record)) return false;
     return number == EVERY_PASS || number == 0 || record[SV_REC_PASS0 + number - 1] > 0;
 }
 
@@ -78,7 +78,7 @@ __kernel void minimum_rows(uint width, uint padded_width, uint k, uint number,
 __kernel void minimum_leave(uint padded_width, uint to_maps, __global const float *restrict a,
                             __global const uchar *restrict status, __global float *restrict out,
                             __global const uint *restrict record) {
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     const size_t x = get_global_id(0) * SV_LANES, y = get_global_id(1);
     const size_t i = y * padded_width + x;
     const float16 v = vload16(0, a + y * margin_stride(padded_width) + SV_MIN_MARGIN + x);

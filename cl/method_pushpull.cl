@@ -18,7 +18,7 @@ __kernel void pushpull_enter(uint width, uint padded_width, uint height, uint pl
                              __global const float *maps, __global float *values,
                              __global const uint *record) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= width || !HAS_POINTS(record)) return;
+    if (x >= width || !surface_wanted(record)) return;
     const size_t from = (size_t)y * padded_width + x, to = (size_t)y * width + x;
     const float near = maps[from], far = maps[from + (size_t)padded_width * height];
     const bool point = !isinf(near);
@@ -31,7 +31,7 @@ __kernel void pushpull_enter(uint width, uint padded_width, uint height, uint pl
 __kernel void pushpull_pull(pull_level fine, pull_level coarse, uint planes, __global float *values,
                             __global const uint *record) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= coarse.width || !HAS_POINTS(record)) return;
+    if (x >= coarse.width || !surface_wanted(record)) return;
     __global const float *weights = values + 2 * (size_t)fine.plane;
     const size_t to = coarse.offset + (size_t)y * coarse.width + x;
     float total = 0.0f, sum[2] = {0.0f, 0.0f};
@@ -60,7 +60,7 @@ static float coarse_value(__global const float *coarse, uint width, uint height,
 __kernel void pushpull_push(pull_level fine, pull_level coarse, uint planes, __global float *values,
                             __global const uint *record) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= fine.width || !HAS_POINTS(record)) return;
+    if (x >= fine.width || !surface_wanted(record)) return;
     const size_t i = fine.offset + (size_t)y * fine.width + x;
     const float weight = values[2 * (size_t)fine.plane + i];
     for (uint p = 0; p < planes; p++) {
@@ -74,7 +74,7 @@ __kernel void pushpull_leave(uint width, uint padded_width, uint height, uint pl
                              __global const float *values, __global float *surfaces,
                              __global const uint *record) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= width || !HAS_POINTS(record)) return;
+    if (x >= width || !surface_wanted(record)) return;
     for (uint p = 0; p < planes; p++)
         surfaces[p * (size_t)padded_width * height + (size_t)y * padded_width + x] =
             values[p * (size_t)plane + (size_t)y * width + x];

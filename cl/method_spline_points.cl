@@ -12,7 +12,7 @@ static uint cell_start(uint cell, uint side, uint grid) {
 __kernel void spline_cells(uint width, uint padded_width, uint height, uint grid,
                            __global const float *restrict maps, __global real *restrict cells,
                            __global const uint *restrict record) {
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     const uint cell_x = (uint)get_global_id(0) % grid, cell_y = (uint)get_global_id(0) / grid;
     real count = 0, x_sum = 0, y_sum = 0, near_sum = 0, far_sum = 0;
     for (uint y = cell_start(cell_y, height, grid); y < cell_start(cell_y + 1, height, grid); y++)
@@ -46,7 +46,7 @@ __kernel void spline_list(uint width, uint padded_width, uint height, uint merge
                           __global const real *restrict cells, __global real *restrict vectors,
                           __global uint *restrict info, __global const uint *restrict record) {
     info[INFO_POINTS] = info[INFO_DROPPED] = info[INFO_RANK] = info[INFO_MERGED] = 0;
-    if (!HAS_POINTS(record)) return;
+    if (!surface_wanted(record)) return;
     const bool all = merge == 0 && record[SV_REC_POINTS] <= capacity;
     uint n = 0;
     for (uint y = 0; all && y < height; y++)

@@ -30,7 +30,7 @@ __kernel void spline_between(uint width, uint padded_width, uint height, uint gr
                              __global const float *restrict nodes, __global float *restrict surfaces,
                              __global const uint *restrict record) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= width || !HAS_POINTS(record)) return;
+    if (x >= width || !surface_wanted(record)) return;
     const float tx = width > 1 ? (float)x * (float)grid / (float)(width - 1) : 0.0f;
     const float ty = height > 1 ? (float)y * (float)grid / (float)(height - 1) : 0.0f;
     const uint u = min((uint)tx, grid - 1), v = min((uint)ty, grid - 1), pitch = grid + 1;

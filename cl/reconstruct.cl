@@ -9,17 +9,20 @@
 #endif
 #pragma OPENCL FP_CONTRACT OFF
 
-/* Writes the frame's record once points are known; record[PASS0..] must be free for the passes. */
-static void record_points(__global uint *record, const sv_job *f, uint maximum, uint level, uint2 count) {
-    record[SV_REC_OUTCOME] = count.x == 0 ? SV_OUTCOME_NO_SURFACE : SV_OUTCOME_OK;
+/* Starts the frame's record: no surface until a pass says otherwise. */
+static void record_start(__global uint *record, const sv_job *f, uint maximum, uint level,
+                         point_counts count) {
+    record[SV_REC_OUTCOME] = SV_OUTCOME_NO_SURFACE;
     record[SV_REC_RAYS] = f->width * f->height;
-    record[SV_REC_POINTS] = count.x;
-    record[SV_REC_EMPTY] = count.y;
+    record[SV_REC_POINTS] = count.points;
+    record[SV_REC_EMPTY] = count.empty;
+    record[SV_REC_SURE] = count.sure;
+    record[SV_REC_BONE] = count.bone;
+    record[SV_REC_EVIDENCE] = f->evidence;
     record[SV_REC_PASSES] = 0;
     record[SV_REC_UNFILLED] = f->width * f->height;
     record[SV_REC_MAX] = as_uint((float)maximum / 255.0f);
     record[SV_REC_TB] = as_uint((float)level / 255.0f);
-    record[SV_REC_WORDS - 1] = 0;
     record[SV_REC_LEVEL] = level;
 }
 
@@ -30,7 +33,7 @@ static void record_pass(__global uint *record, uint number, uint unfilled) {
     record[SV_REC_OUTCOME] = unfilled == 0 ? SV_OUTCOME_OK : SV_OUTCOME_PARTIAL;
 }
 
-/* No initial point: surfaces of zeros, which clip nothing. */
+/* Surfaces of zeros, which clip nothing: what is left if there is no surface. */
 static void clear_surfaces(__global float *surfaces, const sv_job *f, uint y0, uint y1) {
     const size_t plane = (size_t)f->padded_width * f->height;
     for (size_t i = (size_t)y0 * f->padded_width; i < (size_t)y1 * f->padded_width; i += SV_LANES) {
@@ -50,9 +53,9 @@ __kernel void frame_end(sv_job job, __global const uchar *restrict state8,
         rows_histogram(state8, job.width, job.padded_width, 0, rows, histogram);
     }
     const uint level = bone_level_of(&job, maximum, histogram);
-    const uint2 count = rows_points(&job, state8, state16, level, 0, rows, status, sums_a);
-    record_points(record, &job, maximum, level, count);
-    if (count.x == 0) clear_surfaces(surfaces, &job, 0, rows);
+    const point_counts count = rows_points(&job, state8, state16, level, 0, rows, status, sums_a);
+    record_start(record, &job, maximum, level, count);
+    if (!surface_wanted(record)) clear_surfaces(surfaces, &job, 0, rows);
     for (uint pass = 0; pass < job.pass_limit && pass_needed(record, pass); pass++) {
         const pass_t p = {pass % 2 ? sums_b : sums_a, pass % 2 ? sums_a : sums_b, surfaces, status, scratch};
         const uint unfilled = rows_mean(&job, &p, 0, rows);
@@ -90,7 +93,8 @@ __kernel void band_level(sv_job job, __global const uint *restrict bands, uint b
             histogram[i] = 0;
             for (uint b = 0; b < band_count; b++) histogram[i] += bands[b * 257 + 1 + i];
         }
-    record_points(record, &job, maximum, bone_level_of(&job, maximum, histogram), (uint2)(0, 0));
+    const point_counts none = {0, 0, 0, 0};
+    record_start(record, &job, maximum, bone_level_of(&job, maximum, histogram), none);
     for (uint pass = 0; pass < job.pass_limit; pass++) record[SV_REC_PASS0 + pass] = 0;
 }
 
@@ -100,14 +104,13 @@ __kernel void band_points(sv_job job, __global const uchar *restrict state8,
                           __global sum_t *restrict sums, __global float *restrict surfaces,
                           volatile __global uint *restrict record) {
     const uint2 rows = band_rows(job.height);
-    const uint2 count =
+    const point_counts count =
         rows_points(&job, state8, state16, record[SV_REC_LEVEL], rows.x, rows.y, status, sums);
     clear_surfaces(surfaces, &job, rows.x, rows.y);
-    if (count.x > 0) {
-        record[SV_REC_OUTCOME] = SV_OUTCOME_PARTIAL; /* any band may say so: the passes find out the rest */
-        atomic_add(record + SV_REC_POINTS, count.x);
-        atomic_add(record + SV_REC_EMPTY, count.y);
-    }
+    atomic_add(record + SV_REC_BONE, count.bone);
+    atomic_add(record + SV_REC_POINTS, count.points);
+    atomic_add(record + SV_REC_EMPTY, count.empty);
+    atomic_add(record + SV_REC_SURE, count.sure);
 }
 
 /* Step 4 and on: one pass. */

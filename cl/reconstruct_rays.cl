@@ -49,11 +49,10 @@ __kernel void rays_points(sv_job job, __global const uchar *restrict state8,
     status[i] = (uchar)(point ? (open ? SV_STATUS_INITIAL : SV_STATUS_EMPTY) : SV_STATUS_NONE);
     surfaces[i] = 0.0f;
     surfaces[plane + i] = 0.0f;
-    if (point) {
-        record[SV_REC_OUTCOME] = SV_OUTCOME_PARTIAL; /* any pixel may say so: the passes find out the rest */
-        atomic_inc(record + SV_REC_POINTS);
-        if (!open) atomic_inc(record + SV_REC_EMPTY);
-    }
+    if (bone) atomic_inc(record + SV_REC_BONE);
+    if (point) atomic_inc(record + SV_REC_POINTS);
+    if (point && !open) atomic_inc(record + SV_REC_EMPTY);
+    if (bone && open && entry - exit >= job.min_gap) atomic_inc(record + SV_REC_SURE);
 }
 
 /* Columns of the windows: columns[p][y][x] = sum of from[p] over rows y - r .. y + r inside the image. */

@@ -71,20 +71,26 @@
 #define SV_REC_UNFILLED 6
 #define SV_REC_MAX      7 /* float bits, 0..1 */
 #define SV_REC_TB       8 /* float bits, 0..1 */
+#define SV_REC_SURE     9
 #define SV_REC_WORDS    10
 #define SV_REC_LEVEL    10 /* bone level 0..255: a ray is bone above it */
-#define SV_REC_PASS0    11 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
+#define SV_REC_BONE     11 /* rays above it, whether they give a point or not */
+#define SV_REC_EVIDENCE 12 /* sv_job.evidence */
+#define SV_REC_PASS0    13 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
 
 /* What a frame asks of the kernels; passed to them by value. 32-bit members only, so both compilers lay it
  * out alike. */
 typedef struct {
     unsigned int width, padded_width, height;
-    unsigned int bone_mode;                     /* SV_BONE_* */
-    unsigned int fluid_level;                   /* T_L as a grey level: tissue lies above it */
-    unsigned int bone_level;                    /* absolute mode: T_B as a grey level */
-    unsigned int bone_drop;                     /* offset mode: grey levels below the volume's maximum */
-    unsigned int bone_wanted;                   /* fraction mode: rays that must qualify at least, >= 1 */
-    unsigned int drop_empty;                    /* 1: rays with an empty interval give no point */
+    unsigned int bone_mode;   /* SV_BONE_* */
+    unsigned int fluid_level; /* T_L as a grey level: tissue lies above it */
+    unsigned int bone_level;  /* absolute mode: T_B as a grey level */
+    unsigned int bone_drop;   /* offset mode: grey levels below the volume's maximum */
+    unsigned int bone_wanted; /* fraction mode: rays that must qualify at least, >= 1 */
+    unsigned int drop_empty;  /* 1: rays with an empty interval give no point */
+    unsigned int min_gap;     /* samples: an interval at least this long is sure to be fluid */
+    unsigned int
+        evidence; /* 1/1000 of the bone rays that must have a sure interval, or there is no surface */
     unsigned int fraction;                      /* fraction bits of a depth */
     unsigned int k;                             /* mean filter: window, odd */
     unsigned int weight_initial, weight_filled; /* mean filter: integer weights, their ratio is omega */

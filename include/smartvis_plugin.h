@@ -101,7 +101,8 @@ extern "C" {
 #define SV_ABI_MINOR 0u /* adds only: any pair of minors works together */
 
 /* True if the struct at p is long enough to hold `field`. For every field added after 1.0. */
-#define SV_HAS(p, field) ((p)->size >= (uint32_t)((char *)&(p)->field - (char *)(p)) + sizeof((p)->field))
+#define SV_HAS(p, field)                                                                                     \
+    ((p)->size >= (uint32_t)((const char *)&(p)->field - (const char *)(p)) + sizeof((p)->field))
 
 /* OpenCL handles by their tags: the very types cl_mem, cl_context, ... without a CL include. */
 struct _cl_context;
@@ -118,7 +119,8 @@ typedef struct sv_host sv_host;
 typedef int32_t sv_status;
 enum {
     SV_OK = 0,
-    SV_NO_SURFACE = 1, /* no initial point: nothing sure. The map holds zeros, which clip nothing. */
+    SV_NO_SURFACE = 1, /* no initial point, or too little evidence of fluid before the bone: nothing is sure.
+                          The map holds zeros, which clip nothing. */
     SV_PARTIAL = 2,    /* some pixels could not be reached (fill weight 0): they hold 0 and clip nothing */
 
     SV_ERR_INTERNAL = -1, /* a defect of the plugin */
@@ -238,9 +240,9 @@ typedef struct sv_format {
     uint32_t voxel_type;      /* SV_VOXEL_U8 */
     uint32_t carrier;         /* SV_CARRIER_HOST .. SV_CARRIER_IMAGE */
     int32_t padding_value;    /* 0 .. 255: voxels of this value were not scanned; or SV_NO_PADDING */
-    uint32_t tiles_x;         /* tiles in one row of a slab texture, >= 1 */
-    uint32_t tile_w;          /* voxels from one tile to the next in x, >= width */
-    uint32_t tile_h;          /* texture rows from one tile to the next in y, >= height */
+    uint32_t tiles_x;         /* tiles in one row of a slab texture, 1 .. 8192 */
+    uint32_t tile_w;          /* voxels from one tile to the next in x, width .. 16384 */
+    uint32_t tile_h;          /* texture rows from one tile to the next in y, height .. 16384 */
     uint32_t row_pitch;       /* bytes from one texture row to the next, >= tiles_x * tile_w * voxel bytes */
 
     struct _cl_context *context;
@@ -272,7 +274,7 @@ typedef struct sv_frame {
 
 /*
  * One slab. Exactly one carrier, the one named in the format. The contents must not change until the
- * commands of this frame have run (host queue) or end has returned (own queue).
+ * commands of this frame have run (host queue), or end or a call that failed has returned (own queue).
  */
 typedef struct sv_slab {
     uint32_t size;
@@ -296,7 +298,7 @@ typedef struct sv_stats {
     uint32_t unfilled;     /* pixels without a surface (SV_PARTIAL, SV_NO_SURFACE) */
     float volume_max;      /* largest intensity, 0 .. 1; padding does not count */
     float bone_threshold;  /* the T_B that was used, 0 .. 1: a ray is bone above it */
-    uint32_t reserved;     /* 0 */
+    uint32_t sure_points;  /* bone rays whose interval is long enough to be sure it is fluid */
 } sv_stats;
 
 /* Values in the status map, one byte a ray. */
@@ -375,8 +377,9 @@ struct sv_plugin {
      * An enum's value text is its name. */
     sv_status (*param_text)(const sv_plugin *plugin, uint32_t id, double value, char *out, uint32_t bytes);
 
-    /* [control] or [frame] The reason of the last call that did not return SV_OK, or "". UTF-8, valid until
-     * the next call of this instance. */
+    /* [control] or [frame] The reason of the last [control] or [frame] call that did not return SV_OK, or ""
+     * if the last one did. UTF-8, valid until the next such call of this instance. Calls for [any] thread
+     * only log. */
     const char *(*last_error)(const sv_plugin *plugin);
 
     /* [any] An extension's const table by its id, or NULL. Valid until destroy. */

@@ -4,6 +4,9 @@
 
 #include <stdio.h>
 
+/* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
+enum { FETCH_AHEAD_BYTES = 16 << 20 };
+
 static sv_config config_of(const sv_format *f, const sv_values *values) {
     sv_config c = {.width = f->width,
                    .height = f->height,
@@ -28,7 +31,11 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
 
 /* Builds the kernel sets for vectors of `strip` rays and lets the device prove itself. */
 static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32_t strip) {
-    sv_structure structure = {.substeps = config->substeps, .strip = strip, .padded = config->padding >= 0};
+    sv_structure structure = {.substeps = config->substeps,
+                              .strip = strip,
+                              .padded = config->padding >= 0,
+                              .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
+                                             FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_pipeline_needs_wide(config);
     sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
@@ -52,6 +59,7 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config) {
         char text[96];
         (void)snprintf(text, sizeof text, "no vectors of %u rays on this device; going on with 16", widest);
         sv_log(&in->diag, SV_LOG_INFO, text);
+        in->diag.last_error[0] = '\0'; /* nothing has failed yet */
     }
     return build_and_test(in, config, 16);
 }

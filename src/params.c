@@ -20,7 +20,7 @@ static const struct {
 } table[] = {
     {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
      "Where the surface lies in the fluid: 0 at the fetus, 1 at the occluder, up to 1.5 beyond it.", 0.0, 1.5,
-     0.0, 1.5, 0.25, 0.05, NULL},
+     0.0, 1.5, 0.5, 0.05, NULL},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,
      0.01, NULL},
@@ -45,6 +45,12 @@ static const struct {
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
      1.0, 0.0, 1.0, 0.5, 0.25, NULL},
+    {SV_PARAM_EVIDENCE, SV_PARAM_FLOAT, 0, "evidence", "Evidence wanted", "",
+     "Share of the bone rays that must have sure fluid before the bone; with less, the frame ends without a "
+     "surface.",
+     0.0, 1.0, 0.0, 1.0, 0.5, 0.05, NULL},
+    {SV_PARAM_MIN_GAP, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "min_gap", "Sure gap", "slices",
+     "A fluid interval at least this long counts as sure evidence.", 0.0, 64.0, 0.0, 8.0, 2.0, 0.5, NULL},
     {SV_PARAM_DROP_EMPTY, SV_PARAM_BOOL, SV_PARAM_EXPERT, "drop_empty", "Drop empty intervals", "",
      "Bone rays without fluid before the bone give no initial point instead of a vote for depth 0.", 0.0, 1.0,
      0.0, 1.0, 0.0, 1.0, NULL},

@@ -20,8 +20,15 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
     return end_last > end_above ? end_last : end_above;
 }
 
+/* Texture rows up to the last voxel of a slab. */
+static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
+    return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
+}
+
 bool sv_pipeline_needs_wide(const sv_config *c) {
-    return sv_ref_fixed_format(c->width, c->height, c->slices, SV_MAX_K, 4).wide;
+    for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
+        if (sv_ref_fixed_format(c->width, c->height, c->slices, k, 4).wide) return true;
+    return false;
 }
 
 static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
@@ -41,7 +48,7 @@ static sv_status create_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const size_t plane = (size_t)p->padded_width * c->height;
     const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
-    const size_t scratch_rows = (size_t)p->bands * SV_SCRATCH_ROWS;
+    const size_t scratch_rows = p->bands * (size_t)SV_SCRATCH_ROWS;
     sv_buffers *b = &p->buffers;
     sv_status status = SV_OK;
     const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
@@ -52,7 +59,7 @@ static sv_status create_buffers(sv_pipeline *p) {
         b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes, NULL, &status);
     b->state8 = sv_clx_buffer(p->diag, p->device, SV_STATE8_PLANES * plane, NULL, &status);
     b->state16 =
-        sv_clx_buffer(p->diag, p->device, SV_STATE16_PLANES * plane * sizeof(cl_ushort), NULL, &status);
+        sv_clx_buffer(p->diag, p->device, plane * SV_STATE16_PLANES * sizeof(cl_ushort), NULL, &status);
     b->survey = sv_clx_buffer(p->diag, p->device, (size_t)p->bands * 257 * sizeof(cl_uint), NULL, &status);
     b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
     b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
@@ -70,14 +77,6 @@ static sv_status create_buffers(sv_pipeline *p) {
     return status;
 }
 
-/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. Two
- * more show that nothing is left to reach when the fill weight is 0. */
-static uint32_t pass_limit(const sv_config *c, uint32_t k) {
-    const uint32_t longest = c->width > c->height ? c->width : c->height;
-    const uint32_t limit = (longest - 1 + k / 2 - 1) / (k / 2);
-    return limit < 3 ? 3 : limit;
-}
-
 sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, sv_program *narrow,
                              sv_program *wide, sv_timing *timing, const sv_config *config) {
     *p = (sv_pipeline){
@@ -85,8 +84,10 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->config.strategy = resolve_strategy(device, config);
     p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
     p->bands = band_count(device, &p->config);
-    p->pass_capacity = pass_limit(config, 3);
+    p->pass_capacity = sv_ref_pass_limit(config->width, config->height, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
+    if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
+        p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
     sv_status status = create_buffers(p);
     if (status == SV_OK) status = sv_chain_create(p);
     if (status != SV_OK) sv_pipeline_destroy(p);
@@ -121,9 +122,11 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     j->bone_drop = 255 - sv_ref_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
     j->bone_wanted = sv_ref_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
     j->drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
+    j->min_gap = sv_ref_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
+    j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
     j->k = (uint32_t)v[SV_PARAM_KERNEL];
     sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
-    j->pass_limit = pass_limit(c, j->k);
+    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
     const sv_ref_fixed format = sv_ref_fixed_format(c->width, c->height, c->slices, j->k, j->weight_initial);
     j->fraction = format.fraction;
     p->program = format.wide ? p->wide : p->narrow;
@@ -156,8 +159,7 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
                             "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
-    const size_t tile_rows = (slab->slice_count + c->tiles_x - 1) / c->tiles_x;
-    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, (tile_rows - 1) * c->tile_h + c->height, 1};
+    const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
     return sv_clx_check(p->diag,
                         clEnqueueCopyImageToBuffer(p->device->queue, slab->object, *buffer, origin, region, 0,
                                                    0, NULL, sv_timing_slot(p->timing, SV_STAGE_TRANSFER)),

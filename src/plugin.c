@@ -45,9 +45,17 @@ static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *forma
     return status == SV_OK ? sv_instance_activate(in, format) : status;
 }
 
+/* With its own queue nobody but the plugin can wait: after a failure, or when a frame is dropped, the host
+ * may reuse its slabs and maps at once. */
+static sv_status let_go(sv_instance *in, sv_status status) {
+    if (in->device.owned) (void)clFinish(in->device.queue);
+    return status;
+}
+
 static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
     sv_instance *in = instance_of(plugin);
     if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "begin: not active");
+    if (in->state == SV_STATE_SLABS) (void)let_go(in, SV_OK);
     in->state = SV_STATE_IDLE;
     if (!frame) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
     if (frame->size < sizeof *frame)
@@ -72,16 +80,22 @@ static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
         return sv_blame_host(&in->diag, SV_ERR_STATE, "slab: no frame was begun");
     sv_status status = sv_validate_slab(&in->diag, &in->pipeline, slab);
     if (status == SV_OK) status = sv_pipeline_slab(&in->pipeline, slab);
-    if (status != SV_OK) in->state = SV_STATE_IDLE;
-    return status;
+    if (status == SV_OK) return SV_OK;
+    in->state = SV_STATE_IDLE;
+    return let_go(in, status);
 }
 
 /* In own-queue mode: waits, and returns what the frame came to. */
 static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result *result) {
     if (!in->device.owned) return SV_OK;
     const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);
-    if (status != SV_OK || !result->stats) return status;
-    return result->stats->outcome;
+    const sv_stats *stats = result->stats;
+    if (status != SV_OK || !stats || stats->outcome == SV_OK) return status;
+    return sv_report(
+        &in->diag, SV_LOG_DEBUG, stats->outcome,
+        "%s: %s: %u initial points, %u of them surely behind fluid, %u of %u pixels without a surface", call,
+        stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points, stats->sure_points,
+        stats->unfilled, stats->rays);
 }
 
 static sv_status output(sv_instance *in, const char *call, const sv_values *values, const sv_result *result) {
@@ -96,13 +110,14 @@ static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
     sv_instance *in = instance_of(plugin);
     if (in->state != SV_STATE_SLABS) return sv_blame_host(&in->diag, SV_ERR_STATE, "end: no frame was begun");
     in->state = SV_STATE_IDLE;
+    sv_status status = SV_OK;
     if (in->pipeline.next_slice < in->pipeline.config.slices)
-        return sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
-                             in->pipeline.next_slice, in->pipeline.config.slices);
-    sv_status status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
+        status = sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
+                               in->pipeline.next_slice, in->pipeline.config.slices);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
     if (status == SV_OK) status = sv_pipeline_end(&in->pipeline, (float)in->frame.of[SV_PARAM_Q]);
     if (status == SV_OK) status = output(in, "end", &in->frame, result);
-    if (status < 0) return status;
+    if (status < 0) return let_go(in, status);
     in->state = SV_STATE_FINISHED;
     in->timing.complete = in->timing.enabled;
     return status;
@@ -117,8 +132,11 @@ static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *va
     sv_status status =
         sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
+    in->pipeline.timing = NULL; /* the times stay those of the frame */
     if (status == SV_OK) status = sv_pipeline_adjust(&in->pipeline, (float)adjusted.of[SV_PARAM_Q]);
-    return status == SV_OK ? output(in, "adjust", &adjusted, result) : status;
+    if (status == SV_OK) status = output(in, "adjust", &adjusted, result);
+    in->pipeline.timing = &in->timing;
+    return status < 0 ? let_go(in, status) : status;
 }
 
 static uint32_t plugin_param_count(const sv_plugin *plugin) {
@@ -126,13 +144,22 @@ static uint32_t plugin_param_count(const sv_plugin *plugin) {
     return sv_params_count();
 }
 
+/* Calls from any thread tell the host's log what is wrong, but leave last_error to the instance's own
+ * threads. */
+static sv_diag diag_of_any_thread(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return (sv_diag){.host = in->diag.host};
+}
+
 static sv_status plugin_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
-    return sv_params_info(&instance_of(plugin)->diag, index, out);
+    sv_diag diag = diag_of_any_thread(plugin);
+    return sv_params_info(&diag, index, out);
 }
 
 static sv_status plugin_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
                                    uint32_t bytes) {
-    return sv_params_text(&instance_of(plugin)->diag, id, value, out, bytes);
+    sv_diag diag = diag_of_any_thread(plugin);
+    return sv_params_text(&diag, id, value, out, bytes);
 }
 
 static const char *plugin_last_error(const sv_plugin *plugin) {

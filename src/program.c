@@ -19,10 +19,12 @@ static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program
     return status;
 }
 
-static bool divides_exactly(const sv_device *device) {
+static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *exactly) {
     cl_device_fp_config config = 0;
-    (void)clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
-    return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    const cl_int code =
+        clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
+    *exactly = (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
 }
 
 static sv_status create_kernels(sv_diag *diag, sv_program *p) {
@@ -36,16 +38,23 @@ static sv_status create_kernels(sv_diag *diag, sv_program *p) {
 }
 
 /* Compiles one source with the options every program has, then `more`, then those of the environment. */
-static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
+static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t size,
                          const char *more, cl_program *out) {
+    bool exactly = false;
+    const sv_status status = divides_exactly(diag, device, &exactly);
+    if (status != SV_OK) return status;
+    /* For those who debug kernels, and for the test of a build that fails. */
     const char *extra = getenv("SMARTVIS_BUILD_OPTIONS");
+    char options[512];
+    const int length =
+        snprintf(options, sizeof options, "-cl-std=CL1.2%s %s %s",
+                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", more, extra ? extra : "");
+    if (length < 0 || (size_t)length >= sizeof options)
+        return sv_fail(diag, SV_ERR_BUILD, "SMARTVIS_BUILD_OPTIONS is too long (%zu characters)",
+                       extra ? strlen(extra) : 0);
     const char *text = (const char *)source;
-    char options[320];
-    (void)snprintf(options, sizeof options, "-cl-std=CL1.2%s %s%s%s",
-                   divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", more,
-                   extra ? " " : "", extra ? extra : "");
     cl_int code = CL_SUCCESS;
-    *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
+    *out = clCreateProgramWithSource(device->context, 1, &text, &size, &code);
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
     code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
     return code == CL_SUCCESS ? SV_OK : report_build(diag, device, *out, code);
@@ -54,9 +63,11 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
                            sv_program *out) {
     *out = (sv_program){0};
-    char options[128];
-    (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_WIDE_SUMS=%d",
-                   structure->substeps, structure->strip, structure->padded, structure->wide_sums);
+    char options[160];
+    (void)snprintf(options, sizeof options,
+                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_WIDE_SUMS=%d -DSV_FETCH_AHEAD=%d",
+                   structure->substeps, structure->strip, structure->padded, structure->wide_sums,
+                   structure->fetch_ahead);
     sv_status status = compile(diag, device, sv_kernel_source, sv_kernel_source_size, options, &out->program);
     if (status == SV_OK) status = create_kernels(diag, out);
     if (status != SV_OK) sv_program_release(out);

@@ -50,6 +50,7 @@ typedef struct {
     uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
     bool padded;       /* SV_PADDED */
     bool wide_sums;    /* SV_WIDE_SUMS */
+    bool fetch_ahead;  /* SV_FETCH_AHEAD */
 } sv_structure;
 
 /* SV_ERR_BUILD with the build log in the host's log. */

@@ -40,8 +40,8 @@ static void fill_volume(bench *b, int32_t padding) {
 static void fill_slab(bench *b, uint32_t first, uint32_t count) {
     for (uint32_t s = 0; s < count; s++)
         for (size_t y = 0; y < HEIGHT; y++) {
-            const size_t row = s / TILES_X * HEIGHT + y;
-            memcpy(b->slab + row * TILES_X * WIDTH + s % TILES_X * WIDTH,
+            const size_t row = (size_t)(s / TILES_X) * HEIGHT + y;
+            memcpy(b->slab + row * TILES_X * WIDTH + (size_t)(s % TILES_X) * WIDTH,
                    b->volume + ((size_t)(first + s) * HEIGHT + y) * WIDTH, WIDTH);
         }
 }
@@ -125,7 +125,8 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     sv_values values;
     sv_params_defaults(&values);
-    values.of[SV_PARAM_KERNEL] = 11.0; /* small enough that the small map needs several passes */
+    values.of[SV_PARAM_KERNEL] = 11.0;  /* small enough that the small map needs several passes */
+    values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     fill_volume(b, config->padding);
     sv_pipeline pipeline;
     sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);

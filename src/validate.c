@@ -1,6 +1,8 @@
 /* What the host hands over, checked once at the ABI's edge. */
 #include "instance.h"
 
+#include <stdio.h>
+
 enum { MAX_SIDE = 8192 };
 
 #define BLAME(diag, status, ...) return sv_blame_host(diag, status, __VA_ARGS__)
@@ -60,17 +62,32 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
     return status == SV_OK ? check_texture(diag, f) : status;
 }
 
+/* SV_OK if `object` is a memory object of this type. An image, too, has a size, and a kernel would take it
+ * for a buffer. */
+static sv_status check_type(sv_diag *diag, const char *field, cl_mem object, cl_mem_object_type wanted,
+                            sv_status status) {
+    cl_mem_object_type type = 0;
+    const cl_int code = clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL);
+    const char *name = wanted == CL_MEM_OBJECT_BUFFER ? "buffer" : "2D image";
+    if (code != CL_SUCCESS) BLAME(diag, status, "%s is no %s: %s (%d)", field, name, sv_clx_name(code), code);
+    if (type != wanted) BLAME(diag, status, "%s is no %s: its type is 0x%x", field, name, type);
+    return SV_OK;
+}
+
 static sv_status check_image(sv_diag *diag, const sv_pipeline *p, const sv_slab *slab) {
     const sv_config *c = &p->config;
     size_t width = 0, height = 0;
     cl_image_format format = {0, 0};
+    const sv_status status =
+        check_type(diag, "slab: object", slab->object, CL_MEM_OBJECT_IMAGE2D, SV_ERR_SLAB_SHAPE);
+    if (status != SV_OK) return status;
     cl_int code = clGetImageInfo(slab->object, CL_IMAGE_WIDTH, sizeof width, &width, NULL);
     if (code == CL_SUCCESS)
         code = clGetImageInfo(slab->object, CL_IMAGE_HEIGHT, sizeof height, &height, NULL);
     if (code == CL_SUCCESS)
         code = clGetImageInfo(slab->object, CL_IMAGE_FORMAT, sizeof format, &format, NULL);
     if (code != CL_SUCCESS)
-        BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: object is no image: %s (%d)", sv_clx_name(code), code);
+        BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: clGetImageInfo: %s (%d)", sv_clx_name(code), code);
     const size_t tile_rows = (slab->slice_count + c->tiles_x - 1) / c->tiles_x;
     const size_t rows = (tile_rows - 1) * c->tile_h + c->height;
     if (width < (size_t)c->tiles_x * c->tile_w || height < rows)
@@ -87,9 +104,12 @@ static sv_status check_image(sv_diag *diag, const sv_pipeline *p, const sv_slab 
 
 static sv_status check_buffer(sv_diag *diag, const sv_slab *slab) {
     size_t bytes = 0;
+    const sv_status status =
+        check_type(diag, "slab: object", slab->object, CL_MEM_OBJECT_BUFFER, SV_ERR_SLAB_SHAPE);
+    if (status != SV_OK) return status;
     const cl_int code = clGetMemObjectInfo(slab->object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     if (code != CL_SUCCESS)
-        BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: object is no buffer: %s (%d)", sv_clx_name(code), code);
+        BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: clGetMemObjectInfo: %s (%d)", sv_clx_name(code), code);
     if (slab->offset > bytes || slab->bytes > bytes - slab->offset)
         BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: offset %llu and bytes %llu lie outside the buffer's %zu bytes",
               (unsigned long long)slab->offset, (unsigned long long)slab->bytes, bytes);
@@ -137,9 +157,13 @@ static sv_status check_depth_object(sv_diag *diag, const char *call, const sv_pi
                                     const sv_result *r) {
     size_t bytes = 0;
     const uint64_t needed = (uint64_t)p->config.width * p->config.height * sizeof(float);
+    char field[32];
+    (void)snprintf(field, sizeof field, "%s: depth_object", call);
+    const sv_status status = check_type(diag, field, r->depth_object, CL_MEM_OBJECT_BUFFER, SV_ERR_ARGUMENT);
+    if (status != SV_OK) return status;
     const cl_int code = clGetMemObjectInfo(r->depth_object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     if (code != CL_SUCCESS)
-        BLAME(diag, SV_ERR_ARGUMENT, "%s: depth_object is no buffer: %s (%d)", call, sv_clx_name(code), code);
+        BLAME(diag, SV_ERR_ARGUMENT, "%s: clGetMemObjectInfo: %s (%d)", call, sv_clx_name(code), code);
     if (r->depth_offset % sizeof(float) || r->depth_offset > bytes || needed > bytes - r->depth_offset)
         BLAME(diag, SV_ERR_ARGUMENT, "%s: depth_offset is %llu, the map needs %llu of the buffer's %zu bytes",
               call, (unsigned long long)r->depth_offset, (unsigned long long)needed, bytes);

@@ -5,13 +5,16 @@
  */
 #include "ref/sv_ref.h"
 
+#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#define MAX_FRACTION 16 /* 1 / 65,536 slice is finer than any float32 depth needs */
+#define MAX_FRACTION 16 /* 32-bit sums: 1 / 65,536 slice */
 #define MIN_FRACTION 10 /* below this 32-bit sums are too coarse for the bound of 1e-3 slice */
 #define QUOTIENT_BITS                                                                                        \
-    22 /* 32-bit sums: fixed-point depths stay below 2^22, so rounding in float32 is exact */
+    23               /* 32-bit sums: fixed-point depths stay below 2^23, where a float32 still knows halves */
+#define PROMISE 1e-3 /* slices: the largest error against float64 */
+#define WIDE_FRACTION                                                                                        \
+    20 /* 64-bit sums: 13 bits of slices and 14 of weights leave room for more, float32 does not */
 
 void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled) {
     uint32_t quarters = (uint32_t)(omega * 4.0 + 0.5), whole = 4;
@@ -27,6 +30,18 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
+uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k) {
+    const uint32_t longest = width > height ? width : height;
+    const uint32_t limit = (longest - 1 + k / 2 - 1) / (k / 2);
+    return limit < 3 ? 3 : limit;
+}
+
+/* Every pass rounds to half a unit. Windows of 7 x 7 and more average that away; in smaller ones it was seen
+ * to add up to an eighth of passes * half a unit (docs/numerics.md). */
+static bool drifts(uint32_t k, uint32_t passes, uint32_t fraction) {
+    return k < 7 && passes / 8.0 * 0.5 / (1u << fraction) > PROMISE;
+}
+
 sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint32_t k,
                                  uint32_t weight_initial) {
     const uint64_t depth = slices > 1 ? slices - 1 : 1;
@@ -35,8 +50,9 @@ sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slice
     while (fraction > 0 &&
            (window * (depth << fraction) > UINT32_MAX || (depth << fraction) >= 1u << QUOTIENT_BITS))
         fraction--;
-    if (fraction >= MIN_FRACTION) return (sv_ref_fixed){fraction, false};
-    return (sv_ref_fixed){MAX_FRACTION, true};
+    if (fraction < MIN_FRACTION || drifts(k, sv_ref_pass_limit(width, height, k), fraction))
+        return (sv_ref_fixed){WIDE_FRACTION, true};
+    return (sv_ref_fixed){fraction, false};
 }
 
 typedef struct {
@@ -64,18 +80,19 @@ static sums window_sums(const filter *f, const sums *from, uint32_t x, uint32_t 
     return s;
 }
 
-/* Mean of a window: its fixed-point value, rounded half up, and in float32 slices. */
+/* Mean of a window: its fixed-point value, rounded to nearest even, and in float32 slices. */
 static uint64_t mean_of(uint64_t sum, uint64_t weight, sv_ref_fixed format, float *slices) {
     const uint64_t w = weight ? weight : 1;
     const float scale = 1.0f / (float)(1u << format.fraction);
     if (format.wide) {
-        const uint64_t rounded = (2 * sum + w) / (2 * w);
+        uint64_t rounded = (2 * sum + w) / (2 * w);
+        if (rounded * 2 * w == 2 * sum + w) rounded -= rounded & 1; /* a tie: to even */
         *slices = (float)rounded * scale;
         return rounded;
     }
     const float quotient = (float)(uint32_t)sum / (float)(uint32_t)w;
     *slices = quotient * scale;
-    return (uint32_t)(quotient + 0.5f);
+    return (uint32_t)rintf(quotient);
 }
 
 static uint32_t fixed_pass(const filter *f, const sums *from, sums *to, float *near_surface,

@@ -43,6 +43,28 @@ uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bo
     return level > fluid ? level : fluid; /* bone is tissue */
 }
 
+uint32_t sv_ref_gap_samples(double gap, uint32_t substeps) {
+    return (uint32_t)ceil(gap * substeps - SV_LEVEL_SLACK);
+}
+
+sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uint32_t level, double min_gap,
+                                       uint32_t substeps) {
+    sv_ref_evidence found = {0, 0};
+    for (size_t i = 0; i < count; i++) {
+        const double gap = rays[i].max_entry - rays[i].max_exit;
+        const bool bone = rays[i].maximum > level;
+        found.bone += bone;
+        found.sure +=
+            bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_ref_gap_samples(min_gap, substeps);
+    }
+    return found;
+}
+
+bool sv_ref_surface_wanted(uint32_t points, sv_ref_evidence found, double evidence) {
+    const uint64_t thousandths = (uint64_t)(evidence * 1000.0 + 0.5);
+    return points > 0 && (uint64_t)found.sure * 1000 >= found.bone * thousandths;
+}
+
 uint32_t sv_ref_points(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone, uint32_t level,
                        uint8_t *status, double *near_end, double *far_end) {
     uint32_t points = 0;

@@ -63,6 +63,19 @@ uint32_t sv_ref_wanted(double fraction, uint32_t rays);
 /* Grey level above which a ray's maximum is bone. Never below T_L. */
 uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone);
 
+/* Samples of an interval of at least `gap` slices. */
+uint32_t sv_ref_gap_samples(double gap, uint32_t substeps);
+
+/* Evidence of a gap: bone rays (maximum above `level`), and those among them whose interval has at least
+ * `min_gap` slices. A frame has a surface only if it has a point and sure >= evidence * bone, `evidence` in
+ * whole thousandths. */
+typedef struct {
+    uint32_t bone, sure;
+} sv_ref_evidence;
+sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uint32_t level, double min_gap,
+                                       uint32_t substeps);
+bool sv_ref_surface_wanted(uint32_t points, sv_ref_evidence found, double evidence);
+
 /* Per ray: status (0 none, 1 initial point, 2 initial point with an empty interval) and both interval ends in
  * slices (0 where there is none). Returns the number of points. */
 uint32_t sv_ref_points(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone, uint32_t level,
@@ -85,6 +98,10 @@ bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uin
 /* Integer weights with weight_filled / weight_initial = omega, which is rounded to a quarter (smallest such
  * pair). */
 void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled);
+
+/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. At
+ * least three, so that a fill weight of 0 is seen to reach nothing new. */
+uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k);
 
 /* Fixed-point format of the kernels for a window: fraction bits, and whether sums need 64 bits. */
 typedef struct {

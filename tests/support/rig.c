@@ -12,9 +12,11 @@ static void fail(const char *what, const char *detail) {
 
 static void keep_log(const sv_host *host, int32_t severity, const char *text) {
     rig *r = host->host_data;
-    (void)severity;
+    r->last_severity = severity;
     (void)snprintf(r->last_log, sizeof r->last_log, "%s", text);
     r->log_lines++;
+    const size_t used = strlen(r->all_logs);
+    (void)snprintf(r->all_logs + used, sizeof r->all_logs - used, "%s\n", text);
 }
 
 static void open_device(rig *r) {
@@ -27,7 +29,7 @@ static void open_device(rig *r) {
     if (code != CL_SUCCESS) fail("OpenCL", "no device");
 }
 
-void rig_open(rig *r, const char *path) {
+void rig_open_library(rig *r, const char *path) {
     char standard[1024];
     memset(r, 0, sizeof *r);
     const char *build = getenv("SV_BUILD_DIR");
@@ -40,6 +42,15 @@ void rig_open(rig *r, const char *path) {
         (sv_host){.size = sizeof r->host, .host_data = r, .name = "rig", .version = "1", .log = keep_log};
     if (r->entry->create(&r->host, r->entry->descriptor(0)->id, &r->plugin) != SV_OK)
         fail("create", r->last_log);
+}
+
+void rig_close_library(rig *r) {
+    r->plugin->destroy(r->plugin);
+    (void)dlclose(r->library);
+}
+
+void rig_open(rig *r, const char *path) {
+    rig_open_library(r, path);
     open_device(r);
 }
 
@@ -48,6 +59,20 @@ void rig_close(rig *r) {
     (void)clReleaseCommandQueue(r->queue);
     (void)clReleaseContext(r->context);
     (void)dlclose(r->library);
+}
+
+int rig_setup(void **state) {
+    rig *r = malloc(sizeof *r);
+    if (!r) return -1;
+    rig_open(r, NULL);
+    *state = r;
+    return 0;
+}
+
+int rig_teardown(void **state) {
+    rig_close(*state);
+    free(*state);
+    return 0;
 }
 
 rig_result rig_result_make(uint32_t width, uint32_t height) {
@@ -64,13 +89,20 @@ void rig_result_free(rig_result *out) {
     memset(out, 0, sizeof *out);
 }
 
-uint32_t rig_param(const rig *r, const char *key) {
-    for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++) {
-        sv_param_info info = {.size = sizeof info};
-        if (r->plugin->param_info(r->plugin, i, &info) == SV_OK && strcmp(info.key, key) == 0) return info.id;
-    }
+static sv_param_info info_of(const rig *r, const char *key) {
+    sv_param_info info = {.size = sizeof info};
+    for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++)
+        if (r->plugin->param_info(r->plugin, i, &info) == SV_OK && strcmp(info.key, key) == 0) return info;
     fail("no parameter", key);
-    return 0;
+    return info;
+}
+
+uint32_t rig_param(const rig *r, const char *key) {
+    return info_of(r, key).id;
+}
+
+double rig_param_default(const rig *r, const char *key) {
+    return info_of(r, key).default_value;
 }
 
 uint32_t rig_values(const rig *r, const rig_settings *s, sv_param_value *values) {
@@ -85,26 +117,18 @@ uint32_t rig_values(const rig *r, const rig_settings *s, sv_param_value *values)
                 {"bone_fraction", s->bone.bone_fraction},
                 {"kernel", s->k},
                 {"fill_weight", s->omega},
-                {"drop_empty", s->bone.drop_empty}};
+                {"drop_empty", s->bone.drop_empty},
+                {"evidence", s->evidence},
+                {"min_gap", s->min_gap}};
     const uint32_t count = sizeof list / sizeof *list;
     for (uint32_t i = 0; i < count; i++)
         values[i] = (sv_param_value){.id = rig_param(r, list[i].key), .value = list[i].value};
     return count;
 }
 
-/* Where slabs lie during a run. */
-typedef struct {
-    sv_format format;
-    uint8_t *memory; /* one texture after the other */
-    size_t texture_bytes;
-    uint32_t slab_count;
-    uint32_t first[1024], length[1024];
-    cl_mem objects[1024]; /* per slab: buffer or image */
-} textures;
-
-static void split(textures *t, const rig_format *f) {
+static void split(rig_textures *t, const rig_format *f) {
     const uint32_t longest = f->slab_slices ? f->slab_slices : f->slices;
-    for (uint32_t first = 0; first < f->slices && t->slab_count < 1024; t->slab_count++) {
+    for (uint32_t first = 0; first < f->slices && t->slab_count < RIG_MAX_SLABS; t->slab_count++) {
         uint32_t length = f->lengths ? f->lengths[t->slab_count] : longest;
         if (length > f->slices - first) length = f->slices - first;
         t->first[t->slab_count] = first;
@@ -114,8 +138,8 @@ static void split(textures *t, const rig_format *f) {
     }
 }
 
-/* Copies the volume into textures; everything that is padding holds 255, the worst it could. */
-static void fill_textures(textures *t, const rig_format *f, const uint8_t *volume) {
+/* Copies the volume into textures. */
+static void fill_textures(rig_textures *t, const rig_format *f, const uint8_t *volume) {
     const sv_format *m = &t->format;
     const uint32_t tile_rows = (m->max_slab_slices + m->tiles_x - 1) / m->tiles_x;
     t->texture_bytes = (size_t)tile_rows * m->tile_h * m->row_pitch;
@@ -132,7 +156,7 @@ static void fill_textures(textures *t, const rig_format *f, const uint8_t *volum
             }
 }
 
-static void make_objects(textures *t, const rig *r) {
+static void make_objects(rig_textures *t, const rig *r) {
     const sv_format *m = &t->format;
     for (uint32_t n = 0; n < t->slab_count; n++) {
         uint8_t *texture = t->memory + n * t->texture_bytes;
@@ -155,8 +179,9 @@ static void make_objects(textures *t, const rig *r) {
     }
 }
 
-static void make_textures(textures *t, const rig *r, const rig_format *f, const uint8_t *volume) {
-    memset(t, 0, sizeof *t);
+rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume) {
+    rig_textures *t = calloc(1, sizeof *t);
+    if (!t) fail("memory", "textures");
     sv_format *m = &t->format;
     *m = (sv_format){.size = sizeof *m,
                      .width = f->width,
@@ -183,45 +208,52 @@ static void make_textures(textures *t, const rig *r, const rig_format *f, const 
         m->host_memory_bytes = t->texture_bytes * t->slab_count;
     }
     if (m->carrier != SV_CARRIER_HOST) make_objects(t, r);
+    return t;
 }
 
-static sv_status run_frame(rig *r, const textures *t, const sv_param_value *values, uint32_t count,
-                           rig_result *out) {
+void rig_textures_free(rig_textures *t) {
+    for (uint32_t n = 0; n < t->slab_count; n++)
+        if (t->objects[n]) (void)clReleaseMemObject(t->objects[n]);
+    free(t->memory);
+    free(t);
+}
+
+sv_slab rig_slab(const rig_textures *t, uint32_t n) {
+    const bool host = t->format.carrier == SV_CARRIER_HOST;
+    return (sv_slab){.size = sizeof(sv_slab),
+                     .first_slice = t->first[n],
+                     .slice_count = t->length[n],
+                     .memory = host ? t->memory + n * t->texture_bytes : NULL,
+                     .object = t->objects[n],
+                     .offset = t->format.carrier == SV_CARRIER_BUFFER ? 64 : 0,
+                     .bytes = t->texture_bytes};
+}
+
+sv_status rig_frame(rig *r, const rig_textures *t, const sv_param_value *values, uint32_t count,
+                    rig_result *out) {
     const sv_plugin *p = r->plugin;
     const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count};
     sv_status status = p->begin(p, &frame);
     for (uint32_t n = 0; status == SV_OK && n < t->slab_count; n++) {
-        const bool host = t->format.carrier == SV_CARRIER_HOST;
-        const sv_slab slab = {.size = sizeof slab,
-                              .first_slice = t->first[n],
-                              .slice_count = t->length[n],
-                              .memory = host ? t->memory + n * t->texture_bytes : NULL,
-                              .object = t->objects[n],
-                              .offset = t->format.carrier == SV_CARRIER_BUFFER ? 64 : 0,
-                              .bytes = t->texture_bytes};
+        const sv_slab slab = rig_slab(t, n);
         status = p->slab(p, &slab);
     }
-    if (status != SV_OK) return status;
     const sv_result result = {
         .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
-    status = p->end(p, &result);
-    if (t->format.queue) (void)clFinish(t->format.queue);
+    if (status == SV_OK) status = p->end(p, &result);
+    /* After an error, too: slabs may still be on their way. */
+    if (t->format.queue && clFinish(t->format.queue) != CL_SUCCESS) fail("OpenCL", "clFinish");
     return status == SV_OK ? out->stats.outcome : status;
 }
 
 sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_param_value *values,
                   uint32_t count, rig_result *out) {
-    textures *t = malloc(sizeof *t);
-    if (!t) fail("memory", "textures");
-    make_textures(t, r, f, volume);
+    rig_textures *t = rig_textures_make(r, f, volume);
     sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status == SV_OK) {
-        status = run_frame(r, t, values, count, out);
+        status = rig_frame(r, t, values, count, out);
         r->plugin->deactivate(r->plugin);
     }
-    for (uint32_t n = 0; n < t->slab_count; n++)
-        if (t->objects[n]) (void)clReleaseMemObject(t->objects[n]);
-    free(t->memory);
-    free(t);
+    rig_textures_free(t);
     return status;
 }

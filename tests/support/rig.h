@@ -15,8 +15,10 @@ typedef struct {
     cl_context context; /* the host's OpenCL objects, made by rig_open */
     cl_device_id device;
     cl_command_queue queue;
-    char last_log[1024]; /* the last line the plugin logged */
+    char last_log[1024]; /* the last line the plugin logged, and its severity */
+    int32_t last_severity;
     unsigned log_lines;
+    char all_logs[16384]; /* the first lines, as far as they fit */
 } rig;
 
 /* One way of handing a volume over. Zeroed fields take the plain default. */
@@ -29,7 +31,7 @@ typedef struct {
     uint32_t carrier;                       /* 0: SV_CARRIER_HOST */
     bool own_queue;                         /* the plugin picks its device */
     bool in_place;                          /* register the slab memory at activation */
-    int32_t padding;                        /* 0 is a value: use RIG_NO_PADDING for none */
+    int32_t padding;                        /* 0 is a value: SV_NO_PADDING for none */
     sv_param_value fixed[4];                /* parameters for activate */
     uint32_t fixed_count;
 } rig_format;
@@ -45,7 +47,38 @@ typedef struct {
 void rig_open(rig *r, const char *path);
 void rig_close(rig *r);
 
-/* activate, one frame, deactivate; returns the first status that is not SV_OK, else that of end. */
+/* The same without OpenCL: only the library and the instance. */
+void rig_open_library(rig *r, const char *path);
+void rig_close_library(rig *r);
+
+/* cmocka fixture: *state is a rig, a new one for each test. */
+int rig_setup(void **state);
+int rig_teardown(void **state);
+#define RIG_TEST(function) cmocka_unit_test_setup_teardown(function, rig_setup, rig_teardown)
+
+/* A volume cut into slabs as a format says: the memory or the OpenCL objects, and the ABI's format. */
+enum { RIG_MAX_SLABS = 1024 };
+typedef struct {
+    sv_format format;
+    uint8_t *memory; /* one texture after the other */
+    size_t texture_bytes;
+    uint32_t slab_count;
+    uint32_t first[RIG_MAX_SLABS], length[RIG_MAX_SLABS];
+    cl_mem objects[RIG_MAX_SLABS]; /* buffer or image of a slab; NULL with SV_CARRIER_HOST */
+} rig_textures;
+
+/* Everything that is padding (of tiles, of the pitch, unused tiles) holds 255, the worst it could. Owned by
+ * the caller; `f` must outlive it (its parameter values are not copied). */
+rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume);
+void rig_textures_free(rig_textures *t);
+sv_slab rig_slab(const rig_textures *t, uint32_t n);
+
+/* begin, all slabs, end and, with the host's queue, clFinish. Returns the first status that is not SV_OK,
+ * else the outcome in the statistics. The instance must be active with this format. */
+sv_status rig_frame(rig *r, const rig_textures *t, const sv_param_value *values, uint32_t count,
+                    rig_result *out);
+
+/* activate, one frame, deactivate; returns the first status that is not SV_OK, else that of rig_frame. */
 sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_param_value *values,
                   uint32_t count, rig_result *out);
 
@@ -58,6 +91,7 @@ typedef struct {
     sv_ref_bone bone;
     uint32_t k, substeps;
     float q;
+    double evidence, min_gap; /* the default here is 0: a surface however little speaks for a gap */
 } rig_settings;
 rig_settings rig_default_settings(void);
 
@@ -65,16 +99,20 @@ typedef struct {
     uint8_t *status;
     float *depth;         /* fixed point: what the kernels must give to the bit */
     double *depth_double; /* float64 definition */
-    uint32_t points, level;
+    uint32_t points, empty_points, sure_points, level, maximum;
     sv_ref_fill fill;
+    sv_status outcome;
+    sv_ref_fixed format;
 } rig_expected;
 rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *settings, bool with_double);
 void rig_expected_free(rig_expected *e);
 
-/* Settings as parameter values for a frame (by key); returns their number (at most 12). */
+/* Settings as parameter values for a frame (by key); returns their number (at most RIG_MAX_VALUES). */
+enum { RIG_MAX_VALUES = 12 };
 uint32_t rig_values(const rig *r, const rig_settings *settings, sv_param_value *values);
 /* Id of the parameter with this key; fails the test if there is none. */
 uint32_t rig_param(const rig *r, const char *key);
+double rig_param_default(const rig *r, const char *key);
 
 /* A seeded volume of the given kind. */
 typedef enum {
@@ -85,5 +123,11 @@ typedef enum {
     RIG_KIND_COUNT
 } rig_kind;
 uint8_t *rig_volume(rig_kind kind, uint32_t width, uint32_t height, uint32_t slices, uint32_t seed);
+
+/* A volume whose rays have the given fluid intervals, so that a test can state a map and not a volume: ray i
+ * is tissue up to slice near_end[i], fluid up to far_end[i] and bone (255) there; far_end 0: bone at slice 0,
+ * an empty interval; far_end < 0: fluid all along, no initial point. */
+uint8_t *rig_map_volume(const int32_t *near_end, const int32_t *far_end, uint32_t width, uint32_t height,
+                        uint32_t slices);
 
 #endif

@@ -15,7 +15,9 @@ rig_settings rig_default_settings(void) {
                                    .bone_fraction = 0.03},
                           .k = 23,
                           .substeps = 1,
-                          .q = 0.25f};
+                          .q = 0.5f,
+                          .evidence = 0.0,
+                          .min_gap = 2.0};
 }
 
 static void *must(void *p) {
@@ -56,15 +58,28 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
     e.level = sv_ref_bone_level(rays, count, &bone);
     e.points = sv_ref_points(rays, count, &bone, e.level, e.status, ends, ends + count);
     for (size_t i = 0; i < 2 * count; i++) positions[i] = (uint32_t)(ends[i] * s->substeps + 0.5);
+    for (size_t i = 0; i < count; i++) {
+        if (rays[i].maximum > e.maximum) e.maximum = rays[i].maximum;
+        e.empty_points += e.status[i] == SV_POINT_EMPTY;
+    }
     uint32_t weight_initial, weight_filled;
     sv_ref_weights(s->omega, &weight_initial, &weight_filled);
-    const sv_ref_fixed format = sv_ref_fixed_format(width, height, volume->slices, s->k, weight_initial);
+    e.format = sv_ref_fixed_format(width, height, volume->slices, s->k, weight_initial);
     const bool ok = sv_ref_mean_fixed(e.status, positions, positions + count, width, height, s->k, s->omega,
-                                      s->substeps, format, surfaces, surfaces + count, &e.fill);
+                                      s->substeps, e.format, surfaces, surfaces + count, &e.fill);
     assert(ok);
     (void)ok;
+    const sv_ref_evidence found = sv_ref_gather_evidence(rays, count, e.level, s->min_gap, s->substeps);
+    e.sure_points = found.sure;
+    e.outcome = e.fill.unfilled > 0 ? SV_PARTIAL : SV_OK;
+    if (!sv_ref_surface_wanted(e.points, found, s->evidence)) {
+        e.outcome = SV_NO_SURFACE;
+        e.fill = (sv_ref_fill){0, (uint32_t)count};
+        memset(surfaces, 0, 2 * count * sizeof *surfaces);
+    }
     sv_ref_blend(surfaces, surfaces + count, count, s->q, e.depth);
-    if (with_double) expect_double(&e, s, ends, ends + count, width, height);
+    if (with_double && e.outcome == SV_NO_SURFACE) e.depth_double = must(calloc(count, sizeof(double)));
+    if (with_double && e.outcome != SV_NO_SURFACE) expect_double(&e, s, ends, ends + count, width, height);
     free(rays);
     free(ends);
     free(positions);
@@ -115,5 +130,18 @@ uint8_t *rig_volume(rig_kind kind, uint32_t width, uint32_t height, uint32_t sli
         for (uint32_t y = 0; y < height; y++)
             for (uint32_t x = 0; x < width; x++)
                 v[((size_t)z * height + y) * width + x] = voxel(kind, x, y, z, slices, next_random(&state));
+    return v;
+}
+
+uint8_t *rig_map_volume(const int32_t *near_end, const int32_t *far_end, uint32_t width, uint32_t height,
+                        uint32_t slices) {
+    enum { TISSUE = 90, FLUID = 10, BONE = 255 };
+    const size_t count = (size_t)width * height;
+    uint8_t *v = must(malloc(count * slices));
+    for (size_t i = 0; i < count; i++)
+        for (int32_t z = 0; z < (int32_t)slices; z++) {
+            const bool fluid = far_end[i] < 0 || (z >= near_end[i] && z < far_end[i]);
+            v[(size_t)z * count + i] = z == far_end[i] ? BONE : fluid ? FLUID : TISSUE;
+        }
     return v;
 }

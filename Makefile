@@ -1,0 +1,62 @@
+# The short front door; CMake is the build's one truth. `make help` lists the targets.
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+# ON: compiler warnings are errors. Off by default, so that a newer compiler's new warnings stop no user.
+SV_WERROR ?= OFF
+OUT ?= out
+# Real scans for the demo, if there are any.
+DATA ?= $(wildcard ../shared/data)
+
+SETUP := scripts/setup.sh
+PACKAGES := scripts/packages.txt
+LINT_PACKAGES := scripts/packages-lint.txt
+
+# $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
+build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
+	cmake --build $(1) -j $(JOBS)
+
+.NOTPARALLEL:
+.PHONY: all setup demo test test-sanitize test-clang lint format bench clean help
+
+all: ## build/smartvis.so and build/host_sim (installs nothing)
+	@$(SETUP) --check $(PACKAGES)
+	@$(call build,build)
+
+setup: ## install the Debian packages that are missing (needs root if any are)
+	@$(SETUP) $(PACKAGES)
+
+demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
+	@$(call build,build)
+	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+
+test: setup ## set up, build, run all tests
+	@$(call build,build)
+	@scripts/run_tests.sh build $(JOBS)
+
+test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
+	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
+	@$(call build,build-sanitize,-DSV_SANITIZE=ON -DSV_WERROR=OFF)
+	@scripts/run_tests.sh build-sanitize $(JOBS)
+
+test-clang: ## the tests, built with clang
+	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
+	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang)
+	@scripts/run_tests.sh build-clang $(JOBS)
+
+lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
+	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
+	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON)
+	@scripts/lint.sh build-clang $(JOBS)
+
+format: ## apply .clang-format to all C and OpenCL C
+	@$(SETUP) $(LINT_PACKAGES)
+	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
+
+bench: setup ## times as ratios to plain C, medians (a few minutes)
+	@$(call build,build)
+	build/sv_bench
+
+clean: ## remove everything that was built
+	rm -rf build build-sanitize build-clang out
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1 \t\2/p' Makefile | expand -t 24

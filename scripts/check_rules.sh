@@ -1,0 +1,44 @@
+#!/bin/bash
+# check_rules.sh: the house rules that a pattern can tell. Prints every breach; exit code 1 if there is one.
+set -u
+cd "$(dirname "$0")/.."
+failed=0
+complain() {
+    echo "house rule: $*"
+    failed=1
+}
+
+mapfile -t sources < <(scripts/list_sources.sh c h cl clh)
+mapfile -t texts < <(scripts/list_sources.sh c h cl clh sh cmake txt md json map)
+texts+=(.ci/run)
+
+# One idea a file: 450 lines at most. The ABI header is one document on purpose, half of it comments: 600.
+for file in "${sources[@]}"; do
+    limit=450
+    [ "$file" != include/smartvis_plugin.h ] || limit=600
+    lines=$(wc -l < "$file")
+    [ "$lines" -le $limit ] || complain "$file: $lines lines, at most $limit"
+done
+
+# grep's findings are the breaches; the words are split here so that this file does not find itself.
+tab=$'\t'
+while read -r line; do complain "tab: $line"; done < <(grep -nH "$tab" "${texts[@]}" | cut -c 1-100)
+while read -r line; do complain "trailing blanks: $line"; done < <(grep -nHE ' +$' "${texts[@]}" | cut -c 1-100)
+while read -r line; do complain "unfinished: $line"; done < <(grep -nHwE 'TO''DO|FIX''ME|X''XX' "${texts[@]}" | cut -c 1-120)
+# A path of somebody's machine in a source works on that machine only.
+while read -r line; do complain "machine path: $line"; done < <(grep -nHE '(^|[^a-z.])/(home|work|root|Users)/' "${sources[@]}" | cut -c 1-120)
+
+# Headers have a guard.
+for file in "${sources[@]}"; do
+    [[ $file == *.h ]] || continue
+    guard=$(basename "$file" .h | tr 'a-z' 'A-Z')_H
+    grep -qE "^#ifndef [A-Z_]*$guard\$" "$file" || complain "$file: no include guard ...$guard"
+done
+
+# File names are in lower snake case and unique.
+for file in "${sources[@]}"; do
+    [[ $(basename "$file") =~ ^[a-z][a-z0-9_]*\.[a-z]+$ ]] || complain "$file: not lower snake case"
+done
+while read -r name; do complain "$name: two files of one name"; done < <(printf '%s\n' "${sources[@]##*/}" | sort | uniq -d)
+
+exit $failed

@@ -1,0 +1,64 @@
+#!/bin/bash
+# lint.sh BUILD_FOLDER JOBS: everything that reads the sources without running them. BUILD_FOLDER was built with clang and
+# has compile_commands.json. Runs all checks, then ends with 1 if any of them failed.
+set -u
+cd "$(dirname "$0")/.."
+build=$1
+jobs=$2
+failed=()
+
+check() { # check NAME COMMAND...: runs it, says how it went
+    local name=$1 start=$SECONDS
+    shift
+    if "$@"; then
+        echo "lint: $name: ok ($((SECONDS - start)) s)"
+    else
+        echo "lint: $name: FAILED"
+        failed+=("$name")
+    fi
+}
+
+format() { scripts/list_sources.sh c h cl clh | xargs -r clang-format --dry-run -Werror; }
+
+# Every file that the build compiles. One file a process: clang-tidy's own script would need Python.
+tidy() {
+    scripts/list_sources.sh c | while read -r file; do
+        if grep -qF "\"$PWD/$file\"" "$build/compile_commands.json"; then echo "$file"; fi
+    done | xargs -r -P "$jobs" -n 1 clang-tidy --quiet -p "$build" 2> "$build/clang-tidy.log"
+    local code=$?
+    # Without the count of findings suppressed in system headers, which goes to stderr for every file.
+    grep -vE '^[0-9]+ warnings? (treated as errors|generated)|^Suppressed|^Use -header-filter' "$build/clang-tidy.log" >&2
+    return $code
+}
+
+# As OpenCL C 1.2, for a generic 64-bit device. What only one structural variant or one of several files uses is fine.
+opencl() {
+    clang -x cl -cl-std=CL1.2 -Xclang -finclude-default-header -target spir64-unknown-unknown -fsyntax-only \
+        -Wall -Wextra -Wno-unused-parameter -Wno-unused-function -Werror "$@"
+}
+
+# Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names.
+kernels() {
+    local code=0 file lanes
+    for file in cl/*.cl; do
+        opencl -I cl "$file" || code=1
+        opencl -I cl -DSV_SUBSTEPS=3 -DSV_STRIP=64 -DSV_PADDED=1 -DSV_WIDE_SUMS=1 "$file" || code=1
+    done
+    for lanes in 1 16; do
+        for file in host_sim/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
+            opencl -DLANES=$lanes - || code=1
+    done
+    return $code
+}
+
+check "house rules" scripts/check_rules.sh
+check "include rule" scripts/check_includes.sh
+check "clang-format" format
+check "kernels" kernels
+check "clang-tidy" tidy
+
+if [ ${#failed[@]} -gt 0 ]; then
+    printf 'lint: failed: %s\n' "${failed[*]}"
+    exit 1
+fi
+echo "lint: all checks passed"

@@ -1,0 +1,18 @@
+#!/bin/bash
+# run_tests.sh BUILD_FOLDER JOBS: runs CTest and closes with one line of counts. Exit code: CTest's.
+set -u
+folder=$(cd "$1" && pwd) || exit 1
+jobs=$2
+result=$folder/test_results.xml
+rm -f "$result"
+
+ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$jobs" --output-junit "$result"
+code=$?
+
+# Counts from the attributes of <testsuite>.
+count() { sed -n "s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$result" 2> /dev/null | head -n 1; }
+total=$(count tests) failed=$(count failures) idle=$(($(count skipped) + $(count disabled)))
+if [ -n "$total" ]; then
+    echo "tests ($1): $((total - failed - idle)) passed, $failed failed, $idle did not run, of $total"
+fi
+exit $code

@@ -1,0 +1,55 @@
+#!/bin/bash
+# What the built library shows to the world: one symbol, three libraries, no writable global state, no code that runs at
+# load time. And the host program has none of the plugin's code linked in.
+set -eu
+build_dir=$2
+library=$build_dir/smartvis.so
+[ -f "$library" ] || { echo "no $library"; exit 1; }
+failures=0
+fail() {
+    echo "failed: $*"
+    failures=$((failures + 1))
+}
+
+exported=$(nm -D --defined-only "$library" | awk '{print $3}' | tr '\n' ' ')
+[ "$exported" = "smartvis_plugin_entry " ] || fail "exports '$exported', expected smartvis_plugin_entry only"
+
+needed=$(readelf -dW "$library" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p')
+allowed='lib(c\.so\.6|m\.so\.6|OpenCL\.so\.1)'
+[ -z "${SV_SANITIZE:-}" ] || allowed='lib(c\.so\.6|m\.so\.6|OpenCL\.so\.1|asan\.so\.[0-9]+|ubsan\.so\.[0-9]+|gcc_s\.so\.1)'
+for name in $needed; do
+    [[ $name =~ ^$allowed$ ]] || fail "needs $name"
+done
+grep -qx 'libOpenCL.so.1' <<< "$needed" || fail "does not name libOpenCL.so.1 as needed: a host without it could not load the library"
+
+# Lines of readelf -S as "number name size(hex)".
+sections=$(readelf -SW "$library" | sed -n 's/^ *\[ *\([0-9]*\)\] *\([^ ]*\) *[A-Z_]* *[0-9a-f]* *[0-9a-f]* *\([0-9a-f]*\) .*/\1 \2 \3/p')
+section_name() { awk -v n="$1" '$1 == n {print $2}' <<< "$sections"; }
+
+# The entry is constant: in read-only data, or in data that is read-only after relocation.
+index=$(readelf --dyn-syms -W "$library" | awk '$8 == "smartvis_plugin_entry" {print $7}')
+[[ $(section_name "$index") =~ ^\.(rodata|data\.rel\.ro) ]] || fail "the entry is in $(section_name "$index"), which is writable"
+
+# Instrumented builds have sections and constructors of their own.
+if [ -z "${SV_SANITIZE:-}" ]; then
+    # One constructor, which the compiler's start files bring along (frame_dummy).
+    [ "$(awk '$2 == ".init_array" {print $3}' <<< "$sections" | sed 's/^0*//')" = 8 ] || fail "code runs when the library is loaded"
+
+    # Objects in writable sections: those of the start files only.
+    while read -r name section; do
+        case $(section_name "$section") in
+        .data | .bss | .tdata | .tbss | .data.* | .bss.*)
+            [[ $(section_name "$section") == .data.rel.ro* || $name =~ ^(completed\.[0-9]+|__dso_handle|__TMC_END__)$ ]] ||
+                fail "writable global state: $name in $(section_name "$section")"
+            ;;
+        esac
+    done < <(readelf -sW "$library" | awk '($4 == "OBJECT" || $4 == "TLS") && $7 ~ /^[0-9]+$/ {print $8, $7}' | sort -u)
+fi
+
+if [ -f "$build_dir/host_sim" ]; then
+    linked=$(nm "$build_dir/host_sim" | awk '$2 ~ /^[TtDdBbRr]$/ && $3 ~ /^sv_/ {print $3}' | tr '\n' ' ')
+    [ -z "$linked" ] || fail "host_sim has code of the plugin in it: $linked"
+fi
+
+echo "exports: ${exported}needs: $(tr '\n' ' ' <<< "$needed")"
+[ $failures = 0 ]

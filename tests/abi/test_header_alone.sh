@@ -1,0 +1,89 @@
+#!/bin/bash
+# include/smartvis_plugin.h compiles alone, first and twice in a file, without a warning, as every standard it promises: C99
+# to C23 and C++11 to C++20, with gcc and clang where they are installed. It leaves no implicit padding in any struct, and
+# two languages can use it together: a C++ host links with a C plugin.
+set -eu
+source_dir=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+# Uses a bit of everything, in the common subset of C99 and C++11.
+cat > use.c << 'END'
+#include "smartvis_plugin.h"
+#include "smartvis_plugin.h"
+int check_header(const sv_entry *entry, const sv_host *host, struct _cl_mem *buffer);
+int check_header(const sv_entry *entry, const sv_host *host, struct _cl_mem *buffer) {
+    const sv_plugin *plugin = NULL;
+    sv_slab slab = {sizeof(sv_slab), 0, 1, 0, NULL, NULL, 0, 0};
+    slab.object = buffer;
+    if (entry->abi_major != SV_ABI_MAJOR || entry->create(host, "x", &plugin) != SV_OK) return SV_ERR_UNKNOWN_ID;
+    if (!SV_HAS(plugin, get_extension)) return SV_ERR_SIZE;
+    return plugin->slab(plugin, &slab) == SV_OK && &smartvis_plugin_entry == entry;
+}
+END
+cp use.c use.cpp
+
+failures=0
+compile() { # compile COMPILER FILE FLAG...: no warning, or the test fails
+    if ! "$1" "${@:3}" -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wcast-align -Wundef -Werror \
+        -I "$source_dir/include" -c "$2" -o out.o; then
+        echo "failed: $*"
+        failures=$((failures + 1))
+    fi
+}
+
+tried=0
+for compiler in gcc clang; do
+    command -v $compiler > /dev/null || { echo "not installed, left out: $compiler"; continue; }
+    # c2x is what compilers of 2022 call C23.
+    for standard in c99 gnu99 c11 c17 c2x; do
+        compile $compiler use.c -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
+        tried=$((tried + 1))
+    done
+done
+for compiler in g++ clang++; do
+    command -v $compiler > /dev/null || { echo "not installed, left out: $compiler"; continue; }
+    for standard in c++11 c++14 c++17 c++20; do
+        compile $compiler use.cpp -std=$standard
+        tried=$((tried + 1))
+    done
+done
+[ $tried -gt 0 ] || { echo "skipped: no compiler"; exit 77; }
+
+# Implicit padding would hide a field appended later: SV_HAS could not tell the old struct from the new one.
+if command -v gcc > /dev/null; then
+    compile gcc use.c -std=c99 -Wpadded
+fi
+
+# It includes <stdint.h> and <stddef.h> and needs nothing else before it.
+included=$(sed -n 's/^ *# *include *//p' "$source_dir/include/smartvis_plugin.h" | sort | tr '\n' ' ')
+[ "$included" = "<stddef.h> <stdint.h> " ] || { echo "includes $included"; failures=$((failures + 1)); }
+
+# C++ names the entry as C does.
+if command -v gcc > /dev/null && command -v g++ > /dev/null; then
+    cat > plugin.c << 'END'
+#include "smartvis_plugin.h"
+static const sv_descriptor *descriptor(uint32_t index) { (void)index; return NULL; }
+static sv_status create(const sv_host *host, const char *id, const sv_plugin **out) {
+    (void)host; (void)id; *out = NULL; return SV_ERR_UNKNOWN_ID;
+}
+SV_EXPORT const sv_entry smartvis_plugin_entry = {SV_ABI_MAJOR, SV_ABI_MINOR, sizeof(sv_entry), 1, descriptor, create};
+END
+    cat > host.cpp << 'END'
+#include "smartvis_plugin.h"
+int main() {
+    const sv_plugin *plugin = nullptr;
+    return smartvis_plugin_entry.create(nullptr, "", &plugin) == SV_ERR_UNKNOWN_ID ? 0 : 1;
+}
+END
+    compile gcc plugin.c -std=c99 && mv out.o plugin.o
+    compile g++ host.cpp -std=c++11 && mv out.o host.o
+    if ! g++ plugin.o host.o -o host || ! ./host; then
+        echo "a C++ host and a C plugin do not link"
+        failures=$((failures + 1))
+    fi
+fi
+
+echo "$tried compilations, $failures failures"
+[ $failures = 0 ]

@@ -1,0 +1,264 @@
+/*
+ * The ABI's layout and numbers on a 64-bit machine (LP64), pinned. A line that fails here is a broken ABI:
+ * append fields, never move them; add numbers, never change them. A new minor version adds lines and changes
+ * the sizes only.
+ */
+#include <CL/cl.h> /* before the header on purpose: its tags must be OpenCL's own types */
+
+#include "smartvis_plugin.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#if UINTPTR_MAX == UINT64_MAX
+#define AT(type, field, offset) _Static_assert(offsetof(type, field) == (offset), #type "." #field " moved")
+#define SIZE(type, bytes)       _Static_assert(sizeof(type) == (bytes), #type " changed its size")
+
+AT(sv_host, size, 0);
+AT(sv_host, abi_minor, 4);
+AT(sv_host, host_data, 8);
+AT(sv_host, name, 16);
+AT(sv_host, version, 24);
+AT(sv_host, log, 32);
+AT(sv_host, get_extension, 40);
+SIZE(sv_host, 48);
+
+AT(sv_param_info, size, 0);
+AT(sv_param_info, id, 4);
+AT(sv_param_info, type, 8);
+AT(sv_param_info, flags, 12);
+AT(sv_param_info, key, 16);
+AT(sv_param_info, label, 24);
+AT(sv_param_info, unit, 32);
+AT(sv_param_info, help, 40);
+AT(sv_param_info, min_value, 48);
+AT(sv_param_info, max_value, 56);
+AT(sv_param_info, display_min, 64);
+AT(sv_param_info, display_max, 72);
+AT(sv_param_info, default_value, 80);
+AT(sv_param_info, step, 88);
+SIZE(sv_param_info, 96);
+
+/* An array crosses the boundary, so this struct can never grow. */
+AT(sv_param_value, id, 0);
+AT(sv_param_value, reserved, 4);
+AT(sv_param_value, value, 8);
+SIZE(sv_param_value, 16);
+
+AT(sv_format, size, 0);
+AT(sv_format, width, 4);
+AT(sv_format, height, 8);
+AT(sv_format, slices, 12);
+AT(sv_format, max_slab_slices, 16);
+AT(sv_format, voxel_type, 20);
+AT(sv_format, carrier, 24);
+AT(sv_format, padding_value, 28);
+AT(sv_format, tiles_x, 32);
+AT(sv_format, tile_w, 36);
+AT(sv_format, tile_h, 40);
+AT(sv_format, row_pitch, 44);
+AT(sv_format, context, 48);
+AT(sv_format, device, 56);
+AT(sv_format, queue, 64);
+AT(sv_format, host_memory, 72);
+AT(sv_format, host_memory_bytes, 80);
+AT(sv_format, values, 88);
+AT(sv_format, value_count, 96);
+AT(sv_format, reserved, 100);
+SIZE(sv_format, 104);
+
+AT(sv_frame, size, 0);
+AT(sv_frame, flags, 4);
+AT(sv_frame, index, 8);
+AT(sv_frame, values, 16);
+AT(sv_frame, value_count, 24);
+AT(sv_frame, reserved, 28);
+SIZE(sv_frame, 32);
+
+AT(sv_slab, size, 0);
+AT(sv_slab, first_slice, 4);
+AT(sv_slab, slice_count, 8);
+AT(sv_slab, reserved, 12);
+AT(sv_slab, memory, 16);
+AT(sv_slab, object, 24);
+AT(sv_slab, offset, 32);
+AT(sv_slab, bytes, 40);
+SIZE(sv_slab, 48);
+
+AT(sv_stats, size, 0);
+AT(sv_stats, outcome, 4);
+AT(sv_stats, rays, 8);
+AT(sv_stats, points, 12);
+AT(sv_stats, empty_points, 16);
+AT(sv_stats, passes, 20);
+AT(sv_stats, unfilled, 24);
+AT(sv_stats, volume_max, 28);
+AT(sv_stats, bone_threshold, 32);
+AT(sv_stats, sure_points, 36);
+SIZE(sv_stats, 40);
+
+AT(sv_result, size, 0);
+AT(sv_result, depth_pitch, 4);
+AT(sv_result, depth, 8);
+AT(sv_result, depth_object, 16);
+AT(sv_result, depth_offset, 24);
+AT(sv_result, status, 32);
+AT(sv_result, stats, 40);
+SIZE(sv_result, 48);
+
+AT(sv_descriptor, size, 0);
+AT(sv_descriptor, reserved, 4);
+AT(sv_descriptor, id, 8);
+AT(sv_descriptor, name, 16);
+AT(sv_descriptor, vendor, 24);
+AT(sv_descriptor, version, 32);
+AT(sv_descriptor, summary, 40);
+SIZE(sv_descriptor, 48);
+
+AT(sv_plugin, size, 0);
+AT(sv_plugin, reserved, 4);
+AT(sv_plugin, descriptor, 8);
+AT(sv_plugin, plugin_data, 16);
+AT(sv_plugin, destroy, 24);
+AT(sv_plugin, activate, 32);
+AT(sv_plugin, deactivate, 40);
+AT(sv_plugin, begin, 48);
+AT(sv_plugin, slab, 56);
+AT(sv_plugin, end, 64);
+AT(sv_plugin, adjust, 72);
+AT(sv_plugin, param_count, 80);
+AT(sv_plugin, param_info, 88);
+AT(sv_plugin, param_text, 96);
+AT(sv_plugin, last_error, 104);
+AT(sv_plugin, get_extension, 112);
+SIZE(sv_plugin, 120);
+
+AT(sv_stage_times, size, 0);
+AT(sv_stage_times, reserved, 4);
+AT(sv_stage_times, transfer_ms, 8);
+AT(sv_stage_times, profile_ms, 16);
+AT(sv_stage_times, threshold_ms, 24);
+AT(sv_stage_times, reconstruct_ms, 32);
+AT(sv_stage_times, output_ms, 40);
+SIZE(sv_stage_times, 48);
+
+AT(sv_ext_stats, size, 0);
+AT(sv_ext_stats, reserved, 4);
+AT(sv_ext_stats, enable, 8);
+AT(sv_ext_stats, stage_times, 16);
+SIZE(sv_ext_stats, 24);
+
+AT(sv_entry, abi_major, 0);
+AT(sv_entry, abi_minor, 4);
+AT(sv_entry, size, 8);
+AT(sv_entry, count, 12);
+AT(sv_entry, descriptor, 16);
+AT(sv_entry, create, 24);
+SIZE(sv_entry, 32);
+#endif
+
+/* A status travels in log files and other people's tables: the numbers are pinned, on every machine. */
+#define NUMBER(name, value) _Static_assert((name) == (value), #name " changed its number")
+NUMBER(SV_ABI_MAJOR, 1);
+_Static_assert(sizeof(sv_status) == 4 && (sv_status)-1 < 0, "a status is a signed 32-bit number");
+NUMBER(SV_OK, 0);
+NUMBER(SV_NO_SURFACE, 1);
+NUMBER(SV_PARTIAL, 2);
+NUMBER(SV_ERR_INTERNAL, -1);
+NUMBER(SV_ERR_ARGUMENT, -10);
+NUMBER(SV_ERR_SIZE, -11);
+NUMBER(SV_ERR_FORMAT, -12);
+NUMBER(SV_ERR_PARAM_ID, -13);
+NUMBER(SV_ERR_PARAM_RANGE, -14);
+NUMBER(SV_ERR_PARAM_FIXED, -15);
+NUMBER(SV_ERR_UNKNOWN_ID, -16);
+NUMBER(SV_ERR_STATE, -20);
+NUMBER(SV_ERR_SLAB_ORDER, -21);
+NUMBER(SV_ERR_SLAB_MISSING, -22);
+NUMBER(SV_ERR_SLAB_SHAPE, -23);
+NUMBER(SV_ERR_NO_DEVICE, -30);
+NUMBER(SV_ERR_BUILD, -31);
+NUMBER(SV_ERR_OPENCL, -32);
+NUMBER(SV_ERR_SELF_TEST, -33);
+NUMBER(SV_ERR_NO_MEMORY, -40);
+NUMBER(SV_LOG_DEBUG, 0);
+NUMBER(SV_LOG_INFO, 1);
+NUMBER(SV_LOG_WARNING, 2);
+NUMBER(SV_LOG_ERROR, 3);
+NUMBER(SV_LOG_HOST_MISBEHAVING, 4);
+NUMBER(SV_LOG_PLUGIN_MISBEHAVING, 5);
+NUMBER(SV_PARAM_FLOAT, 0);
+NUMBER(SV_PARAM_INT, 1);
+NUMBER(SV_PARAM_BOOL, 2);
+NUMBER(SV_PARAM_ENUM, 3);
+NUMBER(SV_PARAM_PRIMARY, 1);
+NUMBER(SV_PARAM_EXPERT, 2);
+NUMBER(SV_PARAM_REACTIVATE, 4);
+NUMBER(SV_PARAM_ADJUST, 8);
+NUMBER(SV_VOXEL_U8, 1);
+NUMBER(SV_VOXEL_U16, 2);
+NUMBER(SV_CARRIER_HOST, 1);
+NUMBER(SV_CARRIER_BUFFER, 2);
+NUMBER(SV_CARRIER_IMAGE, 3);
+NUMBER(SV_NO_PADDING, -1);
+NUMBER(SV_POINT_NONE, 0);
+NUMBER(SV_POINT_INITIAL, 1);
+NUMBER(SV_POINT_EMPTY, 2);
+
+/* The tags are OpenCL's own types: no cast either way, or this function does not compile. */
+static void test_handles_are_opencl_types(void **state) {
+    (void)state;
+    sv_format format = {.size = sizeof(format)};
+    sv_slab slab = {.size = sizeof(slab)};
+    sv_result result = {.size = sizeof(result)};
+    int storage = 0;
+    /* Never used as handles: only their types and their way through the structs matter here. */
+    cl_context context = (cl_context)(void *)&storage;
+    cl_device_id device = (cl_device_id)(void *)&storage;
+    cl_command_queue queue = (cl_command_queue)(void *)&storage;
+    cl_mem memory = (cl_mem)(void *)&storage;
+    format.context = context;
+    format.device = device;
+    format.queue = queue;
+    slab.object = memory;
+    result.depth_object = memory;
+    cl_mem back = slab.object;
+    assert_ptr_equal(back, memory);
+    assert_int_equal(_Generic(slab.object, cl_mem : 1, default : 0), 1);
+    assert_int_equal(_Generic(result.depth_object, cl_mem : 1, default : 0), 1);
+    assert_int_equal(_Generic(format.context, cl_context : 1, default : 0), 1);
+    assert_int_equal(_Generic(format.device, cl_device_id : 1, default : 0), 1);
+    assert_int_equal(_Generic(format.queue, cl_command_queue : 1, default : 0), 1);
+}
+
+/* SV_HAS is true from the very byte on at which the field is whole. */
+static void test_has_field(void **state) {
+    (void)state;
+    sv_stats stats = {0};
+    const uint32_t end = (uint32_t)(offsetof(sv_stats, bone_threshold) + sizeof(stats.bone_threshold));
+    for (uint32_t size = 0; size <= sizeof(stats); size++) {
+        stats.size = size;
+        const sv_stats *reader = &stats;
+        assert_int_equal(SV_HAS(reader, bone_threshold), size >= end);
+        assert_int_equal(SV_HAS(reader, size), size >= sizeof(uint32_t));
+    }
+}
+
+/* Names that other people's binaries look up: as fixed as the numbers above. */
+static void test_names(void **state) {
+    (void)state;
+    assert_string_equal(SV_ENTRY_SYMBOL, "smartvis_plugin_entry");
+    assert_string_equal(SV_EXT_STATS, "smartvis.stats/1");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_handles_are_opencl_types),
+        cmocka_unit_test(test_has_field),
+        cmocka_unit_test(test_names),
+    };
+    return cmocka_run_group_tests_name("layout", tests, NULL, NULL);
+}

@@ -1,0 +1,222 @@
+/*
+ * However a volume is handed over, the answer is the same to the bit: sizes, slabs, tiles, padding, carriers
+ * and the way the work is laid out (issue 2). Every frame is compared with the scalar definition.
+ */
+#include "support/compare.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+static uint32_t next_random(uint32_t *state) {
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 8;
+}
+
+static rig_format layout(const rig *r, uint32_t strategy, uint32_t substeps) {
+    return (rig_format){
+        .padding = SV_NO_PADDING,
+        .fixed = {{rig_param(r, "strategy"), 0, strategy}, {rig_param(r, "substeps"), 0, substeps}},
+        .fixed_count = 2};
+}
+
+static rig_settings settings_of(uint32_t substeps, uint32_t k) {
+    rig_settings s = rig_default_settings();
+    s.substeps = substeps;
+    s.k = k;
+    return s;
+}
+
+/* One activation, a frame of every kind of volume. */
+static void compare_kinds(rig *r, const rig_format *f, const rig_settings *s, uint32_t seed,
+                          const char *where, compare_summary *summary) {
+    for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
+        uint8_t *volume = rig_volume(kind, f->width, f->height, f->slices, seed);
+        const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding};
+        rig_textures *t = rig_textures_make(r, f, volume);
+        if (kind == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
+        compare_frame(r, t, &v, s, where, summary);
+        rig_textures_free(t);
+        free(volume);
+    }
+    r->plugin->deactivate(r->plugin);
+}
+
+/* Every kernel: work layout x samples per slice x padding x vector width, on every kind of volume. */
+static void every_kernel(void **state) {
+    static const uint32_t widths[] = {9, 33, 75}; /* vectors of 16, 32 and 64 rays, all with an odd end */
+    static const int32_t paddings[] = {SV_NO_PADDING, 0, 77};
+    compare_summary all = {0};
+    for (uint32_t n = 0; n < 3 * 3 * 4 * 3; n++) {
+        const uint32_t substeps = 1 + n / 9 % 4;
+        /* Each build takes a second: padding with every width and with every number of samples, not with
+         * both. */
+        if (n >= 36 && substeps > 1 && n % 3 != substeps % 3) continue;
+        rig_format f = layout(*state, 1 + n / 3 % 3, substeps);
+        f.width = widths[n % 3];
+        f.height = 37;
+        f.slices = 29;
+        f.slab_slices = 8;
+        f.padding = paddings[n / 36];
+        const rig_settings s = settings_of(substeps, 7);
+        compare_kinds(*state, &f, &s, n, "every kernel", &all);
+    }
+    compare_print("every kernel", &all);
+}
+
+/* Rows shorter and longer than vectors, lone rows, columns and pixels, lone slices, a short last slab. */
+static void sizes(void **state) {
+    static const uint32_t list[][4] = {
+        /* width, height, slices, slices a slab */
+        {1, 1, 1, 1},     {1, 1, 2, 1},   {1, 1, 9, 4},     {1, 7, 5, 2},   {7, 1, 5, 5},
+        {15, 3, 6, 6},    {16, 3, 6, 4},  {17, 3, 6, 4},    {31, 4, 5, 1},  {32, 4, 5, 5},
+        {48, 33, 9, 9},   {63, 5, 7, 3},  {64, 5, 7, 7},    {65, 66, 1, 1}, {79, 2, 30, 1},
+        {127, 129, 3, 2}, {128, 1, 3, 2}, {200, 201, 4, 3}, {3, 300, 5, 4}, {300, 3, 5, 4},
+    };
+    compare_summary all = {0};
+    for (uint32_t n = 0; n < sizeof list / sizeof *list; n++)
+        for (uint32_t strategy = 0; strategy <= 3; strategy++) {
+            rig_format f = layout(*state, strategy, 1);
+            f.width = list[n][0];
+            f.height = list[n][1];
+            f.slices = list[n][2];
+            f.slab_slices = list[n][3];
+            f.padding = n % 2 ? 0 : SV_NO_PADDING;
+            const rig_settings s = settings_of(1, 23);
+            uint8_t *volume = rig_volume(n % RIG_KIND_COUNT, f.width, f.height, f.slices, n);
+            compare_run(*state, &f, volume, &s, "sizes", &all);
+            free(volume);
+        }
+    compare_print("sizes", &all);
+}
+
+/* All ways of handing slabs over, in textures with ever more padding, which holds 255: bone, if it bled. */
+static void carriers_and_tiles(void **state) {
+    static const struct {
+        uint32_t carrier;
+        bool own_queue, in_place;
+    } ways[] = {{SV_CARRIER_HOST, false, false},   {SV_CARRIER_HOST, false, true},
+                {SV_CARRIER_HOST, true, false},    {SV_CARRIER_HOST, true, true},
+                {SV_CARRIER_BUFFER, false, false}, {SV_CARRIER_IMAGE, false, false}};
+    static const struct {
+        uint32_t tiles_x, extra_w, extra_h, extra_pitch;
+    } tiles[] = {{1, 0, 0, 0}, {1, 5, 3, 7}, {2, 0, 2, 0}, {3, 1, 0, 61}, {7, 13, 1, 0}, {40, 0, 0, 1}};
+    compare_summary all = {0};
+    uint8_t *volume = rig_volume(RIG_LAYERS, 37, 19, 23, 3);
+    for (uint32_t w = 0; w < sizeof ways / sizeof *ways; w++)
+        for (uint32_t n = 0; n < sizeof tiles / sizeof *tiles; n++) {
+            rig_format f = layout(*state, 1 + (w + n) % 3, 1 + n % 2);
+            f.width = 37;
+            f.height = 19;
+            f.slices = 23;
+            f.slab_slices = 9;
+            f.carrier = ways[w].carrier;
+            f.own_queue = ways[w].own_queue;
+            f.in_place = ways[w].in_place;
+            f.tiles_x = tiles[n].tiles_x;
+            f.extra_w = tiles[n].extra_w;
+            f.extra_h = tiles[n].extra_h;
+            f.extra_pitch = tiles[n].extra_pitch;
+            const rig_settings s = settings_of(1 + n % 2, 9);
+            compare_run(*state, &f, volume, &s, "carriers and tiles", &all);
+        }
+    free(volume);
+    compare_print("carriers and tiles", &all);
+}
+
+/* A random split into at most `longest` slices a slab, ending with 0. */
+static void random_split(uint32_t *lengths, uint32_t slices, uint32_t longest, uint32_t *seed) {
+    while (slices > 0) {
+        uint32_t length = 1 + next_random(seed) % longest;
+        if (length > slices) length = slices;
+        *lengths++ = length;
+        slices -= length;
+    }
+    *lengths = 0;
+}
+
+static void any_split(void **state) {
+    enum { SLICES = 60 };
+    compare_summary all = {0};
+    uint32_t seed = 99;
+    for (uint32_t n = 0; n < 36; n++) {
+        uint32_t lengths[SLICES + 1];
+        random_split(lengths, SLICES, 1 + n, &seed);
+        const uint32_t substeps = 1 + n % 4;
+        rig_format f = layout(*state, 1 + n / 4 % 3, substeps);
+        f.width = 70;
+        f.height = 6;
+        f.slices = SLICES;
+        f.lengths = lengths;
+        f.tiles_x = 1 + n % 5;
+        f.padding = n % 3 == 0 ? 0 : SV_NO_PADDING;
+        const rig_settings s = settings_of(substeps, 5);
+        uint8_t *volume = rig_volume(n % RIG_KIND_COUNT, f.width, f.height, SLICES, n);
+        compare_run(*state, &f, volume, &s, "any split", &all);
+        free(volume);
+    }
+    compare_print("any split", &all);
+}
+
+/* 8-bit positions hold 254 samples: longer slabs are walked in chunks. */
+static void long_slabs(void **state) {
+    compare_summary all = {0};
+    for (uint32_t n = 0; n < 12; n++) {
+        const uint32_t substeps = 1 + n % 4;
+        rig_format f = layout(*state, 1 + n / 4, substeps);
+        f.width = n % 2 ? 21 : 70;
+        f.height = 4;
+        f.slices = 700;
+        f.slab_slices = n % 3 == 0 ? 700 : 255 + n;
+        f.tiles_x = 26;
+        f.padding = n % 3 == 1 ? 0 : SV_NO_PADDING;
+        const rig_settings s = settings_of(substeps, 5);
+        uint8_t *volume = rig_volume(n % RIG_KIND_COUNT, f.width, f.height, f.slices, n);
+        compare_run(*state, &f, volume, &s, "long slabs", &all);
+        free(volume);
+    }
+    compare_print("long slabs", &all);
+}
+
+/* 700 slices under a window of 63 x 48: the sums need 64 bits; under 3 x 3 the same instance uses 32 again.
+ */
+static void sums_of_64_bits(void **state) {
+    assert_true(sv_ref_fixed_format(64, 48, 700, 63, 2).wide);
+    assert_false(sv_ref_fixed_format(64, 48, 700, 3, 2).wide);
+    compare_summary all = {0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        rig_format f = layout(*state, strategy, 1);
+        f.width = 64;
+        f.height = 48;
+        f.slices = 700;
+        f.slab_slices = 100;
+        rig_settings s = settings_of(1, 63);
+        compare_kinds(*state, &f, &s, strategy, "sums of 64 bits", &all);
+        uint8_t *volume = rig_volume(RIG_LAYERS, f.width, f.height, f.slices, 1);
+        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding};
+        rig_textures *t = rig_textures_make(*state, &f, volume);
+        rig *r = *state;
+        assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
+        static const uint32_t sizes_of_k[] = {63, 3, 61, 5};
+        for (uint32_t i = 0; i < 4; i++) {
+            s = settings_of(1, sizes_of_k[i]);
+            s.omega = 0.25 * i; /* 0: windows without weight must not divide */
+            compare_frame(r, t, &v, &s, "64 and 32 bits in turn", &all);
+        }
+        r->plugin->deactivate(r->plugin);
+        rig_textures_free(t);
+        free(volume);
+    }
+    compare_print("sums of 64 bits", &all);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        RIG_TEST(every_kernel), RIG_TEST(sizes),      RIG_TEST(carriers_and_tiles),
+        RIG_TEST(any_split),    RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits),
+    };
+    return cmocka_run_group_tests_name("formats", tests, NULL, NULL);
+}

@@ -1,0 +1,250 @@
+/*
+ * The hard cases of spec 8 that concern ray profiles and the mean filter. Each is named for what it attacks,
+ * and must give the definition's result or a clear status: never NaN, a hang or a crash.
+ */
+#include "support/compare.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static rig_format plain(uint32_t width, uint32_t height, uint32_t slices) {
+    return (rig_format){.width = width, .height = height, .slices = slices, .padding = SV_NO_PADDING};
+}
+
+/* Runs and checks the volume in all work layouts; `volume` is freed. */
+static void in_all_layouts(rig *r, rig_format f, uint8_t *volume, const rig_settings *s, const char *where,
+                           compare_summary *summary) {
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        f.fixed[0] = (sv_param_value){rig_param(r, "strategy"), 0, strategy};
+        f.fixed[1] = (sv_param_value){rig_param(r, "substeps"), 0, s->substeps};
+        f.fixed_count = 2;
+        compare_run(r, &f, volume, s, where, summary);
+    }
+    free(volume);
+}
+
+static uint8_t *constant_volume(const rig_format *f, int value) {
+    const size_t count = (size_t)f->width * f->height * f->slices;
+    uint8_t *volume = malloc(count);
+    assert_non_null(volume);
+    memset(volume, value, count);
+    return volume;
+}
+
+/* One value everywhere: no bone, all bone, an empty volume, a plateau exactly at T_L. compare_run asserts the
+ * definition's outcome; which one that is, is stated here. */
+static void one_value_everywhere(void **state) {
+    static const struct {
+        const char *name;
+        int value;
+        int32_t padding;
+        double fluid;
+        sv_status outcome;
+    } table[] = {
+        {"an empty volume", 0, SV_NO_PADDING, 40.5 / 255, SV_NO_SURFACE},
+        {"an empty volume, all padding", 0, 0, 40.5 / 255, SV_NO_SURFACE},
+        {"all bone", 255, SV_NO_PADDING, 40.5 / 255, SV_OK},
+        {"all bone, but not scanned", 255, 255, 40.5 / 255, SV_NO_SURFACE},
+        {"no bone", 30, SV_NO_PADDING, 40.5 / 255, SV_NO_SURFACE},
+        {"a plateau exactly at T_L", 40, SV_NO_PADDING, 40 / 255.0, SV_NO_SURFACE},
+        {"a plateau one level above T_L", 41, SV_NO_PADDING, 40 / 255.0, SV_OK},
+        {"T_L = 1: nothing is tissue", 255, SV_NO_PADDING, 1.0, SV_NO_SURFACE},
+    };
+    for (uint32_t n = 0; n < sizeof table / sizeof *table; n++) {
+        rig_format f = plain(35, 18, 13);
+        f.padding = table[n].padding;
+        f.slab_slices = 5;
+        rig_settings s = rig_default_settings();
+        s.fluid_threshold = table[n].fluid;
+        uint8_t *volume = constant_volume(&f, table[n].value);
+        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding};
+        rig_expected e = rig_expect(&v, &s, false);
+        if (e.outcome != table[n].outcome) fail_msg("'%s': outcome %d", table[n].name, e.outcome);
+        for (uint32_t i = 0; i < f.width * f.height; i++) assert_true(e.depth[i] == 0.0f); /* clips nothing */
+        rig_expected_free(&e);
+        in_all_layouts(*state, f, volume, &s, table[n].name, NULL);
+    }
+}
+
+/* A frame without a surface must not show the map of the frame before it. */
+static void no_surface_after_a_surface(void **state) {
+    rig *r = *state;
+    const rig_format f = plain(40, 30, 12);
+    const rig_settings s = rig_default_settings();
+    uint8_t *volumes[] = {rig_volume(RIG_LAYERS, 40, 30, 12, 1), constant_volume(&f, 20),
+                          rig_volume(RIG_SPARSE, 40, 30, 12, 1), constant_volume(&f, 0)};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        rig_format layout = f;
+        layout.fixed[0] = (sv_param_value){rig_param(r, "strategy"), 0, strategy};
+        layout.fixed_count = 1;
+        for (int n = 0; n < 4; n++) {
+            rig_textures *t = rig_textures_make(r, &layout, volumes[n]);
+            if (n == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
+            const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING};
+            compare_frame(r, t, &v, &s, "no surface after a surface", NULL);
+            rig_textures_free(t);
+        }
+        r->plugin->deactivate(r->plugin);
+    }
+    for (int n = 0; n < 4; n++) free(volumes[n]);
+}
+
+/* Maps by depth per pixel. */
+typedef struct {
+    const char *name;
+    uint32_t width, height, slices, k;
+    double omega;
+    int32_t (*far_end)(uint32_t x, uint32_t y);
+} map_case;
+
+static int32_t single(uint32_t x, uint32_t y) {
+    return x == 1 && y == 30 ? 77 : -1;
+}
+static int32_t far_apart(uint32_t x, uint32_t y) {
+    return (x == 0 && y == 0) ? 3 : (x == 95 && y == 31) ? 120 : -1;
+}
+static int32_t collinear(uint32_t x, uint32_t y) {
+    return x == y ? (int32_t)(2 * x + 1) : -1;
+}
+static int32_t checkerboard(uint32_t x, uint32_t y) {
+    return (x + y) % 2 ? 10 : 120;
+}
+static int32_t sparse_checkerboard(uint32_t x, uint32_t y) {
+    return x % 2 || y % 2 ? -1 : (x / 2 + y / 2) % 2 ? 10 : 120;
+}
+/* Dense clusters of unlike depths, side by side and far apart (Figure 5.1). */
+static int32_t clusters(uint32_t x, uint32_t y) {
+    if (x >= 4 && x < 12 && y >= 4 && y < 12) return 20 + (int32_t)(x % 3);
+    if (x >= 12 && x < 18 && y >= 4 && y < 12) return 110 + (int32_t)(y % 3);
+    if (x >= 60 && x < 66 && y >= 24) return (x + y) % 5 == 0 ? 0 : 64;
+    return -1;
+}
+/* Coincident in all but depth: neighbouring pixels 120 slices apart. */
+static int32_t nearly_coincident(uint32_t x, uint32_t y) {
+    return y == 16 && (x == 40 || x == 41) ? (x == 40 ? 1 : 121) : -1;
+}
+static int32_t every_pixel(uint32_t x, uint32_t y) {
+    return (int32_t)(1 + (x * 37 + y * 101) % 120);
+}
+static int32_t all_empty_intervals(uint32_t x, uint32_t y) {
+    return x % 7 == 0 && y % 5 == 0 ? 0 : -1;
+}
+
+static const map_case maps[] = {
+    {"one initial point", 96, 32, 128, 3, 0.5, single},
+    {"two far apart, k = 3", 96, 32, 128, 3, 0.5, far_apart},
+    {"two far apart, k = 3, weight 1/4", 96, 32, 128, 3, 0.25, far_apart},
+    {"two far apart, k = 3, weight 0: ends", 96, 32, 128, 3, 0.0, far_apart},
+    {"two far apart, k larger than the image", 96, 32, 128, 63, 1.0, far_apart},
+    {"collinear points", 60, 60, 128, 5, 0.5, collinear},
+    {"checkerboard of two depths", 96, 32, 128, 3, 0.5, checkerboard},
+    {"checkerboard of two depths, k = 23", 96, 32, 128, 23, 0.5, checkerboard},
+    {"sparse checkerboard", 96, 32, 128, 3, 0.75, sparse_checkerboard},
+    {"dense unlike clusters", 96, 32, 128, 3, 0.5, clusters},
+    {"dense unlike clusters, k = 23", 96, 32, 128, 23, 0.5, clusters},
+    {"nearly coincident points", 96, 32, 128, 7, 0.5, nearly_coincident},
+    {"a point on every pixel", 96, 32, 128, 7, 0.5, every_pixel},
+    {"empty intervals only", 96, 32, 128, 7, 0.5, all_empty_intervals},
+};
+
+static void hard_maps(void **state) {
+    compare_summary all = {0};
+    for (size_t n = 0; n < sizeof maps / sizeof *maps; n++) {
+        const map_case *m = &maps[n];
+        int32_t *ends = calloc(2 * (size_t)m->width * m->height, sizeof *ends);
+        assert_non_null(ends);
+        int32_t *far_end = ends + (size_t)m->width * m->height; /* the near ends are all 0 */
+        for (uint32_t i = 0; i < m->width * m->height; i++)
+            far_end[i] = m->far_end(i % m->width, i / m->width);
+        rig_format f = plain(m->width, m->height, m->slices);
+        f.slab_slices = 50;
+        rig_settings s = rig_default_settings();
+        s.k = m->k;
+        s.omega = m->omega;
+        in_all_layouts(*state, f, rig_map_volume(ends, far_end, m->width, m->height, m->slices), &s, m->name,
+                       &all);
+        free(ends);
+    }
+    compare_print("hard maps", &all);
+}
+
+/* The longest volume, 8192 slices: positions of 16 bits with four samples a slice, depths near 10^4 with
+ * detail. */
+static void longest_volume(void **state) {
+    compare_summary all = {0};
+    for (uint32_t substeps = 1; substeps <= 4; substeps += 3) {
+        enum { SLICES = 8192 };
+        rig_format f = plain(5, 3, SLICES);
+        f.slab_slices = substeps == 1 ? SLICES : 1000;
+        f.tiles_x = 91;
+        rig_settings s = rig_default_settings();
+        s.substeps = substeps;
+        uint8_t *volume = constant_volume(&f, 10);
+        for (uint32_t i = 0; i < 15; i++) { /* near ends about 8100, far ends up to 8191 */
+            for (uint32_t z = 0; z < 8100 + i; z++) volume[z * 15 + i] = 90;
+            volume[(size_t)(SLICES - 1 - i % 4) * 15 + i] = 255;
+        }
+        in_all_layouts(*state, f, volume, &s, "longest volume", &all);
+    }
+    compare_print("longest volume", &all);
+}
+
+/* Running float32 sums and summed-area tables are off by 1 to 3 slices here: 512 x 512, k = 3, deep values.
+ */
+static void float_sums_would_drift(void **state) {
+    enum { SIDE = 512, SLICES = 256, RAYS = SIDE * SIDE };
+    int32_t *ends = calloc(2 * RAYS, sizeof *ends);
+    assert_non_null(ends);
+    uint32_t seed = 4;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        ends[i] = (int32_t)(seed >> 25);                                      /* near end 0 .. 127 */
+        ends[RAYS + i] = seed % 3 ? (int32_t)(128 + (seed >> 16) % 128) : -1; /* far end 128 .. 255 */
+    }
+    compare_summary all = {0};
+    rig_format f = plain(SIDE, SIDE, SLICES);
+    f.slab_slices = 64;
+    rig_settings s = rig_default_settings();
+    s.k = 3;
+    uint8_t *volume = rig_map_volume(ends, ends + RAYS, SIDE, SIDE, SLICES);
+    free(ends);
+    compare_run(*state, &f, volume, &s, "float sums would drift", &all);
+    free(volume);
+    compare_print("float sums would drift", &all);
+}
+
+/* Roundings of many passes add up: the widest map, k = 3, points at its left edge only. */
+static void many_passes(void **state) {
+    enum { WIDTH = 512, HEIGHT = 8, SLICES = 512, RAYS = WIDTH * HEIGHT };
+    int32_t *ends = calloc(2 * RAYS, sizeof *ends);
+    assert_non_null(ends);
+    uint32_t seed = 5;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        ends[RAYS + i] = i % WIDTH < 3 ? (int32_t)(1 + (seed >> 8) % (SLICES - 1)) : -1;
+    }
+    compare_summary all = {0};
+    const rig_format f = plain(WIDTH, HEIGHT, SLICES);
+    rig_settings s = rig_default_settings();
+    s.k = 3;
+    uint8_t *volume = rig_map_volume(ends, ends + RAYS, WIDTH, HEIGHT, SLICES);
+    free(ends);
+    compare_run(*state, &f, volume, &s, "many passes", &all);
+    free(volume);
+    compare_print("many passes", &all);
+    assert_int_equal(all.most_passes, WIDTH - 3);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        RIG_TEST(one_value_everywhere), RIG_TEST(no_surface_after_a_surface), RIG_TEST(hard_maps),
+        RIG_TEST(longest_volume),       RIG_TEST(float_sums_would_drift),     RIG_TEST(many_passes),
+    };
+    return cmocka_run_group_tests_name("hard cases", tests, NULL, NULL);
+}

@@ -1,0 +1,313 @@
+/* MetaImage files that are right: every voxel type, byte order and carrier, the mapping to 8 bit, the text's
+ * liberties. */
+#include "metaimage_files.h"
+
+#include <math.h>
+#include <sys/stat.h>
+
+enum { NX = 5, NY = 4, NZ = 3, COUNT = NX * NY * NZ };
+
+/* A type: how a value becomes bytes, and the range the test spreads its values over. */
+typedef enum { SIGNED, UNSIGNED, FLOAT } kind;
+static const struct {
+    const char *name;
+    kind kind;
+    unsigned bytes;
+    double low, high;
+} types[] = {
+    {"MET_CHAR", SIGNED, 1, -128, 127},
+    {"MET_UCHAR", UNSIGNED, 1, 0, 255},
+    {"MET_SHORT", SIGNED, 2, -32768, 32767},
+    {"MET_USHORT", UNSIGNED, 2, 0, 65535},
+    {"MET_INT", SIGNED, 4, -2147483648.0, 2147483647.0},
+    {"MET_UINT", UNSIGNED, 4, 0, 4294967295.0},
+    {"MET_LONG", SIGNED, 4, -2147483648.0, 2147483647.0},
+    {"MET_ULONG", UNSIGNED, 4, 7, 4294967295.0},
+    {"MET_LONG_LONG", SIGNED, 8, -9007199254740992.0, 9007199254740992.0}, /* 2^53: exact in double */
+    {"MET_ULONG_LONG", UNSIGNED, 8, 3, 9007199254740992.0},
+    {"MET_FLOAT", FLOAT, 4, -12.5, 3.0e4},
+    {"MET_DOUBLE", FLOAT, 8, -1.7e308, 1.7e308}, /* the difference is above the largest double */
+};
+
+/* Voxel i of the test volume, as the type holds it. 7 is coprime to 60: all of the range, in no simple order.
+ */
+static double voxel_value(size_t t, size_t i) {
+    const double f = (double)(i * 7 % COUNT) / (COUNT - 1);
+    const double v = types[t].low * (1.0 - f) + types[t].high * f;
+    if (types[t].kind == FLOAT) return types[t].bytes == 4 ? (double)(float)v : v;
+    return trunc(v);
+}
+
+/* What the stated mapping makes of it, in long double and straight from its words. */
+static uint8_t mapped(size_t t, size_t i) {
+    const double v = voxel_value(t, i);
+    if (types[t].kind == UNSIGNED && types[t].bytes == 1) return (uint8_t)v;
+    const long double low = voxel_value(t, 0), high = types[t].kind == FLOAT && types[t].bytes == 4
+                                                          ? (long double)(float)types[t].high
+                                                          : (long double)types[t].high;
+    return (uint8_t)floorl(((long double)v - low) / (high - low) * 255.0L + 0.5L);
+}
+
+static void put_value(size_t t, double value, bool big, uint8_t *out) {
+    uint64_t bits;
+    if (types[t].kind == FLOAT && types[t].bytes == 4) {
+        const float f = (float)value;
+        uint32_t b;
+        memcpy(&b, &f, 4);
+        bits = b;
+    } else if (types[t].kind == FLOAT) {
+        memcpy(&bits, &value, 8);
+    } else {
+        bits = types[t].kind == SIGNED ? (uint64_t)(int64_t)value : (uint64_t)value;
+    }
+    for (unsigned b = 0; b < types[t].bytes; b++)
+        out[big ? types[t].bytes - 1 - b : b] = (uint8_t)(bits >> (8 * b));
+}
+
+/* Writes the volume of type t as "v.mha" or as "v.mhd" with "v.bin", and returns the name to read. */
+static const char *write_case(size_t t, bool big, bool local, bool compressed, bool tell_size) {
+    uint8_t data[COUNT * 8];
+    const size_t bytes = COUNT * types[t].bytes;
+    for (size_t i = 0; i < COUNT; i++) put_value(t, voxel_value(t, i), big, data + i * types[t].bytes);
+    size_t stored = bytes;
+    uint8_t *packed = compressed ? files_deflate(data, bytes, &stored) : NULL;
+    char text[512], size_line[64] = "";
+    if (tell_size) (void)snprintf(size_line, sizeof size_line, "CompressedDataSize = %zu\n", stored);
+    (void)snprintf(text, sizeof text,
+                   "ObjectType = Image\nNDims = 3\nBinaryData = True\n%s = %s\nCompressedData = "
+                   "%s\n%sDimSize = %d %d %d\n"
+                   "ElementSpacing = 0.5 0.25 2\nElementType = %s\nElementDataFile = %s\n",
+                   local ? "BinaryDataByteOrderMSB" : "ElementByteOrderMSB", big ? "True" : "False",
+                   compressed ? "True" : "False", size_line, NX, NY, NZ, types[t].name,
+                   local ? "LOCAL" : "v.bin");
+    if (local) {
+        files_write("v.mha", text, compressed ? packed : data, stored);
+    } else {
+        files_write("v.mhd", text, NULL, 0);
+        files_write("v.bin", NULL, compressed ? packed : data, stored);
+    }
+    free(packed);
+    return local ? "v.mha" : "v.mhd";
+}
+
+static void every_type_order_and_carrier(void **state) {
+    (void)state;
+    const hs_metaimage_options as_stored = {.padding = HS_PADDING_ALL};
+    for (size_t t = 0; t < sizeof types / sizeof *types; t++) {
+        for (unsigned variant = 0; variant < 12; variant++) {
+            const bool big = variant & 1, local = variant & 2, compressed = variant >= 4, tell = variant >= 8;
+            hs_volume volume;
+            files_read(write_case(t, big, local, compressed, tell), &as_stored, &volume);
+            assert_int_equal(volume.nx, NX);
+            assert_int_equal(volume.ny, NY);
+            assert_int_equal(volume.nz, NZ);
+            assert_true(volume.spacing[0] == 0.5 && volume.spacing[1] == 0.25 && volume.spacing[2] == 2.0);
+            assert_string_equal(volume.name, local ? "v.mha" : "v.mhd");
+            for (size_t i = 0; i < COUNT; i++)
+                if (volume.voxels[i] != mapped(t, i))
+                    fail_msg("%s, variant %u, voxel %zu: %u, expected %u", types[t].name, variant, i,
+                             volume.voxels[i], mapped(t, i));
+            hs_volume_free(&volume);
+        }
+    }
+}
+
+/* 5 x 5 x 5 bytes: 77, a zero on the border and one in the centre. */
+static void write_two_zeros(void) {
+    uint8_t data[125];
+    memset(data, 77, sizeof data);
+    data[0] = data[62] = 0;
+    files_write("zeros.mha", "NDims = 3\nDimSize = 5 5 5\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                data, sizeof data);
+}
+
+static void padding_decides_what_a_zero_is(void **state) {
+    (void)state;
+    write_two_zeros();
+    static const uint8_t expected[3][2] = {
+        [HS_PADDING_AUTO] = {0, 1}, [HS_PADDING_NONE] = {1, 1}, [HS_PADDING_ALL] = {0, 0}};
+    for (int padding = HS_PADDING_AUTO; padding <= HS_PADDING_ALL; padding++) {
+        const hs_metaimage_options opt = {.padding = (hs_padding)padding};
+        hs_volume volume;
+        files_read("zeros.mha", padding == HS_PADDING_AUTO ? NULL : &opt, &volume);
+        assert_int_equal(volume.voxels[0], expected[padding][0]);
+        assert_int_equal(volume.voxels[62], expected[padding][1]);
+        assert_int_equal(volume.voxels[1], 77);
+        hs_volume_free(&volume);
+    }
+}
+
+/* Window 100 .. 300 over 200 values: 255 / 200 per unit. */
+static void a_window_maps_and_clamps(void **state) {
+    (void)state;
+    static const uint16_t values[] = {0, 99, 100, 140, 180, 299, 300, 65535};
+    static const uint8_t expected[] = {0, 0, 0, 51, 102, 254, 255, 255};
+    files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n",
+                values, sizeof values);
+    const hs_metaimage_options opt = {HS_PADDING_ALL, true, 100.0, 300.0};
+    hs_volume volume;
+    files_read("w.mha", &opt, &volume);
+    assert_memory_equal(volume.voxels, expected, sizeof expected);
+    hs_volume_free(&volume);
+
+    static const uint8_t bytes[] = {9, 10, 11, 20, 60, 61, 200, 255}; /* a window counts for MET_UCHAR, too */
+    static const uint8_t of_bytes[] = {0, 0, 5, 51, 255, 255, 255, 255};
+    files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                bytes, sizeof bytes);
+    const hs_metaimage_options narrow = {HS_PADDING_ALL, true, 10.0, 60.0};
+    files_read("w.mha", &narrow, &volume);
+    assert_memory_equal(volume.voxels, of_bytes, sizeof of_bytes);
+    hs_volume_free(&volume);
+}
+
+static void a_window_that_is_none_is_refused(void **state) {
+    (void)state;
+    write_two_zeros();
+    const double bad[][2] = {{5, 5}, {6, 5}, {NAN, 5}, {0, INFINITY}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        const hs_metaimage_options opt = {HS_PADDING_AUTO, true, bad[i][0], bad[i][1]};
+        hs_error err = {0};
+        hs_volume volume;
+        assert_false(hs_metaimage_read(files_path("zeros.mha"), &opt, &volume, &err));
+        assert_int_equal(err.code, HS_ERR_USAGE);
+        assert_non_null(strstr(err.text, "zeros.mha: window is"));
+    }
+}
+
+/* Texts that mean the same as the plain one: 2 x 2 x 2 bytes 10 .. 17. */
+static void the_text_may_be_written_in_many_ways(void **state) {
+    (void)state;
+    static const uint8_t data[] = {10, 11, 12, 13, 14, 15, 16, 17};
+    static const char *const texts[] = {
+        "NDims = 3\r\nDimSize = 2 2 2\r\nElementType = MET_UCHAR\r\nElementDataFile = LOCAL\r\n",
+        "\n\n  NDims=3\n\t\nDimSize   =  2\t2  2   \nElementType=MET_UCHAR\nElementDataFile=LOCAL\n",
+        "NDims: 3\nDimSize: 2 2 2\nElementType: MET_UCHAR\nElementDataFile: Local\n",
+        "Comment = a = b : c\nComment = again\nNDims = 4\nDimSize = 2 2 2 1\nElementSpacing = 1 1 1 "
+        "1\nElementType = MET_UCHAR\n"
+        "TransformMatrix = 0 1 0 1 0 0 0 0 -1\nOffset = -3 4 1e3\nElementNumberOfChannels = "
+        "1\nElementDataFile = LOCAL\n",
+        "ElementType = MET_UCHAR\nDimSize = 2 2 2\nCompressedData = 0\nBinaryData = true\nNDims = "
+        "3\nElementMin = 4\n"
+        "BinaryDataByteOrderMSB = False\nElementByteOrderMSB = False\nElementSize = 1 1 1\nElementDataFile = "
+        "local\n",
+        "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nHeaderSize = -1\nElementDataFile = LOCAL\n",
+        "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nHeaderSize = 0\nElementDataFile = LOCAL\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        files_write("text.mha", texts[i], data, sizeof data);
+        hs_volume volume;
+        files_read("text.mha", NULL, &volume);
+        assert_int_equal(hs_volume_count(&volume), sizeof data);
+        assert_memory_equal(volume.voxels, data, sizeof data);
+        assert_true(volume.spacing[0] == 1.0 && volume.spacing[2] == 1.0);
+        hs_volume_free(&volume);
+    }
+}
+
+static void header_size_skips_bytes_of_the_data_file(void **state) {
+    (void)state;
+    static const uint8_t data[] = {1, 2, 3, 4, 5, 21, 22, 23};
+    files_write("skip.raw", NULL, data, sizeof data);
+    static const char *const sizes[] = {"5", "-1"};
+    for (int i = 0; i < 2; i++) {
+        char text[256];
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = 3 1 1\nElementType = MET_UCHAR\nHeaderSize = %s\nElementSize = "
+                       "3 4 5\nElementDataFile = skip.raw",
+                       sizes[i]);
+        files_write("skip.mhd", text, NULL, 0);
+        hs_volume volume;
+        files_read("skip.mhd", NULL, &volume);
+        assert_memory_equal(volume.voxels, data + 5, 3);
+        assert_true(volume.spacing[1] == 4.0); /* ElementSize stands in for ElementSpacing */
+        hs_volume_free(&volume);
+    }
+    files_write(
+        "gap.mha",
+        "NDims = 3\nDimSize = 3 1 1\nElementType = MET_UCHAR\nHeaderSize = 100\nElementDataFile = LOCAL\n",
+        NULL, 0);
+    uint8_t padded[103];
+    FILE *file = fopen(files_path("gap.mha"), "rb");
+    assert_non_null(file);
+    const size_t text_bytes = fread(padded, 1, sizeof padded, file);
+    assert_int_equal(fclose(file), 0);
+    memset(padded + text_bytes, 'x', 100 - text_bytes);
+    memcpy(padded + 100, data, 3);
+    files_write("gap.mha", NULL, padded, sizeof padded);
+    hs_volume volume;
+    files_read("gap.mha", NULL, &volume);
+    assert_memory_equal(volume.voxels, data, 3);
+    hs_volume_free(&volume);
+}
+
+/* More voxels than one chunk of the reader holds, and more compressed bytes than one of its buffers. */
+static void large_volumes_cross_the_readers_buffers(void **state) {
+    (void)state;
+    enum { SIDE = 70 };
+    const size_t count = (size_t)SIDE * SIDE * SIDE;
+    uint16_t *values = malloc(count * sizeof *values);
+    assert_non_null(values);
+    uint32_t seed = 1;
+    for (size_t i = 0; i < count; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        values[i] = (uint16_t)(seed >> 16);
+    }
+    values[0] = 0;
+    values[1] = 65535;
+    const hs_metaimage_array array = {HS_ARRAY_U16, values, 3, {SIDE, SIDE, SIDE}, {1, 1, 1}, true};
+    hs_error err = {0};
+    assert_true(hs_metaimage_write(files_path("large.mha"), &array, &err));
+    const hs_metaimage_options as_stored = {.padding = HS_PADDING_ALL};
+    hs_volume volume;
+    files_read("large.mha", &as_stored, &volume);
+    for (size_t i = 0; i < count; i++)
+        assert_int_equal(volume.voxels[i], (values[i] + 128) / 257); /* 65535 / 255 = 257 */
+    hs_volume_free(&volume);
+    free(values);
+}
+
+/* The real scans, where they are at hand: sizes as their headers say, bytes as an independent zlib (Python's)
+ * has them. */
+static void real_volumes(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        uint32_t nx, ny, nz;
+        unsigned long crc;
+    } scans[] = {{"fetal_head_21w.mha", 211, 232, 153, 0x3c7db7fc},
+                 {"fetal_head_23w.mha", 211, 232, 153, 0xa076cfa8},
+                 {"spine_phantom.mha", 147, 106, 104, 0x7812100c}};
+    const char *source = getenv("SV_SOURCE_DIR");
+    int found = 0;
+    for (size_t i = 0; i < 3; i++) {
+        char path[PATH_MAX];
+        struct stat status;
+        (void)snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", scans[i].name);
+        if (stat(path, &status) != 0) continue;
+        found++;
+        const hs_metaimage_options as_stored = {.padding = HS_PADDING_ALL};
+        hs_error err = {0};
+        hs_volume volume;
+        if (!hs_metaimage_read(path, &as_stored, &volume, &err)) fail_msg("%s", err.text);
+        assert_int_equal(volume.nx, scans[i].nx);
+        assert_int_equal(volume.ny, scans[i].ny);
+        assert_int_equal(volume.nz, scans[i].nz);
+        assert_string_equal(volume.name, scans[i].name);
+        assert_int_equal(crc32(0, volume.voxels, (uInt)hs_volume_count(&volume)), scans[i].crc);
+        hs_volume_free(&volume);
+    }
+    if (found == 0) skip();
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_type_order_and_carrier),
+        cmocka_unit_test(padding_decides_what_a_zero_is),
+        cmocka_unit_test(a_window_maps_and_clamps),
+        cmocka_unit_test(a_window_that_is_none_is_refused),
+        cmocka_unit_test(the_text_may_be_written_in_many_ways),
+        cmocka_unit_test(header_size_skips_bytes_of_the_data_file),
+        cmocka_unit_test(large_volumes_cross_the_readers_buffers),
+        cmocka_unit_test(real_volumes),
+    };
+    return cmocka_run_group_tests(tests, files_setup, files_teardown);
+}

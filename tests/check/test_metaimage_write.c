@@ -1,0 +1,193 @@
+/* hs_metaimage_write: files that read back, texts as 3D Slicer needs them, and failures that leave nothing
+ * behind. */
+#include "metaimage_files.h"
+
+#include <math.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+enum { NX = 6, NY = 5, NZ = 4, COUNT = NX * NY * NZ };
+
+static uint8_t bytes[COUNT];
+static uint16_t words[COUNT];
+static float floats[COUNT];
+
+static int setup(void **state) {
+    for (size_t i = 0; i < COUNT; i++) {
+        bytes[i] = (uint8_t)(i * 2 + 3);
+        words[i] = (uint16_t)(i * 546 % 65000);
+        floats[i] = (float)i * 0.25f - 7.0f;
+    }
+    return files_setup(state);
+}
+
+static hs_metaimage_array array_of(hs_array_type type, uint32_t dims, bool compress) {
+    const void *const data[] = {bytes, words, floats};
+    return (hs_metaimage_array){type, data[type], dims, {NX, NY, NZ}, {0.5, 0.1, 1.0 / 3.0}, compress};
+}
+
+static void write_ok(const char *name, const hs_metaimage_array *array) {
+    hs_error err = {0};
+    if (!hs_metaimage_write(files_path(name), array, &err)) fail_msg("%s", err.text);
+}
+
+/* Read with a window that makes the 8-bit value known: u8 as it is, u16 by 256 levels of 257, floats by their
+ * step. */
+static void arrays_read_back(void **state) {
+    (void)state;
+    static const hs_metaimage_options options[] = {{HS_PADDING_ALL, false, 0, 0},
+                                                   {HS_PADDING_ALL, true, 0, 65535},
+                                                   {HS_PADDING_ALL, true, -7.0, -7.0 + 255 * 0.25}};
+    static const char *const names[] = {"a.mha", "a.mhd"};
+    for (int type = HS_ARRAY_U8; type <= HS_ARRAY_F32; type++) {
+        for (int variant = 0; variant < 4; variant++) {
+            const hs_metaimage_array array = array_of((hs_array_type)type, 3, variant & 1);
+            write_ok(names[variant / 2], &array);
+            hs_volume volume;
+            files_read(names[variant / 2], &options[type], &volume);
+            assert_int_equal(volume.nx, NX);
+            assert_int_equal(volume.ny, NY);
+            assert_int_equal(volume.nz, NZ);
+            /* 17 digits: the very same double */
+            assert_true(volume.spacing[0] == 0.5 && volume.spacing[1] == 0.1 &&
+                        volume.spacing[2] == 1.0 / 3.0);
+            for (size_t i = 0; i < COUNT; i++) {
+                const uint8_t expected[] = {bytes[i], (uint8_t)((words[i] + 128) / 257), (uint8_t)i};
+                assert_int_equal(volume.voxels[i], expected[type]);
+            }
+            hs_volume_free(&volume);
+        }
+    }
+    assert_int_equal(files_count(), 4); /* a.mha, a.mhd, a.raw, a.zraw: no temporary file is left */
+}
+
+static size_t read_file(const char *name, char *out, size_t room) {
+    FILE *file = fopen(files_path(name), "rb");
+    assert_non_null(file);
+    const size_t n = fread(out, 1, room - 1, file);
+    out[n] = '\0';
+    assert_int_equal(fclose(file), 0);
+    return n;
+}
+
+/* Text and bytes of a 2D depthmap, to the letter. */
+static void a_depthmap_is_written_as_stated(void **state) {
+    (void)state;
+    hs_metaimage_array array = array_of(HS_ARRAY_F32, 2, false);
+    array.size[2] = 0; /* not looked at */
+    array.spacing[1] = 0.25;
+    write_ok("depth.mha", &array);
+    static const char expected[] =
+        "ObjectType = Image\nNDims = 2\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+        "CompressedData = False\nTransformMatrix = 1 0 0 1\nOffset = 0 0\nCenterOfRotation = 0 0\n"
+        "ElementSpacing = 0.5 0.25\nDimSize = 6 5\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
+    char file[1024];
+    const size_t n = read_file("depth.mha", file, sizeof file);
+    assert_int_equal(n, strlen(expected) + NX * NY * sizeof(float));
+    assert_memory_equal(file, expected, strlen(expected));
+    assert_memory_equal(file + strlen(expected), floats, NX * NY * sizeof(float));
+}
+
+static void a_pair_names_its_data_file_without_folder(void **state) {
+    (void)state;
+    const hs_metaimage_array array = array_of(HS_ARRAY_U8, 3, true);
+    write_ok("label.map.mhd", &array);
+    char text[1024], size_line[64];
+    struct stat status;
+    read_file("label.map.mhd", text, sizeof text);
+    assert_non_null(strstr(text, "\nElementDataFile = label.map.zraw\n"));
+    assert_int_equal(stat(files_path("label.map.zraw"), &status), 0);
+    (void)snprintf(size_line, sizeof size_line, "\nCompressedDataSize = %lld ", (long long)status.st_size);
+    assert_non_null(strstr(text, size_line));
+}
+
+/* `named` is the file the message is about: `path`, or the data file that belongs to it. */
+static void refused_at(const char *path, const char *named, const hs_metaimage_array *array,
+                       const char *told) {
+    hs_error err = {0};
+    const int before = files_count();
+    assert_false(hs_metaimage_write(path, array, &err));
+    assert_int_equal(err.code, HS_ERR_OUTPUT);
+    if (!strstr(err.text, named) || !strstr(err.text, told))
+        fail_msg("'%s' does not tell '%s'", err.text, told);
+    assert_int_equal(files_count(), before); /* nothing is left behind */
+}
+
+static void refused(const char *path, const hs_metaimage_array *array, const char *told) {
+    refused_at(path, path, array, told);
+}
+
+static void arrays_that_cannot_be_written_are_named(void **state) {
+    (void)state;
+    hs_metaimage_array array = array_of(HS_ARRAY_U8, 3, false);
+    array.dims = 4;
+    refused(files_path("x.mha"), &array, "NDims is 4, expected 2 or 3");
+    array = array_of(HS_ARRAY_U8, 3, false);
+    array.size[1] = 0;
+    refused(files_path("x.mha"), &array, "DimSize along axis 1 is 0");
+    array = array_of(HS_ARRAY_F32, 3, false);
+    array.size[0] = array.size[1] = array.size[2] = UINT32_MAX; /* 2^98 bytes */
+    refused(files_path("x.mha"), &array, "DimSize along axis 1 is 4294967295");
+    array = array_of(HS_ARRAY_U8, 3, false);
+    array.spacing[2] = NAN;
+    refused(files_path("x.mha"), &array, "ElementSpacing along axis 2 is nan");
+    array.spacing[2] = 0;
+    refused(files_path("x.mha"), &array, "ElementSpacing along axis 2 is 0");
+    array = array_of(HS_ARRAY_U8, 3, false);
+    array.data = NULL;
+    refused(files_path("x.mha"), &array, "no data given");
+    array = array_of(HS_ARRAY_U8, 3, false);
+    array.type = (hs_array_type)7;
+    refused(files_path("x.mha"), &array, "ElementType 7");
+}
+
+static void places_that_cannot_be_written_are_named(void **state) {
+    (void)state;
+    const hs_metaimage_array array = array_of(HS_ARRAY_U8, 3, false);
+    refused(files_path("x.png"), &array, "should end in .mha or .mhd");
+    refused(files_path(".mha"), &array, "should end in .mha or .mhd");
+    refused(files_path("100%.mhd"), &array, "ElementDataFile cannot hold");
+    refused(files_path("absent/x.mha"), &array, "No such file or directory");
+    refused_at(files_path("absent/x.mhd"), files_path("absent/x.raw"), &array, "No such file or directory");
+    assert_int_equal(mkdir(files_path("folder.mha"), 0700), 0);
+    refused(files_path("folder.mha"), &array, "not a regular file");
+    assert_int_equal(rmdir(files_path("folder.mha")), 0);
+}
+
+/* A disk that fills up, by a limit on the size of files: the earlier file stays as it was. */
+static void a_full_disk_leaves_the_earlier_file(void **state) {
+    (void)state;
+    const hs_metaimage_array before = array_of(HS_ARRAY_U8, 3, false);
+    write_ok("full.mha", &before);
+    write_ok("full.mhd", &before);
+    (void)signal(SIGXFSZ, SIG_IGN); /* so that write reports EFBIG */
+    struct rlimit limit, small;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    small = limit;
+    small.rlim_cur = 400; /* the text fits, the data does not */
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    const hs_metaimage_array later = array_of(HS_ARRAY_F32, 3, false);
+    refused(files_path("full.mha"), &later, "File too large");
+    refused_at(files_path("full.mhd"), files_path("full.raw"), &later, "File too large");
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    static const char *const names[] = {"full.mha", "full.mhd"};
+    for (int i = 0; i < 2; i++) {
+        hs_volume volume;
+        files_read(names[i], NULL, &volume);
+        assert_memory_equal(volume.voxels, bytes, COUNT);
+        hs_volume_free(&volume);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arrays_read_back),
+        cmocka_unit_test(a_depthmap_is_written_as_stated),
+        cmocka_unit_test(a_pair_names_its_data_file_without_folder),
+        cmocka_unit_test(arrays_that_cannot_be_written_are_named),
+        cmocka_unit_test(places_that_cannot_be_written_are_named),
+        cmocka_unit_test(a_full_disk_leaves_the_earlier_file),
+    };
+    return cmocka_run_group_tests(tests, setup, files_teardown);
+}

@@ -1,0 +1,401 @@
+/* hs_picture: colours, scaling, files, and where and how each kind of map is drawn. */
+#include "hs_picture.h"
+#include "smartvis_plugin.h"
+
+#include <limits.h>
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char folder[64];
+
+static int setup(void **state) {
+    (void)state;
+    (void)snprintf(folder, sizeof folder, "/tmp/sv_picture_XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    hs_picture_finish();
+    return rmdir(folder); /* fails if a test left a file */
+}
+
+static uint32_t pixel(const hs_picture *p, uint32_t x, uint32_t y) {
+    assert_true(x < p->width && y < p->height);
+    return p->pixels[(size_t)y * p->width + x];
+}
+
+/* CIE 1976 lightness of an sRGB colour (IEC 61966-2-1, D65 white). */
+static double lightness(uint32_t colour) {
+    static const double weight[3] = {0.2126, 0.7152, 0.0722};
+    double y = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double v = (colour >> (16 - 8 * c) & 255) / 255.0;
+        y += weight[c] * (v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    }
+    return y > 216.0 / 24389.0 ? 116.0 * cbrt(y) - 16.0 : y * 24389.0 / 27.0;
+}
+
+/* Viridis is made so that equal steps look equal: its lightness rises along a straight line. 2.5 of 100 is
+ * about the smallest difference that is seen side by side; the published map itself stays within 2. */
+static void viridis_is_perceptually_uniform(void **state) {
+    (void)state;
+    assert_int_equal(hs_colour_viridis(0.0), 0x440154);
+    assert_int_equal(hs_colour_viridis(1.0), 0xfde725);
+    const double low = lightness(0x440154), high = lightness(0xfde725);
+    double before = 0.0;
+    for (int i = 0; i <= 64; i++) { /* steps of 1.2 in lightness: above what rounding to 8 bit does */
+        const double l = lightness(hs_colour_viridis(i / 64.0));
+        assert_true(l > before);
+        assert_true(fabs(l - (low + (high - low) * i / 64.0)) < 2.5);
+        before = l;
+    }
+    assert_int_equal(hs_colour_viridis(-5.0), 0x440154);
+    assert_int_equal(hs_colour_viridis(7.0), 0xfde725);
+    assert_int_equal(hs_colour_viridis(NAN), 0x440154);
+}
+
+static void the_diverging_map_is_white_in_the_middle(void **state) {
+    (void)state;
+    assert_int_equal(hs_colour_diverging(0.0), 0xf7f7f7);
+    for (int i = 1; i <= 100; i++) {
+        const uint32_t red = hs_colour_diverging(i / 100.0), blue = hs_colour_diverging(-i / 100.0);
+        assert_true((red >> 16) > (red & 255));
+        assert_true((blue & 255) > (blue >> 16));
+        assert_true(lightness(red) < lightness(hs_colour_diverging((i - 1) / 100.0)));
+        assert_true(lightness(blue) < lightness(hs_colour_diverging(-(i - 1) / 100.0)));
+    }
+}
+
+static void a_picture_has_limits(void **state) {
+    (void)state;
+    static const uint32_t bad[][2] = {{0, 5}, {5, 0}, {16385, 1}, {1, UINT32_MAX}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        hs_error err = {0};
+        hs_picture p;
+        assert_false(hs_picture_init(&p, bad[i][0], bad[i][1], 0, &err));
+        assert_int_equal(err.code, HS_ERR_INPUT);
+        assert_null(p.pixels);
+        hs_picture_free(&p);
+    }
+}
+
+static void blit_scales_and_clips(void **state) {
+    (void)state;
+    hs_error err = {0};
+    hs_picture p;
+    static const uint8_t gray[6] = {0, 100, 200, 10, 110, 210};
+    const hs_image image = {gray, 3, 2, 1};
+    assert_true(hs_picture_init(&p, 9, 6, 0x123456, &err));
+    hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_NEAREST); /* 3 x 3 pixels for each */
+    for (uint32_t y = 0; y < 6; y++)
+        for (uint32_t x = 0; x < 9; x++)
+            assert_int_equal(pixel(&p, x, y), gray[y / 3 * 3 + x / 3] * 0x010101);
+
+    /* Bilinear by 3: target pixel 1, 4, 7 are the sources' centres, between them thirds of the way, edges
+     * repeated. */
+    hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_BILINEAR);
+    static const int top[9] = {0, 0, 33, 67, 100, 133, 167, 200, 200};
+    for (uint32_t x = 0; x < 9; x++) {
+        assert_true(abs((int)(pixel(&p, x, 0) & 255) - top[x]) <= 1); /* weights are 256ths */
+        assert_true(abs((int)(pixel(&p, x, 5) & 255) - top[x] - 10) <= 1);
+    }
+    assert_int_equal(pixel(&p, 4, 1), 0x646464);
+
+    for (size_t i = 0; i < 54; i++) p.pixels[i] = 7;
+    hs_picture_blit(&p, -2, -1, 3, 2, &image, HS_SCALE_NEAREST); /* only its last pixel is inside */
+    assert_int_equal(pixel(&p, 0, 0), 210 * 0x010101);
+    assert_int_equal(pixel(&p, 1, 0), 7);
+    hs_picture_blit(&p, 8, 5, UINT32_MAX / 2, 1, &(hs_image){gray, 1, 1, 1}, HS_SCALE_NEAREST);
+    assert_int_equal(pixel(&p, 8, 5), 0);
+    static const uint8_t rgba[4] = {1, 2, 3, 0};
+    hs_picture_blit(&p, 3, 3, 1, 1, &(hs_image){rgba, 1, 1, 4}, HS_SCALE_BILINEAR);
+    assert_int_equal(pixel(&p, 3, 3), 0x010203); /* alpha does not count */
+    hs_picture_free(&p);
+}
+
+static void a_saved_png_reads_back(void **state) {
+    (void)state;
+    hs_error err = {0};
+    hs_picture p;
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/a.png", folder);
+    assert_true(hs_picture_init(&p, 37, 11, 0, &err));
+    for (uint32_t i = 0; i < 37 * 11; i++) p.pixels[i] = i * 2654435761u & 0xffffff;
+    assert_true(hs_picture_save(&p, path, &err));
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_file(&image, path));
+    assert_int_equal(image.width, 37);
+    assert_int_equal(image.height, 11);
+    image.format = PNG_FORMAT_RGB;
+    uint8_t rgb[37 * 11 * 3];
+    assert_true(png_image_finish_read(&image, NULL, rgb, 0, NULL));
+    for (uint32_t i = 0; i < 37 * 11; i++)
+        assert_int_equal((uint32_t)rgb[3 * i] << 16 | (uint32_t)rgb[3 * i + 1] << 8 | rgb[3 * i + 2],
+                         p.pixels[i]);
+
+    /* A disk that fills up: a message, and the earlier file as it was. */
+    const struct rlimit small = {100, RLIM_INFINITY};
+    struct rlimit limit;
+    (void)signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &(struct rlimit){small.rlim_cur, limit.rlim_max}), 0);
+    assert_false(hs_picture_save(&p, path, &err));
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    assert_int_equal(err.code, HS_ERR_OUTPUT);
+    assert_non_null(strstr(err.text, path));
+    memset(&image, 0, sizeof image);
+    image.version = PNG_IMAGE_VERSION;
+    assert_true(png_image_begin_read_from_file(&image, path));
+    png_image_free(&image);
+    assert_int_equal(unlink(path), 0);
+    hs_picture_free(&p);
+}
+
+static void a_place_that_cannot_be_written_is_named(void **state) {
+    (void)state;
+    hs_picture p;
+    hs_error err = {0};
+    assert_true(hs_picture_init(&p, 4, 4, 0, &err));
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/absent/a.png", folder);
+    assert_false(hs_picture_save(&p, path, &err));
+    assert_int_equal(err.code, HS_ERR_OUTPUT);
+    assert_non_null(strstr(err.text, path));
+    assert_non_null(strstr(err.text, "No such file or directory"));
+    err = (hs_error){0};
+    assert_false(hs_picture_save(&p, "/dev/full", &err)); /* a device is not replaced by a file */
+    assert_non_null(strstr(err.text, "/dev/full: cannot be written: exists and is not a regular file"));
+    hs_picture_free(&p);
+}
+
+/* The box of pixels that differ from the background; 0 0 0 0 if none does. */
+static void ink_box(const hs_picture *p, uint32_t box[4]) {
+    box[0] = p->width, box[1] = p->height, box[2] = box[3] = 0;
+    for (uint32_t y = 0; y < p->height; y++)
+        for (uint32_t x = 0; x < p->width; x++) {
+            if (pixel(p, x, y) == 0) continue;
+            box[0] = x < box[0] ? x : box[0];
+            box[1] = y < box[1] ? y : box[1];
+            box[2] = x + 1 > box[2] ? x + 1 : box[2];
+            box[3] = y + 1 > box[3] ? y + 1 : box[3];
+        }
+}
+
+static void text_stays_in_its_place(void **state) {
+    (void)state;
+    static const char *const texts[] = {"full volume", "fit me: as long as the picture is wide, and longer",
+                                        "caf\xc3\xa9 20 \xc2\xb5m",
+                                        "broken \xff\xfe \xed\xa0\x80 \xc0\xaf name"};
+    for (size_t i = 0; i < 4; i++) {
+        for (int align = HS_ALIGN_LEFT; align <= HS_ALIGN_RIGHT; align++) {
+            hs_error err = {0};
+            hs_picture p;
+            uint32_t box[4];
+            assert_true(hs_picture_init(&p, 300, 60, 0, &err));
+            assert_true(hs_picture_text(&p, 150, 40, 20, 0xffffff, (hs_align)align, 120, texts[i], &err));
+            ink_box(&p, box);
+            const uint32_t left = align == HS_ALIGN_LEFT ? 150 : align == HS_ALIGN_CENTRE ? 90 : 30;
+            assert_true(box[0] + 2 >= left &&
+                        box[2] <= left + 122); /* glyphs may reach over by a pixel or two */
+            assert_true(box[1] >= 20 && box[3] <= 46 && box[3] >= 40); /* stands on y = 40 */
+            assert_true(box[2] - box[0] >= 60);
+            hs_picture_free(&p);
+        }
+    }
+}
+
+/* A text a fifth too long is set smaller, whole: 20 pixels become 16, and its letters are a fifth lower. */
+static void a_long_text_is_set_smaller_first(void **state) {
+    (void)state;
+    uint32_t box[2][4];
+    for (int i = 0; i < 2; i++) {
+        hs_error err = {0};
+        hs_picture p;
+        assert_true(hs_picture_init(&p, 300, 60, 0, &err));
+        const double max_width = i == 0 ? 0.0 : 0.8 * (box[0][2] - box[0][0]);
+        assert_true(
+            hs_picture_text(&p, 10, 40, 20, 0xffffff, HS_ALIGN_LEFT, max_width, "lldldldldldl", &err));
+        ink_box(&p, box[i]);
+        hs_picture_free(&p);
+    }
+    const double wide = box[0][2] - box[0][0], high = box[0][3] - box[0][1];
+    assert_true(fabs((box[1][2] - box[1][0]) / wide - 0.8) < 0.04);
+    assert_true(fabs((box[1][3] - box[1][1]) - 0.8 * high) <= 1.0); /* whole pixels */
+}
+
+static void a_line_joins_its_ends(void **state) {
+    (void)state;
+    hs_error err = {0};
+    hs_picture p;
+    assert_true(hs_picture_init(&p, 20, 20, 0, &err));
+    assert_true(hs_picture_line(&p, 3, 5.5, 15, 5.5, 1, 0xff8000, &err));
+    for (uint32_t x = 0; x < 20; x++) assert_int_equal(pixel(&p, x, 5), x >= 3 && x < 15 ? 0xff8000 : 0);
+    hs_picture_free(&p);
+}
+
+static void three_panels_make_1600_pixels(void **state) {
+    (void)state;
+    static uint8_t rgba[3][64 * 64 * 4];
+    for (int i = 0; i < 3; i++)
+        for (size_t k = 0; k < sizeof rgba[i]; k++) rgba[i][k] = (uint8_t)(60 * (i + 1));
+    hs_panel_item items[3] = {{"result", {rgba[0], 64, 64, 4}},
+                              {"full volume", {rgba[1], 64, 64, 4}},
+                              {NULL, {rgba[2], 64, 64, 4}}};
+    const hs_caption caption = {"title", "one\ntwo"};
+    hs_error err = {0};
+    hs_picture p, bare;
+    assert_true(hs_picture_panel(&p, items, 3, 0, &caption, &err));
+    assert_int_equal(p.width, 1600);
+    for (uint32_t i = 0; i < 3; i++) /* 16 pixels between pictures of 512 */
+        for (uint32_t at = 0; at < 512; at += 511)
+            assert_int_equal(pixel(&p, 16 + i * 528 + at, 300), 60 * (i + 1) * 0x010101);
+    assert_int_equal(pixel(&p, 15, 300), HS_COLOUR_BACKGROUND);
+    assert_int_equal(pixel(&p, 16 + 512, 300), HS_COLOUR_BACKGROUND);
+    assert_true(hs_picture_panel(&bare, items, 1, 128, &(hs_caption){NULL, NULL}, &err));
+    assert_int_equal(bare.width, 160);
+    hs_picture_free(&bare);
+    hs_picture_free(&p);
+
+    items[1].image.width = 32;
+    assert_false(hs_picture_panel(&p, items, 3, 0, &caption, &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    assert_non_null(strstr(err.text, "picture 1 is 32 x 64, expected 64 x 64"));
+    assert_null(p.pixels);
+    err = (hs_error){0};
+    assert_false(hs_picture_panel(&p, items, 9, 0, &caption, &err));
+    assert_non_null(strstr(err.text, "9 pictures, expected 1 .. 8"));
+}
+
+/* Where entry (x, y) of an 8 x 8 map is drawn: 768 / 8 = 96 pixels each, after a margin of 16 and a title
+ * of 44. */
+static uint32_t map_pixel(const hs_picture *p, uint32_t x, uint32_t y) {
+    return pixel(p, 16 + x * 96 + 48, 44 + y * 96 + 48);
+}
+
+static bool is_hatch(uint32_t colour) {
+    return colour == HS_COLOUR_NOTHING_A || colour == HS_COLOUR_NOTHING_B;
+}
+
+static void a_depthmap_shows_depths_and_what_clips_nothing(void **state) {
+    (void)state;
+    float depth[64];
+    for (int i = 0; i < 64; i++) depth[i] = 10.0f + (float)i;
+    depth[1] = 0.0f, depth[2] = -4.0f, depth[3] = NAN, depth[4] = INFINITY;
+    hs_error err = {0};
+    hs_picture p;
+    const hs_caption caption = {"depth", NULL};
+    assert_true(hs_picture_depthmap(&p, depth, 8, 8, (hs_range){0, 0}, &caption, &err));
+    assert_int_equal(map_pixel(&p, 0, 0), 0x440154); /* the smallest, 10 */
+    assert_int_equal(map_pixel(&p, 7, 7), 0xfde725); /* the largest, 73 */
+    assert_int_equal(map_pixel(&p, 4, 4), hs_colour_viridis((46.0 - 10.0) / 63.0));
+    assert_true(is_hatch(map_pixel(&p, 1, 0)) && is_hatch(map_pixel(&p, 2, 0)));
+    assert_int_equal(map_pixel(&p, 3, 0), HS_COLOUR_INVALID);
+    assert_int_equal(map_pixel(&p, 4, 0), HS_COLOUR_INVALID);
+    hs_picture_free(&p);
+    assert_true(hs_picture_depthmap(&p, depth, 8, 8, (hs_range){0, 40}, &caption, &err));
+    assert_int_equal(map_pixel(&p, 0, 0), hs_colour_viridis(0.25));
+    assert_int_equal(map_pixel(&p, 7, 7), 0xfde725); /* clamped */
+    hs_picture_free(&p);
+    memset(depth, 0, sizeof depth);
+    assert_true(hs_picture_depthmap(&p, depth, 8, 8, (hs_range){0, 0}, &caption, &err));
+    for (uint32_t i = 0; i < 64; i++) assert_true(is_hatch(map_pixel(&p, i % 8, i / 8)));
+    hs_picture_free(&p);
+    assert_false(hs_picture_depthmap(&p, depth, 0, 8, (hs_range){0, 0}, &caption, &err));
+    assert_non_null(strstr(err.text, "map is 0 x 8"));
+}
+
+static void points_lie_over_the_mip(void **state) {
+    (void)state;
+    uint8_t status[64] = {0}, mip[16 * 16];
+    float depth[64] = {0};
+    memset(mip, 90, sizeof mip);
+    status[9] = SV_POINT_INITIAL, depth[9] = 20.0f;
+    status[10] = SV_POINT_INITIAL, depth[10] = 60.0f;
+    status[11] = SV_POINT_EMPTY, depth[11] = 500.0f; /* must not stretch the colour bar */
+    depth[12] = 900.0f;                              /* no point: neither */
+    hs_error err = {0};
+    hs_picture p;
+    assert_true(hs_picture_points(&p, &(hs_image){mip, 16, 16, 1}, status, depth, 8, 8, (hs_range){0, 0},
+                                  &(hs_caption){"points", "facts"}, &err));
+    assert_int_equal(map_pixel(&p, 1, 1), 0x440154);
+    assert_int_equal(map_pixel(&p, 2, 1), 0xfde725);
+    assert_int_equal(map_pixel(&p, 3, 1), HS_COLOUR_EMPTY);
+    assert_int_equal(map_pixel(&p, 4, 1), 90 * 0x010101);
+    hs_picture_free(&p);
+}
+
+static void signed_maps_and_labels_use_their_colours(void **state) {
+    (void)state;
+    float value[64] = {0};
+    value[0] = 4.0f, value[1] = -2.0f, value[2] = NAN, value[3] = -4.0f;
+    const hs_signed_words words = {"error", "steps", "occluder left", "fetus cut"};
+    hs_error err = {0};
+    hs_picture p;
+    assert_true(hs_picture_signed(&p, value, 8, 8, 0, &words, &(hs_caption){"error", NULL}, &err));
+    assert_int_equal(map_pixel(&p, 0, 0), hs_colour_diverging(1.0));
+    assert_int_equal(map_pixel(&p, 1, 0), hs_colour_diverging(-0.5));
+    assert_int_equal(map_pixel(&p, 2, 0), HS_COLOUR_NO_VALUE);
+    assert_int_equal(map_pixel(&p, 3, 0), hs_colour_diverging(-1.0));
+    assert_int_equal(map_pixel(&p, 4, 0), 0xf7f7f7);
+    hs_picture_free(&p);
+    uint8_t label[64] = {0, 1, 2, 3};
+    assert_true(hs_picture_labels(&p, label, 8, 8, &(hs_caption){"labels", NULL}, &err));
+    for (uint8_t i = 0; i < 4; i++) assert_int_equal(map_pixel(&p, i, 0), hs_colour_label(i));
+    assert_int_equal(hs_colour_label(3), HS_COLOUR_INVALID);
+    hs_picture_free(&p);
+}
+
+/* Sizes from 1 x 1 to more than the picture has pixels: drawn without a look outside (ASan), the same each
+ * time. */
+static void odd_sizes_are_drawn(void **state) {
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1},    {1, 500},  {500, 1}, {171, 128},
+                                        {1281, 3}, {3000, 2}, {2, 3000}};
+    float *depth = malloc(sizeof(float) * 171 * 128);
+    assert_non_null(depth);
+    for (int i = 0; i < 171 * 128; i++) depth[i] = (float)(i % 97) * 1e-3f;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        hs_error err = {0};
+        hs_picture a, b;
+        assert_true(hs_picture_depthmap(&a, depth, sizes[i][0], sizes[i][1], (hs_range){0, 0},
+                                        &(hs_caption){NULL, "x"}, &err));
+        assert_true(hs_picture_depthmap(&b, depth, sizes[i][0], sizes[i][1], (hs_range){0, 0},
+                                        &(hs_caption){NULL, "x"}, &err));
+        assert_true(a.width <= 1280 + 400 && a.height <= 1280 + 100);
+        assert_memory_equal(a.pixels, b.pixels, (size_t)a.width * a.height * sizeof *a.pixels);
+        hs_picture_free(&a);
+        hs_picture_free(&b);
+    }
+    free(depth);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(viridis_is_perceptually_uniform),
+        cmocka_unit_test(the_diverging_map_is_white_in_the_middle),
+        cmocka_unit_test(a_picture_has_limits),
+        cmocka_unit_test(blit_scales_and_clips),
+        cmocka_unit_test(a_saved_png_reads_back),
+        cmocka_unit_test(a_place_that_cannot_be_written_is_named),
+        cmocka_unit_test(text_stays_in_its_place),
+        cmocka_unit_test(a_long_text_is_set_smaller_first),
+        cmocka_unit_test(a_line_joins_its_ends),
+        cmocka_unit_test(three_panels_make_1600_pixels),
+        cmocka_unit_test(a_depthmap_shows_depths_and_what_clips_nothing),
+        cmocka_unit_test(points_lie_over_the_mip),
+        cmocka_unit_test(signed_maps_and_labels_use_their_colours),
+        cmocka_unit_test(odd_sizes_are_drawn),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

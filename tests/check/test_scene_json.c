@@ -1,0 +1,151 @@
+/* Scene files: what is wrong with one is told with file, line and field. */
+#include "hs_scene_json.h"
+#include "scene_fixture.h"
+
+static void refuse(const char *text, const char *expected) {
+    hs_scene_spec spec;
+    hs_error err = {0};
+    assert_false(hs_scene_read_text("x.json", text, &spec, &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    if (!strstr(err.text, expected)) fail_msg("'%s' does not say '%s'", err.text, expected);
+}
+
+/* EMPTY_SCENE with `more` as its only structure or artefact. */
+static void refuse_part(const char *structure, const char *artefact, const char *expected) {
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{ \"name\": \"t\", \"title\": \"t\", \"seed\": 1,\n"
+             "  \"sac\": { \"centre_mm\": [60, 60, 60], \"radii_mm\": [40, 40, 40] },\n"
+             "  \"structures\": [\n    %s\n  ],\n"
+             "  \"artefacts\": [\n    %s\n  ] }\n",
+             structure, artefact);
+    refuse(text, expected);
+}
+
+static void reads_defaults(void **state) {
+    (void)state;
+    hs_scene_spec spec;
+    empty_spec(&spec);
+    assert_near(spec.extent_mm, 120.0f, 0.0f);
+    assert_near(spec.tissue[HS_TISSUE_BONE].impedance_mrayl, 3.75f, 0.0f);
+    assert_int_equal(spec.structure_count, 0);
+    assert_false(spec.speckle.on || spec.attenuation.on || spec.edge.on || spec.reverberation.on ||
+                 spec.far_band.on || spec.side_lobe.on || spec.noise.on || spec.fan.on || spec.motion.on);
+}
+
+static void tells_the_line_of_syntax_errors(void **state) {
+    (void)state;
+    refuse("{\n  \"name\": \"t\",\n  nonsense\n}", "x.json:3:");
+    refuse("", "x.json:1:");
+    refuse("{ \"name\": \"a\",\n \"name\": \"b\" }", "x.json:2:");
+    refuse("[]", "scene: is an array, expected an object");
+}
+
+static void tells_line_and_field(void **state) {
+    (void)state;
+    refuse("{ \"name\": \"t\", \"title\": \"t\",\n  \"sead\": 1 }",
+           "x.json:2: sead: is no field of this object");
+    refuse("{ \"name\": \"t\", \"title\": \"t\",\n\n  \"seed\": 0 }", "x.json:3: seed: is 0, expected 1");
+    refuse("{ \"name\": \"t\", \"title\": \"t\",\n  \"seed\": 1.5 }",
+           "x.json:2: seed: is a number, expected a whole");
+    refuse("{ \"name\": 5 }", "x.json:1: name: is a number, expected a string");
+    refuse("{ \"name\": \"t\", \"title\": \"t\" }", "x.json:1: scene: has no field 'seed'");
+    refuse("{ \"name\": \"t\", \"title\": \"t\", \"seed\": 1, \"structures\": [], \"artefacts\": [] }",
+           "has no field 'sac'");
+    refuse_part("{ \"type\": \"bird\" }", "", "x.json:4: structures[0].type: is 'bird', expected occluder");
+    refuse_part("{ \"type\": \"fetus\",\n      \"position_mm\": [1, 2] }", "",
+                "x.json:5: structures[0].position_mm: has 2 elements, expected 3");
+    refuse_part("{ \"type\": \"fetus\",\n\n      \"position_mm\": [1, 2, \"x\"] }", "",
+                "x.json:6: structures[0].position_mm[2]: is a string, expected a number");
+    refuse_part(
+        "{ \"type\": \"occluder\", \"tissue\": \"wood\", \"centre_mm\": [1, 2, 3], \"radii_mm\": [1, 1, 1] }",
+        "", "x.json:4: structures[0].tissue: is 'wood', expected one of fluid, wall");
+    refuse_part("{ \"type\": \"cord\", \"radius_mm\": 2, \"points_mm\": [[1, 2, 3]] }", "",
+                "structures[0].points_mm: has 1 elements, expected 2 .. 32");
+    refuse_part("{ \"type\": \"cloud\", \"centre_mm\": [1, 2, 3], \"radii_mm\": [1, 1, 1], \"count\": 3,\n"
+                "\"particle_min_mm\": 2,\n \"particle_max_mm\": 1 }",
+                "", "x.json:6: structures[0].particle_max_mm: is 1, expected at least");
+    refuse_part("", "{ \"type\": \"noise\", \"level_db\": -60 },\n{ \"type\": \"noise\", \"level_db\": -60 }",
+                "x.json:8: artefacts[1].type: 'noise' is listed twice");
+    refuse_part("", "{ \"type\": \"speckle\" }", "artefacts[0]: has no field 'axial_mm'");
+    refuse_part("", "{ \"level_db\": 3 }", "artefacts[0]: has no field 'type'");
+    refuse_part("",
+                "{ \"type\": \"far_band\", \"gap_mm\": 1, \"thickness_mm\": 1, \"level_db\": 0,\n"
+                "\"direction\": [0, 0, 0], \"angle_deg\": 20 }",
+                "direction is 0, 0, 0");
+    refuse_part("7", "", "x.json:4: structures[0]: is a number, expected an object");
+}
+
+static void locates_values(void **state) {
+    (void)state;
+    const char *text =
+        "{ \"a\\\"b\": \"}]{\",\n  \"c\": [1,\n 2, { \"d\": [] ,\n \"e\": \"x\\\\\" } ],\n \"f\": null\n}";
+    assert_int_equal(hs_json_line(text, ""), 1);
+    assert_int_equal(hs_json_line(text, "c"), 2);
+    assert_int_equal(hs_json_line(text, "c[1]"), 3);
+    assert_int_equal(hs_json_line(text, "c[2].d"), 3);
+    assert_int_equal(hs_json_line(text, "c[2].e"), 4);
+    assert_int_equal(hs_json_line(text, "f"), 5);
+    assert_int_equal(hs_json_line(text, "c[9].e"), 2); /* the nearest that is there */
+    assert_int_equal(hs_json_line(text, "zzz"), 1);
+}
+
+/* Every byte of a real scene file in turn left out, doubled, or made something else: a scene or an error with
+ * a text, never a crash (the sanitizers look on). */
+static void survives_broken_files(void **state) {
+    (void)state;
+    static char text[16384], broken[16400];
+    const char *folder = getenv("SV_SOURCE_DIR");
+    char path[1024];
+    snprintf(path, sizeof path, "%s/data/scenes/M03.json", folder ? folder : ".");
+    FILE *file = fopen(path, "rb");
+    if (!file) skip();
+    size_t length = fread(text, 1, sizeof text - 1, file), refused = 0, variants = 0;
+    fclose(file);
+    assert_true(length > 1000 && length < sizeof text - 1);
+    const char put[] = {'0', '-', '"', '[', '}', '\\'};
+    for (size_t i = 0; i < length; i++)
+        for (size_t v = 0; v < 2 + sizeof put; v++, variants++) {
+            size_t kept = v == 0 ? 0 : v == 1 ? 2 : 1;
+            memcpy(broken, text, i);
+            for (size_t k = 0; k < kept; k++) broken[i + k] = v < 2 ? text[i] : put[v - 2];
+            memcpy(broken + i + kept, text + i + 1, length - i - 1);
+            broken[length - 1 + kept] = '\0';
+            hs_scene_spec spec;
+            hs_error err = {0};
+            if (hs_scene_read_text(path, broken, &spec, &err)) continue;
+            refused++;
+            assert_int_equal(err.code, HS_ERR_INPUT);
+            assert_non_null(strstr(err.text, "M03.json:"));
+        }
+    printf("%zu of %zu broken files refused\n", refused, variants);
+    assert_true(refused > variants / 2);
+}
+
+static void names_missing_files_and_bad_options(void **state) {
+    (void)state;
+    hs_error err = {0};
+    assert_null(hs_scene_open("/nowhere/at/all.json", &err));
+    assert_non_null(strstr(err.text, "/nowhere/at/all.json: cannot be opened"));
+    memset(&err, 0, sizeof err);
+    assert_null(hs_scene_open("Z99", &err));
+    assert_non_null(strstr(err.text, "Z99.json"));
+    memset(&err, 0, sizeof err);
+    hs_scene_data data;
+    assert_false(hs_scene_generate("D01", 31, 0, &data, &err));
+    assert_int_equal(err.code, HS_ERR_USAGE);
+    assert_non_null(strstr(err.text, "size is 31, expected 32 .. 512"));
+    memset(&err, 0, sizeof err);
+    assert_false(hs_scene_generate("real", 64, 0, &data, &err));
+    assert_non_null(strstr(err.text, "needs a volume"));
+    assert_null(data.full.voxels);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_defaults),        cmocka_unit_test(tells_the_line_of_syntax_errors),
+        cmocka_unit_test(tells_line_and_field),  cmocka_unit_test(locates_values),
+        cmocka_unit_test(survives_broken_files), cmocka_unit_test(names_missing_files_and_bad_options),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,234 @@
+/* Ground truth: exact by construction, and the same bytes for the same seed. */
+#include "hs_metaimage.h"
+#include "scene_fixture.h"
+
+#include <unistd.h>
+
+#define FLUID_LEVEL 40 /* T_L = 40.5 / 255 */
+
+static uint8_t at(const uint8_t *voxels, const hs_volume *v, size_t pixel, long z) {
+    return voxels[(size_t)z * v->nx * v->ny + pixel];
+}
+
+/* One pixel against the rule, looked at from the tissues again: backwards from the end, where the scene goes
+ * forwards. */
+static void check_pixel(const hs_scene_data *d, size_t pixel) {
+    const hs_volume *v = &d->full;
+    long fetus = -1;
+    for (long z = (long)v->nz - 1; z >= 0; z--)
+        if (at(v->voxels, v, pixel, z) != 0 && hs_tissue_is_fetus(at(d->tissue, v, pixel, z))) fetus = z;
+    assert_int_equal(d->label[pixel] == HS_LABEL_FETUS, fetus >= 0);
+    if (d->label[pixel] == HS_LABEL_NEITHER) {
+        assert_true(isnan(d->near_end[pixel]) && isnan(d->far_end[pixel]));
+        for (long z = 0; z < (long)v->nz; z++)
+            assert_false(at(v->voxels, v, pixel, z) != 0 && at(d->tissue, v, pixel, z) == HS_TISSUE_FLUID);
+        return;
+    }
+    long near_z = lrintf(d->near_end[pixel]), far_z = lrintf(d->far_end[pixel]);
+    assert_true(near_z >= 0 && near_z <= far_z && far_z < (long)v->nz);
+    bool touched = fetus >= 0 && near_z == fetus;
+    for (long z = near_z; z <= far_z && !touched; z++)
+        if (at(d->tissue, v, pixel, z) != HS_TISSUE_FLUID)
+            fail_msg("pixel %zu slice %ld is no fluid", pixel, z);
+    if (fetus >= 0 && !touched) assert_int_equal(far_z + 1, fetus);
+    if (near_z > 0 && at(v->voxels, v, pixel, near_z - 1) != 0)
+        assert_int_not_equal(at(d->tissue, v, pixel, near_z - 1), HS_TISSUE_FLUID);
+    assert_true(d->clip[pixel] >= d->near_end[pixel] && d->clip[pixel] <= d->far_end[pixel]);
+}
+
+static void check_clipped(const hs_scene_data *d) {
+    const size_t slice = (size_t)d->full.nx * d->full.ny;
+    for (size_t i = 0; i < slice * d->full.nz; i++) {
+        bool removed = (float)(i / slice) < d->clip[i % slice] && d->full.voxels[i] != 0;
+        if (d->truth.voxels[i] != (removed ? 1 : d->full.voxels[i])) fail_msg("voxel %zu of the truth", i);
+    }
+}
+
+static void intervals_hold_only_fluid(void **state) {
+    (void)state;
+    for (int c = 0; c < 9; c++) {
+        hs_scene_data d;
+        make_scene(scene_cases[c], 72, 2, 0, 0, &d, NULL);
+        size_t labels[3] = {0, 0, 0};
+        for (size_t i = 0; i < (size_t)72 * 72; i++) {
+            check_pixel(&d, i);
+            labels[d.label[i]]++;
+        }
+        check_clipped(&d);
+        printf("%s: label 0 %.1f %%, sac %.1f %%, fetus %.1f %%\n", scene_cases[c], (double)labels[0] / 51.84,
+               (double)labels[1] / 51.84, (double)labels[2] / 51.84);
+        for (int l = 0; l < 3; l++) assert_true(labels[l] > 51); /* each at least 1 % of the picture */
+        hs_scene_free(&d);
+    }
+}
+
+/* What the probe shows of those intervals: dark. Two millimetres at both ends belong to the point spread. */
+static void clean_intervals_look_dark(void **state) {
+    (void)state;
+    hs_scene_data d;
+    make_scene("D01", 128, 2, 0, 0, &d, NULL);
+    size_t dark = 0, all = 0;
+    const long margin = 3; /* 0.94 mm each */
+    for (size_t i = 0; i < (size_t)128 * 128; i++) {
+        if (d.label[i] == HS_LABEL_NEITHER) continue;
+        for (long z = lrintf(d.near_end[i]) + margin; z <= lrintf(d.far_end[i]) - margin; z++, all++)
+            dark += at(d.full.voxels, &d.full, i, z) <= FLUID_LEVEL;
+    }
+    printf("%zu of %zu voxels of the intervals are dark: %.3f %%\n", dark, all,
+           100.0 * (double)dark / (double)all);
+    assert_true(all > 100000);
+    assert_true((double)dark > 0.99 * (double)all);
+    hs_scene_free(&d);
+}
+
+static bool same(const hs_scene_data *a, const hs_scene_data *b) {
+    size_t pixels = (size_t)a->full.nx * a->full.ny;
+    return memcmp(a->full.voxels, b->full.voxels, hs_volume_count(&a->full)) == 0 &&
+           memcmp(a->truth.voxels, b->truth.voxels, hs_volume_count(&a->full)) == 0 &&
+           memcmp(a->tissue, b->tissue, hs_volume_count(&a->full)) == 0 &&
+           memcmp(a->label, b->label, pixels) == 0 &&
+           memcmp(a->near_end, b->near_end, pixels * sizeof(float)) == 0 &&
+           memcmp(a->far_end, b->far_end, pixels * sizeof(float)) == 0;
+}
+
+static void same_seed_same_bytes(void **state) {
+    (void)state;
+    static const char *const names[2] = {"M03", "E02"}; /* all artefacts between them */
+    for (int c = 0; c < 2; c++) {
+        hs_scene_data one, other;
+        make_scene(names[c], 61, 1, 0, 0, &one, NULL); /* no multiple of anything */
+        for (uint32_t threads = 2; threads <= 5; threads++) {
+            make_scene(names[c], 61, threads, 0, 0, &other, NULL);
+            assert_true(same(&one, &other));
+            hs_scene_free(&other);
+        }
+        make_scene(names[c], 61, 2, 12345, 0, &other, NULL);
+        assert_false(same(&one, &other));
+        hs_scene_free(&other);
+        hs_scene_free(&one);
+    }
+}
+
+static void sizes_are_free(void **state) {
+    (void)state;
+    static const uint32_t sizes[4] = {32, 33, 47, 100};
+    for (int i = 0; i < 4; i++) {
+        hs_scene_data d;
+        make_scene("M03", sizes[i], 3, 0, 0, &d, NULL);
+        assert_int_equal(d.full.nx, sizes[i]);
+        assert_near(d.full.spacing[0] * sizes[i], 120.0, 1e-4);
+        size_t fetus = 0, zeros = 0;
+        for (size_t p = 0; p < (size_t)sizes[i] * sizes[i]; p++) fetus += d.label[p] == HS_LABEL_FETUS;
+        for (size_t v = 0; v < hs_volume_count(&d.full); v++) zeros += d.full.voxels[v] == 0;
+        double share = (double)fetus / ((double)sizes[i] * sizes[i]);
+        assert_true(share > 0.15 && share < 0.4); /* the same scene at every size */
+        assert_true((double)zeros > 0.05 * (double)hs_volume_count(&d.full));
+        hs_scene_free(&d);
+    }
+}
+
+/* Frame 0 is the scene itself; a later frame has moved, has speckle of its own, and its truth is again exact.
+ */
+static void frames_move_and_keep_their_truth(void **state) {
+    (void)state;
+    hs_scene_data still, frame;
+    make_scene("E02", 64, 2, 0, 0, &still, NULL);
+    make_scene("E02", 64, 2, 0, 7, &frame, NULL);
+    size_t tissue = 0, differ = 0, fluid = 0;
+    for (size_t i = 0; i < hs_volume_count(&still.full); i++) {
+        tissue += still.tissue[i] != frame.tissue[i];
+        if (still.tissue[i] != HS_TISSUE_WALL || frame.tissue[i] != HS_TISSUE_WALL || !still.full.voxels[i])
+            continue;
+        fluid++;
+        differ += still.full.voxels[i] != frame.full.voxels[i];
+    }
+    printf("frame 7: %zu voxels of other tissue, %.1f %% of the wall has new speckle\n", tissue,
+           100.0 * (double)differ / (double)fluid);
+    assert_true(tissue > 500);                               /* limbs and particles have moved */
+    assert_true(tissue < hs_volume_count(&still.full) / 20); /* slowly */
+    assert_true((double)differ > 0.9 * (double)fluid);
+    for (size_t i = 0; i < (size_t)64 * 64; i++) check_pixel(&frame, i);
+    hs_scene_free(&frame);
+    make_scene("E02", 64, 2, 0, 60, &frame, NULL); /* one period later everything is back in its place */
+    assert_memory_equal(still.tissue, frame.tissue, hs_volume_count(&still.full));
+    assert_memory_not_equal(still.full.voxels, frame.full.voxels, hs_volume_count(&still.full));
+    hs_scene_free(&frame);
+    hs_scene_free(&still);
+}
+
+/* What a scene does not list takes no time; what is left out by option neither. */
+static void unlisted_artefacts_cost_nothing(void **state) {
+    (void)state;
+    hs_scene_data d;
+    hs_scene_times times;
+    make_scene("D01", 48, 1, 0, 0, &d, &times);
+    hs_scene_free(&d);
+    assert_near(times.ms[HS_SCENE_STEP_SIDE_LOBES], 0.0, 0.0);
+    assert_near(times.ms[HS_SCENE_STEP_REVERBERATION], 0.0, 0.0);
+    assert_near(times.ms[HS_SCENE_STEP_FAR_BAND], 0.0, 0.0);
+    assert_true(times.ms[HS_SCENE_STEP_SPECKLE] > 0.0);
+    hs_error err = {0};
+    hs_scene *scene = hs_scene_open("D01", &err);
+    assert_non_null(scene);
+    const hs_scene_options options = {.size = 48,
+                                      .skip = 1u << HS_SCENE_STEP_SPECKLE | 1u << HS_SCENE_STEP_FAN};
+    assert_true(hs_scene_frame(scene, &options, &d, &times, &err));
+    assert_near(times.ms[HS_SCENE_STEP_SPECKLE] + times.ms[HS_SCENE_STEP_FAN], 0.0, 0.0);
+    assert_null(memchr(d.full.voxels, 0, hs_volume_count(&d.full)));
+    hs_scene_free(&d);
+    hs_scene_close(scene);
+}
+
+/* Occluders before a given volume: a ball of tissue in fluid. The truth is the volume itself, and what is put
+ * before the ball leaves fluid between. */
+static void real_volumes_are_their_own_truth(void **state) {
+    (void)state;
+    enum { NX = 48, NY = 40, NZ = 56 };
+    static uint8_t ball[NX * NY * NZ];
+    for (int i = 0; i < NX * NY * NZ; i++) {
+        double x = i % NX - 24.0, y = i / NX % NY - 20.0, z = i / (NX * NY) - 38.0;
+        ball[i] = x * x + y * y + z * z < 144.0 ? 150 : 8;
+    }
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/scene_real_%ld.mha", (long)getpid());
+    hs_error err = {0};
+    const hs_metaimage_array array = {HS_ARRAY_U8, ball, 3, {NX, NY, NZ}, {0.5, 0.6, 0.7}, false};
+    if (!hs_metaimage_write(path, &array, &err)) fail_msg("%s", err.text);
+    hs_scene *scene = hs_scene_open("real", &err);
+    assert_non_null(scene);
+    hs_scene_data d;
+    const hs_scene_options options = {.real = path};
+    bool ok = hs_scene_frame(scene, &options, &d, NULL, &err);
+    unlink(path);
+    if (!ok) fail_msg("%s", err.text);
+    assert_int_equal(d.full.nz, NZ);
+    assert_near(d.full.spacing[2], 0.7, 1e-6);
+    assert_memory_equal(d.truth.voxels, ball, sizeof ball);
+    size_t hidden = 0, through = 0;
+    for (size_t p = 0; p < (size_t)NX * NY; p++) {
+        check_pixel(&d, p);
+        if (d.label[p] != HS_LABEL_FETUS) continue;
+        through++;
+        hidden += d.near_end[p] > 0.0f;
+        assert_true(d.far_end[p] - d.near_end[p] >= 1.0f);
+        for (size_t z = (size_t)d.far_end[p] + 1; z < NZ; z++)
+            assert_int_equal(d.full.voxels[z * NX * NY + p], ball[z * NX * NY + p]);
+    }
+    assert_true(through > 400);
+    assert_int_equal(hidden, through); /* the placenta lies before all of it */
+    hs_scene_free(&d);
+    hs_scene_close(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(intervals_hold_only_fluid),
+        cmocka_unit_test(clean_intervals_look_dark),
+        cmocka_unit_test(same_seed_same_bytes),
+        cmocka_unit_test(sizes_are_free),
+        cmocka_unit_test(frames_move_and_keep_their_truth),
+        cmocka_unit_test(unlisted_artefacts_cost_nothing),
+        cmocka_unit_test(real_volumes_are_their_own_truth),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,191 @@
+/*
+ * Every setting of a frame against the scalar definition, bit for bit, and the float64 one within its bound:
+ * windows, weights, thresholds on and between grey levels, the three ways to find T_B, the knob, and adjust.
+ */
+#include "support/compare.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 45, HEIGHT = 38, SLICES = 20, RAYS = WIDTH * HEIGHT };
+
+typedef struct {
+    rig *r;
+    rig_textures *textures[RIG_KIND_COUNT];
+    uint8_t *volumes[RIG_KIND_COUNT];
+    rig_format format;
+} bench;
+
+static bench open_bench(rig *r, uint32_t strategy) {
+    bench b = {.r = r,
+               .format = {.width = WIDTH,
+                          .height = HEIGHT,
+                          .slices = SLICES,
+                          .slab_slices = 7,
+                          .padding = SV_NO_PADDING,
+                          .fixed = {{rig_param(r, "strategy"), 0, strategy}},
+                          .fixed_count = 1}};
+    for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
+        b.volumes[kind] = rig_volume(kind, WIDTH, HEIGHT, SLICES, 11 + strategy);
+        b.textures[kind] = rig_textures_make(r, &b.format, b.volumes[kind]);
+    }
+    assert_int_equal(r->plugin->activate(r->plugin, &b.textures[0]->format), SV_OK);
+    return b;
+}
+
+static void close_bench(bench *b) {
+    b->r->plugin->deactivate(b->r->plugin);
+    for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
+        rig_textures_free(b->textures[kind]);
+        free(b->volumes[kind]);
+    }
+}
+
+static void compare_on(const bench *b, uint32_t kind, const rig_settings *s, const char *where,
+                       compare_summary *summary) {
+    const sv_ref_volume v = {b->volumes[kind], WIDTH, HEIGHT, SLICES, SV_NO_PADDING};
+    compare_frame(b->r, b->textures[kind], &v, s, where, summary);
+}
+
+static void windows_and_weights(void **state) {
+    compare_summary all = {0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        bench b = open_bench(*state, strategy);
+        for (uint32_t k = 3; k <= 63; k += 2) {
+            rig_settings s = rig_default_settings();
+            s.k = k;
+            s.omega = 0.25 * (k / 2 % 5);
+            s.bone.drop_empty = k / 2 % 3 == 0;
+            compare_on(&b, k / 2 % 4, &s, "windows", &all);
+        }
+        for (uint32_t n = 0; n < 5 * RIG_KIND_COUNT; n++) {
+            rig_settings s = rig_default_settings();
+            s.k = n % 2 ? 3 : 9;
+            s.omega = 0.25 * (n / RIG_KIND_COUNT);
+            compare_on(&b, n % RIG_KIND_COUNT, &s, "weights", &all);
+        }
+        close_bench(&b);
+    }
+    compare_print("windows and weights", &all);
+}
+
+/* T_L on a grey level, between two, just beside one, at both ends of its range. */
+static void fluid_thresholds(void **state) {
+    static const double list[] = {
+        0.0,         40 / 255.0,    40.5 / 255.0, 41 / 255.0, 39.999 / 255.0, 40.001 / 255.0,
+        254 / 255.0, 254.9 / 255.0, 1.0,          1 / 255.0};
+    compare_summary all = {0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy += 2) {
+        bench b = open_bench(*state, strategy);
+        for (uint32_t n = 0; n < 10 * RIG_KIND_COUNT; n++) {
+            rig_settings s = rig_default_settings();
+            s.k = 11;
+            s.fluid_threshold = list[n / RIG_KIND_COUNT];
+            compare_on(&b, n % RIG_KIND_COUNT, &s, "fluid thresholds", &all);
+        }
+        close_bench(&b);
+    }
+    compare_print("fluid thresholds", &all);
+}
+
+static void bone_modes(void **state) {
+    static const double absolute[] = {0.0, 0.5, 200 / 255.0, 0.74, 254 / 255.0, 0.9999, 1.0};
+    static const double offset[] = {0.0, 1 / 255.0, 0.1, 0.24, 0.5, 0.9999, 1.0};
+    static const double fraction[] = {0.0, 1e-6, 0.01, 0.03, 0.5, 0.99, 1.0};
+    compare_summary all = {0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        bench b = open_bench(*state, strategy);
+        for (uint32_t n = 0; n < 3 * 7 * RIG_KIND_COUNT; n++) {
+            const uint32_t value = n / RIG_KIND_COUNT % 7;
+            rig_settings s = rig_default_settings();
+            s.k = 15;
+            s.bone.bone_mode = (int)(n / RIG_KIND_COUNT / 7);
+            s.bone.bone_threshold = absolute[value];
+            s.bone.bone_offset = offset[value];
+            s.bone.bone_fraction = fraction[value];
+            s.bone.drop_empty = n % 5 == 0;
+            compare_on(&b, n % RIG_KIND_COUNT, &s, "bone modes", &all);
+        }
+        close_bench(&b);
+    }
+    compare_print("bone modes", &all);
+}
+
+/* Shares of sure bone rays around what the volumes have, gaps on and between samples of every step. */
+static void evidence(void **state) {
+    static const double shares[] = {0.0, 0.001, 0.25, 0.5, 0.75, 0.999, 1.0};
+    static const double gaps[] = {0.0, 0.25, 0.5, 1.0, 1.3, 2.0, 4.75, 64.0};
+    compare_summary all = {0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        bench b = open_bench(*state, strategy);
+        for (uint32_t n = 0; n < 7 * 8; n++) {
+            rig_settings s = rig_default_settings();
+            s.k = 9;
+            s.evidence = shares[n % 7];
+            s.min_gap = gaps[n / 7];
+            s.bone.bone_mode = (int)(n % 3);
+            s.bone.drop_empty = n % 2 == 0;
+            compare_on(&b, n % RIG_KIND_COUNT, &s, "evidence", &all);
+        }
+        close_bench(&b);
+    }
+    compare_print("evidence", &all);
+}
+
+/* A slider: adjust gives what a new frame with that q would have given, to the bit, and can be called at
+ * will. */
+static void adjust_equals_a_new_frame(void **state) {
+    static const double list[] = {0.0, 0.25, 0.3, 1.0, 1.5, 0.0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        bench b = open_bench(*state, strategy);
+        rig *r = *state;
+        rig_settings s = rig_default_settings();
+        s.bone.bone_mode = SV_REF_FRACTION; /* not the defaults: adjust must keep the frame's values */
+        s.k = 9;
+        sv_param_value values[RIG_MAX_VALUES];
+        rig_result frame = rig_result_make(WIDTH, HEIGHT), adjusted = rig_result_make(WIDTH, HEIGHT);
+        for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+            s.q = 0.77f;
+            const uint32_t count = rig_values(r, &s, values);
+            assert_int_equal(rig_frame(r, b.textures[RIG_LAYERS], values, count, &frame), SV_OK);
+            const sv_param_value q = {rig_param(r, "q"), 0, list[i]};
+            const sv_result result = {.size = sizeof result,
+                                      .depth = adjusted.depth,
+                                      .status = adjusted.status,
+                                      .stats = &adjusted.stats};
+            assert_int_equal(r->plugin->adjust(r->plugin, &q, 1, &result), SV_OK);
+            assert_int_equal(clFinish(r->queue), CL_SUCCESS);
+            s.q = (float)list[i];
+            rig_expected expected =
+                rig_expect(&(sv_ref_volume){b.volumes[RIG_LAYERS], WIDTH, HEIGHT, SLICES, -1}, &s, false);
+            s.q = 0.77f;
+            assert_memory_equal(adjusted.depth, expected.depth, RAYS * sizeof(float));
+            rig_expected_free(&expected);
+            (void)rig_values(r, &s, values);
+            values[0].value = list[i]; /* q comes first */
+            assert_int_equal(rig_frame(r, b.textures[RIG_LAYERS], values, count, &frame), SV_OK);
+            assert_memory_equal(adjusted.depth, frame.depth, RAYS * sizeof(float));
+            assert_memory_equal(adjusted.status, frame.status, RAYS);
+            assert_memory_equal(&adjusted.stats, &frame.stats, sizeof frame.stats);
+        }
+        rig_result_free(&frame);
+        rig_result_free(&adjusted);
+        close_bench(&b);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        RIG_TEST(windows_and_weights),
+        RIG_TEST(fluid_thresholds),
+        RIG_TEST(bone_modes),
+        RIG_TEST(evidence),
+        RIG_TEST(adjust_equals_a_new_frame),
+    };
+    return cmocka_run_group_tests_name("settings", tests, NULL, NULL);
+}

@@ -1,0 +1,224 @@
+/* hs_volume: limits, and the unscanned region against a plain flood fill. */
+#include "hs_volume.h"
+
+#include <limits.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static uint64_t random_state = 0x9e3779b97f4a7c15u;
+
+static uint32_t next_random(void) {
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(random_state >> 33);
+}
+
+static void make(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz) {
+    hs_error err = {0};
+    assert_true(hs_volume_init(volume, nx, ny, nz, &err));
+}
+
+static size_t count_value(const hs_volume *volume, uint8_t value) {
+    size_t count = 0;
+    for (size_t i = 0; i < hs_volume_count(volume); i++) count += volume->voxels[i] == value ? 1 : 0;
+    return count;
+}
+
+static void mark(hs_volume *volume) {
+    hs_error err = {0};
+    assert_true(hs_volume_mark_unscanned(volume, &err));
+    assert_int_equal(err.code, HS_OK);
+}
+
+static void sizes_outside_the_limits_are_refused(void **state) {
+    (void)state;
+    static const uint32_t bad[][3] = {{0, 4, 4},          {4, 0, 4},          {4, 4, 0},
+                                      {2049, 1, 1},       {1, UINT32_MAX, 1}, {1, 1, 2049},
+                                      {2048, 2048, 2048}, {2048, 1024, 1025}};
+    static const char *const told[] = {"x is 0",          "y is 0",    "z is 0",     "x is 2049",
+                                       "y is 4294967295", "z is 2049", "8589934592", "2149580800"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        hs_error err = {0};
+        hs_volume volume;
+        assert_false(hs_volume_init(&volume, bad[i][0], bad[i][1], bad[i][2], &err));
+        assert_int_equal(err.code, HS_ERR_INPUT);
+        assert_non_null(strstr(err.text, told[i]));
+        assert_null(volume.voxels);
+    }
+}
+
+static void a_new_volume_is_zero_and_one_mm(void **state) {
+    (void)state;
+    hs_volume volume;
+    make(&volume, 3, 5, 7);
+    assert_int_equal(hs_volume_count(&volume), 105);
+    assert_int_equal(count_value(&volume, 0), 105);
+    for (int axis = 0; axis < 3; axis++) assert_true(volume.spacing[axis] == 1.0);
+    hs_volume_free(&volume);
+    assert_null(volume.voxels);
+    hs_volume_free(&volume); /* safe a second time */
+    mark(&volume);           /* and there is nothing to mark */
+}
+
+/* The definition, voxel by voxel: sweep until nothing changes. 2 stands for a reached zero; voxels hold 0
+ * or 9. */
+static void plain_flood(uint8_t *v, int nx, int ny, int nz) {
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int z = 0; z < nz; z++)
+            for (int y = 0; y < ny; y++)
+                for (int x = 0; x < nx; x++) {
+                    uint8_t *at = v + ((size_t)z * (size_t)ny + (size_t)y) * (size_t)nx + x;
+                    if (*at != 0) continue;
+                    const ptrdiff_t row = nx, slice = (ptrdiff_t)nx * ny;
+                    const bool border =
+                        x == 0 || y == 0 || z == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1;
+                    if (border || at[-1] == 2 || at[1] == 2 || at[-row] == 2 || at[row] == 2 ||
+                        at[-slice] == 2 || at[slice] == 2) {
+                        *at = 2;
+                        changed = true;
+                    }
+                }
+    }
+    for (size_t i = 0; i < (size_t)nx * (size_t)ny * (size_t)nz; i++)
+        v[i] = v[i] == 2 ? 0 : v[i] == 0 ? 1 : v[i];
+}
+
+/* Widths around the 64 voxels of a word; densities on both sides of the percolation threshold of the cubic
+ * grid (0.31), where regions are most winding. */
+static void unscanned_equals_a_plain_flood(void **state) {
+    (void)state;
+    static const uint32_t widths[] = {1, 2, 3, 31, 63, 64, 65, 127, 128, 129, 150};
+    static const uint32_t percents[] = {10, 25, 31, 35, 45, 60, 90};
+    size_t inner = 0;
+    for (size_t w = 0; w < sizeof widths / sizeof *widths; w++) {
+        for (size_t p = 0; p < sizeof percents / sizeof *percents; p++) {
+            hs_volume volume;
+            make(&volume, widths[w], 1 + next_random() % 12, 1 + next_random() % 12);
+            const size_t count = hs_volume_count(&volume);
+            for (size_t i = 0; i < count; i++) volume.voxels[i] = next_random() % 100 < percents[p] ? 0 : 9;
+            uint8_t *expected = malloc(count);
+            assert_non_null(expected);
+            memcpy(expected, volume.voxels, count);
+            plain_flood(expected, (int)volume.nx, (int)volume.ny, (int)volume.nz);
+            mark(&volume);
+            assert_memory_equal(volume.voxels, expected, count);
+            inner += count_value(&volume, 1);
+            free(expected);
+            hs_volume_free(&volume);
+        }
+    }
+    assert_true(inner > 1000); /* the comparison met inner zeros, not border zeros alone */
+}
+
+/* A tunnel one voxel wide that runs to and fro through a slab of tissue, in at one end only. Cell i of it is
+ * returned by tunnel_cell; row r of 48 is joined to the next at alternating ends. */
+enum { TUNNEL_X = 130, TUNNEL_ROWS = 48 };
+
+static size_t carve_tunnel(hs_volume *volume) {
+    make(volume, TUNNEL_X, 2 * TUNNEL_ROWS + 1, 3);
+    memset(volume->voxels, 200, hs_volume_count(volume));
+    uint8_t *slice = volume->voxels + (size_t)volume->nx * volume->ny; /* the middle one */
+    size_t length = 0;
+    for (size_t r = 0; r < TUNNEL_ROWS; r++) {
+        for (size_t x = 1; x + 1 < TUNNEL_X; x++, length++) slice[(2 * r + 1) * TUNNEL_X + x] = 0;
+        if (r + 1 == TUNNEL_ROWS) break;
+        slice[(2 * r + 2) * TUNNEL_X + (r % 2 ? 1 : TUNNEL_X - 2)] = 0;
+        length++;
+    }
+    slice[TUNNEL_X] = 0; /* the mouth, on the border at x = 0 of the first row */
+    return length + 1;
+}
+
+static void a_winding_tunnel_is_followed_to_its_end(void **state) {
+    (void)state;
+    hs_volume volume;
+    const size_t length = carve_tunnel(&volume);
+    mark(&volume);
+    assert_int_equal(count_value(&volume, 0), length); /* all of it */
+    assert_int_equal(count_value(&volume, 1), 0);
+    hs_volume_free(&volume);
+
+    carve_tunnel(&volume);
+    volume.voxels[(size_t)volume.nx * volume.ny + TUNNEL_X + 10] =
+        200; /* plugged at x = 10 of the first row */
+    mark(&volume);
+    assert_int_equal(count_value(&volume, 0), 10); /* x = 0 .. 9 */
+    assert_int_equal(count_value(&volume, 1), length - 11);
+    hs_volume_free(&volume);
+}
+
+static void diagonal_neighbours_do_not_connect(void **state) {
+    (void)state;
+    hs_volume volume;
+    make(&volume, 4, 4, 4);
+    memset(volume.voxels, 50, 64);
+    volume.voxels[0] = 0;                  /* (0, 0, 0): the corner */
+    volume.voxels[1 * 16 + 1 * 4 + 1] = 0; /* (1, 1, 1): touches it by a corner only */
+    volume.voxels[1 * 16 + 1 * 4 + 0] = 0; /* (0, 1, 1): on the border, and beside (1, 1, 1) */
+    volume.voxels[2 * 16 + 2 * 4 + 2] = 0; /* (2, 2, 2): touches (1, 1, 1) by a corner only */
+    mark(&volume);
+    assert_int_equal(volume.voxels[0], 0);
+    assert_int_equal(volume.voxels[1 * 16 + 1 * 4 + 1], 0);
+    assert_int_equal(volume.voxels[2 * 16 + 2 * 4 + 2], 1);
+    assert_int_equal(count_value(&volume, 50), 60);
+    hs_volume_free(&volume);
+}
+
+static void extremes_keep_their_meaning(void **state) {
+    (void)state;
+    static const uint32_t sizes[][3] = {{1, 1, 1},  {70, 1, 1},  {1, 70, 1},
+                                        {1, 1, 70}, {70, 70, 1}, {9, 9, 9}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        hs_volume volume;
+        make(&volume, sizes[i][0], sizes[i][1], sizes[i][2]);
+        const size_t count = hs_volume_count(&volume);
+        mark(&volume); /* all zero: all of it touches the border */
+        assert_int_equal(count_value(&volume, 0), count);
+        hs_volume_mark_all_scanned(&volume);
+        assert_int_equal(count_value(&volume, 1), count);
+        mark(&volume); /* no zero: nothing changes */
+        assert_int_equal(count_value(&volume, 1), count);
+        hs_volume_free(&volume);
+    }
+}
+
+static void *mark_on_small_stack(void *volume) {
+    hs_error err = {0};
+    return hs_volume_mark_unscanned(volume, &err) ? volume : NULL;
+}
+
+/* 6.9 million connected zeros with 128 KB of stack: a recursive fill would need a frame for each. */
+static void the_fill_does_not_recurse(void **state) {
+    (void)state;
+    hs_volume volume;
+    make(&volume, 190, 190, 190);
+    pthread_attr_t attributes;
+    pthread_t thread;
+    void *done = NULL;
+    assert_int_equal(pthread_attr_init(&attributes), 0);
+    assert_int_equal(pthread_attr_setstacksize(&attributes, 128 * 1024), 0);
+    assert_int_equal(pthread_create(&thread, &attributes, mark_on_small_stack, &volume), 0);
+    assert_int_equal(pthread_join(thread, &done), 0);
+    (void)pthread_attr_destroy(&attributes);
+    assert_ptr_equal(done, &volume);
+    assert_int_equal(count_value(&volume, 0), 190 * 190 * 190);
+    hs_volume_free(&volume);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sizes_outside_the_limits_are_refused),
+        cmocka_unit_test(a_new_volume_is_zero_and_one_mm),
+        cmocka_unit_test(unscanned_equals_a_plain_flood),
+        cmocka_unit_test(a_winding_tunnel_is_followed_to_its_end),
+        cmocka_unit_test(diagonal_neighbours_do_not_connect),
+        cmocka_unit_test(extremes_keep_their_meaning),
+        cmocka_unit_test(the_fill_does_not_recurse),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,251 @@
+/*
+ * The header's rules on calls: every call in every state, NULL where something is needed, structs that are
+ * too short, ids and flags that nobody knows. A refused call says why, and changes nothing.
+ */
+#include "support/fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* ---- states
+ * ------------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    INACTIVE,
+    IDLE,     /* activated */
+    BEGUN,    /* no slab yet */
+    MIDWAY,   /* one slab of three */
+    COMPLETE, /* all slabs */
+    FINISHED, /* end succeeded */
+    FAILED,   /* a slab was refused */
+    STATES
+} phase;
+static const char *const phase_names[] = {"inactive", "idle",     "begun", "midway",
+                                          "complete", "finished", "failed"};
+
+typedef enum { ACTIVATE, BEGIN, SLAB, END, ADJUST, ENABLE, STAGE_TIMES, CALLS } call;
+static const char *const call_names[] = {"activate", "begin",  "slab",       "end",
+                                         "adjust",   "enable", "stage_times"};
+
+/* What each call returns in each state. The slab is the first one: too late in midway and complete. */
+static const sv_status expected[STATES][CALLS] = {
+    /*              activate      begin         slab          end            adjust        enable stage_times
+     */
+    [INACTIVE] = {SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE},
+    [IDLE] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
+    [BEGUN] = {SV_ERR_STATE, SV_OK, SV_OK, SV_ERR_SLAB_MISSING, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
+    [MIDWAY] = {SV_ERR_STATE, SV_OK, SV_ERR_SLAB_ORDER, SV_ERR_SLAB_MISSING, SV_ERR_STATE, SV_OK,
+                SV_ERR_STATE},
+    [COMPLETE] = {SV_ERR_STATE, SV_OK, SV_ERR_SLAB_ORDER, SV_OK, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
+    [FINISHED] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_OK, SV_ERR_STATE},
+    [FAILED] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
+};
+
+/* Brings an instance into a state by correct calls (and one wrong slab for FAILED). */
+static void enter(fixture *f, phase p) {
+    if (p == INACTIVE) return;
+    assert_int_equal(fixture_activate(f), SV_OK);
+    if (p == IDLE) return;
+    assert_int_equal(fixture_begin(f), SV_OK);
+    if (p == BEGUN) return;
+    if (p == FAILED) {
+        assert_int_equal(fixture_slab(f, 1), SV_ERR_SLAB_ORDER);
+        return;
+    }
+    const uint32_t slabs = p == MIDWAY ? 1 : FIXTURE_SLABS;
+    for (uint32_t n = 0; n < slabs; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
+    if (p == FINISHED) assert_int_equal(fixture_end(f), SV_OK);
+}
+
+static sv_status make_call(fixture *f, call c) {
+    const sv_plugin *p = f->r.plugin;
+    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    const sv_result result = fixture_result(f);
+    sv_stage_times times = {.size = sizeof times};
+    switch (c) {
+    case ACTIVATE:
+        return fixture_activate(f);
+    case BEGIN:
+        return fixture_begin(f);
+    case SLAB:
+        return fixture_slab(f, 0);
+    case END:
+        return fixture_end(f);
+    case ADJUST:
+        return p->adjust(p, NULL, 0, &result);
+    case ENABLE:
+        return stats->enable(p, 0);
+    default:
+        return stats->stage_times(p, &times);
+    }
+}
+
+static void every_call_in_every_state(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    for (phase in = INACTIVE; in < STATES; in++)
+        for (call c = ACTIVATE; c < CALLS; c++) {
+            enter(f, in);
+            const sv_status status = make_call(f, c);
+            if (status != expected[in][c])
+                fail_msg("%s when %s: status %d, expected %d", call_names[c], phase_names[in], status,
+                         expected[in][c]);
+            const char *reason = p->last_error(p);
+            if ((status < 0) != (reason[0] != '\0')) fail_msg("status %d, last_error '%s'", status, reason);
+            if (status == SV_ERR_STATE) {
+                assert_string_equal(f->r.last_log, reason);
+                assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
+            }
+            assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+            if (in == INACTIVE && c != ACTIVATE) continue;
+            fixture_frame_is_good(f); /* whatever happened, a frame still works */
+            p->deactivate(p);
+        }
+}
+
+/* A call in the wrong state leaves the frame under way as it is. */
+static void a_refused_call_changes_nothing(void **state) {
+    fixture *f = *state;
+    assert_int_equal(fixture_begin(f), SV_OK);
+    for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
+        fixture_refused(f, make_call(f, ACTIVATE), SV_ERR_STATE, "activate: already active");
+        assert_int_equal(make_call(f, ADJUST), SV_ERR_STATE);
+        assert_int_equal(fixture_slab(f, n), SV_OK);
+    }
+    assert_int_equal(fixture_end(f), SV_OK);
+    assert_memory_equal(f->out.depth, f->good.depth, FIXTURE_RAYS * sizeof(float));
+    /* A refused adjust leaves the finished frame finished. */
+    fixture_refused(f, f->r.plugin->adjust(f->r.plugin, NULL, 0, NULL), SV_ERR_ARGUMENT, "result is NULL");
+    const sv_param_value wrong = {rig_param(&f->r, "q"), 0, 9.0};
+    const sv_result result = fixture_result(f);
+    fixture_refused(f, f->r.plugin->adjust(f->r.plugin, &wrong, 1, &result), SV_ERR_PARAM_RANGE, "q is 9");
+    assert_int_equal(make_call(f, ADJUST), SV_OK);
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+    assert_memory_equal(f->out.depth, f->good.depth, FIXTURE_RAYS * sizeof(float));
+}
+
+static void deactivate_when_inactive(void **state) {
+    fixture *f = *state;
+    const unsigned lines = f->r.log_lines;
+    f->r.plugin->deactivate(f->r.plugin);
+    assert_int_equal(f->r.log_lines, lines + 1);
+    fixture_refused(f, SV_ERR_STATE, SV_ERR_STATE, "deactivate: not active");
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+    f->r.plugin->deactivate(f->r.plugin);
+    assert_string_equal(f->r.plugin->last_error(f->r.plugin), "");
+}
+
+/* ---- NULL
+ * ---------------------------------------------------------------------------------------------------- */
+
+static void null_arguments(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    const sv_entry *entry = f->r.entry;
+    const sv_plugin *out = p;
+    assert_int_equal(entry->create(NULL, entry->descriptor(0)->id, &out), SV_ERR_ARGUMENT);
+    assert_null(out);
+    assert_int_equal(entry->create(&f->r.host, NULL, &out), SV_ERR_ARGUMENT);
+    assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, NULL), SV_ERR_ARGUMENT);
+    fixture_refused(f, p->activate(p, NULL), SV_ERR_ARGUMENT, "format is NULL");
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_refused(f, p->begin(p, NULL), SV_ERR_ARGUMENT, "frame is NULL");
+    const sv_frame no_values = {.size = sizeof no_values, .value_count = 3};
+    fixture_refused(f, p->begin(p, &no_values), SV_ERR_ARGUMENT, "values is NULL, value_count is 3");
+    assert_int_equal(fixture_begin(f), SV_OK);
+    fixture_refused(f, p->slab(p, NULL), SV_ERR_ARGUMENT, "slab is NULL");
+    assert_int_equal(fixture_begin(f), SV_OK);
+    assert_int_equal(fixture_slabs(f), SV_OK);
+    fixture_refused(f, p->end(p, NULL), SV_ERR_ARGUMENT, "result is NULL");
+    fixture_keep_reason(f);
+    fixture_refused_anywhere(f, p->param_info(p, 0, NULL), SV_ERR_ARGUMENT, "out is NULL");
+    fixture_keep_reason(f);
+    fixture_refused_anywhere(f, p->param_text(p, 1, 0.0, NULL, 10), SV_ERR_ARGUMENT, "no room");
+    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    fixture_refused(f, stats->stage_times(p, NULL), SV_ERR_ARGUMENT, "out is NULL");
+    assert_null(p->get_extension(p, NULL));
+    fixture_frame_is_good(f);
+    p->destroy(NULL);
+}
+
+/* A host without log, and one without extensions, are served. */
+static void a_host_without_services(void **state) {
+    fixture *f = *state;
+    f->r.host.log = NULL;
+    f->r.host.get_extension = NULL;
+    assert_int_equal(f->r.plugin->activate(f->r.plugin, NULL), SV_ERR_ARGUMENT);
+    assert_string_equal(f->r.plugin->last_error(f->r.plugin), "activate: format is NULL");
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
+/* ---- sizes, ids, flags
+ * ----------------------------------------------------------------------------------------- */
+
+static void structs_too_short(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    char text[64];
+    static const uint32_t cut[] = {0, 1, 4, 8};
+    for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
+        sv_frame frame = {.size = cut[i]};
+        (void)snprintf(text, sizeof text, "size is %u", cut[i]);
+        fixture_refused(f, p->begin(p, &frame), SV_ERR_SIZE, text);
+        assert_int_equal(fixture_begin(f), SV_OK);
+        sv_slab slab = rig_slab(f->textures, 0);
+        slab.size = cut[i];
+        fixture_refused(f, p->slab(p, &slab), SV_ERR_SIZE, text);
+        assert_int_equal(fixture_begin(f), SV_OK);
+        assert_int_equal(fixture_slabs(f), SV_OK);
+        sv_result result = fixture_result(f);
+        result.size = cut[i];
+        fixture_refused(f, p->end(p, &result), SV_ERR_SIZE, text);
+        sv_param_info info = {.size = cut[i]};
+        fixture_keep_reason(f);
+        fixture_refused_anywhere(f, p->param_info(p, 0, &info), SV_ERR_SIZE, text);
+        sv_stage_times times = {.size = cut[i]};
+        fixture_refused(f, stats->stage_times(p, &times), SV_ERR_SIZE, text);
+    }
+    p->deactivate(p);
+    sv_format format = f->textures->format;
+    format.size = sizeof format - 1;
+    fixture_refused(f, p->activate(p, &format), SV_ERR_SIZE, "size is ");
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
+static void unknown_ids_and_flags(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin, *out = p;
+    const sv_entry *entry = f->r.entry;
+    char id[128];
+    (void)snprintf(id, sizeof id, "%s.more", entry->descriptor(0)->id);
+    fixture_refused(f, entry->create(&f->r.host, id, &out), SV_ERR_UNKNOWN_ID, "");
+    assert_non_null(strstr(f->r.last_log, id));
+    assert_null(out);
+    assert_int_equal(entry->create(&f->r.host, "", &out), SV_ERR_UNKNOWN_ID);
+    assert_null(entry->descriptor(entry->count));
+    assert_null(p->get_extension(p, "smartvis.stats/2"));
+    assert_null(p->get_extension(p, "smartvis.stats/1 "));
+    assert_null(p->get_extension(p, ""));
+    const sv_frame frame = {.size = sizeof frame, .flags = 0x80000000u};
+    fixture_refused(f, p->begin(p, &frame), SV_ERR_ARGUMENT, "flags is 0x80000000");
+    fixture_frame_is_good(f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        FIXTURE_TEST(every_call_in_every_state),    FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing),
+        FIXTURE_TEST(deactivate_when_inactive),     FIXTURE_TEST(null_arguments),
+        FIXTURE_TEST(a_host_without_services),      FIXTURE_TEST_ACTIVE(structs_too_short),
+        FIXTURE_TEST_ACTIVE(unknown_ids_and_flags),
+    };
+    return cmocka_run_group_tests_name("contract", tests, NULL, NULL);
+}

@@ -1,0 +1,211 @@
+/*
+ * The frame path makes nothing, compiles nothing, waits for nothing and allocates nothing: begin, slab, end
+ * and adjust in every work layout and with every carrier, seen through interposed OpenCL calls and an
+ * interposed heap. With the plugin's own queue, end and adjust wait exactly once.
+ */
+#include "spy/cl_spy.h"
+#include "spy/heap_spy.h"
+#include "support/fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+static void watch(const fixture *f) {
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+}
+
+static void forget(void) {
+    spy_reset();
+    heap_spy_reset();
+}
+
+/* Since the last forget: no creation, no build, no blocking read or write, no allocation; `waits` calls of
+ * clFinish, at least `enqueues` commands. */
+static void assert_quiet(const char *call, uint32_t waits, uint32_t enqueues) {
+    const struct {
+        const char *what;
+        uint32_t count, expected;
+    } list[] = {{"clCreate...", spy_count(SPY_CREATE), 0},   {"clBuildProgram", spy_count(SPY_BUILD), 0},
+                {"clRelease...", spy_count(SPY_RELEASE), 0}, {"clFinish", spy_count(SPY_WAIT), waits},
+                {"blocking transfers", spy_blocking(), 0},   {"allocations", heap_spy_count(), 0}};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+        if (list[i].count != list[i].expected)
+            fail_msg("%s: %s: %u, expected %u", call, list[i].what, list[i].count, list[i].expected);
+    if (spy_count(SPY_ENQUEUE) < enqueues) fail_msg("%s: %u commands", call, spy_count(SPY_ENQUEUE));
+    forget();
+}
+
+static const rig_format ways[] = {{.carrier = SV_CARRIER_HOST},
+                                  {.carrier = SV_CARRIER_HOST, .in_place = true},
+                                  {.carrier = SV_CARRIER_BUFFER},
+                                  {.carrier = SV_CARRIER_IMAGE},
+                                  {.own_queue = true},
+                                  {.own_queue = true, .in_place = true}};
+
+/* A frame and three turns of the knob; results as `result` says. */
+static void quiet_frame(fixture *f, const sv_result *result) {
+    const sv_plugin *p = f->r.plugin;
+    const uint32_t waits = f->how.own_queue ? 1 : 0;
+    const sv_param_value values[] = {{rig_param(&f->r, "q"), 0, 0.5}, {rig_param(&f->r, "kernel"), 0, 3}};
+    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = 2};
+    forget();
+    assert_int_equal(p->begin(p, &frame), SV_OK);
+    assert_quiet("begin", 0, 0);
+    for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
+        assert_int_equal(fixture_slab(f, n), SV_OK);
+        assert_quiet("slab", 0, 1);
+    }
+    assert_int_equal(p->end(p, result), SV_OK);
+    assert_quiet("end", waits, 2);
+    for (int n = 0; n < 3; n++) {
+        assert_int_equal(p->adjust(p, values, 1, result), SV_OK);
+        assert_quiet("adjust", waits, 1);
+    }
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+}
+
+static void frames_are_quiet(void **state) {
+    fixture *f = *state;
+    watch(f);
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = clCreateBuffer(f->r.context, CL_MEM_READ_WRITE, FIXTURE_RAYS * 4, NULL, &code);
+    float *wide = malloc(FIXTURE_HEIGHT * 256);
+    assert_true(code == CL_SUCCESS && wide);
+    for (uint32_t n = 0; n < sizeof ways / sizeof *ways; n++)
+        for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+            rig_format how = ways[n];
+            how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
+            how.fixed_count = 1;
+            fixture_change(f, how);
+            assert_int_equal(fixture_activate(f), SV_OK);
+            sv_result result = fixture_result(f);
+            quiet_frame(f, &result);
+            result.depth = wide;
+            result.depth_pitch = 256;
+            result.stats = NULL;
+            quiet_frame(f, &result);
+            result = (sv_result){.size = sizeof result, .depth_object = buffer};
+            if (!how.own_queue) quiet_frame(f, &result);
+            fixture_frame_is_good(f);
+            f->r.plugin->deactivate(f->r.plugin);
+            assert_int_equal(spy_live(), 0);
+        }
+    free(wide);
+    assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
+}
+
+/* An error on the frame path is no occasion to allocate either. With its own queue the plugin waits then, so
+ * that the host has its slabs and maps back. */
+static void refusals_are_quiet(void **state) {
+    fixture *f = *state;
+    watch(f);
+    for (uint32_t n = 0; n < sizeof ways / sizeof *ways; n++) {
+        fixture_change(f, ways[n]);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        const uint32_t waits = f->how.own_queue ? 1 : 0;
+        for (uint32_t slabs = 0; slabs <= FIXTURE_SLABS; slabs++) {
+            forget();
+            assert_int_equal(fixture_begin(f), SV_OK);
+            for (uint32_t i = 0; i < slabs; i++) assert_int_equal(fixture_slab(f, i), SV_OK);
+            forget();
+            assert_int_equal(fixture_slab(f, (slabs + 1) % FIXTURE_SLABS), SV_ERR_SLAB_ORDER);
+            assert_quiet("refused slab", waits, 0);
+            if (waits) assert_false(spy_pending());
+        }
+        f->r.plugin->deactivate(f->r.plugin);
+    }
+}
+
+/* With timing on, events are kept and released in begin; nothing else changes. */
+static void timed_frames(void **state) {
+    fixture *f = *state;
+    watch(f);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    const sv_ext_stats *stats = f->r.plugin->get_extension(f->r.plugin, SV_EXT_STATS);
+    assert_int_equal(stats->enable(f->r.plugin, 1), SV_OK);
+    for (int n = 0; n < 3; n++) {
+        forget();
+        fixture_frame_is_good(f);
+        assert_int_equal(spy_count(SPY_CREATE) + spy_count(SPY_BUILD) + spy_count(SPY_WAIT) + spy_blocking(),
+                         0);
+        assert_int_equal(heap_spy_count(), 0);
+        sv_stage_times times = {.size = sizeof times};
+        assert_int_equal(stats->stage_times(f->r.plugin, &times), SV_OK);
+        assert_true(times.profile_ms > 0.0 && times.reconstruct_ms > 0.0 && times.output_ms > 0.0);
+    }
+    f->r.plugin->deactivate(f->r.plugin);
+    assert_int_equal(spy_live(), 0);
+}
+
+/* ---- the spy itself: a spy that sees nothing would pass every test above
+ * ---------------------------------------- */
+
+static void the_spy_sees_activation(void **state) {
+    fixture *f = *state;
+    assert_string_equal(spy_unknown_import(f->r.library) ? spy_unknown_import(f->r.library) : "", "");
+    watch(f);
+    fixture_change(f, (rig_format){.own_queue = true});
+    assert_int_equal(fixture_activate(f), SV_OK);
+    /* context, queue, program, 14 kernels or more, a dozen buffers, twice for the self-test */
+    assert_true(spy_count(SPY_CREATE) > 30);
+    assert_int_equal(spy_count(SPY_BUILD), 1);
+    assert_true(spy_count(SPY_WAIT) > 1);
+    assert_true(spy_count(SPY_ENQUEUE) > 20);
+    assert_true(spy_count(SPY_RELEASE) > 10); /* the self-test's buffers */
+    assert_true(spy_live() > 20);
+    if (heap_spy_works()) assert_true(heap_spy_count() >= 2 && heap_spy_live() >= 1);
+    f->r.plugin->deactivate(f->r.plugin);
+    assert_int_equal(spy_live(), 0);
+    if (heap_spy_works()) assert_int_equal(heap_spy_live(), 0);
+    if (!heap_spy_works())
+        print_message("AddressSanitizer owns the heap: allocations are not counted here\n");
+}
+
+/* Calls of this program count once it watches itself. */
+static void the_spy_sees_blocking_calls(void **state) {
+    fixture *f = *state;
+    spy_watch((const void *)&ways);
+    heap_spy_watch((const void *)&ways);
+    cl_int code = CL_SUCCESS;
+    uint8_t byte = 7;
+    cl_mem buffer = clCreateBuffer(f->r.context, CL_MEM_READ_WRITE, 1, NULL, &code);
+    assert_int_equal(clEnqueueWriteBuffer(f->r.queue, buffer, CL_TRUE, 0, 1, &byte, 0, NULL, NULL),
+                     CL_SUCCESS);
+    assert_int_equal(clEnqueueReadBuffer(f->r.queue, buffer, CL_FALSE, 0, 1, &byte, 0, NULL, NULL),
+                     CL_SUCCESS);
+    assert_int_equal(spy_blocking(), 1);
+    assert_int_equal(spy_count(SPY_ENQUEUE), 2);
+    assert_true(spy_pending());
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+    assert_false(spy_pending());
+    assert_int_equal(spy_live(), 1);
+    spy_fail(2, CL_OUT_OF_RESOURCES);
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+    assert_null(spy_failed());
+    assert_int_equal(clFinish(f->r.queue), CL_OUT_OF_RESOURCES);
+    assert_string_equal(spy_failed(), "clFinish");
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+    assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
+    assert_int_equal(spy_live(), 0);
+    void *volatile block = malloc(10);
+    if (heap_spy_works()) assert_int_equal(heap_spy_live(), 1);
+    free(block);
+    assert_int_equal(heap_spy_live(), 0);
+    spy_watch(NULL);
+    heap_spy_watch(NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        FIXTURE_TEST(the_spy_sees_activation),
+        FIXTURE_TEST(the_spy_sees_blocking_calls),
+        FIXTURE_TEST(frames_are_quiet),
+        FIXTURE_TEST(refusals_are_quiet),
+        FIXTURE_TEST(timed_frames),
+    };
+    return cmocka_run_group_tests_name("frame path", tests, NULL, NULL);
+}

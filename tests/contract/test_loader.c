@@ -1,0 +1,205 @@
+/* The plugin loader: what it accepts, and what it says about everything else. */
+#include "hs_plugin.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* "<build>/tests/plugins/<name>" */
+static const char *plugin_path(const char *name) {
+    static char path[1024];
+    const char *build = getenv("SV_BUILD_DIR");
+    if (!build) fail_msg("SV_BUILD_DIR is not set: run this with ctest");
+    (void)snprintf(path, sizeof path, "%s/tests/plugins/%s", build, name);
+    return path;
+}
+
+/* Opens what must fail, and checks code and words of the message. */
+static void expect_failure(const char *path, const char *id, const char *const *words) {
+    hs_plugin plugin;
+    hs_error err = {0};
+    assert_false(hs_plugin_open(&plugin, path, id, SV_LOG_ERROR, &err));
+    assert_int_equal(err.code, HS_ERR_PLUGIN);
+    assert_null(plugin.library);
+    assert_null(plugin.instance);
+    for (; *words; words++)
+        if (!strstr(err.text, *words)) fail_msg("'%s' does not say '%s'", err.text, *words);
+}
+
+static void loads_a_good_plugin_again_and_again(void **state) {
+    (void)state;
+    for (int i = 0; i < 20; i++) {
+        hs_plugin plugin;
+        hs_error err = {0};
+        if (!hs_plugin_open(&plugin, plugin_path("plane.so"), NULL, SV_LOG_ERROR, &err))
+            fail_msg("%s", err.text);
+        assert_string_equal(plugin.instance->descriptor->id, "org.smartvis.test.plane");
+        assert_int_equal(plugin.entry->abi_major, SV_ABI_MAJOR);
+        assert_ptr_equal(plugin.host.host_data, &plugin);
+        hs_plugin_close(&plugin);
+    }
+}
+
+static void a_given_id_is_found_or_answered_with_those_there_are(void **state) {
+    (void)state;
+    hs_plugin plugin;
+    hs_error err = {0};
+    assert_true(
+        hs_plugin_open(&plugin, plugin_path("plane.so"), "org.smartvis.test.plane", SV_LOG_ERROR, &err));
+    hs_plugin_close(&plugin);
+    expect_failure(plugin_path("plane.so"), "org.smartvis.test.plan",
+                   (const char *const[]){"plane.so", "org.smartvis.test.plan'",
+                                         "there are: org.smartvis.test.plane)", NULL});
+}
+
+static void files_that_are_no_plugin_are_named(void **state) {
+    (void)state;
+    expect_failure("/no/such/folder/x.so", NULL,
+                   (const char *const[]){"/no/such/folder/x.so", "No such file", NULL});
+    expect_failure("/tmp", NULL, (const char *const[]){"/tmp: not a file", NULL});
+    expect_failure("", NULL, (const char *const[]){"No such file", NULL});
+    expect_failure(plugin_path("no_symbol.so"), NULL,
+                   (const char *const[]){"no_symbol.so", SV_ENTRY_SYMBOL, NULL});
+}
+
+static void a_text_file_is_not_loadable(void **state) {
+    (void)state;
+    char path[] = "/tmp/test_loader_XXXXXX";
+    const int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(write(file, "not a library\n", 14), 14);
+    close(file);
+    expect_failure(path, NULL, (const char *const[]){path, "not a loadable library", NULL});
+    unlink(path);
+}
+
+static void entries_that_break_the_abi_are_refused(void **state) {
+    (void)state;
+    expect_failure(plugin_path("other_major.so"), NULL,
+                   (const char *const[]){"other_major.so", "ABI major 2", "this host speaks 1", NULL});
+    expect_failure(plugin_path("short_entry.so"), NULL,
+                   (const char *const[]){"short_entry.so", "entry.size is 16", NULL});
+    expect_failure(plugin_path("create_fails.so"), NULL,
+                   (const char *const[]){"create_fails.so", "create", "SV_ERR_NO_MEMORY (-40)", NULL});
+    expect_failure(plugin_path("no_slab.so"), NULL,
+                   (const char *const[]){"no_slab.so", "instance.slab is NULL", NULL});
+}
+
+/* ------------------------------------------------------------------------------------- parameters -- */
+
+static int open_plane(void **state) {
+    static hs_plugin plugin;
+    hs_error err = {0};
+    *state = &plugin;
+    return hs_plugin_open(&plugin, plugin_path("plane.so"), NULL, SV_LOG_ERROR, &err) ? 0 : -1;
+}
+
+static int close_plane(void **state) {
+    hs_plugin_close(*state);
+    return 0;
+}
+
+static void parameters_are_found_by_key(void **state) {
+    const hs_plugin *plugin = *state;
+    sv_param_info info;
+    assert_true(hs_plugin_find_param(plugin, "depth", &info));
+    assert_string_equal(info.unit, "slices");
+    assert_true(info.flags & SV_PARAM_PRIMARY);
+    assert_false(hs_plugin_find_param(plugin, "depthx", &info));
+    assert_false(hs_plugin_find_param(plugin, "", &info));
+}
+
+static void values_of_every_type_are_read(void **state) {
+    const hs_plugin *plugin = *state;
+    static const struct {
+        const char *text;
+        uint32_t id;
+        double value;
+    } good[] = {{"depth=-2.5", 1, -2.5}, {"depth=1e4", 1, 1e4}, {"shape=flat", 2, 0}, {"shape=tilted", 2, 1},
+                {"fail=end", 3, 4},      {"every=63", 4, 63},   {"every=1", 4, 1},    {"note=true", 5, 1},
+                {"note=false", 5, 0},    {"note=1", 5, 1}};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        sv_param_value value;
+        hs_error err = {0};
+        if (!hs_plugin_parse_param(plugin, good[i].text, &value, &err))
+            fail_msg("%s: %s", good[i].text, err.text);
+        assert_int_equal(value.id, good[i].id);
+        assert_int_equal(value.reserved, 0);
+        assert_true(value.value == good[i].value);
+    }
+}
+
+static void wrong_values_are_refused_with_what_is_allowed(void **state) {
+    const hs_plugin *plugin = *state;
+    static const struct {
+        const char *text, *says;
+    } bad[] = {{"depth", "expected key=value"},
+               {"=3", "expected key=value"},
+               {"depht=3", "there are: depth, shape, fail, every, note"},
+               {"depth=", "depth: '' is not a number"},
+               {"depth=3x", "'3x' is not a number"},
+               {"depth=nan", "'nan' is not a number"},
+               {"depth=inf", "'inf' is not a number"},
+               {"depth=10001", "10001 is outside -10000 .. 10000"},
+               {"every=0", "0 is outside 1 .. 63"},
+               {"every=4", "4 is not 1 plus a multiple of 2"},
+               {"every=2.5", "2.5 is not 1 plus a multiple of 2"},
+               {"shape=round", "'round' is not one of flat, tilted"},
+               {"note=maybe", "'maybe' is not a number"},
+               {"note=2", "2 is outside 0 .. 1"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        sv_param_value value;
+        hs_error err = {0};
+        assert_false(hs_plugin_parse_param(plugin, bad[i].text, &value, &err));
+        assert_int_equal(err.code, HS_ERR_USAGE);
+        if (!strstr(err.text, bad[i].says))
+            fail_msg("%s: '%s' does not say '%s'", bad[i].text, err.text, bad[i].says);
+    }
+}
+
+static void a_failed_call_is_told_with_path_call_status_and_reason(void **state) {
+    const hs_plugin *plugin = *state;
+    const sv_plugin *p = plugin->instance;
+    sv_result result = {.size = sizeof result};
+    hs_error err = {0};
+    assert_true(hs_plugin_check(plugin, SV_OK, "end", &err));
+    assert_true(hs_plugin_check(plugin, SV_NO_SURFACE, "end", &err));
+    assert_int_equal(err.code, HS_OK);
+    assert_false(hs_plugin_check(plugin, p->adjust(p, NULL, 0, &result), "adjust", &err));
+    assert_int_equal(err.code, HS_ERR_PLUGIN);
+    assert_non_null(
+        strstr(err.text, "plane.so: adjust: SV_ERR_PARAM_ID (-13): no parameter can be adjusted"));
+}
+
+static void every_status_has_its_name(void **state) {
+    (void)state;
+    assert_string_equal(hs_status_name(SV_OK), "SV_OK");
+    assert_string_equal(hs_status_name(SV_PARTIAL), "SV_PARTIAL");
+    assert_string_equal(hs_status_name(SV_ERR_SLAB_ORDER), "SV_ERR_SLAB_ORDER");
+    assert_string_equal(hs_status_name(SV_ERR_NO_MEMORY), "SV_ERR_NO_MEMORY");
+    assert_string_equal(hs_status_name(-999), "unknown status");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loads_a_good_plugin_again_and_again),
+        cmocka_unit_test(a_given_id_is_found_or_answered_with_those_there_are),
+        cmocka_unit_test(files_that_are_no_plugin_are_named),
+        cmocka_unit_test(a_text_file_is_not_loadable),
+        cmocka_unit_test(entries_that_break_the_abi_are_refused),
+        cmocka_unit_test_setup_teardown(parameters_are_found_by_key, open_plane, close_plane),
+        cmocka_unit_test_setup_teardown(values_of_every_type_are_read, open_plane, close_plane),
+        cmocka_unit_test_setup_teardown(wrong_values_are_refused_with_what_is_allowed, open_plane,
+                                        close_plane),
+        cmocka_unit_test_setup_teardown(a_failed_call_is_told_with_path_call_status_and_reason, open_plane,
+                                        close_plane),
+        cmocka_unit_test(every_status_has_its_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

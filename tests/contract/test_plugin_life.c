@@ -1,0 +1,256 @@
+/*
+ * Lives of instances: frames repeated, dropped, interleaved; activated a hundred times; destroyed while
+ * active; on a machine without a device; with kernels that do not build.
+ */
+#include "support/fixture.h"
+
+#include <malloc.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static void the_same_frame_twice(void **state) {
+    fixture *f = *state;
+    for (int n = 0; n < 20; n++) {
+        const sv_stats before = f->out.stats;
+        fixture_frame_is_good(f);
+        if (n > 0) assert_memory_equal(&before, &f->out.stats, sizeof before);
+    }
+}
+
+/* begin drops a frame under way, however far it got, and nothing of it shows in the next. */
+static void begin_drops_a_frame(void **state) {
+    fixture *f = *state;
+    uint8_t *other = rig_volume(RIG_EXTREMES, FIXTURE_WIDTH, FIXTURE_HEIGHT, FIXTURE_SLICES, 77);
+    rig_textures *noise = rig_textures_make(&f->r, &f->how, other);
+    for (uint32_t slabs = 0; slabs <= FIXTURE_SLABS; slabs++) {
+        assert_int_equal(fixture_begin(f), SV_OK);
+        for (uint32_t n = 0; n < slabs; n++) {
+            const sv_slab slab = rig_slab(noise, n);
+            assert_int_equal(f->r.plugin->slab(f->r.plugin, &slab), SV_OK);
+        }
+        fixture_frame_is_good(f);
+    }
+    rig_textures_free(noise);
+    free(other);
+}
+
+/* Two instances of different formats on one queue, call by call in turn. */
+static void two_instances_interleaved(void **state) {
+    fixture *a = *state;
+    void *second = NULL;
+    assert_int_equal(fixture_setup(&second), 0);
+    fixture *b = second;
+    fixture_change(b, (rig_format){.tiles_x = 2, .extra_w = 3});
+    b->textures->format.context = a->r.context;
+    b->textures->format.device = a->r.device;
+    b->textures->format.queue = a->r.queue;
+    assert_int_equal(fixture_activate(b), SV_OK);
+    for (int n = 0; n < 5; n++) {
+        memset(a->out.depth, 0, FIXTURE_RAYS * sizeof(float));
+        memset(b->out.depth, 0, FIXTURE_RAYS * sizeof(float));
+        assert_int_equal(fixture_begin(a), SV_OK);
+        assert_int_equal(fixture_begin(b), SV_OK);
+        for (uint32_t i = 0; i < FIXTURE_SLABS; i++) {
+            assert_int_equal(fixture_slab(a, i), SV_OK);
+            if (n == 3 && i == 1) continue; /* b fails: no business of a's */
+            assert_int_equal(fixture_slab(b, i), n == 3 && i == 2 ? SV_ERR_SLAB_ORDER : SV_OK);
+        }
+        assert_int_equal(fixture_end(b), n == 3 ? SV_ERR_STATE : SV_OK);
+        assert_string_equal(a->r.plugin->last_error(a->r.plugin), "");
+        assert_int_equal(fixture_end(a), SV_OK);
+        assert_int_equal(clFinish(a->r.queue), CL_SUCCESS);
+        assert_memory_equal(a->out.depth, a->good.depth, FIXTURE_RAYS * sizeof(float));
+        if (n != 3) assert_memory_equal(b->out.depth, b->good.depth, FIXTURE_RAYS * sizeof(float));
+    }
+    b->r.plugin->deactivate(b->r.plugin);
+    fixture_frame_is_good(a);
+    assert_int_equal(fixture_teardown(&second), 0);
+}
+
+static size_t heap_in_use(void) {
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+/* After a warm-up the heap must not grow by as much as one activation holds: its timing events alone are 2
+ * KiB, its objects in OpenCL far more. (Under the sanitizers their leak check says the same of every byte.)
+ */
+static void a_hundred_activations(void **state) {
+    fixture *f = *state;
+    enum { WARM = 10, TIMES = 100 };
+    size_t warm = 0;
+    for (int n = 0; n < TIMES; n++) {
+        if (n == WARM) warm = heap_in_use();
+        assert_int_equal(fixture_activate(f), SV_OK);
+        if (n % 10 == 0) fixture_frame_is_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+    }
+    const size_t now = heap_in_use();
+    const double per_activation = now > warm ? (double)(now - warm) / (TIMES - WARM) : 0.0;
+    print_message("heap growth per activation: %.0f bytes\n", per_activation);
+    if (!getenv("SV_SANITIZE")) assert_true(per_activation < 64 * 1024);
+    fixture_frame_is_good((assert_int_equal(fixture_activate(f), SV_OK), f));
+}
+
+static void destroyed_while_active(void **state) {
+    fixture *f = *state;
+    const sv_plugin *other = NULL;
+    assert_int_equal(f->r.entry->create(&f->r.host, f->r.entry->descriptor(0)->id, &other), SV_OK);
+    assert_int_equal(other->activate(other, &f->textures->format), SV_OK);
+    const sv_frame frame = {.size = sizeof frame};
+    assert_int_equal(other->begin(other, &frame), SV_OK);
+    const sv_slab slab = rig_slab(f->textures, 0);
+    assert_int_equal(other->slab(other, &slab), SV_OK);
+    other->destroy(other);
+    assert_string_equal(f->r.last_log, "destroy: still active, deactivating");
+    assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
+    fixture_frame_is_good(f);
+}
+
+/* Formats one after the other in one instance: nothing of the larger one is left in the smaller one's maps.
+ */
+static void another_format_after_another(void **state) {
+    fixture *f = *state;
+    static const rig_format ways[] = {{.tiles_x = 1},
+                                      {.carrier = SV_CARRIER_IMAGE},
+                                      {.own_queue = true},
+                                      {.carrier = SV_CARRIER_BUFFER, .extra_h = 2},
+                                      {.in_place = true}};
+    for (size_t n = 0; n < sizeof ways / sizeof *ways; n++) {
+        uint8_t *volume = rig_volume(RIG_LAYERS, 90, 50, 12, 3);
+        const rig_format large = {.width = 90, .height = 50, .slices = 12, .padding = 0};
+        rig_result out = rig_result_make(90, 50);
+        assert_true(rig_run(&f->r, &large, volume, NULL, 0, &out) >= 0);
+        rig_result_free(&out);
+        free(volume);
+        fixture_change(f, ways[n]);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_frame_is_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+    }
+}
+
+/* ---- no device, no kernels
+ * --------------------------------------------------------------------------------------- */
+
+static const char *self; /* this program's path */
+
+/* Own-queue activation in a child in which no OpenCL driver is installed. Exit code 0: refused as it should
+ * be. */
+static int child_without_device(void) {
+    rig r;
+    rig_open_library(&r, NULL);
+    const sv_plugin *p = r.plugin; /* create makes no OpenCL call: it works */
+    sv_param_info info = {.size = sizeof info};
+    if (p->param_count(p) == 0 || p->param_info(p, 0, &info) != SV_OK) return 3;
+    const rig_format how = {
+        .width = 8, .height = 8, .slices = 4, .padding = SV_NO_PADDING, .own_queue = true};
+    uint8_t volume[8 * 8 * 4] = {0};
+    rig_textures *t = rig_textures_make(&r, &how, volume);
+    int code = 0;
+    for (int n = 0; n < 2 && code == 0; n++) {
+        if (p->activate(p, &t->format) != SV_ERR_NO_DEVICE) code = 4;
+        const char *reason = p->last_error(p);
+        if (!strstr(reason, "no OpenCL device") || !strstr(reason, "Install a driver")) code = 5;
+        if (strcmp(reason, r.last_log) != 0) code = 6;
+        if (r.last_severity != SV_LOG_ERROR) code = 7;
+    }
+    if (code) (void)fprintf(stderr, "%s\n", p->last_error(p));
+    rig_textures_free(t);
+    rig_close_library(&r);
+    return code;
+}
+
+/* Runs `call` of this program anew with an environment variable set, and returns its exit code. */
+static int run_child(const char *call, const char *variable, const char *value) {
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        if (setenv(variable, value, 1) == 0) (void)execl(self, self, call, (char *)NULL);
+        _exit(99);
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+static void no_device(void **state) {
+    (void)state;
+    char folder[] = "/tmp/sv_no_driver_XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    const int code = run_child("child_without_device", "OCL_ICD_VENDORS", folder);
+    assert_int_equal(rmdir(folder), 0);
+    assert_int_equal(code, 0);
+}
+
+static void no_such_device(void **state) {
+    fixture *f = *state;
+    fixture_change(f, (rig_format){.own_queue = true});
+    assert_int_equal(setenv("SMARTVIS_DEVICE", "abacus", 1), 0);
+    fixture_refused(f, fixture_activate(f), SV_ERR_NO_DEVICE,
+                    "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'");
+    assert_int_equal(unsetenv("SMARTVIS_DEVICE"), 0);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
+/* activate while the kernels are compiled with one more option. */
+static sv_status activate_with(fixture *f, const char *option) {
+    assert_int_equal(setenv("SMARTVIS_BUILD_OPTIONS", option, 1), 0);
+    const sv_status status = fixture_activate(f);
+    assert_int_equal(unsetenv("SMARTVIS_BUILD_OPTIONS"), 0);
+    return status;
+}
+
+/* Kernels that do not build: the log reaches the host, the instance stays inactive, and can be activated
+ * later. */
+static void kernels_that_do_not_build(void **state) {
+    fixture *f = *state;
+    fixture_refused(f, activate_with(f, "-D__kernel=banana"), SV_ERR_BUILD,
+                    "the kernels do not build: CL_BUILD_PROGRAM_FAILURE (-11)");
+    assert_int_equal(f->r.last_severity, SV_LOG_ERROR);
+    assert_non_null(strstr(f->r.all_logs, "cl/blend.cl:")); /* the build log names file and line */
+    assert_non_null(strstr(f->r.all_logs, "banana"));
+    assert_int_equal(fixture_begin(f), SV_ERR_STATE);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
+/* A compiler that gets it wrong (here: kernels built for another structure): the self-test must not let it
+ * pass. */
+static void kernels_that_compute_wrongly(void **state) {
+    static const char *const wrong[] = {"-DSV_PADDED=1", "-DSV_SUBSTEPS=2"};
+    fixture *f = *state;
+    for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
+        fixture_refused(f, activate_with(f, wrong[n]), SV_ERR_SELF_TEST, "self-test: ");
+        assert_int_equal(fixture_begin(f), SV_ERR_STATE);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_frame_is_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+    }
+}
+
+int main(int argc, char **argv) {
+    self = argv[0];
+    if (argc > 1 && strcmp(argv[1], "child_without_device") == 0) return child_without_device();
+    const struct CMUnitTest tests[] = {
+        FIXTURE_TEST_ACTIVE(the_same_frame_twice),
+        FIXTURE_TEST_ACTIVE(begin_drops_a_frame),
+        FIXTURE_TEST_ACTIVE(two_instances_interleaved),
+        FIXTURE_TEST(a_hundred_activations),
+        FIXTURE_TEST_ACTIVE(destroyed_while_active),
+        FIXTURE_TEST(another_format_after_another),
+        cmocka_unit_test(no_device),
+        FIXTURE_TEST(no_such_device),
+        FIXTURE_TEST(kernels_that_do_not_build),
+        FIXTURE_TEST(kernels_that_compute_wrongly),
+    };
+    return cmocka_run_group_tests_name("life of instances", tests, NULL, NULL);
+}

@@ -1,0 +1,368 @@
+/*
+ * Slabs and results: what slab and end refuse, and that they touch nothing but what they were given: rows of
+ * a pitch, the bytes around every map, the slabs themselves.
+ */
+#include "support/fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* A slab that must be refused; afterwards the frame is over and the next one is good. */
+static void refused_slab(fixture *f, uint32_t before, sv_slab slab, sv_status status, const char *text) {
+    assert_int_equal(fixture_begin(f), SV_OK);
+    for (uint32_t n = 0; n < before; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
+    fixture_refused(f, f->r.plugin->slab(f->r.plugin, &slab), status, text);
+    assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
+    assert_int_equal(fixture_slab(f, before < FIXTURE_SLABS ? before : 0), SV_ERR_STATE);
+    assert_int_equal(fixture_end(f), SV_ERR_STATE);
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+}
+
+static void slab_order(void **state) {
+    fixture *f = *state;
+    refused_slab(f, 0, rig_slab(f->textures, 1), SV_ERR_SLAB_ORDER, "first_slice is 6, expected 0");
+    refused_slab(f, 1, rig_slab(f->textures, 0), SV_ERR_SLAB_ORDER, "first_slice is 0, expected 6");
+    refused_slab(f, 1, rig_slab(f->textures, 2), SV_ERR_SLAB_ORDER, "first_slice is 12, expected 6");
+    refused_slab(f, 3, rig_slab(f->textures, 0), SV_ERR_SLAB_ORDER, "first_slice is 0, expected 14");
+    sv_slab slab = rig_slab(f->textures, 0);
+    slab.first_slice = UINT32_MAX;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_ORDER, "first_slice is 4294967295, expected 0");
+    for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
+        static const char *const missing[] = {"0 of 14 slices came", "6 of 14 slices came",
+                                              "12 of 14 slices came"};
+        assert_int_equal(fixture_begin(f), SV_OK);
+        for (uint32_t i = 0; i < n; i++) assert_int_equal(fixture_slab(f, i), SV_OK);
+        fixture_refused(f, fixture_end(f), SV_ERR_SLAB_MISSING, missing[n]);
+        fixture_refused(f, fixture_end(f), SV_ERR_STATE, "end: no frame was begun");
+    }
+    fixture_frame_is_good(f);
+}
+
+static void slab_shape(void **state) {
+    fixture *f = *state;
+    sv_slab slab = rig_slab(f->textures, 0);
+    slab.slice_count = 0;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 0, expected 1 to max_slab_slices, 6");
+    slab.slice_count = 7;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 7");
+    slab.slice_count = UINT32_MAX;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 4294967295");
+    slab = rig_slab(f->textures, 2);
+    slab.slice_count = 3;
+    refused_slab(f, 2, slab, SV_ERR_SLAB_SHAPE, "slices 12 to 14, the volume has 14");
+    slab = rig_slab(f->textures, 0);
+    slab.memory = NULL;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory is NULL, the format's carrier is 1");
+    slab = rig_slab(f->textures, 0);
+    slab.bytes = 0;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "bytes is 0, 6 slices need ");
+    /* 6 slices, 4 to a row of 84 bytes: the last voxel is that of slice 5, in the second tile of the second
+     * row. */
+    slab.bytes = 84 * (18 + 17) + 42 - 1;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "bytes is 2981, 6 slices need 2982");
+    fixture_frame_is_good(f);
+}
+
+/* A slab's bytes may end with its last voxel. Under the sanitizers a read beyond it would show. */
+static void slab_of_exactly_its_bytes(void **state) {
+    fixture *f = *state;
+    assert_int_equal(fixture_begin(f), SV_OK);
+    uint8_t *copies[FIXTURE_SLABS];
+    for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
+        const uint32_t last =
+            f->textures->length[n] - 1; /* 5 or 1: in the second tile of the second or first row */
+        const size_t bytes = 84 * (last / 4 * 18 + 17) + (last % 4 + 1) * 21;
+        copies[n] = malloc(bytes);
+        assert_non_null(copies[n]);
+        memcpy(copies[n], f->textures->memory + n * f->textures->texture_bytes, bytes);
+        sv_slab slab = rig_slab(f->textures, n);
+        slab.memory = copies[n];
+        slab.bytes = bytes;
+        assert_int_equal(f->r.plugin->slab(f->r.plugin, &slab), SV_OK);
+    }
+    assert_int_equal(fixture_end(f), SV_OK);
+    for (uint32_t n = 0; n < FIXTURE_SLABS; n++) free(copies[n]);
+    assert_memory_equal(f->out.depth, f->good.depth, FIXTURE_RAYS * sizeof(float));
+}
+
+static void memory_that_was_not_registered(void **state) {
+    fixture *f = *state;
+    fixture_change(f, (rig_format){.in_place = true});
+    assert_int_equal(fixture_activate(f), SV_OK);
+    uint8_t other[84 * 36] = {0};
+    sv_slab slab = rig_slab(f->textures, 0);
+    slab.memory = other;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory does not lie within");
+    slab = rig_slab(f->textures, 2);
+    slab.bytes += 1; /* one byte beyond the end of the registered memory */
+    refused_slab(f, 2, slab, SV_ERR_SLAB_SHAPE, "memory does not lie within");
+    slab.bytes = UINT64_MAX;
+    refused_slab(f, 2, slab, SV_ERR_SLAB_SHAPE, "memory does not lie within");
+    slab = rig_slab(f->textures, 0);
+    slab.memory = f->textures->memory - 1;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory does not lie within");
+    fixture_frame_is_good(f);
+}
+
+static cl_mem new_buffer(const fixture *f, size_t bytes) {
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = clCreateBuffer(f->r.context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    return buffer;
+}
+
+static cl_mem new_image(const fixture *f, cl_channel_order order, cl_channel_type type, size_t width,
+                        size_t height) {
+    const cl_image_format format = {order, type};
+    const cl_image_desc desc = {
+        .image_type = CL_MEM_OBJECT_IMAGE2D, .image_width = width, .image_height = height};
+    cl_int code = CL_SUCCESS;
+    cl_mem image = clCreateImage(f->r.context, CL_MEM_READ_WRITE, &format, &desc, NULL, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    return image;
+}
+
+static void wrong_buffers(void **state) {
+    fixture *f = *state;
+    fixture_change(f, (rig_format){.carrier = SV_CARRIER_BUFFER});
+    assert_int_equal(fixture_activate(f), SV_OK);
+    sv_slab slab = rig_slab(f->textures, 0);
+    slab.object = NULL;
+    slab.memory = f->textures->memory; /* the wrong carrier */
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is NULL, the format's carrier is 2");
+    slab = rig_slab(f->textures, 0);
+    slab.offset = 1; /* bytes + 1 reaches as far as the buffer does; 64 was the rig's */
+    slab.bytes += 64;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "offset 1 and bytes ");
+    slab = rig_slab(f->textures, 0);
+    slab.offset = UINT64_MAX - 10;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "offset 18446744073709551605 and bytes ");
+    cl_mem image = new_image(f, CL_R, CL_UNORM_INT8, 84, 36);
+    slab = rig_slab(f->textures, 0);
+    slab.object = image;
+    slab.offset = 0;
+    slab.bytes = 84 * 36;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is no buffer");
+    assert_int_equal(clReleaseMemObject(image), CL_SUCCESS);
+    fixture_frame_is_good(f);
+}
+
+static void wrong_images(void **state) {
+    fixture *f = *state;
+    fixture_change(f, (rig_format){.carrier = SV_CARRIER_IMAGE});
+    assert_int_equal(fixture_activate(f), SV_OK);
+    const struct {
+        cl_mem object;
+        const char *text;
+    } table[] = {
+        {new_image(f, CL_R, CL_UNORM_INT8, 83, 36), "the image is 83 x 36, expected at least 84 x 36"},
+        {new_image(f, CL_R, CL_UNORM_INT8, 84, 35), "the image is 84 x 35"},
+        {new_image(f, CL_RGBA, CL_UNORM_INT8, 84, 36), "expected CL_R with CL_UNORM_INT8"},
+        {new_image(f, CL_R, CL_FLOAT, 84, 36), "expected CL_R with CL_UNORM_INT8"},
+        {new_buffer(f, 84 * 36), "object is no 2D image"},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        sv_slab slab = rig_slab(f->textures, 0);
+        slab.object = table[i].object;
+        refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, table[i].text);
+        assert_int_equal(clReleaseMemObject(table[i].object), CL_SUCCESS);
+    }
+    sv_slab slab = rig_slab(f->textures, 0);
+    slab.object = NULL;
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is NULL, the format's carrier is 3");
+    fixture_frame_is_good(f);
+}
+
+/* ---- results
+ * ----------------------------------------------------------------------------------------------------- */
+
+static void refused_result(fixture *f, sv_result result, sv_status status, const char *text) {
+    assert_int_equal(fixture_begin(f), SV_OK);
+    assert_int_equal(fixture_slabs(f), SV_OK);
+    fixture_refused(f, f->r.plugin->end(f->r.plugin, &result), status, text);
+    fixture_refused(f, f->r.plugin->end(f->r.plugin, &result), SV_ERR_STATE, "no frame");
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+}
+
+static void wrong_results(void **state) {
+    fixture *f = *state;
+    cl_mem buffer = new_buffer(f, FIXTURE_RAYS * 4 + 3), image = new_image(f, CL_R, CL_FLOAT, 21, 18);
+    sv_result r = fixture_result(f);
+    r.depth = NULL;
+    refused_result(f, r, SV_ERR_ARGUMENT, "expected exactly one of depth and depth_object, got neither");
+    r = fixture_result(f);
+    r.depth_object = buffer;
+    refused_result(f, r, SV_ERR_ARGUMENT, "got both");
+    static const uint32_t pitches[] = {1, 83, 80, 85, 86, UINT32_MAX};
+    for (size_t i = 0; i < sizeof pitches / sizeof *pitches; i++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "depth_pitch is %u", pitches[i]);
+        r = fixture_result(f);
+        r.depth_pitch = pitches[i];
+        refused_result(f, r, SV_ERR_ARGUMENT, text);
+    }
+    r = fixture_result(f);
+    r.depth = NULL;
+    r.depth_object = buffer;
+    r.depth_offset = 2;
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_offset is 2");
+    r.depth_offset = 4; /* one pixel too far */
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_offset is 4, the map needs 1512 of the buffer's 1515 bytes");
+    r.depth_offset = UINT64_MAX - 3;
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_offset is 18446744073709551612");
+    r.depth_offset = 0;
+    r.depth_object = image;
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_object is no buffer");
+    sv_stats shorter = {.size = sizeof shorter - 4};
+    r = fixture_result(f);
+    r.stats = &shorter;
+    refused_result(f, r, SV_ERR_SIZE, "stats.size is 36");
+    assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
+    assert_int_equal(clReleaseMemObject(image), CL_SUCCESS);
+    fixture_frame_is_good(f);
+    f->r.plugin->deactivate(f->r.plugin);
+    fixture_change(f, (rig_format){.own_queue = true});
+    assert_int_equal(fixture_activate(f), SV_OK);
+    r = fixture_result(f);
+    r.depth = NULL;
+    r.depth_object = (cl_mem)f; /* never looked at */
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_object needs the host's context");
+    fixture_frame_is_good(f);
+}
+
+enum { GUARD = 256, MARK = 0x5A };
+
+/* `bytes` bytes between two guards, all marked. */
+static uint8_t *guarded(size_t bytes) {
+    uint8_t *p = malloc(bytes + 2 * GUARD);
+    assert_non_null(p);
+    memset(p, MARK, bytes + 2 * GUARD);
+    return p;
+}
+
+static void assert_marked(const uint8_t *p, size_t from, size_t to) {
+    for (size_t i = from; i < to; i++)
+        if (p[i] != MARK) fail_msg("byte %zu was written", i);
+}
+
+/* Depth rows under several pitches, and nothing between them, before them or behind; the status map and the
+ * statistics as well. */
+static void only_the_maps_are_written(void **state) {
+    fixture *f = *state;
+    enum { ROW = FIXTURE_WIDTH * 4 };
+    static const uint32_t pitches[] = {0, ROW, ROW + 4, ROW + 44, 4096};
+    for (size_t n = 0; n < sizeof pitches / sizeof *pitches; n++) {
+        const size_t pitch = pitches[n] ? pitches[n] : ROW;
+        uint8_t *depth = guarded(pitch * FIXTURE_HEIGHT), *status = guarded(FIXTURE_RAYS),
+                *raw = guarded(200);
+        sv_stats *stats = (sv_stats *)(raw + GUARD);
+        stats->size = sizeof *stats + 60; /* a newer host's: the rest stays as it is */
+        const sv_result result = {.size = sizeof result,
+                                  .depth = (float *)(depth + GUARD),
+                                  .depth_pitch = pitches[n],
+                                  .status = status + GUARD,
+                                  .stats = stats};
+        assert_int_equal(fixture_begin(f), SV_OK);
+        assert_int_equal(fixture_slabs(f), SV_OK);
+        assert_int_equal(f->r.plugin->end(f->r.plugin, &result), SV_OK);
+        assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+        assert_marked(depth, 0, GUARD);
+        for (size_t y = 0; y < FIXTURE_HEIGHT; y++) {
+            assert_memory_equal(depth + GUARD + y * pitch, f->good.depth + y * FIXTURE_WIDTH, ROW);
+            assert_marked(depth, GUARD + y * pitch + ROW, GUARD + (y + 1) * pitch);
+        }
+        assert_marked(depth, GUARD + pitch * FIXTURE_HEIGHT, pitch * FIXTURE_HEIGHT + 2 * GUARD);
+        assert_marked(status, 0, GUARD);
+        assert_memory_equal(status + GUARD, f->good.status, FIXTURE_RAYS);
+        assert_marked(status, GUARD + FIXTURE_RAYS, FIXTURE_RAYS + 2 * GUARD);
+        assert_marked(raw, 0, GUARD);
+        assert_int_equal(stats->size, sizeof *stats + 60);
+        assert_int_equal(stats->points, f->good.stats.points);
+        assert_marked(raw, GUARD + sizeof *stats, 200 + 2 * GUARD);
+        free(depth);
+        free(status);
+        free(raw);
+    }
+}
+
+/* A depthmap in the host's buffer, at an offset; with and without the optional results. */
+static void depth_in_a_buffer(void **state) {
+    fixture *f = *state;
+    enum { OFFSET = 40, BYTES = FIXTURE_RAYS * 4, ALL = OFFSET + BYTES + 24 };
+    cl_mem buffer = new_buffer(f, ALL);
+    for (int optional = 0; optional < 2; optional++) {
+        const uint8_t mark = MARK;
+        uint8_t bytes[ALL];
+        assert_int_equal(clEnqueueFillBuffer(f->r.queue, buffer, &mark, 1, 0, ALL, 0, NULL, NULL),
+                         CL_SUCCESS);
+        sv_result result = {.size = sizeof result, .depth_object = buffer, .depth_offset = OFFSET};
+        if (optional) result.status = f->out.status;
+        if (optional) result.stats = &f->out.stats;
+        assert_int_equal(fixture_begin(f), SV_OK);
+        assert_int_equal(fixture_slabs(f), SV_OK);
+        assert_int_equal(f->r.plugin->end(f->r.plugin, &result), SV_OK);
+        assert_int_equal(clEnqueueReadBuffer(f->r.queue, buffer, CL_TRUE, 0, ALL, bytes, 0, NULL, NULL),
+                         CL_SUCCESS);
+        assert_marked(bytes, 0, OFFSET);
+        assert_memory_equal(bytes + OFFSET, f->good.depth, BYTES);
+        assert_marked(bytes, OFFSET + BYTES, ALL);
+        if (optional) assert_memory_equal(f->out.status, f->good.status, FIXTURE_RAYS);
+    }
+    assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
+}
+
+/* Slabs are read, never written: host memory in both ways, buffers and images. */
+static void slabs_are_unchanged(void **state) {
+    static const rig_format ways[] = {{.carrier = SV_CARRIER_HOST},
+                                      {.carrier = SV_CARRIER_HOST, .in_place = true},
+                                      {.carrier = SV_CARRIER_HOST, .own_queue = true},
+                                      {.carrier = SV_CARRIER_BUFFER},
+                                      {.carrier = SV_CARRIER_IMAGE}};
+    fixture *f = *state;
+    for (size_t n = 0; n < sizeof ways / sizeof *ways; n++) {
+        fixture_change(f, ways[n]);
+        const size_t one = f->textures->texture_bytes, all = one * FIXTURE_SLABS;
+        uint8_t *before = malloc(all), *now = malloc(one);
+        assert_true(before && now);
+        memcpy(before, f->textures->memory, all);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_frame_is_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+        assert_memory_equal(before, f->textures->memory, all);
+        for (uint32_t i = 0; i < FIXTURE_SLABS; i++) {
+            cl_mem object = f->textures->objects[i];
+            const size_t origin[3] = {0}, region[3] = {84, 36, 1};
+            if (ways[n].carrier == SV_CARRIER_HOST) continue;
+            assert_int_equal(
+                ways[n].carrier == SV_CARRIER_BUFFER
+                    ? clEnqueueReadBuffer(f->r.queue, object, CL_TRUE, 64, one, now, 0, NULL, NULL)
+                    : clEnqueueReadImage(f->r.queue, object, CL_TRUE, origin, region, 0, 0, now, 0, NULL,
+                                         NULL),
+                CL_SUCCESS);
+            assert_memory_equal(now, before + i * one, one);
+        }
+        free(before);
+        free(now);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        FIXTURE_TEST_ACTIVE(slab_order),
+        FIXTURE_TEST_ACTIVE(slab_shape),
+        FIXTURE_TEST_ACTIVE(slab_of_exactly_its_bytes),
+        FIXTURE_TEST(memory_that_was_not_registered),
+        FIXTURE_TEST(wrong_buffers),
+        FIXTURE_TEST(wrong_images),
+        FIXTURE_TEST_ACTIVE(wrong_results),
+        FIXTURE_TEST_ACTIVE(only_the_maps_are_written),
+        FIXTURE_TEST_ACTIVE(depth_in_a_buffer),
+        FIXTURE_TEST(slabs_are_unchanged),
+    };
+    return cmocka_run_group_tests_name("slabs and results", tests, NULL, NULL);
+}

@@ -1,0 +1,243 @@
+/*
+ * Every OpenCL call of the plugin fails once (SQLite's doctrine: the nth call, for every n): during activate,
+ * and during a frame in every work layout and with every carrier. Each time an error with the call's reason,
+ * nothing left behind, and the next activation or frame works.
+ */
+#include "spy/cl_spy.h"
+#include "support/compare.h"
+#include "support/fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
+static const char NAME[] = "CL_OUT_OF_HOST_MEMORY (-6)";
+
+static rig_format with_strategy(const fixture *f, rig_format how, uint32_t strategy) {
+    how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
+    how.fixed_count = 1;
+    return how;
+}
+
+/* The failure of a search for devices is no error if another search finds one. */
+static bool is_search(const char *call) {
+    return strcmp(call, "clGetPlatformIDs") == 0 || strcmp(call, "clGetDeviceIDs") == 0;
+}
+
+/* One activation whose nth call fails. False if it makes fewer calls. */
+static bool activate_failing(fixture *f, uint32_t n) {
+    spy_reset();
+    spy_fail(n, CODE);
+    const sv_status status = fixture_activate(f);
+    const bool fails = spy_failed() != NULL;
+    const char *failed = fails ? spy_failed() : "no call";
+    spy_fail(0, 0);
+    if (!fails) assert_int_equal(status, SV_OK);
+    if (fails && status == SV_OK && !is_search(failed)) fail_msg("call %u, %s: failed unnoticed", n, failed);
+    if (status == SV_OK) {
+        fixture_frame_is_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+    } else {
+        const bool build = failed && strcmp(failed, "clBuildProgram") == 0;
+        const sv_status expected = build               ? SV_ERR_BUILD
+                                   : is_search(failed) ? SV_ERR_NO_DEVICE
+                                                       : SV_ERR_OPENCL;
+        fixture_refused(f, status, expected, NAME);
+        assert_int_equal(f->r.last_severity, SV_LOG_ERROR);
+        assert_int_equal(fixture_begin(f), SV_ERR_STATE); /* it stayed inactive */
+    }
+    if (spy_live() != 0) fail_msg("call %u, %s: %d objects left", n, failed, spy_live());
+    return fails;
+}
+
+/* `every`: 1 for each call. */
+static uint32_t fail_activations(fixture *f, rig_format how, uint32_t first, uint32_t every) {
+    fixture_change(f, how);
+    uint32_t n = first;
+    while (activate_failing(f, n)) n += every;
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+    f->r.plugin->deactivate(f->r.plugin);
+    return n;
+}
+
+static void activate_own_queue(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    const uint32_t n = fail_activations(f, with_strategy(f, (rig_format){.own_queue = true}, 1), 1, 1);
+    print_message("every call of %u failed once\n", n - 1);
+    assert_true(n > 100);
+}
+
+/* The other layouts differ in the self-test's frame and in buffers: the calls in front are those of above. */
+static void activate_host_queue(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    (void)fail_activations(f, with_strategy(f, (rig_format){.carrier = SV_CARRIER_BUFFER}, 3), 1, 7);
+    (void)fail_activations(f, with_strategy(f, (rig_format){.in_place = true}, 2), 4, 7);
+}
+
+/* On wide maps a failing kernel set of wide vectors costs only speed: then activate succeeds with 16 rays a
+ * vector, and a frame is right. */
+static void activate_with_wide_vectors(void **state) {
+    rig *r = &((fixture *)*state)->r;
+    const rig_format f = {.width = 70, .height = 9, .slices = 6, .padding = SV_NO_PADDING};
+    const rig_settings s = rig_default_settings();
+    uint8_t *volume = rig_volume(RIG_LAYERS, 70, 9, 6, 1);
+    const sv_ref_volume v = {volume, 70, 9, 6, SV_NO_PADDING};
+    rig_textures *t = rig_textures_make(r, &f, volume);
+    spy_watch(r->entry);
+    uint32_t fell_back = 0;
+    bool failed = true;
+    for (uint32_t n = 2; failed; n += 13) {
+        spy_fail(n, CODE);
+        const sv_status status = r->plugin->activate(r->plugin, &t->format);
+        failed = spy_failed() != NULL;
+        spy_fail(0, 0);
+        if (status == SV_OK) {
+            fell_back += failed;
+            compare_frame(r, t, &v, &s, "after a fallback", NULL);
+            r->plugin->deactivate(r->plugin);
+        } else {
+            assert_non_null(strstr(r->plugin->last_error(r->plugin), NAME));
+        }
+        assert_int_equal(spy_live(), 0);
+    }
+    assert_true(fell_back > 3);
+    rig_textures_free(t);
+    free(volume);
+}
+
+/* ---- frames
+ * ------------------------------------------------------------------------------------------------------ */
+
+typedef sv_status (*step)(fixture *f, const sv_result *result);
+
+static sv_status whole_frame(fixture *f, const sv_result *result) {
+    sv_status status = fixture_begin(f);
+    if (status == SV_OK) status = fixture_slabs(f);
+    if (status == SV_OK) status = f->r.plugin->end(f->r.plugin, result);
+    return status;
+}
+
+static sv_status one_adjust(fixture *f, const sv_result *result) {
+    return f->r.plugin->adjust(f->r.plugin, NULL, 0, result);
+}
+
+/* A refused slab or map for a failing query, an OpenCL error for the rest. */
+static sv_status expected_status(const char *failed) {
+    if (strcmp(failed, "clGetImageInfo") == 0) return SV_ERR_SLAB_SHAPE;
+    return SV_ERR_OPENCL;
+}
+
+static uint32_t fail_steps(fixture *f, step run, const sv_result *result) {
+    uint32_t n = 1;
+    for (;; n++) {
+        spy_reset();
+        spy_fail(n, CODE);
+        const sv_status status = run(f, result);
+        const char *failed = spy_failed();
+        const bool pending = spy_pending();
+        spy_fail(0, 0);
+        assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+        if (!failed) {
+            assert_int_equal(status, SV_OK);
+            return n - 1;
+        }
+        const bool query = strcmp(failed, "clGetMemObjectInfo") == 0;
+        fixture_refused(f, status, query ? status : expected_status(failed), NAME);
+        assert_true(status < 0);
+        /* With the plugin's own queue nothing may be in flight: the host cannot wait for it. */
+        if (f->how.own_queue && pending)
+            fail_msg("call %u, %s: commands in flight after an error", n, failed);
+        if (run == whole_frame) assert_int_equal(one_adjust(f, result), SV_ERR_STATE);
+        if (run == whole_frame) fixture_frame_is_good(f);
+    }
+}
+
+static const rig_format ways[] = {{.carrier = SV_CARRIER_HOST},
+                                  {.in_place = true},
+                                  {.carrier = SV_CARRIER_BUFFER},
+                                  {.carrier = SV_CARRIER_IMAGE},
+                                  {.own_queue = true}};
+
+static void frames(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    uint32_t calls = 0;
+    for (uint32_t n = 0; n < sizeof ways / sizeof *ways; n++)
+        for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+            fixture_change(f, with_strategy(f, ways[n], strategy));
+            assert_int_equal(fixture_activate(f), SV_OK);
+            const int32_t live = spy_live();
+            const sv_result result = fixture_result(f);
+            calls += fail_steps(f, whole_frame, &result);
+            calls += fail_steps(f, one_adjust, &result); /* the finished frame survives failing adjusts */
+            assert_int_equal(spy_live(), live);
+            f->r.plugin->deactivate(f->r.plugin);
+            assert_int_equal(spy_live(), 0);
+        }
+    print_message("%u calls failed once\n", calls);
+}
+
+/* Maps in a buffer, and in rows with a pitch; events kept for timing. */
+static void outputs_and_timing(void **state) {
+    fixture *f = *state;
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = clCreateBuffer(f->r.context, CL_MEM_READ_WRITE, FIXTURE_RAYS * 4, NULL, &code);
+    float *rows = malloc(FIXTURE_HEIGHT * 256);
+    assert_true(code == CL_SUCCESS && rows);
+    spy_watch(f->r.entry);
+    const sv_plugin *p = f->r.plugin;
+    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    for (uint32_t timed = 0; timed < 2; timed++) {
+        fixture_change(f, (rig_format){0});
+        assert_int_equal(fixture_activate(f), SV_OK);
+        assert_int_equal(stats->enable(p, timed), SV_OK);
+        sv_result result = {.size = sizeof result, .depth_object = buffer, .stats = &f->out.stats};
+        (void)fail_steps(f, whole_frame, &result);
+        result = (sv_result){.size = sizeof result, .depth = rows, .depth_pitch = 256};
+        (void)fail_steps(f, whole_frame, &result);
+        spy_fail(1, CODE);
+        assert_int_equal(whole_frame(f, &result), SV_ERR_OPENCL);
+        sv_stage_times times = {.size = sizeof times};
+        assert_int_equal(stats->stage_times(p, &times), SV_ERR_STATE); /* no times of half a frame */
+        fixture_frame_is_good(f);
+        assert_int_equal(stats->stage_times(p, &times), timed ? SV_OK : SV_ERR_STATE);
+        p->deactivate(p);
+        assert_int_equal(spy_live(), 0);
+    }
+    free(rows);
+    assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
+}
+
+static void stage_times_of_a_failing_query(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    spy_watch(f->r.entry);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    assert_int_equal(stats->enable(p, 1), SV_OK);
+    fixture_frame_is_good(f);
+    sv_stage_times times = {.size = sizeof times};
+    for (uint32_t n = 1; n <= 4; n++) {
+        spy_fail(n, CL_PROFILING_INFO_NOT_AVAILABLE);
+        fixture_refused(f, stats->stage_times(p, &times), SV_ERR_OPENCL,
+                        "CL_PROFILING_INFO_NOT_AVAILABLE (-7)");
+    }
+    spy_fail(0, 0);
+    assert_int_equal(stats->stage_times(p, &times), SV_OK);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        FIXTURE_TEST(activate_own_queue),         FIXTURE_TEST(activate_host_queue),
+        FIXTURE_TEST(activate_with_wide_vectors), FIXTURE_TEST(frames),
+        FIXTURE_TEST(outputs_and_timing),         FIXTURE_TEST(stage_times_of_a_failing_query),
+    };
+    return cmocka_run_group_tests_name("OpenCL faults", tests, NULL, NULL);
+}

@@ -1,0 +1,168 @@
+#!/bin/bash
+# Bad input at the command line: the exit code, and a message that names the thing and the value.
+# Called with the source and the build folder.
+set -u
+source=$1
+build=$2
+host_sim=$build/host_sim
+plugins=$build/tests/plugins
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+checked=0
+
+# expect CODE WORDS ARGUMENTS...: host_sim ends with CODE, and stderr holds WORDS.
+expect() {
+    local code=$1 words=$2
+    shift 2
+    checked=$((checked + 1))
+    "$host_sim" "$@" > "$work/stdout" 2> "$work/stderr"
+    local got=$?
+    if [ $got -ne "$code" ]; then
+        echo "FAIL: host_sim $*: exit code $got, expected $code"
+        cat "$work/stderr"
+        failed=$((failed + 1))
+    elif [ -n "$words" ] && ! grep -qF -- "$words" "$work/stderr"; then
+        echo "FAIL: host_sim $*: stderr does not say '$words':"
+        cat "$work/stderr"
+        failed=$((failed + 1))
+    fi
+}
+
+# Fails unless the command given succeeds.
+holds() {
+    checked=$((checked + 1))
+    if ! "$@"; then
+        echo "FAIL: $*"
+        failed=$((failed + 1))
+    fi
+}
+
+# A MetaImage of 16 x 16 x $2 voxels, of which $3 bytes are there.
+make_volume() {
+    printf 'ObjectType = Image\nNDims = 3\nDimSize = 16 16 %s\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n' \
+        "$2" > "$1"
+    head -c "$3" /dev/zero | tr '\0' '\310' >> "$1"
+}
+make_volume "$work/good.mha" 16 4096
+make_volume "$work/other_size.mha" 8 2048
+make_volume "$work/short.mha" 16 4000
+: > "$work/empty.mha"
+cd "$work" || exit 1
+
+run=(run --frames 1 --picture 32 --out "$work/out")
+good=("${run[@]}" --volume good.mha)
+
+# ------------------------------------------------------------------------------- exit code 2: usage
+expect 2 "Usage:"
+expect 2 "'walk' is no command" walk
+expect 2 "no source" "${run[@]}"
+expect 2 "--colour: not an option" "${good[@]}" --colour
+expect 2 "--size: needs a value" "${run[@]}" --scene D01 --size
+expect 2 "--size: 31 is outside 32 .. 512" "${run[@]}" --scene D01 --size 31
+expect 2 "--size: '64x' is not a whole number" "${run[@]}" --scene D01 --size 64x
+expect 2 "--size: '-64' is not a whole number" "${run[@]}" --scene D01 --size -64
+expect 2 "--frames: 0 is outside" "${good[@]}" --frames 0
+expect 2 "--frames: 99999999999999999999 is outside" "${good[@]}" --frames 99999999999999999999
+expect 2 "--yaw: 'nan' is not a number" "${good[@]}" --yaw nan
+expect 2 "--pitch: 361 is outside -360 .. 360" "${good[@]}" --pitch 361
+expect 2 "--t-low: 1.5 is outside 0 .. 1" "${good[@]}" --t-low 1.5
+expect 2 "--t-low 0.5 must be less than --t-high 0.5" "${good[@]}" --t-low 0.5 --t-high 0.5
+expect 2 "--carrier: 'tape' is none of host, buffer, image" "${good[@]}" --carrier tape
+expect 2 "--setting: 'both' is none of dvr, convert, smartvis, all" "${good[@]}" --setting both
+expect 2 "--padding: 'some' is none of auto, none, all" "${good[@]}" --padding some
+expect 2 "--window: '7', expected LOW,HIGH" "${good[@]}" --window 7
+expect 2 "--window: 9,7: LOW must be less than HIGH" "${good[@]}" --window 9,7
+expect 2 "own queue: needs carrier host, got image" "${good[@]}" --own-queue --carrier image
+expect 2 "--scene D01 and --volume good.mha" "${good[@]}" --scene D01
+expect 2 "'more': unexpected argument" "${good[@]}" more
+expect 2 "no parameter 'kernal'" "${good[@]}" --set kernal=23
+expect 2 "99 is outside" "${good[@]}" --set kernel=99
+expect 2 "24 is not 3 plus a multiple of 2" "${good[@]}" --set kernel=24
+expect 2 "'offest' is not one of absolute, offset, fraction" "${good[@]}" --set bone_mode=offest
+expect 2 "bytes of slabs, the device allows" "${good[@]}" --lowres 8192
+expect 2 "the device allows" "${good[@]}" --lowres 1200 --carrier image --slab 1200
+expect 2 "not an option" list --all
+expect 2 "no FILE given" info
+expect 2 "'x': unexpected argument" demo x
+
+# ------------------------------------------------------------------------------- exit code 3: input
+expect 3 "missing.mha" "${run[@]}" --volume missing.mha
+expect 3 "short.mha" "${run[@]}" --volume short.mha
+expect 3 "empty.mha" "${run[@]}" --volume empty.mha
+expect 3 "$work" "${run[@]}" --volume "$work"
+expect 3 "good.mha has 16 x 16 x 16: a sequence has one size" "${good[@]}" --volume other_size.mha
+expect 3 "N99" "${run[@]}" --scene N99
+expect 3 "missing.mha" info missing.mha
+expect 3 "/no/such/folder" demo --out "$work/out" --data /no/such/folder
+
+# ---------------------------------------------------------- exit code 4: plugin, picture unclipped
+"$host_sim" "${good[@]}" --setting dvr --plugin "$plugins/plane.so" > /dev/null 2>&1
+cp out/full.png full.png
+unclipped() {
+    rm -rf out
+    expect 4 "$@"
+    holds grep -q "rendering unclipped" stderr
+    holds cmp out/result.png full.png
+}
+unclipped "no_such.so: cannot read the plugin file: No such file" "${good[@]}" --plugin no_such.so
+unclipped "good.mha: not a loadable library" "${good[@]}" --plugin good.mha
+unclipped "no symbol smartvis_plugin_entry" "${good[@]}" --plugin "$plugins/no_symbol.so"
+unclipped "ABI major 2, this host speaks 1" "${good[@]}" --plugin "$plugins/other_major.so"
+unclipped "entry.size is 16" "${good[@]}" --plugin "$plugins/short_entry.so"
+unclipped "create 'org.smartvis.test.plane': SV_ERR_NO_MEMORY (-40)" "${good[@]}" --plugin "$plugins/create_fails.so"
+unclipped "instance.slab is NULL" "${good[@]}" --plugin "$plugins/no_slab.so"
+unclipped "no plugin with id 'a.b'" "${good[@]}" --plugin "$plugins/plane.so" --id a.b
+for call in activate begin slab end; do
+    unclipped "$call: SV_ERR_INTERNAL (-1): fails in $call on purpose" "${good[@]}" --slab 2 \
+        --plugin "$plugins/plane.so" --set fail=$call --set depth=3
+done
+expect 4 "no_such.so" list --plugin no_such.so
+
+# A positive status is no failure, but unclipped all the same.
+rm -rf out
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=3
+holds cmp out/result.png full.png
+
+# ------------------------------------------------------------------------------ exit code 5: device
+export OCL_ICD_VENDORS=$work/no_drivers
+expect 5 "install an OpenCL driver" "${good[@]}"
+unset OCL_ICD_VENDORS
+export SMARTVIS_DEVICE=abacus
+expect 5 "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'" "${good[@]}"
+unset SMARTVIS_DEVICE
+
+# ------------------------------------- exit code 6: output; found out before a volume is even opened
+expect 6 "good.mha/out" run --volume missing.mha --out good.mha/out
+expect 6 "good.mha" run --volume missing.mha --out good.mha
+expect 6 "nowhere/x.json" run --volume missing.mha --out "$work/out" --json nowhere/x.json
+expect 6 "good.mha/demo" demo --out good.mha/demo
+
+# -------------------------------------------------------------------------------------------- good
+for command in run demo list info; do
+    expect 0 "" $command --help
+    holds grep -q "^Exit codes:" stdout
+done
+expect 0 "" --help
+expect 0 "" info good.mha "$work/other_size.mha"
+holds grep -q "16 x 16 x 8 voxels" stdout
+# No OpenCL device is needed to describe a plugin.
+export OCL_ICD_VENDORS=$work/no_drivers
+expect 0 "" list
+holds grep -q "^  kernel .*Mean filter size k" stdout
+unset OCL_ICD_VENDORS
+expect 0 "" "${good[@]}" --json "$work/result.json"
+holds grep -q '"volumes_per_second"' result.json
+holds [ "$(tail -n 1 stdout)" = "Pictures are in $work/out" ]
+for picture in result full panel depthmap points; do holds [ -s "out/$picture.png" ]; done
+holds [ -z "$(find "$work" -name '*.tmp*' -o -name '.host_sim_*')" ]
+# Colours and progress are for terminals.
+holds [ -z "$(grep -l "$(printf '\033')" stdout stderr)" ]
+
+# Every option that the table of options knows is in the help.
+for option in $(grep -o '{"[a-z-]*", *[rn][a-z_]*argument' "$source/host_sim/hs_run_line.c" | grep -o '"[a-z-]*"' | tr -d '"'); do
+    holds grep -q -- "--$option" <("$host_sim" run --help)
+done
+
+echo "$checked checks, $failed failed"
+[ $failed -eq 0 ]

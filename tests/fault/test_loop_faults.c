@@ -1,0 +1,130 @@
+/* The scan loop with a plugin that fails, or is not there: every picture must be the unclipped one. */
+#include "golden/loop_fixture.h"
+
+/* ------------------------------------------------------------------------------- failing -- */
+
+/* The result must be the full volume's picture, whatever happened. */
+static void assert_unclipped(const hs_view *view) {
+    assert_false(view->frame.clipped);
+    assert_memory_equal(view->result, view->full, (size_t)PICTURE * PICTURE * 4);
+    for (size_t r = 0; r < (size_t)LOW * LOW; r++) assert_true(view->depth[r] == 0);
+}
+
+static void a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        double call;
+        const char *says;
+    } cases[] = {{FAIL_ACTIVATE, "plane.so: activate: SV_ERR_INTERNAL (-1): fails in activate on purpose"},
+                 {FAIL_BEGIN, "plane.so: begin: SV_ERR_INTERNAL (-1): fails in begin on purpose"},
+                 {FAIL_SLAB, "plane.so: slab: SV_ERR_INTERNAL (-1): fails in slab on purpose"},
+                 {FAIL_END, "plane.so: end: SV_ERR_INTERNAL (-1): fails in end on purpose"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        for (int own = 0; own < 2; own++) {
+            const sv_param_value values[2] = {{.id = FAIL, .value = cases[i].call},
+                                              {.id = DEPTH, .value = 5}};
+            hs_loop_options o = options_with(values, 2);
+            o.own_queue = own;
+            o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+            hs_loop *loop = make_loop(f, &o);
+            hs_view view = view_of(loop, 0);
+            assert_unclipped(&view);
+            assert_true(view.frame.outcome < 0);
+            assert_int_equal(hs_loop_plugin_error(loop)->code, HS_ERR_PLUGIN);
+            assert_non_null(strstr(hs_loop_plugin_error(loop)->text, cases[i].says));
+            hs_view_free(&view);
+            hs_loop_destroy(loop);
+        }
+}
+
+/* SV_NO_SURFACE with a map that is not zero: the status counts, not the map. */
+static void a_note_is_rendered_unclipped_and_is_no_error(void **state) {
+    const fixture *f = *state;
+    for (int own = 0; own < 2; own++) {
+        const sv_param_value values[2] = {{.id = NOTE, .value = 1}, {.id = DEPTH, .value = 5}};
+        hs_loop_options o = options_with(values, 2);
+        o.own_queue = own;
+        o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+        hs_loop *loop = make_loop(f, &o);
+        hs_view view = view_of(loop, 0);
+        assert_unclipped(&view);
+        assert_int_equal(view.frame.outcome, SV_NO_SURFACE);
+        assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
+        hs_view_free(&view);
+        hs_loop_destroy(loop);
+    }
+}
+
+static void a_value_the_plugin_refuses_names_it(void **state) {
+    const fixture *f = *state;
+    const sv_param_value value = {.id = DEPTH, .value = 12345};
+    const hs_loop_options o = options_with(&value, 1);
+    hs_loop *loop = make_loop(f, &o);
+    hs_view view = view_of(loop, 0);
+    assert_unclipped(&view);
+    assert_int_equal(view.frame.outcome, SV_ERR_PARAM_RANGE);
+    assert_non_null(
+        strstr(hs_loop_plugin_error(loop)->text, "begin: SV_ERR_PARAM_RANGE (-14): depth is 12345"));
+    hs_view_free(&view);
+    hs_loop_destroy(loop);
+}
+
+/* Frames 0, 3, 6 and 9 of ten fail; the loop goes on and clips the other six. */
+static void a_failed_frame_does_not_end_the_loop(void **state) {
+    const fixture *f = *state;
+    const sv_param_value values[3] = {
+        {.id = FAIL, .value = FAIL_END}, {.id = EVERY, .value = 3}, {.id = DEPTH, .value = 5}};
+    const hs_loop_options o = options_with(values, 3);
+    hs_loop *loop = make_loop(f, &o);
+    hs_loop_result result;
+    hs_error err = {0};
+    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+    assert_int_equal(result.failed_frames, 4);
+    assert_int_equal(result.clipped_frames, 6);
+    assert_int_equal(result.note_frames, 0);
+    hs_loop_destroy(loop);
+}
+
+static void no_plugin_at_all_renders_unclipped(void **state) {
+    const fixture *f = *state;
+    const hs_loop_options o = options_with(NULL, 0);
+    hs_error err = {0};
+    hs_loop *loop = hs_loop_create(&f->cl, &f->source, NULL, &o, &err);
+    assert_non_null(loop);
+    hs_view view = view_of(loop, 0);
+    assert_unclipped(&view);
+    hs_view_free(&view);
+    hs_loop_destroy(loop);
+}
+
+static void impossible_options_are_refused(void **state) {
+    const fixture *f = *state;
+    hs_loop_options bad[6];
+    static const char *const says[6] = {"frames: 0",          "slab: 0 slices",       "carrier: 7",
+                                        "needs carrier host", "low resolution: 8193", "must be finite"};
+    for (int i = 0; i < 6; i++) bad[i] = options_with(NULL, 0);
+    bad[0].frames = 0;
+    bad[1].slab_slices = 0;
+    bad[2].carrier = 7;
+    bad[3].own_queue = true;
+    bad[4].lowres = 8193;
+    bad[5].yaw = NAN;
+    for (int i = 0; i < 6; i++) {
+        hs_error err = {0};
+        assert_null(hs_loop_create(&f->cl, &f->source, &f->plugin, &bad[i], &err));
+        assert_int_equal(err.code, HS_ERR_USAGE);
+        if (!strstr(err.text, says[i])) fail_msg("'%s' does not say '%s'", err.text, says[i]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture),
+        cmocka_unit_test(a_note_is_rendered_unclipped_and_is_no_error),
+        cmocka_unit_test(a_value_the_plugin_refuses_names_it),
+        cmocka_unit_test(a_failed_frame_does_not_end_the_loop),
+        cmocka_unit_test(no_plugin_at_all_renders_unclipped),
+        cmocka_unit_test(impossible_options_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

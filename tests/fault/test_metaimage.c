@@ -1,0 +1,311 @@
+/* MetaImage files that are wrong: each is refused with file, field and value. Run under ASan, nothing may
+ * leak. */
+#include "metaimage_files.h"
+
+#include <math.h>
+#include <sys/stat.h>
+
+#define GOOD_TEXT                                                                                            \
+    "ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 4 3 2\n"            \
+    "ElementType = MET_USHORT\nElementDataFile = LOCAL\n"
+
+enum { GOOD_BYTES = 4 * 3 * 2 * 2 };
+
+static uint8_t good_data[GOOD_BYTES];
+
+static void fill_good_data(void) {
+    for (size_t i = 0; i < GOOD_BYTES; i++) good_data[i] = (uint8_t)(i * 37 + 5);
+}
+
+/* A text without the lines that start with `without`, and with `line` (may be "") before the last one. */
+static void write_edited(const char *name, const char *without, const char *line) {
+    char text[2048] = "";
+    size_t at = 0;
+    for (const char *s = GOOD_TEXT; *s; s = strchr(s, '\n') + 1) {
+        const size_t n = (size_t)(strchr(s, '\n') - s) + 1;
+        if (strncmp(s, "ElementDataFile", 15) == 0)
+            at += (size_t)snprintf(text + at, sizeof text - at, "%s", line);
+        const size_t w = strlen(without);
+        if (w && strncmp(s, without, w) == 0 && s[w] == ' ') continue;
+        at += (size_t)snprintf(text + at, sizeof text - at, "%.*s", (int)n, s);
+    }
+    files_write(name, text, good_data, GOOD_BYTES);
+}
+
+static void values_out_of_range_are_named(void **state) {
+    (void)state;
+    static const struct {
+        const char *field, *value, *told;
+    } bad[] = {
+        {"NDims", "2", "NDims is '2', expected 3"},
+        {"NDims", "5", "NDims is '5'"},
+        {"NDims", "3.0", "NDims is '3.0'"},
+        {"NDims", "-3", "NDims is '-3'"},
+        {"NDims", "99999999999999999999999", "NDims is '99999999999999999999999'"},
+        {"DimSize", "65535 65535 65535",
+         "DimSize is '65535 65535 65535', expected one number per dimension, each 1 .. 2048"},
+        {"DimSize", "2048 2048 2048", "DimSize is '2048 2048 2048', expected at most 2147483648 voxels"},
+        {"DimSize", "0 3 2", "DimSize is '0 3 2'"},
+        {"DimSize", "4 -1 2", "DimSize is '4 -1 2'"},
+        {"DimSize", "4 3 4294967298", "DimSize is '4 3 4294967298'"},                     /* 2 + 2^32 */
+        {"DimSize", "4 3 18446744073709551618", "DimSize is '4 3 18446744073709551618'"}, /* 2 + 2^64 */
+        {"DimSize", "4 3", "DimSize is '4 3'"},
+        {"DimSize", "4 3 2 1", "DimSize is '4 3 2 1', expected as many numbers as NDims"},
+        {"DimSize", "4x 3 2", "DimSize is '4x 3 2'"},
+        {"DimSize", "", "DimSize is ''"},
+        {"ElementType", "MET_COMPLEX", "ElementType is 'MET_COMPLEX', expected MET_UCHAR"},
+        {"ElementType", "met_ushort", "ElementType is 'met_ushort'"},
+        {"ElementType", "MET_UCHAR_ARRAY", "ElementType is 'MET_UCHAR_ARRAY'"},
+        {"ElementSpacing", "1 0 1", "ElementSpacing is '1 0 1', expected three numbers above 0 (mm)"},
+        {"ElementSpacing", "1 -2 1", "ElementSpacing is '1 -2 1'"},
+        {"ElementSpacing", "1 nan 1", "ElementSpacing is '1 nan 1'"},
+        {"ElementSpacing", "1 1e999 1", "ElementSpacing is '1 1e999 1'"},
+        {"ElementSpacing", "1 1", "ElementSpacing is '1 1'"},
+        {"ElementNumberOfChannels", "3", "ElementNumberOfChannels is '3', expected 1"},
+        {"ObjectType", "Tube", "ObjectType is 'Tube', expected Image"},
+        {"BinaryData", "False", "BinaryData is 'False', expected True"},
+        {"BinaryData", "maybe", "BinaryData is 'maybe', expected True or False"},
+        {"BinaryDataByteOrderMSB", "2", "BinaryDataByteOrderMSB is '2', expected True or False"},
+        {"CompressedData", "zlib", "CompressedData is 'zlib', expected True or False"},
+        {"HeaderSize", "-2", "HeaderSize is '-2', expected a number of bytes, or -1"},
+        {"HeaderSize", "12", "HeaderSize is '12', expected 0, -1 or the length of the text"},
+        {"HeaderSize", "18446744073709551615", "0 bytes of data, expected 48"},
+        {"ElementDataFile", "LIST", "ElementDataFile is 'LIST', expected LOCAL or the name of one file"},
+        {"ElementDataFile", "slice%03d.raw 1 3 1", "ElementDataFile is 'slice%03d.raw 1 3 1'"},
+        {"ElementDataFile", "", "ElementDataFile is ''"},
+        {"ElementDataFile", "none.raw",
+         "ElementDataFile 'none.raw': cannot be read: No such file or directory"},
+        {"ElementDataFile", ".", "ElementDataFile '.': cannot be read: not a regular file"},
+        {"ElementDataFile", "/dev/zero", "ElementDataFile '/dev/zero': cannot be read: not a regular file"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char line[128];
+        (void)snprintf(line, sizeof line, "%s = %s\n", bad[i].field, bad[i].value);
+        write_edited("bad.mha", bad[i].field, line);
+        files_refused("bad.mha", bad[i].told);
+    }
+    write_edited("bad.mha", "", "BinaryDataByteOrderMSB = True\nElementByteOrderMSB = False\n");
+    files_refused("bad.mha",
+                  ":8: ElementByteOrderMSB is 'False', expected the same as BinaryDataByteOrderMSB");
+    write_edited("bad.mha", "NDims", "NDims = 4\n");
+    files_refused("bad.mha", "DimSize is '4 3 2', expected a fourth size of 1");
+}
+
+static void missing_and_repeated_fields_are_named(void **state) {
+    (void)state;
+    static const char *const needed[] = {"NDims", "DimSize", "ElementType", "ElementDataFile"};
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        char told[64];
+        (void)snprintf(told, sizeof told, "%s is missing", needed[i]);
+        write_edited("missing.mha", needed[i], "");
+        if (i == 3)
+            files_write("missing.mha", "NDims = 3\nDimSize = 4 3 2\nElementType = MET_USHORT\n", NULL, 0);
+        files_refused("missing.mha", told);
+    }
+    static const char *const repeated[] = {"ObjectType = Image\n", "NDims = 3\n",
+                                           "BinaryData = True\n",  "ElementSpacing = 1 1 1\n",
+                                           "DimSize = 4 3 2\n",    "ElementType = MET_USHORT\n"};
+    for (unsigned i = 0; i < sizeof repeated / sizeof *repeated; i++) {
+        char told[96];
+        (void)snprintf(told, sizeof told, ":7: %.*s is given a second time, first in line %u",
+                       (int)strcspn(repeated[i], " "), repeated[i], i + 1);
+        write_edited("twice.mha", "", repeated[i]);
+        files_refused("twice.mha", told);
+    }
+}
+
+/* Every prefix of a file with its data inside, raw and compressed, but the whole one. */
+static void every_truncation_is_refused(void **state) {
+    (void)state;
+    size_t packed_bytes;
+    uint8_t *packed = files_deflate(good_data, GOOD_BYTES, &packed_bytes);
+    for (int compressed = 0; compressed < 2; compressed++) {
+        char file[1024];
+        const size_t text = (size_t)snprintf(file, sizeof file, "%s%s",
+                                             compressed ? "CompressedData = True\n" : "", GOOD_TEXT);
+        const size_t data = compressed ? packed_bytes : GOOD_BYTES;
+        assert_true(text + data < sizeof file);
+        memcpy(file + text, compressed ? packed : good_data, data);
+        for (size_t n = 0; n < text + data; n++) {
+            files_write("cut.mha", NULL, file, n);
+            const bool whole_lines = n < text && (n == 0 || file[n - 1] == '\n');
+            files_refused("cut.mha", whole_lines ? "ElementDataFile is missing" : NULL);
+            if (n >= text) files_refused("cut.mha", "ElementDataFile 'LOCAL'");
+        }
+        hs_volume volume;
+        files_write("cut.mha", NULL, file, text + data);
+        files_read("cut.mha", NULL, &volume); /* and the whole one is right */
+        hs_volume_free(&volume);
+    }
+    free(packed);
+}
+
+static void data_files_of_another_length_are_refused(void **state) {
+    (void)state;
+    uint8_t data[GOOD_BYTES + 1] = {0};
+    files_write("length.mhd",
+                "NDims = 3\nDimSize = 4 3 2\nElementType = MET_USHORT\nElementDataFile = length.raw\n", NULL,
+                0);
+    for (size_t n = 0; n <= GOOD_BYTES + 1; n++) {
+        if (n == GOOD_BYTES) continue;
+        char told[96];
+        (void)snprintf(
+            told, sizeof told,
+            ":4: ElementDataFile 'length.raw': %zu bytes of data, expected 48 (DimSize 4 3 2 of MET_USHORT)",
+            n);
+        files_write("length.raw", NULL, data, n);
+        files_refused("length.mhd", told);
+    }
+}
+
+/* Adler-32 guards the voxels, so a changed byte is noticed wherever it is. */
+static void every_damaged_byte_of_compressed_data_is_noticed(void **state) {
+    (void)state;
+    size_t bytes;
+    uint8_t *packed = files_deflate(good_data, GOOD_BYTES, &bytes);
+    for (size_t i = 0; i < bytes; i++) {
+        packed[i] ^= 0xff;
+        files_write("damaged.mha", "CompressedData = True\n" GOOD_TEXT, packed, bytes);
+        files_refused("damaged.mha", "ElementDataFile 'LOCAL': CompressedData");
+        packed[i] ^= 0xff;
+    }
+    free(packed);
+}
+
+/* Compressed streams that are whole but not what the header says. */
+static void compressed_streams_must_fit_the_header(void **state) {
+    (void)state;
+    uint8_t *zeros = calloc(10u << 20, 1);
+    assert_non_null(zeros);
+    size_t bytes;
+    uint8_t *packed = files_deflate(zeros, 10u << 20, &bytes); /* a bomb: 10 MB in 10 KB */
+    assert_true(bytes < 11000);
+    files_write("bomb.mha", "CompressedData = True\n" GOOD_TEXT, packed, bytes);
+    files_refused("bomb.mha", "CompressedData holds more than the 48 voxel bytes expected");
+    files_write("greedy.mha",
+                "CompressedData = True\nNDims = 3\nDimSize = 2048 1024 1024\nElementType = "
+                "MET_UCHAR\nElementDataFile = LOCAL\n",
+                packed, bytes);
+    files_refused("greedy.mha", "compressed bytes cannot hold DimSize 2048 1024 1024 of MET_UCHAR");
+    files_write("short.mha",
+                "CompressedData = True\nNDims = 3\nDimSize = 2048 1024 5\nElementType = "
+                "MET_UCHAR\nElementDataFile = LOCAL\n",
+                packed, bytes);
+    hs_volume volume;
+    files_read("short.mha", NULL, &volume); /* 10 MB exactly: read */
+    hs_volume_free(&volume);
+    free(packed);
+
+    packed = files_deflate(good_data, GOOD_BYTES - 1, &bytes);
+    files_write("short.mha", "CompressedData = True\n" GOOD_TEXT, packed, bytes);
+    files_refused("short.mha", "CompressedData ends after 47 voxel bytes, expected 48");
+    free(packed);
+
+    packed = files_deflate(good_data, GOOD_BYTES, &bytes);
+    uint8_t trailed[256] = {0};
+    memcpy(trailed, packed, bytes);
+    files_write("trail.mha", "CompressedData = True\n" GOOD_TEXT, trailed, bytes + 3);
+    files_refused("trail.mha", "3 bytes follow after the compressed data");
+    char text[512], told[96];
+    (void)snprintf(text, sizeof text, "CompressedData = True\nCompressedDataSize = %zu\n" GOOD_TEXT,
+                   bytes + 3);
+    (void)snprintf(told, sizeof told, ":2: CompressedDataSize is '%zu', but 'LOCAL' has %zu bytes", bytes + 3,
+                   bytes);
+    files_write("size.mha", text, packed, bytes);
+    files_refused("size.mha", told);
+    files_write("size.mha", "CompressedData = True\nCompressedDataSize = -5\n" GOOD_TEXT, packed, bytes);
+    files_refused("size.mha", "CompressedDataSize is '-5', expected a number of bytes");
+    files_write("size.mha", "CompressedData = True\nHeaderSize = -1\n" GOOD_TEXT, packed, bytes);
+    files_refused("size.mha", "HeaderSize is '-1'");
+    files_write("plain.mha", "CompressedData = True\n" GOOD_TEXT, good_data, GOOD_BYTES);
+    files_refused("plain.mha", "CompressedData is damaged");
+    free(packed);
+    free(zeros);
+}
+
+static void voxels_that_are_no_numbers_are_named(void **state) {
+    (void)state;
+    static const char text[] =
+        "NDims = 3\nDimSize = 3 2 2\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    static const char *const told[] = {"voxel (2, 1, 0) is 'nan', expected a finite number",
+                                       "voxel (2, 1, 0) is 'inf'", "voxel (2, 1, 0) is '-inf'"};
+    for (size_t i = 0; i < 3; i++) {
+        float data[12] = {1, 2, 3};
+        data[5] = bad[i];
+        files_write("nan.mha", text, data, sizeof data);
+        files_refused("nan.mha", told[i]);
+    }
+    const float flat[12] = {0};
+    files_write("flat.mha", text, flat, sizeof flat);
+    files_refused("flat.mha", "every voxel is 0: no range to map to 8 bit");
+}
+
+static void what_is_no_metaimage_is_refused(void **state) {
+    (void)state;
+    static const uint8_t png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
+                                  0,    0,   0,   13,  'I',  'H',  'D',  'R'};
+    files_write("a.png", NULL, png, sizeof png);
+    files_refused("a.png", ":1: expected 'Field = value'");
+    files_write("zero.mha", "NDims = 3\n", "\0\0\0\0", 4);
+    files_refused("zero.mha", ":2: holds a zero byte");
+    char *long_text = malloc(70001);
+    assert_non_null(long_text);
+    memset(long_text, 'x', 70000);
+    long_text[70000] = '\0';
+    files_write("long.mha", "Comment = ", long_text, 70000);
+    files_refused("long.mha", "ElementDataFile is missing in the first 65536 bytes");
+    free(long_text);
+    files_refused("absent.mha", "No such file or directory");
+    assert_int_equal(mkfifo(files_path("fifo.mha"), 0600), 0);
+    (void)alarm(20); /* a reader that waits for a writer would wait for ever */
+    files_refused("fifo.mha", "not a regular file");
+    (void)alarm(0);
+}
+
+/* Fields that are not used may say who was scanned: they must not come out, not even from a broken file. */
+static void skipped_values_stay_out_of_messages(void **state) {
+    (void)state;
+    static const char *const broken[] = {"PatientName = Doe^Jane\nPatientID: 4711-Doe\nNDims = 2\n",
+                                         "Comment = Doe^Jane\nDoe^Jane 4711\n",
+                                         "Name = Doe^Jane\nComment = x\n"};
+    for (size_t i = 0; i < 3; i++) {
+        write_edited("patient.mha", i == 2 ? "ElementType" : "NDims", broken[i]);
+        hs_error err = {0};
+        hs_volume volume;
+        assert_false(hs_metaimage_read(files_path("patient.mha"), NULL, &volume, &err));
+        assert_null(strstr(err.text, "Doe"));
+        assert_null(strstr(err.text, "4711"));
+        assert_null(strchr(err.text, '\n'));
+    }
+}
+
+static void messages_stay_one_printable_line(void **state) {
+    (void)state;
+    write_edited("odd.mha", "ElementType",
+                 "ElementType = MET_\x1b[31m\a\xff much longer than any name of a type could ever be in a "
+                 "header of this format\n");
+    files_refused("odd.mha", "ElementType is 'MET_?[31m?? much longer");
+    files_refused("odd.mha", "...', expected");
+}
+
+static int setup(void **state) {
+    fill_good_data();
+    return files_setup(state);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(values_out_of_range_are_named),
+        cmocka_unit_test(missing_and_repeated_fields_are_named),
+        cmocka_unit_test(every_truncation_is_refused),
+        cmocka_unit_test(data_files_of_another_length_are_refused),
+        cmocka_unit_test(every_damaged_byte_of_compressed_data_is_noticed),
+        cmocka_unit_test(compressed_streams_must_fit_the_header),
+        cmocka_unit_test(voxels_that_are_no_numbers_are_named),
+        cmocka_unit_test(what_is_no_metaimage_is_refused),
+        cmocka_unit_test(skipped_values_stay_out_of_messages),
+        cmocka_unit_test(messages_stay_one_printable_line),
+    };
+    return cmocka_run_group_tests(tests, setup, files_teardown);
+}

@@ -1,0 +1,87 @@
+/*
+ * The plugin's own allocations fail, one by one: create, activate, and a failing build that needs memory for
+ * its log. Not under AddressSanitizer, which owns the heap (spy/heap_spy.h).
+ */
+#include "spy/cl_spy.h"
+#include "spy/heap_spy.h"
+#include "support/fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void need_the_heap(void) {
+    if (heap_spy_works()) return;
+    print_message("AddressSanitizer owns the heap: nothing to do here\n");
+    skip();
+}
+
+static void create(void **state) {
+    need_the_heap();
+    fixture *f = *state;
+    const sv_entry *entry = f->r.entry;
+    heap_spy_watch(entry);
+    const sv_plugin *out = f->r.plugin;
+    heap_spy_fail(1);
+    assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_ERR_NO_MEMORY);
+    assert_true(heap_spy_failed());
+    assert_null(out);
+    assert_non_null(strstr(f->r.last_log, "create: no memory for an instance"));
+    assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_OK);
+    assert_int_equal(heap_spy_live(), 1);
+    out->destroy(out);
+    assert_int_equal(heap_spy_live(), 0);
+}
+
+static void activate(void **state) {
+    need_the_heap();
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+    uint32_t n = 1;
+    for (;; n++) {
+        heap_spy_fail(n);
+        const sv_status status = fixture_activate(f);
+        const bool failed = heap_spy_failed();
+        heap_spy_fail(0);
+        if (!failed) {
+            assert_int_equal(status, SV_OK);
+            break;
+        }
+        fixture_refused(f, status, SV_ERR_NO_MEMORY, "no memory for ");
+        assert_int_equal(fixture_begin(f), SV_ERR_STATE);
+        assert_int_equal(spy_live(), 0);
+        assert_int_equal(heap_spy_live(), 0);
+    }
+    print_message("%u allocations failed once\n", n - 1);
+    assert_true(n > 2); /* timing events, and what the self-test needs */
+    fixture_frame_is_good(f);
+    f->r.plugin->deactivate(f->r.plugin);
+    assert_int_equal(heap_spy_live(), 0);
+}
+
+/* Without memory for the build log the error is still that of the build. */
+static void build_log(void **state) {
+    need_the_heap();
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+    assert_int_equal(setenv("SMARTVIS_BUILD_OPTIONS", "-D__kernel=banana", 1), 0);
+    heap_spy_fail(2); /* the first one is for timing events */
+    const sv_status status = fixture_activate(f);
+    assert_true(heap_spy_failed());
+    assert_int_equal(unsetenv("SMARTVIS_BUILD_OPTIONS"), 0);
+    fixture_refused(f, status, SV_ERR_BUILD, "the kernels do not build: CL_BUILD_PROGRAM_FAILURE (-11)");
+    assert_int_equal(spy_live(), 0);
+    assert_int_equal(heap_spy_live(), 0);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {FIXTURE_TEST(create), FIXTURE_TEST(activate), FIXTURE_TEST(build_log)};
+    return cmocka_run_group_tests_name("heap faults", tests, NULL, NULL);
+}

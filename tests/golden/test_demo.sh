@@ -1,0 +1,68 @@
+#!/bin/bash
+# The demo end to end, small: its pictures and its page. Called with the source and the build folder.
+set -u
+build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+# Fails unless the command given succeeds.
+holds() {
+    if ! "$@"; then
+        echo "FAIL: $*"
+        failed=$((failed + 1))
+    fi
+}
+
+# A file to stand for a real volume: a layer, fluid, and a bright ball behind it.
+mkdir "$work/data"
+printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n' \
+    > "$work/data/layers.mha"
+{
+    head -c $((32 * 32 * 6)) /dev/zero | tr '\0' '\220'
+    head -c $((32 * 32 * 14)) /dev/zero | tr '\0' '\005'
+    head -c $((32 * 32 * 12)) /dev/zero | tr '\0' '\360'
+} >> "$work/data/layers.mha"
+
+"$build/host_sim" demo --quick --out "$work/demo" --data "$work/data" > "$work/stdout" 2> "$work/stderr"
+code=$?
+if [ $code -ne 0 ]; then
+    echo "FAIL: exit code $code"
+    cat "$work/stderr"
+    exit 1
+fi
+page=$work/demo/index.html
+for case in D01 E01 D02; do
+    for picture in result full truth panel depthmap points knob orbit; do holds [ -s "$work/demo/$case/$picture.png" ]; done
+    # The rendering of the ground truth differs from the full volume's: something hides the fetus.
+    holds [ "$(cmp -s "$work/demo/$case/full.png" "$work/demo/$case/truth.png"; echo $?)" = 1 ]
+    # And the plugin takes some of it away.
+    holds [ "$(cmp -s "$work/demo/$case/full.png" "$work/demo/$case/result.png"; echo $?)" = 1 ]
+done
+holds [ -s "$work/demo/layers_mha/panel.png" ]
+holds [ ! -e "$work/demo/layers_mha/truth.png" ]
+
+# Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
+pictures=$(grep -o '<img ' "$page" | wc -l)
+holds [ "$pictures" -eq $((3 * 7 + 6)) ]
+holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/png;base64,iVBORw0KGgo' "$page" | wc -l)" -eq "$pictures" ]
+holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
+holds grep -q 'name="viewport"' "$page"
+# The first picture, taken out of the page again, is the file.
+grep -o -m 1 'base64,[^"]*' "$page" | head -n 1 | cut -d , -f 2 | base64 -d > "$work/first.png"
+holds cmp "$work/first.png" "$work/demo/D01/full.png"
+# Tags are balanced.
+for tag in figure figcaption div table details pre p h2; do
+    holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
+done
+# One row a case in the table of speeds, after its head.
+holds [ "$(grep -c '^<tr><th>' "$page")" -eq 5 ]
+holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
+
+# With a plugin that fails, the demo ends with its code and shows the full volume.
+"$build/host_sim" demo --quick --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so" > /dev/null 2>&1
+holds [ $? -eq 4 ]
+holds cmp "$work/bad/D01/full.png" "$work/bad/D01/result.png"
+holds grep -q 'no symbol smartvis_plugin_entry' "$work/bad/index.html"
+
+[ $failed -eq 0 ]

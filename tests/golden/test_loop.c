@@ -1,0 +1,232 @@
+/* The scan loop: pictures and depths that can be computed by hand, and frames that create nothing. */
+#include "golden/loop_fixture.h"
+
+#include <dlfcn.h>
+
+/* ------------------------------------------------------------------ calls no frame may make -- */
+
+static unsigned creations;
+
+/* The program's own definitions come first for the plugins as well: it exports its symbols. */
+#define SPY(result, name, parameters, arguments)                                                             \
+    result CL_API_CALL name parameters;                                                                      \
+    result CL_API_CALL name parameters {                                                                     \
+        static result(CL_API_CALL *real) parameters;                                                         \
+        if (!real) *(void **)&real = dlsym(RTLD_NEXT, #name);                                                \
+        creations++;                                                                                         \
+        return real arguments;                                                                               \
+    }
+
+SPY(cl_mem, clCreateBuffer, (cl_context c, cl_mem_flags f, size_t n, void *p, cl_int *e), (c, f, n, p, e))
+SPY(cl_mem, clCreateSubBuffer, (cl_mem m, cl_mem_flags f, cl_buffer_create_type t, const void *i, cl_int *e),
+    (m, f, t, i, e))
+SPY(cl_mem, clCreateImage,
+    (cl_context c, cl_mem_flags f, const cl_image_format *i, const cl_image_desc *d, void *p, cl_int *e),
+    (c, f, i, d, p, e))
+SPY(cl_kernel, clCreateKernel, (cl_program p, const char *n, cl_int *e), (p, n, e))
+SPY(cl_int, clBuildProgram,
+    (cl_program p, cl_uint n, const cl_device_id *d, const char *o,
+     void(CL_CALLBACK *f)(cl_program program, void *data), void *u),
+    (p, n, d, o, f, u))
+SPY(cl_program, clCreateProgramWithSource,
+    (cl_context c, cl_uint n, const char **s, const size_t *l, cl_int *e), (c, n, s, l, e))
+
+/* Depth of the map over the centre of pixel x: bilinear between map pixels, constant beyond the outer ones.
+ */
+static double tilted_depth(double d, int x) {
+    const double at = (x + 0.5) * LOW / PICTURE - 0.5;
+    return d + fmin(fmax(at, 0), LOW - 1);
+}
+
+static void the_format_is_a_third_and_covers_the_volume(void **state) {
+    const fixture *f = *state;
+    const hs_loop_options o = options_with(NULL, 0);
+    hs_loop *loop = make_loop(f, &o);
+    const hs_slab_layout *l = hs_loop_layout(loop);
+    assert_int_equal(l->width, LOW);
+    assert_int_equal(l->height, LOW);
+    assert_int_equal(l->slices, LOW);
+    assert_int_equal(hs_slab_count(l), 3);
+    assert_int_equal(hs_slab_length(l, 2), 4);
+    assert_true(l->row_pitch >= l->tiles_x * l->tile_w && l->row_pitch % 64 == 0);
+    hs_loop_destroy(loop);
+}
+
+static void a_flat_plane_clips_where_it_lies(void **state) {
+    const fixture *f = *state;
+    static const double depths[] = {-3, 0, 0.4, 2.25, 5, 9.75, 12.25, 40};
+    for (size_t i = 0; i < sizeof depths / sizeof depths[0]; i++) {
+        const sv_param_value value = {.id = DEPTH, .value = depths[i]};
+        const hs_loop_options o = options_with(&value, 1);
+        hs_loop *loop = make_loop(f, &o);
+        hs_view view = view_of(loop, 0);
+        assert_true(view.frame.clipped);
+        const float end = end_of_ray(depths[i]);
+        for (size_t p = 0; p < (size_t)PICTURE * PICTURE; p++) {
+            assert_true(view.termination[p] == end);
+            assert_true(view.full_termination[p] == OCCLUDER);
+            assert_int_equal(view.result[4 * p], red_at(end, &o.dvr));
+            assert_int_equal(view.full[4 * p], red_at(OCCLUDER, &o.dvr));
+            assert_int_equal(view.mip[p], 255);
+        }
+        for (size_t r = 0; r < (size_t)LOW * LOW; r++) {
+            assert_true(view.depth[r] == (float)depths[i]);
+            assert_int_equal(view.status[r], SV_POINT_INITIAL);
+        }
+        hs_view_free(&view);
+        hs_loop_destroy(loop);
+    }
+}
+
+/* Which way x runs, and that map and picture lie over each other to a fraction of a pixel. */
+static void check_tilted(hs_loop *loop, const hs_loop_options *o, double depth) {
+    hs_view view = view_of(loop, 0);
+    assert_true(view.frame.clipped);
+    for (int y = 0; y < PICTURE; y++)
+        for (int x = 0; x < PICTURE; x++) {
+            const float end = end_of_ray(tilted_depth(depth, x));
+            const size_t p = (size_t)y * PICTURE + (size_t)x;
+            if (view.termination[p] != end)
+                fail_msg("x %d: the ray ends at %g, expected %g", x, (double)view.termination[p],
+                         (double)end);
+            assert_int_equal(view.result[4 * p], red_at(end, &o->dvr));
+        }
+    hs_view_free(&view);
+}
+
+static void every_carrier_and_queue_gives_the_picture_of_a_tilted_plane(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        uint32_t carrier;
+        bool own_queue;
+    } ways[] = {{SV_CARRIER_HOST, false},
+                {SV_CARRIER_HOST, true},
+                {SV_CARRIER_BUFFER, false},
+                {SV_CARRIER_IMAGE, false}};
+    const sv_param_value values[2] = {{.id = DEPTH, .value = 1}, {.id = SHAPE, .value = 1}};
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
+        hs_loop_options o = options_with(values, 2);
+        o.carrier = ways[i].carrier;
+        o.own_queue = ways[i].own_queue;
+        hs_loop *loop = make_loop(f, &o);
+        check_tilted(loop, &o, 1);
+        hs_loop_destroy(loop);
+    }
+}
+
+/* ------------------------------------------------------------------------------ the loop -- */
+
+static void frames_create_and_compile_nothing(void **state) {
+    const fixture *f = *state;
+    const sv_param_value value = {.id = DEPTH, .value = 5};
+    for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++) {
+        hs_loop_options o = options_with(&value, 1);
+        o.carrier = carrier;
+        o.live = true;
+        hs_loop *loop = make_loop(f, &o);
+        assert_true(creations > 0); /* the spy is in place: making the loop went through it */
+        for (int s = 0; s < HS_SETTING_COUNT; s++) {
+            const unsigned before = creations;
+            hs_loop_result result;
+            hs_error err = {0};
+            assert_true(hs_loop_run(loop, (hs_setting)s, NULL, &result, &err));
+            assert_int_equal(creations, before);
+        }
+        hs_loop_destroy(loop);
+    }
+}
+
+static void results_add_up(void **state) {
+    const fixture *f = *state;
+    const sv_param_value value = {.id = DEPTH, .value = 5};
+    const hs_loop_options o = options_with(&value, 1);
+    hs_loop *loop = make_loop(f, &o);
+    for (int s = 0; s < HS_SETTING_COUNT; s++) {
+        hs_loop_result r;
+        hs_error err = {0};
+        assert_true(hs_loop_run(loop, (hs_setting)s, NULL, &r, &err));
+        assert_int_equal(r.frames, FRAMES);
+        assert_int_equal(r.clipped_frames, s == HS_SETTING_SMARTVIS ? FRAMES : 0);
+        assert_int_equal(r.stats.points, s == HS_SETTING_SMARTVIS ? LOW * LOW : 0);
+        for (int stage = 0; stage < HS_STAGE_COUNT; stage++) {
+            assert_true(r.stage[stage].p95 >= r.stage[stage].median);
+            assert_true(r.stage[HS_STAGE_LOOP].p95 >= r.stage[stage].median);
+        }
+        assert_true(r.volumes_per_second == 1e3 / r.stage[HS_STAGE_LOOP].median);
+        assert_true(r.plugin_share >= 0 && r.plugin_share < 1);
+        assert_false(r.has_plugin_stages); /* this plugin has no smartvis.stats/1 */
+    }
+    hs_loop_destroy(loop);
+}
+
+static void a_sequence_shows_its_volumes_in_turn(void **state) {
+    const fixture *f = *state;
+    fixture g = *f;
+    g.source = (hs_source){.volumes = g.both, .count = 2};
+    const hs_loop_options o = options_with(NULL, 0);
+    hs_error err = {0};
+    hs_loop *loop = hs_loop_create(&g.cl, &g.source, NULL, &o, &err);
+    assert_non_null(loop);
+    for (uint32_t i = 0; i < 4; i++) {
+        hs_view view = view_of(loop, i);
+        const float end = i % 2 ? 0 : OCCLUDER;
+        assert_true(view.termination[0] == end);
+        assert_int_equal(view.result[0], i % 2 ? red_at(FETUS, &o.dvr) : red_at(OCCLUDER, &o.dvr));
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+}
+
+static void an_orbit_keeps_one_box_and_lies_around_its_yaw(void **state) {
+    const fixture *f = *state;
+    hs_loop_options o = options_with(NULL, 0);
+    o.frames = 3;
+    o.yaw = 5;
+    o.orbit = 40;
+    assert_true(hs_loop_yaw(&o, 0) == -15 && hs_loop_yaw(&o, 1) == 5 && hs_loop_yaw(&o, 2) == 25);
+    hs_error err = {0};
+    hs_loop *loop = hs_loop_create(&f->cl, &f->source, NULL, &o, &err);
+    assert_non_null(loop);
+    hs_view views[3];
+    for (uint32_t i = 0; i < 3; i++) views[i] = view_of(loop, i);
+    for (uint32_t i = 1; i < 3; i++) {
+        assert_true(views[i].camera.extent == views[0].camera.extent);
+        assert_true(views[i].camera.depth_extent == views[0].camera.depth_extent);
+        assert_true(
+            memcmp(views[i].camera.rotation, views[0].camera.rotation, sizeof views[0].camera.rotation) != 0);
+    }
+    /* Seen 25 degrees from the side, a cube of 48 mm is 48 (cos 25 + sin 25) mm across. */
+    const double across = N * (cos(25 * acos(-1) / 180) + sin(25 * acos(-1) / 180));
+    assert_true(views[0].camera.extent >= across - 1e-6 && views[0].camera.extent < across + 1);
+    for (uint32_t i = 0; i < 3; i++) hs_view_free(&views[i]);
+    hs_loop_destroy(loop);
+}
+
+static void the_ground_truth_is_rendered_with_the_same_camera(void **state) {
+    const fixture *f = *state;
+    fixture g = *f;
+    static const hs_volume *truths[1];
+    truths[0] = &f->bright;
+    g.source.truths = truths;
+    const hs_loop_options o = options_with(NULL, 0);
+    hs_loop *loop = make_loop(&g, &o);
+    hs_view view = view_of(loop, 0);
+    assert_non_null(view.truth);
+    assert_int_equal(view.truth[0], red_at(FETUS, &o.dvr));
+    hs_view_free(&view);
+    hs_loop_destroy(loop);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_format_is_a_third_and_covers_the_volume),
+        cmocka_unit_test(a_flat_plane_clips_where_it_lies),
+        cmocka_unit_test(every_carrier_and_queue_gives_the_picture_of_a_tilted_plane),
+        cmocka_unit_test(frames_create_and_compile_nothing),
+        cmocka_unit_test(results_add_up),
+        cmocka_unit_test(a_sequence_shows_its_volumes_in_turn),
+        cmocka_unit_test(an_orbit_keeps_one_box_and_lies_around_its_yaw),
+        cmocka_unit_test(the_ground_truth_is_rendered_with_the_same_camera),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,55 @@
+#!/bin/bash
+# test_scenes_command.sh SOURCE BUILD: the command `host_sim scenes` from end to end: list, exit codes, exported files, the
+# same bytes whatever the number of threads, a contact sheet.
+set -u
+host_sim=$2/host_sim
+[ -x "$host_sim" ] || { echo "no $host_sim"; exit 77; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+failed=0
+fail() {
+    echo "FAILED: $*"
+    failed=1
+}
+code() { # code EXPECTED ARGUMENTS...: the exit code, and on an error one line that says what is wrong
+    local expected=$1
+    shift
+    "$host_sim" scenes "$@" > "$folder/out" 2> "$folder/err"
+    local found=$?
+    [ $found -eq "$expected" ] || fail "scenes $*: exit code $found, expected $expected: $(cat "$folder/err")"
+}
+
+code 0 --help
+grep -q -- '--sheet' "$folder/out" || fail "--help does not name --sheet"
+code 0
+[ "$(grep -cE '^(E0[1-4]|M0[1-3]|D0[12]|real) ' "$folder/out")" -eq 10 ] || fail "the list does not hold the ten scenes"
+
+code 2 --size 31 D01
+grep -q 'size: 31' "$folder/err" || fail "a wrong size is not named: $(cat "$folder/err")"
+code 2 --all D01
+code 2 --colour
+code 2 D01 --frames
+code 2 real
+code 3 Q77
+code 3 "$folder/absent.json"
+printf '{ "name": "x",\n  "title": "y", "seed": -3 }' > "$folder/bad.json"
+code 3 "$folder/bad.json"
+grep -q 'bad.json:2: seed: is -3' "$folder/err" || fail "line and field are not named: $(cat "$folder/err")"
+code 6 D01 --size 32 --export --out /proc/none
+
+code 0 E02 --size 48 --frames 2 --threads 1 --export --times --out "$folder/one"
+grep -q 'reverberation' "$folder/out" || fail "--times does not tell the steps"
+code 0 E02 --size 48 --frames 2 --threads 3 --export --out "$folder/three"
+diff -rq "$folder/one" "$folder/three" || fail "the bytes depend on the number of threads"
+written=("$folder"/one/*)
+[ ${#written[@]} -eq 10 ] || fail "two frames are not ten files: ${written[*]}"
+cmp -s "$folder/one/E02_f000_full.mha" "$folder/one/E02_f001_full.mha" && fail "two frames are alike"
+head -c 400 "$folder/one/E02_f000_near.mha" | grep -aq 'ElementType = MET_FLOAT' || fail "near is not float32"
+"$host_sim" info "$folder/one/E02_f000_full.mha" | grep -q '48 x 48 x 48 voxels of 2.5' || fail "info does not read the volume"
+
+code 0 real --real "$folder/one/E02_f000_truth.mha" --export --out "$folder/real"
+[ -s "$folder/real/real_full.mha" ] || fail "real wrote no volume"
+
+code 0 D01 --size 64 --sheet --out "$folder/sheet"
+[ "$(head -c 4 "$folder/sheet/D01_sheet.png" | tail -c 3)" = PNG ] || fail "the contact sheet is no PNG"
+exit $failed

@@ -1,0 +1,216 @@
+#include "cl_spy.h"
+
+#include "library_range.h"
+
+#include <dlfcn.h>
+#include <link.h>
+#include <string.h>
+
+static struct {
+    library_range watched;
+    uint32_t counts[SPY_KINDS], blocking;
+    int32_t live;
+    bool pending;
+    uint32_t fail_in; /* calls until the one that fails; 0: none */
+    cl_int code;
+    const char *failed;
+} spy;
+
+void spy_watch(const void *address) {
+    memset(&spy, 0, sizeof spy);
+    spy.watched = library_range_of(address);
+}
+
+void spy_reset(void) {
+    memset(spy.counts, 0, sizeof spy.counts);
+    spy.blocking = spy.fail_in = 0;
+    spy.failed = NULL;
+}
+
+uint32_t spy_count(spy_kind kind) {
+    return spy.counts[kind];
+}
+uint32_t spy_blocking(void) {
+    return spy.blocking;
+}
+int32_t spy_live(void) {
+    return spy.live;
+}
+bool spy_pending(void) {
+    return spy.pending;
+}
+const char *spy_failed(void) {
+    return spy.failed;
+}
+
+void spy_fail(uint32_t nth, cl_int code) {
+    spy.fail_in = nth;
+    spy.code = code;
+    spy.failed = NULL;
+}
+
+/* What becomes of a call. */
+typedef struct {
+    bool ours, fails;
+} verdict;
+
+static verdict enter(const char *name, spy_kind kind, const void *caller) {
+    if (!library_range_holds(spy.watched, caller)) return (verdict){false, false};
+    spy.counts[kind]++;
+    if (kind == SPY_RELEASE || spy.fail_in == 0 || --spy.fail_in > 0) return (verdict){true, false};
+    spy.failed = name;
+    return (verdict){true, true};
+}
+
+/* The real function, looked up once. */
+#define REAL(name)                                                                                           \
+    static __typeof__(&name) real;                                                                           \
+    if (!real) *(void **)(&real) = dlsym(RTLD_NEXT, #name)
+#define ENTER(name, kind) const verdict v = enter(#name, kind, __builtin_return_address(0))
+
+/* Calls that return a code. */
+#define CODE_CALL(name, kind, parameters, arguments)                                                         \
+    cl_int name parameters {                                                                                 \
+        REAL(name);                                                                                          \
+        ENTER(name, kind);                                                                                   \
+        return v.fails ? spy.code : real arguments;                                                          \
+    }
+/* Calls that return an object. */
+#define CREATE_CALL(type, name, parameters, arguments)                                                       \
+    type name parameters {                                                                                   \
+        REAL(name);                                                                                          \
+        ENTER(name, SPY_CREATE);                                                                             \
+        if (v.fails) {                                                                                       \
+            if (errcode) *errcode = spy.code;                                                                \
+            return NULL;                                                                                     \
+        }                                                                                                    \
+        type object = real arguments;                                                                        \
+        if (v.ours && object) spy.live++;                                                                    \
+        return object;                                                                                       \
+    }
+#define RELEASE_CALL(name, type)                                                                             \
+    cl_int name(type object) {                                                                               \
+        REAL(name);                                                                                          \
+        ENTER(name, SPY_RELEASE);                                                                            \
+        spy.live -= v.ours;                                                                                  \
+        return real(object);                                                                                 \
+    }
+/* Commands: their last parameter is the event. */
+#define ENQUEUE_CALL(name, blocks, parameters, arguments)                                                    \
+    cl_int name parameters {                                                                                 \
+        REAL(name);                                                                                          \
+        ENTER(name, SPY_ENQUEUE);                                                                            \
+        if (v.ours && (blocks)) spy.blocking++;                                                              \
+        if (v.fails) return spy.code;                                                                        \
+        const cl_int code = real arguments;                                                                  \
+        if (v.ours && code == CL_SUCCESS) {                                                                  \
+            spy.pending = true;                                                                              \
+            spy.live += event != NULL;                                                                       \
+        }                                                                                                    \
+        return code;                                                                                         \
+    }
+
+CODE_CALL(clGetPlatformIDs, SPY_QUERY, (cl_uint n, cl_platform_id *out, cl_uint *count), (n, out, count))
+CODE_CALL(clGetDeviceIDs, SPY_QUERY,
+          (cl_platform_id platform, cl_device_type type, cl_uint n, cl_device_id *out, cl_uint *count),
+          (platform, type, n, out, count))
+CODE_CALL(clGetDeviceInfo, SPY_QUERY,
+          (cl_device_id d, cl_device_info what, size_t n, void *out, size_t *size), (d, what, n, out, size))
+CODE_CALL(clGetCommandQueueInfo, SPY_QUERY,
+          (cl_command_queue q, cl_command_queue_info what, size_t n, void *out, size_t *size),
+          (q, what, n, out, size))
+CODE_CALL(clGetMemObjectInfo, SPY_QUERY, (cl_mem m, cl_mem_info what, size_t n, void *out, size_t *size),
+          (m, what, n, out, size))
+CODE_CALL(clGetImageInfo, SPY_QUERY, (cl_mem m, cl_image_info what, size_t n, void *out, size_t *size),
+          (m, what, n, out, size))
+CODE_CALL(clGetProgramBuildInfo, SPY_QUERY,
+          (cl_program p, cl_device_id d, cl_program_build_info what, size_t n, void *out, size_t *size),
+          (p, d, what, n, out, size))
+CODE_CALL(clGetEventProfilingInfo, SPY_QUERY,
+          (cl_event e, cl_profiling_info what, size_t n, void *out, size_t *size), (e, what, n, out, size))
+CODE_CALL(clSetKernelArg, SPY_QUERY, (cl_kernel k, cl_uint i, size_t n, const void *value), (k, i, n, value))
+CODE_CALL(clBuildProgram, SPY_BUILD,
+          (cl_program p, cl_uint n, const cl_device_id *devices, const char *options,
+           void(CL_CALLBACK *notify)(cl_program, void *), void *data),
+          (p, n, devices, options, notify, data))
+
+cl_int clFinish(cl_command_queue queue) {
+    REAL(clFinish);
+    ENTER(clFinish, SPY_WAIT);
+    const cl_int code = real(queue);
+    if (v.ours) spy.pending = false;
+    return v.fails ? spy.code : code;
+}
+
+CREATE_CALL(cl_context, clCreateContext,
+            (const cl_context_properties *properties, cl_uint n, const cl_device_id *devices,
+             void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *data,
+             cl_int *errcode),
+            (properties, n, devices, notify, data, errcode))
+CREATE_CALL(cl_command_queue, clCreateCommandQueue,
+            (cl_context c, cl_device_id d, cl_command_queue_properties properties, cl_int *errcode),
+            (c, d, properties, errcode))
+CREATE_CALL(cl_mem, clCreateBuffer, (cl_context c, cl_mem_flags flags, size_t n, void *host, cl_int *errcode),
+            (c, flags, n, host, errcode))
+CREATE_CALL(cl_program, clCreateProgramWithSource,
+            (cl_context c, cl_uint n, const char **text, const size_t *lengths, cl_int *errcode),
+            (c, n, text, lengths, errcode))
+CREATE_CALL(cl_kernel, clCreateKernel, (cl_program p, const char *name, cl_int *errcode), (p, name, errcode))
+
+RELEASE_CALL(clReleaseContext, cl_context)
+RELEASE_CALL(clReleaseCommandQueue, cl_command_queue)
+RELEASE_CALL(clReleaseMemObject, cl_mem)
+RELEASE_CALL(clReleaseProgram, cl_program)
+RELEASE_CALL(clReleaseKernel, cl_kernel)
+RELEASE_CALL(clReleaseEvent, cl_event)
+
+ENQUEUE_CALL(clEnqueueNDRangeKernel, false,
+             (cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset, const size_t *global,
+              const size_t *local, cl_uint n, const cl_event *wait, cl_event *event),
+             (q, k, dims, offset, global, local, n, wait, event))
+ENQUEUE_CALL(clEnqueueFillBuffer, false,
+             (cl_command_queue q, cl_mem m, const void *pattern, size_t bytes, size_t offset, size_t size,
+              cl_uint n, const cl_event *wait, cl_event *event),
+             (q, m, pattern, bytes, offset, size, n, wait, event))
+ENQUEUE_CALL(clEnqueueWriteBuffer, block,
+             (cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, const void *from,
+              cl_uint n, const cl_event *wait, cl_event *event),
+             (q, m, block, offset, size, from, n, wait, event))
+ENQUEUE_CALL(clEnqueueReadBuffer, block,
+             (cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, void *to, cl_uint n,
+              const cl_event *wait, cl_event *event),
+             (q, m, block, offset, size, to, n, wait, event))
+ENQUEUE_CALL(clEnqueueReadBufferRect, block,
+             (cl_command_queue q, cl_mem m, cl_bool block, const size_t *from, const size_t *to,
+              const size_t *region, size_t row, size_t slice, size_t host_row, size_t host_slice, void *host,
+              cl_uint n, const cl_event *wait, cl_event *event),
+             (q, m, block, from, to, region, row, slice, host_row, host_slice, host, n, wait, event))
+ENQUEUE_CALL(clEnqueueCopyImageToBuffer, false,
+             (cl_command_queue q, cl_mem image, cl_mem buffer, const size_t *from, const size_t *region,
+              size_t offset, cl_uint n, const cl_event *wait, cl_event *event),
+             (q, image, buffer, from, region, offset, n, wait, event))
+
+const char *spy_unknown_import(void *handle) {
+    struct link_map *map = NULL;
+    if (dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0) return "(no link map)";
+    const ElfW(Sym) *symbols = NULL;
+    const char *names = NULL;
+    const uint32_t *hash = NULL;
+    for (const ElfW(Dyn) *d = map->l_ld; d->d_tag != DT_NULL; d++) {
+        if (d->d_tag == DT_SYMTAB) symbols = (const ElfW(Sym) *)d->d_un.d_ptr;
+        if (d->d_tag == DT_STRTAB) names = (const char *)d->d_un.d_ptr;
+        if (d->d_tag == DT_GNU_HASH) hash = (const uint32_t *)d->d_un.d_ptr;
+    }
+    if (!symbols || !names || !hash) return "(no symbol table)";
+    void *self = dlopen(NULL, RTLD_NOW);
+    const char *unknown = NULL;
+    for (uint32_t i = 1; i < hash[1] && !unknown; i++) { /* hash[1]: the first symbol that is not an import */
+        const char *name = names + symbols[i].st_name;
+        if (strncmp(name, "cl", 2) != 0 || name[2] < 'A' || name[2] > 'Z') continue;
+        const void *known = self ? dlsym(self, name) : NULL;
+        if (!known || !library_range_holds(library_range_of((const void *)(uintptr_t)&spy_watch), known))
+            unknown = name;
+    }
+    if (self) (void)dlclose(self);
+    return unknown;
+}
