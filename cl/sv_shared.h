@@ -50,7 +50,24 @@
 #define SV_COST_RANK    0.3f  /* rays ranked at or above this share have full confidence */
 #define SV_COST_SLACK   0.05f /* labels within this of the least cost count as the same minimum */
 #define SV_COST_MARGIN  0.4f  /* lead over any other minimum that is full confidence */
+#define SV_COST_YIELD   3.0f  /* towards the viewer where nothing is sure, bins */
 #define SV_COST_SPREAD  2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
+
+#define SV_COST_EVIDENCE 8 /* one ray in so many must have a fluid interval, or there is no surface */
+
+/* Words of what the cost volume found out about a frame. */
+#define SV_COST_INFO_LEVEL  0 /* T_L of the bins, as a grey level */
+#define SV_COST_INFO_RAYS   1 /* scanned rays */
+#define SV_COST_INFO_OPEN   2 /* rays with a fluid interval */
+#define SV_COST_INFO_WANTED 3 /* 1: the frame has a surface */
+#define SV_COST_INFO_WORDS  4
+
+/* Planes of what a ray came to, a byte each. */
+#define SV_COST_FIRST   0 /* bin at which its first fluid interval begins; labels: none */
+#define SV_COST_MAXIMUM 1 /* largest tissue bin behind that; 0: none */
+#define SV_COST_PLACE   2 /* where that is; labels: none */
+#define SV_COST_SCANNED 3 /* 1: some voxel was scanned */
+#define SV_COST_PLANES  4
 
 /* Status map, as in smartvis_plugin.h. */
 #define SV_STATUS_NONE    0

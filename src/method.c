@@ -10,6 +10,7 @@ static const sv_method *const methods[SV_METHOD_COUNT] = {
     [SV_METHOD_MEAN] = &sv_method_mean,         [SV_METHOD_MINIMUM] = &sv_method_minimum,
     [SV_METHOD_SPLINE] = &sv_method_spline,     [SV_METHOD_PUSHPULL] = &sv_method_pushpull,
     [SV_METHOD_MEMBRANE] = &sv_method_membrane, [SV_METHOD_PLATE] = &sv_method_plate,
+    [SV_METHOD_COST] = &sv_method_cost,
 };
 
 enum { K_BEGIN, K_GATHER, K_DONE };
@@ -48,6 +49,11 @@ sv_status sv_chain_create(sv_pipeline *p) {
     if (status == SV_OK && filtered) status = create_method(p, &sv_method_minimum, &chain->filter);
     if (status == SV_OK) status = create_method(p, chain->method, &chain->state);
     return status;
+}
+
+sv_status sv_chain_slab(sv_pipeline *p, cl_mem buffer, uint64_t offset, uint32_t slice_count) {
+    sv_chain *chain = &p->chain;
+    return chain->method->slab ? chain->method->slab(p, &chain->state, buffer, offset, slice_count) : SV_OK;
 }
 
 static void release_state(sv_method_state *state) {

@@ -99,6 +99,9 @@ sv_status sv_pipeline_warm_up(sv_pipeline *p) {
     sv_values values;
     sv_params_defaults(&values);
     sv_pipeline_begin(p, &values);
+    /* A slab of no slices reads nothing, so any buffer will do. */
+    const sv_status status = sv_chain_slab(p, p->buffers.state8, 0, 0);
+    if (status != SV_OK) return status;
     return sv_chain_run(p, 0.0f); /* the record is zeros: no points */
 }
 
@@ -183,7 +186,9 @@ sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
     sv_launch_buffer(&l, p->buffers.state8);
     sv_launch_buffer(&l, p->buffers.state16);
+    sv_status done = rays ? sv_launch_pixels(&l, c->width, c->height, SV_STAGE_PROFILE)
+                          : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+    if (done == SV_OK) done = sv_chain_slab(p, buffer, offset, slab->slice_count);
     p->next_slice += slab->slice_count;
-    return rays ? sv_launch_pixels(&l, c->width, c->height, SV_STAGE_PROFILE)
-                : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+    return done;
 }

@@ -153,6 +153,7 @@ static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, 
     if (!m.valid) return m;
     qsort(place, count, sizeof *place, ascending);
     m.place = 0.5 * (place[count / 2] + place[(count - 1) / 2]);
+    m.place -= SV_COST_YIELD * l->scale * (1.0 - m.confidence); /* in doubt it clips less */
     return m;
 }
 
