@@ -14,16 +14,16 @@ __kernel void mean_enter(sv_job job, uint wide, __global const float *maps, __gl
     const size_t i = get_global_id(1) * job.padded_width + get_global_id(0);
     const float depth = maps[i];
     const uint weight = isinf(depth) ? 0 : job.weight_initial;
-    const float scale = (float)(1u << job.fraction);
-    const uint above = weight ? convert_uint_rte(fmax(depth, 0.0f) * scale) * weight : 0;
-    const uint below = weight ? convert_uint_rte(fmax(-depth, 0.0f) * scale) * weight : 0;
+    const float scale = (float)(1ul << job.fraction);
+    const ulong above = weight ? convert_ulong_rte(fmax(depth, 0.0f) * scale) * weight : 0;
+    const ulong below = weight ? convert_ulong_rte(fmax(-depth, 0.0f) * scale) * weight : 0;
     if (wide) {
         wide_sums[SV_SUM_NEAR * plane + i] = above;
         wide_sums[SV_SUM_FAR * plane + i] = below;
         wide_sums[SV_SUM_WEIGHT * plane + i] = weight;
     } else {
-        narrow_sums[SV_SUM_NEAR * plane + i] = above;
-        narrow_sums[SV_SUM_FAR * plane + i] = below;
+        narrow_sums[SV_SUM_NEAR * plane + i] = (uint)above;
+        narrow_sums[SV_SUM_FAR * plane + i] = (uint)below;
         narrow_sums[SV_SUM_WEIGHT * plane + i] = weight;
     }
 }

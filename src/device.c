@@ -48,7 +48,8 @@ static sv_status query_device(sv_diag *diag, sv_device *d) {
         code = clGetDeviceInfo(d->device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof d->compute_units,
                                &d->compute_units, NULL);
     cl_device_fp_config doubles = 0;
-    (void)clGetDeviceInfo(d->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
+    if (code == CL_SUCCESS)
+        code = clGetDeviceInfo(d->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
     d->has_doubles = doubles != 0;
     d->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     d->shares_memory = d->is_cpu && unified;

@@ -2,7 +2,7 @@
  * their time. */
 #include "hs_metaimage.h"
 #include "hs_plugin.h"
-#include "surf_case.h"
+#include "surf_ablation.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,15 +13,18 @@
 enum { N = 128, PIXELS = N * N, CASES = 9, QS = 31, FRAMES = 40 };
 static const char *const names[CASES] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
 
-static const char help[] = "Usage: sv_surfaces [PLUGIN] [VOLUME.mha...]\n"
-                           "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed "
-                           "and a pose: the ray termination\n"
-                           "error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the "
-                           "q that is best for the whole\n"
-                           "set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others "
-                           "were not. Then flicker (the same\n"
-                           "scene with other speckle), times at 128^3 and 171^3, and what cost says of the "
-                           "volumes that are given.\n";
+static const char help[] =
+    "Usage: sv_surfaces [PLUGIN] [VOLUME.mha...]\n"
+    "       sv_surfaces --ablation\n"
+    "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed "
+    "and a pose: the ray termination\n"
+    "error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the "
+    "q that is best for the whole\n"
+    "set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others "
+    "were not. Then flicker (the same\n"
+    "scene with other speckle), times at 128^3 and 171^3, and what cost says of the "
+    "volumes that are given.\n"
+    "--ablation: what each part of the cost volume is worth, by its scalar definition.\n";
 
 /* An instance that is active for volumes of one size, and its map. */
 typedef struct {
@@ -258,8 +261,13 @@ int main(int argc, char **argv) {
         printf("%s", help);
         return HS_OK;
     }
-    const char *path = argc > 1 ? argv[1] : SURF_PLUGIN;
     hs_error err = {0};
+    if (argc > 1 && strcmp(argv[1], "--ablation") == 0) {
+        if (surf_ablation(names, CASES, N, &err)) return HS_OK;
+        fprintf(stderr, "sv_surfaces: %s\n", err.text);
+        return (int)err.code;
+    }
+    const char *path = argc > 1 ? argv[1] : SURF_PLUGIN;
     bool ok = judge_all(path, &err);
     if (ok) printf("Times\n");
     for (uint32_t n = 128; ok && n <= 171; n += 43)

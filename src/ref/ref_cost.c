@@ -18,6 +18,15 @@ sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32
     l.gap = (uint32_t)ceil(SV_COST_GAP * l.scale);
     l.pitch = (double)slices / l.labels;
     l.sigma = SV_COST_SIGMA * (double)side / (SV_COST_CELLS * l.block);
+    l.tau = SV_COST_TAU * l.scale;
+    l.behind = SV_COST_BEHIND;
+    l.other = SV_COST_OTHER;
+    l.tissue = SV_COST_TISSUE / l.scale;
+    l.tissues = SV_COST_TISSUES * l.scale;
+    l.rank = SV_COST_RANK;
+    l.slack = SV_COST_SLACK;
+    l.yield = SV_COST_YIELD * l.scale;
+    l.median = true;
     return l;
 }
 
@@ -92,14 +101,14 @@ void sv_ref_cost_rays(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t
     }
 }
 
-void sv_ref_cost_ranks(const sv_ref_cost_ray *rays, size_t count, double bone[256]) {
+void sv_ref_cost_ranks(const sv_ref_cost_ray *rays, size_t count, double full, double bone[256]) {
     uint32_t histogram[256] = {0}, all = 0, below = 0;
     for (size_t i = 0; i < count; i++) histogram[rays[i].maximum]++;
     for (uint32_t i = 1; i < 256; i++) all += histogram[i];
     bone[0] = 0.0;
     for (uint32_t i = 1; i < 256; i++) {
         const double rank = all ? (below + 0.5 * histogram[i]) / all : 0.0;
-        bone[i] = fmin(rank / SV_COST_RANK, 1.0);
+        bone[i] = fmin(rank / full, 1.0);
         below += histogram[i];
     }
 }
@@ -137,11 +146,11 @@ void sv_ref_cost_of_ray(const uint8_t *bins, const sv_ref_cost_layout *l, uint32
         double distance = INFINITY;
         for (int j = 0; j < n; j++)
             if (open[j]) distance = fmin(distance, i == j ? 0.0 : abs(i - j) - 0.5);
-        double c = fmin(distance / (SV_COST_TAU * l->scale), 1.0);
-        if (last >= 0 && i > ray->place) c += SV_COST_BEHIND * bone;
-        if (last >= 0 && (i < start || i > last)) c += SV_COST_OTHER * bone;
+        double c = fmin(distance / l->tau, 1.0);
+        if (last >= 0 && i > ray->place) c += l->behind * bone;
+        if (last >= 0 && (i < start || i > last)) c += l->other * bone;
         const double here = i >= (int)wall && bins[(size_t)i * plane + pixel] > level ? 1.0 : 0.0;
-        c += SV_COST_TISSUE / l->scale * fmin(tissue + 0.5 * here, SV_COST_TISSUES * l->scale);
+        c += l->tissue * fmin(tissue + 0.5 * here, l->tissues);
         tissue += here;
         cost[i] = c;
     }

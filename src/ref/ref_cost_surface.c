@@ -62,9 +62,9 @@ double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_
     double *turn = calloc(cells * SV_COST_VALUES, sizeof *turn);
     if (rays && volume && turn) {
         double bone[256];
-        *facts = (sv_ref_cost_facts){.level = sv_ref_cost_level(bins, l)};
+        *facts = (sv_ref_cost_facts){.level = l->level ? (uint32_t)l->level : sv_ref_cost_level(bins, l)};
         sv_ref_cost_rays(bins, l, facts->level, rays);
-        sv_ref_cost_ranks(rays, pixels, bone);
+        sv_ref_cost_ranks(rays, pixels, l->rank, bone);
         for (size_t i = 0; i < pixels; i++) {
             facts->rays += rays[i].scanned;
             facts->open += rays[i].first < l->labels;
@@ -90,12 +90,12 @@ typedef struct {
     bool valid, tie;
 } minimum;
 
-static minimum find_minimum(const double *cell, uint32_t labels) {
+static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     minimum m = {.valid = cell[SV_COST_WEIGHT] > 1e-3};
     if (!m.valid) return m;
     double cost[SV_COST_LABELS], least = INFINITY, second = INFINITY;
     int at = 0;
-    const int n = (int)labels;
+    const int n = (int)l->labels;
     for (int i = 0; i < n; i++) {
         cost[i] = cell[i] / cell[SV_COST_WEIGHT];
         if (cost[i] < least) {
@@ -103,7 +103,7 @@ static minimum find_minimum(const double *cell, uint32_t labels) {
             at = i;
         }
     }
-    const double edge = least + SV_COST_SLACK;
+    const double edge = least + l->slack;
     int low = at, high = at;
     while (low > 0 && cost[low - 1] < edge) low--;
     while (high + 1 < n && cost[high + 1] < edge) high++;
@@ -152,8 +152,8 @@ static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, 
         }
     if (!m.valid) return m;
     qsort(place, count, sizeof *place, ascending);
-    m.place = 0.5 * (place[count / 2] + place[(count - 1) / 2]);
-    m.place -= SV_COST_YIELD * l->scale * (1.0 - m.confidence); /* in doubt it clips less */
+    if (l->median) m.place = 0.5 * (place[count / 2] + place[(count - 1) / 2]);
+    m.place -= l->yield * (1.0 - m.confidence); /* in doubt it clips less */
     return m;
 }
 
@@ -186,29 +186,35 @@ static void upsample(const minimum *cells, const sv_ref_cost_layout *l, double *
         }
 }
 
-bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
-                         double *confidence, uint8_t *tie, sv_ref_cost_facts *facts) {
-    const sv_ref_cost_layout l = sv_ref_cost_layout_of(volume->width, volume->height, volume->slices);
-    const size_t cells = (size_t)l.cells_x * l.cells_y;
+bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_layout *l, double *near_surface,
+                              double *far_surface, double *confidence, uint8_t *tie,
+                              sv_ref_cost_facts *facts) {
+    const size_t cells = (size_t)l->cells_x * l->cells_y;
     sv_ref_cost_facts found = {0};
-    uint8_t *bins = malloc((size_t)l.labels * l.width * l.height);
+    uint8_t *bins = malloc((size_t)l->labels * l->width * l->height);
     minimum *raw = calloc(2 * cells, sizeof *raw), *smooth = raw ? raw + cells : NULL;
     double *costs = NULL;
     if (bins && raw) {
-        sv_ref_cost_bins(volume, &l, bins);
-        costs = sv_ref_cost_volume(bins, &l, &found);
+        sv_ref_cost_bins(volume, l, bins);
+        costs = sv_ref_cost_volume(bins, l, &found);
     }
     if (costs) {
-        for (size_t i = 0; i < cells; i++) raw[i] = find_minimum(costs + i * SV_COST_VALUES, l.labels);
-        for (int y = 0; y < (int)l.cells_y; y++)
-            for (int x = 0; x < (int)l.cells_x; x++) smooth[y * (int)l.cells_x + x] = median(raw, &l, x, y);
-        upsample(smooth, &l, near_surface, far_surface, confidence, tie);
+        for (size_t i = 0; i < cells; i++) raw[i] = find_minimum(costs + i * SV_COST_VALUES, l);
+        for (int y = 0; y < (int)l->cells_y; y++)
+            for (int x = 0; x < (int)l->cells_x; x++) smooth[y * (int)l->cells_x + x] = median(raw, l, x, y);
+        upsample(smooth, l, near_surface, far_surface, confidence, tie);
     }
     const bool done = costs != NULL;
-    for (size_t i = 0; done && tie && i < (size_t)l.width * l.height; i++) found.ties += tie[i];
+    for (size_t i = 0; done && tie && i < (size_t)l->width * l->height; i++) found.ties += tie[i];
     if (facts) *facts = found;
     free(costs);
     free(raw);
     free(bins);
     return done;
+}
+
+bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
+                         double *confidence, uint8_t *tie, sv_ref_cost_facts *facts) {
+    const sv_ref_cost_layout l = sv_ref_cost_layout_of(volume->width, volume->height, volume->slices);
+    return sv_ref_cost_surface_with(volume, &l, near_surface, far_surface, confidence, tie, facts);
 }

@@ -17,6 +17,10 @@ typedef struct {
     double scale; /* labels / SV_COST_LABELS */
     double pitch; /* slices per bin */
     double sigma; /* of the lateral Gaussian, in cells */
+    /* What sv_ref_cost_layout_of takes from SV_COST_*; an experiment may change them. */
+    double tau, behind, other, tissue, tissues, rank, slack, yield;
+    bool median; /* false: the cells' minima as they are */
+    int level;   /* T_L as a grey level; 0: from the histogram */
 } sv_ref_cost_layout;
 
 sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices);
@@ -40,8 +44,8 @@ typedef struct {
 void sv_ref_cost_rays(const uint8_t *bins, const sv_ref_cost_layout *layout, uint32_t level,
                       sv_ref_cost_ray *rays);
 
-/* Bone confidence 0 .. 1 of a maximum, by its rank among the rays that have one. */
-void sv_ref_cost_ranks(const sv_ref_cost_ray *rays, size_t count, double bone[256]);
+/* Bone confidence 0 .. 1 of a maximum, by its rank among the rays that have one: full from rank `full` on. */
+void sv_ref_cost_ranks(const sv_ref_cost_ray *rays, size_t count, double full, double bone[256]);
 
 /* Costs of one ray at every label. `wall` is the bin from which tissue counts as cut through. */
 void sv_ref_cost_of_ray(const uint8_t *bins, const sv_ref_cost_layout *layout, uint32_t level,
@@ -59,6 +63,11 @@ typedef struct {
  * a tie can reach. Maps are width * height. `tie` and `facts` may be NULL. False if memory runs out. */
 bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
                          double *confidence, uint8_t *tie, sv_ref_cost_facts *facts);
+
+/* The same with a changed layout. */
+bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_layout *layout,
+                              double *near_surface, double *far_surface, double *confidence, uint8_t *tie,
+                              sv_ref_cost_facts *facts);
 
 /* The blurred cost volume, cells_x * cells_y * SV_COST_VALUES, from bins; the caller frees it. NULL: no
  * memory. */
