@@ -46,9 +46,31 @@ static float4 find_minimum(const float *cell, int labels) {
     return (float4)((float)at + first, spread, lead * min(cell[SV_COST_OPEN] / rays, 1.0f), 1.0f);
 }
 
+/*
+ * Costs per ray; blended with the frame before, unless they changed too much (a cut, or something moved
+ * through), and kept for the next frame.
+ */
+static void remember(float *cell, int labels, float memory, __global float *previous) {
+    const float rays = cell[SV_COST_WEIGHT];
+    if (!(rays > 1e-3f)) {
+        previous[SV_COST_WEIGHT] = 0.0f;
+        return;
+    }
+    float change = 0.0f;
+    for (int i = 0; i < SV_COST_VALUES; i++) cell[i] /= rays;
+    for (int i = 0; i < labels; i++) change += fabs(cell[i] - previous[i]);
+    const bool keeps = previous[SV_COST_WEIGHT] > 0.0f && change < SV_COST_CHANGE * (float)labels;
+    const float share = keeps ? memory : 0.0f;
+    for (int i = 0; i < SV_COST_VALUES; i++) {
+        if (share > 0.0f) cell[i] += share * (previous[i] - cell[i]);
+        previous[i] = cell[i];
+    }
+}
+
 /* One work item per row of cells. */
-__kernel void cost_minimum(cost_layout l, float8 weight, __global const uint *restrict info,
-                           __global float *restrict blurred, __global float *restrict minima) {
+__kernel void cost_minimum(cost_layout l, float8 weight, float memory, __global const uint *restrict info,
+                           __global float *restrict blurred, __global float *restrict previous,
+                           __global float *restrict minima) {
     const int y = (int)get_global_id(0);
     if (!info[SV_COST_INFO_WANTED]) return;
     float weights[8];
@@ -62,6 +84,7 @@ __kernel void cost_minimum(cost_layout l, float8 weight, __global const uint *re
                 sum += weights[abs(w - y)] * vload16(0, cell_at(blurred, &l, x, (uint)w) + v);
             vstore16(sum, 0, cell + v);
         }
+        remember(cell, (int)l.labels, memory, cell_at(previous, &l, x, (uint)y));
         vstore4(find_minimum(cell, (int)l.labels), (size_t)y * l.cells_x + x, minima);
     }
 }

@@ -53,7 +53,8 @@
 #define SV_COST_YIELD   3.0f  /* towards the viewer where nothing is sure, bins */
 #define SV_COST_SPREAD  2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
 
-#define SV_COST_EVIDENCE 8 /* one ray in so many must have a fluid interval, or there is no surface */
+#define SV_COST_CHANGE   0.15f /* mean change of a cell's costs that makes it forget the frame before */
+#define SV_COST_EVIDENCE 8     /* one ray in so many must have a fluid interval, or there is no surface */
 
 /* Words of what the cost volume found out about a frame. */
 #define SV_COST_INFO_LEVEL  0 /* T_L of the bins, as a grey level */

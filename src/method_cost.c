@@ -24,6 +24,7 @@ enum {
     BONE,
     VOLUME, /* later the smooth minima */
     BLURRED,
+    PREVIOUS, /* costs of the frame before */
     MINIMA,
     CONFIDENCE
 };
@@ -54,6 +55,7 @@ static sv_status create(sv_pipeline *p, sv_method_state *s) {
                             [BONE] = 256 * sizeof(cl_float),
                             [VOLUME] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [BLURRED] = cells * SV_COST_VALUES * sizeof(cl_float),
+                            [PREVIOUS] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [MINIMA] = cells * 4 * sizeof(cl_float),
                             [CONFIDENCE] = (size_t)c->width * c->height * sizeof(cl_float)};
     sv_status status = SV_OK;
@@ -144,8 +146,10 @@ static sv_status find_surface(sv_pipeline *p, sv_method_state *s, size_t rows) {
     }
     if (status == SV_OK) {
         l = begin(p, s, K_MINIMUM);
+        const cl_float memory = (cl_float)p->values.of[SV_PARAM_MEMORY];
         weights_arg(&l, p);
-        buffer_args(&l, s, (const int[]){INFO, BLURRED, MINIMA, -1});
+        sv_launch_arg(&l, sizeof memory, &memory);
+        buffer_args(&l, s, (const int[]){INFO, BLURRED, PREVIOUS, MINIMA, -1});
         status = sv_launch_items(&l, rows, SV_STAGE_RECONSTRUCT);
     }
     if (status != SV_OK) return status;

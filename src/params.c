@@ -79,6 +79,10 @@ static const struct {
     {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
      "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
      SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL},
+    {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
+     "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
+     "once.",
+     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL},

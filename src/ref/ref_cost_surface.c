@@ -133,6 +133,25 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     return m;
 }
 
+/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next. Costs per ray.
+ */
+static void remember(double *cell, double *previous, const sv_ref_cost_layout *l, bool *tie) {
+    const double rays = cell[SV_COST_WEIGHT];
+    double change = 0.0;
+    if (!(rays > 1e-3)) {
+        previous[SV_COST_WEIGHT] = 0.0;
+        return;
+    }
+    for (uint32_t i = 0; i < SV_COST_VALUES; i++) cell[i] /= rays;
+    for (uint32_t i = 0; i < l->labels; i++) change += fabs(cell[i] - previous[i]) / l->labels;
+    *tie = fabs(change - SV_COST_CHANGE) < TIE;
+    const bool keeps = previous[SV_COST_WEIGHT] > 0.0 && change < SV_COST_CHANGE;
+    for (uint32_t i = 0; i < SV_COST_VALUES; i++) {
+        if (keeps) cell[i] += l->memory * (previous[i] - cell[i]);
+        previous[i] = cell[i];
+    }
+}
+
 static int ascending(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -199,7 +218,13 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
         costs = sv_ref_cost_volume(bins, l, &found);
     }
     if (costs) {
-        for (size_t i = 0; i < cells; i++) raw[i] = find_minimum(costs + i * SV_COST_VALUES, l);
+        for (size_t i = 0; i < cells; i++) {
+            bool tie_here = false;
+            if (l->previous)
+                remember(costs + i * SV_COST_VALUES, l->previous + i * SV_COST_VALUES, l, &tie_here);
+            raw[i] = find_minimum(costs + i * SV_COST_VALUES, l);
+            raw[i].tie = raw[i].tie || tie_here;
+        }
         for (int y = 0; y < (int)l->cells_y; y++)
             for (int x = 0; x < (int)l->cells_x; x++) smooth[y * (int)l->cells_x + x] = median(raw, l, x, y);
         upsample(smooth, l, near_surface, far_surface, confidence, tie);

@@ -19,8 +19,11 @@ typedef struct {
     double sigma; /* of the lateral Gaussian, in cells */
     /* What sv_ref_cost_layout_of takes from SV_COST_*; an experiment may change them. */
     double tau, behind, other, tissue, tissues, rank, slack, yield;
-    bool median; /* false: the cells' minima as they are */
-    int level;   /* T_L as a grey level; 0: from the histogram */
+    bool median;      /* false: the cells' minima as they are */
+    int level;        /* T_L as a grey level; 0: from the histogram */
+    double memory;    /* share of the frame before, 0 .. 1 */
+    double *previous; /* cells_x * cells_y * SV_COST_VALUES, zeros at first, kept by the caller; NULL: no
+                         memory */
 } sv_ref_cost_layout;
 
 sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices);

@@ -5,6 +5,7 @@
 #include "hs_scene.h"
 #include "ref/sv_ref_cost.h"
 #include "support/rig.h"
+#include "sv_shared.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -160,6 +161,81 @@ static void test_confidence(void **state) {
     hs_scene_free(&data);
 }
 
+/* A still scene with other speckle, then a cut to another scene: both as the definition says, and the cut
+ * leaves no trace of the scene before. */
+static void test_memory(void **state) {
+    rig *r = *state;
+    enum { SIDE = 64, COUNT = SIDE * SIDE, STEPS = 4 };
+    static const char *const names[STEPS] = {"E01", "E01", "E01", "M03"};
+    sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SIDE);
+    l.memory = 0.75;
+    l.previous = calloc((size_t)l.cells_x * l.cells_y * SV_COST_VALUES, sizeof *l.previous);
+    assert_non_null(l.previous);
+    static double maps[3][COUNT];
+    static uint8_t tie[COUNT], tied[COUNT];
+    const sv_param_value values[] = {value_of(r, "memory", 0.75), value_of(r, "evidence", 0.0)};
+    const rig_format f = {.width = SIDE,
+                          .height = SIDE,
+                          .slices = SIDE,
+                          .slab_slices = 16,
+                          .fixed = {value_of(r, "method", COST)},
+                          .fixed_count = 1};
+    rig_result out = rig_result_make(SIDE, SIDE);
+    for (int step = 0; step < STEPS; step++) {
+        hs_scene_data data;
+        hs_error err = {0};
+        assert_true(hs_scene_generate(names[step], SIDE, 5 + (uint64_t)step, &data, &err));
+        const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0};
+        assert_true(sv_ref_cost_surface_with(&v, &l, maps[0], maps[1], maps[2], tie, NULL));
+        rig_textures *t = rig_textures_make(r, &f, data.full.voxels);
+        if (step == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
+        assert_int_equal(rig_frame(r, t, values, 2, &out), SV_OK);
+        double error = 0.0;
+        for (size_t i = 0; i < COUNT; i++) {
+            tied[i] |= tie[i]; /* a choice is remembered */
+            if (!tied[i]) error = fmax(error, fabs((double)out.depth[i] - 0.5 * (maps[0][i] + maps[1][i])));
+        }
+        print_message("memory 0.75, frame %d (%s): error %.1e slices\n", step, names[step], error);
+        assert_true(error <= BOUND);
+        rig_textures_free(t);
+        hs_scene_free(&data);
+    }
+    r->plugin->deactivate(r->plugin);
+    rig_result_free(&out);
+    free(l.previous);
+}
+
+/* The same seed twice: what a frame comes to does not depend on the frame before unless memory is asked for.
+ */
+static void test_no_memory(void **state) {
+    rig *r = *state;
+    enum { SIDE = 48, COUNT = SIDE * SIDE };
+    const rig_format f = {.width = SIDE,
+                          .height = SIDE,
+                          .slices = SIDE,
+                          .slab_slices = 16,
+                          .fixed = {value_of(r, "method", COST)},
+                          .fixed_count = 1};
+    rig_result first = rig_result_make(SIDE, SIDE), second = rig_result_make(SIDE, SIDE);
+    hs_scene_data a, b;
+    hs_error err = {0};
+    assert_true(hs_scene_generate("E01", SIDE, 1, &a, &err));
+    assert_true(hs_scene_generate("E01", SIDE, 2, &b, &err));
+    rig_textures *ta = rig_textures_make(r, &f, a.full.voxels), *tb = rig_textures_make(r, &f, b.full.voxels);
+    assert_int_equal(r->plugin->activate(r->plugin, &ta->format), SV_OK);
+    assert_int_equal(rig_frame(r, ta, NULL, 0, &first), SV_OK);
+    assert_int_equal(rig_frame(r, tb, NULL, 0, &second), SV_OK);
+    assert_int_equal(rig_frame(r, ta, NULL, 0, &second), SV_OK);
+    assert_memory_equal(first.depth, second.depth, COUNT * sizeof(float));
+    r->plugin->deactivate(r->plugin);
+    rig_textures_free(ta);
+    rig_textures_free(tb);
+    rig_result_free(&first);
+    rig_result_free(&second);
+    hs_scene_free(&a);
+    hs_scene_free(&b);
+}
+
 /* Twice the gain, half the gain: T_L is found from the volume, so the surface hardly moves. */
 static void test_gain(void **state) {
     (void)state;
@@ -190,8 +266,9 @@ static void test_gain(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {RIG_TEST(test_scenes), RIG_TEST(test_any_volume),
-                                       RIG_TEST(test_no_fluid), RIG_TEST(test_confidence),
+    const struct CMUnitTest tests[] = {RIG_TEST(test_scenes),      RIG_TEST(test_any_volume),
+                                       RIG_TEST(test_no_fluid),    RIG_TEST(test_confidence),
+                                       RIG_TEST(test_memory),      RIG_TEST(test_no_memory),
                                        cmocka_unit_test(test_gain)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
