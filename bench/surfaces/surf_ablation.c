@@ -86,7 +86,7 @@ bool surf_ablation(const char *const *names, uint32_t count, uint32_t n, hs_erro
     for (int set = 0; set < 2; set++)
         for (uint32_t k = 0; ok && k < count; k++) {
             surf_case c;
-            ok = surf_case_make(names[k], n, sets[set][0], sets[set][1], &c, err);
+            ok = surf_case_make(names[k], n, sets[set][0], sets[set][1], 0, &c, err);
             for (int i = 0; ok && i < CHANGES; i++) {
                 surf_score s = {0};
                 ok = score(&c, i, voxels, maps, depth, &s, err);

@@ -88,8 +88,8 @@ static uint8_t coarse_voxel(const hs_volume *fine, size_t x, size_t y, size_t z)
     return (uint8_t)(count >= 4 ? (sum + count / 2) / count : 0);
 }
 
-bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, surf_case *out,
-                    hs_error *err) {
+bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, uint32_t frame,
+                    surf_case *out, hs_error *err) {
     *out = (surf_case){.n = n};
     char path[1024];
     if (pose && !write_pose(name, pose, path, sizeof path, err)) return false;
@@ -97,7 +97,7 @@ bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, 
     if (pose) (void)unlink(path);
     if (!scene) return false;
     const uint32_t m = SURF_FINE_PER_VOXEL * n;
-    const hs_scene_options options = {.size = m, .seed = seed};
+    const hs_scene_options options = {.size = m, .seed = seed, .frame = frame};
     const bool made = hs_scene_frame(scene, &options, &out->fine, NULL, err);
     hs_scene_close(scene);
     if (!made) return false;

@@ -16,10 +16,10 @@ typedef struct {
 } surf_case;
 
 /* `pose` 0: the scene as its file has it; else fetus, limbs, occluders and sac are shifted (by up to 4 mm),
- * turned (8 degrees) and scaled (4 %), by numbers that `pose` seeds. HS_ERR_INPUT, HS_ERR_OUTPUT,
- * HS_ERR_MEMORY. */
-bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, surf_case *out,
-                    hs_error *err);
+ * turned (8 degrees) and scaled (4 %), by numbers that `pose` seeds. `frame` of the scene's motion.
+ * HS_ERR_INPUT, HS_ERR_OUTPUT, HS_ERR_MEMORY. */
+bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, uint32_t frame,
+                    surf_case *out, hs_error *err);
 void surf_case_free(surf_case *c);
 
 typedef struct {

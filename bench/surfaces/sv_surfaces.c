@@ -21,8 +21,8 @@ static const char help[] =
     "error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the "
     "q that is best for the whole\n"
     "set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others "
-    "were not. Then flicker (the same\n"
-    "scene with other speckle), times at 128^3 and 171^3, and what cost says of the "
+    "were not. Then the same with other\n"
+    "speckle, and in motion, times at 128^3 and 171^3, and what cost says of the "
     "volumes that are given.\n"
     "--ablation: what each part of the cost volume is worth, by its scalar definition.\n";
 
@@ -70,12 +70,15 @@ static bool session_open(session *s, const char *path, const char *method, uint3
     return s->depth || hs_fail(err, HS_ERR_MEMORY, "no memory for a map of %u x %u pixels", width, height);
 }
 
-static bool session_frame(session *s, const uint8_t *voxels, float q, hs_error *err) {
+static bool session_frame(session *s, const uint8_t *voxels, float q, double memory, hs_error *err) {
     const sv_plugin *p = s->plugin.instance;
     sv_param_info info = {.size = sizeof info};
     (void)hs_plugin_find_primary(&s->plugin, &info);
-    const sv_param_value value = {.id = info.id, .value = (double)q};
-    const sv_frame frame = {.size = sizeof frame, .values = &value, .value_count = 1};
+    sv_param_value values[2] = {{.id = info.id, .value = (double)q}, {.value = memory}};
+    if (memory > 0.0 && !hs_plugin_find_param(&s->plugin, "memory", &info))
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: no parameter 'memory'", s->plugin.path);
+    values[1].id = info.id;
+    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = memory > 0.0 ? 2 : 1};
     s->stats = (sv_stats){.size = sizeof s->stats};
     const sv_result result = {.size = sizeof result, .depth = s->depth, .stats = &s->stats};
     if (!hs_plugin_check(&s->plugin, p->begin(p, &frame), "begin", err)) return false;
@@ -99,10 +102,10 @@ typedef struct {
 
 static bool score_case(session *mean, session *cost, const surf_case *c, case_scores *out, hs_error *err) {
     for (int i = 0; i < QS; i++) {
-        if (!session_frame(mean, c->voxels, 0.05f * (float)i, err)) return false;
+        if (!session_frame(mean, c->voxels, 0.05f * (float)i, 0.0, err)) return false;
         out->mean[i] = surf_judge(c, mean->depth);
     }
-    if (!session_frame(cost, c->voxels, 0.5f, err)) return false;
+    if (!session_frame(cost, c->voxels, 0.5f, 0.0, err)) return false;
     out->cost = surf_judge(c, cost->depth);
     for (size_t y = 0; y < N; y++)
         for (size_t x = 0; x < N; x++)
@@ -116,7 +119,7 @@ static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose
     double at_q[QS] = {0};
     for (int n = 0; n < CASES; n++) {
         surf_case c;
-        if (!surf_case_make(names[n], N, seed, pose, &c, err)) return false;
+        if (!surf_case_make(names[n], N, seed, pose, 0, &c, err)) return false;
         const bool ok = score_case(mean, cost, &c, &scores[n], err);
         surf_case_free(&c);
         if (!ok) return false;
@@ -143,21 +146,65 @@ static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose
     return true;
 }
 
-/* ---- flicker: mean absolute change of the map from one seed to the next, in one unmoved scene */
+/* ---- in motion */
 
-static bool flicker(session *s, const char *scene, float q, double *change, hs_error *err) {
+enum { STILL = 8, MOVING = 8 };
+
+/* One unmoved scene with other speckle in every frame: mean absolute change of the map over the fetus and the
+ * sac. */
+static bool flicker(session *s, const char *scene, float q, double memory, double *change, hs_error *err) {
     static float before[PIXELS];
-    enum { SEEDS = 5 };
+    uint32_t counted = 0;
     *change = 0.0;
-    for (uint32_t seed = 1; seed <= SEEDS; seed++) {
+    for (uint32_t n = 0; n < STILL; n++) {
         surf_case c;
-        if (!surf_case_make(scene, N, 300 + seed, 0, &c, err)) return false;
-        const bool ok = session_frame(s, c.voxels, q, err);
+        if (!surf_case_make(scene, N, 301 + n, 0, 0, &c, err)) return false;
+        const bool ok = session_frame(s, c.voxels, q, memory, err);
+        for (uint32_t i = 0; ok && n > 0 && i < PIXELS; i++) {
+            const size_t fine =
+                (size_t)(i / N) * SURF_FINE_PER_VOXEL * c.fine.full.nx + i % N * SURF_FINE_PER_VOXEL;
+            if (c.fine.label[fine] == HS_LABEL_NEITHER) continue;
+            *change += fabs((double)(s->depth[i] - before[i]));
+            counted++;
+        }
         surf_case_free(&c);
         if (!ok) return false;
-        for (size_t i = 0; seed > 1 && i < PIXELS; i++)
-            *change += fabs((double)(s->depth[i] - before[i])) / PIXELS / (SEEDS - 1);
         memcpy(before, s->depth, sizeof before);
+    }
+    *change /= counted ? counted : 1;
+    return true;
+}
+
+/* A scene that moves, five frames of its motion at a time: mean e_abs. What memory adds to it is its lag. */
+static bool moving(session *s, const char *scene, double memory, double *error, hs_error *err) {
+    *error = 0.0;
+    for (uint32_t n = 0; n < MOVING; n++) {
+        surf_case c;
+        if (!surf_case_make(scene, N, 401, 0, 5 * n, &c, err)) return false;
+        const bool ok = session_frame(s, c.voxels, 0.5f, memory, err);
+        if (ok) *error += surf_judge(&c, s->depth).error / MOVING;
+        surf_case_free(&c);
+        if (!ok) return false;
+    }
+    return true;
+}
+
+static bool print_motion(session *mean, session *cost, hs_error *err) {
+    static const char *const scenes[] = {"E01", "E03", "M02", "D01"};
+    printf("In motion: mean change of the map from one speckle to the next, slices (mean at q = 0.40); e_abs "
+           "of a moving "
+           "scene\n");
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        double by_mean, by_cost, by_memory, without, with;
+        const char *name = scenes[i];
+        const bool ok = flicker(mean, name, 0.4f, 0.0, &by_mean, err) &&
+                        flicker(cost, name, 0.5f, 0.0, &by_cost, err) &&
+                        flicker(cost, name, 0.5f, 0.75, &by_memory, err) &&
+                        moving(cost, name, 0.0, &without, err) && moving(cost, name, 0.75, &with, err);
+        if (!ok) return false;
+        printf("  %s  still: mean %.2f, cost %.2f, cost with memory 0.75 %.2f;  moving: cost %.2f, with "
+               "memory %.2f\n",
+               name, by_mean, by_cost, by_memory, without, with);
     }
     return true;
 }
@@ -185,11 +232,11 @@ static bool print_times(const char *path, const char *method, uint32_t n, hs_err
     sv_stage_times t = {.size = sizeof t};
     for (int i = 0; ok && i < FRAMES; i++) {
         const double start = now_ms();
-        ok = session_frame(&s, scene.full.voxels, 0.5f, err);
+        ok = session_frame(&s, scene.full.voxels, 0.5f, 0.0, err);
         ms[i] = now_ms() - start;
     }
     if (ok && stats && stats->enable(s.plugin.instance, 1) == SV_OK) {
-        ok = session_frame(&s, scene.full.voxels, 0.5f, err);
+        ok = session_frame(&s, scene.full.voxels, 0.5f, 0.0, err);
         (void)stats->stage_times(s.plugin.instance, &t);
     }
     if (ok) {
@@ -211,7 +258,8 @@ static bool print_volume(const char *path, const char *file, hs_error *err) {
     hs_volume v;
     if (!hs_metaimage_read(file, NULL, &v, err)) return false;
     session s = {0};
-    bool ok = session_open(&s, path, "cost", v.nx, v.ny, v.nz, err) && session_frame(&s, v.voxels, 0.5f, err);
+    bool ok =
+        session_open(&s, path, "cost", v.nx, v.ny, v.nz, err) && session_frame(&s, v.voxels, 0.5f, 0.0, err);
     const sv_plugin *p = s.plugin.instance;
     const sv_ext_confidence *ext = ok ? p->get_extension(p, SV_EXT_CONFIDENCE) : NULL;
     sv_confidence_report r = {.size = sizeof r};
@@ -239,18 +287,12 @@ static bool judge_all(const char *path, hs_error *err) {
         uint32_t pose;
         bool tuned;
     } sets[] = {{101, 0, true}, {102, 1, true}, {201, 0, false}, {202, 11, false}, {203, 12, false}};
-    static const char *const still[] = {"E01", "E03", "M02", "D01"};
     session mean = {0}, cost = {0};
     bool ok =
         session_open(&mean, path, "mean", N, N, N, err) && session_open(&cost, path, "cost", N, N, N, err);
     for (size_t i = 0; ok && i < sizeof sets / sizeof *sets; i++)
         ok = score_set(&mean, &cost, sets[i].seed, sets[i].pose, sets[i].tuned, err);
-    if (ok) printf("Flicker: mean absolute change of the map from one speckle to the next, slices\n");
-    for (size_t i = 0; ok && i < sizeof still / sizeof *still; i++) {
-        double by_mean = 0.0, by_cost = 0.0;
-        ok = flicker(&mean, still[i], 0.4f, &by_mean, err) && flicker(&cost, still[i], 0.5f, &by_cost, err);
-        if (ok) printf("  %s  mean %.2f  cost %.2f\n", still[i], by_mean, by_cost);
-    }
+    ok = ok && print_motion(&mean, &cost, err);
     session_close(&mean);
     session_close(&cost);
     return ok;
