@@ -32,6 +32,47 @@
 #define SV_MIN_DATA_WEIGHT 1e-3
 #define SV_MAX_DATA_WEIGHT 10.0
 
+/*
+ * Cost volume (docs/cost_volume.md). A ray is kept as at most SV_COST_LABELS bins of slices along it. Lengths
+ * are in bins of a ray of SV_COST_LABELS bins; a shorter volume has a bin a slice, and the lengths shrink
+ * with it.
+ */
+#define SV_COST_LABELS  64
+#define SV_COST_VALUES  80    /* floats of a cell: the labels, then: */
+#define SV_COST_WEIGHT  64    /* scanned rays */
+#define SV_COST_OPEN    65    /* rays with a fluid interval */
+#define SV_COST_CELLS   32    /* wanted cells along the longer side of the image */
+#define SV_COST_SIGMA   1.75f /* of the lateral Gaussian, in 32nds of the longer side */
+#define SV_COST_REACH   6     /* cells the Gaussian spans to either side */
+#define SV_COST_GAP     3.75f /* shortest fluid interval that counts */
+#define SV_COST_TAU     2.0f  /* distance to the fluid at which its cost is full */
+#define SV_COST_BEHIND  3.0f  /* behind the ray's maximum: K */
+#define SV_COST_OTHER   0.4f  /* outside the interval before the maximum: g */
+#define SV_COST_TISSUE  0.01f /* a bin of tissue cut through: gamma */
+#define SV_COST_TISSUES 20.0f /* bins of tissue after which more do not count: T */
+#define SV_COST_RANK    0.3f  /* rays ranked at or above this share have full confidence */
+#define SV_COST_SLACK   0.05f /* labels within this of the least cost count as the same minimum */
+#define SV_COST_MARGIN  0.4f  /* lead over any other minimum that is full confidence */
+#define SV_COST_YIELD   3.0f  /* towards the viewer where nothing is sure, bins */
+#define SV_COST_SPREAD  2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
+
+#define SV_COST_CHANGE   0.15f /* mean change of a cell's costs that makes it forget the frame before */
+#define SV_COST_EVIDENCE 8     /* one ray in so many must have a fluid interval, or there is no surface */
+
+/* Words of what the cost volume found out about a frame. */
+#define SV_COST_INFO_LEVEL  0 /* T_L of the bins, as a grey level */
+#define SV_COST_INFO_RAYS   1 /* scanned rays */
+#define SV_COST_INFO_OPEN   2 /* rays with a fluid interval */
+#define SV_COST_INFO_WANTED 3 /* 1: the frame has a surface */
+#define SV_COST_INFO_WORDS  4
+
+/* Planes of what a ray came to, a byte each. */
+#define SV_COST_FIRST   0 /* bin at which its first fluid interval begins; labels: none */
+#define SV_COST_MAXIMUM 1 /* largest tissue bin behind that; 0: none */
+#define SV_COST_PLACE   2 /* where that is; labels: none */
+#define SV_COST_SCANNED 3 /* 1: some voxel was scanned */
+#define SV_COST_PLANES  4
+
 /* Status map, as in smartvis_plugin.h. */
 #define SV_STATUS_NONE    0
 #define SV_STATUS_INITIAL 1

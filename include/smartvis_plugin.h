@@ -442,6 +442,30 @@ typedef struct sv_ext_spline {
     sv_status (*report)(const sv_plugin *plugin, sv_spline_report *out);
 } sv_ext_spline;
 
+/*
+ * smartvis.confidence/1: how sure the surface of the last frame is (parameter method = cost).
+ */
+#define SV_EXT_CONFIDENCE "smartvis.confidence/1"
+
+typedef struct sv_confidence_report {
+    uint32_t size;
+    float fluid_threshold; /* T_L that was found from the volume's own grey levels, 0 .. 1 */
+    uint32_t rays;         /* that have a scanned voxel */
+    uint32_t open_rays;    /* with an interval of fluid behind tissue; too few of them: SV_NO_SURFACE */
+} sv_confidence_report;
+
+typedef struct sv_ext_confidence {
+    uint32_t size;
+    uint32_t reserved; /* 0 */
+
+    /* [control] Waits for the queue and reads the last frame whose end succeeded. `map`: width * height
+     * float32, row by row, 0 (nothing is known) .. 1 (no other depth comes near in cost, and all rays nearby
+     * show fluid); all 0 without a surface. The surface lies nearer to the viewer where it is low; a host may
+     * widen its ghosting window there. `map` or `out` may be NULL. SV_ERR_STATE if there is no such frame or
+     * the method is another one. */
+    sv_status (*read)(const sv_plugin *plugin, float *map, sv_confidence_report *out);
+} sv_ext_confidence;
+
 /* -------------------------------------------------------------------------------------------- entry -- */
 
 /*

@@ -10,6 +10,7 @@ static const sv_method *const methods[SV_METHOD_COUNT] = {
     [SV_METHOD_MEAN] = &sv_method_mean,         [SV_METHOD_MINIMUM] = &sv_method_minimum,
     [SV_METHOD_SPLINE] = &sv_method_spline,     [SV_METHOD_PUSHPULL] = &sv_method_pushpull,
     [SV_METHOD_MEMBRANE] = &sv_method_membrane, [SV_METHOD_PLATE] = &sv_method_plate,
+    [SV_METHOD_COST] = &sv_method_cost,
 };
 
 enum { K_BEGIN, K_GATHER, K_DONE };
@@ -26,15 +27,20 @@ static sv_status create_method(sv_pipeline *p, const sv_method *method, sv_metho
     return status == SV_OK ? method->create(p, state) : status;
 }
 
+/* A method that takes the slabs asks for no points, so there is nothing to filter. */
+static bool is_filtered(const sv_config *c) {
+    return c->prefilter != SV_PREFILTER_NONE && !methods[c->method]->slab;
+}
+
 uint32_t sv_chain_commands(const sv_config *c) {
-    const bool filtered = c->prefilter != SV_PREFILTER_NONE;
+    const bool filtered = is_filtered(c);
     return methods[c->method]->commands(c) + (filtered ? sv_method_minimum.commands(c) : 0) + 4;
 }
 
 sv_status sv_chain_create(sv_pipeline *p) {
     const sv_config *c = &p->config;
     sv_chain *chain = &p->chain;
-    const bool filtered = c->prefilter != SV_PREFILTER_NONE;
+    const bool filtered = is_filtered(c);
     chain->method = methods[c->method];
     chain->doubles = p->device->has_doubles && !c->float32;
     chain->plain_mean = c->method == SV_METHOD_MEAN && !filtered;
@@ -49,6 +55,11 @@ sv_status sv_chain_create(sv_pipeline *p) {
     if (status == SV_OK && filtered) status = create_method(p, &sv_method_minimum, &chain->filter);
     if (status == SV_OK) status = create_method(p, chain->method, &chain->state);
     return status;
+}
+
+sv_status sv_chain_slab(sv_pipeline *p, cl_mem buffer, uint64_t offset, uint32_t slice_count) {
+    sv_chain *chain = &p->chain;
+    return chain->method->slab ? chain->method->slab(p, &chain->state, buffer, offset, slice_count) : SV_OK;
 }
 
 static void release_state(sv_method_state *state) {
@@ -87,7 +98,7 @@ sv_status sv_chain_run(sv_pipeline *p, float q) {
     if (chain->plain_mean) return chain->method->run(p, &chain->state, 2);
     const double *v = p->values.of;
     sv_status status = fetch_points(p, q);
-    if (status == SV_OK && p->config.prefilter == SV_PREFILTER_MINIMUM)
+    if (status == SV_OK && is_filtered(&p->config))
         status = sv_minimum_prefilter(p, &chain->filter, (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
                                       (uint32_t)v[SV_PARAM_PREFILTER_PASSES]);
     return status == SV_OK ? chain->method->run(p, &chain->state, chain->linear ? 2 : 1) : status;

@@ -21,7 +21,7 @@
 struct sv_config;
 struct sv_pipeline;
 
-#define SV_MAX_METHOD_BUFFERS 8
+#define SV_MAX_METHOD_BUFFERS 13
 #define SV_MAX_LEVELS         14 /* of a pyramid over 8192 pixels */
 
 /* Sizes of a pyramid's levels, the map itself first; offsets count pixels from the first level's start. */
@@ -52,13 +52,18 @@ typedef struct {
     uint32_t (*commands)(const struct sv_config *config); /* most that one run enqueues; sizes the timing */
     sv_status (*create)(struct sv_pipeline *pipeline, sv_method_state *state); /* buffers */
 
+    /* A method that needs more of the volume than the points: called for every slab, from
+     * pipeline->next_slice on, with the slab's texture in `buffer` from byte `offset` on. It may be NULL. */
+    sv_status (*slab)(struct sv_pipeline *pipeline, sv_method_state *state, cl_mem buffer, uint64_t offset,
+                      uint32_t slice_count);
+
     /* From pipeline->chain.maps to the surfaces, planes 0 .. planes - 1. With no point it must change
      * nothing: the surfaces hold zeros. */
     sv_status (*run)(struct sv_pipeline *pipeline, sv_method_state *state, uint32_t planes);
 } sv_method;
 
 extern const sv_method sv_method_mean, sv_method_minimum, sv_method_spline, sv_method_pushpull,
-    sv_method_membrane, sv_method_plate;
+    sv_method_membrane, sv_method_plate, sv_method_cost;
 
 /* The part of the pipeline between the points and the surfaces. */
 typedef struct {
@@ -92,6 +97,13 @@ sv_status sv_mean_single(struct sv_pipeline *pipeline);
 /* The minimum filter on plane 0 of the maps, which keeps the initial points only; the pre-filter. */
 sv_status sv_minimum_prefilter(struct sv_pipeline *pipeline, sv_method_state *state, uint32_t k,
                                uint32_t passes);
+
+/* Enqueues what the method wants of a slab, if it wants any. */
+sv_status sv_chain_slab(struct sv_pipeline *pipeline, cl_mem buffer, uint64_t offset, uint32_t slice_count);
+
+/* Waits, and reads the confidence (width * height, may be NULL) and the SV_COST_INFO_* words of the last
+ * frame of method cost. */
+sv_status sv_cost_read(struct sv_pipeline *pipeline, float *confidence, uint32_t *info);
 
 /* Waits, and reads what the spline of the last frame came to: points, cells per side of the merging grid (0:
  * not merged), rank of the plane, unknowns left out, condition estimate, residual in slices. */

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const char *const bone_modes[] = {"absolute", "offset", "fraction"};
-static const char *const methods[] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate"};
+static const char *const methods[] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate", "cost"};
 static const char *const prefilters[] = {"none", "minimum"};
 static const char *const precisions[] = {"float64", "float32"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};
@@ -37,8 +37,8 @@ static const struct {
      "Mode fraction: T_B is the highest threshold that at least this share of the rays exceeds.", 0.0, 1.0,
      0.01, 0.1, 0.03, 0.01, NULL},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
-     "How depths spread from the initial points to all pixels; all but minimum are linear in the depths, so "
-     "that turning q costs next to nothing.",
+     "How depths spread from the initial points to all pixels, or, with cost, are found from every ray's own "
+     "fluid; all but minimum are linear in the depths, so that turning q costs next to nothing.",
      0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Mean filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
@@ -91,6 +91,10 @@ static const struct {
      "64 "
      "points in a spline.",
      0.0, 1.0, 0.0, 1.0, SV_PRECISION_FLOAT64, 1.0, precisions},
+    {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
+     "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
+     "once.",
+     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL},

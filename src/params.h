@@ -30,6 +30,7 @@ enum {
     SV_PARAM_DATA_WEIGHT = 21,
     SV_PARAM_PRECISION = 22,
     SV_PARAM_SOLVER_STEPS = 23,
+    SV_PARAM_MEMORY = 24,
     SV_PARAM_ID_END
 };
 
@@ -44,6 +45,7 @@ enum {
     SV_METHOD_PUSHPULL = 3,
     SV_METHOD_MEMBRANE = 4,
     SV_METHOD_PLATE = 5,
+    SV_METHOD_COST = 6,
     SV_METHOD_COUNT
 };
 /* Numbers that the solvers (spline, membrane, plate) compute with. */

@@ -111,6 +111,9 @@ sv_status sv_pipeline_warm_up(sv_pipeline *p) {
     sv_values values;
     sv_params_defaults(&values);
     sv_pipeline_begin(p, &values);
+    /* A slab of no slices reads nothing, so any buffer will do. */
+    const sv_status status = sv_chain_slab(p, p->buffers.state8, 0, 0);
+    if (status != SV_OK) return status;
     return sv_chain_run(p, 0.0f); /* the record is zeros: no points */
 }
 
@@ -213,6 +216,8 @@ sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
     uint64_t offset = 0;
     sv_status status = place_slab(p, slab, &buffer, &offset);
     if (status == SV_OK && p->batch.count > 0 && buffer != p->batch_buffer) status = launch_profile(p);
+    if (status != SV_OK) return status;
+    status = sv_chain_slab(p, buffer, offset, slab->slice_count);
     if (status != SV_OK) return status;
     p->batch_buffer = buffer;
     p->batch.offset[p->batch.count] = offset;

@@ -210,9 +210,29 @@ static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
 
 static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
 
+static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
+    sv_instance *in = instance_of(plugin);
+    if (out && out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
+                             out->size, sizeof *out);
+    if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_COST)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "confidence: no finished frame with method cost");
+    uint32_t info[SV_COST_INFO_WORDS];
+    const sv_status status = sv_cost_read(&in->pipeline, map, info);
+    if (status == SV_OK && out)
+        *out = (sv_confidence_report){.size = out->size,
+                                      .fluid_threshold = (float)info[SV_COST_INFO_LEVEL] / 255.0f,
+                                      .rays = info[SV_COST_INFO_RAYS],
+                                      .open_rays = info[SV_COST_INFO_OPEN]};
+    return status;
+}
+
+static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence, .read = confidence_read};
+
 static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
     (void)plugin;
     if (id && strcmp(id, SV_EXT_STATS) == 0) return &ext_stats;
+    if (id && strcmp(id, SV_EXT_CONFIDENCE) == 0) return &ext_confidence;
     return id && strcmp(id, SV_EXT_SPLINE) == 0 ? &ext_spline : NULL;
 }
 

@@ -1,0 +1,106 @@
+#include "surf_ablation.h"
+
+#include "ref/sv_ref_cost.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const struct {
+    const char *what;
+    double tau, behind, other, tissue, rank, slack, yield, sigma; /* factors */
+    double gap;                                                   /* factor */
+    bool no_median;
+    int level;   /* T_L; 0: from the histogram */
+    double gain; /* of the grey levels */
+} changes[] = {
+    {"as it is", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
+    {"no bone terms", 1, 0, 0, 1, 1, 1, 1, 1, 1, false, 0, 1},
+    {"no term behind the maximum", 1, 0, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
+    {"no term for other intervals", 1, 1, 0, 1, 1, 1, 1, 1, 1, false, 0, 1},
+    {"no tissue term", 1, 1, 1, 0, 1, 1, 1, 1, 1, false, 0, 1},
+    {"tissue term as in the issue (x 5)", 1, 1, 1, 5, 1, 1, 1, 1, 1, false, 0, 1},
+    {"full confidence at rank 0.9", 1, 1, 1, 1, 3, 1, 1, 1, 1, false, 0, 1},
+    {"fluid twice as near (tau / 2)", 0.5, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
+    {"fluid twice as far (tau x 2)", 2, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
+    {"shorter intervals count (x 0.5)", 1, 1, 1, 1, 1, 1, 1, 1, 0.5, false, 0, 1},
+    {"only longer intervals count (x 1.5)", 1, 1, 1, 1, 1, 1, 1, 1, 1.5, false, 0, 1},
+    {"lateral Gaussian x 0.7", 1, 1, 1, 1, 1, 1, 1, 0.7, 1, false, 0, 1},
+    {"lateral Gaussian x 1.4", 1, 1, 1, 1, 1, 1, 1, 1.4, 1, false, 0, 1},
+    {"no median", 1, 1, 1, 1, 1, 1, 1, 1, 1, true, 0, 1},
+    {"sharper minimum (slack / 5)", 1, 1, 1, 1, 1, 0.2, 1, 1, 1, false, 0, 1},
+    {"no yielding where unsure", 1, 1, 1, 1, 1, 1, 0, 1, 1, false, 0, 1},
+    {"T_L fixed at 25", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 25, 1},
+    {"T_L fixed at 40", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 40, 1},
+    {"T_L fixed at 60", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 60, 1},
+    {"gain 0.7, T_L found", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 0.7},
+    {"gain 1.4, T_L found", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1.4},
+    {"gain 1.4, T_L fixed at 40", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 40, 1.4},
+};
+enum { CHANGES = sizeof changes / sizeof *changes };
+
+static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
+    sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n);
+    l.tau *= changes[i].tau;
+    l.behind *= changes[i].behind;
+    l.other *= changes[i].other;
+    l.tissue *= changes[i].tissue;
+    l.rank *= changes[i].rank;
+    l.slack *= changes[i].slack;
+    l.yield *= changes[i].yield;
+    l.sigma *= changes[i].sigma;
+    l.gap = (uint32_t)(l.gap * changes[i].gap + 0.5);
+    l.median = !changes[i].no_median;
+    l.level = changes[i].level;
+    return l;
+}
+
+/* Grey levels times `gain`; what was scanned stays scanned. */
+static void amplify(const uint8_t *from, size_t count, double gain, uint8_t *to) {
+    for (size_t i = 0; i < count; i++) {
+        const double value = from[i] * gain + 0.5;
+        to[i] = from[i] == 0 ? 0 : value < 1.0 ? 1 : value > 255.0 ? 255 : (uint8_t)value;
+    }
+}
+
+static bool score(const surf_case *c, int i, uint8_t *voxels, double *maps, float *depth, surf_score *out,
+                  hs_error *err) {
+    const size_t pixels = (size_t)c->n * c->n;
+    const sv_ref_cost_layout l = changed_layout(c->n, i);
+    amplify(c->voxels, pixels * c->n, changes[i].gain, voxels);
+    const sv_ref_volume v = {voxels, c->n, c->n, c->n, 0};
+    if (!sv_ref_cost_surface_with(&v, &l, maps, maps + pixels, maps + 2 * pixels, NULL, NULL))
+        return hs_fail(err, HS_ERR_MEMORY, "no memory for the cost volume");
+    for (size_t p = 0; p < pixels; p++) depth[p] = (float)(0.5 * (maps[p] + maps[pixels + p]));
+    *out = surf_judge(c, depth);
+    return true;
+}
+
+bool surf_ablation(const char *const *names, uint32_t count, uint32_t n, hs_error *err) {
+    static const uint32_t sets[2][2] = {{101, 0}, {202, 11}}; /* seed, pose */
+    surf_score sums[2][CHANGES] = {{{0}}};
+    const size_t pixels = (size_t)n * n;
+    uint8_t *voxels = malloc(pixels * n);
+    double *maps = malloc(3 * pixels * sizeof *maps);
+    float *depth = malloc(pixels * sizeof *depth);
+    bool ok = (voxels && maps && depth) || hs_fail(err, HS_ERR_MEMORY, "no memory for %u^3 voxels", n);
+    for (int set = 0; set < 2; set++)
+        for (uint32_t k = 0; ok && k < count; k++) {
+            surf_case c;
+            ok = surf_case_make(names[k], n, sets[set][0], sets[set][1], 0, &c, err);
+            for (int i = 0; ok && i < CHANGES; i++) {
+                surf_score s = {0};
+                ok = score(&c, i, voxels, maps, depth, &s, err);
+                sums[set][i].error += s.error / count;
+                sums[set][i].cut += s.cut / count;
+            }
+            if (ok) surf_case_free(&c);
+        }
+    if (ok) printf("One thing changed at a time (scalar definition): tuned set 101/0, untuned set 202/11\n");
+    for (int i = 0; ok && i < CHANGES; i++)
+        printf("  %-36s %5.2f (cut %4.1f %%)   %5.2f (cut %4.1f %%)\n", changes[i].what, sums[0][i].error,
+               100.0 * sums[0][i].cut, sums[1][i].error, 100.0 * sums[1][i].cut);
+    free(depth);
+    free(maps);
+    free(voxels);
+    return ok;
+}

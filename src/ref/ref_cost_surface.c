@@ -1,0 +1,245 @@
+/* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way back to
+ * pixels. */
+#include "ref/sv_ref_cost.h"
+
+#include "sv_shared.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TIE 1e-5 /* costs this close may fall out either way in float32 */
+
+/* Sums of the costs over the rays of one cell. */
+static void gather_cell(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level,
+                        const sv_ref_cost_ray *rays, const double bone[256], uint32_t cx, uint32_t cy,
+                        double *cell) {
+    const uint32_t x1 = (cx + 1) * l->block < l->width ? (cx + 1) * l->block : l->width;
+    const uint32_t y1 = (cy + 1) * l->block < l->height ? (cy + 1) * l->block : l->height;
+    uint32_t wall = l->labels;
+    for (uint32_t y = cy * l->block; y < y1; y++)
+        for (uint32_t x = cx * l->block; x < x1; x++) {
+            const sv_ref_cost_ray *r = &rays[(size_t)y * l->width + x];
+            if (r->first < wall) wall = r->first;
+        }
+    if (wall == l->labels) wall = 0;
+    for (uint32_t y = cy * l->block; y < y1; y++)
+        for (uint32_t x = cx * l->block; x < x1; x++) {
+            const size_t pixel = (size_t)y * l->width + x;
+            const sv_ref_cost_ray *r = &rays[pixel];
+            double cost[SV_COST_LABELS];
+            if (!r->scanned) continue;
+            sv_ref_cost_of_ray(bins, l, level, r, bone[r->maximum], wall, pixel, cost);
+            for (uint32_t i = 0; i < l->labels; i++) cell[i] += cost[i];
+            cell[SV_COST_WEIGHT] += 1.0;
+            if (r->first < l->labels) cell[SV_COST_OPEN] += 1.0;
+        }
+}
+
+/* One pass of the Gaussian, along x (step of one cell) or y; cells outside the image do not count. */
+static void blur(const double *from, double *to, const sv_ref_cost_layout *l, bool along_x) {
+    double weight[SV_COST_REACH + 1];
+    for (int i = 0; i <= SV_COST_REACH; i++) weight[i] = exp(-0.5 * i * i / (l->sigma * l->sigma));
+    const int nx = (int)l->cells_x, ny = (int)l->cells_y;
+    for (int y = 0; y < ny; y++)
+        for (int x = 0; x < nx; x++)
+            for (int v = 0; v < SV_COST_VALUES; v++) {
+                double sum = 0.0;
+                for (int i = -SV_COST_REACH; i <= SV_COST_REACH; i++) {
+                    const int u = along_x ? x + i : x, w = along_x ? y : y + i;
+                    if (u < 0 || u >= nx || w < 0 || w >= ny) continue;
+                    sum += weight[abs(i)] *
+                           from[((size_t)w * l->cells_x + (size_t)u) * SV_COST_VALUES + (size_t)v];
+                }
+                to[((size_t)y * l->cells_x + (size_t)x) * SV_COST_VALUES + (size_t)v] = sum;
+            }
+}
+
+double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_ref_cost_facts *facts) {
+    const size_t pixels = (size_t)l->width * l->height, cells = (size_t)l->cells_x * l->cells_y;
+    sv_ref_cost_ray *rays = calloc(pixels, sizeof *rays);
+    double *volume = calloc(cells * SV_COST_VALUES, sizeof *volume);
+    double *turn = calloc(cells * SV_COST_VALUES, sizeof *turn);
+    if (rays && volume && turn) {
+        double bone[256];
+        *facts = (sv_ref_cost_facts){.level = l->level ? (uint32_t)l->level : sv_ref_cost_level(bins, l)};
+        sv_ref_cost_rays(bins, l, facts->level, rays);
+        sv_ref_cost_ranks(rays, pixels, l->rank, bone);
+        for (size_t i = 0; i < pixels; i++) {
+            facts->rays += rays[i].scanned;
+            facts->open += rays[i].first < l->labels;
+        }
+        for (uint32_t y = 0; y < l->cells_y; y++)
+            for (uint32_t x = 0; x < l->cells_x; x++)
+                gather_cell(bins, l, facts->level, rays, bone, x, y,
+                            volume + ((size_t)y * l->cells_x + x) * SV_COST_VALUES);
+        blur(volume, turn, l, true);
+        blur(turn, volume, l, false);
+    } else {
+        free(volume);
+        volume = NULL;
+    }
+    free(turn);
+    free(rays);
+    return volume;
+}
+
+/* What a cell came to: the middle of its minimum and that one's standard deviation, in bins. */
+typedef struct {
+    double place, spread, confidence;
+    bool valid, tie;
+} minimum;
+
+static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
+    minimum m = {.valid = cell[SV_COST_WEIGHT] > 1e-3};
+    if (!m.valid) return m;
+    double cost[SV_COST_LABELS], least = INFINITY, second = INFINITY;
+    int at = 0;
+    const int n = (int)l->labels;
+    for (int i = 0; i < n; i++) {
+        cost[i] = cell[i] / cell[SV_COST_WEIGHT];
+        if (cost[i] < least) {
+            least = cost[i];
+            at = i;
+        }
+    }
+    const double edge = least + l->slack;
+    int low = at, high = at;
+    while (low > 0 && cost[low - 1] < edge) low--;
+    while (high + 1 < n && cost[high + 1] < edge) high++;
+    if (low > 0 && fabs(cost[low - 1] - edge) < TIE) m.tie = true;
+    if (high + 1 < n && fabs(cost[high + 1] - edge) < TIE) m.tie = true;
+    double weight = 0.0, first = 0.0, square = 0.0;
+    for (int i = low; i <= high; i++) {
+        if (fabs(cost[i] - edge) < TIE) m.tie = true;
+        const double w = edge - cost[i], d = i - at;
+        weight += w;
+        first += w * d;
+        square += w * d * d;
+    }
+    first /= weight;
+    m.place = at + first;
+    m.spread = sqrt(fmax(square / weight - first * first, 0.0));
+    for (int i = 0; i < n; i++) {
+        if ((i < low || i > high) && cost[i] - least < TIE) m.tie = true;
+    }
+    low = high = at; /* the basin: what lies outside it is another minimum */
+    while (low > 0 && cost[low - 1] < least + SV_COST_MARGIN) low--;
+    while (high + 1 < n && cost[high + 1] < least + SV_COST_MARGIN) high++;
+    for (int i = 0; i < n; i++)
+        if (i < low || i > high) second = fmin(second, cost[i]);
+    const double lead = fmin((second - least) / SV_COST_MARGIN, 1.0);
+    m.confidence = lead * fmin(cell[SV_COST_OPEN] / cell[SV_COST_WEIGHT], 1.0);
+    return m;
+}
+
+/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next. Costs per ray.
+ */
+static void remember(double *cell, double *previous, const sv_ref_cost_layout *l, bool *tie) {
+    const double rays = cell[SV_COST_WEIGHT];
+    double change = 0.0;
+    if (!(rays > 1e-3)) {
+        previous[SV_COST_WEIGHT] = 0.0;
+        return;
+    }
+    for (uint32_t i = 0; i < SV_COST_VALUES; i++) cell[i] /= rays;
+    for (uint32_t i = 0; i < l->labels; i++) change += fabs(cell[i] - previous[i]) / l->labels;
+    *tie = fabs(change - SV_COST_CHANGE) < TIE;
+    const bool keeps = previous[SV_COST_WEIGHT] > 0.0 && change < SV_COST_CHANGE;
+    for (uint32_t i = 0; i < SV_COST_VALUES; i++) {
+        if (keeps) cell[i] += l->memory * (previous[i] - cell[i]);
+        previous[i] = cell[i];
+    }
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median of the valid cells of the 3 x 3 neighbourhood; of an even number, the mean of the middle two. */
+static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, int y) {
+    const int nx = (int)l->cells_x, ny = (int)l->cells_y;
+    minimum m = cells[y * nx + x];
+    double place[9];
+    size_t count = 0;
+    for (int v = y - 1; v <= y + 1; v++)
+        for (int u = x - 1; u <= x + 1; u++) {
+            if (u < 0 || v < 0 || u >= nx || v >= ny || !cells[v * nx + u].valid) continue;
+            place[count++] = cells[v * nx + u].place;
+            m.tie = m.tie || cells[v * nx + u].tie;
+        }
+    if (!m.valid) return m;
+    qsort(place, count, sizeof *place, ascending);
+    if (l->median) m.place = 0.5 * (place[count / 2] + place[(count - 1) / 2]);
+    m.place -= l->yield * (1.0 - m.confidence); /* in doubt it clips less */
+    return m;
+}
+
+/* Bilinear between the centres of the cells; invalid cells are depth 0 with no spread and no confidence. */
+static void upsample(const minimum *cells, const sv_ref_cost_layout *l, double *near_surface,
+                     double *far_surface, double *confidence, uint8_t *tie) {
+    for (uint32_t y = 0; y < l->height; y++)
+        for (uint32_t x = 0; x < l->width; x++) {
+            const double u = fmin(fmax((x + 0.5) / l->block - 0.5, 0.0), l->cells_x - 1.0);
+            const double v = fmin(fmax((y + 0.5) / l->block - 0.5, 0.0), l->cells_y - 1.0);
+            const uint32_t x0 = (uint32_t)u, y0 = (uint32_t)v;
+            double depth = 0.0, spread = 0.0, sure = 0.0;
+            bool tied = false;
+            for (uint32_t corner = 0; corner < 4; corner++) {
+                const uint32_t i = corner & 1, j = corner >> 1;
+                const double weight = (i ? u - x0 : 1.0 - (u - x0)) * (j ? v - y0 : 1.0 - (v - y0));
+                if (weight == 0.0) continue;
+                const minimum *m = &cells[(size_t)(y0 + j) * l->cells_x + x0 + i];
+                tied = tied || m->tie;
+                if (!m->valid) continue;
+                depth += weight * ((m->place + 0.5) * l->pitch - 0.5);
+                spread += weight * m->spread * SV_COST_SPREAD * l->pitch;
+                sure += weight * m->confidence;
+            }
+            const size_t pixel = (size_t)y * l->width + x;
+            near_surface[pixel] = depth - spread;
+            far_surface[pixel] = depth + spread;
+            confidence[pixel] = sure;
+            if (tie) tie[pixel] = tied;
+        }
+}
+
+bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_layout *l, double *near_surface,
+                              double *far_surface, double *confidence, uint8_t *tie,
+                              sv_ref_cost_facts *facts) {
+    const size_t cells = (size_t)l->cells_x * l->cells_y;
+    sv_ref_cost_facts found = {0};
+    uint8_t *bins = malloc((size_t)l->labels * l->width * l->height);
+    minimum *raw = calloc(2 * cells, sizeof *raw), *smooth = raw ? raw + cells : NULL;
+    double *costs = NULL;
+    if (bins && raw) {
+        sv_ref_cost_bins(volume, l, bins);
+        costs = sv_ref_cost_volume(bins, l, &found);
+    }
+    if (costs) {
+        for (size_t i = 0; i < cells; i++) {
+            bool tie_here = false;
+            if (l->previous)
+                remember(costs + i * SV_COST_VALUES, l->previous + i * SV_COST_VALUES, l, &tie_here);
+            raw[i] = find_minimum(costs + i * SV_COST_VALUES, l);
+            raw[i].tie = raw[i].tie || tie_here;
+        }
+        for (int y = 0; y < (int)l->cells_y; y++)
+            for (int x = 0; x < (int)l->cells_x; x++) smooth[y * (int)l->cells_x + x] = median(raw, l, x, y);
+        upsample(smooth, l, near_surface, far_surface, confidence, tie);
+    }
+    const bool done = costs != NULL;
+    for (size_t i = 0; done && tie && i < (size_t)l->width * l->height; i++) found.ties += tie[i];
+    if (facts) *facts = found;
+    free(costs);
+    free(raw);
+    free(bins);
+    return done;
+}
+
+bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
+                         double *confidence, uint8_t *tie, sv_ref_cost_facts *facts) {
+    const sv_ref_cost_layout l = sv_ref_cost_layout_of(volume->width, volume->height, volume->slices);
+    return sv_ref_cost_surface_with(volume, &l, near_surface, far_surface, confidence, tie, facts);
+}
