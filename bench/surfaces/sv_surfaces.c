@@ -13,18 +13,16 @@
 enum { N = 128, PIXELS = N * N, CASES = 9, QS = 31, FRAMES = 40 };
 static const char *const names[CASES] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
 
+/* clang-format off */
 static const char help[] =
     "Usage: sv_surfaces [PLUGIN] [VOLUME.mha...]\n"
     "       sv_surfaces --ablation\n"
-    "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed "
-    "and a pose: the ray termination\n"
-    "error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the "
-    "q that is best for the whole\n"
-    "set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others "
-    "were not. Then the same with other\n"
-    "speckle, and in motion, times at 128^3 and 171^3, and what cost says of the "
-    "volumes that are given.\n"
+    "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed and a pose: the ray\n"
+    "termination error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the q that is best\n"
+    "for the whole set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others were not. Then\n"
+    "both in motion, their times at 128^3 and 171^3, and what cost says of the volumes that are given.\n"
     "--ablation: what each part of the cost volume is worth, by its scalar definition.\n";
+/* clang-format on */
 
 /* An instance that is active for volumes of one size, and its map. */
 typedef struct {
