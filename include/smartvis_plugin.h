@@ -330,7 +330,7 @@ typedef struct sv_result {
 typedef struct sv_descriptor {
     uint32_t size;
     uint32_t reserved; /* 0 */
-    const char *id;    /* reverse domain and unique: "org.smartvis.mean" */
+    const char *id;    /* reverse domain and unique: "org.smartvis.clip" */
     const char *name;  /* for a person */
     const char *vendor;
     const char *version; /* of the plugin, "1.0.0" */

@@ -6,11 +6,11 @@
 
 static const sv_descriptor descriptor = {
     .size = sizeof descriptor,
-    .id = "org.smartvis.mean",
-    .name = "SmartVis mean filter",
+    .id = "org.smartvis.clip",
+    .name = "SmartVis",
     .vendor = "SmartVis",
     .version = "0.1.0",
-    .summary = "Clipping depthmap from bone rays and an iterated mean filter (thesis 3.2, 3.3).",
+    .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
 };
 
 static sv_instance *instance_of(const sv_plugin *plugin) {
