@@ -15,7 +15,7 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup demo test test-sanitize test-clang lint format bench clean help
+.PHONY: all setup demo report test test-sanitize test-clang lint format bench clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -27,6 +27,10 @@ setup: ## install the Debian packages that are missing (needs root if any are)
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+
+report: setup ## set up, build, measure quality and speed over all cases; the page is out/report/index.html
+	@$(call build,build)
+	build/host_sim report --out $(OUT)/report
 
 test: setup ## set up, build, run all tests
 	@$(call build,build)

@@ -1,5 +1,5 @@
-/* Parts of the scan loop, used by hs_loop*.c only: the slabs in their carrier, and the plugin's share of a
- * frame. */
+/* Parts of the scan loop, used by hs_loop*.c and hs_eval*.c only: the slabs in their carrier, and the
+ * plugin's share of a frame. */
 #ifndef HS_LOOP_PARTS_H
 #define HS_LOOP_PARTS_H
 

@@ -13,17 +13,21 @@ static const char head[] =
     "#d5d9de;padding-bottom:.3rem}\n"
     "p{max-width:46rem}\n"
     ".row{display:flex;flex-wrap:wrap;gap:1rem}\n"
-    "figure{margin:0;flex:1 1 17rem;min-width:0}\n"
+    "figure{margin:0;flex:1 1 13rem;min-width:0}\n"
     "img{width:100%;height:auto;display:block;border-radius:4px;background:#000}\n"
     "figcaption{font-size:.9rem;color:#4a5058;margin-top:.3rem}\n"
     ".wide{overflow-x:auto}\n"
     "table{border-collapse:collapse;margin:1rem 0}\n"
-    "th,td{padding:.3rem .8rem;text-align:right;border-bottom:1px solid #e3e6ea;white-space:nowrap;\n"
+    "th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid #e3e6ea;white-space:nowrap;\n"
     "font-variant-numeric:tabular-nums}\n"
     "th:first-child,td:first-child{text-align:left}tr:first-child>*{border-bottom:2px solid "
     "#9aa1a9;font-weight:600}\n"
     "pre{overflow-x:auto;background:#f4f5f7;padding:.8rem;font-size:.8rem;line-height:1.35}\n"
     "summary{cursor:pointer;color:#0b5cad}\n"
+    ".plot{display:block;width:100%;min-width:30rem;max-width:50rem;height:auto;margin:1rem 0}\n"
+    ".slider{flex:1 1 13rem;max-width:22rem}.slider input{display:block;width:100%;margin:.4rem 0}.slider "
+    "figure[hidden]{display:none}\n"
+    "@media print{.slider input{display:none}h2,figure,svg{break-inside:avoid}}\n"
     "</style>\n<title>";
 
 /* Writes unless something failed before. */
@@ -146,6 +150,25 @@ void hs_report_table_end(hs_report *report) {
     put(report, "</table></div>\n");
 }
 
+void hs_report_markup(hs_report *report, const char *markup) {
+    put(report, markup);
+}
+
+void hs_report_slider_begin(hs_report *report, const char *label, unsigned count, unsigned shown) {
+    char range[96];
+    report->has_slider = true;
+    put(report, "<div class=\"slider\"><label>");
+    put_text(report, label);
+    (void)snprintf(range, sizeof range,
+                   " <input type=\"range\" min=\"0\" max=\"%u\" step=\"1\" value=\"%u\">", count - 1, shown);
+    put(report, range);
+    put(report, "</label>\n");
+}
+
+void hs_report_slider_end(hs_report *report) {
+    put(report, "</div>\n");
+}
+
 void hs_report_folded(hs_report *report, const char *summary, const char *text) {
     put(report, "<details><summary>");
     put_text(report, summary);
@@ -154,7 +177,22 @@ void hs_report_folded(hs_report *report, const char *summary, const char *text) 
     put(report, "</pre></details>\n");
 }
 
+/* Shows the slider's picture and hides the others; the caption is what a screen reader says of the value. */
+static const char slider_script[] =
+    "<script>\n"
+    "document.querySelectorAll('.slider').forEach(function (slider) {\n"
+    "  var input = slider.querySelector('input'), figures = slider.querySelectorAll('figure');\n"
+    "  function show() {\n"
+    "    figures.forEach(function (figure, i) { figure.hidden = i !== Number(input.value); });\n"
+    "    input.setAttribute('aria-valuetext', figures[Number(input.value)].textContent);\n"
+    "  }\n"
+    "  input.addEventListener('input', show);\n"
+    "  show();\n"
+    "});\n"
+    "</script>\n";
+
 bool hs_report_close(hs_report *report, hs_error *err) {
+    if (report->has_slider) put(report, slider_script);
     put(report, "</body>\n</html>\n");
     if (report->error.code == HS_OK) return hs_output_commit(&report->output, err);
     hs_output_discard(&report->output);

@@ -1,4 +1,5 @@
-/* One self-contained HTML page: pictures inlined, no network, no script, readable on a phone. */
+/* One self-contained HTML page: pictures inlined, no network, readable on a phone; no script but the
+ * slider's. */
 #ifndef HS_REPORT_H
 #define HS_REPORT_H
 
@@ -8,6 +9,7 @@
 typedef struct {
     hs_output_file output;
     hs_error error;
+    bool has_slider; /* the script is needed */
 } hs_report;
 
 /* Starts a page at `path`; it appears when closed. All texts are escaped. */
@@ -30,6 +32,15 @@ void hs_report_picture(hs_report *report, const char *path, const char *alt, con
 void hs_report_table_begin(hs_report *report);
 void hs_report_table_row(hs_report *report, const char *const *cells, unsigned count);
 void hs_report_table_end(hs_report *report);
+
+/* Finished markup (a figure in SVG); the caller answers for it. */
+void hs_report_markup(hs_report *report, const char *markup);
+
+/* A slider over pictures: begin, one hs_report_picture per position, end. `label` says what it turns;
+ * `shown` is the position it starts at (0: the first). A short script in the page moves it; without one all
+ * pictures are seen, and in print the one it stands at. */
+void hs_report_slider_begin(hs_report *report, const char *label, unsigned count, unsigned shown);
+void hs_report_slider_end(hs_report *report);
 
 /* Text as printed in a terminal, folded away under `summary`. */
 void hs_report_folded(hs_report *report, const char *summary, const char *text);

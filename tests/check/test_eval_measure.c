@@ -1,0 +1,191 @@
+/* The evaluation's table of termination depths and its measures, against numbers by hand. */
+#include "golden/loop_fixture.h"
+#include "hs_eval_measure.h"
+
+/* The layers of loop_fixture.h; in the ground truth the occluder is fluid, so a ray ends at step FETUS. */
+typedef struct {
+    fixture *f;
+    hs_volume truth;
+    hs_loop *loop;
+    uint8_t label[N * N];
+    hs_eval_table table;
+} rig;
+
+/* Columns 0 .. 15 of the source are outside, 16 .. 31 sac, 32 .. 47 fetus: 5, 5 and 6 columns of the map,
+ * since its column x looks at source column 3 x + 1: 1, 4, 7, 10, 13 | 16, 19, 22, 25, 28, 31 | 34 .. 46. */
+enum { OUTSIDE_COLUMNS = 5, SAC_COLUMNS = 6, FETUS_COLUMNS = 5 };
+
+static rig open_rig(fixture *f) {
+    rig r = {.f = f, .truth = make_layers(false)};
+    hs_error err = {0};
+    for (size_t i = 0; i < hs_volume_count(&r.truth); i++)
+        if (i / (N * N) < FLUID) r.truth.voxels[i] = 10;
+    for (int i = 0; i < N * N; i++)
+        r.label[i] = i % N < 16 ? HS_LABEL_NEITHER : i % N < 32 ? HS_LABEL_SAC : HS_LABEL_FETUS;
+    hs_loop_options options = options_with(NULL, 0);
+    options.dvr.width = options.dvr.height = LOW;
+    r.loop = make_loop(f, &options);
+    if (!hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err)) fail_msg("%s", err.text);
+    return r;
+}
+
+static void close_rig(rig *r) {
+    hs_eval_table_free(&r->table);
+    hs_loop_destroy(r->loop);
+    hs_volume_free(&r->truth);
+}
+
+/* Where a ray that starts at `step` ends. */
+static int end_of(int step) {
+    if (step < FLUID) return step > OCCLUDER ? step : OCCLUDER;
+    return step > FETUS ? step : FETUS;
+}
+
+static void table_holds_every_start(void **state) {
+    rig r = open_rig(*state);
+    assert_int_equal(r.table.steps, N);
+    assert_int_equal(r.table.count, LOW * (SAC_COLUMNS + FETUS_COLUMNS));
+    assert_int_equal(r.table.first_fetus, LOW * SAC_COLUMNS);
+    assert_int_equal(r.table.occluded, r.table.count); /* 30 - 4 = 26 steps of occluder everywhere */
+    for (uint32_t ray = 0; ray < r.table.count; ray++)
+        for (int step = 0; step <= N; step++)
+            assert_int_equal(r.table.error[ray * (N + 1) + (uint32_t)step], FETUS - end_of(step));
+    close_rig(&r);
+}
+
+/* The renderer's rule: step 3 (d + 0.5) - 0.5, rounded up; nothing is clipped by 0, less, or no number. */
+static void starts_follow_the_renderer(void **state) {
+    rig r = open_rig(*state);
+    assert_int_equal(hs_eval_start_step(&r.table, 10.0f), 31);
+    assert_int_equal(hs_eval_start_step(&r.table, 10.1f), 32);
+    assert_int_equal(hs_eval_start_step(&r.table, 10.0001f),
+                     31); /* 0.0003 steps: within the hard cut's margin */
+    assert_int_equal(hs_eval_start_step(&r.table, 1e-6f), 1);
+    assert_int_equal(hs_eval_start_step(&r.table, 0.0f), 0);
+    assert_int_equal(hs_eval_start_step(&r.table, -3.0f), 0);
+    assert_int_equal(hs_eval_start_step(&r.table, NAN), 0);
+    assert_int_equal(hs_eval_start_step(&r.table, INFINITY), 0);
+    assert_int_equal(hs_eval_start_step(&r.table, 1e9f), N);
+    close_rig(&r);
+}
+
+static void near_to(float found, double expected) {
+    if (fabs((double)found - expected) > 1e-5) fail_msg("%g, expected %g", (double)found, expected);
+}
+
+/* Sac: rows 0 .. 3 unclipped (e = 26), the rest right (e = 0). Fetus: row 0 cut at depth 12, step 37 (e =
+ * -7), row 1 at depth 10, step 31 (e = -1, within the tolerance), the rest right. */
+static void fill_map(float *map) {
+    for (int i = 0; i < LOW * LOW; i++) {
+        const int x = i % LOW, y = i / LOW;
+        const bool fetus = x >= OUTSIDE_COLUMNS + SAC_COLUMNS;
+        map[i] = fetus ? (y == 0 ? 12.0f : y == 1 ? 10.0f : 6.0f) : (y < 4 ? 0.0f : 6.0f);
+    }
+}
+
+static void check_measures(const hs_measures *m) {
+    const double sac = LOW * SAC_COLUMNS, fetus = LOW * FETUS_COLUMNS;
+    const double left = 4 * SAC_COLUMNS, cut = FETUS_COLUMNS;
+    near_to(m->of[HS_MEASURE_ABS], (left * 26 + cut * 7 + cut * 1) / (sac + fetus));
+    near_to(m->of[HS_MEASURE_POS], 26); /* over the positive rays only */
+    near_to(m->of[HS_MEASURE_NEG], 4);  /* (7 + 1) / 2, as an absolute value */
+    near_to(m->of[HS_MEASURE_ABS_SAC], left * 26 / sac);
+    near_to(m->of[HS_MEASURE_POS_SAC], 26);
+    near_to(m->of[HS_MEASURE_NEG_SAC], 0);
+    near_to(m->of[HS_MEASURE_ABS_FETUS], (cut * 7 + cut * 1) / fetus);
+    near_to(m->of[HS_MEASURE_POS_FETUS], 0);
+    near_to(m->of[HS_MEASURE_NEG_FETUS], 4);
+    near_to(m->of[HS_MEASURE_FETUS_CUT], cut / fetus);
+    near_to(m->of[HS_MEASURE_OCCLUDER_LEFT], left / (sac + fetus));
+}
+
+static void measures_are_those_by_hand(void **state) {
+    rig r = open_rig(*state);
+    float map[LOW * LOW], termination[LOW * LOW], error[LOW * LOW];
+    hs_measures m;
+    fill_map(map);
+    hs_eval_measure_map(&r.table, map, &m);
+    check_measures(&m);
+    /* The same from a picture of termination depths. */
+    hs_eval_look_up(&r.table, map, termination);
+    hs_eval_measure_picture(&r.table, termination, &m);
+    check_measures(&m);
+    hs_eval_error_picture(&r.table, termination, error);
+    assert_true(isnan(error[0]));
+    near_to(error[OUTSIDE_COLUMNS], 26);
+    near_to(error[OUTSIDE_COLUMNS + SAC_COLUMNS], -7);
+    /* No map: everything is left. */
+    hs_eval_measure_map(&r.table, NULL, &m);
+    near_to(m.of[HS_MEASURE_ABS], 26);
+    near_to(m.of[HS_MEASURE_OCCLUDER_LEFT], 1);
+    near_to(m.of[HS_MEASURE_FETUS_CUT], 0);
+    close_rig(&r);
+}
+
+/* A line of maps gives what each of its maps gives alone, on one thread and on two. */
+static void lines_are_their_maps(void **state) {
+    rig r = open_rig(*state);
+    float zero[LOW * LOW], one[LOW * LOW], map[LOW * LOW], weight[HS_EVAL_MAX_LINE];
+    hs_measures line[HS_EVAL_MAX_LINE], single;
+    test_random random = {9};
+    for (int i = 0; i < LOW * LOW; i++) {
+        zero[i] = (float)test_uniform(&random, -2, 18);
+        one[i] = (float)test_uniform(&random, -2, 18);
+    }
+    for (uint32_t i = 0; i < HS_EVAL_MAX_LINE; i++) weight[i] = 0.025f * (float)i;
+    for (uint32_t threads = 1; threads <= 2; threads++) {
+        hs_eval_measure_line(&r.table, zero, one, weight, HS_EVAL_MAX_LINE, threads, line);
+        for (uint32_t i = 0; i < HS_EVAL_MAX_LINE; i++) {
+            for (int p = 0; p < LOW * LOW; p++) map[p] = zero[p] + weight[i] * (one[p] - zero[p]);
+            hs_eval_measure_map(&r.table, map, &single);
+            assert_memory_equal(&line[i], &single, sizeof single);
+        }
+    }
+    close_rig(&r);
+}
+
+/* Without a fetus its measures are no numbers, and the others are not spoilt. */
+static void missing_label_is_no_number(void **state) {
+    fixture *f = *state;
+    rig r = open_rig(f);
+    hs_error err = {0};
+    hs_measures m;
+    memset(r.label, HS_LABEL_SAC, sizeof r.label);
+    hs_eval_table_free(&r.table);
+    if (!hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err)) fail_msg("%s", err.text);
+    hs_eval_measure_map(&r.table, NULL, &m);
+    assert_true(isnan(m.of[HS_MEASURE_ABS_FETUS]));
+    assert_true(isnan(m.of[HS_MEASURE_FETUS_CUT]));
+    near_to(m.of[HS_MEASURE_ABS], 26);
+    /* And with no label at all there is nothing to evaluate. */
+    memset(r.label, HS_LABEL_NEITHER, sizeof r.label);
+    hs_eval_table_free(&r.table);
+    assert_false(hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    assert_null(r.table.label);
+    close_rig(&r);
+}
+
+/* A picture that is not as large as the map would be interpolated: refused. */
+static void other_pictures_are_refused(void **state) {
+    fixture *f = *state;
+    rig r = open_rig(f);
+    hs_error err = {0};
+    hs_eval_table table;
+    hs_loop_destroy(r.loop);
+    const hs_loop_options options = options_with(NULL, 0);
+    r.loop = make_loop(f, &options);
+    assert_false(hs_eval_table_build(&table, r.loop, &f->layers, &r.truth, r.label, &err));
+    assert_int_equal(err.code, HS_ERR_USAGE);
+    assert_non_null(strstr(err.text, "64 x 64"));
+    assert_null(table.error);
+    close_rig(&r);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(table_holds_every_start),    cmocka_unit_test(starts_follow_the_renderer),
+        cmocka_unit_test(measures_are_those_by_hand), cmocka_unit_test(lines_are_their_maps),
+        cmocka_unit_test(missing_label_is_no_number), cmocka_unit_test(other_pictures_are_refused)};
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,242 @@
+/* The parameter space: the quick way against the direct one, resuming, shards, files that do not fit. */
+#include "check/host_fixture.h"
+#include "hs_eval_best.h"
+
+#include <math.h>
+#include <unistd.h>
+
+enum { SIZE = 48 };
+static const hs_eval_request request = {.name = "M01", .size = SIZE};
+
+/* The real plugin on a small scene, and an empty folder. */
+typedef struct {
+    hs_cl cl;
+    hs_plugin plugin;
+    hs_eval_plan plan;
+    hs_eval_case c;
+    char folder[64];
+} rig;
+
+static int open_rig(void **state) {
+    static rig r;
+    char path[1024];
+    hs_error err = {0};
+    const char *build = getenv("SV_BUILD_DIR");
+    (void)snprintf(path, sizeof path, "%s/smartvis.so", build ? build : ".");
+    if (!hs_cl_open(&r.cl, &err) || !hs_plugin_open(&r.plugin, path, NULL, SV_LOG_ERROR, &err) ||
+        !hs_eval_plan_make(&r.plan, &r.plugin, NULL, 0, true, &err) ||
+        !hs_eval_case_open(&r.c, &r.cl, &r.plugin, &r.plan.base, &request, &err)) {
+        print_error("%s\n", err.text);
+        return -1;
+    }
+    *state = &r;
+    return 0;
+}
+
+static int close_rig(void **state) {
+    rig *r = *state;
+    hs_eval_case_close(&r->c);
+    hs_plugin_close(&r->plugin);
+    hs_cl_close(&r->cl);
+    return 0;
+}
+
+static void make_folder(rig *r) {
+    (void)snprintf(r->folder, sizeof r->folder, "/tmp/sv_eval_XXXXXX");
+    assert_non_null(mkdtemp(r->folder));
+}
+
+static void path_in(const rig *r, const char *name, char *out, size_t bytes) {
+    (void)snprintf(out, bytes, "%s/%s", r->folder, name);
+}
+
+static void remove_folder(rig *r, const char *const *names, int count) {
+    char path[256];
+    for (int i = 0; i < count; i++) {
+        path_in(r, names[i], path, sizeof path);
+        (void)unlink(path);
+    }
+    assert_int_equal(rmdir(r->folder), 0); /* nothing else was left behind */
+}
+
+static hs_eval_space make_space(rig *r) {
+    hs_eval_space space;
+    hs_error err = {0};
+    if (!hs_eval_space_open(&space, &r->plan, &r->c, &request, &err)) fail_msg("%s", err.text);
+    return space;
+}
+
+static void run(rig *r, hs_eval_space *space, uint32_t index, uint32_t count) {
+    hs_error err = {0};
+    const hs_eval_shard shard = {index, count};
+    if (!hs_eval_space_run(space, &r->c, r->folder, shard, NULL, &err)) fail_msg("%s", err.text);
+}
+
+/* Table 5.1 as it stands, and a fifth of it. */
+static void axes_are_those_of_the_thesis(void **state) {
+    rig *r = *state;
+    hs_eval_plan plan;
+    hs_error err = {0};
+    assert_true(hs_eval_plan_make(&plan, &r->plugin, NULL, 0, false, &err));
+    assert_int_equal(plan.threshold.count, 51);
+    assert_int_equal(plan.kernel.count, 16);
+    assert_int_equal(plan.knob.count, 31);
+    assert_true(plan.threshold.value[7] == 0.57 && plan.threshold.value[50] == 1.0);
+    assert_true(plan.kernel.value[0] == 3 && plan.kernel.value[15] == 63);
+    assert_true(plan.knob.value[3] == 0.15 && plan.knob.value[30] == 1.5);
+    assert_int_equal(hs_eval_plan_items(&r->plan), 11 * 4);
+}
+
+/* Every quick result is what the renderer and Eq. 4.5 - 4.10 give: 60 settings to 0.001 steps. And the
+ * comparison can fail: another position of the knob gives other errors. */
+static void quick_way_is_the_direct_one(void **state) {
+    rig *r = *state;
+    const char *const files[] = {"space_M01.csv"};
+    test_random random = {77};
+    double elsewhere = 0;
+    make_folder(r);
+    hs_eval_space space = make_space(r);
+    run(r, &space, 0, 1);
+    assert_int_equal(r->c.way, HS_KNOB_LINEAR);
+    for (int n = 0; n < 60; n++) {
+        const uint32_t item = test_next(&random) % space.items, q = test_next(&random) % r->plan.knob.count;
+        const hs_measures *quick = &space.at[item * r->plan.knob.count + q];
+        hs_eval_values values;
+        hs_measures direct;
+        sv_status outcome;
+        hs_error err = {0};
+        assert_true(hs_eval_space_values(&r->plan, item, &values, &err));
+        assert_true(hs_eval_values_add(&values, r->plan.knob.info.id, r->plan.knob.value[q], &err));
+        if (!hs_eval_case_direct(&r->c, &values, &direct, &outcome, &err)) fail_msg("%s", err.text);
+        assert_int_equal(outcome, space.outcome[item]);
+        for (int m = 0; m < HS_MEASURE_COUNT; m++)
+            if (fabs((double)(quick->of[m] - direct.of[m])) > 1e-3)
+                fail_msg("item %u, knob %u, %s: %g, the direct way gives %g", item, q,
+                         hs_measure_key((hs_measure)m), (double)quick->of[m], (double)direct.of[m]);
+        const hs_measures *other = &space.at[item * r->plan.knob.count + (q + 3) % r->plan.knob.count];
+        elsewhere = fmax(elsewhere, fabs((double)(other->of[0] - direct.of[0])));
+    }
+    assert_true(elsewhere > 0.1);
+    hs_eval_space_close(&space);
+    remove_folder(r, files, 1);
+}
+
+/* Three shards in any order are the whole; a cut-off line counts as not there, and is computed again. */
+static void shards_and_ends_make_the_whole(void **state) {
+    rig *r = *state;
+    const char *const files[] = {"space_M01.csv"};
+    char path[256], part[256];
+    make_folder(r);
+    hs_eval_space whole = make_space(r);
+    run(r, &whole, 0, 1);
+    path_in(r, "space_M01.csv", path, sizeof path);
+    assert_int_equal(unlink(path), 0);
+
+    hs_eval_space shard = make_space(r);
+    run(r, &shard, 2, 3);
+    assert_int_equal(shard.done_count, 14); /* items 2, 5, .. 41 of 44 */
+    hs_eval_space_close(&shard);
+    path_in(r, "space_M01.part3of3.csv", part, sizeof part);
+    FILE *file = fopen(part, "r+");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    assert_int_equal(ftruncate(fileno(file), ftell(file) - 10), 0);
+    (void)fclose(file);
+    shard = make_space(r);
+    hs_error err = {0};
+    assert_true(hs_eval_csv_load(&shard, r->folder, &err));
+    assert_int_equal(shard.done_count, 13);
+    hs_eval_space_close(&shard);
+
+    for (uint32_t i = 0; i < 3; i++) {
+        shard = make_space(r);
+        run(r, &shard, i, 3);
+        if (i < 2) hs_eval_space_close(&shard);
+    }
+    assert_int_equal(shard.done_count, shard.items);
+    for (size_t i = 0; i < (size_t)whole.items * r->plan.knob.count; i++)
+        for (int m = 0; m < HS_MEASURE_COUNT; m++) {
+            const double a = (double)whole.at[i].of[m], b = (double)shard.at[i].of[m];
+            assert_true(fabs(a - b) <= 1e-5 * fabs(a)); /* six digits in the file */
+        }
+    hs_eval_space_close(&shard);
+    hs_eval_space_close(&whole);
+    remove_folder(r, files, 1);
+}
+
+static void write_text(const char *path, const char *first, const char *rest) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    (void)fprintf(file, "# %s\n%s", first, rest);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Results of other settings, and lines that are no results, are refused with file and line. */
+static void foreign_files_are_refused(void **state) {
+    rig *r = *state;
+    const char *const files[] = {"space_M01.csv"};
+    char path[256];
+    hs_error err = {0};
+    make_folder(r);
+    path_in(r, "space_M01.csv", path, sizeof path);
+    hs_eval_space space = make_space(r);
+    write_text(path, "another plugin", "");
+    assert_false(hs_eval_csv_load(&space, r->folder, &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    assert_non_null(strstr(err.text, "other settings"));
+    static const char *const rows[] = {"head\n0.5,0.4,3,0,0,1,2,3\n",
+                                       "head\n0.51,0.4,3,0,0,1,1,1,1,1,1,1,1,1,1,1\n",
+                                       "head\n0.5,0.4,3,0,0,1,1,x,1,1,1,1,1,1,1,1\n", "head\n\n"};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        err = (hs_error){0};
+        write_text(path, space.identity, rows[i]);
+        assert_false(hs_eval_csv_load(&space, r->folder, &err));
+        assert_non_null(strstr(err.text, "line 3"));
+    }
+    assert_int_equal(space.done_count, 0);
+    hs_eval_space_close(&space);
+    remove_folder(r, files, 1);
+}
+
+/* Two cases whose maxima differ by three steps of 0.05: their best common setting is found by Delta_MI. */
+static void common_setting_is_found_by_delta(void **state) {
+    rig *r = *state;
+    hs_error err = {0};
+    hs_eval_space spaces[2] = {make_space(r), make_space(r)};
+    hs_eval_mean mean;
+    uint32_t t;
+    spaces[0].volume_max = 0.8;
+    spaces[1].volume_max = 0.95;
+    for (int s = 0; s < 2; s++)
+        for (size_t i = 0; i < (size_t)spaces[s].items * r->plan.knob.count; i++)
+            spaces[s].at[i].of[HS_MEASURE_ABS] = 10;
+    /* Delta_MI 0.2, k = 23, position 4: the lowest average. Each case alone has a lower one elsewhere. */
+    const hs_eval_pick low[2] = {{2, 1, 4}, {5, 1, 4}}, own[2] = {{0, 3, 1}, {10, 0, 6}};
+    for (int s = 0; s < 2; s++) {
+        const size_t k = r->plan.kernel.count, q = r->plan.knob.count;
+        spaces[s].at[(low[s].threshold * k + low[s].kernel) * q + low[s].knob].of[HS_MEASURE_ABS] = 2;
+        spaces[s].at[(own[s].threshold * k + own[s].kernel) * q + own[s].knob].of[HS_MEASURE_ABS] = 1;
+    }
+    assert_true(hs_eval_mean_make(&mean, spaces, 2, &err));
+    assert_true(fabs(mean.delta[mean.best] - 0.2) < 1e-9);
+    assert_int_equal(mean.best_kernel, 1);
+    assert_int_equal(mean.best_knob, 4);
+    assert_int_equal(mean.deltas, 7); /* 0 .. 0.3: T_B = 0.8 .. 0.5 of the first case */
+    for (int s = 0; s < 2; s++) {
+        const hs_eval_pick best = hs_eval_best(&spaces[s]);
+        assert_memory_equal(&best, &own[s], sizeof best);
+        assert_true(hs_eval_threshold_at(&spaces[s], 0.2, &t));
+        assert_int_equal(t, low[s].threshold);
+    }
+    assert_false(hs_eval_threshold_at(&spaces[0], 0.4, &t));
+    hs_eval_mean_free(&mean);
+    for (int s = 0; s < 2; s++) hs_eval_space_close(&spaces[s]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(axes_are_those_of_the_thesis), cmocka_unit_test(quick_way_is_the_direct_one),
+        cmocka_unit_test(shards_and_ends_make_the_whole), cmocka_unit_test(foreign_files_are_refused),
+        cmocka_unit_test(common_setting_is_found_by_delta)};
+    return cmocka_run_group_tests(tests, open_rig, close_rig);
+}

@@ -1,0 +1,144 @@
+#!/bin/bash
+# The evaluation end to end, small: CSV files, page, shards, comparison. Called with the source and the build
+# folder.
+set -u
+build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+# Fails unless the command given succeeds.
+holds() {
+    if ! "$@"; then
+        echo "FAIL: $*"
+        failed=$((failed + 1))
+    fi
+}
+
+# code WANTED ARGUMENTS...: the exit code of host_sim report; its output is in $work/stdout and stderr.
+code() {
+    local wanted=$1
+    shift
+    "$build/host_sim" report "$@" > "$work/stdout" 2> "$work/stderr"
+    local found=$?
+    if [ $found -ne "$wanted" ]; then
+        echo "FAIL: report $*: exit code $found, expected $wanted"
+        cat "$work/stderr"
+        failed=$((failed + 1))
+    fi
+}
+
+small=(--quick --size 72 --case E04 --case D01)
+
+# --- the whole, with the direct check
+code 0 "${small[@]}" --out "$work/whole" --check 20
+holds grep -q '^20 settings measured the direct way, too: .* differ by 0.000' "$work/stdout"
+page=$work/whole/index.html
+for case in E04 D01; do
+    # 11 thresholds x 4 kernels x 7 knob positions, an identity and the names of the columns.
+    holds [ "$(wc -l < "$work/whole/space_$case.csv")" -eq $((11 * 4 * 7 + 2)) ]
+    for picture in full truth result error error_rays depthmap; do holds [ -s "$work/whole/$case/$picture.png" ]; done
+done
+holds [ -z "$(find "$work/whole" -name '*.part*')" ]
+# The best settings are not worse than the common ones, and those are better than nothing.
+awk -F, 'NR == FNR { best[$1] = $6; next } FNR > 1 && !(best[$1] <= $6 && $6 < $11) { bad = 1 } END { exit bad }' \
+    "$work/whole/best.csv" "$work/whole/common.csv"
+holds [ $? -eq 0 ]
+# e_abs of the best row is the lowest of its CSV file.
+lowest=$(tail -n +3 "$work/whole/space_E04.csv" | cut -d , -f 6 | sort -g | head -n 1)
+holds [ "$(printf %.2f "$lowest")" = "$(grep '^E04' "$work/whole/best.csv" | cut -d , -f 6)" ]
+
+# --- the page: self-contained, every picture with a text, balanced tags, figures with titles
+pictures=$(grep -o '<img ' "$page" | wc -l)
+holds [ "$pictures" -ge $((2 * (5 + 7))) ]
+holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/png;base64,iVBORw0KGgo' "$page" | wc -l)" -eq "$pictures" ]
+holds [ "$(grep -c 'https\?://\|<link\|url(\|src="[^d]' "$page")" -eq 0 ]
+for tag in figure figcaption div table svg title g h2 h3 p label script; do
+    holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
+done
+# Figures 5.7 (one a case), 5.8, 5.19, 5.20, 5.21.
+holds [ "$(grep -c '<svg class="plot" [^>]*role="img" aria-label="[^"]' "$page")" -eq 6 ]
+holds [ "$(sed 's/base64,[^"]*//g' "$page" | grep -c 'nan\|inf<')" -eq 0 ]
+
+# --- a run that was ended goes on; shards, in any order, give the same files
+holds cp -r "$work/whole" "$work/again"
+code 0 "${small[@]}" --out "$work/again" --frames 0
+holds cmp "$work/whole/space_E04.csv" "$work/again/space_E04.csv"
+code 0 "${small[@]}" --out "$work/shards" --shard 2/2
+holds [ ! -e "$work/shards/index.html" ]
+code 3 "${small[@]}" --out "$work/shards" --merge
+holds grep -q 'a shard is missing' "$work/stderr"
+code 0 "${small[@]}" --out "$work/shards" --shard 1/2 --frames 0
+code 0 "${small[@]}" --out "$work/shards" --merge --frames 0
+holds cmp "$work/whole/space_D01.csv" "$work/shards/space_D01.csv"
+# Results of other settings are not mixed in.
+code 3 "${small[@]}" --out "$work/shards" --set fill_weight=1
+holds grep -q 'holds results of other settings' "$work/stderr"
+
+# --- a plugin of zeros has the errors of the full volume, whatever its (missing) parameters
+code 0 "${small[@]}" --out "$work/zeros" --plugin "$build/tests/plugins/zeros.so"
+awk -F, 'FNR > 1 && $6 != $11 { bad = 1 } END { exit bad }' "$work/zeros/best.csv"
+holds [ $? -eq 0 ]
+holds grep -q '^E04,-,-,-,-,' "$work/zeros/best.csv"
+# A plane has a knob, its depth, that no adjust takes.
+code 0 "${small[@]}" --out "$work/plane" --plugin "$build/tests/plugins/plane.so" --frames 0
+holds [ "$(wc -l < "$work/plane/space_E04.csv")" -eq $((7 + 2)) ]
+
+# --- comparison: the mean filter, a plane in the fluid, a plane behind everything, zeros, a plane at 0
+plane=$build/tests/plugins/plane.so
+code 0 --quick --size 144 --case E04 --case D01 --out "$work/compare" --seeds 2 \
+    --compare "$plane depth=1000" --compare "$build/tests/plugins/zeros.so" --compare "$plane depth=0" \
+    --compare "$plane depth=22" --compare "- evidence=0"
+rank() { grep "  $1\$" "$work/stdout" | awk '{ print $1 }'; }
+value() { grep "  $1\$" "$work/stdout" | awk -v column="$2" '{ print $column }'; }
+holds [ "$(rank '- evidence=0')" -eq 1 ]
+holds [ "$(rank "$plane depth=22")" -eq 2 ]
+holds [ "$(rank "$plane depth=1000")" -eq 3 ]
+# Zeros and a plane at 0 clip nothing: the same numbers, and all of the occluder is left.
+for column in 2 4 5; do
+    holds [ "$(value "$build/tests/plugins/zeros.so" $column)" = "$(value "$plane depth=0" $column)" ]
+done
+holds [ "$(value "$plane depth=0" 5)" = 100.00 ]
+# Behind everything no occluder is left, and all of the fetus is cut.
+holds [ "$(value "$plane depth=1000" 4)" = 100.00 ]
+holds [ "$(value "$plane depth=1000" 5)" = 0.00 ]
+# The knob of the plane reaches the same from any start; that of zeros does not exist.
+holds [ "$(value "$plane depth=1000" 3)" = "$(value "$plane depth=0" 3)" ]
+holds [ "$(value "$build/tests/plugins/zeros.so" 3)" = "$(value "$build/tests/plugins/zeros.so" 2)" ]
+holds [ "$(wc -l < "$work/compare/compare.csv")" -eq $((1 + 5 * 2 * 2)) ]
+holds grep -q '(spread [0-9.]*) \*' "$work/compare/index.html"
+
+# --- files with a ground truth: a scene's own, with a label map that says "fetus" everywhere
+label() { # label NAME CHARACTER: one slice of 48 x 48 labels
+    printf 'ObjectType = Image\nNDims = 3\nDimSize = 48 48 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n' > "$work/$1"
+    head -c $((48 * 48)) /dev/zero | tr '\0' "$2" >> "$work/$1"
+}
+holds "$build/host_sim" scenes D01 --size 48 --export --out "$work/scene" > /dev/null
+label fetus.mha '\2'
+label wrong.mha '\7'
+full=$(find "$work/scene" -name 'D01*_full.mha')
+truth=$(find "$work/scene" -name 'D01*_truth.mha')
+code 0 --quick --out "$work/files" --case "$full,$truth,$work/fetus.mha"
+# Columns 6 and 12: e_abs of all rays and of the fetus' rays are the same.
+holds [ "$(tail -n +3 "$work"/files/space_*.csv | awk -F, '$6 != $12' | wc -l)" -eq 0 ]
+holds [ "$(tail -n +3 "$work"/files/space_*.csv | wc -l)" -eq $((11 * 4 * 7)) ]
+code 3 --quick --out "$work/bad" --case "$full,$truth,$work/wrong.mha"
+holds grep -q 'label 7' "$work/stderr"
+code 3 --quick --out "$work/bad" --case "$full,$work/fetus.mha,$work/fetus.mha"
+holds grep -q '48 x 48 x 1 voxels, the volume has 48 x 48 x 48' "$work/stderr"
+code 2 --quick --out "$work/bad" --case "$full,$truth"
+# Occluders before a given volume, which is its own ground truth.
+code 0 --quick --out "$work/real" --real "$truth" --frames 0
+holds [ -s "$work/real/space_real.csv" ]
+
+# --- command lines that are wrong
+code 2 --shard 3/2
+code 2 --case E01 extra
+code 2 --size 8
+code 2 --merge --shard 1/2
+code 2 --quick --case D01 --out "$work/bad" --set kernel=4
+code 3 --quick --case nowhere --out "$work/bad"
+code 4 --quick --case D01 --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so"
+code 6 --quick --case D01 --out /dev/null/report
+
+[ $failed -eq 0 ]
