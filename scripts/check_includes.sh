@@ -62,7 +62,8 @@ check_folder() {
 
 check_folder include '(stdint|stddef)\.h'
 check_folder cl '(none)' cl
-check_folder src "($libc|$opencl)" include src sv_shared.h kernels_embedded.h
+check_folder src "($libc|$opencl)" include src sv_shared.h kernels_embedded.h \
+    kernels_chain.h kernels_cost.h kernels_grid.h kernels_mean_maps.h kernels_minimum.h kernels_pushpull.h kernels_spline.h
 check_folder src/ref "$libc" include src/ref ref/=src/ref sv_shared.h
 check_folder host_sim "($libc|$opencl|$libraries)" include host_sim hs_kernels_embedded.h
 check_folder host_sim/cl '(none)' host_sim/cl
