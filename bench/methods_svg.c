@@ -15,11 +15,12 @@ static const char *const colours[METHODS_KINDS] = {"#0072b2", "#009e73", "#d55e0
                                                    "#cc79a7", "#e69f00", "#56504a"};
 static const char *const dashes[METHODS_SIZES] = {"none", "7 4", "2 4"};
 
-/* One diagram. Limits are powers of ten. */
+/* One diagram. */
 typedef struct {
     FILE *file;
     double left;           /* pixels */
     double x0, x1, y0, y1; /* log10 of ms and slices */
+    bool named;            /* the marks of the fronts have their names beside them */
 } panel;
 
 /* What one marker stands for. */
@@ -33,44 +34,47 @@ static double place_x(const panel *p, double ms) {
     return p->left + PANEL * (log10(ms) - p->x0) / (p->x1 - p->x0);
 }
 static double place_y(const panel *p, double error) {
-    return BOTTOM - (BOTTOM - TOP) * (log10(fmax(error, smallest)) - p->y0) / (p->y1 - p->y0);
+    return BOTTOM - (BOTTOM - TOP) * (log10(error) - p->y0) / (p->y1 - p->y0);
 }
 
-/* Powers of ten around the marks, and 5 % more room. */
+/* Quarters of a decade around the marks. */
 static void find_limits(panel *p, const mark *marks, uint32_t count) {
     p->x0 = p->y0 = INFINITY;
     p->x1 = p->y1 = -INFINITY;
     for (uint32_t i = 0; i < count; i++) {
-        const double x = log10(marks[i].ms), y = log10(fmax(marks[i].error, smallest));
-        p->x0 = fmin(p->x0, floor(x - 0.05));
-        p->x1 = fmax(p->x1, ceil(x + 0.05));
-        p->y0 = fmin(p->y0, floor(y - 0.05));
-        p->y1 = fmax(p->y1, ceil(y + 0.05));
+        const double x = 4.0 * log10(marks[i].ms), y = 4.0 * log10(marks[i].error);
+        p->x0 = fmin(p->x0, floor(x - 0.3) / 4.0);
+        p->x1 = fmax(p->x1, ceil(x + 0.3) / 4.0);
+        p->y0 = fmin(p->y0, floor(y - 0.3) / 4.0);
+        p->y1 = fmax(p->y1, ceil(y + 0.3) / 4.0);
     }
+}
+
+/* One line of the grid, and what it stands for. */
+static void draw_line(const panel *p, bool vertical, double value, bool strong, bool text) {
+    const double at = vertical ? place_x(p, value) : place_y(p, value);
+    const char *stroke = strong ? "#b8b8b8" : "#ececec";
+    if (vertical)
+        (void)fprintf(p->file, "<path d='M%.1f %d V%d' stroke='%s'/>\n", at, TOP, BOTTOM, stroke);
+    else
+        (void)fprintf(p->file, "<path d='M%.1f %.1f h%d' stroke='%s'/>\n", p->left, at, PANEL, stroke);
+    if (text && vertical)
+        (void)fprintf(p->file, "<text x='%.1f' y='%d' text-anchor='middle'>%g</text>\n", at, BOTTOM + 18,
+                      value);
+    if (text && !vertical)
+        (void)fprintf(p->file, "<text x='%.1f' y='%.1f' text-anchor='end'>%g</text>\n", p->left - 8, at + 4,
+                      value);
 }
 
 static void draw_grid(const panel *p, bool vertical) {
     const double low = vertical ? p->x0 : p->y0, high = vertical ? p->x1 : p->y1;
-    for (int decade = (int)low; decade <= (int)high; decade++) {
-        for (int digit = 1; digit <= 9 && (digit == 1 || decade < (int)high); digit++) {
-            const double value = digit * pow(10.0, decade);
-            const double at = vertical ? place_x(p, value) : place_y(p, value);
-            const char *stroke = digit == 1 ? "#b8b8b8" : "#ececec";
-            if (vertical)
-                (void)fprintf(p->file, "<path d='M%.1f %d V%d' stroke='%s'/>\n", at, TOP, BOTTOM, stroke);
-            else
-                (void)fprintf(p->file, "<path d='M%.1f %.1f h%d' stroke='%s'/>\n", p->left, at, PANEL,
-                              stroke);
-            const bool few = high - low <= 2.0; /* few decades: 2 and 5 are named, too */
-            if (digit != 1 && !(few && (digit == 2 || digit == 5))) continue;
-            if (vertical)
-                (void)fprintf(p->file, "<text x='%.1f' y='%d' text-anchor='middle'>%g</text>\n", at,
-                              BOTTOM + 18, value);
-            else
-                (void)fprintf(p->file, "<text x='%.1f' y='%.1f' text-anchor='end'>%g</text>\n", p->left - 8,
-                              at + 4, value);
+    const bool few = high - low <= 2.5; /* decades: 2 and 5 are named, too */
+    for (int decade = (int)floor(low); decade <= (int)floor(high); decade++)
+        for (int digit = 1; digit <= 9; digit++) {
+            const double value = digit * pow(10.0, decade), at = log10(value);
+            if (at < low - 1e-9 || at > high + 1e-9) continue;
+            draw_line(p, vertical, value, digit == 1, digit == 1 || (few && (digit == 2 || digit == 5)));
         }
-    }
 }
 
 static void draw_axes(const panel *p, const char *title, const char *y_label) {
@@ -109,11 +113,13 @@ static bool approximate(const methods_variant *v) {
 static void draw_front(const panel *p, const mark *marks, uint32_t count, int size) {
     double x[METHODS_ROWS], y[METHODS_ROWS];
     bool best[METHODS_ROWS];
+    const methods_row *own_row[METHODS_ROWS];
     uint32_t own = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (marks[i].size != size) continue;
+        own_row[own] = marks[i].row;
         x[own] = marks[i].ms;
-        y[own++] = fmax(marks[i].error, smallest);
+        y[own++] = marks[i].error;
     }
     if (own == 0) return;
     methods_pareto(x, y, own, best);
@@ -131,6 +137,10 @@ static void draw_front(const panel *p, const mark *marks, uint32_t count, int si
         last = x[next];
     }
     (void)fprintf(p->file, " H%.1f'/>\n", p->left + PANEL);
+    for (uint32_t i = 0; p->named && i < own; i++)
+        if (best[i])
+            (void)fprintf(p->file, "<text x='%.1f' y='%.1f' font-size='11'>%s</text>\n", place_x(p, x[i]) + 8,
+                          place_y(p, y[i]) - 7, own_row[i]->variant->label);
 }
 
 static void draw_panel(panel *p, const mark *marks, uint32_t count, const char *title, const char *y_label) {
@@ -176,6 +186,14 @@ static void draw_legend(FILE *file) {
                   x + 16, y + 4, x + 16, y + 20, x - 6, y + 52, x - 6, y + 68);
 }
 
+/* Text from outside, with what XML keeps for itself escaped. */
+static void write_text(FILE *file, const char *text) {
+    for (; *text; text++) {
+        if (*text == '&' || *text == '<') (void)fprintf(file, "&#%d;", *text);
+        if (*text != '&' && *text != '<') (void)fputc(*text, file);
+    }
+}
+
 /* Marks of the left (truth false) or of the right diagram. Returns their number. */
 static uint32_t collect(const methods_report *report, bool truth, mark *marks) {
     uint32_t count = 0;
@@ -186,8 +204,8 @@ static uint32_t collect(const methods_report *report, bool truth, mark *marks) {
             continue;
         int size = 0;
         while (size < METHODS_SIZES - 1 && methods_sizes[size] != r->n) size++;
-        marks[count++] =
-            (mark){methods_row_ms(r), truth ? methods_truth_mean(picture) : r->error.largest, r, size};
+        const double error = truth ? methods_truth_mean(picture) : r->error.largest;
+        marks[count++] = (mark){methods_row_ms(r), fmax(error, smallest), r, size};
     }
     return count;
 }
@@ -203,10 +221,13 @@ bool methods_write_svg(const methods_report *report, const char *path, hs_error 
         "font-family='sans-serif' font-size='13' fill='#202020'>\n"
         "<rect width='%d' height='%d' fill='#ffffff'/>\n"
         "<text x='90' y='34' font-size='19' font-weight='bold'>Surface reconstruction: speed against "
-        "error</text>\n<text x='90' y='%d' fill='#606060'>%s; %s; load %.1f</text>\n",
-        WIDTH, HEIGHT, WIDTH, HEIGHT, WIDTH, HEIGHT, HEIGHT - 24, report->machine.cpu, report->machine.plugin,
-        report->machine.load);
-    panel left = {.file = file, .left = 90}, right = {.file = file, .left = 710};
+        "error</text>\n<text x='90' y='%d' fill='#606060'>",
+        WIDTH, HEIGHT, WIDTH, HEIGHT, WIDTH, HEIGHT, HEIGHT - 24);
+    write_text(file, report->machine.cpu);
+    (void)fputs("; ", file);
+    write_text(file, report->machine.plugin);
+    (void)fprintf(file, "; load %.1f</text>\n", report->machine.load);
+    panel left = {.file = file, .left = 90}, right = {.file = file, .left = 710, .named = true};
     draw_panel(&left, marks, collect(report, false, marks), "Against the method's float64 definition",
                "largest error, slices");
     draw_panel(&right, marks, collect(report, true, marks),
