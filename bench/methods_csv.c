@@ -25,7 +25,7 @@ static void write_row(const methods_report *report, const char *section, const m
     times(file, &t->memory);
     times(file, &t->plain);
     const double ms = methods_row_ms(r);
-    field(file, t->memory.median > 0.0, ms / t->memory.median);
+    field(file, t->memory.min > 0.0, ms / t->memory.min); /* a limit: the least of all frames */
     field(file, t->plain.median > 0.0, ms / t->plain.median);
     field(file, r->error.known, r->error.largest);
     field(file, r->error.known, r->error.mean);

@@ -50,8 +50,8 @@ void methods_print_row(const methods_row *r) {
         (void)snprintf(mean, sizeof mean, "%.2e", r->error.mean);
     }
     printf("%-24s %4s %6u | %9.3f %9.3f %9.3f | %7.4f %8.1f %13s | %9s %9s\n", r->variant->label, control,
-           t->passes, t->end.median, ms, t->reconstruct.min, t->memory.median, ratio(ms, t->memory.median),
-           plain, largest, mean);
+           t->passes, t->end.median, ms, t->reconstruct.min, t->memory.min, ratio(ms, t->memory.min), plain,
+           largest, mean);
     (void)fflush(stdout);
 }
 
@@ -87,17 +87,22 @@ static void print_fit(const char *what, const char *in, methods_fit fit) {
     printf("%-24s | %-22s | %8.2f | %6u | %8.2f\n", what, in, fit.exponent, fit.count, fit.factor);
 }
 
+/* Filters once more by the pass: a larger map needs more of them. */
 static void fit_pixels(const methods_report *report) {
     for (int v = 0; v < METHODS_VARIANTS; v++) {
-        double x[METHODS_SIZES], y[METHODS_SIZES];
+        double x[METHODS_SIZES], all[METHODS_SIZES], pass[METHODS_SIZES];
         uint32_t count = 0;
         for (uint32_t i = 0; i < report->row_count; i++) {
             const methods_row *r = &report->rows[i];
-            if (r->variant != &methods_variants[v]) continue;
+            if (r->variant != &methods_variants[v] || r->times.passes == 0) continue;
             x[count] = (double)r->n * r->n;
-            y[count++] = methods_row_ms(r);
+            all[count] = methods_row_ms(r);
+            pass[count] = all[count] / r->times.passes;
+            count++;
         }
-        print_fit(methods_variants[v].label, "pixels", methods_fit_line(x, y, count));
+        print_fit(methods_variants[v].label, "pixels", methods_fit_line(x, all, count));
+        if (methods_variants[v].kind == METHODS_MEAN || methods_variants[v].kind == METHODS_MINIMUM)
+            print_fit(methods_variants[v].label, "pixels, a pass", methods_fit_line(x, pass, count));
     }
 }
 

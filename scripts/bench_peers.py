@@ -79,7 +79,7 @@ def timed(work):
 
 
 def show(label, passes, times, surface, exact):
-    error = "-                 -" if exact is None else "%9.2e %9.2e" % (
+    error = "%9s %9s" % ("-", "-") if exact is None else "%9.2e %9.2e" % (
         np.abs(surface - exact).max(), np.abs(surface - exact).mean())
     print("%-24s %4s %6u | %9s %9.3f %9.3f | %7s %8s %13s | %s" % (
         label, "-", passes, "-", np.median(times), min(times), "-", "-", "-", error), flush=True)
@@ -100,9 +100,9 @@ def peers(program, size):
                 return cv2.boxFilter(a, -1, (k, k), normalize=False, borderType=cv2.BORDER_CONSTANT)
             double_times, (exact, _) = timed(lambda: mean_filter(cv_box, maps))
             single_times, (close, _) = timed(lambda: mean_filter(cv_box, single))
-            show("OpenCV box %u, float32" % k, passes, single_times, close, exact)
-            show("OpenCV box %u, float64" % k, passes, double_times, exact, None)
-        show("SciPy uniform %u, float64" % k, passes, times, surface, exact)
+            show("OpenCV box %u, f32" % k, passes, single_times, close, exact)
+            show("OpenCV box %u, f64" % k, passes, double_times, exact, None)
+        show("SciPy uniform %u, f64" % k, passes, times, surface, exact)
     places, depth = merged(maps)
     pixels = np.stack(np.meshgrid(np.arange(size), np.arange(size)), axis=-1).reshape(-1, 2).astype(float)
     times, surface = timed(
