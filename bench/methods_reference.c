@@ -13,15 +13,15 @@ double methods_reference_cost(const methods_map *map, const methods_variant *v) 
     const double n = map->n, pixels = n * n;
     const double points = fmin(map->points, v->merge_grid ? v->merge_grid * v->merge_grid : SPLINE_POINTS);
     switch (v->kind) {
-    case METHODS_MEAN: /* k^2 a pixel and pass; gaps of a tenth of the side, k / 2 of which a pass closes */
+    case METHODS_MEAN: /* k^2 a pixel and pass; gaps of 0.385 sides, k / 2 of which a pass closes */
     case METHODS_MINIMUM:
-        return pixels * v->k * v->k * ceil(n / 8.0 / (v->k / 2));
+        return pixels * v->k * v->k * ceil(0.385 * n / (v->k / 2));
     case METHODS_SPLINE: /* elimination; a logarithm a pixel and point */
         return points * points * points + 10.0 * pixels * points;
     case METHODS_PUSHPULL:
         return 10.0 * pixels;
     default: /* conjugate gradients take steps like n for the membrane and like n^2 for the plate */
-        return 40.0 * pixels * n * (v->kind == METHODS_PLATE ? n / 4.0 : 1.0);
+        return 40.0 * pixels * n * (v->kind == METHODS_PLATE ? n / 2.0 : 1.0);
     }
 }
 

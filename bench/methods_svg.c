@@ -43,7 +43,7 @@ static void find_limits(panel *p, const mark *marks, uint32_t count) {
     p->x1 = p->y1 = -INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         const double x = 4.0 * log10(marks[i].ms), y = 4.0 * log10(marks[i].error);
-        p->x0 = fmin(p->x0, floor(x - 0.3) / 4.0);
+        p->x0 = fmin(p->x0, floor(x - (p->named ? 1.3 : 0.3)) / 4.0); /* names stand left of their marks */
         p->x1 = fmax(p->x1, ceil(x + 0.3) / 4.0);
         p->y0 = fmin(p->y0, floor(y - 0.3) / 4.0);
         p->y1 = fmax(p->y1, ceil(y + 0.3) / 4.0);
@@ -109,7 +109,8 @@ static bool approximate(const methods_variant *v) {
     return v->float32 || v->steps > 0 || v->spline_grid > 0;
 }
 
-/* The marks that no other of the size beats in both, joined as a staircase. */
+/* The marks that no other of the size beats in both, joined as a staircase. Below and to the left of it there
+ * is nothing, so names stand there. */
 static void draw_front(const panel *p, const mark *marks, uint32_t count, int size) {
     double x[METHODS_ROWS], y[METHODS_ROWS];
     bool best[METHODS_ROWS];
