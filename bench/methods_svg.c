@@ -140,8 +140,8 @@ static void draw_front(const panel *p, const mark *marks, uint32_t count, int si
     (void)fprintf(p->file, " H%.1f'/>\n", p->left + PANEL);
     for (uint32_t i = 0; p->named && i < own; i++)
         if (best[i])
-            (void)fprintf(p->file, "<text x='%.1f' y='%.1f' font-size='11'>%s</text>\n", place_x(p, x[i]) + 8,
-                          place_y(p, y[i]) - 7, own_row[i]->variant->label);
+            (void)fprintf(p->file, "<text x='%.1f' y='%.1f' font-size='11' text-anchor='end'>%s</text>\n",
+                          place_x(p, x[i]) - 8, place_y(p, y[i]) + 14, own_row[i]->variant->label);
 }
 
 static void draw_panel(panel *p, const mark *marks, uint32_t count, const char *title, const char *y_label) {
