@@ -224,7 +224,9 @@ static void new_map(bench_run *run, methods_map *map) {
 static bool run_size(bench_run *run, uint32_t n, hs_error *err) {
     methods_map map;
     if (!methods_map_bones(&map, n, err)) return false;
-    methods_print_head(n, map.points);
+    char what[64];
+    (void)snprintf(what, sizeof what, "%u x %u pixels, %u initial points", n, n, map.points);
+    methods_print_head(what);
     bool ok = true;
     for (int v = 0; ok && v < METHODS_VARIANTS; v++)
         if (wanted(&run->o, &methods_variants[v])) {
@@ -238,11 +240,10 @@ static bool run_size(bench_run *run, uint32_t n, hs_error *err) {
 /* Splines through more and more points, for the fit. */
 static bool run_splines(bench_run *run, hs_error *err) {
     static const methods_variant unmerged = {.label = "spline unmerged, pixels", .kind = METHODS_SPLINE};
+    methods_print_head("Splines through scattered points, 128 x 128 pixels");
     for (int i = 0; i < METHODS_SPLINES; i++) {
         methods_map map;
         if (!methods_map_scattered(&map, methods_sizes[0], methods_spline_points[i], err)) return false;
-        if (i == 0) printf("\nSplines through scattered points, for the fit");
-        methods_print_head(map.n, map.points);
         const bool ok = run_row(run, &map, &unmerged, &run->report.splines[i], err);
         if (ok) run->report.spline_count++;
         new_map(run, &map);

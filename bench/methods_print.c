@@ -28,10 +28,8 @@ static double ratio(double a, double b) {
     return b > 0.0 ? a / b : 0.0;
 }
 
-void methods_print_head(uint32_t n, uint32_t points) {
-    printf("\n%u x %u pixels, %u initial points; milliseconds, medians unless named; errors against float64, "
-           "slices\n",
-           n, n, points);
+void methods_print_head(const char *what) {
+    printf("\n%s; milliseconds, medians unless named; errors against float64, slices\n", what);
     printf("%-24s %4s %6s | %9s %9s %9s | %7s %8s %13s | %9s %9s\n", "variant", "ctrl", "passes", "end",
            "surface", "min", "memory", "/memory", "/plain C", "max error", "mean");
     (void)fflush(stdout);

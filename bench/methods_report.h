@@ -45,8 +45,8 @@ const methods_truth_row *methods_row_truth(const methods_report *report, const m
 /* Mean over the scenes. */
 double methods_truth_mean(const methods_truth_row *truth);
 
-/* Tables. The head before a size's first row, then a line each as they come in. */
-void methods_print_head(uint32_t n, uint32_t points);
+/* Tables. The head before the first row of its kind, then a line each as they come in. */
+void methods_print_head(const char *what);
 void methods_print_row(const methods_row *row);
 void methods_print_truth(const methods_report *report);
 void methods_print_fits(const methods_report *report);
