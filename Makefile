@@ -55,9 +55,11 @@ format: ## apply .clang-format to all C and OpenCL C
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
 
-bench: setup ## times as ratios to plain C, medians (a few minutes)
+bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)
 	build/sv_bench
+	@mkdir -p $(OUT)/bench
+	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
 clean: ## remove everything that was built
 	rm -rf build build-sanitize build-clang out

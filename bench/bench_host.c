@@ -14,7 +14,7 @@ static bool layered_source(hs_source *source, hs_volume *volume, const hs_volume
     uint8_t **slice = malloc(n * sizeof *slice);
     if (!slice) return hs_fail(err, HS_ERR_MEMORY, "benchmark volume: no memory for %u slices", n);
     for (uint32_t z = 0; z < n; z++) slice[z] = volume->voxels + (size_t)z * n * n;
-    const bool ok = bench_volume_fill(n, slice, n, err);
+    const bool ok = bench_volume_fill(n, n, slice, n, err);
     free(slice);
     (void)snprintf(volume->name, sizeof volume->name, "layered volume");
     *list = volume;

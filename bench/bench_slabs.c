@@ -23,16 +23,16 @@ typedef struct {
     uint32_t fluid, skin, bone, bone_end;
 } layers;
 
-static layers ray_layers(uint32_t n, uint32_t x, uint32_t y) {
+static layers ray_layers(uint32_t n, uint32_t slices, uint32_t x, uint32_t y) {
     const double u = (x + 0.5) / n, v = (y + 0.5) / n;
     const double wall = 0.16 + 0.03 * sin(9.0 * u) + 0.02 * cos(7.0 * v);
     const double skin = 0.42 + 0.5 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5));
-    layers l = {(uint32_t)(wall * n), (uint32_t)(skin * n), n, n};
+    layers l = {(uint32_t)(wall * slices), (uint32_t)(skin * slices), slices, slices};
     for (size_t i = 0; i < sizeof bones / sizeof *bones; i++) {
         const double dx = u - bones[i].x, dy = v - bones[i].y;
         if (dx * dx + dy * dy > bones[i].radius * bones[i].radius) continue;
-        l.bone = (uint32_t)(bones[i].depth * n);
-        l.bone_end = (uint32_t)((bones[i].depth + bones[i].thickness) * n);
+        l.bone = (uint32_t)(bones[i].depth * slices);
+        l.bone_end = (uint32_t)((bones[i].depth + bones[i].thickness) * slices);
     }
     return l;
 }
@@ -51,12 +51,12 @@ static uint8_t voxel(const layers *l, uint32_t z, uint32_t noise) {
     return (uint8_t)(60u + noise % 91u);
 }
 
-bool bench_volume_fill(uint32_t n, uint8_t *const *slice, size_t pitch, hs_error *err) {
+bool bench_volume_fill(uint32_t n, uint32_t slices, uint8_t *const *slice, size_t pitch, hs_error *err) {
     layers *row = malloc(n * sizeof *row);
     if (!row) return hs_fail(err, HS_ERR_MEMORY, "benchmark volume: no memory for %u rays", n);
     for (uint32_t y = 0; y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) row[x] = ray_layers(n, x, y);
-        for (uint32_t z = 0; z < n; z++)
+        for (uint32_t x = 0; x < n; x++) row[x] = ray_layers(n, slices, x, y);
+        for (uint32_t z = 0; z < slices; z++)
             for (uint32_t x = 0; x < n; x++) slice[z][y * pitch + x] = voxel(&row[x], z, hash(x, y, z));
     }
     free(row);
@@ -90,7 +90,7 @@ bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs
                           (size_t)(in_slab / tiles_x) * n * slabs->layout.row_pitch + in_slab % tiles_x * n;
     }
     slabs->volume = (plain_volume){n, n, n, (const uint8_t *const *)slabs->slice, slabs->layout.row_pitch};
-    if (bench_volume_fill(n, slabs->slice, slabs->layout.row_pitch, err)) return true;
+    if (bench_volume_fill(n, n, slabs->slice, slabs->layout.row_pitch, err)) return true;
     bench_slabs_destroy(slabs);
     return false;
 }

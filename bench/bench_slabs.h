@@ -9,13 +9,13 @@
 enum { BENCH_FLUID_LEVEL = 40 };
 
 /*
- * Voxel (x, y, z) of the volume with n voxels an axis, the same at every call: a wall, fluid, then tissue
- * with bones that 3 % of the rays meet; a few rays meet bone in the wall, before any fluid. All layers have
- * noise.
+ * Voxel (x, y, z) of the volume with n x n rays of `slices` voxels, the same at every call: a wall, fluid,
+ * then tissue with bones that 3 % of the rays meet; a few rays meet bone in the wall, before any fluid. All
+ * layers have noise.
  *
  * slice[z] is the first of n rows, `pitch` bytes apart, of n bytes. HS_ERR_MEMORY.
  */
-bool bench_volume_fill(uint32_t n, uint8_t *const *slice, size_t pitch, hs_error *err);
+bool bench_volume_fill(uint32_t n, uint32_t slices, uint8_t *const *slice, size_t pitch, hs_error *err);
 
 typedef struct {
     hs_slab_layout layout;

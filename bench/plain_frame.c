@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MIN_FRACTION = 10, MAX_FRACTION = 16, PASS_SETS = 2 };
+enum { PASS_SETS = 2 };
 
 /* One thread's own. */
 typedef struct {
@@ -45,15 +45,6 @@ static uint32_t mark_points(size_t count, uint8_t level, const uint8_t *restrict
     return points;
 }
 
-/* One end of the intervals as the mean filter's first sums: weight * depth, 0 where the interval is empty. */
-static void weigh_points(size_t count, uint32_t fraction, const uint8_t *restrict status,
-                         const uint16_t *restrict end, uint32_t *restrict sum) {
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t weight = status[i] == SV_POINT_INITIAL ? PLAIN_INITIAL : 0;
-        sum[i] = weight * ((uint32_t)end[i] << fraction);
-    }
-}
-
 static uint32_t find_points(plain_frame *f, uint8_t level, uint32_t y0, uint32_t y1) {
     const plain_rays *rays = &f->rays;
     uint32_t *const *sums = f->maps.sums[0];
@@ -63,8 +54,10 @@ static uint32_t find_points(plain_frame *f, uint8_t level, uint32_t y0, uint32_t
         const size_t ray = y * rays->stride, at = y * width;
         points += mark_points(width, level, rays->maximum + ray, rays->max_entry + ray, rays->max_exit + ray,
                               f->status + at, sums[PLAIN_WEIGHT] + at);
-        weigh_points(width, f->maps.fraction, f->status + at, rays->max_exit + ray, sums[PLAIN_NEAR] + at);
-        weigh_points(width, f->maps.fraction, f->status + at, rays->max_entry + ray, sums[PLAIN_FAR] + at);
+        plain_weigh_points(width, f->maps.fraction, f->status + at, rays->max_exit + ray,
+                           sums[PLAIN_NEAR] + at);
+        plain_weigh_points(width, f->maps.fraction, f->status + at, rays->max_entry + ray,
+                           sums[PLAIN_FAR] + at);
     }
     return points;
 }
@@ -76,12 +69,6 @@ static uint8_t bone_level(const plain_frame *f) {
     const uint8_t drop = f->settings.bone_drop;
     const uint8_t level = maximum > drop ? (uint8_t)(maximum - drop) : 0;
     return level > f->settings.fluid_level ? level : f->settings.fluid_level;
-}
-
-/* S(q) = S_f + q (S_n - S_f). */
-static void blend(size_t count, float q, const float *restrict near_surface,
-                  const float *restrict far_surface, float *restrict depth) {
-    for (size_t i = 0; i < count; i++) depth[i] = far_surface[i] + q * (near_surface[i] - far_surface[i]);
 }
 
 static uint32_t unfilled_after(const plain_frame *f, uint32_t pass) {
@@ -109,8 +96,8 @@ static void frame_job(void *context, unsigned thread) {
         bench_team_barrier(f->team);
     } while (unfilled_after(f, pass++) > 0);
     if (thread == 0) f->passes = pass;
-    blend(count, f->settings.q, f->maps.surface[PLAIN_NEAR] + from, f->maps.surface[PLAIN_FAR] + from,
-          f->depth + from);
+    plain_blend(count, f->settings.q, f->maps.surface[PLAIN_NEAR] + from, f->maps.surface[PLAIN_FAR] + from,
+                f->depth + from);
 }
 
 uint32_t plain_frame_run(plain_frame *f, const plain_volume *volume, float *depth, uint8_t *status) {
@@ -120,16 +107,6 @@ uint32_t plain_frame_run(plain_frame *f, const plain_volume *volume, float *dept
     f->maps.status = status;
     bench_team_run(f->team, frame_job, f);
     return f->passes;
-}
-
-/* Fraction bits with which the largest sum of a window fits 32 bits, and a depth a float's 24. */
-static uint32_t fraction_bits(uint32_t slices, uint32_t k) {
-    const uint64_t largest = (uint64_t)k * k * PLAIN_INITIAL * slices;
-    uint32_t fraction = MAX_FRACTION;
-    while (fraction > 0 &&
-           (largest << fraction > UINT32_MAX || (uint64_t)slices << fraction > UINT64_C(1) << 22))
-        fraction--;
-    return fraction;
 }
 
 static void *zeroed(size_t count, size_t size, bool *ok) {
@@ -159,8 +136,8 @@ static bool allocate(plain_frame *f) {
 
 plain_frame *plain_frame_create(bench_team *team, uint32_t width, uint32_t height, uint32_t slices,
                                 const plain_settings *settings, hs_error *err) {
-    const uint32_t fraction = fraction_bits(slices, settings->k);
-    if (fraction < MIN_FRACTION) {
+    const uint32_t fraction = plain_fraction(slices, settings->k);
+    if (fraction < PLAIN_MIN_FRACTION) {
         (void)hs_fail(err, HS_ERR_USAGE, "plain C: %u x %u x %u with k = %u is out of its range", width,
                       height, slices, settings->k);
         return NULL;

@@ -32,6 +32,20 @@ typedef struct {
 /* Weights of initial points and of pixels that an earlier pass filled: omega = 0.5. */
 enum { PLAIN_INITIAL = 2, PLAIN_FILLED = 1 };
 
+/* Fraction bits with which the largest sum of a window fits 32 bits, and a depth a float's 24. Fewer than
+ * PLAIN_MIN_FRACTION are too coarse. */
+enum { PLAIN_MIN_FRACTION = 10 };
+uint32_t plain_fraction(uint32_t slices, uint32_t k);
+
+/* One end of `count` intervals as the mean filter's first sums: weight * depth, 0 where the interval is
+ * empty. */
+void plain_weigh_points(size_t count, uint32_t fraction, const uint8_t *restrict status,
+                        const uint16_t *restrict end, uint32_t *restrict sum);
+
+/* S(q) = S_f + q (S_n - S_f) for `count` pixels. */
+void plain_blend(size_t count, float q, const float *restrict near_surface, const float *restrict far_surface,
+                 float *restrict depth);
+
 /* A thread's rows: plain_mean_row_values(maps) values. */
 size_t plain_mean_row_values(uint32_t width, uint32_t k);
 
