@@ -128,7 +128,7 @@ static bool points(const hs_json *v, double min, double max, hs_points *out) {
 }
 
 static bool read_field(const hs_json *v, const hs_json_field *f, void *out) {
-    char *to = (char *)out + f->offset;
+    char *to = out ? (char *)out + f->offset : NULL;
     double x = 0.0;
     uint64_t n = 0;
     bool ok;
