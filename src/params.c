@@ -40,7 +40,7 @@ static const struct {
      "How depths spread from the initial points to all pixels, or, with cost, are found from every ray's own "
      "fluid; all but minimum are linear in the depths, so that turning q costs next to nothing.",
      0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods},
-    {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Mean filter size k", "pixels",
+    {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
      23.0, 2.0, NULL},
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
