@@ -22,7 +22,7 @@ typedef struct {
     bool active;
     double first_ms; /* `end` of the first frame */
     plain_surface *plain;
-    float *plain_depth;
+    float *depth, *plain_depth; /* the plugin's map is the caller's */
     uint8_t *status;
     bench_samples samples[PARTS];
 } timing;
@@ -89,10 +89,10 @@ static bool frame(const timing *t, const sv_result *result, double *ms, hs_error
 }
 
 /* The plugin must see the definition's points, and make a surface of them. */
-static bool verify(timing *t, float *depth, methods_times *times, hs_error *err) {
+static bool verify(timing *t, methods_times *times, hs_error *err) {
     const size_t rays = (size_t)t->map->n * t->map->n;
     sv_stats stats = {.size = sizeof stats};
-    const sv_result result = {.size = sizeof result, .depth = depth, .status = t->status, .stats = &stats};
+    const sv_result result = {.size = sizeof result, .depth = t->depth, .status = t->status, .stats = &stats};
     if (!frame(t, &result, &t->first_ms, err)) return false;
     if (stats.outcome != SV_OK)
         return hs_fail(err, HS_ERR_FAILED, "%s, %u x %u: no surface (%s)", t->variant->label, t->map->n,
@@ -137,11 +137,11 @@ static void touch_memory(const timing *t) {
 }
 
 /* In turns, so that whatever else the machine does hits all alike. */
-static bool time_frames(timing *t, float *depth, methods_times *times, hs_error *err) {
+static bool time_frames(timing *t, methods_times *times, hs_error *err) {
     const double start = hs_now();
     const uint32_t warm_up = t->first_ms > slow_ms ? 0 : WARM_UP;
     sv_stats stats = {.size = sizeof stats};
-    const sv_result result = {.size = sizeof result, .depth = depth, .stats = &stats};
+    const sv_result result = {.size = sizeof result, .depth = t->depth, .stats = &stats};
     const bool mean = t->variant->kind == METHODS_MEAN;
     (void)plain_ms(t, run_plain); /* its maps hold surfaces from now on */
     for (uint32_t i = 0; i < warm_up + t->setup->frames; i++) {
@@ -176,10 +176,11 @@ bool methods_time(const methods_setup *setup, const methods_map *map, const meth
                 .map = map,
                 .variant = variant,
                 .instance = instance,
+                .depth = depth,
                 .stats = instance->get_extension(instance, SV_EXT_STATS)};
     *times = (methods_times){0};
-    const bool ok = prepare(&t, err) && activate(&t, err) && verify(&t, depth, times, err) &&
-                    time_frames(&t, depth, times, err);
+    const bool ok =
+        prepare(&t, err) && activate(&t, err) && verify(&t, times, err) && time_frames(&t, times, err);
     if (ok) {
         times->end = bench_samples_times(&t.samples[END]);
         times->reconstruct = bench_samples_times(&t.samples[RECONSTRUCT]);
