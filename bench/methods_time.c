@@ -176,8 +176,8 @@ bool methods_time(const methods_setup *setup, const methods_map *map, const meth
                 .map = map,
                 .variant = variant,
                 .instance = instance,
-                .depth = depth,
                 .stats = instance->get_extension(instance, SV_EXT_STATS)};
+    t.depth = depth;
     *times = (methods_times){0};
     const bool ok =
         prepare(&t, err) && activate(&t, err) && verify(&t, times, err) && time_frames(&t, times, err);
