@@ -67,7 +67,8 @@ bool methods_map_bones(methods_map *map, uint32_t n, hs_error *err) {
 /* Ray i: tissue, fluid between two wavy layers, and bone behind. */
 static void put_point(methods_map *map, size_t i) {
     const size_t rays = (size_t)map->n * map->n;
-    const double u = (double)(i % map->n) / map->n, v = (double)(i / map->n) / map->n;
+    const size_t x = i % map->n, y = i / map->n;
+    const double u = (double)x / map->n, v = (double)y / map->n;
     const size_t near_end = (size_t)(14.0 + 5.0 * sin(9.0 * u) + 4.0 * cos(7.0 * v));
     const size_t far_end = (size_t)(40.0 + 9.0 * sin(8.0 * u + 1.0) * cos(6.0 * v));
     for (size_t z = near_end; z < far_end; z++) map->voxels[z * rays + i] = 0;

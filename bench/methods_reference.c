@@ -12,10 +12,11 @@ static const double omega = 0.5, data_weight = 1.0; /* the plugin's defaults */
 double methods_reference_cost(const methods_map *map, const methods_variant *v) {
     const double n = map->n, pixels = n * n;
     const double points = fmin(map->points, v->merge_grid ? v->merge_grid * v->merge_grid : SPLINE_POINTS);
+    const uint32_t reach = v->k / 2;
     switch (v->kind) {
     case METHODS_MEAN: /* k^2 a pixel and pass; gaps of 0.385 sides, k / 2 of which a pass closes */
     case METHODS_MINIMUM:
-        return pixels * v->k * v->k * ceil(0.385 * n / (v->k / 2));
+        return pixels * v->k * v->k * ceil(0.385 * n / reach);
     case METHODS_SPLINE: /* elimination; a logarithm a pixel and point */
         return points * points * points + 10.0 * pixels * points;
     case METHODS_PUSHPULL:

@@ -109,6 +109,17 @@ static bool approximate(const methods_variant *v) {
     return v->float32 || v->steps > 0 || v->spline_grid > 0;
 }
 
+/* A name below its mark and to the left; a line lower for every mark of the front that stands as high and
+ * further left. */
+static void draw_name(const panel *p, const double *x, const double *y, const bool *best, uint32_t count,
+                      uint32_t own, const char *name) {
+    int below = 14;
+    for (uint32_t i = 0; i < count; i++)
+        if (best[i] && x[i] < x[own] && fabs(place_y(p, y[i]) - place_y(p, y[own])) < 12.0) below += 13;
+    (void)fprintf(p->file, "<text x='%.1f' y='%.1f' font-size='11' text-anchor='end'>%s</text>\n",
+                  place_x(p, x[own]) - 8, place_y(p, y[own]) + below, name);
+}
+
 /* The marks that no other of the size beats in both, joined as a staircase. Below and to the left of it there
  * is nothing, so names stand there. */
 static void draw_front(const panel *p, const mark *marks, uint32_t count, int size) {
@@ -139,9 +150,7 @@ static void draw_front(const panel *p, const mark *marks, uint32_t count, int si
     }
     (void)fprintf(p->file, " H%.1f'/>\n", p->left + PANEL);
     for (uint32_t i = 0; p->named && i < own; i++)
-        if (best[i])
-            (void)fprintf(p->file, "<text x='%.1f' y='%.1f' font-size='11' text-anchor='end'>%s</text>\n",
-                          place_x(p, x[i]) - 8, place_y(p, y[i]) + 14, own_row[i]->variant->label);
+        if (best[i]) draw_name(p, x, y, best, own, i, own_row[i]->variant->label);
 }
 
 static void draw_panel(panel *p, const mark *marks, uint32_t count, const char *title, const char *y_label) {

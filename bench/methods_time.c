@@ -22,7 +22,7 @@ typedef struct {
     bool active;
     double first_ms; /* `end` of the first frame */
     plain_surface *plain;
-    float *plain_depth;
+    float *depth, *plain_depth; /* the plugin's map is the caller's */
     uint8_t *status;
     bench_samples samples[PARTS];
 } timing;
@@ -66,8 +66,7 @@ static bool activate(timing *t, hs_error *err) {
 }
 
 /* One frame with the plugin's own queue: everything is there when `end` returns. ms may be NULL. */
-static bool frame(const timing *t, float *depth, uint8_t *status, sv_stats *stats, double *ms,
-                  hs_error *err) {
+static bool frame(const timing *t, const sv_result *result, double *ms, hs_error *err) {
     const hs_plugin *p = t->setup->plugin;
     sv_param_value values[METHODS_MAX_VALUES + 1];
     sv_param_info q = {.size = sizeof q};
@@ -80,22 +79,21 @@ static bool frame(const timing *t, float *depth, uint8_t *status, sv_stats *stat
                           .slice_count = METHODS_SLICES,
                           .memory = t->map->voxels,
                           .bytes = (uint64_t)t->map->n * t->map->n * METHODS_SLICES};
-    *stats = (sv_stats){.size = sizeof *stats};
-    const sv_result result = {.size = sizeof result, .depth = depth, .status = status, .stats = stats};
     if (!hs_plugin_check(p, t->instance->begin(t->instance, &settings), "begin", err) ||
         !hs_plugin_check(p, t->instance->slab(t->instance, &slab), "slab", err))
         return false;
     const double start = hs_now();
-    const bool ok = hs_plugin_check(p, t->instance->end(t->instance, &result), "end", err);
+    const bool ok = hs_plugin_check(p, t->instance->end(t->instance, result), "end", err);
     if (ms) *ms = (hs_now() - start) * 1e3;
     return ok;
 }
 
 /* The plugin must see the definition's points, and make a surface of them. */
-static bool verify(timing *t, float *depth, methods_times *times, hs_error *err) {
+static bool verify(timing *t, methods_times *times, hs_error *err) {
     const size_t rays = (size_t)t->map->n * t->map->n;
-    sv_stats stats;
-    if (!frame(t, depth, t->status, &stats, &t->first_ms, err)) return false;
+    sv_stats stats = {.size = sizeof stats};
+    const sv_result result = {.size = sizeof result, .depth = t->depth, .status = t->status, .stats = &stats};
+    if (!frame(t, &result, &t->first_ms, err)) return false;
     if (stats.outcome != SV_OK)
         return hs_fail(err, HS_ERR_FAILED, "%s, %u x %u: no surface (%s)", t->variant->label, t->map->n,
                        t->map->n, hs_status_name(stats.outcome));
@@ -112,12 +110,11 @@ static bool verify(timing *t, float *depth, methods_times *times, hs_error *err)
 }
 
 /* A frame with events on: the stage's own time; negative if the plugin cannot tell. */
-static bool stage_frame(const timing *t, float *depth, double *ms, hs_error *err) {
+static bool stage_frame(const timing *t, const sv_result *result, double *ms, hs_error *err) {
     sv_stage_times stages = {.size = sizeof stages};
-    sv_stats stats;
     *ms = -1.0;
     if (!t->stats || t->stats->enable(t->instance, 1) != SV_OK) return true;
-    const bool ok = frame(t, depth, NULL, &stats, NULL, err);
+    const bool ok = frame(t, result, NULL, err);
     if (ok && t->stats->stage_times(t->instance, &stages) == SV_OK) *ms = stages.reconstruct_ms;
     (void)t->stats->enable(t->instance, 0);
     return ok;
@@ -140,20 +137,21 @@ static void touch_memory(const timing *t) {
 }
 
 /* In turns, so that whatever else the machine does hits all alike. */
-static bool time_frames(timing *t, float *depth, methods_times *times, hs_error *err) {
+static bool time_frames(timing *t, methods_times *times, hs_error *err) {
     const double start = hs_now();
     const uint32_t warm_up = t->first_ms > slow_ms ? 0 : WARM_UP;
+    sv_stats stats = {.size = sizeof stats};
+    const sv_result result = {.size = sizeof result, .depth = t->depth, .stats = &stats};
     const bool mean = t->variant->kind == METHODS_MEAN;
     (void)plain_ms(t, run_plain); /* its maps hold surfaces from now on */
     for (uint32_t i = 0; i < warm_up + t->setup->frames; i++) {
         if (times->frames >= LEAST_FRAMES && hs_now() - start > t->setup->seconds) break;
         double ms[PARTS];
-        sv_stats stats;
         ms[PLAIN] = mean ? plain_ms(t, run_plain) : -1.0;
         (void)plain_ms(
             t, touch_memory); /* the next finds the maps where this leaves them, in the cache or not */
         ms[MEMORY] = plain_ms(t, touch_memory);
-        if (!frame(t, depth, NULL, &stats, &ms[END], err) || !stage_frame(t, depth, &ms[RECONSTRUCT], err))
+        if (!frame(t, &result, &ms[END], err) || !stage_frame(t, &result, &ms[RECONSTRUCT], err))
             return false;
         if (i < warm_up) continue;
         times->frames++;
@@ -179,9 +177,10 @@ bool methods_time(const methods_setup *setup, const methods_map *map, const meth
                 .variant = variant,
                 .instance = instance,
                 .stats = instance->get_extension(instance, SV_EXT_STATS)};
+    t.depth = depth;
     *times = (methods_times){0};
-    const bool ok = prepare(&t, err) && activate(&t, err) && verify(&t, depth, times, err) &&
-                    time_frames(&t, depth, times, err);
+    const bool ok =
+        prepare(&t, err) && activate(&t, err) && verify(&t, times, err) && time_frames(&t, times, err);
     if (ok) {
         times->end = bench_samples_times(&t.samples[END]);
         times->reconstruct = bench_samples_times(&t.samples[RECONSTRUCT]);
