@@ -33,7 +33,6 @@ typedef struct {
     methods_row splines[METHODS_SPLINES]; /* unmerged, every pixel, at the smallest size */
     uint32_t spline_count;
     methods_truth_row truth[METHODS_VARIANTS];
-    bool has_truth;
     double unclipped[METHODS_SCENES];
 } methods_report;
 
