@@ -57,8 +57,7 @@ static const struct {
      0.0, 1.0, 0.0, 1.0, NULL},
     {SV_PARAM_PREFILTER, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "prefilter", "Pre-filter", "",
      "What is done to the initial points first: minimum takes the smallest depth nearby, against outliers "
-     "that "
-     "lie too deep; every turn of q then reconstructs again.",
+     "that lie too deep; every turn of q then reconstructs again.",
      0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters},
     {SV_PARAM_PREFILTER_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_passes", "Pre-filter passes", "",
      "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL},
@@ -81,15 +80,13 @@ static const struct {
      "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
      SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL},
     {SV_PARAM_SOLVER_STEPS, SV_PARAM_INT, SV_PARAM_EXPERT, "solver_steps", "Solver steps", "",
-     "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as the "
-     "promised "
-     "bound needs.",
+     "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as "
+     "the promised bound needs.",
      0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL},
     {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision",
      "Solver precision", "",
-     "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at most "
-     "64 "
-     "points in a spline.",
+     "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at "
+     "most 64 points in a spline.",
      0.0, 1.0, 0.0, 1.0, SV_PRECISION_FLOAT64, 1.0, precisions},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
      "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "

@@ -159,20 +159,7 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
     const sv_plugin *p = r->plugin;
     const sv_param_value fixed[] = {{rig_param(r, "method"), 0, method},
                                     {rig_param(r, "prefilter"), 0, prefilter}};
-    const sv_format format = {.size = sizeof format,
-                              .width = points->width,
-                              .height = points->height,
-                              .slices = points->slices,
-                              .max_slab_slices = points->slices,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_HOST,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = 1,
-                              .tile_w = points->width,
-                              .tile_h = points->height,
-                              .row_pitch = points->width,
-                              .values = fixed,
-                              .value_count = 2};
+    const sv_format format = surface_format(points, fixed, 2);
     const size_t count = (size_t)points->width * points->height;
     uint8_t *volume = surface_volume(points);
     rig_result first = rig_result_make(points->width, points->height);

@@ -66,6 +66,23 @@ static sv_status run_active(rig *r, const surface_points *points, const uint8_t 
     return status == SV_OK ? out->stats.outcome : status;
 }
 
+sv_format surface_format(const surface_points *points, const sv_param_value *values, uint32_t count) {
+    return (sv_format){.size = sizeof(sv_format),
+                       .width = points->width,
+                       .height = points->height,
+                       .slices = points->slices,
+                       .max_slab_slices = points->slices,
+                       .voxel_type = SV_VOXEL_U8,
+                       .carrier = SV_CARRIER_HOST,
+                       .padding_value = SV_NO_PADDING,
+                       .tiles_x = 1,
+                       .tile_w = points->width,
+                       .tile_h = points->height,
+                       .row_pitch = points->width,
+                       .values = values,
+                       .value_count = count};
+}
+
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
                       sv_spline_report *report) {
     const sv_param_value fixed[] = {
@@ -76,23 +93,10 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "precision"), 0, chain->float32},
         {rig_param(r, "strategy"), 0, chain->strategy},
     };
-    const sv_format format = {.size = sizeof format,
-                              .width = points->width,
-                              .height = points->height,
-                              .slices = points->slices,
-                              .max_slab_slices = points->slices,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_HOST,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = 1,
-                              .tile_w = points->width,
-                              .tile_h = points->height,
-                              .row_pitch = points->width,
-                              .context = r->context,
-                              .device = r->device,
-                              .queue = r->queue,
-                              .values = fixed,
-                              .value_count = sizeof fixed / sizeof *fixed};
+    sv_format format = surface_format(points, fixed, sizeof fixed / sizeof *fixed);
+    format.context = r->context;
+    format.device = r->device;
+    format.queue = r->queue;
     const sv_param_value values[] = {
         {rig_param(r, "bone_mode"), 0, SV_REF_ABSOLUTE}, /* a volume without bone must not make its own */
         {rig_param(r, "evidence"), 0, 0.0},              /* a point or two shall do */

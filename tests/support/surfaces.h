@@ -38,6 +38,9 @@ void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_e
 /* A volume whose initial points are these, with T_B = 0.74 and T_L as by default. */
 uint8_t *surface_volume(const surface_points *points);
 
+/* That volume in one slab of host memory, for the plugin's own queue. `values` must stay. */
+sv_format surface_format(const surface_points *points, const sv_param_value *values, uint32_t count);
+
 /* A frame on the host's queue; `report` (may be NULL) is filled for splines. */
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
                       sv_spline_report *report);
