@@ -129,6 +129,17 @@ typedef struct {
 bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint32_t height, float limit,
                        const hs_signed_words *words, const hs_caption *caption, hs_error *err);
 
+/* Words of a share's legend. */
+typedef struct {
+    const char *quantity;   /* "confidence" */
+    const char *high, *low; /* what 1 and 0 mean: "sure", "unsure" */
+} hs_share_words;
+
+/* A map of shares, 0 .. 1 in viridis. What is not in 0 .. 1 is drawn in HS_COLOUR_INVALID and counted. The
+ * mean stands in the legend. */
+bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
+                      const hs_share_words *words, const hs_caption *caption, hs_error *err);
+
 /* A label map (0 neither, 1 sac only, 2 fetus) with the share of each label. */
 bool hs_picture_labels(hs_picture *out, const uint8_t *label, uint32_t width, uint32_t height,
                        const hs_caption *caption, hs_error *err);
