@@ -51,14 +51,15 @@ static void put_intro(hs_report *report, const hs_eval_study *study) {
     if (study->plugin_error.code != HS_OK) hs_report_text(report, study->plugin_error.text);
 }
 
-/* A picture of the case's folder. */
+/* A picture of the case's folder; renderings as photos. */
 static void show(hs_report *report, const hs_eval_study *study, uint32_t index, const char *name,
                  const char *alt, const char *caption) {
+    const bool drawn = strncmp(name, "error", 5) == 0 || strcmp(name, "depthmap.png") == 0;
     char folder[PATH_MAX], path[PATH_MAX], full_alt[256];
     (void)snprintf(full_alt, sizeof full_alt, "%s: %s", study->space[index].name, alt);
     if (hs_cli_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
         hs_cli_join(folder, name, path, sizeof path, &report->error))
-        hs_report_picture(report, path, full_alt, caption);
+        (drawn ? hs_report_picture : hs_report_photo)(report, path, full_alt, caption);
 }
 
 static void put_pictures(hs_report *report, const hs_eval_study *study, uint32_t index) {

@@ -42,6 +42,13 @@ void hs_picture_free(hs_picture *picture);
  * reason. */
 bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err);
 
+/* Reads a PNG of any kind as 8-bit RGB. HS_ERR_INPUT names the path and the reason. */
+bool hs_picture_load(hs_picture *out, const char *path, hs_error *err);
+
+/* A JPEG in memory (free it), for renderings: with speckle a seventh of a PNG at quality 88. `quality` 1 ..
+ * 100. */
+bool hs_picture_jpeg(const hs_picture *picture, int quality, uint8_t **data, size_t *bytes, hs_error *err);
+
 /* An image in memory that is borrowed: 1 (gray) or 4 (RGBA; alpha is not used, the renderer draws on black)
  * bytes a pixel. */
 typedef struct {

@@ -51,7 +51,7 @@ holds [ "$(printf %.2f "$lowest")" = "$(grep '^E04' "$work/whole/best.csv" | cut
 # --- the page: self-contained, every picture with a text, balanced tags, figures with titles
 pictures=$(grep -o '<img ' "$page" | wc -l)
 holds [ "$pictures" -ge $((2 * (5 + 7))) ]
-holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/png;base64,iVBORw0KGgo' "$page" | wc -l)" -eq "$pictures" ]
+holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<link\|url(\|src="[^d]' "$page")" -eq 0 ]
 for tag in figure figcaption div table svg title g h2 h3 p label script; do
     holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
