@@ -60,10 +60,17 @@ static void put_legends(hs_report *report, bool with_confidence) {
                                .middle = "0.5",
                                .right = "1: sure"};
     hs_eval_figure_put(report, write_legend, &errors);
-    if (with_confidence) hs_eval_figure_put(report, write_legend, &confidence);
+    hs_report_text(report, "Dark grey is outside the sac and not evaluated.");
+    if (!with_confidence) return;
+    hs_eval_figure_put(report, write_legend, &confidence);
+    hs_report_text(
+        report,
+        "The last picture of a case is not cut off at the surface but ghosted: opacity rises over a window "
+        "before it, of ten low-resolution slices where the method is sure and up to thirty where it is "
+        "not.");
 }
 
-/* "mean at q = 0.4: e_abs 8.36, cut 34.7 %" */
+/* "mean at q = 0.4: e_abs 8.36, cut 34.7%, left 2.1%" */
 static void caption_of(const hs_eval_study *study, uint32_t index, hs_beside_way way, char *out,
                        size_t bytes) {
     const hs_eval_beside *b = &study->beside;
@@ -74,9 +81,8 @@ static void caption_of(const hs_eval_study *study, uint32_t index, hs_beside_way
                        b->knob.value[b->best]);
     else
         (void)snprintf(name, sizeof name, "%.60s", way == HS_BESIDE_OTHER ? b->other_name : b->first_name);
-    (void)snprintf(out, bytes, "%s: e_abs %.2f, cut %.1f %%, left %.1f %%", name,
-                   (double)m->of[HS_MEASURE_ABS], 100 * (double)m->of[HS_MEASURE_FETUS_CUT],
-                   100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT]);
+    (void)snprintf(out, bytes, "%s: e_abs %.2f, cut %.1f%%, left %.1f%%", name, (double)m->of[HS_MEASURE_ABS],
+                   100 * (double)m->of[HS_MEASURE_FETUS_CUT], 100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT]);
 }
 
 static void put_case(hs_report *report, const hs_eval_study *study, uint32_t index) {
@@ -99,6 +105,8 @@ static void put_case(hs_report *report, const hs_eval_study *study, uint32_t ind
     if (b->has_confidence[index]) {
         (void)snprintf(other, sizeof other, "Confidence of %.60s", b->other_name);
         hs_eval_page_show(report, study, index, "beside_confidence.png", other, other);
+        (void)snprintf(other, sizeof other, "%.60s, ghosted; wider where it is not sure", b->other_name);
+        hs_eval_page_show(report, study, index, "beside_ghost.png", other, other);
     }
     hs_report_row_end(report);
 }
@@ -112,14 +120,17 @@ void hs_eval_page_beside(hs_report *report, const hs_eval_study *study) {
     hs_report_heading(report, 2, text);
     (void)snprintf(
         text, sizeof text,
-        "Each method at one setting for all cases: %.60s at its defaults, %.60s with its knob where the mean "
-        "e_abs over these cases is lowest. \"tuned\" is %.60s at the best setting of the whole parameter "
-        "space, found on these very volumes. e_abs in DVR steps; cut: share of the fetus that is cut by more "
-        "than two "
-        "steps; left: share of the occluded rays whose occluder is still there. ratio: e_abs of %.60s to "
-        "that of %.60s at its best knob. true surface: what is left with the scene's own clipping surface "
-        "as the depthmap.",
-        b->other_name, b->first_name, b->first_name, b->other_name, b->first_name);
+        "Each method at one setting for all cases: %.60s at its defaults, %.60s with its knob where the "
+        "mean e_abs over these cases is lowest. \"tuned\" is %.60s at the best setting of the whole "
+        "parameter space, found on these very volumes.",
+        b->other_name, b->first_name, b->first_name);
+    hs_report_text(report, text);
+    (void)snprintf(
+        text, sizeof text,
+        "e_abs in DVR steps; cut: share of the fetus that is cut by more than two steps; left: share of the "
+        "occluded rays whose occluder is still there. ratio: e_abs of %.60s to that of %.60s at its best "
+        "knob. true surface: what is left with the scene's own clipping surface as the depthmap.",
+        b->other_name, b->first_name);
     hs_report_text(report, text);
     put_table(report, study);
     for (uint32_t i = 0; i < study->count; i++) confidence = confidence || b->has_confidence[i];

@@ -116,22 +116,48 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
     return ok;
 }
 
-hs_loop *hs_eval_draw_loop(hs_eval_study *study, const hs_eval_case *c, const hs_eval_values *values,
-                           uint32_t pixels, hs_error *err) {
+hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
     hs_loop_options options;
     hs_loop_defaults(&options);
-    options.frames = study->options->frames ? study->options->frames : 1;
-    options.lowres = c->table.width;
-    options.dvr.width = options.dvr.height = pixels;
+    options.frames = d->frames ? d->frames : 1;
+    options.lowres = d->c->table.width;
+    options.dvr.width = options.dvr.height = d->pixels;
     options.dvr.exposure = EXPOSURE;
-    options.values = values->at;
-    options.value_count = values->count;
-    return hs_loop_create(&study->cl, &c->from.source, &study->plugin, &options, err);
+    options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
+    options.values = d->values->at;
+    options.value_count = d->values->count;
+    return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
+}
+
+bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name, hs_view *view,
+                         hs_error *err) {
+    hs_view own;
+    hs_loop *loop = hs_eval_draw_loop(drawing, err);
+    bool ok = loop && hs_loop_view(loop, 0, &own, err);
+    hs_loop_destroy(loop);
+    if (!ok) return false;
+    ok = hs_eval_save_rgba(own.result, drawing->pixels, folder, name, err);
+    if (ok && view)
+        *view = own;
+    else
+        hs_view_free(&own);
+    return ok;
+}
+
+static hs_eval_drawing drawing_of(const hs_eval_study *study, const hs_eval_case *c,
+                                  const hs_eval_values *values, uint32_t pixels) {
+    return (hs_eval_drawing){.cl = &study->cl,
+                             .plugin = &study->plugin,
+                             .c = c,
+                             .values = values,
+                             .frames = study->options->frames,
+                             .pixels = pixels};
 }
 
 static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
                        const hs_eval_values *values, const char *folder, hs_error *err) {
-    hs_loop *loop = hs_eval_draw_loop(study, c, values, TURNED, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, TURNED);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     const bool ok = loop && save_turns(study, loop, &study->result[index], folder, err);
     hs_loop_destroy(loop);
     return ok;
@@ -140,7 +166,8 @@ static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case 
 static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
                  const char *folder, hs_error *err) {
     hs_view view;
-    hs_loop *loop = hs_eval_draw_loop(study, c, values, PICTURE, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, PICTURE);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
         ok = hs_loop_write_pictures(&view, folder, study->space[index].name,
@@ -157,7 +184,8 @@ static bool time_settings(hs_eval_study *study, uint32_t index, const hs_eval_ca
                           const hs_eval_values *values, hs_error *err) {
     hs_eval_result *r = &study->result[index];
     if (study->options->frames == 0) return true;
-    hs_loop *loop = hs_eval_draw_loop(study, c, values, TIMED, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, TIMED);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool ok = loop != NULL;
     for (int s = 0; ok && s < HS_SETTING_COUNT; s++)
         ok = hs_loop_run(loop, (hs_setting)s, NULL, &r->speed[s], err);

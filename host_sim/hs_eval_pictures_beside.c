@@ -37,21 +37,20 @@ static bool save_confidence(const hs_view *view, const char *folder, hs_error *e
     return ok;
 }
 
-/* The rendering, and the confidence if `with_confidence` and there is one. */
-static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
-                 const char *folder, const char *name, bool with_confidence, hs_error *err) {
+/* The other method: the rendering, and where it gives a confidence, that and a rendering whose ghosting heeds
+ * it. */
+static bool draw_other(hs_eval_study *study, uint32_t index, hs_eval_drawing *drawing, const char *folder,
+                       hs_error *err) {
     hs_view view;
-    hs_loop *loop = hs_eval_draw_loop(study, c, values, HS_EVAL_PICTURE, err);
-    bool ok = loop && hs_loop_view(loop, 0, &view, err);
-    if (ok) {
-        ok = hs_eval_save_rgba(view.result, HS_EVAL_PICTURE, folder, name, err);
-        if (ok && with_confidence && view.sure) {
-            ok = save_confidence(&view, folder, err);
-            study->beside.has_confidence[index] = ok;
-        }
-        hs_view_free(&view);
+    if (!hs_eval_draw_result(drawing, folder, "beside_other.png", &view, err)) return false;
+    bool ok = true;
+    if (view.sure) {
+        drawing->ghost = HS_EVAL_GHOST_SLICES * drawing->c->table.steps_per_slice;
+        ok = save_confidence(&view, folder, err) &&
+             hs_eval_draw_result(drawing, folder, "beside_ghost.png", NULL, err);
+        study->beside.has_confidence[index] = ok;
     }
-    hs_loop_destroy(loop);
+    hs_view_free(&view);
     return ok;
 }
 
@@ -62,8 +61,12 @@ bool hs_eval_beside_pictures(hs_eval_study *study, uint32_t index, hs_eval_case 
     hs_eval_values first = b->first;
     if (b->knob.exists && !hs_eval_values_add(&first, b->knob.info.id, b->knob.value[b->best], err))
         return false;
-    return draw_errors(study, c, &first, folder, "beside_knob_error.png", err) &&
-           draw(study, index, c, &first, folder, "beside_knob.png", false, err) &&
-           draw_errors(study, c, &b->other, folder, "beside_other_error.png", err) &&
-           draw(study, index, c, &b->other, folder, "beside_other.png", true, err);
+    hs_eval_drawing drawing = {
+        .cl = &study->cl, .plugin = &study->plugin, .c = c, .values = &first, .pixels = HS_EVAL_PICTURE};
+    if (!draw_errors(study, c, &first, folder, "beside_knob_error.png", err) ||
+        !hs_eval_draw_result(&drawing, folder, "beside_knob.png", NULL, err) ||
+        !draw_errors(study, c, &b->other, folder, "beside_other_error.png", err))
+        return false;
+    drawing.values = &b->other;
+    return draw_other(study, index, &drawing, folder, err);
 }

@@ -56,9 +56,10 @@ typedef struct {
     uint32_t width, height, channels;
 } hs_image;
 
-/* How an image is scaled. Nearest keeps pixels as they are; bilinear interpolates between pixel centres, and
- * beyond the outermost centres repeats the edge. */
-typedef enum { HS_SCALE_NEAREST = 0, HS_SCALE_BILINEAR } hs_scale;
+/* How an image is scaled. Nearest keeps pixels as they are. Smooth interpolates linearly between pixel
+ * centres, and beyond the outermost centres repeats the edge; where the image becomes smaller, a pixel is the
+ * mean of the area it covers. */
+typedef enum { HS_SCALE_NEAREST = 0, HS_SCALE_SMOOTH } hs_scale;
 
 /* Draws `image` over the rectangle (x, y, width, height) of the picture; what lies outside is cut off. */
 void hs_picture_blit(hs_picture *picture, int32_t x, int32_t y, uint32_t width, uint32_t height,
@@ -101,7 +102,7 @@ typedef struct {
 } hs_caption;
 
 /* `count` (1 .. 8) images of equal size next to each other, each `cell` pixels wide (0: 512, so that three
- * make 1600) and scaled bilinearly with its aspect kept. HS_ERR_INPUT if sizes differ. */
+ * make 1600) and scaled smoothly with its aspect kept. HS_ERR_INPUT if sizes differ. */
 bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t count, uint32_t cell,
                       const hs_caption *caption, hs_error *err);
 

@@ -195,7 +195,7 @@ bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *stat
         points += status[i] == SV_POINT_INITIAL;
         empty += status[i] == SV_POINT_EMPTY;
     }
-    hs_picture_blit(out, (int32_t)l.x, (int32_t)l.y, l.width, l.height, mip, HS_SCALE_BILINEAR);
+    hs_picture_blit(out, (int32_t)l.x, (int32_t)l.y, l.width, l.height, mip, HS_SCALE_SMOOTH);
     for (uint32_t j = 0; j < l.height; j++) {
         for (uint32_t i = 0; i < l.width; i++) {
             const size_t at = entry_at(&l, i, j);

@@ -25,6 +25,7 @@ static const char head[] =
     "table{border-collapse:collapse;margin:1rem 0}\n"
     "th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid #e3e6ea;white-space:nowrap;\n"
     "font-variant-numeric:tabular-nums}\n"
+    "tr:first-child>*{white-space:normal;vertical-align:bottom}\n"
     "th:first-child,td:first-child{text-align:left}tr:first-child>*{border-bottom:2px solid "
     "#9aa1a9;font-weight:600}\n"
     "pre{overflow-x:auto;background:#f4f5f7;padding:.8rem;font-size:.8rem;line-height:1.35}\n"
