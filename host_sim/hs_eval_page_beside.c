@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define LEGEND_STOPS 21u
+#define LEGEND_STOPS 41u
 
 static void put_table(hs_report *report, const hs_eval_study *study) {
     char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
@@ -30,24 +30,25 @@ typedef struct {
 static void write_legend(FILE *out, const void *of) {
     const legend *l = of;
     (void)fprintf(out,
-                  "<svg class=\"plot\" viewBox=\"0 0 720 56\" role=\"img\" aria-label=\"%s\" "
+                  "<svg class=\"plot\" style=\"min-width:0;max-width:30rem\" viewBox=\"0 0 480 50\" "
+                  "role=\"img\" aria-label=\"%s\" "
                   "font-family=\"sans-serif\" font-size=\"14\"><title>%s</title>\n",
                   l->label, l->label);
     for (uint32_t i = 0; i < LEGEND_STOPS; i++) {
         const double t = l->low + (1.0 - l->low) * i / (LEGEND_STOPS - 1);
         (void)fprintf(out, "<rect x=\"%.1f\" y=\"4\" width=\"%.1f\" height=\"18\" fill=\"#%06x\"/>\n",
-                      10 + 700.0 * i / LEGEND_STOPS, 700.0 / LEGEND_STOPS + 0.5, l->colour(t));
+                      480.0 * i / LEGEND_STOPS, 480.0 / LEGEND_STOPS + 0.5, l->colour(t));
     }
     (void)fprintf(out,
-                  "<text x=\"10\" y=\"42\">%s</text><text x=\"360\" y=\"42\" text-anchor=\"middle\">%s</text>"
-                  "<text x=\"710\" y=\"42\" text-anchor=\"end\">%s</text>\n</svg>\n",
+                  "<text x=\"0\" y=\"40\">%s</text><text x=\"240\" y=\"40\" text-anchor=\"middle\">%s</text>"
+                  "<text x=\"480\" y=\"40\" text-anchor=\"end\">%s</text>\n</svg>\n",
                   l->left, l->middle, l->right);
 }
 
 static void put_legends(hs_report *report, bool with_confidence) {
     char left[64], right[64];
-    (void)snprintf(left, sizeof left, "-%.0f steps: the fetus is cut", (double)HS_EVAL_ERROR_LIMIT);
-    (void)snprintf(right, sizeof right, "+%.0f steps: an occluder is left", (double)HS_EVAL_ERROR_LIMIT);
+    (void)snprintf(left, sizeof left, "-%.0f steps: fetus cut", (double)HS_EVAL_ERROR_LIMIT);
+    (void)snprintf(right, sizeof right, "+%.0f steps: occluder left", (double)HS_EVAL_ERROR_LIMIT);
     const legend errors = {.label = "Colours of the error pictures",
                            .colour = hs_colour_diverging,
                            .low = -1.0,
@@ -56,7 +57,7 @@ static void put_legends(hs_report *report, bool with_confidence) {
                            .right = right};
     const legend confidence = {.label = "Colours of the confidence pictures",
                                .colour = hs_colour_viridis,
-                               .left = "confidence 0: nothing is known",
+                               .left = "confidence 0: none",
                                .middle = "0.5",
                                .right = "1: sure"};
     hs_eval_figure_put(report, write_legend, &errors);
