@@ -45,7 +45,7 @@ bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err)
 /* Reads a PNG of any kind as 8-bit RGB. HS_ERR_INPUT names the path and the reason. */
 bool hs_picture_load(hs_picture *out, const char *path, hs_error *err);
 
-/* A JPEG in memory (free it), for renderings: with speckle a seventh of a PNG at quality 88. `quality` 1 ..
+/* A JPEG in memory (free it), for renderings: with speckle a sixth of a PNG at quality 88. `quality` 1 ..
  * 100. */
 bool hs_picture_jpeg(const hs_picture *picture, int quality, uint8_t **data, size_t *bytes, hs_error *err);
 

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PHOTO_QUALITY 88 /* of 100: from here on more bytes show no more */
+#define BLOCK         3072u /* bytes that become base64 at once: a multiple of three */
+#define PHOTO_QUALITY 88    /* of 100: from here on more bytes show no more */
 
 static const char head[] =
     "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -111,9 +112,9 @@ static void base64_group(const unsigned char *bytes, size_t count, char out[4]) 
 
 /* Bytes as base64, in blocks of whole groups: only the last group may be short. */
 static void put_base64(hs_report *report, const unsigned char *bytes, size_t count) {
-    char text[4 * 1024];
+    char text[BLOCK / 3 * 4];
     while (count > 0) {
-        const size_t block = count < 3 * 1024 ? count : 3 * 1024;
+        const size_t block = count < BLOCK ? count : BLOCK;
         size_t length = 0;
         for (size_t i = 0; i < block; i += 3, length += 4)
             base64_group(bytes + i, block - i < 3 ? block - i : 3, text + length);
@@ -125,7 +126,7 @@ static void put_base64(hs_report *report, const unsigned char *bytes, size_t cou
 
 /* A file as base64, in blocks whose size is a multiple of three so that only the last is padded. */
 static void put_file(hs_report *report, const char *path) {
-    unsigned char block[3 * 1024];
+    unsigned char block[BLOCK];
     FILE *file = fopen(path, "rb");
     if (!file) {
         (void)hs_fail(&report->error, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, strerror(errno));

@@ -256,13 +256,6 @@ static const char *plane_last_error(const sv_plugin *plugin) {
 #ifdef TP_CONFIDENCE
 enum { TP_SURE_RAMP = 1, TP_SURE_FULL, TP_SURE_FAILS, TP_SURE_NAN, TP_SURE_ABOVE, TP_SURE_OLD, TP_SURE_NONE };
 
-static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
-    (void)plugin;
-    (void)map;
-    (void)out;
-    return SV_ERR_STATE;
-}
-
 static uint32_t confidence_offered(const sv_plugin *plugin) {
     (void)plugin;
     return TP_CONFIDENCE != TP_SURE_NONE;
@@ -285,6 +278,11 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
                                        p->sure, 0, NULL, NULL) != CL_SUCCESS)
         return SV_ERR_OPENCL;
     return SV_OK;
+}
+
+static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
+    (void)out;
+    return map ? confidence_write(plugin, map, NULL, 0) : SV_ERR_STATE;
 }
 
 /* An older plugin's table ends after `read`. */
