@@ -4,15 +4,7 @@ set -u
 build=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
-
-# Fails unless the command given succeeds.
-holds() {
-    if ! "$@"; then
-        echo "FAIL: $*"
-        failed=$((failed + 1))
-    fi
-}
+. "$1/tests/support/holds.sh"
 
 # A file to stand for a real volume: a layer, fluid, and a bright ball behind it.
 mkdir "$work/data"

@@ -5,15 +5,7 @@ set -u
 build=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
-
-# Fails unless the command given succeeds.
-holds() {
-    if ! "$@"; then
-        echo "FAIL: $*"
-        failed=$((failed + 1))
-    fi
-}
+. "$1/tests/support/holds.sh"
 
 # code WANTED ARGUMENTS...: the exit code of host_sim report; its output is in $work/stdout and stderr.
 code() {
