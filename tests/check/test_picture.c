@@ -359,7 +359,7 @@ static void points_lie_over_the_mip(void **state) {
     hs_picture_free(&p);
 }
 
-static void signed_maps_and_labels_use_their_colours(void **state) {
+static void signed_maps_labels_and_shares_use_their_colours(void **state) {
     (void)state;
     float value[64] = {0};
     value[0] = 4.0f, value[1] = -2.0f, value[2] = NAN, value[3] = -4.0f;
@@ -377,6 +377,15 @@ static void signed_maps_and_labels_use_their_colours(void **state) {
     assert_true(hs_picture_labels(&p, label, 8, 8, &(hs_caption){"labels", NULL}, &err));
     for (uint8_t i = 0; i < 4; i++) assert_int_equal(map_pixel(&p, i, 0), hs_colour_label(i));
     assert_int_equal(hs_colour_label(3), HS_COLOUR_INVALID);
+    hs_picture_free(&p);
+    const hs_share_words shares = {"confidence", "sure", "unsure"};
+    float share[64] = {0};
+    share[0] = 1.0f, share[1] = 0.25f, share[2] = NAN, share[3] = 1.01f, share[4] = -0.01f;
+    assert_true(hs_picture_share(&p, share, 8, 8, &shares, &(hs_caption){"shares", NULL}, &err));
+    assert_int_equal(map_pixel(&p, 0, 0), hs_colour_viridis(1.0));
+    assert_int_equal(map_pixel(&p, 1, 0), hs_colour_viridis(0.25));
+    for (uint32_t i = 2; i < 5; i++) assert_int_equal(map_pixel(&p, i, 0), HS_COLOUR_INVALID);
+    assert_int_equal(map_pixel(&p, 5, 0), hs_colour_viridis(0.0));
     hs_picture_free(&p);
 }
 
@@ -419,7 +428,7 @@ int main(void) {
         cmocka_unit_test(three_panels_make_1600_pixels),
         cmocka_unit_test(a_depthmap_shows_depths_and_what_clips_nothing),
         cmocka_unit_test(points_lie_over_the_mip),
-        cmocka_unit_test(signed_maps_and_labels_use_their_colours),
+        cmocka_unit_test(signed_maps_labels_and_shares_use_their_colours),
         cmocka_unit_test(odd_sizes_are_drawn),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
