@@ -3,6 +3,7 @@
 #include "hs_output_file.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,22 +36,42 @@ static void csv_host(FILE *file, const bench_host_result *host) {
         for (int s = 0; s < HS_SETTING_COUNT; s++)
             for (int i = 0; i < LOOP_STAGES; i++) {
                 const hs_timing *t = &views[v]->settings[s].stage[loop_stages[i].stage];
-                (void)fprintf(file, "loop,%u,,,%s-%s,%s,%.6g,,%.6g,,\n", host->size, keys[v],
+                (void)fprintf(file, "loop,%u,,,%s-%s,%s,%.6g,,%.6g,,,,\n", host->size, keys[v],
                               hs_setting_key((hs_setting)s), loop_stages[i].key, t->median, t->p95);
             }
-    (void)fprintf(file, "loop,%u,,,still,mip,%.6g,%.6g,%.6g,,\n", host->size, host->mip.median, host->mip.min,
-                  host->mip.p95);
-    (void)fprintf(file, "loop,%u,,,still,grid,%.6g,%.6g,%.6g,,\n", host->size, host->grid.median,
+    (void)fprintf(file, "loop,%u,,,still,mip,%.6g,%.6g,%.6g,,,,\n", host->size, host->mip.median,
+                  host->mip.min, host->mip.p95);
+    (void)fprintf(file, "loop,%u,,,still,grid,%.6g,%.6g,%.6g,,,,\n", host->size, host->grid.median,
                   host->grid.min, host->grid.p95);
 }
 
-static void csv_plugin(FILE *file, const bench_plugin_result *r) {
+/* A number, or nothing where it is not known. */
+static void csv_number(FILE *file, double value) {
+    if (isfinite(value))
+        (void)fprintf(file, ",%.6g", value);
+    else
+        (void)fprintf(file, ",");
+}
+
+static void csv_start(FILE *file, const bench_plugin_result *r, const char *part) {
+    const bool mean = strcmp(r->method, "mean") == 0;
+    (void)fprintf(file, "%s,%u,%u,%u,%s,%s", mean ? "plugin" : r->method, r->variant.n, r->variant.k,
+                  r->variant.slab_slices, bench_route_key(r->variant.route), part);
+}
+
+static void csv_plugin(FILE *file, const bench_report *report, const bench_plugin_result *r) {
+    const bench_profile_ratio ratio = bench_per_profile(report, r);
     for (int p = 0; p < BENCH_PARTS; p++) {
         const bench_times *t = &r->times[p];
-        (void)fprintf(file, "plugin,%u,%u,%u,%s,%s,%.6g,%.6g,%.6g,%.6g,%.6g\n", r->variant.n, r->variant.k,
-                      r->variant.slab_slices, bench_route_key(r->variant.route), part_keys[p], t->median,
-                      t->min, t->p95, t->median / r->times[BENCH_READ].median,
-                      t->median / r->times[BENCH_PLAIN].median);
+        const double plain = r->times[BENCH_PLAIN].median;
+        if (p == BENCH_PLAIN && !(plain > 0.0)) continue;
+        csv_start(file, r, part_keys[p]);
+        (void)fprintf(file, ",%.6g,%.6g,%.6g,%.6g", t->median, t->min, t->p95,
+                      t->median / r->times[BENCH_READ].median);
+        csv_number(file, plain > 0.0 ? t->median / plain : NAN);
+        csv_number(file, p == BENCH_FRAME ? ratio.mean : NAN);
+        csv_number(file, p == BENCH_FRAME ? ratio.own : NAN);
+        (void)fprintf(file, "\n");
     }
     if (!r->has_stages) return;
     const struct {
@@ -61,17 +82,18 @@ static void csv_plugin(FILE *file, const bench_plugin_result *r) {
                   {"stage_threshold", r->stages.threshold_ms},
                   {"stage_reconstruct", r->stages.reconstruct_ms},
                   {"stage_output", r->stages.output_ms}};
-    for (size_t i = 0; i < sizeof stages / sizeof *stages; i++)
-        (void)fprintf(file, "plugin,%u,%u,%u,%s,%s,%.6g,,,,\n", r->variant.n, r->variant.k,
-                      r->variant.slab_slices, bench_route_key(r->variant.route), stages[i].key, stages[i].ms);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
+        csv_start(file, r, stages[i].key);
+        (void)fprintf(file, ",%.6g,,,,,,\n", stages[i].ms);
+    }
 }
 
 bool bench_write_csv(const bench_report *report, const char *path, hs_error *err) {
     hs_output_file output = {0};
     if (!hs_output_open(&output, path, err)) return false;
-    (void)fprintf(output.file,
-                  "section,size,k,slab,route,part,median_ms,min_ms,p95_ms,per_read,per_plain_c\n");
-    for (uint32_t i = 0; i < report->plugin_count; i++) csv_plugin(output.file, &report->plugin[i]);
+    (void)fprintf(output.file, "section,size,k,slab,route,part,median_ms,min_ms,p95_ms,per_read,per_plain_c,"
+                               "per_mean_profile,per_own_profile\n");
+    for (uint32_t i = 0; i < report->plugin_count; i++) csv_plugin(output.file, report, &report->plugin[i]);
     if (report->host) csv_host(output.file, report->host);
     return hs_output_commit(&output, err); /* fails if any write before did */
 }
@@ -80,17 +102,26 @@ static json_t *json_times(bench_times t) {
     return json_pack("{s:f,s:f,s:f}", "median", t.median, "min", t.min, "p95", t.p95);
 }
 
-static json_t *json_plugin(const bench_plugin_result *r) {
+/* JSON has no NaN. */
+static json_t *json_known(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *json_plugin(const bench_report *report, const bench_plugin_result *r) {
+    const bench_profile_ratio ratio = bench_per_profile(report, r);
+    const double plain = r->times[BENCH_PLAIN].median;
     json_t *parts = json_object();
     for (int p = 0; p < BENCH_PARTS; p++)
         (void)json_object_set_new(parts, part_keys[p], json_times(r->times[p]));
-    json_t *object = json_pack("{s:i,s:i,s:i,s:s,s:i,s:o,s:f,s:f,s:f,s:i,s:i,s:i}", "size", (int)r->variant.n,
-                               "k", (int)r->variant.k, "slab", (int)r->variant.slab_slices, "route",
-                               bench_route_key(r->variant.route), "frames", (int)r->frames, "ms", parts,
-                               "per_read", r->times[BENCH_FRAME].median / r->times[BENCH_READ].median,
-                               "per_plain_c", r->times[BENCH_FRAME].median / r->times[BENCH_PLAIN].median,
-                               "largest_difference_slices", r->difference, "points", (int)r->stats.points,
-                               "empty_points", (int)r->stats.empty_points, "passes", (int)r->stats.passes);
+    json_t *object =
+        json_pack("{s:s,s:i,s:i,s:i,s:s,s:i,s:o,s:f,s:o,s:o,s:o,s:f,s:i,s:i,s:i}", "method", r->method,
+                  "size", (int)r->variant.n, "k", (int)r->variant.k, "slab", (int)r->variant.slab_slices,
+                  "route", bench_route_key(r->variant.route), "frames", (int)r->frames, "ms", parts,
+                  "per_read", r->times[BENCH_FRAME].median / r->times[BENCH_READ].median, "per_plain_c",
+                  json_known(plain > 0.0 ? r->times[BENCH_FRAME].median / plain : NAN), "per_mean_profile",
+                  json_known(ratio.mean), "per_own_profile", json_known(ratio.own),
+                  "largest_difference_slices", r->difference, "points", (int)r->stats.points, "empty_points",
+                  (int)r->stats.empty_points, "passes", (int)r->stats.passes);
     if (r->has_stages)
         (void)json_object_set_new(object, "stages_ms",
                                   json_pack("{s:f,s:f,s:f,s:f,s:f}", "transfer", r->stages.transfer_ms,
@@ -133,7 +164,7 @@ bool bench_write_json(const bench_report *report, const char *path, hs_error *er
     const bench_machine *m = &report->machine;
     json_t *plugin = json_array();
     for (uint32_t i = 0; i < report->plugin_count; i++)
-        (void)json_array_append_new(plugin, json_plugin(&report->plugin[i]));
+        (void)json_array_append_new(plugin, json_plugin(report, &report->plugin[i]));
     json_t *root = json_pack("{s:{s:s,s:i,s:s,s:s,s:s,s:s,s:f},s:s,s:s,s:o}", "machine", "cpu", m->cpu,
                              "processors", (int)m->processors, "device", m->device, "device_version",
                              m->version, "driver", m->driver, "platform", m->platform, "load", m->load,

@@ -1,10 +1,11 @@
 #include "bench_plugin.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WARM_UP = 5, STAGE_FRAMES = 20, OWN_VALUES = 2 };
+enum { WARM_UP = 5, STAGE_FRAMES = 20, OWN_VALUES = 3 };
 static const double tolerance = 1e-3; /* slices */
 static const double default_q = 0.25, other_q = 0.75;
 static const double bone_offset = 0.24;
@@ -45,6 +46,18 @@ const char *bench_route_key(bench_route route) {
     return routes[route].key;
 }
 
+static bool method_value(const hs_plugin *plugin, const char *method, sv_param_value *out, hs_error *err) {
+    char text[64];
+    (void)snprintf(text, sizeof text, "method=%.40s", method);
+    return hs_plugin_parse_param(plugin, text, out, err);
+}
+
+bool bench_plugin_has_method(const hs_plugin *plugin, const char *method) {
+    sv_param_value value;
+    hs_error none = {0};
+    return method_value(plugin, method, &value, &none);
+}
+
 /* Sorts the user's values and the benchmark's own into those of activate and those of begin. */
 static bool make_values(bench *b, hs_error *err) {
     const bench_plugin_setup *s = b->setup;
@@ -53,12 +66,16 @@ static bool make_values(bench *b, hs_error *err) {
         return hs_fail(err, HS_ERR_PLUGIN, "%s: has no parameters 'q' and 'kernel', which the benchmark sets",
                        s->plugin->path);
     b->q_id = q.id;
-    b->fixed = malloc((s->value_count + 1u) * sizeof *b->fixed);
+    b->fixed = malloc((s->value_count + 2u) * sizeof *b->fixed);
     b->values = malloc((s->value_count + OWN_VALUES) * sizeof *b->values);
     if (!b->fixed || !b->values)
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u values", s->value_count);
     b->values[b->value_count++] = (sv_param_value){.id = q.id, .value = default_q};
     b->values[b->value_count++] = (sv_param_value){.id = kernel.id, .value = b->variant->k};
+    if (s->method) {
+        if (!method_value(s->plugin, s->method, &b->fixed[0], err)) return false;
+        b->values[b->value_count++] = b->fixed[b->fixed_count++];
+    }
     for (uint32_t v = 0; v < s->value_count; v++) {
         b->values[b->value_count++] = s->values[v];
         for (uint32_t i = 0; i < b->instance->param_count(b->instance); i++) {
@@ -215,6 +232,7 @@ static double time_read(bench *b) {
 static bool verify(bench *b, double *difference, hs_error *err) {
     const size_t rays = (size_t)b->variant->n * b->variant->n;
     if (!plugin_frame(b, b->status, NULL, err)) return false;
+    if (b->setup->method) return true; /* plain C is the mean filter */
     (void)time_plain(b);
     if (b->host_queue) {
         const cl_int code = clEnqueueReadBuffer(b->setup->cl->queue, b->depth_buffer, CL_TRUE, 0,
@@ -240,7 +258,7 @@ static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
     for (uint32_t i = 0; i < WARM_UP + b->setup->frames; i++) {
         double ms[BENCH_PARTS] = {0};
         ms[BENCH_READ] = time_read(b);
-        ms[BENCH_PLAIN] = time_plain(b);
+        if (!b->setup->method) ms[BENCH_PLAIN] = time_plain(b);
         if (!plugin_frame(b, NULL, ms, err) || !plugin_adjust(b, &ms[BENCH_ADJUST], err)) return false;
         for (int p = 0; i >= WARM_UP && p < BENCH_PARTS; p++) bench_samples_add(&b->samples[p], ms[p]);
         if (progress && i >= WARM_UP) hs_progress_step(progress, i + 1 - WARM_UP);
@@ -298,7 +316,8 @@ bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs,
                .variant = variant,
                .instance = setup->plugin->instance,
                .host_queue = routes[variant->route].host_queue};
-    *result = (bench_plugin_result){.variant = *variant, .frames = setup->frames};
+    *result = (bench_plugin_result){
+        .variant = *variant, .method = setup->method ? setup->method : "mean", .frames = setup->frames};
     const bool ok = make_values(&b, err) && make_memory(&b, err) && activate(&b, err) &&
                     verify(&b, &result->difference, err) && time_frames(&b, progress, err) &&
                     time_stages(&b, result, err);

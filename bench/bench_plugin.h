@@ -41,6 +41,7 @@ typedef enum {
 
 typedef struct {
     bench_variant variant;
+    const char *method; /* "mean" is what plain C computes; others are timed without it (BENCH_PLAIN is 0) */
     uint32_t frames;
     bench_times times[BENCH_PARTS];
     sv_stats stats;
@@ -56,7 +57,12 @@ typedef struct {
     uint32_t frames;
     const sv_param_value *values; /* for activate and for each frame, beside the benchmark's own */
     uint32_t value_count;
+    const char
+        *method; /* the value of the parameter "method"; NULL: as the plugin stands, compared with plain C */
 } bench_plugin_setup;
+
+/* Whether the plugin has the method at all. */
+bool bench_plugin_has_method(const hs_plugin *plugin, const char *method);
 
 /* HS_ERR_FAILED if the plugin's map is not plain C's: another status somewhere, or a depth more than 1e-3
  * slices off; then nothing is timed. HS_ERR_PLUGIN, HS_ERR_DEVICE, HS_ERR_MEMORY. */

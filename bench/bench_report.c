@@ -72,7 +72,7 @@ void bench_print_stages(const bench_plugin_result *results, uint32_t count) {
            "threshold", "reconstruct", "output", "initial points, empty, passes");
     for (uint32_t i = 0; i < count; i++) {
         const bench_plugin_result *r = &results[i];
-        if (!r->has_stages) continue;
+        if (!r->has_stages || strcmp(r->method, "mean") != 0) continue;
         printf("%4u %-34s %4u | %8.3f %8.3f %9.3f %11.3f %7.3f | %.1f %%, %u, %u\n", r->variant.n,
                bench_route_label(r->variant.route), r->variant.slab_slices, r->stages.transfer_ms,
                r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, r->stages.output_ms,
@@ -108,6 +108,22 @@ static const char *verdict(bool holds) {
     return holds ? "holds" : "does not hold";
 }
 
+/* The slowest of the combinations that were measured: the limit holds if it does. */
+static void print_limit(const bench_report *report, uint32_t n) {
+    const bench_plugin_result *slowest = NULL;
+    for (uint32_t i = 0; i < report->plugin_count; i++) {
+        const bench_plugin_result *r = &report->plugin[i];
+        if (r->variant.n == n && strcmp(r->method, "cost") == 0 &&
+            (!slowest || r->times[BENCH_FRAME].median > slowest->times[BENCH_FRAME].median))
+            slowest = r;
+    }
+    if (!slowest) return;
+    const double ms = slowest->times[BENCH_FRAME].median, limit = bench_cost_limit_ms(n);
+    printf("%4u^3, method cost, slowest: slabs of %3u, %-34s at most %3.0f ms: %6.2f ms  %s\n", n,
+           slowest->variant.slab_slices, bench_route_label(slowest->variant.route), limit, ms,
+           verdict(ms <= limit));
+}
+
 static void print_ratio(const bench_plugin_result *r, const char *what) {
     const bench_times *frame = &r->times[BENCH_FRAME], *plain = &r->times[BENCH_PLAIN];
     const double medians = ratio(frame->median, plain->median), minima = ratio(frame->min, plain->min);
@@ -122,13 +138,17 @@ void bench_print_targets(const bench_report *report) {
     printf("\nTargets (in brackets: the ratio of the minima)\n");
     for (uint32_t first = 0, next; first < report->plugin_count; first = next) {
         const bench_plugin_result *r = &report->plugin[first], *best = r;
-        for (next = first; next < report->plugin_count && report->plugin[next].variant.n == r->variant.n;
+        if (strcmp(r->method, "mean") != 0) break; /* the others come last */
+        for (next = first; next < report->plugin_count && report->plugin[next].variant.n == r->variant.n &&
+                           strcmp(report->plugin[next].method, r->method) == 0;
              next++)
             if (report->plugin[next].times[BENCH_FRAME].median < best->times[BENCH_FRAME].median)
                 best = &report->plugin[next];
         print_ratio(r, "first:");
         if (best != r) print_ratio(best, "best:");
     }
+    print_limit(report, 128);
+    print_limit(report, 171);
     if (!report->host) return;
     const hs_loop_result *still = &report->host->still.settings[HS_SETTING_SMARTVIS];
     const hs_loop_result *live = &report->host->live.settings[HS_SETTING_SMARTVIS];

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_VALUES = 16, MAX_SLABS = 8, SIZES = 3, MAX_RESULTS = SIZES * MAX_SLABS * BENCH_ROUTES };
+enum { MAX_VALUES = 16, MAX_SLABS = 8, SIZES = 3, MAX_RESULTS = 2 * SIZES * MAX_SLABS * BENCH_ROUTES };
 
 static const struct { uint32_t n, k; } sizes[SIZES] = {{128, 23}, {171, 23}, {512, 55}};
 
@@ -27,9 +27,8 @@ static const char help[] =
     "Usage: sv_bench [options]\n"
     "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
     "C,\n"
-    "both on two threads, and then the host's scan loop around the plugin. The plugin's map is compared "
-    "with\n"
-    "plain C's before anything is timed.\n\n"
+    "both on two threads; then its method cost, if it has one; then the host's scan loop around the plugin.\n"
+    "The plugin's map is compared with plain C's before anything is timed.\n\n"
     "  --plugin PATH      plugin library (default: smartvis.so beside this program)\n"
     "  --id ID            the library's plugin of that id (default: its first)\n"
     "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
@@ -219,14 +218,15 @@ typedef struct {
     bench_report report;
 } bench_run;
 
-/* All chosen ways of one slab length. */
-static bool run_routes(bench_run *run, int size, uint32_t slab_slices, hs_error *err) {
+/* All chosen ways of one slab length. `method` as in bench_plugin_setup. */
+static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const char *method, hs_error *err) {
     const bench_plugin_setup setup = {.plugin = &run->plugin,
                                       .cl = &run->cl,
                                       .team = run->team,
                                       .frames = run->o.frames,
                                       .values = run->values,
-                                      .value_count = run->o.value_count};
+                                      .value_count = run->o.value_count,
+                                      .method = method};
     bench_slabs slabs;
     if (!bench_slabs_create(&slabs, sizes[size].n, slab_slices, err)) return false;
     bool ok = true;
@@ -240,11 +240,25 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, hs_error 
         ok = bench_plugin_run(&setup, &slabs, &variant, &progress, result, err);
         hs_progress_end(&progress);
         if (!ok) break;
-        bench_print_plugin(result);
+        if (!method) bench_print_plugin(result);
         run->report.plugin_count++;
     }
     bench_slabs_destroy(&slabs);
     return ok;
+}
+
+/* Method cost on the same volumes, at the sizes that have a limit. */
+static bool run_cost(bench_run *run, hs_error *err) {
+    if (!bench_plugin_has_method(&run->plugin, "cost")) return true;
+    for (int size = 0; size < SIZES; size++) {
+        if (!run->o.size[size] || bench_cost_limit_ms(sizes[size].n) == 0.0) continue;
+        for (uint32_t s = 0; s < run->o.slab_count; s++) {
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : sizes[size].n;
+            if (!run_routes(run, size, slab, "cost", err)) return false;
+        }
+    }
+    bench_print_method(&run->report, "cost");
+    return true;
 }
 
 static bool run_plugin_part(bench_run *run, hs_error *err) {
@@ -253,11 +267,11 @@ static bool run_plugin_part(bench_run *run, hs_error *err) {
         bench_print_plugin_head(sizes[size].n, sizes[size].k);
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
             const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : sizes[size].n;
-            if (!run_routes(run, size, slab, err)) return false;
+            if (!run_routes(run, size, slab, NULL, err)) return false;
         }
     }
     bench_print_stages(run->results, run->report.plugin_count);
-    return true;
+    return run_cost(run, err);
 }
 
 static bool run_host_part(bench_run *run, hs_error *err) {

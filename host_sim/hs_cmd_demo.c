@@ -93,7 +93,8 @@ static bool add_volumes(demo *d, hs_error *err) {
 static void show(demo *d, const char *folder, const char *name, const char *alt, const char *caption) {
     char path[PATH_MAX];
     if (!hs_cli_join(folder, name, path, sizeof path, &d->report.error)) return;
-    hs_report_picture(&d->report, path, alt, caption);
+    /* Renderings, and what is drawn over one, are photos; a map in false colour is small as it is. */
+    (strcmp(name, "depthmap.png") == 0 ? hs_report_picture : hs_report_photo)(&d->report, path, alt, caption);
 }
 
 static void show_pictures(demo *d, const hs_run *run, const char *folder, bool clipped) {

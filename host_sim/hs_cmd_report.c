@@ -26,6 +26,8 @@ static const char help_text[] =
     "  --seed N         seed of the scenes; 0 is their own [0]\n"
     "  --plugin PATH    library to measure [smartvis.so beside host_sim]\n"
     "  --set KEY=VALUE  a plugin parameter; repeatable; see 'host_sim list'\n"
+    "  --beside 'KEY=VALUE ...'  another setting of the plugin that is set beside the studied one, or none\n"
+    "                   [method=cost, if the plugin has it and --set names no method]\n"
     "  --coarse         every fifth position on every axis of the parameter space\n"
     "  --quick          small scenes (96), --coarse, few frames: to see what the page looks like\n"
     "  --frames N       frames of a measurement of speed; 0 measures none [20]\n"
@@ -49,6 +51,7 @@ enum {
     OPT_SEED,
     OPT_PLUGIN,
     OPT_SET,
+    OPT_BESIDE,
     OPT_COARSE,
     OPT_QUICK,
     OPT_FRAMES,
@@ -68,6 +71,7 @@ static const struct option options[] = {{"out", required_argument, NULL, OPT_OUT
                                         {"seed", required_argument, NULL, OPT_SEED},
                                         {"plugin", required_argument, NULL, OPT_PLUGIN},
                                         {"set", required_argument, NULL, OPT_SET},
+                                        {"beside", required_argument, NULL, OPT_BESIDE},
                                         {"coarse", no_argument, NULL, OPT_COARSE},
                                         {"quick", no_argument, NULL, OPT_QUICK},
                                         {"frames", required_argument, NULL, OPT_FRAMES},
@@ -126,6 +130,9 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         return true;
     case OPT_SET:
         return append("--set", optarg, o->sets, &o->set_count, err);
+    case OPT_BESIDE:
+        o->beside = optarg;
+        return true;
     case OPT_COARSE:
         o->coarse = true;
         return true;

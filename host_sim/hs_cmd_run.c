@@ -21,6 +21,14 @@ static void report_plugin_error(const hs_run *run, bool *reported) {
     *reported = true;
 }
 
+/* Once, at the end: the pictures are what they would be without it. */
+static void report_confidence_error(const hs_run *run) {
+    const hs_error *failure = hs_run_confidence_error(run);
+    if (failure->code != HS_OK)
+        (void)fprintf(stderr, "host_sim run: %s\nhost_sim run: ghosting without the confidence map\n",
+                      failure->text);
+}
+
 static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *err) {
     hs_run run;
     bool reported = false;
@@ -28,6 +36,7 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
     report_plugin_error(&run, &reported);
     bool ok = hs_run_measure(&run, err) && hs_run_pictures(&run, line->out, err);
     report_plugin_error(&run, &reported);
+    report_confidence_error(&run);
     if (ok) {
         hs_run_print(&run, stdout);
         ok = !line->json || hs_run_write_json(&run, line->json, err);

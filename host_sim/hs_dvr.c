@@ -34,6 +34,7 @@ void hs_dvr_defaults(hs_dvr_settings *settings) {
         .termination = 0.95f,
         .ghost_offset = 0.0f,
         .ghost_width = 0.0f,
+        .ghost_doubt = 2.0f,
         .skin = {1.0f, 0.85f, 0.72f},
         .exposure = 1.0f,
         .skip_empty = true,
@@ -54,6 +55,7 @@ static bool check_settings(const hs_dvr_settings *s, hs_error *err) {
         {"termination", s->termination, 1e-3, INFINITY},
         {"ghost_offset", s->ghost_offset, -(double)MAX_STEPS, MAX_STEPS},
         {"ghost_width", s->ghost_width, 0, MAX_STEPS},
+        {"ghost_doubt", s->ghost_doubt, 0, HS_DVR_MAX_DOUBT},
         {"skin[0]", s->skin[0], 0, 1},
         {"skin[1]", s->skin[1], 0, 1},
         {"skin[2]", s->skin[2], 0, 1},
@@ -184,11 +186,11 @@ static bool enqueue(hs_dvr *dvr, cl_kernel kernel, cl_event *event, const char *
     return hs_cl_check(code, call, err);
 }
 
-/* Arguments 8 to 12: start depths and transfer function. */
+/* Arguments 8 to 12 and 17: start depths, transfer function, confidence. */
 static cl_int set_transfer(hs_dvr *dvr, const view *v, const hs_start_depths *start) {
     const hs_dvr_settings *s = &dvr->settings;
     const bool clipped = start && start->depth;
-    cl_mem map = clipped ? start->depth : NULL;
+    cl_mem map = clipped ? start->depth : NULL, sure = NULL;
     cl_int4 map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}};
     cl_float4 to_steps = {{0.0f, s->ghost_offset, 0.0f, 0.0f}};
     if (clipped) {
@@ -196,6 +198,10 @@ static cl_int set_transfer(hs_dvr *dvr, const view *v, const hs_start_depths *st
         map_dims.s[1] = (cl_int)start->height;
         to_steps.s[0] = (cl_float)(v->slices / ((double)start->slices * (double)s->step));
         to_steps.s[2] = s->ghost_width > HARD_CUT_WIDTH ? 1.0f / s->ghost_width : 0.0f;
+        if (start->confidence && to_steps.s[2] > 0.0f) {
+            sure = start->confidence;
+            to_steps.s[3] = s->ghost_width * s->ghost_doubt;
+        }
     }
     const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
     const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
@@ -206,6 +212,7 @@ static cl_int set_transfer(hs_dvr *dvr, const view *v, const hs_start_depths *st
     code |= clSetKernelArg(dvr->render, 10, sizeof to_steps, &to_steps);
     code |= clSetKernelArg(dvr->render, 11, sizeof window, &window);
     code |= clSetKernelArg(dvr->render, 12, sizeof skin, &skin);
+    code |= clSetKernelArg(dvr->render, 17, sizeof(cl_mem), sure ? &sure : NULL);
     return code;
 }
 
@@ -224,8 +231,9 @@ static bool check_start(const hs_start_depths *start, hs_error *err) {
                        "renderer: depthmap of %u x %u pixels for %u slices, expected 1 .. %u", start->width,
                        start->height, start->slices, (unsigned)MAX_PICTURE);
     }
-    return hs_cl_check_size(start->depth, (uint64_t)start->width * start->height * sizeof(float),
-                            "start depths", err);
+    const uint64_t bytes = (uint64_t)start->width * start->height * sizeof(float);
+    return hs_cl_check_size(start->depth, bytes, "start depths", err) &&
+           (!start->confidence || hs_cl_check_size(start->confidence, bytes, "the confidence", err));
 }
 
 bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,

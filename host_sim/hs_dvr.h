@@ -26,6 +26,16 @@
  *     w = 0:  ghost(n) = n >= d_p - s ? 1 : 0                with a thousandth of a step of tolerance
  *
  * Where d <= 0, or is not finite, nothing is clipped: ghost(n) = 1.
+ *
+ * CONFIDENCE. Where a map says how sure the depth is, c in 0 .. 1, the window grows towards the viewer as c
+ * falls, by g of its width w at most (g: ghost_doubt):
+ *
+ *     v = w * g * (1 - c)
+ *
+ *     ghost(n) = clamp((n - (d_p - s - v)) / (w + v), 0, 1)
+ *
+ * Its far end stays at d_p - s + w, so no sample is fainter than without the map: where nothing is sure less
+ * is clipped, and what lies behind the window is drawn as ever. A hard cut (w = 0) stays one.
  */
 #ifndef HS_DVR_H
 #define HS_DVR_H
@@ -40,12 +50,15 @@ typedef struct {
     float termination;  /* stop a ray when its opacity reaches this, 0.001..1 (0.95); above 1: never */
     float ghost_offset; /* s, in steps: opacity factor 0 up to d_p - s ... */
     float ghost_width;  /* w, in steps: ... rising linearly to 1 at d_p - s + w; 0: a hard cut */
-    float skin[3];      /* colour of intensity 1 */
-    float exposure;     /* gain of the finished colour, 0.1..10, saturating; 1 is the formula as it stands */
-    bool skip_empty; /* leap over transparent bricks: the same picture, sooner; off for measurements only */
+    float ghost_doubt; /* g, 0..HS_DVR_MAX_DOUBT: how much longer the window is where nothing is sure, in w */
+    float skin[3];     /* colour of intensity 1 */
+    float exposure;    /* gain of the finished colour, 0.1..10, saturating; 1 is the formula as it stands */
+    bool skip_empty;   /* leap over transparent bricks: the same picture, sooner; off for measurements only */
 } hs_dvr_settings;
 
-/* The defaults of spec 9 (T_L 40.5/255, T_H 0.45, one slice, 0.95), 512 x 512, s = w = 0. */
+#define HS_DVR_MAX_DOUBT 16.0f
+
+/* The defaults of spec 9 (T_L 40.5/255, T_H 0.45, one slice, 0.95), 512 x 512, s = w = 0, g = 2. */
 void hs_dvr_defaults(hs_dvr_settings *settings);
 
 /* Samples of a ray that crosses the whole box, the value of `termination` on rays that never reach it. */
@@ -59,9 +72,10 @@ void hs_dvr_destroy(hs_dvr *dvr);
 
 /* Start depths for the rays: a low-resolution depthmap of width x height float32 in low-resolution slices of
  * a volume of `slices` slices, bilinearly interpolated between pixel centres; <= 0 starts at the front of the
- * box. `depth` NULL renders the full volume. */
+ * box. `depth` NULL renders the full volume. `confidence`, of the same shape, 0 .. 1, may be NULL: all is
+ * sure. */
 typedef struct {
-    cl_mem depth;
+    cl_mem depth, confidence;
     uint32_t width, height, slices;
 } hs_start_depths;
 

@@ -248,7 +248,7 @@ bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measu
     hs_loop_camera(c->loop, 0, &camera);
     const size_t bytes = (size_t)c->table.width * c->table.height * sizeof(float);
     if (!run_frame(c, values, &frame, err) ||
-        !hs_loop_render(c->loop, c->loop->volume, &camera, frame.clipped, true, err) ||
+        !hs_loop_render(c->loop, c->loop->volume, &camera, &frame, true, err) ||
         !read_map(c, &frame, c->map[0], err) ||
         !hs_cl_check(clEnqueueReadBuffer(c->loop->cl->queue, c->loop->termination, CL_TRUE, 0, bytes,
                                          c->termination, 0, NULL, NULL),

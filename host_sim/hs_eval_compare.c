@@ -87,6 +87,7 @@ static bool run_volume(hs_eval_comparison *x, uint32_t index, uint32_t seed, hs_
     for (uint32_t m = 0; ok && m < x->count; m++)
         ok = (m == 0 || hs_eval_case_replace(&c, &x->cl, &x->method[m].plugin, &x->method[m].values, err)) &&
              measure(&x->method[m], &c, index, seed, err);
+    if (ok && seed == 0) ok = hs_eval_compare_pictures(x, index, &c, err);
     hs_eval_case_close(&c);
     return ok;
 }

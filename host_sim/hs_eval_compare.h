@@ -57,6 +57,15 @@ hs_eval_difference hs_eval_compare_case(const hs_eval_comparison *x, uint32_t me
  * follow. */
 bool hs_eval_compare(const hs_eval_options *options, hs_error *err);
 
+/* Renderings of an open case by all methods, with what the first of them is drawn from
+ * (hs_eval_pictures_compare.c). The case's loop is gone afterwards. */
+bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err);
+
+/* The folder of a case's pictures, and a method's picture in it. */
+bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
+                            hs_error *err);
+void hs_eval_compare_file(uint32_t method, char *out, size_t bytes);
+
 /* The page (hs_eval_page_compare.c). */
 bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err);
 

@@ -51,25 +51,26 @@ static void put_intro(hs_report *report, const hs_eval_study *study) {
     if (study->plugin_error.code != HS_OK) hs_report_text(report, study->plugin_error.text);
 }
 
-/* A picture of the case's folder. */
-static void show(hs_report *report, const hs_eval_study *study, uint32_t index, const char *name,
-                 const char *alt, const char *caption) {
+void hs_eval_page_show(hs_report *report, const hs_eval_study *study, uint32_t index, const char *name,
+                       const char *alt, const char *caption) {
+    const bool drawn = strstr(name, "error") || strstr(name, "confidence") || strstr(name, "depthmap");
     char folder[PATH_MAX], path[PATH_MAX], full_alt[256];
     (void)snprintf(full_alt, sizeof full_alt, "%s: %s", study->space[index].name, alt);
     if (hs_cli_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
         hs_cli_join(folder, name, path, sizeof path, &report->error))
-        hs_report_picture(report, path, full_alt, caption);
+        (drawn ? hs_report_picture : hs_report_photo)(report, path, full_alt, caption);
 }
 
 static void put_pictures(hs_report *report, const hs_eval_study *study, uint32_t index) {
     const bool clipped = study->result[index].shown_outcome == SV_OK;
     hs_report_row_begin(report);
-    show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
-    show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
-    show(report, study, index, "result.png",
-         clipped ? "rendering clipped at the plugin's depthmap" : "rendering, unclipped",
-         clipped ? "Result at the common setting" : "Result at the common setting: unclipped, no surface");
-    show(
+    hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
+    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
+    hs_eval_page_show(report, study, index, "result.png",
+                      clipped ? "rendering clipped at the plugin's depthmap" : "rendering, unclipped",
+                      clipped ? "Result at the common setting"
+                              : "Result at the common setting: unclipped, no surface");
+    hs_eval_page_show(
         report, study, index, "error_rays.png",
         "error per ray, blue where the fetus is cut, red where an occluder is left",
         "Error, from -40 to 40 steps: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
@@ -87,7 +88,7 @@ static void put_slider(hs_report *report, const hs_eval_study *study, uint32_t i
         char name[32], caption[64];
         (void)snprintf(name, sizeof name, "knob_%u.png", i);
         (void)snprintf(caption, sizeof caption, "%.32s = %.4g", info->key, r->turn[i]);
-        show(report, study, index, name, caption, caption);
+        hs_eval_page_show(report, study, index, name, caption, caption);
     }
     hs_report_slider_end(report);
 }
@@ -121,8 +122,8 @@ static void put_case(hs_report *report, const hs_eval_study *study, uint32_t ind
     hs_report_text(report, study->result[index].title);
     put_pictures(report, study, index);
     hs_report_row_begin(report);
-    show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
-         "Clipping depthmap: where the rays start, in low-resolution slices");
+    hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
+                      "Clipping depthmap: where the rays start, in low-resolution slices");
     put_slider(report, study, index);
     hs_report_row_end(report);
     put_numbers(report, study, index);
@@ -144,6 +145,7 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
         "whose occluder is still there by more than two steps. unclipped: e_abs of the full volume.");
     hs_report_text(&report, hs_eval_thesis_note);
     hs_eval_figure_mean(&report, study);
+    hs_eval_page_beside(&report, study);
     for (uint32_t i = 0; i < study->count; i++) put_case(&report, study, i);
     hs_eval_figure_speed(&report, study);
     return hs_report_close(&report, err);

@@ -5,6 +5,13 @@
 #include "hs_eval_study.h"
 #include "hs_report.h"
 
+/* A picture of the case's folder; renderings as photos. */
+void hs_eval_page_show(hs_report *report, const hs_eval_study *study, uint32_t index, const char *name,
+                       const char *alt, const char *caption);
+
+/* The section of two methods beside each other; nothing if there is no other. */
+void hs_eval_page_beside(hs_report *report, const hs_eval_study *study);
+
 /* Writes a figure (hs_plot.h) into the page. */
 typedef void (*hs_eval_figure_fn)(FILE *out, const void *plot);
 void hs_eval_figure_put(hs_report *report, hs_eval_figure_fn write, const void *plot);

@@ -84,6 +84,32 @@ static void put_bars(hs_report *report, const hs_eval_comparison *x) {
     hs_eval_figure_put(report, write_bars, &plot);
 }
 
+static void show(hs_report *report, const char *folder, const char *file, const char *name,
+                 const char *caption) {
+    char path[PATH_MAX], alt[400];
+    (void)snprintf(alt, sizeof alt, "%s: %s", name, caption);
+    if (hs_cli_join(folder, file, path, sizeof path, &report->error))
+        hs_report_photo(report, path, alt, caption);
+}
+
+/* In the order of the ranking, at the first seed. */
+static void put_pictures(hs_report *report, const hs_eval_comparison *x, uint32_t index) {
+    char folder[PATH_MAX], file[32], caption[320];
+    if (!hs_eval_compare_folder(x, index, folder, sizeof folder, &report->error)) return;
+    hs_report_heading(report, 3, x->name[index]);
+    hs_report_row_begin(report);
+    show(report, folder, "full.png", x->name[index], "Full volume");
+    show(report, folder, "truth.png", x->name[index], "Ground truth");
+    for (uint32_t r = 0; r < x->count; r++) {
+        const uint32_t m = x->rank[r];
+        hs_eval_compare_file(m, file, sizeof file);
+        (void)snprintf(caption, sizeof caption, "%u: %s, e_abs %.2f", r + 1, x->method[m].label,
+                       (double)x->method[m].of[HS_METHOD_ABS][index][0]);
+        show(report, folder, file, x->name[index], caption);
+    }
+    hs_report_row_end(report);
+}
+
 bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err) {
     char path[PATH_MAX], text[400];
     hs_report report;
@@ -105,5 +131,8 @@ bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err) {
                    "deviation of the seeds' differences. A star marks a difference that exceeds this spread; "
                    "one without a star may come from the speckle alone.");
     put_differences(&report, x);
+    hs_report_heading(&report, 2, "Pictures");
+    hs_report_text(&report, "Every case at its first seed; the number is the rank.");
+    for (uint32_t i = 0; i < x->options->case_count; i++) put_pictures(&report, x, i);
     return hs_report_close(&report, err);
 }

@@ -1,6 +1,6 @@
 /* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
 #include "hs_cli.h"
-#include "hs_eval_study.h"
+#include "hs_eval_draw.h"
 #include "hs_loop_pictures.h"
 #include "hs_picture.h"
 
@@ -9,18 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PICTURE      256u  /* pixels per side on the page */
-#define TURNED       192u  /* of the slider's pictures: there are many */
-#define TIMED        512u  /* pixels per side where speed is measured (spec 5) */
-#define ERROR_LIMIT  40.0f /* steps: where the colours of the error picture end */
+#define PICTURE      HS_EVAL_PICTURE
+#define TURNED       192u /* of the slider's pictures: there are many */
+#define TIMED        512u /* pixels per side where speed is measured (spec 5) */
+#define ERROR_LIMIT  HS_EVAL_ERROR_LIMIT
 #define CURVE_CASE   "E04" /* of the thesis' Figure 5.20 */
 #define CURVE_FRAMES 3u
 #define EXPOSURE     1.5f /* as in host_sim run: without it pictures are dim */
 
-/* The errors alone, in the legend's colours: the page sets it beside the renderings. */
-static bool save_plain_error(const float *error, uint32_t width, uint32_t height, const char *folder,
-                             hs_error *err) {
+bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name, hs_error *err) {
     char path[PATH_MAX];
+    return hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
+}
+
+bool hs_eval_save_errors(const float *error, uint32_t width, uint32_t height, const char *folder,
+                         const char *name, hs_error *err) {
     hs_picture picture;
     if (!hs_picture_init(&picture, PICTURE, PICTURE, HS_COLOUR_NO_VALUE, err)) return false;
     for (uint32_t y = 0; y < PICTURE; y++) {
@@ -30,8 +33,7 @@ static bool save_plain_error(const float *error, uint32_t width, uint32_t height
                 picture.pixels[(size_t)y * PICTURE + x] = hs_colour_diverging((double)(e / ERROR_LIMIT));
         }
     }
-    const bool ok =
-        hs_cli_join(folder, "error_rays.png", path, sizeof path, err) && hs_picture_save(&picture, path, err);
+    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
     hs_picture_free(&picture);
     return ok;
 }
@@ -39,7 +41,7 @@ static bool save_plain_error(const float *error, uint32_t width, uint32_t height
 static bool save_error(const hs_eval_case *c, const char *folder, const char *name, hs_error *err) {
     static const hs_signed_words words = {
         .quantity = "error", .unit = "steps", .positive = "occluder left", .negative = "fetus cut"};
-    char path[PATH_MAX], title[128];
+    char title[128];
     float *error = calloc((size_t)c->table.width * c->table.height, sizeof *error);
     if (!error) return hs_fail(err, HS_ERR_MEMORY, "error picture: no memory");
     hs_eval_error_picture(&c->table, c->termination, error);
@@ -50,10 +52,10 @@ static bool save_error(const hs_eval_case *c, const char *folder, const char *na
     bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, ERROR_LIMIT, &words,
                                 &caption, err);
     if (ok) {
-        ok = hs_cli_join(folder, "error.png", path, sizeof path, err) && hs_picture_save(&picture, path, err);
+        ok = hs_eval_save_picture(&picture, folder, "error.png", err);
         hs_picture_free(&picture);
     }
-    ok = ok && save_plain_error(error, c->table.width, c->table.height, folder, err);
+    ok = ok && hs_eval_save_errors(error, c->table.width, c->table.height, folder, "error_rays.png", err);
     free(error);
     return ok;
 }
@@ -79,14 +81,13 @@ static bool time_curves(hs_eval_study *study, const hs_eval_space *space, hs_eva
     return true;
 }
 
-/* A picture of four bytes a pixel as a file. */
-static bool save_rgba(const uint8_t *rgba, const char *folder, const char *name, hs_error *err) {
-    char path[PATH_MAX];
-    const hs_image image = {.data = rgba, .width = TURNED, .height = TURNED, .channels = 4};
+bool hs_eval_save_rgba(const uint8_t *rgba, uint32_t side, const char *folder, const char *name,
+                       hs_error *err) {
+    const hs_image image = {.data = rgba, .width = side, .height = side, .channels = 4};
     hs_picture picture;
-    if (!hs_picture_init(&picture, TURNED, TURNED, 0, err)) return false;
-    hs_picture_blit(&picture, 0, 0, TURNED, TURNED, &image, HS_SCALE_NEAREST);
-    const bool ok = hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(&picture, path, err);
+    if (!hs_picture_init(&picture, side, side, 0, err)) return false;
+    hs_picture_blit(&picture, 0, 0, side, side, &image, HS_SCALE_NEAREST);
+    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
     hs_picture_free(&picture);
     return ok;
 }
@@ -105,8 +106,8 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
     for (uint32_t i = 0; ok && i < knob.count; i++) {
         char name[32];
         (void)snprintf(name, sizeof name, "knob_%u.png", i);
-        ok =
-            hs_loop_turn(loop, 0, &knob.info, knob.value[i], rgba, err) && save_rgba(rgba, folder, name, err);
+        ok = hs_loop_turn(loop, 0, &knob.info, knob.value[i], rgba, err) &&
+             hs_eval_save_rgba(rgba, TURNED, folder, name, err);
         r->turn[i] = knob.value[i];
         if (fabs(knob.value[i] - shown) < fabs(r->turn[r->turned] - shown)) r->turned = i;
     }
@@ -115,22 +116,48 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
     return ok;
 }
 
-static hs_loop *make_loop(hs_eval_study *study, const hs_eval_case *c, const hs_eval_values *values,
-                          uint32_t pixels, hs_error *err) {
+hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
     hs_loop_options options;
     hs_loop_defaults(&options);
-    options.frames = study->options->frames ? study->options->frames : 1;
-    options.lowres = c->table.width;
-    options.dvr.width = options.dvr.height = pixels;
+    options.frames = d->frames ? d->frames : 1;
+    options.lowres = d->c->table.width;
+    options.dvr.width = options.dvr.height = d->pixels;
     options.dvr.exposure = EXPOSURE;
-    options.values = values->at;
-    options.value_count = values->count;
-    return hs_loop_create(&study->cl, &c->from.source, &study->plugin, &options, err);
+    options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
+    options.values = d->values->at;
+    options.value_count = d->values->count;
+    return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
+}
+
+bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name, hs_view *view,
+                         hs_error *err) {
+    hs_view own;
+    hs_loop *loop = hs_eval_draw_loop(drawing, err);
+    bool ok = loop && hs_loop_view(loop, 0, &own, err);
+    hs_loop_destroy(loop);
+    if (!ok) return false;
+    ok = hs_eval_save_rgba(own.result, drawing->pixels, folder, name, err);
+    if (ok && view)
+        *view = own;
+    else
+        hs_view_free(&own);
+    return ok;
+}
+
+static hs_eval_drawing drawing_of(const hs_eval_study *study, const hs_eval_case *c,
+                                  const hs_eval_values *values, uint32_t pixels) {
+    return (hs_eval_drawing){.cl = &study->cl,
+                             .plugin = &study->plugin,
+                             .c = c,
+                             .values = values,
+                             .frames = study->options->frames,
+                             .pixels = pixels};
 }
 
 static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
                        const hs_eval_values *values, const char *folder, hs_error *err) {
-    hs_loop *loop = make_loop(study, c, values, TURNED, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, TURNED);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     const bool ok = loop && save_turns(study, loop, &study->result[index], folder, err);
     hs_loop_destroy(loop);
     return ok;
@@ -139,7 +166,8 @@ static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case 
 static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
                  const char *folder, hs_error *err) {
     hs_view view;
-    hs_loop *loop = make_loop(study, c, values, PICTURE, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, PICTURE);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
         ok = hs_loop_write_pictures(&view, folder, study->space[index].name,
@@ -156,7 +184,8 @@ static bool time_settings(hs_eval_study *study, uint32_t index, const hs_eval_ca
                           const hs_eval_values *values, hs_error *err) {
     hs_eval_result *r = &study->result[index];
     if (study->options->frames == 0) return true;
-    hs_loop *loop = make_loop(study, c, values, TIMED, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, TIMED);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool ok = loop != NULL;
     for (int s = 0; ok && s < HS_SETTING_COUNT; s++)
         ok = hs_loop_run(loop, (hs_setting)s, NULL, &r->speed[s], err);
@@ -178,7 +207,8 @@ static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const ch
     /* A plugin's instance serves one loop at a time. */
     hs_loop_destroy(c->loop);
     c->loop = NULL;
-    return draw(study, index, c, &values, folder, err) && time_settings(study, index, c, &values, err);
+    return draw(study, index, c, &values, folder, err) && time_settings(study, index, c, &values, err) &&
+           hs_eval_beside_pictures(study, index, c, folder, err);
 }
 
 bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err) {

@@ -136,6 +136,7 @@ static void print_table(const hs_eval_study *study, hs_eval_table_kind kind, FIL
 void hs_eval_study_print(const hs_eval_study *study, FILE *out) {
     print_table(study, HS_TABLE_BEST, out);
     print_table(study, HS_TABLE_COMMON, out);
+    hs_eval_beside_print(study, out);
 }
 
 static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, const char *name,
@@ -162,5 +163,5 @@ static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, con
 
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err) {
     return write_table(study, HS_TABLE_BEST, "best.csv", err) &&
-           write_table(study, HS_TABLE_COMMON, "common.csv", err);
+           write_table(study, HS_TABLE_COMMON, "common.csv", err) && hs_eval_beside_table(study, err);
 }

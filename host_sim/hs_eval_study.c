@@ -11,8 +11,10 @@ bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs
     hs_cli_default_plugin(beside, sizeof beside);
     const char *path = options->plugin ? options->plugin : beside;
     if (!hs_plugin_open(&study->plugin, path, NULL, SV_LOG_ERROR, err)) return false;
-    if (hs_cl_open(&study->cl, err) && hs_eval_plan_make(&study->plan, &study->plugin, options->sets,
-                                                         options->set_count, options->coarse, err))
+    if (hs_cl_open(&study->cl, err) &&
+        hs_eval_plan_make(&study->plan, &study->plugin, options->sets, options->set_count, options->coarse,
+                          err) &&
+        hs_eval_beside_open(study, err))
         return true;
     hs_eval_study_close(study);
     return false;
@@ -111,7 +113,8 @@ static bool run_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_e
     if (ok && !check_case(study, index, c, err)) return false;
     const hs_error *failure = hs_loop_plugin_error(c->loop);
     if (failure->code != HS_OK) (void)hs_fail(&study->plugin_error, failure->code, "%s", failure->text);
-    return ok;
+    /* A shard makes no page. */
+    return ok && (o->shard.count > 1 || hs_eval_beside_measure(study, index, c, err));
 }
 
 bool hs_eval_study_run(hs_eval_study *study, hs_error *err) {
@@ -142,6 +145,7 @@ bool hs_eval_study_whole(const hs_eval_study *study) {
 
 bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err) {
     if (!hs_eval_mean_make(&study->mean, study->space, study->count, err)) return false;
+    hs_eval_beside_conclude(study);
     for (uint32_t i = 0; i < study->count; i++) {
         const hs_eval_space *space = &study->space[i];
         hs_eval_result *r = &study->result[i];

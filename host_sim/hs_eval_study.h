@@ -2,9 +2,10 @@
 #ifndef HS_EVAL_STUDY_H
 #define HS_EVAL_STUDY_H
 
+#include "hs_eval_beside.h"
 #include "hs_eval_best.h"
 
-#define HS_EVAL_MAX_CASES 32u
+#define HS_EVAL_MAX_CASES HS_BESIDE_MAX_CASES
 #define HS_EVAL_MAX_SETS  32u
 #define HS_EVAL_TURNS     7u /* positions of the slider */
 #define HS_EVAL_CURVES    5u /* thresholds of Figure 5.20 */
@@ -19,9 +20,10 @@ typedef struct {
     uint32_t set_count;
     uint32_t size, lowres;
     uint64_t seed;
-    const char *real; /* the volume of the scene "real"; NULL: none */
-    bool coarse;      /* a fifth of the positions on every axis */
-    bool merge;       /* computes nothing: the shards' files must make the spaces whole */
+    const char *real;   /* the volume of the scene "real"; NULL: none */
+    const char *beside; /* see hs_eval_beside_open */
+    bool coarse;        /* a fifth of the positions on every axis */
+    bool merge;         /* computes nothing: the shards' files must make the spaces whole */
     hs_eval_shard shard;
     uint32_t check;                         /* settings to measure the direct way, too */
     uint32_t frames;                        /* of a measurement of speed; 0: none */
@@ -46,7 +48,7 @@ typedef struct {
 } hs_eval_result;
 
 /* Owned by the caller; must not move while open. */
-typedef struct {
+typedef struct hs_eval_study {
     const hs_eval_options *options;
     hs_cl cl;
     hs_plugin plugin;
@@ -55,7 +57,8 @@ typedef struct {
     hs_eval_space space[HS_EVAL_MAX_CASES];
     hs_eval_result result[HS_EVAL_MAX_CASES];
     hs_eval_mean mean;
-    uint32_t curves; /* Figure 5.20; 0: not measured */
+    hs_eval_beside beside; /* another method of the plugin */
+    uint32_t curves;       /* Figure 5.20; 0: not measured */
     double curve_threshold[HS_EVAL_CURVES];
     double curve_fps[HS_EVAL_CURVES][HS_EVAL_MAX_LINE]; /* by kernel: frames of the plugin a second */
     char curve_case[64];

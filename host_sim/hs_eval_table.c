@@ -24,7 +24,7 @@ static bool read_termination(const hs_loop *loop, float *out, size_t pixels, hs_
 static bool render_truth(hs_eval_table *t, hs_loop *loop, const hs_volume *truth, const hs_camera *camera,
                          hs_error *err) {
     hs_device_volume *volume = hs_device_volume_create(loop->cl, truth, err);
-    const bool ok = volume && hs_loop_render(loop, volume, camera, false, true, err) &&
+    const bool ok = volume && hs_loop_render(loop, volume, camera, NULL, true, err) &&
                     read_termination(loop, t->truth, (size_t)t->width * t->height, err);
     hs_device_volume_destroy(volume);
     return ok;
@@ -78,7 +78,7 @@ static bool fill(hs_eval_table *t, hs_loop *loop, const hs_camera *camera, cl_me
     const size_t pixels = (size_t)t->width * t->height;
     /* As many slices as steps: the map's depth then is the step (hs_dvr.h). */
     const hs_start_depths start = {.depth = constant, .width = 1, .height = 1, .slices = t->steps};
-    if (!hs_loop_render(loop, loop->volume, camera, false, true, err) ||
+    if (!hs_loop_render(loop, loop->volume, camera, NULL, true, err) ||
         !read_termination(loop, t->full, pixels, err))
         return false;
     store_column(t, 0, t->full);

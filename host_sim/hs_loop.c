@@ -161,10 +161,16 @@ const hs_error *hs_loop_plugin_error(const hs_loop *loop) {
     return &loop->clipper.error;
 }
 
-bool hs_loop_render(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera, bool clipped,
-                    bool with_termination, hs_error *err) {
+const hs_error *hs_loop_confidence_error(const hs_loop *loop) {
+    return &loop->clipper.sure_error;
+}
+
+bool hs_loop_render(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
+                    const hs_frame *frame, bool with_termination, hs_error *err) {
     const hs_slab_layout *layout = &loop->slabs.layout;
+    const bool clipped = frame && frame->clipped;
     const hs_start_depths start = {.depth = clipped ? loop->clipper.depth : NULL,
+                                   .confidence = clipped && frame->sure ? loop->clipper.sure : NULL,
                                    .width = layout->width,
                                    .height = layout->height,
                                    .slices = layout->slices};
@@ -198,7 +204,7 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
     const double converted = hs_now();
     if (setting == HS_SETTING_SMARTVIS && !hs_clipper_frame(&loop->clipper, index, frame, err)) return false;
     const double clipped = hs_now();
-    if (!hs_loop_render(loop, loop->volume, &camera, frame->clipped, false, err) ||
+    if (!hs_loop_render(loop, loop->volume, &camera, frame, false, err) ||
         !wait_for(loop, "clFinish (DVR)", err))
         return false;
     const double end = hs_now();

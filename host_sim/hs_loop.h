@@ -36,7 +36,8 @@ typedef struct {
     uint32_t carrier;     /* SV_CARRIER_* */
     bool own_queue;       /* the plugin picks its own device and queue (SV_CARRIER_HOST only) */
     bool live; /* uploads every frame's volume anew, as a scan does; always so for several volumes */
-    hs_dvr_settings dvr;          /* the renderer, the picture's size included */
+    hs_dvr_settings dvr;          /* the renderer, the picture's size included. With a ghost (width and doubt
+                                     above 0) the plugin's confidence widens it, if the plugin has any. */
     const sv_param_value *values; /* plugin parameters; must outlive the loop */
     uint32_t value_count;
 } hs_loop_options;
@@ -65,6 +66,7 @@ const char *hs_stage_label(hs_stage stage);
 typedef struct {
     double ms[HS_STAGE_COUNT];
     bool clipped;      /* the picture was rendered with the plugin's map: its status was SV_OK */
+    bool sure;         /* and its ghosting with the plugin's confidence */
     sv_status outcome; /* the plugin's, SV_OK if it was not asked */
     sv_stats stats;    /* the plugin's; zeros if it was not asked or failed */
 } hs_frame;
@@ -94,6 +96,10 @@ void hs_loop_set_values(hs_loop *loop, const sv_param_value *values, uint32_t co
 
 /* The first error of the plugin since the loop was created; code HS_OK if there was none. */
 const hs_error *hs_loop_plugin_error(const hs_loop *loop);
+
+/* The first time the plugin's confidence failed, or was none; the picture is then as if it had none. Not
+ * among the plugin's other errors. Code HS_OK if that never was. */
+const hs_error *hs_loop_confidence_error(const hs_loop *loop);
 
 /* Median and 95th percentile (nearest rank) in ms. */
 typedef struct {
@@ -136,6 +142,7 @@ typedef struct {
     uint32_t map_width, map_height, slices;
     float *depth;    /* the plugin's depthmap, in low-resolution slices; zeros if it was not used */
     uint8_t *status; /* SV_POINT_* */
+    float *sure;     /* the plugin's confidence, 0 .. 1; NULL if it gave none */
     hs_camera camera;
     hs_frame frame;
 } hs_view;

@@ -60,7 +60,7 @@ static bool activate(hs_clipper *clipper, hs_error *err) {
         clipper->active = hs_plugin_check(clipper->plugin, status, "activate", &clipper->error);
     }
     free(fixed);
-    return true;
+    return hs_clipper_sure_create(clipper, err);
 }
 
 bool hs_clipper_create(hs_clipper *clipper, const hs_cl *cl, const hs_slabs *slabs, const hs_plugin *plugin,
@@ -69,6 +69,7 @@ bool hs_clipper_create(hs_clipper *clipper, const hs_cl *cl, const hs_slabs *sla
                             .cl = cl,
                             .slabs = slabs,
                             .own_queue = options->own_queue,
+                            .want_confidence = options->dvr.ghost_width > 0 && options->dvr.ghost_doubt > 0,
                             .values = options->values,
                             .value_count = options->value_count,
                             .pixels = (size_t)slabs->layout.width * slabs->layout.height};
@@ -85,6 +86,7 @@ bool hs_clipper_create(hs_clipper *clipper, const hs_cl *cl, const hs_slabs *sla
 
 void hs_clipper_destroy(hs_clipper *clipper) {
     if (clipper->active) clipper->plugin->instance->deactivate(clipper->plugin->instance);
+    hs_clipper_sure_destroy(clipper);
     if (clipper->depth) clReleaseMemObject(clipper->depth);
     free(clipper->host_depth);
     free(clipper->status);
@@ -125,6 +127,8 @@ static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **ca
 /* After the plugin's last call: the depthmap is on the device, the queue has run, and the outcome is known.
  */
 static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_frame *frame, hs_error *err) {
+    bool asked = false;
+    if (status == SV_OK && !hs_clipper_sure_ask(clipper, &asked, err)) return false;
     if (status == SV_OK && clipper->own_queue) {
         cl_int code =
             clEnqueueWriteBuffer(clipper->cl->queue, clipper->depth, CL_FALSE, 0,
@@ -143,6 +147,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_f
     /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
     frame->outcome = status != SV_OK ? status : clipper->stats.outcome;
     frame->clipped = frame->outcome == SV_OK;
+    frame->sure = frame->clipped && hs_clipper_sure_settle(clipper, asked);
     return true;
 }
 

@@ -43,15 +43,23 @@ typedef struct {
     const hs_slabs *slabs;
     bool own_queue;
     bool active;
-    bool want_status; /* asks for the status map as well */
+    bool want_status;                    /* asks for the status map as well */
+    bool want_confidence;                /* asks for the confidence, if the plugin has it */
+    const sv_ext_confidence *confidence; /* NULL: the active plugin gives no such map */
     const sv_param_value *values;
     uint32_t value_count;
     size_t pixels;     /* of the depthmap */
     cl_mem depth;      /* device, float32: what the renderer reads */
     float *host_depth; /* own queue: where the plugin writes */
-    uint8_t *status;   /* SV_POINT_* */
-    sv_stats stats;    /* written by the queue; valid when it has run */
-    hs_error error;    /* the plugin's first failure */
+    cl_mem sure;       /* device, float32: the confidence, for the renderer */
+    float *host_sure;  /* own queue: where the plugin writes it */
+    cl_kernel check;   /* counts confidences that are out of range, into `wrong` */
+    cl_mem wrong;
+    cl_int wrong_count;  /* of the last frame; valid when the queue has run */
+    uint8_t *status;     /* SV_POINT_* */
+    sv_stats stats;      /* written by the queue; valid when it has run */
+    hs_error error;      /* the plugin's first failure */
+    hs_error sure_error; /* the first failure to give a usable confidence; not among the others */
 } hs_clipper;
 
 /* Makes the memory and activates the plugin. False only for failures of the host's own. */
@@ -60,11 +68,18 @@ bool hs_clipper_create(hs_clipper *clipper, const hs_cl *cl, const hs_slabs *sla
 void hs_clipper_destroy(hs_clipper *clipper);
 
 /* One frame: begin, every slab, end; waits for the queue. On true, frame->clipped tells whether `depth` may
- * be used. The slabs must be complete on the device. */
+ * be used, and frame->sure whether `sure` may. The slabs must be complete on the device. */
 bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_frame *frame, hs_error *err);
 
 /* The last successful frame with another value for one parameter that is flagged SV_PARAM_ADJUST. */
 bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_frame *frame, hs_error *err);
+
+/* The confidence of a frame (hs_loop_sure.c): its memory, once the plugin is active; between the plugin's
+ * last call and the wait, which settles it too; and what came of it: a map that may be used. */
+bool hs_clipper_sure_create(hs_clipper *clipper, hs_error *err);
+void hs_clipper_sure_destroy(hs_clipper *clipper);
+bool hs_clipper_sure_ask(hs_clipper *clipper, bool *asked, hs_error *err);
+bool hs_clipper_sure_settle(hs_clipper *clipper, bool asked);
 
 /* Switches the plugin's own timing on or off; false if it has none. */
 bool hs_clipper_time_stages(hs_clipper *clipper, bool on);
@@ -93,8 +108,9 @@ struct hs_loop {
 /* The camera of frame `index`, in the loop's box. */
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera);
 
-/* Enqueues a picture of `volume` into loop->rgba, and its termination depths if `with_termination`. */
-bool hs_loop_render(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera, bool clipped,
-                    bool with_termination, hs_error *err);
+/* Enqueues a picture of `volume` into loop->rgba, and its termination depths if `with_termination`. `frame`
+ * tells which of the plugin's maps may be used; NULL: none, the full volume. */
+bool hs_loop_render(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
+                    const hs_frame *frame, bool with_termination, hs_error *err);
 
 #endif

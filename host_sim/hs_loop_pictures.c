@@ -70,13 +70,27 @@ static bool write_points(const hs_view *view, const char *folder, const char *ti
     return save(made, &picture, folder, "points.png", err);
 }
 
+/* Only a plugin that has one gives a confidence. */
+static bool write_confidence(const hs_view *view, const char *folder, const char *title, hs_error *err) {
+    static const hs_share_words words = {.quantity = "confidence", .high = "sure", .low = "nothing is known"};
+    const hs_caption caption = {
+        .title = title,
+        .footer = "how sure the plugin is of its depthmap; where it is not, ghosting begins sooner"};
+    hs_picture picture;
+    if (!view->sure) return true;
+    const bool made =
+        hs_picture_share(&picture, view->sure, view->map_width, view->map_height, &words, &caption, err);
+    return save(made, &picture, folder, "confidence.png", err);
+}
+
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err) {
     return write_plain(view, view->result, folder, "result.png", err) &&
            write_plain(view, view->full, folder, "full.png", err) &&
            (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
            write_panel(view, folder, title, note, cell, err) &&
-           write_depthmap(view, folder, title, note, err) && write_points(view, folder, title, note, err);
+           write_depthmap(view, folder, title, note, err) && write_points(view, folder, title, note, err) &&
+           write_confidence(view, folder, title, err);
 }
 
 /* `upper` above `lower`, on a picture as wide as the wider one. */

@@ -10,6 +10,7 @@
  *   panel.png                         the same side by side
  *   depthmap.png                      the clipping depthmap in false colour, with a legend
  *   points.png                        initial points over the maximum intensity projection
+ *   confidence.png                    the plugin's confidence, if it gave one
  * `title` names source and plugin. `note` (may be NULL) says why the result is unclipped; `cell` is the width
  * of a picture in panel.png in pixels, 0: 512.
  */

@@ -34,10 +34,10 @@ static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
 }
 
 /* A picture and, unless NULL, its termination depths. */
-static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera, bool clipped,
-                      uint8_t *rgba, float *termination, hs_error *err) {
+static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
+                      const hs_frame *frame, uint8_t *rgba, float *termination, hs_error *err) {
     const size_t pixels = (size_t)loop->options.dvr.width * loop->options.dvr.height;
-    return hs_loop_render(loop, volume, camera, clipped, termination != NULL, err) &&
+    return hs_loop_render(loop, volume, camera, frame, termination != NULL, err) &&
            read_back(loop, loop->rgba, pixels * 4, rgba, "clEnqueueReadBuffer (picture)", err) &&
            (!termination || read_back(loop, loop->termination, pixels * sizeof(float), termination,
                                       "clEnqueueReadBuffer (termination depths)", err));
@@ -45,7 +45,7 @@ static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_ca
 
 static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     hs_device_volume *truth = hs_device_volume_create(loop->cl, hs_source_truth(loop->source, index), err);
-    bool ok = truth && render_to(loop, truth, &view->camera, false, view->truth, NULL, err);
+    bool ok = truth && render_to(loop, truth, &view->camera, NULL, view->truth, NULL, err);
     hs_device_volume_destroy(truth);
     return ok;
 }
@@ -57,25 +57,34 @@ static bool project(hs_loop *loop, hs_view *view, hs_error *err) {
                      "clEnqueueReadBuffer (MIP)", err);
 }
 
+static bool read_confidence(const hs_loop *loop, size_t rays, hs_view *view, hs_error *err) {
+    view->sure = malloc(rays * sizeof(float));
+    if (!view->sure) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
+    return read_back(loop, loop->clipper.sure, rays * sizeof(float), view->sure,
+                     "clEnqueueReadBuffer (confidence)", err);
+}
+
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     *view = (hs_view){0};
     bool ok = allocate(loop, view, err);
     if (ok) {
         const size_t rays = (size_t)view->map_width * view->map_height;
         hs_loop_camera(loop, index, &view->camera);
-        loop->clipper.want_status = true;
+        const bool wanted = loop->clipper.want_confidence;
+        loop->clipper.want_status = loop->clipper.want_confidence = true;
         ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &view->frame, err);
         loop->clipper.want_status = false;
+        loop->clipper.want_confidence = wanted;
         /* A map that was not used is not shown either: it may be an earlier frame's. */
         if (ok && view->frame.clipped)
             ok = read_back(loop, loop->clipper.depth, rays * sizeof(float), view->depth,
                            "clEnqueueReadBuffer (depthmap)", err);
+        if (ok && view->frame.sure) ok = read_confidence(loop, rays, view, err);
         if (ok && view->frame.outcome >= SV_OK) memcpy(view->status, loop->clipper.status, rays);
     }
     ok = ok &&
-         render_to(loop, loop->volume, &view->camera, view->frame.clipped, view->result, view->termination,
-                   err) &&
-         render_to(loop, loop->volume, &view->camera, false, view->full, view->full_termination, err) &&
+         render_to(loop, loop->volume, &view->camera, &view->frame, view->result, view->termination, err) &&
+         render_to(loop, loop->volume, &view->camera, NULL, view->full, view->full_termination, err) &&
          (!view->truth || render_truth(loop, index, view, err)) && project(loop, view, err);
     if (!ok) hs_view_free(view);
     return ok;
@@ -105,7 +114,7 @@ bool hs_loop_turn(hs_loop *loop, uint32_t index, const sv_param_info *primary, d
     hs_loop_camera(loop, index, &camera);
     const bool ok = primary->flags & SV_PARAM_ADJUST ? hs_clipper_adjust(&loop->clipper, turned, &frame, err)
                                                      : frame_with(loop, index, turned, &frame, err);
-    return ok && render_to(loop, loop->volume, &camera, frame.clipped, rgba, NULL, err);
+    return ok && render_to(loop, loop->volume, &camera, &frame, rgba, NULL, err);
 }
 
 void hs_view_free(hs_view *view) {
@@ -117,5 +126,6 @@ void hs_view_free(hs_view *view) {
     free(view->full_termination);
     free(view->depth);
     free(view->status);
+    free(view->sure);
     *view = (hs_view){0};
 }

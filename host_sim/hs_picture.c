@@ -3,6 +3,7 @@
 #include "hs_output_file.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
@@ -91,17 +92,42 @@ static uint32_t sample(const hs_image *image, tap tx, tap ty) {
     return out;
 }
 
+/* The mean over columns x0 .. x1 and rows y0 .. y1, in pixels; parts of a pixel count as such. */
+static uint32_t area_mean(const hs_image *image, double x0, double x1, double y0, double y1) {
+    double sum[3] = {0}, whole = 0;
+    for (uint32_t y = (uint32_t)y0; y < y1 && y < image->height; y++) {
+        const double high = fmin(y + 1.0, y1) - fmax(y, y0);
+        for (uint32_t x = (uint32_t)x0; x < x1 && x < image->width; x++) {
+            const double part = high * (fmin(x + 1.0, x1) - fmax(x, x0));
+            const uint32_t colour = image_pixel(image, x, y);
+            for (unsigned c = 0; c < 3; c++) sum[c] += part * (colour >> (16 - 8 * c) & 255);
+            whole += part;
+        }
+    }
+    uint32_t out = 0;
+    for (unsigned c = 0; c < 3; c++) out = out << 8 | (uint32_t)(sum[c] / whole + 0.5);
+    return out;
+}
+
+/* One pixel of the picture: (i, j) of width x height. */
+static uint32_t scaled_pixel(const hs_image *image, hs_scale scale, uint32_t i, uint32_t width, uint32_t j,
+                             uint32_t height) {
+    const double step_x = (double)image->width / width, step_y = (double)image->height / height;
+    if (scale == HS_SCALE_SMOOTH && (step_x > 1.0 || step_y > 1.0))
+        return area_mean(image, i * step_x, (i + 1.0) * step_x, j * step_y, (j + 1.0) * step_y);
+    return sample(image, find_tap(i, width, image->width, scale), find_tap(j, height, image->height, scale));
+}
+
 void hs_picture_blit(hs_picture *picture, int32_t x, int32_t y, uint32_t width, uint32_t height,
                      const hs_image *image, hs_scale scale) {
     for (uint32_t j = 0; j < height; j++) {
         const int64_t py = (int64_t)y + j;
         if (py < 0 || py >= picture->height) continue;
-        const tap ty = find_tap(j, height, image->height, scale);
         for (uint32_t i = 0; i < width; i++) {
             const int64_t px = (int64_t)x + i;
             if (px < 0 || px >= picture->width) continue;
             picture->pixels[(size_t)py * picture->width + (size_t)px] =
-                sample(image, find_tap(i, width, image->width, scale), ty);
+                scaled_pixel(image, scale, i, width, j, height);
         }
     }
 }

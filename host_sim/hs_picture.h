@@ -42,6 +42,13 @@ void hs_picture_free(hs_picture *picture);
  * reason. */
 bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err);
 
+/* Reads a PNG of any kind as 8-bit RGB. HS_ERR_INPUT names the path and the reason. */
+bool hs_picture_load(hs_picture *out, const char *path, hs_error *err);
+
+/* A JPEG in memory (free it), for renderings: with speckle a sixth of a PNG at quality 88. `quality` 1 ..
+ * 100. */
+bool hs_picture_jpeg(const hs_picture *picture, int quality, uint8_t **data, size_t *bytes, hs_error *err);
+
 /* An image in memory that is borrowed: 1 (gray) or 4 (RGBA; alpha is not used, the renderer draws on black)
  * bytes a pixel. */
 typedef struct {
@@ -49,9 +56,10 @@ typedef struct {
     uint32_t width, height, channels;
 } hs_image;
 
-/* How an image is scaled. Nearest keeps pixels as they are; bilinear interpolates between pixel centres, and
- * beyond the outermost centres repeats the edge. */
-typedef enum { HS_SCALE_NEAREST = 0, HS_SCALE_BILINEAR } hs_scale;
+/* How an image is scaled. Nearest keeps pixels as they are. Smooth interpolates linearly between pixel
+ * centres, and beyond the outermost centres repeats the edge; where the image becomes smaller, a pixel is the
+ * mean of the area it covers. */
+typedef enum { HS_SCALE_NEAREST = 0, HS_SCALE_SMOOTH } hs_scale;
 
 /* Draws `image` over the rectangle (x, y, width, height) of the picture; what lies outside is cut off. */
 void hs_picture_blit(hs_picture *picture, int32_t x, int32_t y, uint32_t width, uint32_t height,
@@ -94,7 +102,7 @@ typedef struct {
 } hs_caption;
 
 /* `count` (1 .. 8) images of equal size next to each other, each `cell` pixels wide (0: 512, so that three
- * make 1600) and scaled bilinearly with its aspect kept. HS_ERR_INPUT if sizes differ. */
+ * make 1600) and scaled smoothly with its aspect kept. HS_ERR_INPUT if sizes differ. */
 bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t count, uint32_t cell,
                       const hs_caption *caption, hs_error *err);
 
@@ -128,6 +136,17 @@ typedef struct {
  * value, drawn in HS_COLOUR_NO_VALUE. */
 bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint32_t height, float limit,
                        const hs_signed_words *words, const hs_caption *caption, hs_error *err);
+
+/* Words of a share's legend. */
+typedef struct {
+    const char *quantity;   /* "confidence" */
+    const char *high, *low; /* what 1 and 0 mean: "sure", "unsure" */
+} hs_share_words;
+
+/* A map of shares, 0 .. 1 in viridis. What is not in 0 .. 1 is drawn in HS_COLOUR_INVALID and counted. The
+ * mean stands in the legend. */
+bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
+                      const hs_share_words *words, const hs_caption *caption, hs_error *err);
 
 /* A label map (0 neither, 1 sac only, 2 fetus) with the share of each label. */
 bool hs_picture_labels(hs_picture *out, const uint8_t *label, uint32_t width, uint32_t height,

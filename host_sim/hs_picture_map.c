@@ -195,7 +195,7 @@ bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *stat
         points += status[i] == SV_POINT_INITIAL;
         empty += status[i] == SV_POINT_EMPTY;
     }
-    hs_picture_blit(out, (int32_t)l.x, (int32_t)l.y, l.width, l.height, mip, HS_SCALE_BILINEAR);
+    hs_picture_blit(out, (int32_t)l.x, (int32_t)l.y, l.width, l.height, mip, HS_SCALE_SMOOTH);
     for (uint32_t j = 0; j < l.height; j++) {
         for (uint32_t i = 0; i < l.width; i++) {
             const size_t at = entry_at(&l, i, j);
@@ -247,6 +247,42 @@ bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint
     const double y = draw_bar(cr, &l, &bar, 1);
     (void)snprintf(text, sizeof text, "no value: %.1f %%", percent(count - valid, count));
     draw_entry(cr, &l, y, HS_COLOUR_NO_VALUE, false, text);
+    return end_map(out, cr, &l, caption, err);
+}
+
+bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
+                      const hs_share_words *words, const hs_caption *caption, hs_error *err) {
+    layout l;
+    if (!begin_map(out, &l, width, height, caption, err)) return false;
+    const size_t count = (size_t)width * height;
+    double sum = 0;
+    size_t valid = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!(value[i] >= 0.0f && value[i] <= 1.0f)) continue;
+        sum += (double)value[i];
+        valid++;
+    }
+    for (uint32_t j = 0; j < l.height; j++) {
+        for (uint32_t i = 0; i < l.width; i++) {
+            const float v = value[entry_at(&l, i, j)];
+            *pixel_at(out, &l, i, j) =
+                v >= 0.0f && v <= 1.0f ? hs_colour_viridis((double)v) : HS_COLOUR_INVALID;
+        }
+    }
+    cairo_t *cr = hs_draw_begin(out);
+    char text[96];
+    hs_colour_bar bar = {.high = 1.0,
+                         .colour = hs_colour_viridis,
+                         .heading = words->quantity,
+                         .high_word = words->high,
+                         .low_word = words->low};
+    const double y = draw_bar(cr, &l, &bar, 2);
+    (void)snprintf(text, sizeof text, "mean: %.2f", valid > 0 ? sum / (double)valid : 0.0);
+    hs_draw_text(cr, l.legend_x, y + 14.0, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, text);
+    if (valid < count) {
+        (void)snprintf(text, sizeof text, "not in 0 .. 1: %zu", count - valid);
+        draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
+    }
     return end_map(out, cr, &l, caption, err);
 }
 

@@ -55,7 +55,7 @@ bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t coun
 
     for (uint32_t i = 0; i < count; i++)
         hs_picture_blit(out, (int32_t)(GAP + i * (cell + GAP)), (int32_t)top, cell, cell_height,
-                        &items[i].image, HS_SCALE_BILINEAR);
+                        &items[i].image, HS_SCALE_SMOOTH);
     cairo_t *cr = hs_draw_begin(out);
     if (caption->title)
         hs_draw_text(cr, GAP, TITLE_BAND - 12, TITLE_SIZE, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,

@@ -1,8 +1,14 @@
 #include "hs_report.h"
 
+#include "hs_picture.h"
+
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+#define BLOCK         3072u /* bytes that become base64 at once: a multiple of three */
+#define PHOTO_QUALITY 88    /* of 100: from here on more bytes show no more */
 
 static const char head[] =
     "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -20,6 +26,7 @@ static const char head[] =
     "table{border-collapse:collapse;margin:1rem 0}\n"
     "th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid #e3e6ea;white-space:nowrap;\n"
     "font-variant-numeric:tabular-nums}\n"
+    "tr:first-child>*{white-space:normal;vertical-align:bottom}\n"
     "th:first-child,td:first-child{text-align:left}tr:first-child>*{border-bottom:2px solid "
     "#9aa1a9;font-weight:600}\n"
     "pre{overflow-x:auto;background:#f4f5f7;padding:.8rem;font-size:.8rem;line-height:1.35}\n"
@@ -103,33 +110,62 @@ static void base64_group(const unsigned char *bytes, size_t count, char out[4]) 
     out[3] = count > 2 ? digits[value & 63] : '=';
 }
 
+/* Bytes as base64, in blocks of whole groups: only the last group may be short. */
+static void put_base64(hs_report *report, const unsigned char *bytes, size_t count) {
+    char text[BLOCK / 3 * 4];
+    while (count > 0) {
+        const size_t block = count < BLOCK ? count : BLOCK;
+        size_t length = 0;
+        for (size_t i = 0; i < block; i += 3, length += 4)
+            base64_group(bytes + i, block - i < 3 ? block - i : 3, text + length);
+        put_bytes(report, text, length);
+        bytes += block;
+        count -= block;
+    }
+}
+
 /* A file as base64, in blocks whose size is a multiple of three so that only the last is padded. */
 static void put_file(hs_report *report, const char *path) {
-    unsigned char block[3 * 1024];
-    char text[4 * 1024];
+    unsigned char block[BLOCK];
     FILE *file = fopen(path, "rb");
     if (!file) {
         (void)hs_fail(&report->error, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, strerror(errno));
         return;
     }
-    for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;) {
-        size_t length = 0;
-        for (size_t i = 0; i < got; i += 3, length += 4)
-            base64_group(block + i, got - i < 3 ? got - i : 3, text + length);
-        put_bytes(report, text, length);
-    }
+    for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;) put_base64(report, block, got);
     if (ferror(file)) (void)hs_fail(&report->error, HS_ERR_INPUT, "%s: reading the picture failed", path);
     (void)fclose(file);
 }
 
-void hs_report_picture(hs_report *report, const char *path, const char *alt, const char *caption) {
+/* A PNG file's picture as JPEG and base64. */
+static void put_jpeg(hs_report *report, const char *path) {
+    hs_picture picture;
+    uint8_t *data = NULL;
+    size_t bytes = 0;
+    if (!hs_picture_load(&picture, path, &report->error)) return;
+    if (hs_picture_jpeg(&picture, PHOTO_QUALITY, &data, &bytes, &report->error))
+        put_base64(report, data, bytes);
+    free(data);
+    hs_picture_free(&picture);
+}
+
+static void put_figure(hs_report *report, const char *path, const char *alt, const char *caption,
+                       bool photo) {
     put(report, "<figure><img alt=\"");
     put_text(report, alt);
-    put(report, "\" src=\"data:image/png;base64,");
-    if (report->error.code == HS_OK) put_file(report, path);
+    put(report, photo ? "\" src=\"data:image/jpeg;base64," : "\" src=\"data:image/png;base64,");
+    if (report->error.code == HS_OK) (photo ? put_jpeg : put_file)(report, path);
     put(report, "\"><figcaption>");
     put_text(report, caption);
     put(report, "</figcaption></figure>\n");
+}
+
+void hs_report_picture(hs_report *report, const char *path, const char *alt, const char *caption) {
+    put_figure(report, path, alt, caption, false);
+}
+
+void hs_report_photo(hs_report *report, const char *path, const char *alt, const char *caption) {
+    put_figure(report, path, alt, caption, true);
 }
 
 void hs_report_table_begin(hs_report *report) {

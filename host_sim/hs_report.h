@@ -28,6 +28,9 @@ void hs_report_row_end(hs_report *report);
 /* A PNG file, inlined, with the text that stands for it when it is not seen, and a caption below. */
 void hs_report_picture(hs_report *report, const char *path, const char *alt, const char *caption);
 
+/* The same as JPEG, for renderings: a sixth of the bytes, with a loss that speckle hides. */
+void hs_report_photo(hs_report *report, const char *path, const char *alt, const char *caption);
+
 /* A table: the first row given is its head, the first cell of a row its heading. */
 void hs_report_table_begin(hs_report *report);
 void hs_report_table_row(hs_report *report, const char *const *cells, unsigned count);

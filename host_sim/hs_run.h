@@ -32,6 +32,7 @@ typedef struct {
     bool has_plugin;
     sv_param_value *values;
     hs_loop *loop;
+    hs_error earlier_sure;  /* the same of its confidence */
     hs_error earlier_error; /* the plugin's failure while loading, or in a loop that was replaced */
     hs_loop_result results[HS_SETTING_COUNT];
     uint32_t result_count;
@@ -65,6 +66,9 @@ void hs_run_close(hs_run *run);
 
 /* The first failure of the plugin, of loading or of a frame; code HS_OK if there was none. */
 const hs_error *hs_run_plugin_error(const hs_run *run);
+
+/* The same of its confidence map (hs_loop_confidence_error). */
+const hs_error *hs_run_confidence_error(const hs_run *run);
 
 /* True if frames of the setting have the stage at all. */
 bool hs_run_has_stage(const hs_run *run, hs_setting setting, hs_stage stage);

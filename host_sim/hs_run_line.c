@@ -47,6 +47,7 @@ static const char help_tail[] =
     "  --t-low T --t-high T  opacity is 0 at T_L and below, 1 at T_H and above, in 0 .. 1 [0.1588 0.45]\n"
     "  --ghost-offset S      s of the ghosting, in steps [0]\n"
     "  --ghost-width W       w of the ghosting, in steps; 0 is a hard cut [0]\n"
+    "  --ghost-doubt G       where the plugin is not sure, the ghosting begins up to G times W sooner [2]\n"
     "  --exposure G          gain of the picture's colours, 1 is the plain formula [1.5]\n"
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
@@ -83,6 +84,7 @@ enum {
     OPT_T_HIGH,
     OPT_GHOST_OFFSET,
     OPT_GHOST_WIDTH,
+    OPT_GHOST_DOUBT,
     OPT_EXPOSURE,
     OPT_PICTURE,
     OPT_OUT,
@@ -117,6 +119,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"t-high", required_argument, NULL, OPT_T_HIGH},
                                         {"ghost-offset", required_argument, NULL, OPT_GHOST_OFFSET},
                                         {"ghost-width", required_argument, NULL, OPT_GHOST_WIDTH},
+                                        {"ghost-doubt", required_argument, NULL, OPT_GHOST_DOUBT},
                                         {"exposure", required_argument, NULL, OPT_EXPOSURE},
                                         {"picture", required_argument, NULL, OPT_PICTURE},
                                         {"out", required_argument, NULL, OPT_OUT},
@@ -270,6 +273,8 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return set_float("--ghost-offset", text, -8192, 8192, &r->loop.dvr.ghost_offset, err);
     case OPT_GHOST_WIDTH:
         return set_float("--ghost-width", text, 0, 8192, &r->loop.dvr.ghost_width, err);
+    case OPT_GHOST_DOUBT:
+        return set_float("--ghost-doubt", text, 0, (double)HS_DVR_MAX_DOUBT, &r->loop.dvr.ghost_doubt, err);
     case OPT_EXPOSURE:
         return set_float("--exposure", text, 0.1, 10, &r->loop.dvr.exposure, err);
     case OPT_PICTURE:

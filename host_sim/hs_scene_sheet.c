@@ -46,7 +46,7 @@ static void put(sheet *s, uint32_t x, uint32_t y, uint32_t colour) {
 
 static bool place(sheet *s, int column, int row, const char *text) {
     const hs_image image = {s->rgba, RENDER, RENDER, 4};
-    hs_picture_blit(s->out, cell_x(column), cell_y(row), CELL, CELL, &image, HS_SCALE_BILINEAR);
+    hs_picture_blit(s->out, cell_x(column), cell_y(row), CELL, CELL, &image, HS_SCALE_SMOOTH);
     return caption(s, column, row, text);
 }
 

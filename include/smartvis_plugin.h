@@ -464,6 +464,17 @@ typedef struct sv_ext_confidence {
      * widen its ghosting window there. `map` or `out` may be NULL. SV_ERR_STATE if there is no such frame or
      * the method is another one. */
     sv_status (*read)(const sv_plugin *plugin, float *map, sv_confidence_report *out);
+
+    /* [control & active] or [frame & active] 1 if the method that is active gives a map, else 0. It stays the
+     * same until deactivate. */
+    uint32_t (*offered)(const sv_plugin *plugin);
+
+    /* [frame & active, after a successful end or adjust] The map of the last frame on the frame path, into
+     * either `map` or `object`, an OpenCL buffer, at `offset` bytes (a multiple of 4). Host queue: enqueued
+     * behind the frame's own commands and valid when the queue has run; the memory must stay until then. Own
+     * queue: `map` only; valid when it returns. SV_ERR_STATE as `read`; SV_ERR_ARGUMENT for none or both, or
+     * an object that the queue cannot reach or that is too small. */
+    sv_status (*write)(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset);
 } sv_ext_confidence;
 
 /* -------------------------------------------------------------------------------------------- entry -- */

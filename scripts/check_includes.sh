@@ -6,7 +6,7 @@
 #   cl/          cl/
 #   src/         include/, src/, cl/sv_shared.h, the C library, <CL/...>
 #   src/ref/     include/, src/ref/, cl/sv_shared.h, the C library                 (no OpenCL)
-#   host_sim/    include/, host_sim/, the C library, <CL/...>, png, cairo, fontconfig, zlib, jansson;
+#   host_sim/    include/, host_sim/, the C library, <CL/...>, png, turbojpeg, cairo, fontconfig, zlib, jansson;
 #                never src/ or cl/
 #   host_sim/cl/ host_sim/cl/
 #   bench/, tests/                                                             anything
@@ -16,7 +16,7 @@ cd "${1:-$(dirname "$0")/..}"
 # The C library and POSIX headers that C code here may use.
 libc='(assert|ctype|dirent|dlfcn|errno|fcntl|fenv|float|getopt|inttypes|limits|locale|math|pthread|signal|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdio|stdlib|string|strings|threads|time|unistd|wchar|sys/[a-z]+)\.h'
 opencl='CL/[a-z_]+\.h'
-libraries='(png|zlib|jansson|cairo|cairo/cairo|fontconfig/fontconfig)\.h'
+libraries='(png|turbojpeg|zlib|jansson|cairo|cairo/cairo|fontconfig/fontconfig)\.h'
 
 failed=0
 complain() {

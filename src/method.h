@@ -105,6 +105,9 @@ sv_status sv_chain_slab(struct sv_pipeline *pipeline, cl_mem buffer, uint64_t of
  * frame of method cost. */
 sv_status sv_cost_read(struct sv_pipeline *pipeline, float *confidence, uint32_t *info);
 
+/* The same frame's confidence, float32, one plane of the pixels; the method's own buffer. */
+cl_mem sv_cost_confidence(const struct sv_pipeline *pipeline);
+
 /* Waits, and reads what the spline of the last frame came to: points, cells per side of the merging grid (0:
  * not merged), rank of the plane, unknowns left out, condition estimate, residual in slices. */
 #define SV_SPLINE_REPORT_WORDS 6

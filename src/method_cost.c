@@ -188,6 +188,10 @@ sv_status sv_cost_read(sv_pipeline *p, float *confidence, uint32_t *info) {
                         "confidence: clEnqueueReadBuffer");
 }
 
+cl_mem sv_cost_confidence(const sv_pipeline *p) {
+    return p->chain.state.buffer[CONFIDENCE];
+}
+
 const sv_method sv_method_cost = {.linear = true,
                                   .kernels = kernels,
                                   .source = source,

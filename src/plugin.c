@@ -210,13 +210,18 @@ static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
 
 static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
 
+static sv_status confidence_ready(sv_instance *in) {
+    if (in->state == SV_STATE_FINISHED && in->pipeline.config.method == SV_METHOD_COST) return SV_OK;
+    return sv_blame_host(&in->diag, SV_ERR_STATE, "confidence: no finished frame with method cost");
+}
+
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
     sv_instance *in = instance_of(plugin);
     if (out && out->size < sizeof *out)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
                              out->size, sizeof *out);
-    if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_COST)
-        return sv_blame_host(&in->diag, SV_ERR_STATE, "confidence: no finished frame with method cost");
+    const sv_status ready = confidence_ready(in);
+    if (ready != SV_OK) return ready;
     uint32_t info[SV_COST_INFO_WORDS];
     const sv_status status = sv_cost_read(&in->pipeline, map, info);
     if (status == SV_OK && out)
@@ -227,7 +232,33 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     return status;
 }
 
-static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence, .read = confidence_read};
+static uint32_t confidence_offered(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return in->state != SV_STATE_INACTIVE && in->pipeline.config.method == SV_METHOD_COST;
+}
+
+/* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
+static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
+                                  uint64_t offset) {
+    sv_instance *in = instance_of(plugin);
+    const sv_result to = {.size = sizeof to, .depth = map, .depth_object = object, .depth_offset = offset};
+    sv_status status = confidence_ready(in);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "confidence", &in->pipeline, &to);
+    if (status != SV_OK) return status;
+    const cl_command_queue queue = in->device.queue;
+    const cl_mem from = sv_cost_confidence(&in->pipeline);
+    const size_t bytes = (size_t)in->pipeline.config.width * in->pipeline.config.height * sizeof *map;
+    const cl_int code = map ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, bytes, map, 0, NULL, NULL)
+                            : clEnqueueCopyBuffer(queue, from, object, 0, offset, bytes, 0, NULL, NULL);
+    status = sv_clx_check(&in->diag, code, "confidence: enqueue");
+    if (status != SV_OK || !in->device.owned) return status;
+    return sv_clx_check(&in->diag, clFinish(queue), "confidence: clFinish");
+}
+
+static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
+                                                 .read = confidence_read,
+                                                 .offered = confidence_offered,
+                                                 .write = confidence_write};
 
 static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
     (void)plugin;

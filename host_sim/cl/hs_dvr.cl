@@ -4,8 +4,8 @@
  * transparent. A work item renders a packet of PACKET_W x PACKET_H pixels.
  */
 
-/* The depthmap at a pixel of the picture: bilinear between the map's pixel centres, clamped at its edges. */
-INLINE float depth_at(__global const float *map, int map_w, int map_h, float x, float y) {
+/* A map at a pixel of the picture: bilinear between the map's pixel centres, clamped at its edges. */
+INLINE float map_at(__global const float *map, int map_w, int map_h, float x, float y) {
     float px = clamp(x, 0.0f, (float)(map_w - 1)), py = clamp(y, 0.0f, (float)(map_h - 1));
     int x0 = (int)px, y0 = (int)py;
     int x1 = min(x0 + 1, map_w - 1), y1 = min(y0 + 1, map_h - 1);
@@ -17,22 +17,35 @@ INLINE float depth_at(__global const float *map, int map_w, int map_h, float x, 
     return a + fy * (c - a);
 }
 
-/* Steps at which the rays' opacity factor starts to rise: d_p - s. Far before the box where nothing is
- * clipped. */
+/* The rays' opacity factor is (n - rise) * slope. */
+typedef struct {
+    vf rise;  /* steps: d_p - s - v. Far before the box where nothing is clipped. */
+    vf slope; /* 1 / (w + v); 0 with a hard cut */
+} ghost_window;
+
 #define UNCLIPPED (-1e30f)
-INLINE vf ghost_start(__global const float *map, int4 map_dims, float4 to_steps, int px, int py) {
-    if (map_dims.x == 0) return (vf)(UNCLIPPED);
-    float start[LANES];
+INLINE ghost_window ghost_window_of(__global const float *map, __global const float *confidence,
+                                    int4 map_dims, float4 to_steps, int px, int py) {
+    ghost_window window = {(vf)(UNCLIPPED), (vf)(to_steps.z)};
+    if (map_dims.x == 0) return window;
+    float start[LANES], slope[LANES];
     float scale_x = (float)map_dims.x / (float)map_dims.z, scale_y = (float)map_dims.y / (float)map_dims.w;
     for (int lane = 0; lane < LANES; lane++) {
         float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
         float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
-        float depth = depth_at(map, map_dims.x, map_dims.y, x, y);
+        float depth = map_at(map, map_dims.x, map_dims.y, x, y);
+        float growth = 0.0f;
+        if (to_steps.w > 0.0f)
+            growth = to_steps.w * (1.0f - map_at(confidence, map_dims.x, map_dims.y, x, y));
         /* Not finite: unknown, so nothing is clipped. */
-        start[lane] =
-            depth > 0.0f && depth < INFINITY ? (depth + 0.5f) * to_steps.x - 0.5f - to_steps.y : UNCLIPPED;
+        start[lane] = depth > 0.0f && depth < INFINITY
+                          ? (depth + 0.5f) * to_steps.x - 0.5f - to_steps.y - growth
+                          : UNCLIPPED;
+        slope[lane] = to_steps.z / (1.0f + growth * to_steps.z);
     }
-    return LOAD(start);
+    window.rise = LOAD(start);
+    if (to_steps.w > 0.0f) window.slope = LOAD(slope);
+    return window;
 }
 
 /* What a ray has gathered so far. */
@@ -45,7 +58,8 @@ typedef struct {
 
 /*
  * window:   x T_L * 255, y 1 / ((T_H - T_L) * 255), z opacity at termination, w step in slices
- * to_steps: x steps per low-resolution slice, y s in steps, z 1 / w (0: hard cut)
+ * to_steps: x steps per low-resolution slice, y s in steps, z 1 / w (0: hard cut), w w * g in steps (0: all
+ *           is sure)
  * dims:     voxels, number of steps;  bricks: brick counts, largest value that is transparent
  * map_dims: depthmap width (0: none), height, picture width, height
  */
@@ -53,13 +67,15 @@ WIDE __kernel void render_volume(__global const uchar *voxels, int4 dims, __glob
                                  int4 bricks, float4 origin, float4 dx, float4 dy, float4 dn,
                                  __global const float *map, int4 map_dims, float4 to_steps, float4 window,
                                  float4 skin, __global uchar *rgba, int want_rgba,
-                                 __global float *termination, int want_termination) {
+                                 __global float *termination, int want_termination,
+                                 __global const float *confidence) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
     int width = map_dims.z, height = map_dims.w;
     if (px >= width || py >= height) return;
     packet p = packet_at(px, py, origin, dx, dy);
     bounds b = packet_bounds(p);
-    vf rise = ghost_start(map, map_dims, to_steps, px, py);
+    ghost_window ghost = ghost_window_of(map, confidence, map_dims, to_steps, px, py);
+    vf rise = ghost.rise, slope = ghost.slope;
 
     gathered g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     vf first;
@@ -81,7 +97,7 @@ WIDE __kernel void render_volume(__global const uchar *voxels, int4 dims, __glob
             float t = (float)n;
             vf value = sample_packet(voxels, dims, p, dn, t);
             vf alpha = clamp((value - window.x) * window.y, 0.0f, 1.0f);
-            if (to_steps.z > 0.0f) alpha *= clamp((t - rise) * to_steps.z, 0.0f, 1.0f);
+            if (to_steps.z > 0.0f) alpha *= clamp((t - rise) * slope, 0.0f, 1.0f);
             if (window.w != 1.0f) alpha = 1.0f - pow(1.0f - alpha, (vf)(window.w));
             alpha = select((vf)(0.0f), alpha, MASK((first <= t) & (g.end > t)));
             vf visible = (1.0f - g.opacity) * alpha;

@@ -166,6 +166,19 @@ AT(sv_ext_spline, reserved, 4);
 AT(sv_ext_spline, report, 8);
 SIZE(sv_ext_spline, 16);
 
+AT(sv_confidence_report, size, 0);
+AT(sv_confidence_report, fluid_threshold, 4);
+AT(sv_confidence_report, rays, 8);
+AT(sv_confidence_report, open_rays, 12);
+SIZE(sv_confidence_report, 16);
+
+AT(sv_ext_confidence, size, 0);
+AT(sv_ext_confidence, reserved, 4);
+AT(sv_ext_confidence, read, 8);
+AT(sv_ext_confidence, offered, 16);
+AT(sv_ext_confidence, write, 24);
+SIZE(sv_ext_confidence, 32);
+
 AT(sv_entry, abi_major, 0);
 AT(sv_entry, abi_minor, 4);
 AT(sv_entry, size, 8);

@@ -11,7 +11,8 @@
 #include <stdint.h>
 
 typedef struct {
-    const float *depth; /* NULL: unclipped */
+    const float *depth;      /* NULL: unclipped */
+    const float *confidence; /* NULL: all is sure */
     uint32_t width, height, slices;
 } ref_depthmap;
 
@@ -92,10 +93,20 @@ static inline double ref_depth(const ref_depthmap *map, double u, double v) {
     return finite ? depth : 0.0; /* an unknown depth clips nothing */
 }
 
-/* Eq. 3.25 as corrected: the opacity factor of sample n where the surface is at d_p steps. */
-static inline double ref_ghost(const hs_dvr_settings *s, double surface, double n, double *margin) {
-    double rise = surface - (double)s->ghost_offset;
-    if (s->ghost_width > 0.0f) return fmin(fmax((n - rise) / (double)s->ghost_width, 0.0), 1.0);
+/* The confidence under a pixel, by the same interpolation. */
+static inline double ref_confidence(const ref_depthmap *map, double u, double v) {
+    const ref_depthmap as_depth = {
+        .depth = map->confidence, .width = map->width, .height = map->height, .slices = map->slices};
+    return map->confidence ? ref_depth(&as_depth, u, v) : 1.0;
+}
+
+/* Eq. 3.25 as corrected, and with a window that grows towards the viewer where the confidence is low: the
+ * opacity factor of sample n where the surface is at d_p steps. */
+static inline double ref_ghost(const hs_dvr_settings *s, double surface, double confidence, double n,
+                               double *margin) {
+    double rise = surface - (double)s->ghost_offset, width = (double)s->ghost_width;
+    double growth = width * (double)s->ghost_doubt * (1.0 - confidence);
+    if (width > 0.0) return fmin(fmax((n - (rise - growth)) / (width + growth), 0.0), 1.0);
     *margin = fmin(*margin, fabs(n - (rise - 1e-3))); /* a sample on the surface is drawn */
     return n >= rise - 1e-3 ? 1.0 : 0.0;
 }
@@ -116,6 +127,7 @@ static inline ref_pixel ref_dvr_pixel(const hs_volume *volume, const hs_camera *
     double depth = map->depth ? ref_depth(map, u, v) : 0.0;
     if (depth != 0.0) pixel.margin = fmin(pixel.margin, fabs(depth));
     double surface = (depth + 0.5) / (map->depth ? map->slices : 1.0) * slices / step - 0.5;
+    double confidence = ref_confidence(map, u, v);
     double opacity = 0.0, light = 0.0;
     bool done = false;
     for (double n = 0.0; n < steps; n += 1.0) {
@@ -130,7 +142,7 @@ static inline ref_pixel ref_dvr_pixel(const hs_volume *volume, const hs_camera *
         double alpha = (value / 255.0 - (double)s->threshold_low) /
                        ((double)s->threshold_high - (double)s->threshold_low);
         alpha = fmin(fmax(alpha, 0.0), 1.0);
-        if (depth > 0.0) alpha *= ref_ghost(s, surface, n, &decision);
+        if (depth > 0.0) alpha *= ref_ghost(s, surface, confidence, n, &decision);
         alpha = 1.0 - pow(1.0 - alpha, step);
         light += (1.0 - opacity) * alpha * value;
         opacity += (1.0 - opacity) * alpha;

@@ -104,7 +104,7 @@ static void blit_scales_and_clips(void **state) {
 
     /* Bilinear by 3: target pixel 1, 4, 7 are the sources' centres, between them thirds of the way, edges
      * repeated. */
-    hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_BILINEAR);
+    hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_SMOOTH);
     static const int top[9] = {0, 0, 33, 67, 100, 133, 167, 200, 200};
     for (uint32_t x = 0; x < 9; x++) {
         assert_true(abs((int)(pixel(&p, x, 0) & 255) - top[x]) <= 1); /* weights are 256ths */
@@ -119,8 +119,32 @@ static void blit_scales_and_clips(void **state) {
     hs_picture_blit(&p, 8, 5, UINT32_MAX / 2, 1, &(hs_image){gray, 1, 1, 1}, HS_SCALE_NEAREST);
     assert_int_equal(pixel(&p, 8, 5), 0);
     static const uint8_t rgba[4] = {1, 2, 3, 0};
-    hs_picture_blit(&p, 3, 3, 1, 1, &(hs_image){rgba, 1, 1, 4}, HS_SCALE_BILINEAR);
+    hs_picture_blit(&p, 3, 3, 1, 1, &(hs_image){rgba, 1, 1, 4}, HS_SCALE_SMOOTH);
     assert_int_equal(pixel(&p, 3, 3), 0x010203); /* alpha does not count */
+    hs_picture_free(&p);
+}
+
+/* Where it becomes smaller every pixel is the mean of what it covers, parts of pixels included. */
+static void a_smaller_picture_does_not_alias(void **state) {
+    (void)state;
+    hs_error err = {0};
+    hs_picture p;
+    static const uint8_t gray[6] = {0, 90, 240, 30, 120, 60};
+    const hs_image image = {gray, 3, 2, 1};
+    assert_true(hs_picture_init(&p, 16, 16, 0, &err));
+    hs_picture_blit(&p, 0, 0, 2, 1, &image, HS_SCALE_SMOOTH);
+    /* Columns 0 .. 1.5 and 1.5 .. 3 of both rows: (0 + 30 + (90 + 120) / 2) / 3, (240 + 60 + 105) / 3. */
+    assert_int_equal(pixel(&p, 0, 0), 45 * 0x010101);
+    assert_int_equal(pixel(&p, 1, 0), 135 * 0x010101);
+    /* A board of single black and white pixels is grey, at every size below its own. */
+    static uint8_t board[64 * 64];
+    for (uint32_t i = 0; i < 64 * 64; i++) board[i] = (i + i / 64) % 2 ? 255 : 0;
+    for (uint32_t side = 1; side <= 16; side++) {
+        const double cells = 64.0 / side * 64.0 / side; /* in a pixel: at most one more of either colour */
+        hs_picture_blit(&p, 0, 0, side, side, &(hs_image){board, 64, 64, 1}, HS_SCALE_SMOOTH);
+        for (uint32_t i = 0; i < side * side; i++)
+            assert_true(fabs((double)(pixel(&p, i % side, i / side) & 255) - 127.5) <= 127.5 / cells + 0.5);
+    }
     hs_picture_free(&p);
 }
 
@@ -335,7 +359,7 @@ static void points_lie_over_the_mip(void **state) {
     hs_picture_free(&p);
 }
 
-static void signed_maps_and_labels_use_their_colours(void **state) {
+static void signed_maps_labels_and_shares_use_their_colours(void **state) {
     (void)state;
     float value[64] = {0};
     value[0] = 4.0f, value[1] = -2.0f, value[2] = NAN, value[3] = -4.0f;
@@ -353,6 +377,15 @@ static void signed_maps_and_labels_use_their_colours(void **state) {
     assert_true(hs_picture_labels(&p, label, 8, 8, &(hs_caption){"labels", NULL}, &err));
     for (uint8_t i = 0; i < 4; i++) assert_int_equal(map_pixel(&p, i, 0), hs_colour_label(i));
     assert_int_equal(hs_colour_label(3), HS_COLOUR_INVALID);
+    hs_picture_free(&p);
+    const hs_share_words shares = {"confidence", "sure", "unsure"};
+    float share[64] = {0};
+    share[0] = 1.0f, share[1] = 0.25f, share[2] = NAN, share[3] = 1.01f, share[4] = -0.01f;
+    assert_true(hs_picture_share(&p, share, 8, 8, &shares, &(hs_caption){"shares", NULL}, &err));
+    assert_int_equal(map_pixel(&p, 0, 0), hs_colour_viridis(1.0));
+    assert_int_equal(map_pixel(&p, 1, 0), hs_colour_viridis(0.25));
+    for (uint32_t i = 2; i < 5; i++) assert_int_equal(map_pixel(&p, i, 0), HS_COLOUR_INVALID);
+    assert_int_equal(map_pixel(&p, 5, 0), hs_colour_viridis(0.0));
     hs_picture_free(&p);
 }
 
@@ -386,6 +419,7 @@ int main(void) {
         cmocka_unit_test(the_diverging_map_is_white_in_the_middle),
         cmocka_unit_test(a_picture_has_limits),
         cmocka_unit_test(blit_scales_and_clips),
+        cmocka_unit_test(a_smaller_picture_does_not_alias),
         cmocka_unit_test(a_saved_png_reads_back),
         cmocka_unit_test(a_place_that_cannot_be_written_is_named),
         cmocka_unit_test(text_stays_in_its_place),
@@ -394,7 +428,7 @@ int main(void) {
         cmocka_unit_test(three_panels_make_1600_pixels),
         cmocka_unit_test(a_depthmap_shows_depths_and_what_clips_nothing),
         cmocka_unit_test(points_lie_over_the_mip),
-        cmocka_unit_test(signed_maps_and_labels_use_their_colours),
+        cmocka_unit_test(signed_maps_labels_and_shares_use_their_colours),
         cmocka_unit_test(odd_sizes_are_drawn),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -8,8 +8,7 @@ host_sim=$build/host_sim
 plugins=$build/tests/plugins
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
-checked=0
+. "$1/tests/support/holds.sh"
 
 # expect CODE WORDS ARGUMENTS...: host_sim ends with CODE, and stderr holds WORDS.
 expect() {
@@ -25,15 +24,6 @@ expect() {
     elif [ -n "$words" ] && ! grep -qF -- "$words" "$work/stderr"; then
         echo "FAIL: host_sim $*: stderr does not say '$words':"
         cat "$work/stderr"
-        failed=$((failed + 1))
-    fi
-}
-
-# Fails unless the command given succeeds.
-holds() {
-    checked=$((checked + 1))
-    if ! "$@"; then
-        echo "FAIL: $*"
         failed=$((failed + 1))
     fi
 }
@@ -69,6 +59,7 @@ expect 2 "--pitch: 361 is outside -360 .. 360" "${good[@]}" --pitch 361
 expect 2 "--t-low: 1.5 is outside 0 .. 1" "${good[@]}" --t-low 1.5
 expect 2 "--t-low 0.5 must be less than --t-high 0.5" "${good[@]}" --t-low 0.5 --t-high 0.5
 expect 2 "--carrier: 'tape' is none of host, buffer, image" "${good[@]}" --carrier tape
+expect 2 "--ghost-doubt" "${good[@]}" --ghost-doubt 16.5
 expect 2 "--setting: 'both' is none of dvr, convert, smartvis, all" "${good[@]}" --setting both
 expect 2 "--padding: 'some' is none of auto, none, all" "${good[@]}" --padding some
 expect 2 "--window: '7', expected LOW,HIGH" "${good[@]}" --window 7
@@ -123,6 +114,18 @@ expect 4 "no_such.so" list --plugin no_such.so
 rm -rf out
 expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=3
 holds cmp out/result.png full.png
+
+# A confidence that is none: said once, and the picture is the one without it.
+ghost=(--set depth=3 --ghost-offset 8 --ghost-width 8)
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" "${ghost[@]}"
+holds cp "$work/out/result.png" "$work/plain.png"
+expect 0 "sure_nan.so: confidence: 1 of " "${good[@]}" --plugin "$plugins/sure_nan.so" "${ghost[@]}" --frames 4
+holds [ "$(grep -c 'ghosting without the confidence map' "$work/stderr")" = 1 ]
+holds cmp "$work/out/result.png" "$work/plain.png"
+expect 0 "" "${good[@]}" --plugin "$plugins/sure_ramp.so" "${ghost[@]}"
+holds [ ! -s "$work/stderr" ]
+holds [ "$(cmp -s "$work/out/result.png" "$work/plain.png"; echo $?)" = 1 ]
+holds [ -s "$work/out/confidence.png" ]
 
 # ------------------------------------------------------------------------------ exit code 5: device
 export OCL_ICD_VENDORS=$work/no_drivers

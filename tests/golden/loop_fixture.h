@@ -81,11 +81,25 @@ static inline hs_loop_options options_with(const sv_param_value *values, uint32_
     return o;
 }
 
-static inline hs_loop *make_loop(const fixture *f, const hs_loop_options *options) {
+/* A plugin of the tests' own; the fixture's is plane.so. */
+static inline void open_plugin(hs_plugin *plugin, const char *name) {
+    char path[1024];
     hs_error err = {0};
-    hs_loop *loop = hs_loop_create(&f->cl, &f->source, &f->plugin, options, &err);
+    const char *build = getenv("SV_BUILD_DIR");
+    (void)snprintf(path, sizeof path, "%s/tests/plugins/%s.so", build ? build : ".", name);
+    if (!hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
+}
+
+static inline hs_loop *make_loop_of(const fixture *f, const hs_plugin *plugin,
+                                    const hs_loop_options *options) {
+    hs_error err = {0};
+    hs_loop *loop = hs_loop_create(&f->cl, &f->source, plugin, options, &err);
     if (!loop) fail_msg("%s", err.text);
     return loop;
+}
+
+static inline hs_loop *make_loop(const fixture *f, const hs_loop_options *options) {
+    return make_loop_of(f, &f->plugin, options);
 }
 
 static inline hs_view view_of(hs_loop *loop, uint32_t index) {

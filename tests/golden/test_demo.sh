@@ -4,15 +4,7 @@ set -u
 build=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
-
-# Fails unless the command given succeeds.
-holds() {
-    if ! "$@"; then
-        echo "FAIL: $*"
-        failed=$((failed + 1))
-    fi
-}
+. "$1/tests/support/holds.sh"
 
 # A file to stand for a real volume: a layer, fluid, and a bright ball behind it.
 mkdir "$work/data"
@@ -46,12 +38,14 @@ holds [ -s "$work/demo/hidden_layers_mha/truth.png" ]
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
 holds [ "$pictures" -eq $((4 * 7 + 6)) ]
-holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/png;base64,iVBORw0KGgo' "$page" | wc -l)" -eq "$pictures" ]
+holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"
-# The first picture, taken out of the page again, is the file.
-grep -o -m 1 'base64,[^"]*' "$page" | head -n 1 | cut -d , -f 2 | base64 -d > "$work/first.png"
-holds cmp "$work/first.png" "$work/demo/D01/full.png"
+# The first PNG, taken out of the page again, is the file; renderings are JPEG, whole ones: they end with its mark.
+grep -o -m 1 'png;base64,[^"]*' "$page" | head -n 1 | cut -d , -f 2 | base64 -d > "$work/first.png"
+holds cmp "$work/first.png" "$work/demo/D01/depthmap.png"
+grep -o -m 1 'jpeg;base64,[^"]*' "$page" | head -n 1 | cut -d , -f 2 | base64 -d > "$work/first.jpeg"
+holds [ "$(tail -c 2 "$work/first.jpeg" | od -An -tx1)" = " ff d9" ]
 # Tags are balanced.
 for tag in figure figcaption div table details pre p h2; do
     holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]

@@ -5,15 +5,7 @@ set -u
 build=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
-
-# Fails unless the command given succeeds.
-holds() {
-    if ! "$@"; then
-        echo "FAIL: $*"
-        failed=$((failed + 1))
-    fi
-}
+. "$1/tests/support/holds.sh"
 
 # code WANTED ARGUMENTS...: the exit code of host_sim report; its output is in $work/stdout and stderr.
 code() {
@@ -48,21 +40,40 @@ holds [ $? -eq 0 ]
 lowest=$(tail -n +3 "$work/whole/space_E04.csv" | cut -d , -f 6 | sort -g | head -n 1)
 holds [ "$(printf %.2f "$lowest")" = "$(grep '^E04' "$work/whole/best.csv" | cut -d , -f 6)" ]
 
+# --- another method beside: the CSV holds a head, two cases and their means; its pictures are there
+holds [ "$(wc -l < "$work/whole/beside.csv")" -eq 4 ]
+for picture in knob other knob_error other_error confidence ghost; do
+    for case in E04 D01; do holds [ -s "$work/whole/$case/beside_$picture.png" ]; done
+done
+holds grep -q '<h2>cost beside mean</h2>' "$page"
+# The last column but one is the ratio of columns 10 and 4, and the mean's that of the means, as far as two digits tell.
+sed 's/"[^"]*"/x/g' "$work/whole/beside.csv" | awk -F, '
+    NR > 1 && ($13 - $10 / $4 > 0.02 || $10 / $4 - $13 > 0.02) { bad = 1 }
+    NR == 2 || NR == 3 { sum += $10 / 2 }
+    NR == 4 && (sum - $10 > 0.011 || $10 - sum > 0.011) { bad = 1 }
+    # No map does better than the true surface.
+    NR > 1 && ($14 > $4 || $14 > $10) { bad = 1 } END { exit bad }'
+holds [ $? -eq 0 ]
+# The knob that is best for all is not worse than the default, and nothing tuned on the space is better than Table 5.2.
+holds [ "$(awk -F, 'NR == 4 && $4 <= $2' <(sed 's/"[^"]*"/x/g' "$work/whole/beside.csv") | wc -l)" -eq 1 ]
+# The ghosted rendering is another one.
+holds [ "$(cmp -s "$work/whole/E04/beside_ghost.png" "$work/whole/E04/beside_other.png"; echo $?)" = 1 ]
+
 # --- the page: self-contained, every picture with a text, balanced tags, figures with titles
 pictures=$(grep -o '<img ' "$page" | wc -l)
 holds [ "$pictures" -ge $((2 * (5 + 7))) ]
-holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/png;base64,iVBORw0KGgo' "$page" | wc -l)" -eq "$pictures" ]
+holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<link\|url(\|src="[^d]' "$page")" -eq 0 ]
 for tag in figure figcaption div table svg title g h2 h3 p label script; do
     holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
 done
-# Figures 5.7 (one a case), 5.8, 5.19, 5.20, 5.21.
-holds [ "$(grep -c '<svg class="plot" [^>]*role="img" aria-label="[^"]' "$page")" -eq 6 ]
+# Figures 5.7 (one a case), 5.8, 5.19, 5.20, 5.21, and two legends.
+holds [ "$(grep -c '<svg class="plot" [^>]*role="img" aria-label="[^"]' "$page")" -eq 8 ]
 holds [ "$(sed 's/base64,[^"]*//g' "$page" | grep -c 'nan\|inf<')" -eq 0 ]
 
 # --- a run that was ended goes on; shards, in any order, give the same files
 holds cp -r "$work/whole" "$work/again"
-code 0 "${small[@]}" --out "$work/again" --frames 0
+code 0 "${small[@]}" --out "$work/again" --frames 0 --beside none
 holds cmp "$work/whole/space_E04.csv" "$work/again/space_E04.csv"
 code 0 "${small[@]}" --out "$work/shards" --shard 2/2
 holds [ ! -e "$work/shards/index.html" ]
@@ -80,6 +91,8 @@ code 0 "${small[@]}" --out "$work/zeros" --plugin "$build/tests/plugins/zeros.so
 awk -F, 'FNR > 1 && $6 != $11 { bad = 1 } END { exit bad }' "$work/zeros/best.csv"
 holds [ $? -eq 0 ]
 holds grep -q '^E04,-,-,-,-,' "$work/zeros/best.csv"
+# It has no method to set beside.
+holds [ ! -e "$work/zeros/beside.csv" ]
 # A plane has a knob, its depth, that no adjust takes.
 code 0 "${small[@]}" --out "$work/plane" --plugin "$build/tests/plugins/plane.so" --frames 0
 holds [ "$(wc -l < "$work/plane/space_E04.csv")" -eq $((7 + 2)) ]
@@ -107,6 +120,11 @@ holds [ "$(value "$plane depth=1000" 3)" = "$(value "$plane depth=0" 3)" ]
 holds [ "$(value "$build/tests/plugins/zeros.so" 3)" = "$(value "$build/tests/plugins/zeros.so" 2)" ]
 holds [ "$(wc -l < "$work/compare/compare.csv")" -eq $((1 + 5 * 2 * 2)) ]
 holds grep -q '(spread [0-9.]*) \*' "$work/compare/index.html"
+# Every case in pictures: full volume, ground truth, and five methods.
+holds [ "$(grep -o '<img ' "$work/compare/index.html" | wc -l)" -eq $((2 * (2 + 5))) ]
+for picture in full truth method_1 method_5; do holds [ -s "$work/compare/D01/$picture.png" ]; done
+# A map of zeros shows the full volume.
+holds cmp "$work/compare/D01/method_2.png" "$work/compare/D01/full.png"
 
 # --- files with a ground truth: a scene's own, with a label map that says "fetus" everywhere
 label() { # label NAME CHARACTER: one slice of 48 x 48 labels
@@ -137,6 +155,8 @@ code 2 --case E01 extra
 code 2 --size 8
 code 2 --merge --shard 1/2
 code 2 --quick --case D01 --out "$work/bad" --set kernel=4
+code 2 --quick --case D01 --out "$work/bad" --beside method=nothing
+holds grep -q 'nothing' "$work/stderr"
 code 3 --quick --case nowhere --out "$work/bad"
 code 4 --quick --case D01 --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so"
 code 6 --quick --case D01 --out /dev/null/report

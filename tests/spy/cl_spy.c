@@ -185,6 +185,10 @@ ENQUEUE_CALL(clEnqueueReadBufferRect, block,
               const size_t *region, size_t row, size_t slice, size_t host_row, size_t host_slice, void *host,
               cl_uint n, const cl_event *wait, cl_event *event),
              (q, m, block, from, to, region, row, slice, host_row, host_slice, host, n, wait, event))
+ENQUEUE_CALL(clEnqueueCopyBuffer, false,
+             (cl_command_queue q, cl_mem from, cl_mem to, size_t at, size_t offset, size_t size, cl_uint n,
+              const cl_event *wait, cl_event *event),
+             (q, from, to, at, offset, size, n, wait, event))
 ENQUEUE_CALL(clEnqueueCopyImageToBuffer, false,
              (cl_command_queue q, cl_mem image, cl_mem buffer, const size_t *from, const size_t *region,
               size_t offset, cl_uint n, const cl_event *wait, cl_event *event),

@@ -6,10 +6,13 @@
  *   TP_ENTRY_SIZE    the entry's size
  *   TP_CREATE        what create returns
  *   TP_SLAB          the instance's slab
+ *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
  */
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>
+#include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -91,7 +94,8 @@ typedef struct {
     double values[PARAM_COUNT + 1]; /* of the frame under way */
     uint64_t frame;
     uint32_t next_slice;
-    float *map; /* width * height; the host's queue copies from here */
+    float *map;  /* width * height; the host's queue copies from here */
+    float *sure; /* the same for the confidence */
     char reason[160];
 } plane;
 
@@ -130,7 +134,8 @@ static sv_status fail_here(plane *p, int call, const char *name) {
 static void plane_deactivate(const sv_plugin *plugin) {
     plane *p = plugin->plugin_data;
     free(p->map);
-    p->map = NULL;
+    free(p->sure);
+    p->map = p->sure = NULL;
 }
 
 static void plane_destroy(const sv_plugin *plugin) {
@@ -146,7 +151,8 @@ static sv_status plane_activate(const sv_plugin *plugin, const sv_format *format
     if (status != SV_OK) return status;
     p->format = *format;
     p->map = calloc((size_t)format->width * format->height, sizeof(float));
-    return p->map ? SV_OK : SV_ERR_NO_MEMORY;
+    p->sure = calloc((size_t)format->width * format->height, sizeof(float));
+    return p->map && p->sure ? SV_OK : SV_ERR_NO_MEMORY;
 }
 
 static sv_status plane_begin(const sv_plugin *plugin, const sv_frame *frame) {
@@ -247,8 +253,51 @@ static const char *plane_last_error(const sv_plugin *plugin) {
     return ((const plane *)plugin->plugin_data)->reason;
 }
 
+#ifdef TP_CONFIDENCE
+enum { TP_SURE_RAMP = 1, TP_SURE_FULL, TP_SURE_FAILS, TP_SURE_NAN, TP_SURE_ABOVE, TP_SURE_OLD, TP_SURE_NONE };
+
+static uint32_t confidence_offered(const sv_plugin *plugin) {
+    (void)plugin;
+    return TP_CONFIDENCE != TP_SURE_NONE;
+}
+
+static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
+                                  uint64_t offset) {
+    plane *p = plugin->plugin_data;
+    const uint32_t width = p->format.width, rays = width * p->format.height;
+    for (uint32_t i = 0; i < rays; i++)
+        p->sure[i] = TP_CONFIDENCE == TP_SURE_FULL ? 1.0f : (float)(i % width) / (float)(width - 1);
+    if (TP_CONFIDENCE == TP_SURE_NAN) p->sure[rays / 2] = NAN;
+    if (TP_CONFIDENCE == TP_SURE_ABOVE) p->sure[0] = p->sure[rays - 1] = 1.001f;
+    if (TP_CONFIDENCE == TP_SURE_FAILS) {
+        (void)snprintf(p->reason, sizeof p->reason, "is never sure, on purpose");
+        return SV_ERR_INTERNAL;
+    }
+    if (map) memcpy(map, p->sure, rays * sizeof *map);
+    if (object && clEnqueueWriteBuffer(p->format.queue, object, CL_FALSE, offset, rays * sizeof(float),
+                                       p->sure, 0, NULL, NULL) != CL_SUCCESS)
+        return SV_ERR_OPENCL;
+    return SV_OK;
+}
+
+static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
+    (void)out;
+    return map ? confidence_write(plugin, map, NULL, 0) : SV_ERR_STATE;
+}
+
+/* An older plugin's table ends after `read`. */
+static const sv_ext_confidence ext_confidence = {
+    .size = TP_CONFIDENCE == TP_SURE_OLD ? offsetof(sv_ext_confidence, offered) : sizeof ext_confidence,
+    .read = confidence_read,
+    .offered = confidence_offered,
+    .write = confidence_write};
+#endif
+
 static const void *plane_get_extension(const sv_plugin *plugin, const char *id) {
     (void)plugin;
+#ifdef TP_CONFIDENCE
+    if (strcmp(id, SV_EXT_CONFIDENCE) == 0) return &ext_confidence;
+#endif
     (void)id;
     return NULL;
 }
