@@ -121,7 +121,7 @@ static void along(const uint16_t *from, uint16_t *to, size_t all, size_t stride,
 bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, uint16_t *sums,
                             uint16_t *nearby) {
     const size_t plane = (size_t)l->columns * l->rows, all = plane * l->labels;
-    uint16_t *a = malloc(all * sizeof *a), *b = malloc(all * sizeof *b);
+    uint16_t *a = calloc(all, sizeof *a), *b = calloc(all, sizeof *b);
     if (a && b) {
         for (size_t i = 0; i < all; i++) a[i] = bins[i];
         along(a, b, all, 1, l->columns, 1, true);
