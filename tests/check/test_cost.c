@@ -64,7 +64,7 @@ static void compare(rig *r, const shape *s, const uint8_t *volume, float q, cons
     }
     print_message(
         "%-28s %3u x %3u x %3u, slabs of %2u: error %.1e slices, T_L %u, %u of %zu pixels at a tie%s\n", what,
-        s->width, s->height, s->slices, s->slab_slices, error, facts.level, facts.ties, count,
+        s->width, s->height, s->slices, s->slab_slices, error, facts.levels.fluid, facts.ties, count,
         wanted ? "" : ", no surface");
     assert_true(error <= BOUND);
     assert_true(facts.ties * 4 <= count || !wanted); /* or the test would say little */
@@ -154,7 +154,7 @@ static void test_confidence(void **state) {
         if (!tie[i]) assert_true(fabs((double)map[i] - maps[2][i]) < 1e-3);
     assert_int_equal(report.rays, facts.rays);
     assert_int_equal(report.open_rays, facts.open);
-    assert_true(fabs((double)report.fluid_threshold * 255.0 - facts.level) < 1e-3);
+    assert_true(fabs((double)report.fluid_threshold * 255.0 - facts.levels.fluid) < 1e-3);
     r->plugin->deactivate(r->plugin);
     rig_textures_free(t);
     rig_result_free(&out);
@@ -257,8 +257,8 @@ static void test_gain(void **state) {
         assert_true(sv_ref_cost_surface(&v, maps[g][0], maps[g][1], maps[g][2], NULL, &facts));
         double change = 0.0;
         for (size_t i = 0; i < COUNT; i++) change += fabs(maps[g][0][i] - maps[0][0][i]) / COUNT;
-        print_message("gain %.1f: T_L %u, mean change of the surface %.2f slices\n", gains[g], facts.level,
-                      change);
+        print_message("gain %.1f: T_L %u, mean change of the surface %.2f slices\n", gains[g],
+                      facts.levels.fluid, change);
         assert_true(change < 1.0);
     }
     free(louder);
