@@ -34,7 +34,7 @@ typedef struct {
                                        fetus */
     float16 parted[SV_COST_LABELS]; /* the same of its part behind the bone's front */
     float16 cost[SV_COST_LABELS];   /* summed over the rays so far */
-} walk_t;
+} bins16_t;
 
 static short16 load_bin(const rays_t *r, uint bin) {
     return convert_short16(vload16(0, r->bins + bin * r->plane));
@@ -63,7 +63,8 @@ static void walk_fluid(const cost_layout *l, const rays_t *r, short16 *fluid) {
 
 /* The intervals: `fluid` becomes a mask, `light` the brightest nearby in the run of tissue so far. */
 static void walk_intervals(const cost_layout *l, rays_t *r, short16 *fluid, short16 *light) {
-    const short16 none = (short16)(0), from = max(r->wall - (short)l->solid, none);
+    const short16 none = (short16)(0);
+    const short16 from = select((short16)(FAR_AWAY), max(r->wall - (short)l->solid, none), r->wall > none);
     short16 before = none, inside = none, most = none, longest = none;
     r->first = (short16)(FAR_AWAY);
     r->touching = r->open0 = r->open1 = none;
@@ -73,7 +74,7 @@ static void walk_intervals(const cost_layout *l, rays_t *r, short16 *fluid, shor
         const short16 opens =
             (length > none) & (before == none) & (~fresh | (length >= (short16)((short)l->gap)));
         if (any(opens & fresh)) {
-            const short16 touches = opens & fresh & (r->wall > none) & (at > r->wall + (short)l->contact);
+            const short16 touches = opens & fresh & (at > r->wall + (short)l->contact);
             r->touching |= touches;
             r->first = select(select(r->first, at, opens & fresh), r->wall - (short)1, touches);
             r->open0 = select(r->open0, r->first, opens & fresh);
@@ -133,7 +134,7 @@ static float16 judge_part(const cost_layout *l, const part_t *p, float unit, sho
 
 /* From the back: how sure every run is the fetus. `unit`: 1 over the sum that tissue of mean brightness has;
  * `bone`: a sum from which on tissue is bone. */
-static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, walk_t *w) {
+static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, bins16_t *w) {
     const short16 none = (short16)(0);
     part_t all = {none, none, none}, front = all, rear = all;
     short16 most = none, inside = none, seen = none, place = (short16)(-1), away = (short16)(FAR_AWAY);
@@ -193,7 +194,7 @@ static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, w
 }
 
 /* Adds the costs of 16 rays. */
-static void walk_costs(const cost_layout *l, const rays_t *r, walk_t *w) {
+static void walk_costs(const cost_layout *l, const rays_t *r, bins16_t *w) {
     const float16 per_bin = (float16)(1.0f / (SV_COST_TAU * l->scale));
     const int16 is_open = convert_int16(r->first != (short16)(FAR_AWAY));
     const float16 other = select((float16)(0.0f), SV_COST_OTHER * r->none, is_open);
@@ -272,7 +273,7 @@ __kernel void cost_gather(cost_layout l, __global const uchar *restrict bins,
     r.level = (short16)((short)info[SV_COST_INFO_LEVEL]);
     for (size_t i = 0; i < (size_t)l.cells_x * SV_COST_VALUES; i++) cells[i] = 0.0f;
     for (uint x = 0; x < l.columns; x += SV_LANES) {
-        walk_t w;
+        bins16_t w;
         float16 weight = (float16)(0.0f), open = weight;
         const uint lanes = min((uint)SV_LANES, l.columns - x);
         r.wall = cells_of(&l, wall, x);

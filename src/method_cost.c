@@ -14,7 +14,6 @@ enum {
     K_SURVEY,
     K_LEVEL,
     K_SUMS,
-    K_NEARBY_ROWS,
     K_NEARBY,
     K_WALLS_OWN,
     K_WALLS,
@@ -26,15 +25,13 @@ enum {
     K_LEAVE
 };
 static const char *const kernels[] = {
-    "cost_bins",   "cost_survey",    "cost_level",  "cost_sums",   "cost_nearby_rows",
-    "cost_nearby", "cost_walls_own", "cost_walls",  "cost_gather", "cost_decide",
-    "cost_blur",   "cost_minimum",   "cost_median", "cost_leave",  NULL};
+    "cost_bins",   "cost_survey", "cost_level", "cost_sums",    "cost_nearby", "cost_walls_own", "cost_walls",
+    "cost_gather", "cost_decide", "cost_blur",  "cost_minimum", "cost_median", "cost_leave",     NULL};
 enum {
     BINS,
     PARTIAL,
-    SUMS,   /* brightness of every bin with its neighbours */
-    NEARBY, /* the largest of those nearby */
-    SCRATCH,
+    SUMS,       /* brightness of every bin with its neighbours */
+    NEARBY,     /* the largest of those nearby */
     OWN,        /* wall and back of every cell by itself */
     WALLS,      /* the same of its neighbourhood */
     HISTOGRAMS, /* 256 words a row of cells */
@@ -72,7 +69,6 @@ static sv_status create(sv_pipeline *p, sv_method_state *s) {
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
                             [SUMS] = bins * sizeof(cl_ushort),
                             [NEARBY] = bins * sizeof(cl_ushort),
-                            [SCRATCH] = bins * sizeof(cl_ushort),
                             [OWN] = 2 * cells,
                             [WALLS] = 2 * cells,
                             [HISTOGRAMS] = 256 * (size_t)l.cells_y * sizeof(cl_uint),
@@ -132,7 +128,7 @@ static sv_status slab(sv_pipeline *p, sv_method_state *s, cl_mem buffer, uint64_
     return sv_launch_items(&l, layout_of(c).rows, SV_STAGE_PROFILE);
 }
 
-typedef enum { ONCE, ROWS_OF_RAYS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
+typedef enum { ONCE, LABELS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
 
 /* Arguments besides the method's buffers: the first three before them, the others behind. */
 enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16 };
@@ -146,9 +142,8 @@ static const struct {
 } launches[] = {
     {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
     {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
-    {K_SUMS, 0, ROWS_OF_RAYS, SV_STAGE_THRESHOLD, {BINS, SUMS, -1}},
-    {K_NEARBY_ROWS, 0, ROWS_OF_RAYS, SV_STAGE_THRESHOLD, {SUMS, SCRATCH, -1}},
-    {K_NEARBY, 0, ROWS_OF_RAYS, SV_STAGE_THRESHOLD, {SCRATCH, NEARBY, -1}},
+    {K_SUMS, 0, LABELS, SV_STAGE_THRESHOLD, {BINS, SUMS, -1}},
+    {K_NEARBY, 0, LABELS, SV_STAGE_THRESHOLD, {SUMS, NEARBY, -1}},
     {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
     {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
     {K_GATHER, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {BINS, SUMS, NEARBY, WALLS, INFO, VOLUME, COUNTS, -1}},
@@ -167,7 +162,7 @@ static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
     const sv_ref_cost_layout layout = layout_of(&p->config);
     const size_t count[] = {[ONCE] = 1,
-                            [ROWS_OF_RAYS] = layout.rows,
+                            [LABELS] = layout.labels,
                             [ROWS_OF_CELLS] = layout.cells_y,
                             [ROWS_OF_PIXELS] = layout.height};
     const cl_float memory = (cl_float)p->values.of[SV_PARAM_MEMORY];

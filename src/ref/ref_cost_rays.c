@@ -53,15 +53,16 @@ static bool read_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row
     return scanned;
 }
 
-/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. */
+/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. No wall,
+ * no interval. */
 static void find_runs(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
     uint32_t bin = r->wall > l->solid ? r->wall - l->solid : 0;
-    while (bin < r->labels) {
+    while (r->wall > 0 && bin < r->labels) {
         uint32_t end = bin;
         while (end < r->labels && r->fluid[end]) end++;
         if (end - bin >= (r->count ? 1 : l->gap)) {
-            if (r->count == 0 && r->wall > 0 && bin > r->wall + l->contact)
+            if (r->count == 0 && bin > r->wall + l->contact)
                 r->run[r->count++] = (run_t){.fluid = r->wall - 1, .start = r->wall, .touching = true};
             if (r->count) r->run[r->count - 1].end = bin;
             r->run[r->count++] = (run_t){.fluid = bin, .start = end, .end = r->labels};
