@@ -25,6 +25,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .float32 = values->of[SV_PARAM_PRECISION] == SV_PRECISION_FLOAT32,
                    .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
                    .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
+                   .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
                    .host_memory = f->host_memory,
                    .host_memory_bytes = f->host_memory_bytes};
     return c;

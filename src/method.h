@@ -4,6 +4,8 @@
  *
  *     ray states -> chain_gather -> maps -> [minimum filter, n passes] -> maps -> method -> surfaces -> S(q)
  *
+ * At a reduced resolution chain_cells takes the place of chain_gather, and chain_spread follows the method.
+ *
  * Linear methods run once for the near and once for the far ends, before q is known, and S(q) is one
  * multiply-add per pixel. The minimum filter, and every chain with it, is not linear: q is applied to the
  * points first, and another q means another run. Then the first surface plane holds the result and the second
@@ -73,8 +75,13 @@ typedef struct {
     bool doubles;    /* the solvers compute in float64 */
     sv_method_state state, filter; /* of the method, of the pre-filter */
     sv_kernel_set gather;
-    cl_mem maps; /* near and far plane: float32 depth at initial points, INFINITY elsewhere */
+    cl_mem maps; /* near and far plane: float32 depth at initial points, INFINITY elsewhere; and a plane of
+                    how many points a point stands for: 1, or those of a cell */
 } sv_chain;
+
+/* Where the methods work: the frame's own map, or the smaller one of a reduced resolution, which is a
+ * pipeline of its own with a part of the buffers. A method sees only the pipeline it is given. */
+struct sv_pipeline *sv_chain_map(struct sv_pipeline *pipeline);
 
 /* Most commands that one frame enqueues between points and surfaces. */
 uint32_t sv_chain_commands(const struct sv_config *config);

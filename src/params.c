@@ -88,6 +88,11 @@ static const struct {
      "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at "
      "most 64 points in a spline.",
      0.0, 1.0, 0.0, 1.0, SV_PRECISION_FLOAT64, 1.0, precisions},
+    {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
+     "Reduced resolution", "pixels",
+     "The surface is made on cells of this many by as many pixels and interpolated: faster, less exact; 1: "
+     "on pixels. Wants a fill weight above 0. Method cost ignores it, having cells of its own.",
+     1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
      "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
      "once.",

@@ -120,7 +120,8 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow
                        .carrier = SV_CARRIER_HOST,
                        .padding = config->padding,
                        .substeps = config->substeps,
-                       .strategy = config->strategy};
+                       .strategy = config->strategy,
+                       .reduction = 1};
     bench *b = calloc(1, sizeof *b);
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     sv_values values;

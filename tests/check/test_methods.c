@@ -11,19 +11,6 @@
 
 #include <cmocka.h>
 
-/* `count` points anywhere, near and far ends anywhere in the volume. */
-static surface_points scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count,
-                                uint32_t seed) {
-    surface_points p = surface_points_make(width, height, slices);
-    uint32_t random = seed * 2654435761u + 1;
-    for (uint32_t n = 0; n < count; n++) {
-        const uint32_t x = surface_random(&random) % width, y = surface_random(&random) % height;
-        const uint32_t far_end = 1 + surface_random(&random) % (slices - 1);
-        surface_put(&p, x, y, surface_random(&random) % far_end, far_end);
-    }
-    return p;
-}
-
 /* Runs a chain and holds it to its definition; prints what docs/numerics.md quotes. */
 static void check(rig *r, const surface_points *points, const surface_chain *chain, double bound,
                   const char *what) {
@@ -48,7 +35,7 @@ static void test_definition(void **state) {
     for (int method = MINIMUM; method < METHODS; method++)
         for (uint32_t n = 0; n < 3; n++) {
             const uint32_t pixels = sizes[n][0] * sizes[n][1];
-            surface_points p = scattered(sizes[n][0], sizes[n][1], 60, pixels / 20, 5 + n);
+            surface_points p = surface_scattered(sizes[n][0], sizes[n][1], 60, pixels / 20, 5 + n);
             const surface_chain chain = {.method = method, .q = 0.25f, .k = 11};
             check(*state, &p, &chain, surface_bound(&chain, 60), "5 % of the pixels");
             surface_points_free(&p);
@@ -57,7 +44,7 @@ static void test_definition(void **state) {
 
 /* Whatever lays out the points' work, the methods get the same points. */
 static void test_layouts(void **state) {
-    surface_points p = scattered(70, 45, 60, 150, 61);
+    surface_points p = surface_scattered(70, 45, 60, 150, 61);
     for (int method = MEAN; method < METHODS; method++)
         for (uint32_t strategy = 1; strategy <= 3; strategy++) {
             const surface_chain chain = {.method = method,
@@ -74,7 +61,7 @@ static void test_layouts(void **state) {
 /* q > 1: depths below 0 must come through. */
 static void test_negative_depths(void **state) {
     for (int method = MEAN; method < METHODS; method++) {
-        surface_points p = scattered(48, 40, 60, 60, 11);
+        surface_points p = surface_scattered(48, 40, 60, 60, 11);
         const surface_chain chain = {.method = method, .q = 1.5f, .k = 9};
         check(*state, &p, &chain, surface_bound(&chain, 60), "q = 1.5");
         surface_points_free(&p);
@@ -85,7 +72,7 @@ static void test_negative_depths(void **state) {
 static void test_prefilter(void **state) {
     for (int method = MEAN; method < METHODS; method++)
         for (uint32_t passes = 1; passes <= 3; passes += 2) {
-            surface_points p = scattered(50, 37, 60, 150, 23);
+            surface_points p = surface_scattered(50, 37, 60, 150, 23);
             const surface_chain chain = {
                 .method = method, .q = 1.25f, .k = 9, .prefilter_passes = passes, .prefilter_k = 7};
             check(*state, &p, &chain, surface_bound(&chain, 60), "behind the pre-filter, q = 1.25");
@@ -95,7 +82,7 @@ static void test_prefilter(void **state) {
 
 /* What a parameter of one method changes. */
 static void test_settings(void **state) {
-    surface_points p = scattered(64, 48, 60, 120, 31);
+    surface_points p = surface_scattered(64, 48, 60, 120, 31);
     const surface_chain chains[] = {
         {.method = SPLINE, .lambda = 250.0},
         {.method = SPLINE, .merge_grid = 8},
@@ -114,7 +101,7 @@ static void test_settings(void **state) {
 
 /* The plate needs most steps where it is tied down hardest: few points and the largest weight. */
 static void test_plate_hardest(void **state) {
-    surface_points p = scattered(128, 96, 60, 12, 41);
+    surface_points p = surface_scattered(128, 96, 60, 12, 41);
     const surface_chain sparse = {.method = PLATE}, tied = {.method = PLATE, .data_weight = 10.0};
     check(*state, &p, &sparse, 1e-3, "12 points");
     check(*state, &p, &tied, 1e-3, "12 points, data weight 10");
@@ -129,7 +116,7 @@ static void test_steps(void **state) {
         double bound;
     } wanted[] = {
         {MEMBRANE, 4, 0.02}, {MEMBRANE, 8, 1e-3}, {PLATE, 12, 1.0}, {PLATE, 18, 0.02}, {PLATE, 24, 1e-3}};
-    surface_points p = scattered(128, 96, 60, 128 * 96 / 33, 51);
+    surface_points p = surface_scattered(128, 96, 60, 128 * 96 / 33, 51);
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         const surface_chain chain = {.method = wanted[i].method, .solver_steps = wanted[i].steps};
         char what[40];
@@ -189,7 +176,7 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
 }
 
 static void test_adjust(void **state) {
-    surface_points p = scattered(40, 33, 60, 70, 3);
+    surface_points p = surface_scattered(40, 33, 60, 70, 3);
     for (int method = MEAN; method < METHODS; method++)
         for (int prefilter = 0; prefilter < 2; prefilter++) check_adjust(*state, &p, method, prefilter);
     surface_points_free(&p);

@@ -19,7 +19,8 @@ typedef struct {
     uint32_t merge_grid, spline_grid;
     uint32_t solver_steps; /* 0: the method's own number */
     bool float32;
-    uint32_t strategy; /* work layout; 0: auto */
+    uint32_t reduction; /* 0: 1 */
+    uint32_t strategy;  /* work layout; 0: auto */
     float q;
 } surface_chain;
 
@@ -34,6 +35,13 @@ surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t sli
 void surface_points_free(surface_points *points);
 /* 0 <= near < far < slices. */
 void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end);
+
+/* `count` points anywhere, near and far ends anywhere in the volume. */
+surface_points surface_scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count,
+                                 uint32_t seed);
+/* What bones give: about 3 % of the pixels, in round patches with wide gaps between. Far ends vary smoothly
+ * within a patch, and from patch to patch by half of the slices. */
+surface_points surface_patches(uint32_t width, uint32_t height, uint32_t slices, uint32_t seed);
 
 /* A volume whose initial points are these, with T_B = 0.74 and T_L as by default. */
 uint8_t *surface_volume(const surface_points *points);
