@@ -44,7 +44,8 @@ static const char help[] =
     "  --points FILE    write the initial points of the one --size as lines 'x y near far', and end\n"
     "  --help           this text\n\n"
     "Variants: k, the mean and minimum filter's window; m, cells per side that a spline's points are merged\n"
-    "on; grid or g, cells per side it is evaluated on (pixels: every pixel); f32, solver in float32.\n"
+    "on; grid or g, cells per side it is evaluated on (pixels: every pixel); f32, solver in float32; int16,\n"
+    "16-bit planes; 1/2 and 1/4, reduced resolution. Errors are those against the full one.\n"
     "Exit codes as host_sim's; 1: the plugin finds other initial points, or no surface.\n";
 
 static bool parse_size(options *o, const char *text, hs_error *err) {

@@ -70,11 +70,10 @@ static sv_status rays_pass(sv_pipeline *p, uint32_t pass) {
 static sv_status enter(sv_pipeline *p, const sv_method_state *s, uint32_t planes) {
     sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_ENTER], "mean_enter");
     sv_launch_arg(&l, sizeof p->job, &p->job);
-    sv_launch_uint(&l, p->program == p->wide);
+    sv_launch_uint(&l, p->config.half_sums ? 16 : p->program == p->wide ? 64 : 32);
     sv_launch_uint(&l, planes);
     sv_launch_buffer(&l, p->chain.maps);
-    sv_launch_buffer(&l, p->buffers.sums_a);
-    sv_launch_buffer(&l, p->buffers.sums_a);
+    for (int type = 0; type < 3; type++) sv_launch_buffer(&l, p->buffers.sums_a);
     return sv_launch_pixels(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
 }
 

@@ -49,8 +49,8 @@ enum {
     SV_METHOD_COST = 6,
     SV_METHOD_COUNT
 };
-/* Numbers that the solvers (spline, membrane, plate) compute with. */
-enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1 };
+/* Numbers that the solvers (spline, membrane, plate) compute with, or that the mean filter keeps. */
+enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
 enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
 
 /* Values by id; [0] is unused. */

@@ -30,9 +30,15 @@ static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
     return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
 }
 
+/* A frame's fixed-point format. */
+static sv_ref_fixed format_of(const sv_config *c, uint32_t k, uint32_t weight_initial) {
+    return c->half_sums ? sv_ref_half_format(c->slices, weight_initial)
+                        : sv_ref_fixed_format(c->width, c->height, c->slices, k, weight_initial);
+}
+
 bool sv_pipeline_needs_wide(const sv_config *c) {
     for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
-        if (sv_ref_fixed_format(c->width, c->height, c->slices, k, 4).wide) return true;
+        if (format_of(c, k, 4).wide) return true;
     return false;
 }
 
@@ -166,7 +172,7 @@ static void choose_format(sv_pipeline *p) {
     const sv_config *c = &p->config;
     sv_job *j = &p->job;
     j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
-    const sv_ref_fixed format = sv_ref_fixed_format(c->width, c->height, c->slices, j->k, j->weight_initial);
+    const sv_ref_fixed format = format_of(c, j->k, j->weight_initial);
     j->fraction = format.fraction;
     p->program = format.wide ? p->wide : p->narrow;
 }

@@ -22,6 +22,7 @@ typedef struct sv_config {
     uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */
     uint32_t merge_grid, spline_grid;
     uint32_t reduction; /* pixels along a side of the cells that the method works on; 1: pixels */
+    bool half_sums;     /* mean filter: planes of 16 bits between passes */
     bool float32;       /* the solvers do without float64 even where the device has it */
     const void *host_memory;
     uint64_t host_memory_bytes;

@@ -51,8 +51,15 @@ sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slice
            (window * (depth << fraction) > UINT32_MAX || (depth << fraction) >= 1u << QUOTIENT_BITS))
         fraction--;
     if (fraction < MIN_FRACTION || drifts(k, sv_ref_pass_limit(width, height, k), fraction))
-        return (sv_ref_fixed){WIDE_FRACTION, true};
-    return (sv_ref_fixed){fraction, false};
+        return (sv_ref_fixed){.fraction = WIDE_FRACTION, .wide = true};
+    return (sv_ref_fixed){.fraction = fraction};
+}
+
+sv_ref_fixed sv_ref_half_format(uint32_t slices, uint32_t weight_initial) {
+    const uint32_t depth = (slices > 1 ? slices - 1 : 1) * weight_initial;
+    uint32_t fraction = 0;
+    while (fraction < MAX_FRACTION && depth << (fraction + 1) <= UINT16_MAX) fraction++;
+    return (sv_ref_fixed){.fraction = fraction, .half = true};
 }
 
 typedef struct {
@@ -90,7 +97,8 @@ static uint64_t mean_of(uint64_t sum, uint64_t weight, sv_ref_fixed format, floa
         *slices = (float)rounded * scale;
         return rounded;
     }
-    const float quotient = (float)(uint32_t)sum / (float)(uint32_t)w;
+    const float quotient = format.half ? (float)(uint32_t)sum * (1.0f / (float)(uint32_t)w)
+                                       : (float)(uint32_t)sum / (float)(uint32_t)w;
     *slices = quotient * scale;
     return (uint32_t)rintf(quotient);
 }
