@@ -121,7 +121,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
         {rig_param(r, "merge_grid"), 0, chain->merge_grid},
         {rig_param(r, "spline_grid"), 0, chain->spline_grid},
-        {rig_param(r, "precision"), 0, chain->float32},
+        {rig_param(r, "precision"), 0, chain->half ? 2 : chain->float32},
         {rig_param(r, "strategy"), 0, chain->strategy},
         {rig_param(r, "reduction"), 0, chain->reduction ? chain->reduction : 1},
     };
@@ -230,15 +230,30 @@ double surface_error(const rig_result *out, const double *expected, size_t count
     return worst;
 }
 
-double surface_bound(const surface_chain *chain, uint32_t slices) {
-    const double ulp = slices * 0x1p-24; /* half a float32 step at the largest depth */
+/* The mean filter with planes of 16 bits: half a step a pass, in each of two planes where depths have a sign,
+ * and half a step for merged points, which are no whole samples. */
+static double half_bound(const surface_chain *chain, const surface_points *p) {
+    const uint32_t reduction = chain->reduction ? chain->reduction : 1;
+    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
+    const uint32_t passes = sv_ref_pass_limit(sv_ref_reduced_side(p->width, reduction),
+                                              sv_ref_reduced_side(p->height, reduction), k);
+    const sv_ref_fixed format = sv_ref_half_format(p->slices, 2);
+    return (2.0 + fabs((double)chain->q)) * (passes + 1) *
+           (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-22);
+}
+
+double surface_bound(const surface_chain *chain, const surface_points *p) {
+    const double ulp = p->slices * 0x1p-24; /* half a float32 step at the largest depth */
+    const double spread = chain->reduction > 1 ? 8.0 * ulp : 0.0; /* merging, and bilinear interpolation */
     switch (chain->method) {
     case MINIMUM:
-        return 0.0;
+        return spread;
     case PUSHPULL:
-        return 8.0 * ulp; /* a few roundings a level, which the next level halves, and the blend */
+        return 8.0 * ulp + spread; /* a few roundings a level, which the next level halves, and the blend */
+    case MEAN:
+        return fmax(1e-3, chain->half ? half_bound(chain, p) : 0.0) + spread;
     default:
-        return 1e-3;
+        return 1e-3 + spread;
     }
 }
 

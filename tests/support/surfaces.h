@@ -18,7 +18,7 @@ typedef struct {
     double lambda, data_weight;             /* weight 0: 1 */
     uint32_t merge_grid, spline_grid;
     uint32_t solver_steps; /* 0: the method's own number */
-    bool float32;
+    bool float32, half; /* precision float32, or int16 */
     uint32_t reduction; /* 0: 1 */
     uint32_t strategy;  /* work layout; 0: auto */
     float q;
@@ -59,8 +59,8 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
 /* Largest difference; NAN if a depth is not finite. */
 double surface_error(const rig_result *out, const double *expected, size_t count);
 
-/* The bound of docs/numerics.md for a chain on depths up to `slices`. */
-double surface_bound(const surface_chain *chain, uint32_t slices);
+/* The bound of docs/numerics.md for a chain in full precision, or int16, on these points. */
+double surface_bound(const surface_chain *chain, const surface_points *points);
 
 /* Deterministic numbers: xorshift, 32 bits. */
 uint32_t surface_random(uint32_t *state);
