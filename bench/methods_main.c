@@ -38,7 +38,7 @@ static const char help[] =
     "  --operations N   leave out a float64 definition that takes more scalar operations (default 2e10)\n"
     "  --no-truth       without the scenes\n"
     "  --no-fit         without the exponents\n"
-    "  --quick          12 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n"
+    "  --quick          17 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n"
     "  --csv FILE       all numbers as CSV\n"
     "  --svg FILE       a plot of time against error, with the Pareto fronts\n"
     "  --points FILE    write the initial points of the one --size as lines 'x y near far', and end\n"

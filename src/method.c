@@ -6,12 +6,9 @@
 
 #include <stdio.h>
 
-static const sv_method *const methods[SV_METHOD_COUNT] = {
-    [SV_METHOD_MEAN] = &sv_method_mean,         [SV_METHOD_MINIMUM] = &sv_method_minimum,
-    [SV_METHOD_SPLINE] = &sv_method_spline,     [SV_METHOD_PUSHPULL] = &sv_method_pushpull,
-    [SV_METHOD_MEMBRANE] = &sv_method_membrane, [SV_METHOD_PLATE] = &sv_method_plate,
-    [SV_METHOD_COST] = &sv_method_cost,
-};
+#define SV_METHOD_ENTRY(NAME, value, key) [SV_METHOD_##NAME] = &sv_method_##key,
+static const sv_method *const methods[SV_METHOD_COUNT] = {SV_METHODS(SV_METHOD_ENTRY)};
+#undef SV_METHOD_ENTRY
 
 enum { K_BEGIN, K_GATHER, K_CELLS, K_SPREAD, K_DONE };
 static const char *const kernels[] = {"chain_begin",  "chain_gather", "chain_cells",

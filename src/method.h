@@ -12,12 +12,15 @@
  * holds zeros.
  *
  * To add a method: one file method_<name>.c with a table like those below, its kernels in
- * cl/method_<name>.cl, its definition in src/ref/, and a line in method.c and in params.[ch]. The rules of
- * the frame path hold: `run` only enqueues, a bounded number of commands; what it needs, `create` makes.
+ * cl/method_<name>.cl, which CMakeLists.txt embeds, its definition in src/ref/, and a line in method_list.h;
+ * no other method is touched. It may not ask what it works on: maps, sizes, windows and weights are those of
+ * its pipeline, at whatever resolution. The rules of the frame path hold: `run` only enqueues, a bounded
+ * number of commands; what it needs, `create` makes.
  */
 #ifndef SV_METHOD_H
 #define SV_METHOD_H
 
+#include "method_list.h"
 #include "program.h"
 
 struct sv_config;
@@ -64,8 +67,9 @@ typedef struct {
     sv_status (*run)(struct sv_pipeline *pipeline, sv_method_state *state, uint32_t planes);
 } sv_method;
 
-extern const sv_method sv_method_mean, sv_method_minimum, sv_method_spline, sv_method_pushpull,
-    sv_method_membrane, sv_method_plate, sv_method_cost;
+#define SV_METHOD_TABLE(NAME, value, key) extern const sv_method sv_method_##key;
+SV_METHODS(SV_METHOD_TABLE)
+#undef SV_METHOD_TABLE
 
 /* The part of the pipeline between the points and the surfaces. */
 typedef struct {

@@ -7,7 +7,9 @@
 #include <string.h>
 
 static const char *const bone_modes[] = {"absolute", "offset", "fraction"};
-static const char *const methods[] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate", "cost"};
+#define SV_METHOD_KEY(NAME, value, key) #key,
+static const char *const methods[] = {SV_METHODS(SV_METHOD_KEY)};
+#undef SV_METHOD_KEY
 static const char *const prefilters[] = {"none", "minimum"};
 static const char *const precisions[] = {"float64", "float32", "int16"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};

@@ -137,12 +137,12 @@ static void check_method(rig *r, int method) {
 static void test_reduced(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (int method = MEAN; method < METHODS; method++)
-            for (uint32_t reduction = 2; reduction <= 4; reduction++) {
+            for (uint32_t reduction = 2; reduction <= 4; reduction += 2) {
                 const surface_chain chain = {.method = method,
                                              .k = cases[i].k,
                                              .q = 0.5f,
                                              .reduction = reduction,
-                                             .prefilter_passes = reduction == 3,
+                                             .prefilter_passes = reduction == 4,
                                              .prefilter_k = 3};
                 check_case(*state, &cases[i], &chain);
             }

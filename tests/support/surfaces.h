@@ -18,9 +18,9 @@ typedef struct {
     double lambda, data_weight;             /* weight 0: 1 */
     uint32_t merge_grid, spline_grid;
     uint32_t solver_steps; /* 0: the method's own number */
-    bool float32, half; /* precision float32, or int16 */
-    uint32_t reduction; /* 0: 1 */
-    uint32_t strategy;  /* work layout; 0: auto */
+    bool float32, half;    /* precision float32, or int16 */
+    uint32_t reduction;    /* 0: 1 */
+    uint32_t strategy;     /* work layout; 0: auto */
     float q;
 } surface_chain;
 
