@@ -97,8 +97,7 @@ static uint64_t mean_of(uint64_t sum, uint64_t weight, sv_ref_fixed format, floa
         *slices = (float)rounded * scale;
         return rounded;
     }
-    const float quotient = format.half ? (float)(uint32_t)sum * (1.0f / (float)(uint32_t)w)
-                                       : (float)(uint32_t)sum / (float)(uint32_t)w;
+    const float quotient = (float)(uint32_t)sum / (float)(uint32_t)w;
     *slices = quotient * scale;
     return (uint32_t)rintf(quotient);
 }

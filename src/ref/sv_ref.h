@@ -104,7 +104,7 @@ void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_fil
 uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k);
 
 /* Fixed-point format of the kernels for a window: fraction bits, and whether sums need 64 bits, or (half) a
- * pixel's weight * depth has 16 and a mean is sum * (1 / weight). */
+ * pixel's weight * depth has 16. */
 typedef struct {
     uint32_t fraction;
     bool wide, half;

@@ -1,7 +1,7 @@
 /*
  * The mean filter with planes of 16 bits (precision int16): equal to its scalar form bit for bit, in every
  * layout, and within the bound that follows from the passes and the step: passes * (2^-(f + 1) + depth *
- * 2^-22), f as large as 16 bits leave (docs/numerics.md).
+ * 2^-23), f as large as 16 bits leave (docs/numerics.md).
  */
 #include "support/compare.h"
 #include "support/surfaces.h"
@@ -104,7 +104,7 @@ static void test_error(void **state) {
             assert_int_equal(surface_run(*state, &p, &chain, &out, NULL), SV_OK);
             double *expected = surface_expect(&p, &chain);
             const double error = surface_error(&out, expected, (size_t)p.width * p.height);
-            const double bound = out.stats.passes * (ldexp(0.5, -9) + 60 * 0x1p-22) + 60 * 0x1p-22;
+            const double bound = out.stats.passes * (ldexp(0.5, -9) + 60 * 0x1p-23) + 60 * 0x1p-22;
             print_message(
                 "int16, k = %-2u %-9s 171 x 171, 60 slices: error %.1e slices, bound %.1e, %u passes\n", k,
                 set ? "patches" : "scattered", error, bound, out.stats.passes);

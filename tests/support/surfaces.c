@@ -239,7 +239,7 @@ static double half_bound(const surface_chain *chain, const surface_points *p) {
                                               sv_ref_reduced_side(p->height, reduction), k);
     const sv_ref_fixed format = sv_ref_half_format(p->slices, 2);
     return (2.0 + fabs((double)chain->q)) * (passes + 1) *
-           (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-22);
+           (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-23);
 }
 
 double surface_bound(const surface_chain *chain, const surface_points *p) {
