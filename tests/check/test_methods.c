@@ -80,6 +80,20 @@ static void test_prefilter(void **state) {
         }
 }
 
+/* What bones give: patches with wide gaps. The membrane and the plate there: test_energy. */
+static void test_patches(void **state) {
+    static const uint32_t sides[] = {128, 171};
+    for (int n = 0; n < 2; n++) {
+        surface_points p = surface_patches(sides[n], sides[n], 60, 7);
+        for (int method = MEAN; method <= PUSHPULL; method++) {
+            const surface_chain chain = {
+                .method = method, .q = 0.25f, .k = 11, .merge_grid = method == SPLINE ? 16 : 0};
+            check(*state, &p, &chain, surface_bound(&chain, &p), "patches");
+        }
+        surface_points_free(&p);
+    }
+}
+
 /* What a parameter of one method changes. */
 static void test_settings(void **state) {
     surface_points p = surface_scattered(64, 48, 60, 120, 31);
@@ -166,10 +180,11 @@ static void test_adjust(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition),    cmocka_unit_test(test_negative_depths),
-        cmocka_unit_test(test_prefilter),     cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_plate_hardest), cmocka_unit_test(test_deep),
-        cmocka_unit_test(test_adjust),        cmocka_unit_test(test_layouts),
+        cmocka_unit_test(test_definition), cmocka_unit_test(test_negative_depths),
+        cmocka_unit_test(test_prefilter),  cmocka_unit_test(test_settings),
+        cmocka_unit_test(test_patches),    cmocka_unit_test(test_plate_hardest),
+        cmocka_unit_test(test_deep),       cmocka_unit_test(test_adjust),
+        cmocka_unit_test(test_layouts),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -146,49 +146,58 @@ static bool filter(int method, const sv_ref_map *map, uint32_t k, double *surfac
                : sv_ref_minimum(map, k, surface, fill);
 }
 
+/* The surfaces of a filter at full and at reduced resolution (`full`: room for three maps). Returns how far
+ * away, in pixels, a point can be that counts: what the passes reach, and for cells one more for merging and
+ * one for interpolation. */
+static uint32_t both_surfaces(int method, const sv_ref_map *map, uint32_t reduction, double *full) {
+    enum { K = 7 };
+    const size_t count = (size_t)map->width * map->height;
+    const uint32_t k_cells = sv_ref_reduced_kernel(K, reduction);
+    double *less = full + count, *cells = less + count;
+    sv_ref_reduced reduced;
+    sv_ref_fill fill, fill_cells;
+    assert_true(filter(method, map, K, full, &fill));
+    assert_true(sv_ref_reduce(map, reduction, method == MINIMUM, &reduced));
+    assert_true(filter(method, &reduced.map, k_cells, cells, &fill_cells));
+    sv_ref_spread(cells, map->width, map->height, reduction, less);
+    sv_ref_reduced_free(&reduced);
+    const uint32_t reach = fill.passes * (K / 2);
+    const uint32_t reach_cells = (fill_cells.passes * (k_cells / 2) + 2) * reduction;
+    return reach > reach_cells ? reach : reach_cells;
+}
+
 /*
  * Derived, for any set of points: both filters' values are means (or one) of points within reach of their
  * passes, at either resolution. So the reduced surface differs from the full one by no more than the depths
- * of these points do; the reach of cells is one cell longer for merging, and one for interpolation.
+ * of these points do.
  */
+static void check_reach(int method, int set, uint32_t reduction) {
+    surface_points p = make_set(set, 96, 80);
+    const sv_ref_map map = {.status = p.status, .depth = p.far_end, .width = p.width, .height = p.height};
+    const size_t count = (size_t)p.width * p.height;
+    double *full = malloc(3 * count * sizeof *full), worst = 0.0, share = 0.0;
+    assert_non_null(full);
+    const uint32_t reach = both_surfaces(method, &map, reduction, full);
+    const double *now = full, *less = full + count;
+    for (uint32_t y = 0; y < map.height; y++)
+        for (uint32_t x = 0; x < map.width; x++) {
+            const double range = range_around(&map, x, y, reach), off = fabs(*now++ - *less++);
+            assert_true(off <= range + 1e-9);
+            worst = fmax(worst, off);
+            if (range > 0.0) share = fmax(share, off / range);
+        }
+    print_message("%-9s 1/%u, %-9s at most %.2f slices from the full resolution, %.0f %% of what the points "
+                  "within %u pixels allow\n",
+                  surface_names[method], reduction, set_names[set], worst, 100.0 * share, reach);
+    free(full);
+    surface_points_free(&p);
+}
+
 static void test_reach(void **state) {
     (void)state;
     for (int set = 0; set < 2; set++)
         for (int method = MEAN; method <= MINIMUM; method++)
-            for (uint32_t reduction = 2; reduction <= 4; reduction++) {
-                surface_points p = make_set(set, 96, 80);
-                const sv_ref_map map = {
-                    .status = p.status, .depth = p.far_end, .width = p.width, .height = p.height};
-                const uint32_t k = 7, k_cells = sv_ref_reduced_kernel(k, reduction);
-                const size_t count = (size_t)p.width * p.height;
-                double *full = malloc(3 * count * sizeof *full), *less = full + count, *cells = less + count;
-                sv_ref_reduced reduced;
-                sv_ref_fill fill, fill_cells;
-                assert_non_null(full);
-                assert_true(filter(method, &map, k, full, &fill));
-                assert_true(sv_ref_reduce(&map, reduction, method == MINIMUM, &reduced));
-                assert_true(filter(method, &reduced.map, k_cells, cells, &fill_cells));
-                sv_ref_spread(cells, p.width, p.height, reduction, less);
-                const uint32_t far_full = fill.passes * (k / 2);
-                const uint32_t far_less = (fill_cells.passes * (k_cells / 2) + 2) * reduction;
-                const uint32_t reach = far_full > far_less ? far_full : far_less;
-                double worst = 0.0, share = 0.0;
-                for (size_t i = 0; i < count; i++) {
-                    const double range =
-                        range_around(&map, (uint32_t)i % p.width, (uint32_t)i / p.width, reach);
-                    const double off = fabs(full[i] - less[i]);
-                    assert_true(off <= range + 1e-9);
-                    worst = fmax(worst, off);
-                    if (range > 0.0) share = fmax(share, off / range);
-                }
-                print_message(
-                    "%-9s 1/%u, %-9s at most %.2f slices from the full resolution, %.0f %% of what the "
-                    "points within %u pixels allow\n",
-                    surface_names[method], reduction, set_names[set], worst, 100.0 * share, reach);
-                sv_ref_reduced_free(&reduced);
-                free(full);
-                surface_points_free(&p);
-            }
+            for (uint32_t reduction = 2; reduction <= 4; reduction++) check_reach(method, set, reduction);
 }
 
 /* A smooth layer of depths; second derivatives at most 10 / 144 and 10 / 81, slopes 10 / 12 and 10 / 9. */
