@@ -111,7 +111,8 @@ static void fit_k(const methods_report *report) {
         uint32_t count = 0;
         for (uint32_t i = 0; i < report->row_count; i++) {
             const methods_row *r = &report->rows[i];
-            if (r->n != methods_sizes[s] || r->variant->kind != METHODS_MEAN || r->times.passes == 0)
+            if (r->n != methods_sizes[s] || r->variant->kind != METHODS_MEAN || r->times.passes == 0 ||
+                methods_variant_approximates(r->variant))
                 continue;
             k[count] = r->variant->k;
             all[count] = methods_row_ms(r);

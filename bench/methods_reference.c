@@ -61,7 +61,7 @@ static bool define(const sv_ref_map *map, const methods_variant *v, double *surf
 double *methods_reference_make(const methods_map *map, const methods_variant *v, float q, hs_error *err) {
     const size_t count = (size_t)map->n * map->n;
     double *depth = malloc(count * sizeof *depth), *surface = malloc(count * sizeof *surface);
-    const sv_ref_map points = {map->status, depth, map->n, map->n};
+    const sv_ref_map points = {.status = map->status, .depth = depth, .width = map->n, .height = map->n};
     /* In float32, as the minimum filter gets them: it must be exact. */
     for (size_t i = 0; depth && i < count; i++)
         depth[i] = (double)((float)map->far_end[i] + q * ((float)map->near_end[i] - (float)map->far_end[i]));

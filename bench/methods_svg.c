@@ -105,10 +105,6 @@ static void draw_shape(FILE *file, double x, double y, int size, const char *col
     (void)fprintf(file, "<title>%s</title></%s>\n", tip, size == 0 ? "circle" : "path");
 }
 
-static bool approximate(const methods_variant *v) {
-    return v->float32 || v->steps > 0 || v->spline_grid > 0;
-}
-
 /* A name below its mark and to the left; a line lower for every mark of the front that stands as high and
  * further left. */
 static void draw_name(const panel *p, const double *x, const double *y, const bool *best, uint32_t count,
@@ -164,7 +160,7 @@ static void draw_panel(panel *p, const mark *marks, uint32_t count, const char *
         (void)snprintf(tip, sizeof tip, "%s, %u x %u: %.3g ms, %.3g slices", r->variant->label, r->n, r->n,
                        marks[i].ms, marks[i].error);
         draw_shape(p->file, place_x(p, marks[i].ms), place_y(p, marks[i].error), marks[i].size,
-                   colours[r->variant->kind], approximate(r->variant), tip);
+                   colours[r->variant->kind], methods_variant_approximates(r->variant), tip);
     }
 }
 
@@ -189,8 +185,8 @@ static void draw_legend(FILE *file) {
     y += 34;
     draw_shape(file, x, y, 0, "#303030", true, "approximation");
     (void)fprintf(file,
-                  "<text x='%.1f' y='%.1f'>float32, coarse grid</text>\n"
-                  "<text x='%.1f' y='%.1f'>or fewer steps</text>\n"
+                  "<text x='%.1f' y='%.1f'>float32, int16, coarse grid,</text>\n"
+                  "<text x='%.1f' y='%.1f'>fewer pixels or steps</text>\n"
                   "<text x='%.1f' y='%.1f'>errors below 1e-07</text>\n"
                   "<text x='%.1f' y='%.1f'>are drawn there</text>\n",
                   x + 16, y + 4, x + 16, y + 20, x - 6, y + 52, x - 6, y + 68);

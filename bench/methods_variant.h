@@ -23,16 +23,22 @@ typedef struct {
     methods_kind kind;
     uint32_t k;
     uint32_t merge_grid, spline_grid;
-    uint32_t steps; /* of the solver; 0: as many as the bound needs */
-    bool float32;
-    bool quick; /* part of a --quick run */
+    uint32_t steps;        /* of the solver; 0: as many as the bound needs */
+    uint32_t reduction;    /* cells of this many by as many pixels; 0: 1 */
+    const char *precision; /* NULL: float64, and exact sums in the mean filter */
+    bool quick;            /* part of a --quick run */
 } methods_variant;
 
-enum { METHODS_VARIANTS = 25 };
+enum { METHODS_VARIANTS = 40 };
 extern const methods_variant methods_variants[METHODS_VARIANTS];
 
+const char *methods_variant_precision(const methods_variant *variant);
+uint32_t methods_variant_reduction(const methods_variant *variant);
+/* True if a setting trades accuracy for time. */
+bool methods_variant_approximates(const methods_variant *variant);
+
 /* A variant as the plugin's parameters: those of activate, and all of them for begin. */
-enum { METHODS_MAX_VALUES = 8 };
+enum { METHODS_MAX_VALUES = 9 };
 typedef struct {
     sv_param_value fixed[METHODS_MAX_VALUES], all[METHODS_MAX_VALUES];
     uint32_t fixed_count, count;

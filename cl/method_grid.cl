@@ -7,7 +7,7 @@
 #define SCALAR_RZ    0 /* r . z */
 #define SCALAR_ALPHA 1
 #define SCALAR_BETA  2
-#define SCALAR_MEAN  3 /* of the initial depths: where the iteration starts */
+#define SCALAR_MEAN  3 /* of the initial depths: the iteration sees what differs from it */
 #define SCALAR_COUNT 4
 
 /* This work item's pixel; false outside, or if the frame has no point. */
@@ -52,34 +52,38 @@ __kernel void grid_means(grid_level level, __global const real *partial, __globa
     for (uint p = 0; p < 2; p++) scalars[p * SCALAR_COUNT + SCALAR_MEAN] = sums[1 + p] / sums[0];
 }
 
-/* Data weights, the start S = mean depth, and its residual: A is 0 on constants, but for the data term. */
+/* Data weights, and the right-hand side for depths less their mean: then rounding errors scale with how much
+ * the depths differ, not with how deep they are. */
 __kernel void grid_enter(grid_level level, uint padded_width, float weight, uint planes,
                          __global const float *maps, __global const real *scalars, __global real *weights,
-                         __global real *r, __global real *solution, __global const uint *record) {
+                         __global real *b, __global const uint *record) {
     GRID_PIXEL(level);
-    const size_t from = (size_t)y * padded_width + x;
+    const size_t from = (size_t)y * padded_width + x, plane = (size_t)padded_width * level.height;
     const bool point = !isinf(maps[from]);
-    weights[i] = point ? (real)weight : 0;
+    weights[i] = point ? (real)weight * (real)maps[2 * plane + from] : 0;
     for (uint p = 0; p < planes; p++) {
         const real mean = scalars[p * SCALAR_COUNT + SCALAR_MEAN];
-        const real depth = point ? (real)maps[p * (size_t)padded_width * level.height + from] : mean;
-        r[p * (size_t)level.pixels + i] = weights[i] * (depth - mean);
-        solution[p * (size_t)level.pixels + i] = mean;
+        b[p * (size_t)level.pixels + i] = point ? weights[i] * ((real)maps[p * plane + from] - mean) : 0;
     }
 }
 
 /*
- * A coarser level's data weights: those of the fine pixels, shared out as their depths are. A point would
- * then hold each of its coarse pixels where it is, though it only knows their mean; so the weight stops where
- * it is a few times as stiff as the surface. The preconditioner alone sees this: the equations that are
- * solved do not change.
+ * A coarser level's data weights and right-hand side: those of the fine pixels, shared out as their depths
+ * are. A point would then hold each of its coarse pixels where it is, though it only knows their mean; so the
+ * weight stops where it is a few times as stiff as the surface. Only the start and the preconditioner see
+ * this: the equations that are solved do not change.
  */
 #define GRID_MOST_WEIGHT 3
-__kernel void grid_weights(grid_level fine, grid_level coarse, __global real *weights,
-                           __global const uint *record) {
+__kernel void grid_weights(grid_level fine, grid_level coarse, uint planes, __global real *weights,
+                           __global real *b, __global const uint *record) {
     GRID_PIXEL(coarse);
     const real most = GRID_MOST_WEIGHT * (4 * coarse.tension + 20 * coarse.bending);
-    weights[i] = fmin(grid_gather(&fine, &coarse, weights + fine.offset, x, y), most);
+    const real sum = grid_gather(&fine, &coarse, weights + fine.offset, x, y);
+    weights[i] = fmin(sum, most);
+    for (uint p = 0; p < planes; p++) {
+        __global real *s = b + p * (size_t)coarse.pixels;
+        s[i] = sum > 0 ? grid_gather(&fine, &coarse, s + fine.offset, x, y) * (weights[i] / sum) : 0;
+    }
 }
 
 /* to = from + scale (b - A from), scale = omega / diagonal; for one pixel. */
@@ -149,8 +153,8 @@ __kernel void grid_restrict(grid_level fine, grid_level coarse, uint planes, __g
     }
 }
 
-/* Adds the coarse correction, linear between the coarse pixels. */
-__kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, __global real *s,
+/* The coarse level, linear between its pixels, in place of the fine one, or added to it. */
+__kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, uint add, __global real *s,
                            __global const uint *record) {
     GRID_PIXEL(fine);
     const uint u0 = x / 2, u1 = grid_parent(x, coarse.width);
@@ -160,7 +164,8 @@ __kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, __gl
         __global const real *c = s + at + coarse.offset;
         const real near_row = (real)0.75 * c[v0 * coarse.width + u0] + (real)0.25 * c[v0 * coarse.width + u1];
         const real next_row = (real)0.75 * c[v1 * coarse.width + u0] + (real)0.25 * c[v1 * coarse.width + u1];
-        s[at + i] += (real)0.75 * near_row + (real)0.25 * next_row;
+        const real between = (real)0.75 * near_row + (real)0.25 * next_row;
+        s[at + i] = add ? s[at + i] + between : between;
     }
 }
 
@@ -209,6 +214,14 @@ __kernel void grid_advance(grid_level level, uint planes, __global const real *s
     }
 }
 
+/* S += z. */
+__kernel void grid_add(grid_level level, uint planes, __global const real *z, __global real *solution,
+                       __global const uint *record) {
+    GRID_PIXEL(level);
+    for (uint p = 0; p < planes; p++)
+        solution[p * (size_t)level.pixels + i] += z[p * (size_t)level.pixels + i];
+}
+
 /* p = z + beta p. */
 __kernel void grid_turn(grid_level level, uint planes, __global const real *scalars, __global const real *z,
                         __global real *direction, __global const uint *record) {
@@ -220,10 +233,11 @@ __kernel void grid_turn(grid_level level, uint planes, __global const real *scal
     }
 }
 
-__kernel void grid_leave(grid_level level, uint padded_width, uint planes, __global const real *solution,
-                         __global float *surfaces, __global const uint *record) {
+__kernel void grid_leave(grid_level level, uint padded_width, uint planes, __global const real *scalars,
+                         __global const real *solution, __global float *surfaces,
+                         __global const uint *record) {
     GRID_PIXEL(level);
     for (uint p = 0; p < planes; p++)
         surfaces[p * (size_t)padded_width * level.height + (size_t)y * padded_width + x] =
-            (float)solution[p * (size_t)level.pixels + i];
+            (float)(solution[p * (size_t)level.pixels + i] + scalars[p * SCALAR_COUNT + SCALAR_MEAN]);
 }

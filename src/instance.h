@@ -29,6 +29,8 @@ void sv_instance_deactivate(sv_instance *instance);
 
 /* Validation at the ABI's edge: SV_OK, or an error that names the field and its value. */
 sv_status sv_validate_format(sv_diag *diag, const sv_format *format);
+/* Values that do not go together, in a frame of this pipeline. */
+sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *pipeline, const sv_values *values);
 sv_status sv_validate_slab(sv_diag *diag, const sv_pipeline *pipeline, const sv_slab *slab);
 sv_status sv_validate_result(sv_diag *diag, const char *call, const sv_pipeline *pipeline,
                              const sv_result *result);

@@ -4,18 +4,23 @@
  *
  *     ray states -> chain_gather -> maps -> [minimum filter, n passes] -> maps -> method -> surfaces -> S(q)
  *
+ * At a reduced resolution chain_cells takes the place of chain_gather, and chain_spread follows the method.
+ *
  * Linear methods run once for the near and once for the far ends, before q is known, and S(q) is one
  * multiply-add per pixel. The minimum filter, and every chain with it, is not linear: q is applied to the
  * points first, and another q means another run. Then the first surface plane holds the result and the second
  * holds zeros.
  *
  * To add a method: one file method_<name>.c with a table like those below, its kernels in
- * cl/method_<name>.cl, its definition in src/ref/, and a line in method.c and in params.[ch]. The rules of
- * the frame path hold: `run` only enqueues, a bounded number of commands; what it needs, `create` makes.
+ * cl/method_<name>.cl, which CMakeLists.txt embeds, its definition in src/ref/, and a line in method_list.h;
+ * no other method is touched. It may not ask what it works on: maps, sizes, windows and weights are those of
+ * its pipeline, at whatever resolution. The rules of the frame path hold: `run` only enqueues, a bounded
+ * number of commands; what it needs, `create` makes.
  */
 #ifndef SV_METHOD_H
 #define SV_METHOD_H
 
+#include "method_list.h"
 #include "program.h"
 
 struct sv_config;
@@ -62,8 +67,9 @@ typedef struct {
     sv_status (*run)(struct sv_pipeline *pipeline, sv_method_state *state, uint32_t planes);
 } sv_method;
 
-extern const sv_method sv_method_mean, sv_method_minimum, sv_method_spline, sv_method_pushpull,
-    sv_method_membrane, sv_method_plate, sv_method_cost;
+#define SV_METHOD_TABLE(NAME, value, key) extern const sv_method sv_method_##key;
+SV_METHODS(SV_METHOD_TABLE)
+#undef SV_METHOD_TABLE
 
 /* The part of the pipeline between the points and the surfaces. */
 typedef struct {
@@ -73,8 +79,13 @@ typedef struct {
     bool doubles;    /* the solvers compute in float64 */
     sv_method_state state, filter; /* of the method, of the pre-filter */
     sv_kernel_set gather;
-    cl_mem maps; /* near and far plane: float32 depth at initial points, INFINITY elsewhere */
+    cl_mem maps; /* near and far plane: float32 depth at initial points, INFINITY elsewhere; and a plane of
+                    how many points a point stands for: 1, or those of a cell */
 } sv_chain;
+
+/* Where the methods work: the frame's own map, or the smaller one of a reduced resolution, which is a
+ * pipeline of its own with a part of the buffers. A method sees only the pipeline it is given. */
+struct sv_pipeline *sv_chain_map(struct sv_pipeline *pipeline);
 
 /* Most commands that one frame enqueues between points and surfaces. */
 uint32_t sv_chain_commands(const struct sv_config *config);

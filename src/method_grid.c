@@ -17,19 +17,18 @@ enum {
     K_DOT,
     K_SCALAR,
     K_ADVANCE,
+    K_ADD,
     K_TURN,
     K_LEAVE
 };
-const char *const sv_grid_kernels[] = {"grid_sums",     "grid_means",
-                                       "grid_enter",    "grid_weights",
-                                       "grid_smooth",   "grid_residual",
-                                       "grid_restrict", "grid_prolong",
-                                       "grid_dot",      "grid_scalar",
-                                       "grid_advance",  "grid_turn",
-                                       "grid_leave",    NULL};
+const char *const sv_grid_kernels[] = {
+    "grid_sums",     "grid_means",    "grid_enter",   "grid_weights", "grid_smooth",
+    "grid_residual", "grid_restrict", "grid_prolong", "grid_dot",     "grid_scalar",
+    "grid_advance",  "grid_add",      "grid_turn",    "grid_leave",   NULL};
 
-/* Over all levels: data weights; z and a second map for smoothing; the right-hand sides (level 0: r). Over
- * the map: direction, solution. Then the rows' parts of dot products, with the scalars behind them. */
+/* Over all levels: data weights; z and a second map for smoothing; the right-hand sides of a cycle (level 0:
+ * r); direction (for the start: the levels' own right-hand sides); solution. Then the rows' parts of dot
+ * products, with the scalars behind them. */
 enum { WEIGHTS, Z, SPARE, R, DIRECTION, SOLUTION, PARTIAL, SCALARS };
 enum { SCALAR_COUNT = 4 };
 
@@ -50,12 +49,13 @@ typedef struct {
 
 static grid_level level_of(const solver *v, uint32_t n) {
     const sv_levels *l = &v->s->levels;
+    const float spacing = (float)v->p->spacing;
     return (grid_level){.width = l->width[n],
                         .height = l->height[n],
                         .offset = l->offset[n],
                         .pixels = l->pixels,
                         .tension = v->energy->tension,
-                        .bending = ldexpf(v->energy->bending, -2 * (int)n)};
+                        .bending = ldexpf(v->energy->bending, -2 * (int)n) / (spacing * spacing)};
 }
 
 sv_source sv_grid_source(void) {
@@ -64,7 +64,7 @@ sv_source sv_grid_source(void) {
 
 uint32_t sv_grid_commands(const sv_config *config) {
     (void)config;
-    return SV_MAX_SOLVER_STEPS * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 6;
+    return (SV_MAX_SOLVER_STEPS + SV_MAX_LEVELS) * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 6;
 }
 
 sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
@@ -115,7 +115,7 @@ static void second_level(const solver *v, sv_launch *l, uint32_t level) {
     sv_launch_arg(l, sizeof g, &g);
 }
 
-/* The mean depth of the points, where the iteration starts. */
+/* The mean depth of the points. */
 static sv_status means(const solver *v) {
     sv_launch l = begin(v, K_SUMS, 0);
     sv_launch_uint(&l, v->p->padded_width);
@@ -130,7 +130,7 @@ static sv_status means(const solver *v) {
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
-/* Data weights on all levels, the start and its residual. */
+/* Data weights and right-hand sides on all levels. */
 static sv_status enter(const solver *v) {
     const float weight = (float)v->p->values.of[SV_PARAM_DATA_WEIGHT];
     sv_launch l = begin(v, K_ENTER, 0);
@@ -138,39 +138,41 @@ static sv_status enter(const solver *v) {
     sv_launch_arg(&l, sizeof weight, &weight);
     sv_launch_uint(&l, v->planes);
     sv_launch_buffer(&l, v->p->chain.maps);
-    BUFFERS(v, &l, SCALARS, WEIGHTS, R, SOLUTION);
+    BUFFERS(v, &l, SCALARS, WEIGHTS, DIRECTION);
     sv_status status = over_pixels(v, &l, 0);
     for (uint32_t n = 0; status == SV_OK && n + 1 < v->s->levels.count; n++) {
         l = begin(v, K_WEIGHTS, n);
         second_level(v, &l, n + 1);
-        BUFFERS(v, &l, WEIGHTS);
+        sv_launch_uint(&l, v->planes);
+        BUFFERS(v, &l, WEIGHTS, DIRECTION);
         status = over_pixels(v, &l, n + 1);
     }
     return status;
 }
 
-static sv_status smooth(const solver *v, uint32_t level, float omega, bool zero, int from, int to) {
+static sv_status smooth(const solver *v, uint32_t level, float omega, bool zero, int b, int from, int to) {
     sv_launch l = begin(v, K_SMOOTH, level);
     sv_launch_uint(&l, v->planes);
     sv_launch_arg(&l, sizeof omega, &omega);
     sv_launch_uint(&l, zero);
-    BUFFERS(v, &l, WEIGHTS, R, from, to);
+    BUFFERS(v, &l, WEIGHTS, b, from, to);
     return over_rows(v, &l, level);
 }
 
-static sv_status residual(const solver *v, uint32_t level, bool with_b, int from, int to) {
+/* to = b - A from; without `with_b`: A from. */
+static sv_status residual(const solver *v, uint32_t level, bool with_b, int b, int from, int to) {
     sv_launch l = begin(v, K_RESIDUAL, level);
     sv_launch_uint(&l, v->planes);
     sv_launch_uint(&l, with_b);
-    BUFFERS(v, &l, WEIGHTS, R, from, to);
+    BUFFERS(v, &l, WEIGHTS, b, from, to);
     return over_rows(v, &l, level);
 }
 
 /* Down one level: two smoothing steps from 0, and the rest becomes the coarser right-hand side. */
 static sv_status descend(const solver *v, uint32_t level) {
-    sv_status status = smooth(v, level, v->energy->omega[0], true, SPARE, SPARE);
-    if (status == SV_OK) status = smooth(v, level, v->energy->omega[1], false, SPARE, Z);
-    if (status == SV_OK) status = residual(v, level, true, Z, SPARE);
+    sv_status status = smooth(v, level, v->energy->omega[0], true, R, SPARE, SPARE);
+    if (status == SV_OK) status = smooth(v, level, v->energy->omega[1], false, R, SPARE, Z);
+    if (status == SV_OK) status = residual(v, level, true, R, Z, SPARE);
     if (status != SV_OK) return status;
     sv_launch l = begin(v, K_RESTRICT, level);
     second_level(v, &l, level + 1);
@@ -179,25 +181,50 @@ static sv_status descend(const solver *v, uint32_t level) {
     return over_pixels(v, &l, level + 1);
 }
 
-/* Up again: the correction, and the smoothing steps in reverse order, which keeps the cycle symmetric. */
-static sv_status ascend(const solver *v, uint32_t level) {
+/* Values of the next coarser level, in place of the level's own or added to them. */
+static sv_status prolong(const solver *v, uint32_t level, bool add, int map) {
     sv_launch l = begin(v, K_PROLONG, level);
     second_level(v, &l, level + 1);
     sv_launch_uint(&l, v->planes);
-    BUFFERS(v, &l, Z);
-    sv_status status = over_pixels(v, &l, level);
-    if (status == SV_OK) status = smooth(v, level, v->energy->omega[1], false, Z, SPARE);
-    return status == SV_OK ? smooth(v, level, v->energy->omega[0], false, SPARE, Z) : status;
+    sv_launch_uint(&l, add);
+    BUFFERS(v, &l, map);
+    return over_pixels(v, &l, level);
 }
 
-/* z = the V-cycle applied to r. */
-static sv_status cycle(const solver *v) {
+/* Up again: the correction, and the smoothing steps in reverse order, which keeps the cycle symmetric. */
+static sv_status ascend(const solver *v, uint32_t level) {
+    sv_status status = prolong(v, level, true, Z);
+    if (status == SV_OK) status = smooth(v, level, v->energy->omega[1], false, R, Z, SPARE);
+    return status == SV_OK ? smooth(v, level, v->energy->omega[0], false, R, SPARE, Z) : status;
+}
+
+/* z = the V-cycle applied to r, from a level on. */
+static sv_status cycle(const solver *v, uint32_t first) {
     const uint32_t last = v->s->levels.count - 1;
     sv_status status = SV_OK;
-    for (uint32_t n = 0; status == SV_OK && n < last; n++) status = descend(v, n);
+    for (uint32_t n = first; status == SV_OK && n < last; n++) status = descend(v, n);
     /* One pixel is left: a full step solves it. */
-    if (status == SV_OK) status = smooth(v, last, 1.0f, true, SPARE, Z);
-    for (uint32_t n = last; status == SV_OK && n-- > 0;) status = ascend(v, n);
+    if (status == SV_OK) status = smooth(v, last, 1.0f, true, R, SPARE, Z);
+    for (uint32_t n = last; status == SV_OK && n-- > first;) status = ascend(v, n);
+    return status;
+}
+
+/* Where the iteration starts: every level, the coarsest first, takes the coarser one's surface and improves
+ * it by one cycle; the map itself only takes it, and the iteration goes on from there. */
+static sv_status start(const solver *v) {
+    uint32_t n = v->s->levels.count - 1;
+    sv_status status = smooth(v, n, 1.0f, true, DIRECTION, SPARE, SOLUTION);
+    while (status == SV_OK && n-- > 0) {
+        status = prolong(v, n, false, SOLUTION);
+        if (status == SV_OK) status = residual(v, n, true, DIRECTION, SOLUTION, R);
+        if (n == 0 || status != SV_OK) continue;
+        status = cycle(v, n);
+        if (status != SV_OK) return status;
+        sv_launch l = begin(v, K_ADD, n);
+        sv_launch_uint(&l, v->planes);
+        BUFFERS(v, &l, Z, SOLUTION);
+        status = over_pixels(v, &l, n);
+    }
     return status;
 }
 
@@ -219,7 +246,7 @@ static sv_status scalar(const solver *v, uint32_t beta, int a, int b) {
 
 /* The next direction: z = M r, p = z + beta p. */
 static sv_status turn(const solver *v, bool first) {
-    sv_status status = cycle(v);
+    sv_status status = cycle(v, 0);
     if (status == SV_OK) status = scalar(v, first ? 2 : 1, R, Z);
     if (status != SV_OK) return status;
     sv_launch l = begin(v, K_TURN, 0);
@@ -230,7 +257,7 @@ static sv_status turn(const solver *v, bool first) {
 
 /* A step along it: S += alpha p, r -= alpha A p. */
 static sv_status advance(const solver *v) {
-    sv_status status = residual(v, 0, false, DIRECTION, SPARE);
+    sv_status status = residual(v, 0, false, R, DIRECTION, SPARE);
     if (status == SV_OK) status = scalar(v, 0, DIRECTION, SPARE);
     if (status != SV_OK) return status;
     sv_launch l = begin(v, K_ADVANCE, 0);
@@ -245,6 +272,7 @@ sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, con
     const uint32_t steps = wanted ? wanted : energy->steps;
     sv_status status = means(&v);
     if (status == SV_OK) status = enter(&v);
+    if (status == SV_OK) status = start(&v);
     for (uint32_t n = 0; status == SV_OK && n < steps; n++) {
         status = turn(&v, n == 0);
         if (status == SV_OK) status = advance(&v);
@@ -253,7 +281,7 @@ sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, con
     sv_launch l = begin(&v, K_LEAVE, 0);
     sv_launch_uint(&l, p->padded_width);
     sv_launch_uint(&l, planes);
-    BUFFERS(&v, &l, SOLUTION);
+    BUFFERS(&v, &l, SCALARS, SOLUTION);
     sv_launch_buffer(&l, p->buffers.surfaces);
     status = over_pixels(&v, &l, 0);
     return status == SV_OK ? sv_chain_done(p, steps) : status;

@@ -65,15 +65,15 @@ static sv_status rays_pass(sv_pipeline *p, uint32_t pass) {
     return sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_RECONSTRUCT);
 }
 
-/* Maps to sums. The sums have no sign, so that the first plane takes depths above 0 and the second those
- * below, negated; their difference is the mean of both. */
-static sv_status enter(sv_pipeline *p, const sv_method_state *s) {
+/* Maps to sums. The sums have no sign, so that of S(q) the first plane takes depths above 0 and the second
+ * those below, negated; their difference is the mean of both. */
+static sv_status enter(sv_pipeline *p, const sv_method_state *s, uint32_t planes) {
     sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_ENTER], "mean_enter");
     sv_launch_arg(&l, sizeof p->job, &p->job);
-    sv_launch_uint(&l, p->program == p->wide);
+    sv_launch_uint(&l, p->config.half_sums ? 16 : p->program == p->wide ? 64 : 32);
+    sv_launch_uint(&l, planes);
     sv_launch_buffer(&l, p->chain.maps);
-    sv_launch_buffer(&l, p->buffers.sums_a);
-    sv_launch_buffer(&l, p->buffers.sums_a);
+    for (int type = 0; type < 3; type++) sv_launch_buffer(&l, p->buffers.sums_a);
     return sv_launch_pixels(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
 }
 
@@ -86,14 +86,13 @@ static sv_status leave(sv_pipeline *p, const sv_method_state *s) {
 }
 
 static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* both, always */
     const bool rays = p->config.strategy == SV_STRATEGY_RAYS;
     const bool from_maps = !p->chain.plain_mean;
-    sv_status status = from_maps ? enter(p, s) : SV_OK;
+    sv_status status = from_maps ? enter(p, s, planes) : SV_OK;
     for (uint32_t pass = 0; status == SV_OK && pass < p->job.pass_limit; pass++)
         status = rays ? rays_pass(p, pass) : band_pass(p, pass);
     if (status == SV_OK) status = sv_chain_done_passes(p);
-    return status == SV_OK && from_maps ? leave(p, s) : status;
+    return status == SV_OK && from_maps && planes == 1 ? leave(p, s) : status;
 }
 
 const sv_method sv_method_mean = {

@@ -4,7 +4,7 @@
 
 /* Eigenvalues of A scaled by its diagonal lie below 2; the smoother damps those from 0.4 on. */
 static const sv_grid_energy energy = {
-    .tension = 1.0f, .bending = 0.0f, .omega = {0.566f, 1.577f}, .steps = 16};
+    .tension = 1.0f, .bending = 0.0f, .omega = {0.566f, 1.577f}, .steps = 12};
 
 static sv_status run(sv_pipeline *pipeline, sv_method_state *state, uint32_t planes) {
     return sv_grid_solve(pipeline, state, planes, &energy);

@@ -7,9 +7,11 @@
 #include <string.h>
 
 static const char *const bone_modes[] = {"absolute", "offset", "fraction"};
-static const char *const methods[] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate", "cost"};
+#define SV_METHOD_KEY(NAME, value, key) #key,
+static const char *const methods[] = {SV_METHODS(SV_METHOD_KEY)};
+#undef SV_METHOD_KEY
 static const char *const prefilters[] = {"none", "minimum"};
-static const char *const precisions[] = {"float64", "float32"};
+static const char *const precisions[] = {"float64", "float32", "int16"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 
 /* In order of importance, which is the order a host shows them in. */
@@ -83,11 +85,16 @@ static const struct {
      "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as "
      "the promised bound needs.",
      0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL},
-    {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision",
-     "Solver precision", "",
+    {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision", "Precision", "",
      "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at "
-     "most 64 points in a spline.",
-     0.0, 1.0, 0.0, 1.0, SV_PRECISION_FLOAT64, 1.0, precisions},
+     "most 64 points in a spline. Method mean: int16 keeps half as many bytes a pixel, at the price of "
+     "depths in coarser steps.",
+     0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions},
+    {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
+     "Reduced resolution", "pixels",
+     "The surface is made on cells of this many by as many pixels and interpolated: faster, less exact; 1: "
+     "on pixels. Wants a fill weight above 0. Method cost ignores it, having cells of its own.",
+     1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
      "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
      "once.",

@@ -3,6 +3,7 @@
 #define SV_PARAMS_H
 
 #include "diag.h"
+#include "method_list.h"
 #include "ref/sv_ref.h"
 
 /* Stable ids (never reused). They index sv_values. */
@@ -31,6 +32,7 @@ enum {
     SV_PARAM_PRECISION = 22,
     SV_PARAM_SOLVER_STEPS = 23,
     SV_PARAM_MEMORY = 24,
+    SV_PARAM_REDUCTION = 25,
     SV_PARAM_ID_END
 };
 
@@ -38,18 +40,12 @@ enum {
 enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
 
 /* Methods of surface reconstruction (method.h), and what may be done to the points before. */
-enum {
-    SV_METHOD_MEAN = 0,
-    SV_METHOD_MINIMUM = 1,
-    SV_METHOD_SPLINE = 2,
-    SV_METHOD_PUSHPULL = 3,
-    SV_METHOD_MEMBRANE = 4,
-    SV_METHOD_PLATE = 5,
-    SV_METHOD_COST = 6,
-    SV_METHOD_COUNT
-};
-/* Numbers that the solvers (spline, membrane, plate) compute with. */
-enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1 };
+#define SV_METHOD_VALUE(NAME, value, key) SV_METHOD_##NAME = (value),
+enum { SV_METHODS(SV_METHOD_VALUE) SV_METHOD_COUNT };
+#undef SV_METHOD_VALUE
+
+/* Numbers that the solvers (spline, membrane, plate) compute with, or that the mean filter keeps. */
+enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
 enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
 
 /* Values by id; [0] is unused. */

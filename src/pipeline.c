@@ -1,7 +1,9 @@
 /* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
 #include "enqueue.h"
+#include "ref/sv_ref_methods.h"
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
@@ -28,9 +30,15 @@ static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
     return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
 }
 
+/* A frame's fixed-point format. */
+static sv_ref_fixed format_of(const sv_config *c, uint32_t k, uint32_t weight_initial) {
+    return c->half_sums ? sv_ref_half_format(c->slices, weight_initial)
+                        : sv_ref_fixed_format(c->width, c->height, c->slices, k, weight_initial);
+}
+
 bool sv_pipeline_needs_wide(const sv_config *c) {
     for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
-        if (sv_ref_fixed_format(c->width, c->height, c->slices, k, 4).wide) return true;
+        if (format_of(c, k, 4).wide) return true;
     return false;
 }
 
@@ -47,11 +55,28 @@ static uint32_t band_count(const sv_device *device, const sv_config *c) {
     return wanted < most ? wanted : most;
 }
 
-static sv_status create_buffers(sv_pipeline *p) {
+/* What a method works with. Sums are also where the points stage leaves its own, whatever the method. */
+static sv_status create_map_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const size_t plane = (size_t)p->padded_width * c->height;
     const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
     const size_t scratch_rows = p->bands * (size_t)SV_SCRATCH_ROWS;
+    sv_buffers *b = &p->buffers;
+    sv_status status = SV_OK;
+    b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
+    b->sums_a = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
+    if (c->method == SV_METHOD_MEAN) {
+        b->sums_b = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
+        b->scratch = sv_clx_buffer(p->diag, p->device, scratch_rows * (p->padded_width + SV_ROW_SLACK) * sum,
+                                   NULL, &status);
+    }
+    b->surfaces = sv_clx_buffer(p->diag, p->device, 2 * plane * sizeof(cl_float), NULL, &status);
+    return status;
+}
+
+static sv_status create_buffers(sv_pipeline *p) {
+    const sv_config *c = &p->config;
+    const size_t plane = (size_t)p->padded_width * c->height;
     sv_buffers *b = &p->buffers;
     sv_status status = SV_OK;
     const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
@@ -65,19 +90,11 @@ static sv_status create_buffers(sv_pipeline *p) {
         sv_clx_buffer(p->diag, p->device, plane * SV_STATE16_PLANES * sizeof(cl_ushort), NULL, &status);
     b->survey = sv_clx_buffer(p->diag, p->device, (size_t)p->bands * 257 * sizeof(cl_uint), NULL, &status);
     b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
-    b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
-    b->sums_a = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
-    if (c->method == SV_METHOD_MEAN) {
-        b->sums_b = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
-        b->scratch = sv_clx_buffer(p->diag, p->device, scratch_rows * (p->padded_width + SV_ROW_SLACK) * sum,
-                                   NULL, &status);
-    }
-    b->surfaces = sv_clx_buffer(p->diag, p->device, 2 * plane * sizeof(cl_float), NULL, &status);
     b->record = sv_clx_buffer(p->diag, p->device, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint),
                               NULL, &status);
     b->depth =
         sv_clx_buffer(p->diag, p->device, (size_t)c->width * c->height * sizeof(cl_float), NULL, &status);
-    return status;
+    return status == SV_OK ? create_map_buffers(p) : status;
 }
 
 /* Slabs of full length that make a batch worth its launch. */
@@ -93,6 +110,7 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     *p = (sv_pipeline){
         .diag = diag, .device = device, .narrow = narrow, .wide = wide, .timing = timing, .config = *config};
     p->config.strategy = resolve_strategy(device, config);
+    p->spacing = 1;
     p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
     p->bands = band_count(device, &p->config);
     p->pass_capacity = sv_ref_pass_limit(config->width, config->height, 3);
@@ -117,13 +135,61 @@ sv_status sv_pipeline_warm_up(sv_pipeline *p) {
     return sv_chain_run(p, 0.0f); /* the record is zeros: no points */
 }
 
+sv_status sv_pipeline_create_reduced(sv_pipeline *p) {
+    sv_pipeline *r = malloc(sizeof *r);
+    if (!r) return sv_fail(p->diag, SV_ERR_NO_MEMORY, "no memory for the reduced map (%zu bytes)", sizeof *r);
+    *r = (sv_pipeline){
+        .diag = p->diag, .device = p->device, .narrow = p->narrow, .wide = p->wide, .config = p->config};
+    p->reduced = r;
+    r->spacing = p->config.reduction;
+    r->config.width = sv_ref_reduced_side(p->config.width, r->spacing);
+    r->config.height = sv_ref_reduced_side(p->config.height, r->spacing);
+    r->config.reduction = 1;
+    r->padded_width = (r->config.width + SV_LANES - 1) / SV_LANES * SV_LANES;
+    r->bands = band_count(p->device, &r->config);
+    const sv_status status = create_map_buffers(r);
+    r->buffers.record = p->buffers.record; /* freed with p's */
+    return status;
+}
+
 void sv_pipeline_destroy(sv_pipeline *p) {
+    if (p->reduced) {
+        p->reduced->buffers.record = NULL;
+        sv_pipeline_destroy(p->reduced);
+        free(p->reduced);
+        p->reduced = NULL;
+    }
     sv_chain_destroy(&p->chain);
     sv_buffers *b = &p->buffers;
     cl_mem *const all[] = {&b->slab,      &b->host_slabs, &b->state8, &b->state16, &b->survey,
                            &b->histogram, &b->status,     &b->sums_a, &b->sums_b,  &b->scratch,
                            &b->surfaces,  &b->record,     &b->depth};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) sv_clx_release(all[i]);
+}
+
+/* What depends on the map's size: the filter's passes and the format of its sums. */
+static void choose_format(sv_pipeline *p) {
+    const sv_config *c = &p->config;
+    sv_job *j = &p->job;
+    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
+    const sv_ref_fixed format = format_of(c, j->k, j->weight_initial);
+    j->fraction = format.fraction;
+    p->program = format.wide ? p->wide : p->narrow;
+}
+
+/* The job of the smaller map: lengths in its own pixels. Lambda is an area (docs/algorithm.md). */
+static void begin_reduced(sv_pipeline *r, const sv_pipeline *p) {
+    const double area = (double)r->spacing * r->spacing;
+    double *v = r->values.of;
+    r->job = p->job;
+    r->job.width = r->config.width;
+    r->job.padded_width = r->padded_width;
+    r->job.height = r->config.height;
+    r->job.k = sv_ref_reduced_kernel(p->job.k, r->spacing);
+    choose_format(r);
+    r->values = p->values;
+    v[SV_PARAM_PREFILTER_KERNEL] = sv_ref_reduced_kernel((uint32_t)v[SV_PARAM_PREFILTER_KERNEL], r->spacing);
+    v[SV_PARAM_LAMBDA] /= area;
 }
 
 void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
@@ -141,14 +207,12 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
     j->k = (uint32_t)v[SV_PARAM_KERNEL];
     sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
-    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
-    const sv_ref_fixed format = sv_ref_fixed_format(c->width, c->height, c->slices, j->k, j->weight_initial);
-    j->fraction = format.fraction;
-    p->program = format.wide ? p->wide : p->narrow;
+    choose_format(p);
     p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
     p->next_slice = 0;
     p->values = *values;
     p->batch = (sv_batch){0};
+    if (p->reduced) begin_reduced(p->reduced, p);
     if (p->timing) sv_timing_reset(p->timing);
 }
 

@@ -21,7 +21,9 @@ typedef struct sv_config {
     uint32_t strategy;          /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
     uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */
     uint32_t merge_grid, spline_grid;
-    bool float32; /* the solvers do without float64 even where the device has it */
+    uint32_t reduction; /* pixels along a side of the cells that the method works on; 1: pixels */
+    bool half_sums;     /* mean filter: planes of 16 bits between passes */
+    bool float32;       /* the solvers do without float64 even where the device has it */
     const void *host_memory;
     uint64_t host_memory_bytes;
 } sv_config;
@@ -50,6 +52,8 @@ typedef struct sv_pipeline {
     sv_config config;
     sv_buffers buffers;
     sv_chain chain;
+    struct sv_pipeline *reduced; /* where the method works at a reduced resolution; else NULL */
+    uint32_t spacing;            /* pixels of the depthmap from one pixel of this map to the next */
     uint32_t padded_width, bands, pass_capacity, batch_slots;
     uint64_t slab_bytes; /* of the longest slab */
 
@@ -73,6 +77,10 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
 sv_status sv_pipeline_create(sv_pipeline *pipeline, sv_diag *diag, const sv_device *device,
                              sv_program *narrow, sv_program *wide, sv_timing *timing,
                              const sv_config *config);
+
+/* The smaller map of a reduced resolution: config, job and values follow those of `pipeline`, and so does
+ * the record, which is shared; other buffers are those that a method uses. */
+sv_status sv_pipeline_create_reduced(sv_pipeline *pipeline);
 
 /* Launches every kernel of the method once, on no points. The self-test did so for the others. */
 sv_status sv_pipeline_warm_up(sv_pipeline *pipeline);

@@ -65,8 +65,9 @@ static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
         return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, no flag is known",
                              frame->flags);
     sv_values values = in->activated;
-    const sv_status status =
+    sv_status status =
         sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
+    if (status == SV_OK) status = sv_validate_values(&in->diag, &in->pipeline, &values);
     if (status != SV_OK) return status;
     in->frame = values;
     sv_pipeline_begin(&in->pipeline, &in->frame);
@@ -196,7 +197,7 @@ static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
     if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_SPLINE)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "spline: no finished frame with method spline");
     float r[SV_SPLINE_REPORT_WORDS];
-    const sv_status status = sv_spline_read(&in->pipeline, r);
+    const sv_status status = sv_spline_read(sv_chain_map(&in->pipeline), r);
     if (status == SV_OK)
         *out = (sv_spline_report){.size = out->size,
                                   .points = (uint32_t)r[0],

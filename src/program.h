@@ -50,6 +50,7 @@ typedef struct {
     uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
     bool padded;       /* SV_PADDED */
     bool wide_sums;    /* SV_WIDE_SUMS */
+    bool half_sums;    /* SV_HALF_SUMS */
     bool fetch_ahead;  /* SV_FETCH_AHEAD */
 } sv_structure;
 

@@ -60,6 +60,7 @@ static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, b
     }
     sv_ref_fixed format = sv_ref_fixed_format(WIDTH, HEIGHT, SLICES, (uint32_t)v->of[SV_PARAM_KERNEL], 2);
     format.wide = wide;
+    if (c->half_sums) format = sv_ref_half_format(SLICES, 2);
     sv_ref_fill fill;
     if (!sv_ref_mean_fixed(b->expected_status, b->near_position, b->far_position, WIDTH, HEIGHT,
                            (uint32_t)v->of[SV_PARAM_KERNEL], v->of[SV_PARAM_FILL_WEIGHT], c->substeps, format,
@@ -120,7 +121,9 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow
                        .carrier = SV_CARRIER_HOST,
                        .padding = config->padding,
                        .substeps = config->substeps,
-                       .strategy = config->strategy};
+                       .strategy = config->strategy,
+                       .half_sums = config->half_sums,
+                       .reduction = 1};
     bench *b = calloc(1, sizeof *b);
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     sv_values values;

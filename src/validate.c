@@ -62,6 +62,16 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
     return status == SV_OK ? check_texture(diag, f) : status;
 }
 
+sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *p, const sv_values *values) {
+    uint32_t weight_initial, weight_filled;
+    sv_ref_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
+    if (!p->reduced || p->config.method != SV_METHOD_MEAN || weight_filled > 0) return SV_OK;
+    BLAME(diag, SV_ERR_PARAM_RANGE,
+          "begin: fill_weight is %g, which leaves pixels empty; with reduction = %u, whose surface is "
+          "interpolated, expected at least 0.125",
+          values->of[SV_PARAM_FILL_WEIGHT], p->config.reduction);
+}
+
 /* SV_OK if `object` is a memory object of this type. An image, too, has a size, and a kernel would take it
  * for a buffer. */
 static sv_status check_type(sv_diag *diag, const char *field, cl_mem object, cl_mem_object_type wanted,

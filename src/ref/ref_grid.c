@@ -12,13 +12,16 @@ static double dot(const double *a, const double *b, size_t count) {
     return sum;
 }
 
+static double weight_of(const sv_ref_map *map, double weight, size_t i) {
+    return !map->status[i] ? 0.0 : map->weight ? weight * map->weight[i] : weight;
+}
+
 /* out = A s. */
 static void apply(const sv_ref_map *map, sv_ref_energy energy, double weight, const double *s, double *out) {
     const size_t count = (size_t)map->width * map->height;
     memset(out, 0, count * sizeof *out);
-    energy(s, map->width, map->height, out);
-    for (size_t i = 0; i < count; i++)
-        if (map->status[i]) out[i] += weight * s[i];
+    energy(s, map->width, map->height, map->spacing ? map->spacing : 1.0, out);
+    for (size_t i = 0; i < count; i++) out[i] += weight_of(map, weight, i) * s[i];
 }
 
 bool sv_ref_least_energy(const sv_ref_map *map, sv_ref_energy energy, double weight, double *surface) {
@@ -26,7 +29,7 @@ bool sv_ref_least_energy(const sv_ref_map *map, sv_ref_energy energy, double wei
     double *r = malloc(3 * count * sizeof *r), *p = r + count, *q = p + count;
     if (!r) return false;
     for (size_t i = 0; i < count; i++) {
-        r[i] = p[i] = map->status[i] ? weight * map->depth[i] : 0.0;
+        r[i] = p[i] = map->status[i] ? weight_of(map, weight, i) * map->depth[i] : 0.0;
         surface[i] = 0.0;
     }
     double rr = dot(r, r, count);

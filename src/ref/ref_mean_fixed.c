@@ -51,8 +51,15 @@ sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slice
            (window * (depth << fraction) > UINT32_MAX || (depth << fraction) >= 1u << QUOTIENT_BITS))
         fraction--;
     if (fraction < MIN_FRACTION || drifts(k, sv_ref_pass_limit(width, height, k), fraction))
-        return (sv_ref_fixed){WIDE_FRACTION, true};
-    return (sv_ref_fixed){fraction, false};
+        return (sv_ref_fixed){.fraction = WIDE_FRACTION, .wide = true};
+    return (sv_ref_fixed){.fraction = fraction};
+}
+
+sv_ref_fixed sv_ref_half_format(uint32_t slices, uint32_t weight_initial) {
+    const uint32_t depth = (slices > 1 ? slices - 1 : 1) * weight_initial;
+    uint32_t fraction = 0;
+    while (fraction < MAX_FRACTION && depth << (fraction + 1) <= UINT16_MAX) fraction++;
+    return (sv_ref_fixed){.fraction = fraction, .half = true};
 }
 
 typedef struct {

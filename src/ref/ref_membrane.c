@@ -1,7 +1,8 @@
 /* The membrane's energy: the sum of (S_i - S_j)^2 over all pairs of pixels that share an edge. */
 #include "ref/sv_ref_methods.h"
 
-void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, double *out) {
+void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, double spacing, double *out) {
+    (void)spacing;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
             const size_t i = (size_t)y * width + x;

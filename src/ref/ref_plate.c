@@ -17,16 +17,18 @@ static void add_element(const double *s, const size_t *at, const double *c, int 
     for (int n = 0; n < count; n++) out[at[n]] += weight * value * c[n];
 }
 
-void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, double *out) {
+void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, double spacing, double *out) {
+    const double bending = 1.0 / (spacing * spacing);
     static const double bend[] = {1.0, -2.0, 1.0}, twist[] = {1.0, -1.0, -1.0, 1.0}, slope[] = {1.0, -1.0};
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
             const size_t i = y * width + x;
-            if (x + 2 < width) add_element(s, (const size_t[]){i, i + 1, i + 2}, bend, 3, 1.0, out);
+            if (x + 2 < width) add_element(s, (const size_t[]){i, i + 1, i + 2}, bend, 3, bending, out);
             if (y + 2 < height)
-                add_element(s, (const size_t[]){i, i + width, i + (size_t)2 * width}, bend, 3, 1.0, out);
+                add_element(s, (const size_t[]){i, i + width, i + (size_t)2 * width}, bend, 3, bending, out);
             if (x + 1 < width && y + 1 < height)
-                add_element(s, (const size_t[]){i, i + 1, i + width, i + width + 1}, twist, 4, 2.0, out);
+                add_element(s, (const size_t[]){i, i + 1, i + width, i + width + 1}, twist, 4, 2.0 * bending,
+                            out);
             if (x + 1 < width) add_element(s, (const size_t[]){i, i + 1}, slope, 2, TENSION, out);
             if (y + 1 < height) add_element(s, (const size_t[]){i, i + width}, slope, 2, TENSION, out);
         }

@@ -103,13 +103,18 @@ void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_fil
  * least three, so that a fill weight of 0 is seen to reach nothing new. */
 uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k);
 
-/* Fixed-point format of the kernels for a window: fraction bits, and whether sums need 64 bits. */
+/* Fixed-point format of the kernels for a window: fraction bits, and whether sums need 64 bits, or (half) a
+ * pixel's weight * depth has 16. */
 typedef struct {
     uint32_t fraction;
-    bool wide;
+    bool wide, half;
 } sv_ref_fixed;
 sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint32_t k,
                                  uint32_t weight_initial);
+
+/* Of precision int16: as many fraction bits as leave weight * depth below 2^16, whatever the window. At least
+ * 1, up to 8,192 slices. */
+sv_ref_fixed sv_ref_half_format(uint32_t slices, uint32_t weight_initial);
 
 /* The kernels' fixed-point mean filter for both ends at once, to the bit. Positions in samples (substeps per
  * slice); only pixels with status != 0 are read. Surfaces in float32 slices. False if memory runs out. */

@@ -9,11 +9,14 @@
 
 #include "sv_ref.h"
 
-/* A sparse map. */
+/* A sparse map. Membrane and plate weigh its points, and the plate's bending knows how far apart its pixels
+ * lie. */
 typedef struct {
     const uint8_t *status;
     const double *depth;
     uint32_t width, height;
+    const double *weight; /* points that a point stands for; NULL: 1 each */
+    uint32_t spacing;     /* pixels of the depthmap from one of these to the next; 0: 1 */
 } sv_ref_map;
 
 /* ---- minimum filter (thesis 3.3, Algorithm 4.4) */
@@ -71,12 +74,34 @@ double sv_ref_inverse_norm(const double *a, uint32_t n, const uint32_t *pivots, 
 /* ---- membrane and plate: least energy over the pixel grid */
 
 /* Adds the gradient of the energy without its data term, halved, to out. */
-typedef void (*sv_ref_energy)(const double *s, uint32_t width, uint32_t height, double *out);
+typedef void (*sv_ref_energy)(const double *s, uint32_t width, uint32_t height, double spacing, double *out);
 
-void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, double *out);
-void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, double *out);
+/* Of a map whose pixels lie `spacing` apart: a slope squared times a pixel's area does not change with it, a
+ * second derivative squared times that area falls by its square. */
+void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, double spacing, double *out);
+void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, double spacing, double *out);
 
 /* Conjugate gradients until the residual has fallen by 1e13 or stops falling. */
 bool sv_ref_least_energy(const sv_ref_map *map, sv_ref_energy energy, double weight, double *surface);
+
+/* ---- reduced resolution: a method on a map of cells of `reduction` x `reduction` pixels */
+
+typedef struct {
+    sv_ref_map map; /* of the arrays below */
+    uint8_t *status;
+    double *depth, *weight;
+} sv_ref_reduced;
+
+/* The cells' points: mean depth, or the smallest (`least`), and how many there were. False if memory runs
+ * out. */
+bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref_reduced *out);
+void sv_ref_reduced_free(sv_ref_reduced *reduced);
+
+/* Cells along a side, and the window in cells for one of k pixels: the nearest odd number, at least 3. */
+uint32_t sv_ref_reduced_side(uint32_t side, uint32_t reduction);
+uint32_t sv_ref_reduced_kernel(uint32_t k, uint32_t reduction);
+
+/* Bilinear between the cells' centres, constant beyond the outermost. width, height: of `surface`. */
+void sv_ref_spread(const double *cells, uint32_t width, uint32_t height, uint32_t reduction, double *surface);
 
 #endif

@@ -79,10 +79,22 @@ static void test_degenerate(void **state) {
     }
 }
 
+/* In patches with wide gaps, up to 512 x 512. The membrane and the plate there: test_energy. */
+static void test_patches(void **state) {
+    static const uint32_t sides[] = {128, 171, 512};
+    for (int n = 0; n < 3; n++) {
+        surface_points p = surface_patches(sides[n], sides[n], 60, 7);
+        const surface_chain spline = {.method = SPLINE, .float32 = true, .merge_grid = 8};
+        check(*state, &p, &spline, 1e-2, "patches");
+        surface_points_free(&p);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scattered),
         cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_patches),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

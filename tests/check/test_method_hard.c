@@ -111,11 +111,12 @@ static void check_case(rig *r, const hard_case *c, const surface_chain *chain) {
     check_frame(c, &p, &out, status);
     double *expected = surface_expect(&p, chain);
     const double error = surface_error(&out, expected, (size_t)c->width * c->height);
-    const double bound = surface_bound(chain, c->slices);
+    const double bound = surface_bound(chain, &p);
     if (!(error <= bound) || getenv("SV_VERBOSE"))
-        print_message("%-28s %-9s %s error %.2e slices, bound %.0e (%s)\n", c->name,
-                      surface_names[chain->method], chain->prefilter_passes ? "pre-filtered" : "            ",
-                      error, bound, c->attacks);
+        print_message("%-28s %-9s%s 1/%u %s error %.2e slices, bound %.0e (%s)\n", c->name,
+                      surface_names[chain->method], chain->half ? " int16" : "",
+                      chain->reduction ? chain->reduction : 1,
+                      chain->prefilter_passes ? "pre-filtered" : "            ", error, bound, c->attacks);
     assert_true(error <= bound);
     assert_int_equal(report.dropped, 0);
     free(expected);
@@ -129,6 +130,36 @@ static void check_method(rig *r, int method) {
             const surface_chain chain = {
                 .method = method, .k = cases[i].k, .q = 0.5f, .prefilter_passes = passes, .prefilter_k = 3};
             check_case(r, &cases[i], &chain);
+        }
+}
+
+/* The same at reduced resolutions: cells that the image does not fill, and maps of one cell. */
+static void test_reduced(void **state) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int method = MEAN; method < METHODS; method++)
+            for (uint32_t reduction = 2; reduction <= 4; reduction += 2) {
+                const surface_chain chain = {.method = method,
+                                             .k = cases[i].k,
+                                             .q = 0.5f,
+                                             .reduction = reduction,
+                                             .prefilter_passes = reduction == 4,
+                                             .prefilter_k = 3};
+                check_case(*state, &cases[i], &chain);
+            }
+}
+
+/* And with planes of 16 bits, of depths with a sign, too. */
+static void test_half(void **state) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (uint32_t n = 0; n < 3; n++) {
+            const surface_chain chain = {.method = MEAN,
+                                         .k = cases[i].k,
+                                         .q = 1.5f,
+                                         .half = true,
+                                         .reduction = n == 2 ? 2 : 1,
+                                         .prefilter_passes = n == 1,
+                                         .prefilter_k = 3};
+            check_case(*state, &cases[i], &chain);
         }
 }
 
@@ -196,7 +227,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mean),     cmocka_unit_test(test_minimum),     cmocka_unit_test(test_spline),
         cmocka_unit_test(test_pushpull), cmocka_unit_test(test_membrane),    cmocka_unit_test(test_plate),
-        cmocka_unit_test(test_volumes),  cmocka_unit_test(test_spline_ways),
+        cmocka_unit_test(test_volumes),  cmocka_unit_test(test_spline_ways), cmocka_unit_test(test_reduced),
+        cmocka_unit_test(test_half),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -208,6 +208,55 @@ static void test_coarse_grid(void **state) {
     surface_points_free(&p);
 }
 
+/*
+ * On any set of points: what bilinear interpolation between nodes h pixels apart may cost a spline with
+ * weights w_j (docs/numerics.md): h^2 / 4 * max(13, 2 ln(R / h) + 3) * sum |w_j|, R the map's diagonal.
+ */
+static double grid_bound(const surface_points *p, const sv_ref_spline *spline, uint32_t grid) {
+    const double side = fmax(p->width - 1.0, p->height - 1.0), h = side / grid;
+    const double diagonal = hypot(p->width - 1.0, p->height - 1.0);
+    double sum = 0.0;
+    for (uint32_t j = 0; j < spline->count; j++) sum += fabs(spline->w[j]);
+    return h * h / 4.0 * fmax(13.0, 2.0 * log(diagonal / h) + 3.0) * sum;
+}
+
+static void check_grids(rig *r, const surface_points *p, const char *what) {
+    const size_t count = (size_t)p->width * p->height;
+    const sv_ref_map map = {.status = p->status, .depth = p->far_end, .width = p->width, .height = p->height};
+    const surface_chain fine = {.method = SPLINE, .merge_grid = 8};
+    double *x = malloc(3 * count * sizeof *x), *expected = surface_expect(p, &fine);
+    rig_result out = rig_result_make(p->width, p->height);
+    sv_ref_spline spline;
+    assert_non_null(x);
+    const uint32_t n = sv_ref_merge(&map, 8, x, x + count, x + 2 * count);
+    assert_true(sv_ref_spline_solve(x, x + count, x + 2 * count, n, 0.0, &spline));
+    for (uint32_t grid = 16; grid <= 64; grid *= 2) {
+        const surface_chain coarse = {.method = SPLINE, .merge_grid = 8, .spline_grid = grid};
+        assert_int_equal(surface_run(r, p, &coarse, &out, NULL), SV_OK);
+        const double error = surface_error(&out, expected, count), bound = grid_bound(p, &spline, grid);
+        print_message("coarse grid %2u, %-9s %3u x %-3u error %.3f slices, bound %.2f\n", grid, what,
+                      p->width, p->height, error, bound);
+        assert_true(error <= bound);
+        if (grid == 32) assert_true(error <= 2.0); /* docs/numerics.md: depths of 60 slices */
+    }
+    sv_ref_spline_free(&spline);
+    rig_result_free(&out);
+    free(expected);
+    free(x);
+}
+
+static void test_coarse_grid_anywhere(void **state) {
+    static const uint32_t sides[] = {128, 171, 512};
+    for (int n = 0; n < 3; n++) {
+        surface_points patches = surface_patches(sides[n], sides[n], 60, 7);
+        surface_points scattered = surface_scattered(sides[n], sides[n], 60, sides[n] * sides[n] / 33, 71);
+        check_grids(*state, &patches, "patches");
+        check_grids(*state, &scattered, "scattered");
+        surface_points_free(&patches);
+        surface_points_free(&scattered);
+    }
+}
+
 /* The extension refuses what the header says it refuses, and fills no more than it was given. */
 static void test_extension(void **state) {
     rig *r = *state;
@@ -233,9 +282,13 @@ static void test_extension(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lapack),      cmocka_unit_test(test_reference_solver),
-        cmocka_unit_test(test_degenerate),  cmocka_unit_test(test_too_many),
-        cmocka_unit_test(test_coarse_grid), cmocka_unit_test(test_extension),
+        cmocka_unit_test(test_lapack),
+        cmocka_unit_test(test_reference_solver),
+        cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_too_many),
+        cmocka_unit_test(test_coarse_grid),
+        cmocka_unit_test(test_extension),
+        cmocka_unit_test(test_coarse_grid_anywhere),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -18,12 +18,13 @@
 
 static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
 
-/* A method, with or without the pre-filter, in one of the work layouts. */
-static void choose(fixture *f, int method, bool prefilter, uint32_t strategy) {
+/* A method, with or without the pre-filter, in one of the work layouts, at full or at reduced resolution. */
+static void choose(fixture *f, int method, bool prefilter, uint32_t strategy, uint32_t reduction) {
     rig_format how = {.fixed = {{rig_param(&f->r, "method"), 0, method},
                                 {rig_param(&f->r, "prefilter"), 0, prefilter},
-                                {rig_param(&f->r, "strategy"), 0, strategy}},
-                      .fixed_count = 3};
+                                {rig_param(&f->r, "strategy"), 0, strategy},
+                                {rig_param(&f->r, "reduction"), 0, reduction}},
+                      .fixed_count = 4};
     fixture_change(f, how);
 }
 
@@ -61,8 +62,8 @@ static void frames_are_quiet(void **state) {
     const sv_param_value q = {rig_param(&f->r, "q"), 0, 0.75};
     for (int method = MEAN; method < METHODS; method++)
         for (int prefilter = 0; prefilter < 2; prefilter++)
-            for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-                choose(f, method, prefilter, strategy);
+            for (uint32_t layout = 0; layout < 6; layout++) {
+                choose(f, method, prefilter, 1 + layout % 3, 1 + layout / 3);
                 assert_int_equal(fixture_activate(f), SV_OK);
                 spy_reset();
                 heap_spy_reset();
@@ -96,7 +97,7 @@ static void activations_fail(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
     for (int method = MEAN; method < METHODS; method++) {
-        choose(f, method, method == MEAN, 1);
+        choose(f, method, method == MEAN, 1, 1 + (uint32_t)method % 2);
         uint32_t n = 1;
         /* the many steps of membrane and plate are alike: calls further and further apart */
         while (activate_failing(f, n)) n += 3 + n / 16;
@@ -112,7 +113,7 @@ static void frames_fail(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
     for (int method = MEAN; method < METHODS; method++) {
-        choose(f, method, method == MEAN, 2);
+        choose(f, method, method == MEAN, 2, 2 - (uint32_t)method % 2);
         assert_int_equal(fixture_activate(f), SV_OK);
         for (uint32_t n = 1;; n += 1 + n / 8) {
             spy_reset();
@@ -135,8 +136,9 @@ static void allocations_fail(void **state) {
     if (!heap_spy_works()) skip();
     spy_watch(f->r.entry);
     heap_spy_watch(f->r.entry);
-    for (int method = MEAN; method < METHODS; method++) {
-        choose(f, method, method == MEAN, 1);
+    for (int way = 0; way < 2 * METHODS; way++) {
+        const int method = way / 2;
+        choose(f, method, method == MEAN, 1, 1 + (uint32_t)way % 2);
         for (uint32_t n = 1;; n++) {
             heap_spy_reset();
             heap_spy_fail(n);

@@ -37,6 +37,37 @@ void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_e
     points->far_end[i] = far_end;
 }
 
+surface_points surface_scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count,
+                                 uint32_t seed) {
+    surface_points p = surface_points_make(width, height, slices);
+    uint32_t random = seed * 2654435761u + 1;
+    for (uint32_t n = 0; n < count; n++) {
+        const uint32_t x = surface_random(&random) % width, y = surface_random(&random) % height;
+        const uint32_t far_end = 1 + surface_random(&random) % (slices - 1);
+        surface_put(&p, x, y, surface_random(&random) % far_end, far_end);
+    }
+    return p;
+}
+
+surface_points surface_patches(uint32_t width, uint32_t height, uint32_t slices, uint32_t seed) {
+    enum { PATCHES = 6 };
+    surface_points p = surface_points_make(width, height, slices);
+    const double radius = sqrt(0.03 * width * height / (PATCHES * 3.14159265));
+    uint32_t random = seed * 2654435761u + 1;
+    for (int n = 0; n < PATCHES; n++) {
+        const double x0 = surface_random(&random) % width, y0 = surface_random(&random) % height;
+        const double middle = 0.35 * slices + surface_random(&random) % (slices / 2);
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++) {
+                const double dx = (x - x0) / radius, dy = (y - y0) / radius;
+                if (dx * dx + dy * dy > 1.0) continue;
+                const uint32_t far_end = (uint32_t)(middle + 0.08 * slices * (dx * dx - dy));
+                surface_put(&p, x, y, far_end / 3, far_end);
+            }
+    }
+    return p;
+}
+
 uint8_t *surface_volume(const surface_points *points) {
     const size_t plane = (size_t)points->width * points->height;
     uint8_t *volume = must(malloc(plane * points->slices));
@@ -90,8 +121,9 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
         {rig_param(r, "merge_grid"), 0, chain->merge_grid},
         {rig_param(r, "spline_grid"), 0, chain->spline_grid},
-        {rig_param(r, "precision"), 0, chain->float32},
+        {rig_param(r, "precision"), 0, chain->half ? 2 : chain->float32},
         {rig_param(r, "strategy"), 0, chain->strategy},
+        {rig_param(r, "reduction"), 0, chain->reduction ? chain->reduction : 1},
     };
     sv_format format = surface_format(points, fixed, sizeof fixed / sizeof *fixed);
     format.context = r->context;
@@ -126,10 +158,11 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
 static bool expect_spline(const sv_ref_map *map, const surface_chain *chain, double *surface) {
     const size_t count = (size_t)map->width * map->height;
     double *x = must(malloc(3 * count * sizeof *x)), *y = x + count, *z = y + count;
+    const double spacing = map->spacing ? map->spacing : 1.0;
     uint32_t n = sv_ref_merge(map, chain->merge_grid, x, y, z);
     if (chain->merge_grid == 0 && n > 1400) n = sv_ref_merge(map, 37, x, y, z); /* what the solver takes */
     sv_ref_spline spline;
-    const bool ok = sv_ref_spline_solve(x, y, z, n, chain->lambda, &spline);
+    const bool ok = sv_ref_spline_solve(x, y, z, n, chain->lambda / (spacing * spacing), &spline);
     if (ok && spline.singular) abort();
     if (ok) sv_ref_spline_surface(&spline, map->width, map->height, chain->spline_grid, surface);
     if (ok) sv_ref_spline_free(&spline);
@@ -137,21 +170,17 @@ static bool expect_spline(const sv_ref_map *map, const surface_chain *chain, dou
     return ok;
 }
 
-double *surface_expect(const surface_points *points, const surface_chain *chain) {
-    const size_t count = (size_t)points->width * points->height;
-    const uint32_t k = chain->k ? chain->k : 23;
+/* The chain on a map, without the reduction. */
+static bool expect_on(sv_ref_map map, const surface_chain *chain, double *surface) {
+    const uint32_t reduction = map.spacing ? map.spacing : 1;
+    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
+    const uint32_t prefilter_k =
+        sv_ref_reduced_kernel(chain->prefilter_k ? chain->prefilter_k : 5, reduction);
     const double weight = chain->data_weight > 0.0 ? chain->data_weight : 1.0;
-    double *depth = must(malloc(count * sizeof *depth)), *filtered = must(malloc(count * sizeof *depth));
-    double *surface = must(malloc(count * sizeof *surface));
-    for (size_t i = 0; i < count; i++) { /* in float32, as the minimum filter gets them: it must be exact */
-        const float near_end = (float)points->near_end[i], far_end = (float)points->far_end[i];
-        depth[i] = (double)(far_end + chain->q * (near_end - far_end));
-    }
-    sv_ref_map map = {points->status, depth, points->width, points->height};
+    double *filtered = must(malloc((size_t)map.width * map.height * sizeof *filtered));
     bool ok = true;
     if (chain->prefilter_passes > 0) {
-        ok = sv_ref_minimum_prefilter(&map, chain->prefilter_k ? chain->prefilter_k : 5,
-                                      chain->prefilter_passes, filtered);
+        ok = sv_ref_minimum_prefilter(&map, prefilter_k, chain->prefilter_passes, filtered);
         map.depth = filtered;
     }
     sv_ref_fill fill;
@@ -163,9 +192,32 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
     if (chain->method == MEMBRANE)
         ok = ok && sv_ref_least_energy(&map, sv_ref_membrane_energy, weight, surface);
     if (chain->method == PLATE) ok = ok && sv_ref_least_energy(&map, sv_ref_plate_energy, weight, surface);
-    if (!ok) abort();
-    free(depth);
     free(filtered);
+    return ok;
+}
+
+double *surface_expect(const surface_points *points, const surface_chain *chain) {
+    const size_t count = (size_t)points->width * points->height;
+    const uint32_t reduction = chain->reduction ? chain->reduction : 1;
+    const bool least = chain->method == MINIMUM || chain->prefilter_passes > 0;
+    double *depth = must(malloc(count * sizeof *depth)), *on_cells = must(malloc(count * sizeof *on_cells));
+    double *surface = must(malloc(count * sizeof *surface));
+    for (size_t i = 0; i < count; i++) { /* in float32, as the minimum filter gets them: it must be exact */
+        const float near_end = (float)points->near_end[i], far_end = (float)points->far_end[i];
+        depth[i] = (double)(far_end + chain->q * (near_end - far_end));
+    }
+    const sv_ref_map map = {
+        .status = points->status, .depth = depth, .width = points->width, .height = points->height};
+    sv_ref_reduced cells;
+    if (reduction == 1) {
+        if (!expect_on(map, chain, surface)) abort();
+    } else {
+        if (!sv_ref_reduce(&map, reduction, least, &cells) || !expect_on(cells.map, chain, on_cells)) abort();
+        sv_ref_spread(on_cells, map.width, map.height, reduction, surface);
+        sv_ref_reduced_free(&cells);
+    }
+    free(depth);
+    free(on_cells);
     return surface;
 }
 
@@ -178,15 +230,30 @@ double surface_error(const rig_result *out, const double *expected, size_t count
     return worst;
 }
 
-double surface_bound(const surface_chain *chain, uint32_t slices) {
-    const double ulp = slices * 0x1p-24; /* half a float32 step at the largest depth */
+/* The mean filter with planes of 16 bits: half a step a pass, in each of two planes where depths have a sign,
+ * and half a step for merged points, which are no whole samples. */
+static double half_bound(const surface_chain *chain, const surface_points *p) {
+    const uint32_t reduction = chain->reduction ? chain->reduction : 1;
+    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
+    const uint32_t passes = sv_ref_pass_limit(sv_ref_reduced_side(p->width, reduction),
+                                              sv_ref_reduced_side(p->height, reduction), k);
+    const sv_ref_fixed format = sv_ref_half_format(p->slices, 2);
+    return (2.0 + fabs((double)chain->q)) * (passes + 1) *
+           (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-23);
+}
+
+double surface_bound(const surface_chain *chain, const surface_points *p) {
+    const double ulp = p->slices * 0x1p-24; /* half a float32 step at the largest depth */
+    const double spread = chain->reduction > 1 ? 8.0 * ulp : 0.0; /* merging, and bilinear interpolation */
     switch (chain->method) {
     case MINIMUM:
-        return 0.0;
+        return spread;
     case PUSHPULL:
-        return 8.0 * ulp; /* a few roundings a level, which the next level halves, and the blend */
+        return 8.0 * ulp + spread; /* a few roundings a level, which the next level halves, and the blend */
+    case MEAN:
+        return fmax(1e-3, chain->half ? half_bound(chain, p) : 0.0) + spread;
     default:
-        return 1e-3;
+        return 1e-3 + spread;
     }
 }
 

@@ -18,8 +18,9 @@ typedef struct {
     double lambda, data_weight;             /* weight 0: 1 */
     uint32_t merge_grid, spline_grid;
     uint32_t solver_steps; /* 0: the method's own number */
-    bool float32;
-    uint32_t strategy; /* work layout; 0: auto */
+    bool float32, half;    /* precision float32, or int16 */
+    uint32_t reduction;    /* 0: 1 */
+    uint32_t strategy;     /* work layout; 0: auto */
     float q;
 } surface_chain;
 
@@ -34,6 +35,13 @@ surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t sli
 void surface_points_free(surface_points *points);
 /* 0 <= near < far < slices. */
 void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end);
+
+/* `count` points anywhere, near and far ends anywhere in the volume. */
+surface_points surface_scattered(uint32_t width, uint32_t height, uint32_t slices, uint32_t count,
+                                 uint32_t seed);
+/* What bones give: about 3 % of the pixels, in round patches with wide gaps between. Far ends vary smoothly
+ * within a patch, and from patch to patch by half of the slices. */
+surface_points surface_patches(uint32_t width, uint32_t height, uint32_t slices, uint32_t seed);
 
 /* A volume whose initial points are these, with T_B = 0.74 and T_L as by default. */
 uint8_t *surface_volume(const surface_points *points);
@@ -51,8 +59,8 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
 /* Largest difference; NAN if a depth is not finite. */
 double surface_error(const rig_result *out, const double *expected, size_t count);
 
-/* The bound of docs/numerics.md for a chain on depths up to `slices`. */
-double surface_bound(const surface_chain *chain, uint32_t slices);
+/* The bound of docs/numerics.md for a chain in full precision, or int16, on these points. */
+double surface_bound(const surface_chain *chain, const surface_points *points);
 
 /* Deterministic numbers: xorshift, 32 bits. */
 uint32_t surface_random(uint32_t *state);
