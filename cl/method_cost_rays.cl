@@ -213,7 +213,7 @@ __kernel void cost_level(cost_layout l, __global const uint *restrict histograms
         if (next == split) break;
         split = next;
     }
-    const uint level = (uint)(dark + (bright > dark ? (bright - dark) / 6 : 0));
-    info[SV_COST_INFO_LEVEL] = max(level, 1u);
+    const bool fluid = bright >= 2 * dark; /* else there is none */
+    info[SV_COST_INFO_LEVEL] = fluid ? max((uint)(dark + (bright - dark) / 6), 1u) : 0;
     info[SV_COST_INFO_BRIGHT] = max((uint)bright, 1u);
 }

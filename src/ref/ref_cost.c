@@ -98,8 +98,9 @@ sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_
         if (next == split) break;
         split = next;
     }
-    const uint64_t level = dark + (bright > dark ? (bright - dark) / 6 : 0);
-    return (sv_ref_cost_levels){.fluid = larger((uint32_t)level, 1), .bright = larger((uint32_t)bright, 1)};
+    if (bright < 2 * dark) return (sv_ref_cost_levels){.fluid = 0, .bright = larger((uint32_t)bright, 1)};
+    const uint32_t level = (uint32_t)(dark + (bright - dark) / 6);
+    return (sv_ref_cost_levels){.fluid = larger(level, 1), .bright = larger((uint32_t)bright, 1)};
 }
 
 /* Sum or maximum over the `reach` neighbours to either side along one axis, the one whose neighbours lie

@@ -39,7 +39,9 @@ void sv_ref_cost_bins(const sv_ref_volume *volume, const sv_ref_cost_layout *lay
 /* Grey levels of the bins. The classes are split half way between their means, which are looked up on the
  * middle row of every row of cells. */
 typedef struct {
-    uint32_t fluid;  /* T_L: a sixth of the way from the mean of the dark class to that of the bright one */
+    /* T_L: a sixth of the way from the mean of the dark class to that of the bright one; 0 if that is less
+     * than twice as bright: then there is no fluid. */
+    uint32_t fluid;
     uint32_t bright; /* mean of the bright class */
 } sv_ref_cost_levels;
 sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_layout *layout);
