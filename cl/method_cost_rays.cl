@@ -8,8 +8,9 @@
 #include "method_cost.clh"
 #endif
 
-/* Pixels along the side of a ray at most: 8192 / SV_COST_RAYS. */
-#define MOST_SHRINK 64
+/* Pixels along the side of a ray, and slices of a bin at most: the volume's sides are at most 8192. */
+#define MOST_SHRINK (8192 / SV_COST_RAYS)
+#define MOST_PER    ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
 
 /* A slab as it lies in its texture, and the grey level that was not scanned (above 255: none). */
 typedef struct {
@@ -20,46 +21,51 @@ typedef struct {
 
 /* Slices of a slab that belong to one bin. */
 typedef struct {
-    uint bin, first, count; /* first: of the slab */
-    bool begun, ends;       /* the bin began in a slab before; it ends with these slices */
+    uint bin, count;
+    bool begun, ends; /* the bin began in a slab before; it ends with these slices */
+    __global const uchar *slice[MOST_PER];
 } piece_t;
 
-static __global const uchar *voxel_row(const slab_t *s, uint slice, uint y) {
-    return s->texture + ((size_t)(slice / s->tiles_x) * s->tile_h + y) * s->row_pitch +
+static __global const uchar *slice_at(const slab_t *s, uint slice) {
+    return s->texture + (size_t)(slice / s->tiles_x) * s->tile_h * s->row_pitch +
            slice % s->tiles_x * s->tile_w;
 }
 
-/* First of the 16 pixels that the vector at x, a multiple of 16, stands for: the last one of a row ends with
- * it and overlaps the one before. */
-static uint vector_start(uint x, uint width) {
-    return width < SV_LANES ? 0 : min(x, width - SV_LANES);
+/* Lanes of the pixels of a row that the vector at x stands for: 255, the others 0. */
+static uchar16 pixels_of(uint x, uint width) {
+    return as_uchar16(convert_char16(LANE_NUMBERS) < (char16)((char)min(width - x, (uint)SV_LANES)));
 }
 
-/* 16 voxels from x on; zeros beyond a row that is shorter. */
+/* 16 voxels from x on, none from beyond the row: the last ones are loaded with those before them. */
 static uchar16 load_voxels(__global const uchar *row, uint x, uint width) {
-    if (width >= SV_LANES) return vload16(0, row + x);
-    uchar lanes[SV_LANES];
-    for (uint i = 0; i < SV_LANES; i++) lanes[i] = i < width ? row[i] : 0;
-    return vload16(0, lanes);
+    if (x + SV_LANES <= width) return vload16(0, row + x);
+    uchar16 lanes[2];
+    if (width >= SV_LANES) {
+        lanes[0] = vload16(0, row + width - SV_LANES);
+        return ((const bytes_anywhere *)((const uchar *)lanes + x + SV_LANES - width))->v;
+    }
+    for (uint i = 0; i < width; i++) ((uchar *)lanes)[i] = row[i];
+    return lanes[0];
+}
+
+/* 255 where a voxel was scanned. */
+static uchar16 scanned_of(uchar16 v, uint padding) {
+    return padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)padding));
 }
 
 /* A row of rays whose bins are single voxels. */
 static void copy_row(const slab_t *s, const cost_layout *l, uint first_slice, uint slice_count, uint y,
-                     __global uchar *bins) {
-    const uchar16 padding = (uchar16)((uchar)s->padding);
-    const uchar16 padded = (uchar16)((uchar)(s->padding > 255 ? 0 : 255));
-    const uchar16 inside =
-        convert_uchar16(LANE_NUMBERS) < (uchar16)((uchar)min(l->width, 16u)) ? (uchar16)(255) : (uchar16)(0);
+                     __global uchar16 *bins) {
+    const uint vectors = l->padded_columns / SV_LANES, last = l->padded_columns - SV_LANES;
+    const uchar16 inside = pixels_of(last, l->width);
     for (uint i = 0; i < slice_count; i++) {
-        __global const uchar *row = voxel_row(s, i, y);
-        __global uchar *to = bins + ((size_t)(first_slice + i) * l->rows + y) * l->padded_columns;
-        vstore16((uchar16)(0), 0, to + l->padded_columns - SV_LANES);
-        for (uint x = 0; x < l->width; x += SV_LANES) {
-            const uint start = vector_start(x, l->width);
-            const uchar16 v = load_voxels(row, start, l->width);
-            const uchar16 unscanned = as_uchar16(v == padding) & padded;
-            vstore16(max(v, (uchar16)(1)) & ~unscanned & inside, 0, to + start);
+        __global const uchar *row = slice_at(s, i) + (size_t)y * s->row_pitch;
+        __global uchar16 *to = bins + ((size_t)(first_slice + i) * l->rows + y) * vectors;
+        for (uint x = 0; x < vectors; x++) {
+            const uchar16 v = load_voxels(row, x * SV_LANES, l->width);
+            to[x] = max(v, (uchar16)(1)) & scanned_of(v, s->padding);
         }
+        to[vectors - 1] &= inside;
     }
 }
 
@@ -72,73 +78,70 @@ static uchar16 rounded_mean(uint16 sum, uint16 count) {
     return convert_uchar16(max(mean, (int16)(1)) & (count != (uint16)(0)));
 }
 
-/* Sums and numbers of the scanned voxels of 16 pixels (x: of the vector, a multiple of 16), for the pixel
- * rows of a row of rays. If the bin goes on in the next slab they wait in `partial`, a pixel row each. */
+/* Sums and numbers of the scanned voxels of 16 pixels from x on, a multiple of 16, for the pixel rows of a
+ * row of rays. If the bin goes on in the next slab they wait in `partial`, a pixel row each. */
 static void add_piece(const slab_t *s, const cost_layout *l, const piece_t *piece, uint x, uint row,
-                      __global ushort *partial, uint16 *sum, uint16 *count) {
-    const uint pitch = (l->width + SV_LANES - 1) / SV_LANES * SV_LANES;
-    const uint start = vector_start(x, l->width), y1 = min((row + 1) * l->shrink, l->height);
-    const uchar16 padding = (uchar16)((uchar)s->padding);
-    const uchar16 padded = (uchar16)((uchar)(s->padding > 255 ? 0 : 255));
+                      __global ushort16 *partial, uint16 *sum, uint16 *count) {
+    const uint pitch = (l->width + SV_LANES - 1) / SV_LANES, y1 = min((row + 1) * l->shrink, l->height);
+    const uchar16 inside = pixels_of(x, l->width);
     *sum = *count = (uint16)(0);
     for (uint y = row * l->shrink; y < y1; y++) {
-        __global ushort *waiting = partial + (size_t)y * pitch + x;
-        __global ushort *waiting_count = waiting + (size_t)pitch * l->height;
-        ushort16 some = (ushort16)(0), number = some;
+        __global ushort16 *waiting = partial + (size_t)y * pitch + x / SV_LANES;
+        __global ushort16 *waiting_count = waiting + (size_t)pitch * l->height;
+        const size_t at = (size_t)y * s->row_pitch;
+        ushort16 some = (ushort16)(0);
+        uchar16 number = (uchar16)(0); /* SV_COST_LABELS bins of 8192 slices have 43 */
         if (piece->begun) {
-            some = vload16(0, waiting);
-            number = vload16(0, waiting_count);
+            some = *waiting;
+            number = convert_uchar16(*waiting_count);
         }
         for (uint i = 0; i < piece->count; i++) {
-            const uchar16 v = load_voxels(voxel_row(s, piece->first + i, y), start, l->width);
-            const uchar16 scanned = ~(as_uchar16(v == padding) & padded);
+            const uchar16 v = load_voxels(piece->slice[i] + at, x, l->width);
+            const uchar16 scanned = scanned_of(v, s->padding) & inside;
             some += convert_ushort16(v & scanned);
-            number += convert_ushort16(scanned & (uchar16)(1));
+            number -= scanned;
         }
         if (piece->ends) {
             *sum += convert_uint16(some);
             *count += convert_uint16(number);
         } else {
-            vstore16(some, 0, waiting);
-            vstore16(number, 0, waiting_count);
+            *waiting = some;
+            *waiting_count = convert_ushort16(number);
         }
     }
 }
 
-/* Sums of `shrink` neighbours, for 16 rays; `pixels`: how many of them there are. */
-static uint16 shrunk(const uint *values, uint shrink, uint pixels) {
-    if (shrink == 1)
-        return convert_int16(LANE_NUMBERS) < (int16)((int)pixels) ? vload16(0, values) : (uint16)(0);
-    uint lanes[SV_LANES];
-    for (uint i = 0; i < SV_LANES; i++) {
-        const uint end = min((i + 1) * shrink, pixels);
+/* Sums of `shrink` neighbours of as many vectors, for 16 rays. */
+static uint16 shrunk(uint16 *values, uint shrink) {
+    for (; shrink % 2 == 0; shrink /= 2)
+        for (uint k = 0; k < shrink / 2; k++) {
+            const uint16 a = values[2 * k], b = values[2 * k + 1];
+            values[k] = (uint16)(a.even + a.odd, b.even + b.odd);
+        }
+    if (shrink == 1) return values[0];
+    const uint *pixels = (const uint *)values;
+    uint16 sums;
+    for (uint i = 0; i < SV_LANES; i++, pixels += shrink) {
         uint sum = 0;
-        for (uint k = i * shrink; k < end; k++) sum += values[k];
-        lanes[i] = sum;
+        for (uint k = 0; k < shrink; k++) sum += pixels[k];
+        ((uint *)&sums)[i] = sum;
     }
-    return vload16(0, lanes);
+    return sums;
 }
 
 /* A row of rays: the slices of one bin. */
 static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece, uint row,
-                    __global ushort *partial, __global uchar *bins) {
-    /* Pixels of 16 rays, behind room for those that the last vector of a row overlaps. */
-    uint sums[SV_LANES * (MOST_SHRINK + 1)], counts[SV_LANES * (MOST_SHRINK + 1)];
-    const uint span = SV_LANES * l->shrink;
-    __global uchar *to = bins + ((size_t)piece->bin * l->rows + row) * l->padded_columns;
-    for (uint x0 = 0; x0 < l->width; x0 += span) {
-        const uint pixels = min(span, l->width - x0);
-        for (uint x = x0; x < x0 + pixels; x += SV_LANES) {
-            uint16 sum, count;
-            add_piece(s, l, piece, x, row, partial, &sum, &count);
-            const uint at = SV_LANES + vector_start(x, l->width) - x0;
-            vstore16(sum, 0, sums + at);
-            vstore16(count, 0, counts + at);
+                    __global ushort16 *partial, __global uchar16 *bins) {
+    uint16 sums[MOST_SHRINK], counts[MOST_SHRINK]; /* of the pixels of 16 rays */
+    const uint vectors = l->padded_columns / SV_LANES;
+    bins += ((size_t)piece->bin * l->rows + row) * vectors;
+    for (uint rays = 0; rays < vectors; rays++) {
+        for (uint k = 0; k < l->shrink; k++) {
+            const uint x = (rays * l->shrink + k) * SV_LANES;
+            sums[k] = counts[k] = (uint16)(0);
+            if (x < l->width) add_piece(s, l, piece, x, row, partial, sums + k, counts + k);
         }
-        if (piece->ends)
-            vstore16(rounded_mean(shrunk(sums + SV_LANES, l->shrink, pixels),
-                                  shrunk(counts + SV_LANES, l->shrink, pixels)),
-                     0, to + x0 / l->shrink);
+        if (piece->ends) bins[rays] = rounded_mean(shrunk(sums, l->shrink), shrunk(counts, l->shrink));
     }
 }
 
@@ -146,7 +149,7 @@ static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece,
  * of scanned voxels, of the pixels of the bin that a slab left unfinished; unused where bins are voxels. */
 __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
                         uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
-                        cost_layout l, __global ushort *restrict partial, __global uchar *restrict bins) {
+                        cost_layout l, __global ushort16 *restrict partial, __global uchar16 *restrict bins) {
     const uint row = (uint)get_global_id(0);
     const slab_t s = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h, padding};
     if (l.shrink == 1 && l.per == 1) {
@@ -154,13 +157,14 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
         return;
     }
     piece_t piece;
-    for (piece.first = 0; piece.first < slice_count; piece.first += piece.count) {
-        const uint slice = first_slice + piece.first;
+    for (uint first = 0; first < slice_count; first += piece.count) {
+        const uint slice = first_slice + first;
         piece.bin = slice / l.per;
         const uint end = min((piece.bin + 1) * l.per, l.slices);
-        piece.count = min(end - slice, slice_count - piece.first);
+        piece.count = min(end - slice, slice_count - first);
         piece.begun = slice > piece.bin * l.per;
         piece.ends = slice + piece.count == end;
+        for (uint i = 0; i < piece.count; i++) piece.slice[i] = slice_at(&s, first + i);
         add_row(&s, &l, &piece, row, partial, bins);
     }
 }
