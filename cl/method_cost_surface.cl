@@ -77,12 +77,13 @@ __kernel void cost_minimum(cost_layout l, float8 weight, float memory, __global 
     vstore8(weight, 0, weights);
     const int y0 = max(y - SV_COST_REACH, 0), y1 = min(y + SV_COST_REACH, (int)l.cells_y - 1);
     for (uint x = 0; x < l.cells_x; x++) {
-        float cell[SV_COST_VALUES];
+        float16 parts[SV_COST_VALUES / SV_LANES];
+        float *cell = (float *)parts;
         for (uint v = 0; v < SV_COST_VALUES; v += SV_LANES) {
             float16 sum = (float16)(0.0f);
             for (int w = y0; w <= y1; w++)
                 sum += weights[abs(w - y)] * vload16(0, cell_at(blurred, &l, x, (uint)w) + v);
-            vstore16(sum, 0, cell + v);
+            parts[v / SV_LANES] = sum;
         }
         remember(cell, (int)l.labels, memory, cell_at(previous, &l, x, (uint)y));
         vstore4(find_minimum(cell, (int)l.labels), (size_t)y * l.cells_x + x, minima);

@@ -228,9 +228,9 @@ static void walk_costs(const cost_layout *l, const rays_t *r, bins16_t *w) {
 
 /* The wall or back of the cell that each of 16 rays is in. */
 static short16 cells_of(const cost_layout *l, __global const uchar *row, uint x) {
-    short lanes[SV_LANES];
-    for (uint i = 0; i < SV_LANES; i++) lanes[i] = row[min((x + i) / l->block, l->cells_x - 1)];
-    return vload16(0, lanes);
+    short16 lanes;
+    for (uint i = 0; i < SV_LANES; i++) ((short *)&lanes)[i] = row[min((x + i) / l->block, l->cells_x - 1)];
+    return lanes;
 }
 
 static short16 any_bin(const cost_layout *l, const rays_t *r) {
@@ -241,16 +241,14 @@ static short16 any_bin(const cost_layout *l, const rays_t *r) {
 
 /* Hands lane i of `value` to the cell of ray x + i. */
 static void to_cells(const cost_layout *l, __global float *cells, uint slot, uint x, float16 value) {
-    float lanes[SV_LANES];
-    vstore16(value, 0, lanes);
     const uint count = min((uint)SV_LANES, l->columns - x);
+    const float *lanes = (const float *)&value;
     for (uint i = 0; i < count; i++) cells[(x + i) / l->block * SV_COST_VALUES + slot] += lanes[i];
 }
 
 static uint count_lanes(short16 mask, uint lanes) {
-    short each[SV_LANES];
+    const short *each = (const short *)&mask;
     uint count = 0;
-    vstore16(mask, 0, each);
     for (uint i = 0; i < lanes; i++) count -= (uint)(int)each[i];
     return count;
 }
@@ -334,7 +332,7 @@ __kernel void cost_blur(cost_layout l, float8 weight, __global const uint *restr
             float16 sum = (float16)(0.0f);
             for (int u = x0; u <= x1; u++)
                 sum += weights[abs(u - x)] * vload16(0, cell_at(volume, &l, (uint)u, y) + v);
-            vstore16(sum, 0, cell_at(blurred, &l, (uint)x, y) + v);
+            *(__global float16 *)(cell_at(blurred, &l, (uint)x, y) + v) = sum;
         }
     }
 }

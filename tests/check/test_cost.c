@@ -95,8 +95,9 @@ static void test_scenes(void **state) {
 /* Sizes that are no multiple of anything, and volumes that are no scans. */
 static void test_any_volume(void **state) {
     static const shape shapes[] = {
-        {75, 40, 61, 9, 0}, {171, 33, 171, 16, 0}, {17, 130, 40, 40, SV_NO_PADDING},
-        {1, 1, 1, 1, 0},    {3, 5, 2, 1, 0},       {40, 40, 200, 16, 255}};
+        {75, 40, 61, 9, 0},   {171, 33, 171, 16, 0}, {17, 130, 40, 40, SV_NO_PADDING},
+        {1, 1, 1, 1, 0},      {3, 5, 2, 1, 0},       {40, 40, 200, 16, 255},
+        {263, 40, 400, 16, 0}}; /* the last: rays of 2 x 2 pixels, bins of 3 slices */
     for (size_t n = 0; n < sizeof shapes / sizeof *shapes; n++)
         for (int kind = 0; kind < RIG_KIND_COUNT; kind++) {
             const shape *s = &shapes[n];
