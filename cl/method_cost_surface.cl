@@ -77,12 +77,13 @@ __kernel void cost_minimum(cost_layout l, float8 weight, float memory, __global 
     vstore8(weight, 0, weights);
     const int y0 = max(y - SV_COST_REACH, 0), y1 = min(y + SV_COST_REACH, (int)l.cells_y - 1);
     for (uint x = 0; x < l.cells_x; x++) {
-        float cell[SV_COST_VALUES];
+        float16 parts[SV_COST_VALUES / SV_LANES];
+        float *cell = (float *)parts;
         for (uint v = 0; v < SV_COST_VALUES; v += SV_LANES) {
             float16 sum = (float16)(0.0f);
             for (int w = y0; w <= y1; w++)
                 sum += weights[abs(w - y)] * vload16(0, cell_at(blurred, &l, x, (uint)w) + v);
-            vstore16(sum, 0, cell + v);
+            parts[v / SV_LANES] = sum;
         }
         remember(cell, (int)l.labels, memory, cell_at(previous, &l, x, (uint)y));
         vstore4(find_minimum(cell, (int)l.labels), (size_t)y * l.cells_x + x, minima);
@@ -111,8 +112,8 @@ __kernel void cost_median(cost_layout l, __global const uint *restrict info,
             const float middle = 0.5f * (sorted[count / 2] + sorted[(count - 1) / 2]);
             const float yield = SV_COST_YIELD * l.scale * (1.0f - cell.z);
             /* From here on in slices: depth, half the way from q = 0 to q = 1, confidence. */
-            cell.x = (middle - yield + 0.5f) * l.pitch - 0.5f;
-            cell.y *= SV_COST_SPREAD * l.pitch;
+            cell.x = (middle - yield + 0.5f) * (float)l.per - 0.5f;
+            cell.y *= SV_COST_SPREAD * (float)l.per;
         }
         vstore4(cell, (size_t)y * l.cells_x + (uint)x, smooth);
     }
@@ -125,19 +126,20 @@ static float cell_place(uint pixel, uint block, uint cells) {
 }
 
 /* One work item per row of pixels: bilinear between the cells. Without a surface, zeros. */
-__kernel void cost_leave(cost_layout l, __global const uint *restrict info,
-                         __global const float *restrict smooth, __global float *restrict surfaces,
-                         __global float *restrict confidence) {
+__kernel void cost_leave(cost_layout l, uint padded_width, __global const uint *restrict info,
+                         __global const float *restrict smooth, __global float *restrict confidence,
+                         __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
-    const size_t plane = (size_t)l.padded_width * l.height, row = (size_t)y * l.padded_width;
+    const size_t plane = (size_t)padded_width * l.height, row = (size_t)y * padded_width;
+    const uint side = l.block * l.shrink; /* of a cell, in pixels */
     const bool wanted = info[SV_COST_INFO_WANTED] != 0;
-    const float v = cell_place(y, l.block, l.cells_y);
+    const float v = cell_place(y, side, l.cells_y);
     const uint y0 = (uint)v, y1 = min(y0 + 1, l.cells_y - 1);
     const float fv = v - (float)y0;
     for (uint x = 0; x < l.width; x++) {
         float4 at = (float4)(0.0f);
         if (wanted) {
-            const float u = cell_place(x, l.block, l.cells_x);
+            const float u = cell_place(x, side, l.cells_x);
             const uint x0 = (uint)u, x1 = min(x0 + 1, l.cells_x - 1);
             const float fu = u - (float)x0;
             const float4 top = vload4((size_t)y0 * l.cells_x + x0, smooth) * (1.0f - fu) +

@@ -33,28 +33,45 @@
 #define SV_MAX_DATA_WEIGHT 10.0
 
 /*
- * Cost volume (docs/cost_volume.md). A ray is kept as at most SV_COST_LABELS bins of slices along it. Lengths
- * are in bins of a ray of SV_COST_LABELS bins; a shorter volume has a bin a slice, and the lengths shrink
- * with it.
+ * Cost volume (docs/cost_volume.md). It works on rays of bins: at most SV_COST_LABELS along a ray, at most
+ * 2 * SV_COST_RAYS rays along the longer side of the image. Lengths along a ray are in bins of a ray of
+ * SV_COST_UNIT bins and grow and shrink with its number of bins.
  */
-#define SV_COST_LABELS  64
-#define SV_COST_VALUES  80    /* floats of a cell: the labels, then: */
-#define SV_COST_WEIGHT  64    /* scanned rays */
-#define SV_COST_OPEN    65    /* rays with a fluid interval */
-#define SV_COST_CELLS   32    /* wanted cells along the longer side of the image */
-#define SV_COST_SIGMA   1.75f /* of the lateral Gaussian, in 32nds of the longer side */
-#define SV_COST_REACH   6     /* cells the Gaussian spans to either side */
-#define SV_COST_GAP     3.75f /* shortest fluid interval that counts */
-#define SV_COST_TAU     2.0f  /* distance to the fluid at which its cost is full */
-#define SV_COST_BEHIND  3.0f  /* behind the ray's maximum: K */
-#define SV_COST_OTHER   0.4f  /* outside the interval before the maximum: g */
-#define SV_COST_TISSUE  0.01f /* a bin of tissue cut through: gamma */
-#define SV_COST_TISSUES 20.0f /* bins of tissue after which more do not count: T */
-#define SV_COST_RANK    0.3f  /* rays ranked at or above this share have full confidence */
-#define SV_COST_SLACK   0.05f /* labels within this of the least cost count as the same minimum */
-#define SV_COST_MARGIN  0.4f  /* lead over any other minimum that is full confidence */
-#define SV_COST_YIELD   3.0f  /* towards the viewer where nothing is sure, bins */
-#define SV_COST_SPREAD  2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
+#define SV_COST_LABELS  192
+#define SV_COST_UNIT    128.0
+#define SV_COST_RAYS    128
+#define SV_COST_VALUES  208  /* floats of a cell: the labels, then: */
+#define SV_COST_WEIGHT  192  /* its rays' weights */
+#define SV_COST_OPEN    193  /* the same of rays with a fluid interval */
+#define SV_COST_CELLS   32   /* wanted cells along the longer side */
+#define SV_COST_SIGMA   1.0f /* of the lateral Gaussian, in 32nds of the longer side */
+#define SV_COST_REACH   4    /* cells the Gaussian spans to either side */
+#define SV_COST_THIN    3    /* thinner tissue does not part fluid, and is nobody's */
+#define SV_COST_GAP     6    /* shortest first fluid interval */
+#define SV_COST_SOLID   2    /* a cell's wall and back are that many mostly fluid bins */
+#define SV_COST_WINDOW  5    /* cells to either side whose walls and backs are ranked */
+#define SV_COST_CONTACT 16   /* fluid that begins this much behind the wall: something touches the wall */
+#define SV_COST_SPLIT   4    /* a run is parted where bone begins this far behind its front */
+#define SV_COST_DILATE  2    /* brightness is looked for this far before and behind */
+#define SV_COST_SLIM    9    /* a run so thick says nothing yet by its thickness, */
+#define SV_COST_STOUT   14   /* one so thick all it can */
+#define SV_COST_TAU     4.0f /* distance to the fluid at which its cost is full */
+#define SV_COST_CUT     3.0f /* cutting into the fetus */
+#define SV_COST_LEFT    2.0f /* leaving what lies before the fetus' own fluid */
+#define SV_COST_OTHER   2.7f /* outside the longest interval, where there is no fetus */
+/* Evidence that a run is the fetus, before the logistic function. Brightness is relative to the mean of
+ * tissue. */
+#define SV_COST_NEARBY    8.0f /* times the brightest mean nearby */
+#define SV_COST_OWN       6.0f /* times the brightest mean on the ray itself */
+#define SV_COST_THICK     2.5f /* if it is stout */
+#define SV_COST_BIAS      -19.0f
+#define SV_COST_WALL      11.0f /* what touches the wall: times the brightest mean nearby */
+#define SV_COST_WALL_BIAS -15.0f
+#define SV_COST_DOUBT     3.0f /* less for a sure run farther back */
+#define SV_COST_SLACK     0.2f /* labels within this of the least cost count as the same minimum */
+#define SV_COST_MARGIN    0.4f /* lead over any other minimum that is full confidence */
+#define SV_COST_YIELD     1.0f /* towards the viewer where nothing is sure, bins */
+#define SV_COST_SPREAD    2.0f /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
 
 #define SV_COST_CHANGE   0.15f /* mean change of a cell's costs that makes it forget the frame before */
 #define SV_COST_EVIDENCE 8     /* one ray in so many must have a fluid interval, or there is no surface */
@@ -64,14 +81,8 @@
 #define SV_COST_INFO_RAYS   1 /* scanned rays */
 #define SV_COST_INFO_OPEN   2 /* rays with a fluid interval */
 #define SV_COST_INFO_WANTED 3 /* 1: the frame has a surface */
-#define SV_COST_INFO_WORDS  4
-
-/* Planes of what a ray came to, a byte each. */
-#define SV_COST_FIRST   0 /* bin at which its first fluid interval begins; labels: none */
-#define SV_COST_MAXIMUM 1 /* largest tissue bin behind that; 0: none */
-#define SV_COST_PLACE   2 /* where that is; labels: none */
-#define SV_COST_SCANNED 3 /* 1: some voxel was scanned */
-#define SV_COST_PLANES  4
+#define SV_COST_INFO_BRIGHT 4 /* mean of tissue, as a grey level */
+#define SV_COST_INFO_WORDS  5
 
 /* Status map, as in smartvis_plugin.h. */
 #define SV_STATUS_NONE    0

@@ -26,7 +26,7 @@
 struct sv_config;
 struct sv_pipeline;
 
-#define SV_MAX_METHOD_BUFFERS 13
+#define SV_MAX_METHOD_BUFFERS 14
 #define SV_MAX_LEVELS         14 /* of a pyramid over 8192 pixels */
 
 /* Sizes of a pyramid's levels, the map itself first; offsets count pixels from the first level's start. */

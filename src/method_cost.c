@@ -9,50 +9,71 @@
 
 #include <math.h>
 
-enum { K_BINS, K_SURVEY, K_LEVEL, K_RAYS, K_RANKS, K_GATHER, K_BLUR, K_MINIMUM, K_MEDIAN, K_LEAVE };
-static const char *const kernels[] = {"cost_bins",   "cost_survey", "cost_level", "cost_rays",
-                                      "cost_ranks",  "cost_gather", "cost_blur",  "cost_minimum",
-                                      "cost_median", "cost_leave",  NULL};
+enum {
+    K_BINS,
+    K_SURVEY,
+    K_LEVEL,
+    K_SUMS,
+    K_NEARBY,
+    K_WALLS_OWN,
+    K_WALLS,
+    K_GATHER,
+    K_DECIDE,
+    K_BLUR,
+    K_MINIMUM,
+    K_MEDIAN,
+    K_LEAVE
+};
+static const char *const kernels[] = {
+    "cost_bins",   "cost_survey", "cost_level", "cost_sums",    "cost_nearby", "cost_walls_own", "cost_walls",
+    "cost_gather", "cost_decide", "cost_blur",  "cost_minimum", "cost_median", "cost_leave",     NULL};
 enum {
     BINS,
     PARTIAL,
-    RAYS,
-    WALLS,
-    HISTOGRAMS, /* 256 words a row of cells: of the bins, then of the maxima */
+    SUMS,       /* brightness of every bin with its neighbours */
+    NEARBY,     /* the largest of those nearby */
+    OWN,        /* wall and back of every cell by itself */
+    WALLS,      /* the same of its neighbourhood */
+    HISTOGRAMS, /* 256 words a row of cells */
     COUNTS,
     INFO,
-    BONE,
     VOLUME, /* later the smooth minima */
     BLURRED,
     PREVIOUS, /* costs of the frame before */
     MINIMA,
     CONFIDENCE
 };
-
 static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
 }
 
 static uint32_t commands(const sv_config *c) {
-    return c->slices + 9;
+    return c->slices + K_LEAVE;
 }
 
 static sv_ref_cost_layout layout_of(const sv_config *c) {
     return sv_ref_cost_layout_of(c->width, c->height, c->slices);
 }
 
+/* Rays of a row in the bins. */
+static uint32_t padded_columns(const sv_ref_cost_layout *l) {
+    return (l->columns + SV_LANES - 1) / SV_LANES * SV_LANES;
+}
+
 static sv_status create(sv_pipeline *p, sv_method_state *s) {
     const sv_config *c = &p->config;
     const sv_ref_cost_layout l = layout_of(c);
     const size_t plane = (size_t)p->padded_width * c->height, cells = (size_t)l.cells_x * l.cells_y;
-    const size_t bytes[] = {[BINS] = l.labels * plane,
+    const size_t bins = (size_t)l.labels * padded_columns(&l) * l.rows;
+    const size_t bytes[] = {[BINS] = bins,
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
-                            [RAYS] = SV_COST_PLANES * plane,
-                            [WALLS] = (size_t)p->padded_width * l.cells_y,
+                            [SUMS] = bins * sizeof(cl_ushort),
+                            [NEARBY] = bins * sizeof(cl_ushort),
+                            [OWN] = 2 * cells,
+                            [WALLS] = 2 * cells,
                             [HISTOGRAMS] = 256 * (size_t)l.cells_y * sizeof(cl_uint),
                             [COUNTS] = 2 * (size_t)l.cells_y * sizeof(cl_uint),
                             [INFO] = SV_COST_INFO_WORDS * sizeof(cl_uint),
-                            [BONE] = 256 * sizeof(cl_float),
                             [VOLUME] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [BLURRED] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [PREVIOUS] = cells * SV_COST_VALUES * sizeof(cl_float),
@@ -68,18 +89,14 @@ static sv_status create(sv_pipeline *p, sv_method_state *s) {
 static void layout_arg(sv_launch *launch, const sv_pipeline *p) {
     const sv_ref_cost_layout l = layout_of(&p->config);
     const struct {
-        cl_uint width, padded_width, height, labels, block, cells_x, cells_y, gap;
-        cl_float scale, pitch;
-    } layout = {l.width,   p->padded_width, l.height, l.labels,       l.block,
-                l.cells_x, l.cells_y,       l.gap,    (float)l.scale, (float)l.pitch};
+        cl_uint width, height, slices, shrink, columns, rows, padded_columns, per, labels, block, cells_x,
+            cells_y;
+        cl_uint thin, gap, solid, contact, split, dilate, beside;
+        cl_float scale;
+    } layout = {l.width, l.height,  l.slices, l.shrink,  l.columns, l.rows,        padded_columns(&l),
+                l.per,   l.labels,  l.block,  l.cells_x, l.cells_y, l.thin,        l.gap,
+                l.solid, l.contact, l.split,  l.dilate,  l.beside,  (float)l.scale};
     sv_launch_arg(launch, sizeof layout, &layout);
-}
-
-/* A launch with the layout as its first argument. */
-static sv_launch begin(sv_pipeline *p, const sv_method_state *s, int kernel) {
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[kernel], kernels[kernel]);
-    layout_arg(&l, p);
-    return l;
 }
 
 /* The lateral Gaussian at 0 .. SV_COST_REACH cells. */
@@ -104,71 +121,65 @@ static sv_status slab(sv_pipeline *p, sv_method_state *s, cl_mem buffer, uint64_
     sv_launch_arg(&l, sizeof first_byte, &first_byte);
     const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
     const uint32_t numbers[] = {c->row_pitch,  c->tiles_x,  c->tile_w, c->tile_h,
-                                p->next_slice, slice_count, c->slices, padding};
+                                p->next_slice, slice_count, padding};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
     layout_arg(&l, p);
     buffer_args(&l, s, (const int[]){PARTIAL, BINS, -1});
-    return sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+    return sv_launch_items(&l, layout_of(c).rows, SV_STAGE_PROFILE);
 }
 
-/* From the bins to what every ray came to, and whether there is a surface. */
-static sv_status judge_rays(sv_pipeline *p, sv_method_state *s, size_t rows) {
-    sv_launch l = begin(p, s, K_SURVEY);
-    buffer_args(&l, s, (const int[]){BINS, HISTOGRAMS, -1});
-    sv_status status = sv_launch_items(&l, rows, SV_STAGE_THRESHOLD);
-    if (status == SV_OK) {
-        l = begin(p, s, K_LEVEL);
-        buffer_args(&l, s, (const int[]){HISTOGRAMS, INFO, -1});
-        status = sv_launch_items(&l, 1, SV_STAGE_THRESHOLD);
-    }
-    if (status == SV_OK) {
-        l = begin(p, s, K_RAYS);
-        buffer_args(&l, s, (const int[]){BINS, INFO, RAYS, HISTOGRAMS, COUNTS, -1});
-        status = sv_launch_items(&l, rows, SV_STAGE_THRESHOLD);
-    }
-    if (status != SV_OK) return status;
-    l = begin(p, s, K_RANKS);
-    buffer_args(&l, s, (const int[]){HISTOGRAMS, COUNTS, INFO, BONE, -1});
-    sv_launch_buffer(&l, p->buffers.record);
-    return sv_launch_items(&l, 1, SV_STAGE_THRESHOLD);
-}
+typedef enum { ONCE, LABELS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
 
-/* The volume of costs, and its least label in every cell. */
-static sv_status find_surface(sv_pipeline *p, sv_method_state *s, size_t rows) {
-    sv_launch l = begin(p, s, K_GATHER);
-    buffer_args(&l, s, (const int[]){BINS, RAYS, INFO, BONE, WALLS, VOLUME, -1});
-    sv_status status = sv_launch_items(&l, rows, SV_STAGE_RECONSTRUCT);
-    if (status == SV_OK) {
-        l = begin(p, s, K_BLUR);
-        weights_arg(&l, p);
-        buffer_args(&l, s, (const int[]){INFO, VOLUME, BLURRED, -1});
-        status = sv_launch_items(&l, rows, SV_STAGE_RECONSTRUCT);
-    }
-    if (status == SV_OK) {
-        l = begin(p, s, K_MINIMUM);
-        const cl_float memory = (cl_float)p->values.of[SV_PARAM_MEMORY];
-        weights_arg(&l, p);
-        sv_launch_arg(&l, sizeof memory, &memory);
-        buffer_args(&l, s, (const int[]){INFO, BLURRED, PREVIOUS, MINIMA, -1});
-        status = sv_launch_items(&l, rows, SV_STAGE_RECONSTRUCT);
-    }
-    if (status != SV_OK) return status;
-    l = begin(p, s, K_MEDIAN);
-    buffer_args(&l, s, (const int[]){INFO, MINIMA, VOLUME, -1});
-    return sv_launch_items(&l, rows, SV_STAGE_RECONSTRUCT);
-}
+/* Arguments besides the method's buffers: the first three before them, the others behind. */
+enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16 };
+
+/* What follows the bins, in this order. */
+static const struct {
+    int kernel, takes;
+    items items;
+    sv_stage stage;
+    int buffers[8]; /* up to -1 */
+} launches[] = {
+    {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
+    {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
+    {K_SUMS, 0, LABELS, SV_STAGE_THRESHOLD, {BINS, SUMS, -1}},
+    {K_NEARBY, 0, LABELS, SV_STAGE_THRESHOLD, {SUMS, NEARBY, -1}},
+    {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
+    {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
+    {K_GATHER, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {BINS, SUMS, NEARBY, WALLS, INFO, VOLUME, COUNTS, -1}},
+    {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {COUNTS, INFO, -1}},
+    {K_BLUR, WEIGHTS, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, BLURRED, -1}},
+    {K_MINIMUM,
+     WEIGHTS | REMEMBERED,
+     ROWS_OF_CELLS,
+     SV_STAGE_RECONSTRUCT,
+     {INFO, BLURRED, PREVIOUS, MINIMA, -1}},
+    {K_MEDIAN, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, MINIMA, VOLUME, -1}},
+    {K_LEAVE, MAP_WIDTH | SURFACES, ROWS_OF_PIXELS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, CONFIDENCE, -1}},
+};
 
 static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
-    const size_t rows = layout_of(&p->config).cells_y;
-    sv_status status = judge_rays(p, s, rows);
-    if (status == SV_OK) status = find_surface(p, s, rows);
-    if (status != SV_OK) return status;
-    sv_launch l = begin(p, s, K_LEAVE);
-    buffer_args(&l, s, (const int[]){INFO, VOLUME, -1});
-    sv_launch_buffer(&l, p->buffers.surfaces);
-    sv_launch_buffer(&l, s->buffer[CONFIDENCE]);
-    return sv_launch_items(&l, p->config.height, SV_STAGE_RECONSTRUCT);
+    const sv_ref_cost_layout layout = layout_of(&p->config);
+    const size_t count[] = {[ONCE] = 1,
+                            [LABELS] = layout.labels,
+                            [ROWS_OF_CELLS] = layout.cells_y,
+                            [ROWS_OF_PIXELS] = layout.height};
+    const cl_float memory = (cl_float)p->values.of[SV_PARAM_MEMORY];
+    sv_status status = SV_OK;
+    for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
+        const int kernel = launches[i].kernel, takes = launches[i].takes;
+        sv_launch l = sv_launch_begin(p, s->kernels.kernel[kernel], kernels[kernel]);
+        layout_arg(&l, p);
+        if (takes & WEIGHTS) weights_arg(&l, p);
+        if (takes & REMEMBERED) sv_launch_arg(&l, sizeof memory, &memory);
+        if (takes & MAP_WIDTH) sv_launch_uint(&l, p->padded_width);
+        buffer_args(&l, s, launches[i].buffers);
+        if (takes & RECORD) sv_launch_buffer(&l, p->buffers.record);
+        if (takes & SURFACES) sv_launch_buffer(&l, p->buffers.surfaces);
+        status = sv_launch_items(&l, count[launches[i].items], launches[i].stage);
+    }
+    return status;
 }
 
 sv_status sv_cost_read(sv_pipeline *p, float *confidence, uint32_t *info) {

@@ -5,51 +5,61 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* One thing changed. Numbers are factors; 0 in `gain` is 1. */
 static const struct {
     const char *what;
-    double tau, behind, other, tissue, rank, slack, yield, sigma; /* factors */
-    double gap;                                                   /* factor */
-    bool no_median;
+    enum { NOTHING, CUT, LEFT, OTHER, THICK, DOUBT, TAU, SIGMA, SLACK, YIELD, SPLIT, CONTACT, MEDIAN } part;
+    double factor;
     int level;   /* T_L; 0: from the histogram */
     double gain; /* of the grey levels */
 } changes[] = {
-    {"as it is", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
-    {"no bone terms", 1, 0, 0, 1, 1, 1, 1, 1, 1, false, 0, 1},
-    {"no term behind the maximum", 1, 0, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
-    {"no term for other intervals", 1, 1, 0, 1, 1, 1, 1, 1, 1, false, 0, 1},
-    {"no tissue term", 1, 1, 1, 0, 1, 1, 1, 1, 1, false, 0, 1},
-    {"tissue term as in the issue (x 5)", 1, 1, 1, 5, 1, 1, 1, 1, 1, false, 0, 1},
-    {"full confidence at rank 0.9", 1, 1, 1, 1, 3, 1, 1, 1, 1, false, 0, 1},
-    {"fluid twice as near (tau / 2)", 0.5, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
-    {"fluid twice as far (tau x 2)", 2, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1},
-    {"shorter intervals count (x 0.5)", 1, 1, 1, 1, 1, 1, 1, 1, 0.5, false, 0, 1},
-    {"only longer intervals count (x 1.5)", 1, 1, 1, 1, 1, 1, 1, 1, 1.5, false, 0, 1},
-    {"lateral Gaussian x 0.7", 1, 1, 1, 1, 1, 1, 1, 0.7, 1, false, 0, 1},
-    {"lateral Gaussian x 1.4", 1, 1, 1, 1, 1, 1, 1, 1.4, 1, false, 0, 1},
-    {"no median", 1, 1, 1, 1, 1, 1, 1, 1, 1, true, 0, 1},
-    {"sharper minimum (slack / 5)", 1, 1, 1, 1, 1, 0.2, 1, 1, 1, false, 0, 1},
-    {"no yielding where unsure", 1, 1, 1, 1, 1, 1, 0, 1, 1, false, 0, 1},
-    {"T_L fixed at 25", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 25, 1},
-    {"T_L fixed at 40", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 40, 1},
-    {"T_L fixed at 60", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 60, 1},
-    {"gain 0.7, T_L found", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 0.7},
-    {"gain 1.4, T_L found", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 0, 1.4},
-    {"gain 1.4, T_L fixed at 40", 1, 1, 1, 1, 1, 1, 1, 1, 1, false, 40, 1.4},
+    {"as it is", NOTHING, 1, 0, 0},
+    {"cutting costs half", CUT, 0.5, 0, 0},
+    {"cutting costs twice", CUT, 2, 0, 0},
+    {"leaving occluders costs nothing", LEFT, 0, 0, 0},
+    {"leaving occluders costs twice", LEFT, 2, 0, 0},
+    {"no term for the longest interval", OTHER, 0, 0, 0},
+    {"thickness is no evidence", THICK, 0, 0, 0},
+    {"no doubt by runs farther back", DOUBT, 0, 0, 0},
+    {"runs are not parted at bone", SPLIT, 0, 0, 0},
+    {"what touches the wall is part of it", CONTACT, 0, 0, 0},
+    {"fluid four times as near (tau / 4)", TAU, 0.25, 0, 0},
+    {"fluid twice as far (tau x 2)", TAU, 2, 0, 0},
+    {"lateral Gaussian x 0.7", SIGMA, 0.7, 0, 0},
+    {"lateral Gaussian x 1.4", SIGMA, 1.4, 0, 0},
+    {"no median", MEDIAN, 0, 0, 0},
+    {"sharper minimum (slack / 4)", SLACK, 0.25, 0, 0},
+    {"no yielding where unsure", YIELD, 0, 0, 0},
+    {"yielding three times as much", YIELD, 3, 0, 0},
+    {"T_L fixed at 25", NOTHING, 1, 25, 0},
+    {"T_L fixed at 40", NOTHING, 1, 40, 0},
+    {"T_L fixed at 60", NOTHING, 1, 60, 0},
+    {"gain 0.7, T_L found", NOTHING, 1, 0, 0.7},
+    {"gain 1.4, T_L found", NOTHING, 1, 0, 1.4},
+    {"gain 1.4, T_L fixed at 40", NOTHING, 1, 40, 1.4},
 };
 enum { CHANGES = sizeof changes / sizeof *changes };
 
 static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
     sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n);
-    l.tau *= changes[i].tau;
-    l.behind *= changes[i].behind;
-    l.other *= changes[i].other;
-    l.tissue *= changes[i].tissue;
-    l.rank *= changes[i].rank;
-    l.slack *= changes[i].slack;
-    l.yield *= changes[i].yield;
-    l.sigma *= changes[i].sigma;
-    l.gap = (uint32_t)(l.gap * changes[i].gap + 0.5);
-    l.median = !changes[i].no_median;
+    double *const parts[] = {
+        [CUT] = &l.cut, [LEFT] = &l.left,   [OTHER] = &l.other, [THICK] = &l.thick, [DOUBT] = &l.doubt,
+        [TAU] = &l.tau, [SIGMA] = &l.sigma, [SLACK] = &l.slack, [YIELD] = &l.yield};
+    switch (changes[i].part) {
+    case NOTHING:
+        break;
+    case SPLIT:
+        l.bone_splits = false;
+        break;
+    case CONTACT:
+        l.contact = l.labels;
+        break;
+    case MEDIAN:
+        l.median = false;
+        break;
+    default:
+        *parts[changes[i].part] *= changes[i].factor;
+    }
     l.level = changes[i].level;
     return l;
 }
@@ -66,7 +76,7 @@ static bool score(const surf_case *c, int i, uint8_t *voxels, double *maps, floa
                   hs_error *err) {
     const size_t pixels = (size_t)c->n * c->n;
     const sv_ref_cost_layout l = changed_layout(c->n, i);
-    amplify(c->voxels, pixels * c->n, changes[i].gain, voxels);
+    amplify(c->voxels, pixels * c->n, changes[i].gain > 0.0 ? changes[i].gain : 1.0, voxels);
     const sv_ref_volume v = {voxels, c->n, c->n, c->n, 0};
     if (!sv_ref_cost_surface_with(&v, &l, maps, maps + pixels, maps + 2 * pixels, NULL, NULL))
         return hs_fail(err, HS_ERR_MEMORY, "no memory for the cost volume");

@@ -1,4 +1,4 @@
-/* Cost volume: bins of a ray, the fluid level, and what every ray pays for every label. */
+/* Cost volume: sizes, bins of a ray, grey levels, brightness, and where wall and back of the sac lie. */
 #include "ref/sv_ref_cost.h"
 
 #include "sv_shared.h"
@@ -6,56 +6,80 @@
 #include <math.h>
 #include <stdlib.h>
 
+static uint32_t larger(uint32_t a, uint32_t b) {
+    return a > b ? a : b;
+}
+
+static uint32_t shares(uint32_t whole, uint32_t part) {
+    return (whole + part - 1) / part;
+}
+
 sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices) {
-    const uint32_t side = width > height ? width : height;
     sv_ref_cost_layout l = {.width = width, .height = height, .slices = slices};
-    l.labels = slices < SV_COST_LABELS ? slices : SV_COST_LABELS;
-    l.block = (side + SV_COST_CELLS / 2) / SV_COST_CELLS;
-    if (l.block == 0) l.block = 1;
-    l.cells_x = (width + l.block - 1) / l.block;
-    l.cells_y = (height + l.block - 1) / l.block;
-    l.scale = (double)l.labels / SV_COST_LABELS;
-    l.gap = (uint32_t)ceil(SV_COST_GAP * l.scale);
-    l.pitch = (double)slices / l.labels;
+    l.shrink = larger(larger(width, height) / SV_COST_RAYS, 1);
+    l.columns = shares(width, l.shrink);
+    l.rows = shares(height, l.shrink);
+    l.per = shares(slices, SV_COST_LABELS);
+    l.labels = shares(slices, l.per);
+    const uint32_t side = larger(l.columns, l.rows);
+    l.block = larger((side + SV_COST_CELLS / 2) / SV_COST_CELLS, 1);
+    l.cells_x = shares(l.columns, l.block);
+    l.cells_y = shares(l.rows, l.block);
+    l.beside = larger((3 * l.block + 2) / 4, 1);
+    l.scale = l.labels / SV_COST_UNIT;
+    l.thin = larger((uint32_t)(SV_COST_THIN * l.scale + 0.5), 1);
+    l.gap = larger((uint32_t)(SV_COST_GAP * l.scale + 0.5), 1);
+    l.solid = larger((uint32_t)(SV_COST_SOLID * l.scale + 0.5), 1);
+    l.contact = larger((uint32_t)(SV_COST_CONTACT * l.scale + 0.5), 1);
+    l.split = larger((uint32_t)(SV_COST_SPLIT * l.scale + 0.5), 1);
+    l.dilate = larger((uint32_t)(SV_COST_DILATE * l.scale + 0.5), 1);
+    l.slim = SV_COST_SLIM * l.scale;
+    l.stout = SV_COST_STOUT * l.scale;
     l.sigma = SV_COST_SIGMA * (double)side / (SV_COST_CELLS * l.block);
     l.tau = SV_COST_TAU * l.scale;
-    l.behind = SV_COST_BEHIND;
+    l.cut = SV_COST_CUT;
+    l.left = SV_COST_LEFT;
     l.other = SV_COST_OTHER;
-    l.tissue = SV_COST_TISSUE / l.scale;
-    l.tissues = SV_COST_TISSUES * l.scale;
-    l.rank = SV_COST_RANK;
+    l.nearby = SV_COST_NEARBY;
+    l.own = SV_COST_OWN;
+    l.thick = SV_COST_THICK;
+    l.doubt = SV_COST_DOUBT;
     l.slack = SV_COST_SLACK;
     l.yield = SV_COST_YIELD * l.scale;
-    l.median = true;
+    l.bone_splits = l.median = true;
     return l;
 }
 
-void sv_ref_cost_bins(const sv_ref_volume *v, const sv_ref_cost_layout *l, uint8_t *bins) {
-    const size_t plane = (size_t)v->width * v->height;
-    for (size_t pixel = 0; pixel < plane; pixel++) {
-        uint32_t z = 0;
-        for (uint32_t bin = 0; bin < l->labels; bin++) {
-            uint32_t sum = 0, count = 0;
-            for (; z < v->slices && (uint64_t)z * l->labels / v->slices == bin; z++) {
-                const uint8_t voxel = v->voxels[z * plane + pixel];
-                if (voxel == v->padding) continue;
+static uint8_t bin_mean(const sv_ref_volume *v, const sv_ref_cost_layout *l, uint32_t column, uint32_t row,
+                        uint32_t bin) {
+    uint32_t sum = 0, count = 0;
+    for (uint32_t z = bin * l->per; z < (bin + 1) * l->per && z < v->slices; z++)
+        for (uint32_t y = row * l->shrink; y < (row + 1) * l->shrink && y < v->height; y++)
+            for (uint32_t x = column * l->shrink; x < (column + 1) * l->shrink && x < v->width; x++) {
+                const uint32_t voxel = v->voxels[((size_t)z * v->height + y) * v->width + x];
+                if ((int32_t)voxel == v->padding) continue;
                 sum += voxel;
                 count++;
             }
-            const uint32_t mean = count ? (sum + count / 2) / count : 0;
-            bins[bin * plane + pixel] = (uint8_t)(count && mean == 0 ? 1 : mean);
-        }
-    }
+    const uint32_t mean = count ? (sum + count / 2) / count : 0;
+    return (uint8_t)(count && mean == 0 ? 1 : mean);
 }
 
-uint32_t sv_ref_cost_level(const uint8_t *bins, const sv_ref_cost_layout *l) {
-    const size_t plane = (size_t)l->width * l->height;
+void sv_ref_cost_bins(const sv_ref_volume *v, const sv_ref_cost_layout *l, uint8_t *bins) {
+    for (uint32_t bin = 0; bin < l->labels; bin++)
+        for (uint32_t row = 0; row < l->rows; row++)
+            for (uint32_t column = 0; column < l->columns; column++)
+                *bins++ = bin_mean(v, l, column, row, bin);
+}
+
+sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_layout *l) {
+    const size_t plane = (size_t)l->columns * l->rows;
     uint64_t histogram[256] = {0}, all = 0, total = 0;
     for (uint32_t cell = 0; cell < l->cells_y; cell++) {
         const uint32_t middle = cell * l->block + l->block / 2;
-        const size_t y = middle < l->height ? middle : l->height - 1;
+        const size_t y = middle < l->rows ? middle : l->rows - 1;
         for (uint32_t bin = 0; bin < l->labels; bin++)
-            for (uint32_t x = 0; x < l->width; x++) histogram[bins[bin * plane + y * l->width + x]]++;
+            for (uint32_t x = 0; x < l->columns; x++) histogram[bins[bin * plane + y * l->columns + x]]++;
     }
     for (uint32_t i = 1; i < 256; i++) {
         all += histogram[i];
@@ -74,84 +98,111 @@ uint32_t sv_ref_cost_level(const uint8_t *bins, const sv_ref_cost_layout *l) {
         if (next == split) break;
         split = next;
     }
-    const uint64_t level = dark + (bright > dark ? (bright - dark) / 4 : 0);
-    return level ? (uint32_t)level : 1;
+    if (bright < 2 * dark) return (sv_ref_cost_levels){.fluid = 0, .bright = larger((uint32_t)bright, 1)};
+    const uint32_t level = (uint32_t)(dark + (bright - dark) / 6);
+    return (sv_ref_cost_levels){.fluid = larger(level, 1), .bright = larger((uint32_t)bright, 1)};
 }
 
-void sv_ref_cost_rays(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level,
-                      sv_ref_cost_ray *rays) {
-    const size_t plane = (size_t)l->width * l->height;
-    for (size_t pixel = 0; pixel < plane; pixel++) {
-        sv_ref_cost_ray r = {.first = (uint8_t)l->labels, .place = (uint8_t)l->labels};
-        bool seen = false;
-        uint32_t run = 0;
-        for (uint32_t bin = 0; bin < l->labels; bin++) {
-            const uint8_t v = bins[bin * plane + pixel];
-            if (v) r.scanned = true;
-            const bool tissue = v > level;
-            if (tissue) seen = true;
-            run = v && !tissue && seen ? run + 1 : 0;
-            if (run == l->gap && r.first == l->labels) r.first = (uint8_t)(bin + 1 - run);
-            if (r.first < l->labels && tissue && v > r.maximum) {
-                r.maximum = v;
-                r.place = (uint8_t)bin;
+/* Sum or maximum over the `reach` neighbours to either side along one axis, the one whose neighbours lie
+ * `stride` apart and which has `count` of them. */
+static void along(const uint16_t *from, uint16_t *to, size_t all, size_t stride, size_t count, size_t reach,
+                  bool sums) {
+    for (size_t i = 0; i < all; i++) {
+        const size_t at = i / stride % count;
+        const size_t first = at < reach ? 0 : at - reach, last = at + reach < count ? at + reach : count - 1;
+        uint32_t value = 0;
+        for (size_t k = first; k <= last; k++) {
+            const uint16_t other = from[i - at * stride + k * stride];
+            value = sums ? value + other : larger(value, other);
+        }
+        to[i] = (uint16_t)value;
+    }
+}
+
+bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, uint16_t *sums,
+                            uint16_t *nearby) {
+    const size_t plane = (size_t)l->columns * l->rows, all = plane * l->labels;
+    uint16_t *a = calloc(all, sizeof *a), *b = calloc(all, sizeof *b);
+    if (a && b) {
+        for (size_t i = 0; i < all; i++) a[i] = bins[i];
+        along(a, b, all, 1, l->columns, 1, true);
+        along(b, a, all, l->columns, l->rows, 1, true);
+        along(a, sums, all, plane, l->labels, 1, true);
+        along(sums, a, all, 1, l->columns, l->beside, false);
+        along(a, b, all, l->columns, l->rows, l->beside, false);
+        along(b, nearby, all, plane, l->labels, l->dilate, false);
+    }
+    const bool done = a && b;
+    free(a);
+    free(b);
+    return done;
+}
+
+/* The wall and the back of one cell by its own rays; labels and 0 if it has none. A bin is mostly fluid if at
+ * least half of the cell's scanned rays are fluid there. */
+static void own_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, uint32_t cx,
+                      uint32_t cy, uint8_t *wall, uint8_t *back) {
+    const uint32_t y1 = (cy + 1) * l->block < l->rows ? (cy + 1) * l->block : l->rows;
+    const uint32_t x1 = (cx + 1) * l->block < l->columns ? (cx + 1) * l->block : l->columns;
+    bool behind_tissue = false;
+    uint32_t run = 0;
+    *wall = (uint8_t)l->labels;
+    *back = 0;
+    for (uint32_t bin = 0; bin < l->labels; bin++) {
+        uint32_t fluid = 0, scanned = 0;
+        for (uint32_t y = cy * l->block; y < y1; y++)
+            for (uint32_t x = cx * l->block; x < x1; x++) {
+                const uint8_t v = bins[((size_t)bin * l->rows + y) * l->columns + x];
+                scanned += v > 0;
+                fluid += v > 0 && v <= level;
             }
+        if (scanned && 2 * fluid >= scanned) {
+            run += behind_tissue;
+            if (run == l->solid && *wall == l->labels) *wall = (uint8_t)(bin + 1 - run);
+        } else {
+            if (scanned && *wall < l->labels && run >= l->solid) *back = (uint8_t)bin;
+            behind_tissue = behind_tissue || scanned;
+            run = 0;
         }
-        rays[pixel] = r;
     }
 }
 
-void sv_ref_cost_ranks(const sv_ref_cost_ray *rays, size_t count, double full, double bone[256]) {
-    uint32_t histogram[256] = {0}, all = 0, below = 0;
-    for (size_t i = 0; i < count; i++) histogram[rays[i].maximum]++;
-    for (uint32_t i = 1; i < 256; i++) all += histogram[i];
-    bone[0] = 0.0;
-    for (uint32_t i = 1; i < 256; i++) {
-        const double rank = all ? (below + 0.5 * histogram[i]) / all : 0.0;
-        bone[i] = fmin(rank / full, 1.0);
-        below += histogram[i];
-    }
+static int by_value(const void *a, const void *b) {
+    return (int)*(const uint8_t *)a - (int)*(const uint8_t *)b;
 }
 
-/* Marks the bins of fluid intervals that count: at least `gap` long, behind the first tissue. */
-static void mark_open(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, size_t pixel,
-                      bool open[]) {
-    const size_t plane = (size_t)l->width * l->height;
-    bool seen = false;
-    for (uint32_t bin = 0; bin < l->labels;) {
-        uint32_t end = bin;
-        while (end < l->labels && bins[end * plane + pixel] && bins[end * plane + pixel] <= level) end++;
-        const bool counts = seen && end - bin >= l->gap;
-        for (uint32_t i = bin; i < end; i++) open[i] = counts;
-        if (end < l->labels) {
-            open[end] = false;
-            seen = seen || bins[end * plane + pixel] > level;
+/* Of the values of the cells around (x, y) but `none`: the one with `rank` 10ths of the others below it. */
+static uint8_t ranked(const uint8_t *own, const sv_ref_cost_layout *l, int x, int y, uint8_t none,
+                      uint32_t rank, uint8_t otherwise) {
+    uint8_t values[(2 * SV_COST_WINDOW + 1) * (2 * SV_COST_WINDOW + 1)];
+    size_t count = 0;
+    for (int v = y - SV_COST_WINDOW; v <= y + SV_COST_WINDOW; v++)
+        for (int u = x - SV_COST_WINDOW; u <= x + SV_COST_WINDOW; u++) {
+            if (u < 0 || v < 0 || u >= (int)l->cells_x || v >= (int)l->cells_y) continue;
+            const uint8_t value = own[(size_t)v * l->cells_x + (size_t)u];
+            if (value != none) values[count++] = value;
         }
-        bin = end + 1;
-    }
+    if (count == 0) return otherwise;
+    qsort(values, count, 1, by_value);
+    return values[(count - 1) * rank / 10];
 }
 
-void sv_ref_cost_of_ray(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level,
-                        const sv_ref_cost_ray *ray, double bone, uint32_t wall, size_t pixel, double cost[]) {
-    const size_t plane = (size_t)l->width * l->height;
-    const int n = (int)l->labels;
-    bool open[SV_COST_LABELS];
-    mark_open(bins, l, level, pixel, open);
-    int last = ray->place < n ? ray->place : -1; /* the interval before the maximum: bins start .. last */
-    while (last >= 0 && !open[last]) last--;
-    int start = last;
-    while (start > 0 && open[start - 1]) start--;
-    double tissue = 0.0;
-    for (int i = 0; i < n; i++) {
-        double distance = INFINITY;
-        for (int j = 0; j < n; j++)
-            if (open[j]) distance = fmin(distance, i == j ? 0.0 : abs(i - j) - 0.5);
-        double c = fmin(distance / l->tau, 1.0);
-        if (last >= 0 && i > ray->place) c += l->behind * bone;
-        if (last >= 0 && (i < start || i > last)) c += l->other * bone;
-        const double here = i >= (int)wall && bins[(size_t)i * plane + pixel] > level ? 1.0 : 0.0;
-        c += l->tissue * fmin(tissue + 0.5 * here, l->tissues);
-        tissue += here;
-        cost[i] = c;
-    }
+bool sv_ref_cost_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, uint8_t *wall,
+                       uint8_t *back) {
+    const size_t cells = (size_t)l->cells_x * l->cells_y;
+    const uint8_t none = (uint8_t)l->labels;
+    uint8_t *own = calloc(2 * cells, 1);
+    if (!own) return false;
+    for (uint32_t y = 0; y < l->cells_y; y++)
+        for (uint32_t x = 0; x < l->cells_x; x++) {
+            const size_t cell = (size_t)y * l->cells_x + x;
+            own_walls(bins, l, level, x, y, own + cell, own + cells + cell);
+        }
+    for (int y = 0; y < (int)l->cells_y; y++)
+        for (int x = 0; x < (int)l->cells_x; x++) {
+            *wall++ = ranked(own, l, x, y, none, 2, 0);
+            *back++ = ranked(own + cells, l, x, y, 0, 1, none);
+        }
+    free(own);
+    return true;
 }

@@ -10,29 +10,21 @@
 
 #define TIE 1e-5 /* costs this close may fall out either way in float32 */
 
-/* Sums of the costs over the rays of one cell. */
-static void gather_cell(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level,
-                        const sv_ref_cost_ray *rays, const double bone[256], uint32_t cx, uint32_t cy,
-                        double *cell) {
-    const uint32_t x1 = (cx + 1) * l->block < l->width ? (cx + 1) * l->block : l->width;
-    const uint32_t y1 = (cy + 1) * l->block < l->height ? (cy + 1) * l->block : l->height;
-    uint32_t wall = l->labels;
+/* Adds the costs of one cell's rays up. */
+static void gather_cell(const sv_ref_cost_scan *scan, uint32_t cx, uint32_t cy, double *cell,
+                        sv_ref_cost_facts *facts) {
+    const sv_ref_cost_layout *l = scan->layout;
+    const uint32_t x1 = (cx + 1) * l->block < l->columns ? (cx + 1) * l->block : l->columns;
+    const uint32_t y1 = (cy + 1) * l->block < l->rows ? (cy + 1) * l->block : l->rows;
     for (uint32_t y = cy * l->block; y < y1; y++)
         for (uint32_t x = cx * l->block; x < x1; x++) {
-            const sv_ref_cost_ray *r = &rays[(size_t)y * l->width + x];
-            if (r->first < wall) wall = r->first;
-        }
-    if (wall == l->labels) wall = 0;
-    for (uint32_t y = cy * l->block; y < y1; y++)
-        for (uint32_t x = cx * l->block; x < x1; x++) {
-            const size_t pixel = (size_t)y * l->width + x;
-            const sv_ref_cost_ray *r = &rays[pixel];
-            double cost[SV_COST_LABELS];
-            if (!r->scanned) continue;
-            sv_ref_cost_of_ray(bins, l, level, r, bone[r->maximum], wall, pixel, cost);
-            for (uint32_t i = 0; i < l->labels; i++) cell[i] += cost[i];
-            cell[SV_COST_WEIGHT] += 1.0;
-            if (r->first < l->labels) cell[SV_COST_OPEN] += 1.0;
+            sv_ref_cost_ray ray;
+            if (!sv_ref_cost_of_ray(scan, x, y, &ray)) continue;
+            for (uint32_t i = 0; i < l->labels; i++) cell[i] += ray.weight * ray.cost[i];
+            cell[SV_COST_WEIGHT] += ray.weight;
+            cell[SV_COST_OPEN] += ray.open ? ray.weight : 0.0;
+            facts->rays++;
+            facts->open += ray.open;
         }
 }
 
@@ -56,23 +48,26 @@ static void blur(const double *from, double *to, const sv_ref_cost_layout *l, bo
 }
 
 double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_ref_cost_facts *facts) {
-    const size_t pixels = (size_t)l->width * l->height, cells = (size_t)l->cells_x * l->cells_y;
-    sv_ref_cost_ray *rays = calloc(pixels, sizeof *rays);
+    const size_t all = (size_t)l->columns * l->rows * l->labels, cells = (size_t)l->cells_x * l->cells_y;
+    uint16_t *light = malloc(2 * all * sizeof *light);
+    uint8_t *walls = malloc(2 * cells);
     double *volume = calloc(cells * SV_COST_VALUES, sizeof *volume);
     double *turn = calloc(cells * SV_COST_VALUES, sizeof *turn);
-    if (rays && volume && turn) {
-        double bone[256];
-        *facts = (sv_ref_cost_facts){.level = l->level ? (uint32_t)l->level : sv_ref_cost_level(bins, l)};
-        sv_ref_cost_rays(bins, l, facts->level, rays);
-        sv_ref_cost_ranks(rays, pixels, l->rank, bone);
-        for (size_t i = 0; i < pixels; i++) {
-            facts->rays += rays[i].scanned;
-            facts->open += rays[i].first < l->labels;
-        }
-        for (uint32_t y = 0; y < l->cells_y; y++)
-            for (uint32_t x = 0; x < l->cells_x; x++)
-                gather_cell(bins, l, facts->level, rays, bone, x, y,
-                            volume + ((size_t)y * l->cells_x + x) * SV_COST_VALUES);
+    sv_ref_cost_scan scan = {.layout = l, .bins = bins, .sums = light, .wall = walls};
+    bool done = false;
+    if (light && walls && volume && turn) {
+        scan.nearby = light + all;
+        scan.back = walls + cells;
+        scan.levels = sv_ref_cost_levels_of(bins, l);
+        if (l->level) scan.levels.fluid = (uint32_t)l->level;
+        *facts = (sv_ref_cost_facts){.levels = scan.levels};
+        done = sv_ref_cost_brightness(bins, l, light, light + all) &&
+               sv_ref_cost_walls(bins, l, scan.levels.fluid, walls, walls + cells);
+    }
+    for (uint32_t y = 0; done && y < l->cells_y; y++)
+        for (uint32_t x = 0; x < l->cells_x; x++)
+            gather_cell(&scan, x, y, volume + ((size_t)y * l->cells_x + x) * SV_COST_VALUES, facts);
+    if (done) {
         blur(volume, turn, l, true);
         blur(turn, volume, l, false);
     } else {
@@ -80,7 +75,8 @@ double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_
         volume = NULL;
     }
     free(turn);
-    free(rays);
+    free(walls);
+    free(light);
     return volume;
 }
 
@@ -179,10 +175,11 @@ static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, 
 /* Bilinear between the centres of the cells; invalid cells are depth 0 with no spread and no confidence. */
 static void upsample(const minimum *cells, const sv_ref_cost_layout *l, double *near_surface,
                      double *far_surface, double *confidence, uint8_t *tie) {
+    const double side = (double)l->block * l->shrink; /* of a cell, in pixels */
     for (uint32_t y = 0; y < l->height; y++)
         for (uint32_t x = 0; x < l->width; x++) {
-            const double u = fmin(fmax((x + 0.5) / l->block - 0.5, 0.0), l->cells_x - 1.0);
-            const double v = fmin(fmax((y + 0.5) / l->block - 0.5, 0.0), l->cells_y - 1.0);
+            const double u = fmin(fmax((x + 0.5) / side - 0.5, 0.0), l->cells_x - 1.0);
+            const double v = fmin(fmax((y + 0.5) / side - 0.5, 0.0), l->cells_y - 1.0);
             const uint32_t x0 = (uint32_t)u, y0 = (uint32_t)v;
             double depth = 0.0, spread = 0.0, sure = 0.0;
             bool tied = false;
@@ -193,8 +190,8 @@ static void upsample(const minimum *cells, const sv_ref_cost_layout *l, double *
                 const minimum *m = &cells[(size_t)(y0 + j) * l->cells_x + x0 + i];
                 tied = tied || m->tie;
                 if (!m->valid) continue;
-                depth += weight * ((m->place + 0.5) * l->pitch - 0.5);
-                spread += weight * m->spread * SV_COST_SPREAD * l->pitch;
+                depth += weight * ((m->place + 0.5) * l->per - 0.5);
+                spread += weight * m->spread * SV_COST_SPREAD * l->per;
                 sure += weight * m->confidence;
             }
             const size_t pixel = (size_t)y * l->width + x;
@@ -210,7 +207,7 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
                               sv_ref_cost_facts *facts) {
     const size_t cells = (size_t)l->cells_x * l->cells_y;
     sv_ref_cost_facts found = {0};
-    uint8_t *bins = malloc((size_t)l->labels * l->width * l->height);
+    uint8_t *bins = malloc((size_t)l->labels * l->columns * l->rows);
     minimum *raw = calloc(2 * cells, sizeof *raw), *smooth = raw ? raw + cells : NULL;
     double *costs = NULL;
     if (bins && raw) {

@@ -7,18 +7,22 @@
 
 #include "ref/sv_ref.h"
 
-/* How rays are binned and gathered into cells. */
+/* What a length along a ray becomes for a ray of `labels` bins, and all else that follows from the sizes. */
 typedef struct {
     uint32_t width, height, slices;
-    uint32_t labels; /* bins of a ray: min(slices, SV_COST_LABELS) */
-    uint32_t block;  /* rays along the side of a cell */
+    uint32_t shrink;        /* pixels of the image along the side of a ray */
+    uint32_t columns, rows; /* rays */
+    uint32_t per, labels;   /* slices of a bin; bins of a ray */
+    uint32_t block;         /* rays along the side of a cell */
     uint32_t cells_x, cells_y;
-    uint32_t gap; /* bins: shortest fluid interval that counts */
-    double scale; /* labels / SV_COST_LABELS */
-    double pitch; /* slices per bin */
-    double sigma; /* of the lateral Gaussian, in cells */
+    uint32_t thin, gap, solid, contact, split, dilate; /* bins */
+    uint32_t beside;    /* rays to either side where brightness is looked for */
+    double slim, stout; /* bins */
+    double scale;       /* labels / SV_COST_UNIT */
+    double sigma;       /* of the lateral Gaussian, in cells */
     /* What sv_ref_cost_layout_of takes from SV_COST_*; an experiment may change them. */
-    double tau, behind, other, tissue, tissues, rank, slack, yield;
+    double tau, cut, left, other, nearby, own, thick, doubt, slack, yield;
+    bool bone_splits; /* false: runs stay whole */
     bool median;      /* false: the cells' minima as they are */
     int level;        /* T_L as a grey level; 0: from the histogram */
     double memory;    /* share of the frame before, 0 .. 1 */
@@ -28,37 +32,52 @@ typedef struct {
 
 sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices);
 
-/* Bin l of a ray, at bins[(l * height + y) * width + x]: the mean of its scanned voxels, rounded half up, at
- * least 1; 0 if none was scanned. Slice z falls into bin z * labels / slices. */
+/* Bin l of a ray, at bins[(l * rows + row) * columns + column]: the mean of the scanned voxels among shrink *
+ * shrink * per, rounded half up, at least 1; 0 if none was scanned. */
 void sv_ref_cost_bins(const sv_ref_volume *volume, const sv_ref_cost_layout *layout, uint8_t *bins);
 
-/* T_L for the bins: a quarter of the way from the mean of the dark class to that of the bright one, the
- * classes being split half way between their means. Reads the middle row of every row of cells. */
-uint32_t sv_ref_cost_level(const uint8_t *bins, const sv_ref_cost_layout *layout);
-
-/* What a ray came to. */
+/* Grey levels of the bins. The classes are split half way between their means, which are looked up on the
+ * middle row of every row of cells. */
 typedef struct {
-    uint8_t first;   /* bin at which its first fluid interval begins; labels: it has none */
-    uint8_t maximum; /* largest tissue bin behind that; 0: none */
-    uint8_t place;   /* where that is; labels: none */
-    bool scanned;
+    /* T_L: a sixth of the way from the mean of the dark class to that of the bright one; 0 if that is less
+     * than twice as bright: then there is no fluid. */
+    uint32_t fluid;
+    uint32_t bright; /* mean of the bright class */
+} sv_ref_cost_levels;
+sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_layout *layout);
+
+/* Sums over 3 x 3 x 3 bins (0 beyond the volume), and the largest of those within `beside` rays and `dilate`
+ * bins. Both as many as the bins. False: no memory. */
+bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *layout, uint16_t *sums,
+                            uint16_t *nearby);
+
+/* Bins at which, in most of a cell's neighbourhood, the fluid begins behind the wall (0: nowhere), and ends
+ * before the back (labels: nowhere). One a cell. False: no memory. */
+bool sv_ref_cost_walls(const uint8_t *bins, const sv_ref_cost_layout *layout, uint32_t level, uint8_t *wall,
+                       uint8_t *back);
+
+/* Everything that the costs of rays are taken from. */
+typedef struct {
+    const sv_ref_cost_layout *layout;
+    const uint8_t *bins;
+    sv_ref_cost_levels levels;
+    const uint16_t *sums, *nearby;
+    const uint8_t *wall, *back;
+} sv_ref_cost_scan;
+
+/* What a ray pays for every label. `open`: it has a fluid interval. False if it was not scanned. */
+typedef struct {
+    double cost[192]; /* SV_COST_LABELS */
+    double weight;    /* of its vote, 0 .. 1: 1 but for what touches the wall */
+    bool open;
 } sv_ref_cost_ray;
-
-void sv_ref_cost_rays(const uint8_t *bins, const sv_ref_cost_layout *layout, uint32_t level,
-                      sv_ref_cost_ray *rays);
-
-/* Bone confidence 0 .. 1 of a maximum, by its rank among the rays that have one: full from rank `full` on. */
-void sv_ref_cost_ranks(const sv_ref_cost_ray *rays, size_t count, double full, double bone[256]);
-
-/* Costs of one ray at every label. `wall` is the bin from which tissue counts as cut through. */
-void sv_ref_cost_of_ray(const uint8_t *bins, const sv_ref_cost_layout *layout, uint32_t level,
-                        const sv_ref_cost_ray *ray, double bone, uint32_t wall, size_t pixel, double cost[]);
+bool sv_ref_cost_of_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row, sv_ref_cost_ray *out);
 
 typedef struct {
-    uint32_t level; /* T_L that was used, as a grey level */
-    uint32_t rays;  /* scanned ones */
-    uint32_t open;  /* with a fluid interval */
-    uint32_t ties;  /* pixels near a cell where two labels, or a label and the edge of the minimum, are within
+    sv_ref_cost_levels levels;
+    uint32_t rays; /* scanned ones */
+    uint32_t open; /* with a fluid interval */
+    uint32_t ties; /* pixels near a cell where two labels, or a label and the edge of the minimum, are within
                        1e-5 */
 } sv_ref_cost_facts;
 

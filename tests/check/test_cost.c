@@ -64,7 +64,7 @@ static void compare(rig *r, const shape *s, const uint8_t *volume, float q, cons
     }
     print_message(
         "%-28s %3u x %3u x %3u, slabs of %2u: error %.1e slices, T_L %u, %u of %zu pixels at a tie%s\n", what,
-        s->width, s->height, s->slices, s->slab_slices, error, facts.level, facts.ties, count,
+        s->width, s->height, s->slices, s->slab_slices, error, facts.levels.fluid, facts.ties, count,
         wanted ? "" : ", no surface");
     assert_true(error <= BOUND);
     assert_true(facts.ties * 4 <= count || !wanted); /* or the test would say little */
@@ -95,8 +95,9 @@ static void test_scenes(void **state) {
 /* Sizes that are no multiple of anything, and volumes that are no scans. */
 static void test_any_volume(void **state) {
     static const shape shapes[] = {
-        {75, 40, 61, 9, 0}, {171, 33, 171, 16, 0}, {17, 130, 40, 40, SV_NO_PADDING},
-        {1, 1, 1, 1, 0},    {3, 5, 2, 1, 0},       {40, 40, 200, 16, 255}};
+        {75, 40, 61, 9, 0},   {171, 33, 171, 16, 0}, {17, 130, 40, 40, SV_NO_PADDING},
+        {1, 1, 1, 1, 0},      {3, 5, 2, 1, 0},       {40, 40, 200, 16, 255},
+        {263, 40, 400, 16, 0}}; /* the last: rays of 2 x 2 pixels, bins of 3 slices */
     for (size_t n = 0; n < sizeof shapes / sizeof *shapes; n++)
         for (int kind = 0; kind < RIG_KIND_COUNT; kind++) {
             const shape *s = &shapes[n];
@@ -154,7 +155,7 @@ static void test_confidence(void **state) {
         if (!tie[i]) assert_true(fabs((double)map[i] - maps[2][i]) < 1e-3);
     assert_int_equal(report.rays, facts.rays);
     assert_int_equal(report.open_rays, facts.open);
-    assert_true(fabs((double)report.fluid_threshold * 255.0 - facts.level) < 1e-3);
+    assert_true(fabs((double)report.fluid_threshold * 255.0 - facts.levels.fluid) < 1e-3);
     r->plugin->deactivate(r->plugin);
     rig_textures_free(t);
     rig_result_free(&out);
@@ -257,8 +258,8 @@ static void test_gain(void **state) {
         assert_true(sv_ref_cost_surface(&v, maps[g][0], maps[g][1], maps[g][2], NULL, &facts));
         double change = 0.0;
         for (size_t i = 0; i < COUNT; i++) change += fabs(maps[g][0][i] - maps[0][0][i]) / COUNT;
-        print_message("gain %.1f: T_L %u, mean change of the surface %.2f slices\n", gains[g], facts.level,
-                      change);
+        print_message("gain %.1f: T_L %u, mean change of the surface %.2f slices\n", gains[g],
+                      facts.levels.fluid, change);
         assert_true(change < 1.0);
     }
     free(louder);
