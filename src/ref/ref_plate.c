@@ -9,27 +9,40 @@
 
 static const double TENSION = (double)1e-3f; /* the kernels' own float32 constant */
 
-/* Adds weight * (c . s) * c for one difference with coefficients c at the given pixels. */
-static void add_element(const double *s, const size_t *at, const double *c, int count, double weight,
-                        double *out) {
-    double value = 0.0;
-    for (int n = 0; n < count; n++) value += c[n] * s[at[n]];
-    for (int n = 0; n < count; n++) out[at[n]] += weight * value * c[n];
+/* Each adds weight * (c . s) * c for one difference with coefficients c: 1, -2, 1 on three pixels `step`
+ * apart, */
+static inline void add_bend(const double *s, size_t i, size_t step, double weight, double *out) {
+    const double value = weight * (s[i] - 2.0 * s[i + step] + s[i + 2 * step]);
+    out[i] += value;
+    out[i + step] -= 2.0 * value;
+    out[i + 2 * step] += value;
+}
+
+/* 1, -1, -1, 1 on a square of pixels, */
+static inline void add_twist(const double *s, size_t i, size_t width, double weight, double *out) {
+    const double value = weight * (s[i] - s[i + 1] - s[i + width] + s[i + width + 1]);
+    out[i] += value;
+    out[i + 1] -= value;
+    out[i + width] -= value;
+    out[i + width + 1] += value;
+}
+
+/* 1, -1 on neighbours. */
+static inline void add_slope(const double *s, size_t i, size_t step, double weight, double *out) {
+    const double value = weight * (s[i] - s[i + step]);
+    out[i] += value;
+    out[i + step] -= value;
 }
 
 void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, double spacing, double *out) {
     const double bending = 1.0 / (spacing * spacing);
-    static const double bend[] = {1.0, -2.0, 1.0}, twist[] = {1.0, -1.0, -1.0, 1.0}, slope[] = {1.0, -1.0};
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
             const size_t i = y * width + x;
-            if (x + 2 < width) add_element(s, (const size_t[]){i, i + 1, i + 2}, bend, 3, bending, out);
-            if (y + 2 < height)
-                add_element(s, (const size_t[]){i, i + width, i + (size_t)2 * width}, bend, 3, bending, out);
-            if (x + 1 < width && y + 1 < height)
-                add_element(s, (const size_t[]){i, i + 1, i + width, i + width + 1}, twist, 4, 2.0 * bending,
-                            out);
-            if (x + 1 < width) add_element(s, (const size_t[]){i, i + 1}, slope, 2, TENSION, out);
-            if (y + 1 < height) add_element(s, (const size_t[]){i, i + width}, slope, 2, TENSION, out);
+            if (x + 2 < width) add_bend(s, i, 1, bending, out);
+            if (y + 2 < height) add_bend(s, i, width, bending, out);
+            if (x + 1 < width && y + 1 < height) add_twist(s, i, width, 2.0 * bending, out);
+            if (x + 1 < width) add_slope(s, i, 1, TENSION, out);
+            if (y + 1 < height) add_slope(s, i, width, TENSION, out);
         }
 }

@@ -99,8 +99,8 @@ static void cycle(const solver *s, uint32_t n) {
     static const double share[4] = {9.0 / 16, 3.0 / 16, 3.0 / 16, 1.0 / 16};
     const level *l = &s->levels[n];
     const bool last = n + 1 == s->count;
-    memset(l->x, 0, pixels(l) * sizeof *l->x);
-    for (int step = 0; step < (last ? 40 : 3); step++) smooth(s, n);
+    for (size_t i = 0; i < pixels(l); i++) l->x[i] = damping * l->b[i] / l->diagonal[i]; /* a step from 0 */
+    for (int step = 1; step < (last ? 40 : 3); step++) smooth(s, n);
     if (last) return;
     const level *coarse = l + 1;
     size_t at[4];

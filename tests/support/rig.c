@@ -1,5 +1,7 @@
 #include "rig.h"
 
+#include "programs/shared_programs.h"
+
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,6 +29,7 @@ static void open_device(rig *r) {
     if (code == CL_SUCCESS)
         r->queue = clCreateCommandQueue(r->context, r->device, CL_QUEUE_PROFILING_ENABLE, &code);
     if (code != CL_SUCCESS) fail("OpenCL", "no device");
+    shared_programs_begin(r->context);
 }
 
 void rig_open_library(rig *r, const char *path) {
@@ -56,6 +59,7 @@ void rig_open(rig *r, const char *path) {
 
 void rig_close(rig *r) {
     r->plugin->destroy(r->plugin);
+    shared_programs_end(r->context);
     (void)clReleaseCommandQueue(r->queue);
     (void)clReleaseContext(r->context);
     (void)dlclose(r->library);

@@ -1,0 +1,21 @@
+/*
+ * Builds each OpenCL program of a test once. PoCL runs the preprocessor over a source at every
+ * clBuildProgram, also if its cache on disk has the result, and tests activate a plugin thousands of times.
+ *
+ * A shared library that stands before the OpenCL loader (and behind spy/cl_spy.c, which still sees all
+ * calls): a program of the same context, source and options as one that was built before is not built again;
+ * its kernels are made from that one. Kernels, arguments, buffers and launches are each instance's own as
+ * ever. Builds that fail are not kept. One thread and one context at a time.
+ */
+#ifndef SV_SHARED_PROGRAMS_H
+#define SV_SHARED_PROGRAMS_H
+
+#include <CL/cl.h>
+
+/* From now on programs of this context are shared; ignored while those of another one are. */
+void shared_programs_begin(cl_context context);
+
+/* Releases what was kept. To be called before the context's last release; other contexts are ignored. */
+void shared_programs_end(cl_context context);
+
+#endif
