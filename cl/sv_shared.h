@@ -40,35 +40,35 @@
 #define SV_COST_LABELS  192
 #define SV_COST_UNIT    128.0
 #define SV_COST_RAYS    128
-#define SV_COST_VALUES  208  /* floats of a cell: the labels, then: */
-#define SV_COST_WEIGHT  192  /* its rays' weights */
-#define SV_COST_OPEN    193  /* the same of rays with a fluid interval */
-#define SV_COST_CELLS   32   /* wanted cells along the longer side */
-#define SV_COST_SIGMA   1.0f /* of the lateral Gaussian, in 32nds of the longer side */
-#define SV_COST_REACH   4    /* cells the Gaussian spans to either side */
-#define SV_COST_THIN    3    /* thinner tissue does not part fluid, and is nobody's */
-#define SV_COST_GAP     6    /* shortest first fluid interval */
-#define SV_COST_SOLID   2    /* a cell's wall and back are that many mostly fluid bins */
-#define SV_COST_WINDOW  5    /* cells to either side whose walls and backs are ranked */
-#define SV_COST_CONTACT 16   /* fluid that begins this much behind the wall: something touches the wall */
-#define SV_COST_SPLIT   4    /* a run is parted where bone begins this far behind its front */
-#define SV_COST_DILATE  2    /* brightness is looked for this far before and behind */
-#define SV_COST_SLIM    9    /* a run so thick says nothing yet by its thickness, */
-#define SV_COST_STOUT   14   /* one so thick all it can */
-#define SV_COST_TAU     4.0f /* distance to the fluid at which its cost is full */
-#define SV_COST_CUT     3.0f /* cutting into the fetus */
-#define SV_COST_LEFT    2.0f /* leaving what lies before the fetus' own fluid */
-#define SV_COST_OTHER   2.7f /* outside the longest interval, where there is no fetus */
+#define SV_COST_VALUES  208   /* floats of a cell: the labels, then: */
+#define SV_COST_WEIGHT  192   /* its rays' weights */
+#define SV_COST_OPEN    193   /* the same of rays with a fluid interval */
+#define SV_COST_CELLS   32    /* wanted cells along the longer side */
+#define SV_COST_SIGMA   0.95f /* of the lateral Gaussian, in 32nds of the longer side */
+#define SV_COST_REACH   4     /* cells the Gaussian spans to either side */
+#define SV_COST_THIN    3     /* thinner tissue does not part fluid, and is nobody's */
+#define SV_COST_GAP     6     /* shortest first fluid interval */
+#define SV_COST_SOLID   2     /* a cell's wall and back are that many mostly fluid bins */
+#define SV_COST_WINDOW  4     /* cells to either side whose walls and backs are ranked */
+#define SV_COST_CONTACT 16    /* fluid that begins this much behind the wall: something touches the wall */
+#define SV_COST_SPLIT   4     /* a run is parted where bone begins this far behind its front */
+#define SV_COST_DILATE  2     /* brightness is looked for this far before and behind */
+#define SV_COST_SLIM    9     /* a run so thick says nothing yet by its thickness, */
+#define SV_COST_STOUT   14    /* one so thick all it can */
+#define SV_COST_TAU     4.0f  /* distance to the fluid at which its cost is full */
+#define SV_COST_CUT     3.0f  /* cutting into the fetus */
+#define SV_COST_LEFT    2.0f  /* leaving what lies before the fetus' own fluid */
+#define SV_COST_OTHER   3.0f  /* outside the longest interval, where there is no fetus */
 /* Evidence that a run is the fetus, before the logistic function. Brightness is relative to the mean of
  * tissue. */
-#define SV_COST_NEARBY    8.0f /* times the brightest mean nearby */
-#define SV_COST_OWN       6.0f /* times the brightest mean on the ray itself */
-#define SV_COST_THICK     2.5f /* if it is stout */
+#define SV_COST_NEARBY    10.0f /* times the brightest mean nearby */
+#define SV_COST_OWN       4.0f  /* times the brightest mean on the ray itself */
+#define SV_COST_THICK     2.0f  /* if it is stout */
 #define SV_COST_BIAS      -19.0f
 #define SV_COST_WALL      11.0f /* what touches the wall: times the brightest mean nearby */
 #define SV_COST_WALL_BIAS -15.0f
 #define SV_COST_DOUBT     3.0f /* less for a sure run farther back */
-#define SV_COST_SLACK     0.2f /* labels within this of the least cost count as the same minimum */
+#define SV_COST_SLACK     0.3f /* labels within this of the least cost count as the same minimum */
 #define SV_COST_MARGIN    0.4f /* lead over any other minimum that is full confidence */
 #define SV_COST_YIELD     1.0f /* towards the viewer where nothing is sure, bins */
 #define SV_COST_SPREAD    2.0f /* q = 0 and q = 1 lie this many standard deviations of the minimum away */

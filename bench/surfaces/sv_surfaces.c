@@ -112,7 +112,14 @@ static bool score_case(session *mean, session *cost, const surf_case *c, case_sc
     return true;
 }
 
-static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose, bool tuned, hs_error *err) {
+/* Sums over sets of their means over the cases. */
+typedef struct {
+    int sets;
+    double mean, cost, mean_cut, cost_cut;
+} totals;
+
+static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose, bool tuned, totals *sum,
+                      hs_error *err) {
     case_scores scores[CASES];
     double at_q[QS] = {0};
     for (int n = 0; n < CASES; n++) {
@@ -141,6 +148,12 @@ static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose
     }
     printf("  all  mean %5.2f (cut %4.1f %%)  cost %5.2f (cut %4.1f %%)  truth %5.2f  ratio %.2f\n\n",
            at_q[best], 100.0 * mean_cut, cost_error, 100.0 * cost_cut, floor_error, cost_error / at_q[best]);
+    if (tuned) return true;
+    sum->sets++;
+    sum->mean += at_q[best];
+    sum->cost += cost_error;
+    sum->mean_cut += mean_cut;
+    sum->cost_cut += cost_cut;
     return true;
 }
 
@@ -323,12 +336,19 @@ static bool judge_all(const char *path, hs_error *err) {
         uint64_t seed;
         uint32_t pose;
         bool tuned;
-    } sets[] = {{101, 0, true}, {102, 1, true}, {201, 0, false}, {202, 11, false}, {203, 12, false}};
+    } sets[] = {{101, 0, true},   {102, 1, true},   {201, 0, false},  {202, 11, false},
+                {203, 12, false}, {301, 0, false},  {302, 21, false}, {303, 22, false},
+                {401, 0, false},  {402, 31, false}, {403, 32, false}};
     session mean = {0}, cost = {0};
+    totals sum = {0};
     bool ok =
         session_open(&mean, path, "mean", N, N, N, err) && session_open(&cost, path, "cost", N, N, N, err);
     for (size_t i = 0; ok && i < sizeof sets / sizeof *sets; i++)
-        ok = score_set(&mean, &cost, sets[i].seed, sets[i].pose, sets[i].tuned, err);
+        ok = score_set(&mean, &cost, sets[i].seed, sets[i].pose, sets[i].tuned, &sum, err);
+    if (ok)
+        printf("The %d sets not tuned on: mean %.2f (cut %.1f %%)  cost %.2f (cut %.1f %%)  ratio %.2f\n\n",
+               sum.sets, sum.mean / sum.sets, 100.0 * sum.mean_cut / sum.sets, sum.cost / sum.sets,
+               100.0 * sum.cost_cut / sum.sets, sum.cost / sum.mean);
     ok = ok && print_motion(&mean, &cost, err);
     session_close(&mean);
     session_close(&cost);
