@@ -64,9 +64,9 @@
 #define SV_COST_NEARBY    10.0f /* times the brightest mean nearby */
 #define SV_COST_OWN       4.0f  /* times the brightest mean on the ray itself */
 #define SV_COST_THICK     2.0f  /* if it is stout */
-#define SV_COST_BIAS      -19.0f
+#define SV_COST_BIAS      (-19.0f)
 #define SV_COST_WALL      11.0f /* what touches the wall: times the brightest mean nearby */
-#define SV_COST_WALL_BIAS -15.0f
+#define SV_COST_WALL_BIAS (-15.0f)
 #define SV_COST_DOUBT     3.0f /* less for a sure run farther back */
 #define SV_COST_SLACK     0.3f /* labels within this of the least cost count as the same minimum */
 #define SV_COST_MARGIN    0.4f /* lead over any other minimum that is full confidence */
