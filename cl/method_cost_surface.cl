@@ -43,7 +43,8 @@ static float4 find_minimum(const float *cell, int labels) {
     for (int i = 0; i < labels; i++)
         if (i < wide.x || i > wide.y) second = min(second, cost[i]);
     const float lead = min((second - least) / SV_COST_MARGIN, 1.0f);
-    return (float4)((float)at + first, spread, lead * min(cell[SV_COST_OPEN] / rays, 1.0f), 1.0f);
+    const float open = min(cell[SV_COST_OPEN] / rays, 1.0f), known = min(SV_COST_KNOWN * open, 1.0f);
+    return (float4)(known * ((float)at + first), known * spread, lead * open, 1.0f);
 }
 
 /*

@@ -69,9 +69,11 @@
 #define SV_COST_WALL_BIAS (-15.0f)
 #define SV_COST_DOUBT     3.0f /* less for a sure run farther back */
 #define SV_COST_SLACK     0.3f /* labels within this of the least cost count as the same minimum */
-#define SV_COST_MARGIN    0.4f /* lead over any other minimum that is full confidence */
-#define SV_COST_YIELD     1.0f /* towards the viewer where nothing is sure, bins */
-#define SV_COST_SPREAD    2.0f /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
+#define SV_COST_KNOWN                                                                                        \
+    4.0f /* times the share of votes with fluid: where that is below 1, the surface goes to 0 */
+#define SV_COST_MARGIN 0.4f /* lead over any other minimum that is full confidence */
+#define SV_COST_YIELD  1.0f /* towards the viewer where nothing is sure, bins */
+#define SV_COST_SPREAD 2.0f /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
 
 #define SV_COST_CHANGE   0.15f /* mean change of a cell's costs that makes it forget the frame before */
 #define SV_COST_EVIDENCE 8     /* one ray in so many must have a fluid interval, or there is no surface */

@@ -114,8 +114,10 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
         square += w * d * d;
     }
     first /= weight;
-    m.place = at + first;
-    m.spread = sqrt(fmax(square / weight - first * first, 0.0));
+    const double open = fmin(cell[SV_COST_OPEN] / cell[SV_COST_WEIGHT], 1.0),
+                 known = fmin(SV_COST_KNOWN * open, 1.0);
+    m.place = known * (at + first);
+    m.spread = known * sqrt(fmax(square / weight - first * first, 0.0));
     for (int i = 0; i < n; i++) {
         if ((i < low || i > high) && cost[i] - least < TIE) m.tie = true;
     }
@@ -125,7 +127,7 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     for (int i = 0; i < n; i++)
         if (i < low || i > high) second = fmin(second, cost[i]);
     const double lead = fmin((second - least) / SV_COST_MARGIN, 1.0);
-    m.confidence = lead * fmin(cell[SV_COST_OPEN] / cell[SV_COST_WEIGHT], 1.0);
+    m.confidence = lead * open;
     return m;
 }
 
