@@ -89,7 +89,7 @@ typedef struct {
 static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     minimum m = {.valid = cell[SV_COST_WEIGHT] > 1e-3};
     if (!m.valid) return m;
-    double cost[SV_COST_LABELS], least = INFINITY, second = INFINITY;
+    double cost[SV_COST_LABELS] = {0}, least = INFINITY, second = INFINITY;
     int at = 0;
     const int n = (int)l->labels;
     for (int i = 0; i < n; i++) {
