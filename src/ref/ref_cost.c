@@ -107,7 +107,7 @@ sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_
  * `stride` apart and which has `count` of them. */
 static void along(const uint16_t *from, uint16_t *to, size_t all, size_t stride, size_t count, size_t reach,
                   bool sums) {
-    if (count == 0) return;
+    if (count == 0 || stride == 0) return;
     for (size_t i = 0; i < all; i++) {
         const size_t at = i / stride % count;
         const size_t first = at < reach ? 0 : at - reach, last = at + reach < count ? at + reach : count - 1;
