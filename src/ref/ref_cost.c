@@ -103,35 +103,37 @@ sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_
     return (sv_ref_cost_levels){.fluid = larger(level, 1), .bright = larger((uint32_t)bright, 1)};
 }
 
-/* Sum or maximum over the `reach` neighbours to either side along one axis, the one whose neighbours lie
- * `stride` apart and which has `count` of them. */
-static void along(const uint16_t *from, uint16_t *to, size_t all, size_t stride, size_t count, size_t reach,
-                  bool sums) {
-    if (count == 0 || stride == 0) return;
-    for (size_t i = 0; i < all; i++) {
-        const size_t at = i / stride % count;
-        const size_t first = at < reach ? 0 : at - reach, last = at + reach < count ? at + reach : count - 1;
-        uint32_t value = 0;
-        for (size_t k = first; k <= last; k++) {
-            const uint16_t other = from[i - at * stride + k * stride];
-            value = sums ? value + other : larger(value, other);
+/* Sum or maximum over the `reach` neighbours to either side along one axis: `blocks` times `count` bins that
+ * lie `stride` apart. */
+static void along(const uint16_t *from, uint16_t *to, size_t blocks, size_t count, size_t stride,
+                  size_t reach, bool sums) {
+    for (size_t block = 0; block < blocks; block++, from += count * stride)
+        for (size_t at = 0; at < count; at++) {
+            const size_t first = at < reach ? 0 : at - reach;
+            for (size_t i = 0; i < stride; i++) {
+                uint32_t value = 0;
+                for (size_t k = first; k <= at + reach && k < count; k++) {
+                    const uint16_t other = from[k * stride + i];
+                    value = sums ? value + other : larger(value, other);
+                }
+                *to++ = (uint16_t)value;
+            }
         }
-        to[i] = (uint16_t)value;
-    }
 }
 
 bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, uint16_t *sums,
                             uint16_t *nearby) {
-    const size_t plane = (size_t)l->columns * l->rows, all = plane * l->labels;
+    const size_t plane = (size_t)l->columns * l->rows, rows = (size_t)l->rows * l->labels,
+                 all = plane * l->labels;
     uint16_t *a = calloc(all, sizeof *a), *b = calloc(all, sizeof *b);
     if (a && b) {
         for (size_t i = 0; i < all; i++) a[i] = bins[i];
-        along(a, b, all, 1, l->columns, 1, true);
-        along(b, a, all, l->columns, l->rows, 1, true);
-        along(a, sums, all, plane, l->labels, 1, true);
-        along(sums, a, all, 1, l->columns, l->beside, false);
-        along(a, b, all, l->columns, l->rows, l->beside, false);
-        along(b, nearby, all, plane, l->labels, l->dilate, false);
+        along(a, b, rows, l->columns, 1, 1, true);
+        along(b, a, l->labels, l->rows, l->columns, 1, true);
+        along(a, sums, 1, l->labels, plane, 1, true);
+        along(sums, a, rows, l->columns, 1, l->beside, false);
+        along(a, b, l->labels, l->rows, l->columns, l->beside, false);
+        along(b, nearby, 1, l->labels, plane, l->dilate, false);
     }
     const bool done = a && b;
     free(a);
