@@ -112,6 +112,29 @@ static void part_keep(part_t *p, short16 mask) {
     p->nearby &= mask;
 }
 
+/* `other` where the mask is set. */
+static void part_take(part_t *p, const part_t *other, short16 mask) {
+    p->tissue = select(p->tissue, other->tissue, mask);
+    p->own = select(p->own, other->own, mask);
+    p->nearby = select(p->nearby, other->nearby, mask);
+}
+
+/* Runs of 16 rays on the way from their ends to their fronts. */
+typedef struct {
+    part_t all, front, rear; /* so far; before the foremost bone so far; from that on */
+    short16 place;           /* of that bone; -1: none yet */
+    float16 behind, next;    /* surest run behind; the run whose fluid comes next */
+} runs_t;
+
+static void runs_add(runs_t *runs, short16 at, short16 tissue, short16 own, short16 nearby, short16 is_bone) {
+    part_add(&runs->all, tissue, own, nearby);
+    part_add(&runs->front, tissue, own, nearby);
+    if (!any(is_bone)) return;
+    part_take(&runs->rear, &runs->all, is_bone);
+    part_keep(&runs->front, ~is_bone);
+    runs->place = select(runs->place, at, is_bone);
+}
+
 static float16 logistic(float16 x) {
     return 1.0f / (1.0f + exp(-x));
 }
@@ -132,64 +155,56 @@ static float16 judge_part(const cost_layout *l, const part_t *p, float unit, sho
     return sure;
 }
 
+/* At the fronts of runs: how sure they are, and their parts behind the bone. Gives back the bins of those. */
+static short16 runs_judge(const cost_layout *l, rays_t *r, float unit, short16 at, short16 starts,
+                          runs_t *runs, float16 *sure, float16 *parted) {
+    const short16 splits = starts & (runs->place >= at + (short)l->split);
+    const short16 touches = r->touching & (at == r->wall);
+    part_t one = runs->all;
+    part_take(&one, &runs->front, splits);
+    *parted = judge_part(l, &runs->rear, unit, splits, (short16)(0), &runs->behind);
+    const float16 now = judge_part(l, &one, unit, starts, touches, &runs->behind);
+    const int16 votes = convert_int16(touches & starts & (one.tissue >= (short16)((short)l->thin)));
+    r->weight = select(r->weight, r->weight * (2.0f * now - 1.0f) * (2.0f * now - 1.0f), votes);
+    r->none *= (1.0f - *parted) * (1.0f - now);
+    runs->next = select(runs->next, now, convert_int16(starts));
+    *sure = select(*sure, now, convert_int16(starts));
+    return select((short16)(-1), runs->place, splits);
+}
+
 /* From the back: how sure every run is the fetus. `unit`: 1 over the sum that tissue of mean brightness has;
- * `bone`: a sum from which on tissue is bone. */
+ * `bone`: a sum from which on tissue is bone. What lies behind the last interval is the back of the sac. */
 static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, bins16_t *w) {
     const short16 none = (short16)(0);
-    part_t all = {none, none, none}, front = all, rear = all;
-    short16 most = none, inside = none, seen = none, place = (short16)(-1), away = (short16)(FAR_AWAY);
-    float16 behind = (float16)(0.0f), next = behind;
+    const part_t empty = {none, none, none};
+    runs_t runs = {empty, empty, empty, (short16)(-1), (float16)(0.0f), (float16)(0.0f)};
+    short16 most = none, inside = none, seen = none, away = (short16)(FAR_AWAY);
     r->none = (float16)(1.0f);
     for (uint bin = l->labels; bin-- > 0;) {
         const short16 at = (short16)((short)bin), run_end = inside;
         inside = w->fluid[bin] | (r->touching & (at == r->first));
-        seen |= inside; /* what lies behind the last interval is the back of the sac */
+        seen |= inside;
         const short16 before =
             bin > 0 ? w->fluid[bin - 1] | (r->touching & (at == r->first + (short)1)) : none;
         const short16 in_run = seen & ~inside & (at > r->first);
+        const short16 starts = in_run & before, begins = inside & ~before;
         most = select(most, w->light[bin], run_end);
         away = (away + (short)1) & ~inside;
         w->light[bin] = away;
 
         const short16 nearby = load_nearby(r, bin), tissue = in_run & (load_bin(r, bin) > r->level);
         const short16 own = convert_short16(vload16(0, r->sums + bin * r->plane));
-        part_add(&all, tissue, own, nearby);
-        part_add(&front, tissue, own, nearby);
         const short16 is_bone =
             tissue & (most >= (short16)(bone)) & (min(most - nearby, (short16)(1000)) * (short)9 <= nearby);
-        if (any(is_bone)) {
-            rear.tissue = select(rear.tissue, all.tissue, is_bone);
-            rear.own = select(rear.own, all.own, is_bone);
-            rear.nearby = select(rear.nearby, all.nearby, is_bone);
-            place = select(place, at, is_bone);
-            part_keep(&front, ~is_bone);
-        }
-
-        const short16 starts = in_run & before, begins = inside & ~before;
-        float16 sure = select((float16)(0.0f), next, convert_int16(begins)), parted = (float16)(0.0f);
-        if (any(starts)) {
-            const short16 splits = starts & (place >= at + (short)l->split);
-            const short16 touches = r->touching & (at == r->wall);
-            parted = judge_part(l, &rear, unit, splits, none, &behind);
-            part_t one = all;
-            one.tissue = select(all.tissue, front.tissue, splits);
-            one.own = select(all.own, front.own, splits);
-            one.nearby = select(all.nearby, front.nearby, splits);
-            const float16 now = judge_part(l, &one, unit, starts, touches, &behind);
-            const int16 votes = convert_int16(touches & starts & (one.tissue >= (short16)((short)l->thin)));
-            r->weight = select(r->weight, r->weight * (2.0f * now - 1.0f) * (2.0f * now - 1.0f), votes);
-            r->none *= (1.0f - parted) * (1.0f - now);
-            sure = select(sure, now, convert_int16(starts));
-            next = select(next, now, convert_int16(starts));
-            w->fluid[bin] = select((short16)(-1), place, splits);
-        }
-        w->sure[bin] = sure;
-        w->parted[bin] = parted;
-        next = select(next, (float16)(0.0f), convert_int16(begins));
-        const short16 goes_on = in_run & ~starts;
-        part_keep(&all, goes_on);
-        part_keep(&front, goes_on);
-        place |= ~goes_on; /* -1 */
+        runs_add(&runs, at, tissue, own, nearby, is_bone);
+        w->sure[bin] = select((float16)(0.0f), runs.next, convert_int16(begins));
+        w->parted[bin] = (float16)(0.0f);
+        if (any(starts))
+            w->fluid[bin] = runs_judge(l, r, unit, at, starts, &runs, &w->sure[bin], &w->parted[bin]);
+        runs.next = select(runs.next, (float16)(0.0f), convert_int16(begins));
+        part_keep(&runs.all, in_run & ~starts);
+        part_keep(&runs.front, in_run & ~starts);
+        runs.place |= ~(in_run & ~starts); /* -1 */
     }
 }
 
