@@ -1,10 +1,9 @@
 /* sv_surfaces_bench: what each reconstruction method costs, and how wrong it is. */
 #include "hs_cli.h"
-#include "hs_output_file.h"
 #include "hs_progress.h"
 #include "methods_report.h"
 
-#include <getopt.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +14,7 @@ typedef struct {
     const char *id, *csv, *svg, *points;
     uint32_t frames;
     double seconds, budget; /* of a variant; of a definition, operations */
-    bool size[METHODS_SIZES], kind[METHODS_KINDS], quick, truth, fit;
+    bool size[BENCH_SIZES], kind[METHODS_KINDS], quick, truth, fit;
 } options;
 
 static const char help[] =
@@ -48,26 +47,10 @@ static const char help[] =
     "16-bit planes; 1/2 and 1/4, reduced resolution. Errors are those against the full one.\n"
     "Exit codes as host_sim's; 1: the plugin finds other initial points, or no surface.\n";
 
-static bool parse_size(options *o, const char *text, hs_error *err) {
-    for (int i = 0; i < METHODS_SIZES; i++) {
-        char name[16];
-        (void)snprintf(name, sizeof name, "%u", methods_sizes[i]);
-        if (strcmp(text, name) == 0) return o->size[i] = true;
-    }
-    return hs_fail(err, HS_ERR_USAGE, "--size: %s is none of 128, 171, 512", text);
-}
-
 static bool parse_method(options *o, const char *text, hs_error *err) {
     for (int i = 0; i < METHODS_KINDS; i++)
         if (strcmp(text, methods_kind_key((methods_kind)i)) == 0) return o->kind[i] = true;
     return hs_fail(err, HS_ERR_USAGE, "--method: there is no '%s'; see --help", text);
-}
-
-static bool parse_frames(options *o, const char *text, hs_error *err) {
-    uint64_t value = 0;
-    if (!hs_cli_integer("--frames", text, 3, 100000, &value, err)) return false;
-    o->frames = (uint32_t)value;
-    return true;
 }
 
 static void make_quick(options *o) {
@@ -78,7 +61,7 @@ static void make_quick(options *o) {
 }
 
 enum {
-    OPT_PLUGIN = 256,
+    OPT_PLUGIN = BENCH_OPT_FIRST,
     OPT_ID,
     OPT_SIZE,
     OPT_METHOD,
@@ -90,8 +73,7 @@ enum {
     OPT_QUICK,
     OPT_CSV,
     OPT_SVG,
-    OPT_POINTS,
-    OPT_HELP
+    OPT_POINTS
 };
 static const struct option long_options[] = {
     {"plugin", required_argument, NULL, OPT_PLUGIN},
@@ -107,11 +89,12 @@ static const struct option long_options[] = {
     {"csv", required_argument, NULL, OPT_CSV},
     {"svg", required_argument, NULL, OPT_SVG},
     {"points", required_argument, NULL, OPT_POINTS},
-    {"help", no_argument, NULL, OPT_HELP},
+    {"help", no_argument, NULL, BENCH_OPT_HELP},
     {NULL, 0, NULL, 0},
 };
 
-static bool parse_option(options *o, int option, hs_error *err) {
+static bool set_option(void *all, int option, hs_error *err) {
+    options *o = all;
     switch (option) {
     case OPT_PLUGIN:
         (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
@@ -120,11 +103,11 @@ static bool parse_option(options *o, int option, hs_error *err) {
         o->id = optarg;
         return true;
     case OPT_SIZE:
-        return parse_size(o, optarg, err);
+        return bench_parse_size(optarg, o->size, err);
     case OPT_METHOD:
         return parse_method(o, optarg, err);
     case OPT_FRAMES:
-        return parse_frames(o, optarg, err);
+        return bench_parse_count("--frames", optarg, 3, 100000, &o->frames, err);
     case OPT_SECONDS:
         return hs_cli_number("--seconds", optarg, 0.0, 3600.0, &o->seconds, err);
     case OPT_OPERATIONS:
@@ -144,35 +127,21 @@ static bool parse_option(options *o, int option, hs_error *err) {
     case OPT_SVG:
         o->svg = optarg;
         return true;
-    case OPT_POINTS:
+    default: /* OPT_POINTS */
         o->points = optarg;
         return true;
-    default: /* getopt_long has said what is wrong */
-        return hs_fail(err, HS_ERR_USAGE, "the command line is wrong");
     }
-}
-
-/* What was not chosen is all chosen. Returns how many were. */
-static int choose_all_if_none(bool *chosen, int count) {
-    int found = 0;
-    for (int i = 0; i < count; i++) found += chosen[i];
-    for (int i = 0; i < count; i++) chosen[i] = chosen[i] || found == 0;
-    return found;
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
     *o = (options){.frames = 30, .seconds = 2.0, .budget = 2e10, .truth = true, .fit = true};
-    *wants_help = false;
     hs_cli_default_plugin(o->plugin, sizeof o->plugin);
-    for (int c; (c = getopt_long(argc, argv, "", long_options, NULL)) != -1;) {
-        if (c == OPT_HELP) return *wants_help = true;
-        if (!parse_option(o, c, err)) return false;
-    }
-    const int sizes = choose_all_if_none(o->size, METHODS_SIZES);
-    (void)choose_all_if_none(o->kind, METHODS_KINDS);
-    if (o->points && sizes != 1)
-        return hs_fail(err, HS_ERR_USAGE, "--points: needs one --size, got %d", sizes);
-    return hs_cli_no_more(argc, argv, optind, err);
+    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
+    if (*wants_help) return true;
+    const int sizes = bench_choose_all_if_none(o->size, BENCH_SIZES);
+    (void)bench_choose_all_if_none(o->kind, METHODS_KINDS);
+    return !o->points || sizes == 1 ||
+           hs_fail(err, HS_ERR_USAGE, "--points: needs one --size, got %d", sizes);
 }
 
 /* A run's own. `reference` is the last definition that was computed: variants that share it stand together.
@@ -244,7 +213,7 @@ static bool run_splines(bench_run *run, hs_error *err) {
     methods_print_head("Splines through scattered points, 128 x 128 pixels");
     for (int i = 0; i < METHODS_SPLINES; i++) {
         methods_map map;
-        if (!methods_map_scattered(&map, methods_sizes[0], methods_spline_points[i], err)) return false;
+        if (!methods_map_scattered(&map, bench_sizes[0], methods_spline_points[i], err)) return false;
         const bool ok = run_row(run, &map, &unmerged, &run->report.splines[i], err);
         if (ok) run->report.spline_count++;
         new_map(run, &map);
@@ -280,24 +249,16 @@ static bool run_truth(bench_run *run, hs_error *err) {
     return true;
 }
 
-/* Finds out now, not after minutes, that a file cannot be written. */
-static bool try_output(const char *path, hs_error *err) {
-    hs_output_file output = {0};
-    if (path && !hs_output_open(&output, path, err)) return false;
-    hs_output_discard(&output);
-    return true;
-}
-
 static bool measure(bench_run *run, hs_error *err) {
     const options *o = &run->o;
-    const size_t largest = (size_t)methods_sizes[METHODS_SIZES - 1] * methods_sizes[METHODS_SIZES - 1];
-    if (!try_output(o->csv, err) || !try_output(o->svg, err)) return false;
+    const size_t largest = (size_t)bench_sizes[BENCH_SIZES - 1] * bench_sizes[BENCH_SIZES - 1];
+    if (!bench_try_output(o->csv, err) || !bench_try_output(o->svg, err)) return false;
     run->depth = malloc(largest * sizeof *run->depth);
     if (!run->depth) return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu pixels", largest);
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
     bench_print_machine(&run->report.machine);
-    for (int s = 0; s < METHODS_SIZES; s++)
-        if (o->size[s] && !run_size(run, methods_sizes[s], err)) return false;
+    for (int s = 0; s < BENCH_SIZES; s++)
+        if (o->size[s] && !run_size(run, bench_sizes[s], err)) return false;
     if (o->fit && o->kind[METHODS_SPLINE] && !run_splines(run, err)) return false;
     if (o->truth && !run_truth(run, err)) return false;
     if (o->fit) methods_print_fits(&run->report);
@@ -334,7 +295,7 @@ static bool write_points(const options *o, hs_error *err) {
     int size = 0;
     while (!o->size[size]) size++;
     methods_map map;
-    if (!methods_map_bones(&map, methods_sizes[size], err)) return false;
+    if (!methods_map_bones(&map, bench_sizes[size], err)) return false;
     const bool ok = methods_map_write(&map, o->points, err);
     methods_map_free(&map);
     return ok;
@@ -350,7 +311,5 @@ int main(int argc, char **argv) {
     if (ok && !wants_help) ok = run->o.points ? write_points(&run->o, &err) : open_and_measure(run, &err);
     free(run);
     if (ok) return HS_OK;
-    (void)fprintf(stderr, "sv_surfaces_bench: %s\n", err.text);
-    if (err.code == HS_ERR_USAGE) (void)fprintf(stderr, "Try 'sv_surfaces_bench --help'.\n");
-    return (int)err.code;
+    return bench_fail("sv_surfaces_bench", &err);
 }

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-const uint32_t methods_sizes[METHODS_SIZES] = {128, 171, 512};
 const uint32_t methods_spline_points[METHODS_SPLINES] = {40, 80, 160, 320, 640, 1280};
 
 double methods_row_ms(const methods_row *row) {
@@ -88,7 +87,7 @@ static void print_fit(const char *what, const char *in, methods_fit fit) {
 /* Filters once more by the pass: a larger map needs more of them. */
 static void fit_pixels(const methods_report *report) {
     for (int v = 0; v < METHODS_VARIANTS; v++) {
-        double x[METHODS_SIZES], all[METHODS_SIZES], pass[METHODS_SIZES];
+        double x[BENCH_SIZES], all[BENCH_SIZES], pass[BENCH_SIZES];
         uint32_t count = 0;
         for (uint32_t i = 0; i < report->row_count; i++) {
             const methods_row *r = &report->rows[i];
@@ -106,12 +105,12 @@ static void fit_pixels(const methods_report *report) {
 
 /* Once for the whole surface, once for a pass of it: a large window needs fewer passes. */
 static void fit_k(const methods_report *report) {
-    for (int s = 0; s < METHODS_SIZES; s++) {
+    for (int s = 0; s < BENCH_SIZES; s++) {
         double k[METHODS_VARIANTS], all[METHODS_VARIANTS], pass[METHODS_VARIANTS];
         uint32_t count = 0;
         for (uint32_t i = 0; i < report->row_count; i++) {
             const methods_row *r = &report->rows[i];
-            if (r->n != methods_sizes[s] || r->variant->kind != METHODS_MEAN || r->times.passes == 0 ||
+            if (r->n != bench_sizes[s] || r->variant->kind != METHODS_MEAN || r->times.passes == 0 ||
                 methods_variant_approximates(r->variant))
                 continue;
             k[count] = r->variant->k;
@@ -120,7 +119,7 @@ static void fit_k(const methods_report *report) {
             count++;
         }
         char in[32];
-        (void)snprintf(in, sizeof in, "k, at %u x %u", methods_sizes[s], methods_sizes[s]);
+        (void)snprintf(in, sizeof in, "k, at %u x %u", bench_sizes[s], bench_sizes[s]);
         print_fit("mean", in, methods_fit_line(k, all, count));
         print_fit("mean, a pass", in, methods_fit_line(k, pass, count));
     }

@@ -2,13 +2,13 @@
 #ifndef METHODS_REPORT_H
 #define METHODS_REPORT_H
 
+#include "bench_cli.h"
 #include "bench_report.h"
 #include "methods_reference.h"
 #include "methods_time.h"
 #include "methods_truth.h"
 
-enum { METHODS_SIZES = 3, METHODS_SPLINES = 6, METHODS_ROWS = METHODS_SIZES * METHODS_VARIANTS };
-extern const uint32_t methods_sizes[METHODS_SIZES];           /* pixels across */
+enum { METHODS_SPLINES = 6, METHODS_ROWS = BENCH_SIZES * METHODS_VARIANTS };
 extern const uint32_t methods_spline_points[METHODS_SPLINES]; /* of the fit in the number of points */
 
 /* One variant at one size. */

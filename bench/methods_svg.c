@@ -13,7 +13,7 @@ enum { WIDTH = 1440, HEIGHT = 700, TOP = 84, BOTTOM = 600, PANEL = 500, MARK = 6
 static const double smallest = 1e-7; /* slices: what an error of 0 is drawn at */
 static const char *const colours[METHODS_KINDS] = {"#0072b2", "#009e73", "#d55e00",
                                                    "#cc79a7", "#e69f00", "#56504a"};
-static const char *const dashes[METHODS_SIZES] = {"none", "7 4", "2 4"};
+static const char *const dashes[BENCH_SIZES] = {"none", "7 4", "2 4"};
 
 /* One diagram. */
 typedef struct {
@@ -27,7 +27,7 @@ typedef struct {
 typedef struct {
     double ms, error;
     const methods_row *row;
-    int size; /* index into methods_sizes */
+    int size; /* index into bench_sizes */
 } mark;
 
 static double place_x(const panel *p, double ms) {
@@ -153,7 +153,7 @@ static void draw_panel(panel *p, const mark *marks, uint32_t count, const char *
     if (count == 0) return;
     find_limits(p, marks, count);
     draw_axes(p, title, y_label);
-    for (int size = 0; size < METHODS_SIZES; size++) draw_front(p, marks, count, size);
+    for (int size = 0; size < BENCH_SIZES; size++) draw_front(p, marks, count, size);
     for (uint32_t i = 0; i < count; i++) {
         const methods_row *r = marks[i].row;
         char tip[160];
@@ -173,13 +173,13 @@ static void draw_legend(FILE *file) {
                       methods_kind_key((methods_kind)kind));
     }
     y += 12;
-    for (int size = 0; size < METHODS_SIZES; size++, y += 22) {
+    for (int size = 0; size < BENCH_SIZES; size++, y += 22) {
         draw_shape(file, x, y, size, "#303030", false, "map size");
         (void)fprintf(
             file,
             "<text x='%.1f' y='%.1f'>%u x %u pixels</text>\n"
             "<path d='M%.1f %.1f h34' stroke='#303030' stroke-width='1.5' stroke-dasharray='%s'/>\n",
-            x + 16, y + 4, methods_sizes[size], methods_sizes[size], x + 132, y, dashes[size]);
+            x + 16, y + 4, bench_sizes[size], bench_sizes[size], x + 132, y, dashes[size]);
     }
     (void)fprintf(file, "<text x='%.1f' y='%.1f'>lines: Pareto fronts</text>\n", x - 6, y + 6);
     y += 34;
@@ -209,7 +209,7 @@ static uint32_t collect(const methods_report *report, bool truth, mark *marks) {
         if (truth ? !picture || r->n != METHODS_SCENE_SIZE : !r->error.known || !isfinite(r->error.largest))
             continue;
         int size = 0;
-        while (size < METHODS_SIZES - 1 && methods_sizes[size] != r->n) size++;
+        while (size < BENCH_SIZES - 1 && bench_sizes[size] != r->n) size++;
         const double error = truth ? methods_truth_mean(picture) : r->error.largest;
         marks[count++] = (mark){methods_row_ms(r), fmax(error, smallest), r, size};
     }

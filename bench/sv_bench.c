@@ -1,22 +1,21 @@
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
+#include "bench_cli.h"
 #include "bench_report.h"
 #include "hs_cli.h"
-#include "hs_output_file.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_VALUES = 16, MAX_SLABS = 8, SIZES = 3, MAX_RESULTS = 2 * SIZES * MAX_SLABS * BENCH_ROUTES };
+enum { MAX_VALUES = 16, MAX_SLABS = 8, MAX_RESULTS = 2 * BENCH_SIZES * MAX_SLABS * BENCH_ROUTES };
 
-static const struct { uint32_t n, k; } sizes[SIZES] = {{128, 23}, {171, 23}, {512, 55}};
+static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
 
 typedef struct {
     char plugin[1024];
     const char *id, *scene, *csv, *json;
     uint32_t frames, host_frames, host_size;
-    bool size[SIZES], route[BENCH_ROUTES];
+    bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
     bool plugin_part, host_part;
     const char *value_texts[MAX_VALUES];
@@ -56,33 +55,16 @@ static const char help[] =
     "Exit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is no "
     "failure.\n";
 
-static bool parse_size(options *o, const char *text, hs_error *err) {
-    for (int i = 0; i < SIZES; i++) {
-        char name[16];
-        (void)snprintf(name, sizeof name, "%u", sizes[i].n);
-        if (strcmp(text, name) == 0) return o->size[i] = true;
-    }
-    return hs_fail(err, HS_ERR_USAGE, "--size: %s is none of 128, 171, 512", text);
-}
-
 static bool parse_route(options *o, const char *text, hs_error *err) {
     for (int i = 0; i < BENCH_ROUTES; i++)
         if (strcmp(text, bench_route_key((bench_route)i)) == 0) return o->route[i] = true;
     return hs_fail(err, HS_ERR_USAGE, "--route: there is no '%s'; see --help", text);
 }
 
-static bool parse_count(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
-                        hs_error *err) {
-    uint64_t value = 0;
-    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
 static bool parse_slab(options *o, const char *text, hs_error *err) {
     if (o->slab_count == MAX_SLABS)
         return hs_fail(err, HS_ERR_USAGE, "--slab: given more than %d times", MAX_SLABS);
-    return parse_count("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
+    return bench_parse_count("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
 }
 
 static bool parse_part(options *o, const char *text, hs_error *err) {
@@ -102,11 +84,8 @@ static void make_quick(options *o) {
 
 /* What was not chosen takes its default. */
 static void fill_defaults(options *o) {
-    bool any_size = false, any_route = false;
-    for (int i = 0; i < SIZES; i++) any_size = any_size || o->size[i];
-    for (int i = 0; i < SIZES; i++) o->size[i] = o->size[i] || !any_size;
-    for (int i = 0; i < BENCH_ROUTES; i++) any_route = any_route || o->route[i];
-    for (int i = 0; i < BENCH_ROUTES; i++) o->route[i] = o->route[i] || !any_route;
+    (void)bench_choose_all_if_none(o->size, BENCH_SIZES);
+    (void)bench_choose_all_if_none(o->route, BENCH_ROUTES);
     if (o->slab_count > 0) return;
     static const uint32_t usual[] = {16, 32, 0};
     memcpy(o->slabs, usual, sizeof usual);
@@ -114,7 +93,7 @@ static void fill_defaults(options *o) {
 }
 
 enum {
-    OPT_PLUGIN = 256,
+    OPT_PLUGIN = BENCH_OPT_FIRST,
     OPT_ID,
     OPT_PARAM,
     OPT_ONLY,
@@ -127,8 +106,7 @@ enum {
     OPT_SCENE,
     OPT_QUICK,
     OPT_CSV,
-    OPT_JSON,
-    OPT_HELP
+    OPT_JSON
 };
 static const struct option long_options[] = {
     {"plugin", required_argument, NULL, OPT_PLUGIN},
@@ -145,11 +123,12 @@ static const struct option long_options[] = {
     {"quick", no_argument, NULL, OPT_QUICK},
     {"csv", required_argument, NULL, OPT_CSV},
     {"json", required_argument, NULL, OPT_JSON},
-    {"help", no_argument, NULL, OPT_HELP},
+    {"help", no_argument, NULL, BENCH_OPT_HELP},
     {NULL, 0, NULL, 0},
 };
 
-static bool parse_option(options *o, int option, hs_error *err) {
+static bool set_option(void *all, int option, hs_error *err) {
+    options *o = all;
     switch (option) {
     case OPT_PLUGIN:
         (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
@@ -165,17 +144,17 @@ static bool parse_option(options *o, int option, hs_error *err) {
     case OPT_ONLY:
         return parse_part(o, optarg, err);
     case OPT_SIZE:
-        return parse_size(o, optarg, err);
+        return bench_parse_size(optarg, o->size, err);
     case OPT_SLAB:
         return parse_slab(o, optarg, err);
     case OPT_ROUTE:
         return parse_route(o, optarg, err);
     case OPT_FRAMES:
-        return parse_count("--frames", optarg, 1, 100000, &o->frames, err);
+        return bench_parse_count("--frames", optarg, 1, 100000, &o->frames, err);
     case OPT_HOST_FRAMES:
-        return parse_count("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
+        return bench_parse_count("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
     case OPT_HOST_SIZE:
-        return parse_count("--loop-size", optarg, 32, 1024, &o->host_size, err);
+        return bench_parse_count("--loop-size", optarg, 32, 1024, &o->host_size, err);
     case OPT_SCENE:
         o->scene = optarg;
         return true;
@@ -185,25 +164,19 @@ static bool parse_option(options *o, int option, hs_error *err) {
     case OPT_CSV:
         o->csv = optarg;
         return true;
-    case OPT_JSON:
+    default: /* OPT_JSON */
         o->json = optarg;
         return true;
-    default: /* getopt_long has said what is wrong */
-        return hs_fail(err, HS_ERR_USAGE, "the command line is wrong");
     }
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
     *o =
         (options){.frames = 100, .host_frames = 20, .host_size = 400, .plugin_part = true, .host_part = true};
-    *wants_help = false;
     hs_cli_default_plugin(o->plugin, sizeof o->plugin);
-    for (int c; (c = getopt_long(argc, argv, "", long_options, NULL)) != -1;) {
-        if (c == OPT_HELP) return *wants_help = true;
-        if (!parse_option(o, c, err)) return false;
-    }
+    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     fill_defaults(o);
-    return hs_cli_no_more(argc, argv, optind, err);
+    return true;
 }
 
 /* A run's own: what is opened and what has been measured. */
@@ -228,11 +201,11 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const cha
                                       .value_count = run->o.value_count,
                                       .method = method};
     bench_slabs slabs;
-    if (!bench_slabs_create(&slabs, sizes[size].n, slab_slices, err)) return false;
+    if (!bench_slabs_create(&slabs, bench_sizes[size], slab_slices, err)) return false;
     bool ok = true;
     for (int route = 0; ok && route < BENCH_ROUTES; route++) {
         if (!run->o.route[route]) continue;
-        const bench_variant variant = {sizes[size].n, sizes[size].k, slabs.layout.slab_slices,
+        const bench_variant variant = {bench_sizes[size], kernels[size], slabs.layout.slab_slices,
                                        (bench_route)route};
         bench_plugin_result *result = &run->results[run->report.plugin_count];
         hs_progress progress;
@@ -250,10 +223,10 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const cha
 /* Method cost on the same volumes, at the sizes that have a limit. */
 static bool run_cost(bench_run *run, hs_error *err) {
     if (!bench_plugin_has_method(&run->plugin, "cost")) return true;
-    for (int size = 0; size < SIZES; size++) {
-        if (!run->o.size[size] || bench_cost_limit_ms(sizes[size].n) == 0.0) continue;
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        if (!run->o.size[size] || bench_cost_limit_ms(bench_sizes[size]) == 0.0) continue;
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
-            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : sizes[size].n;
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
             if (!run_routes(run, size, slab, "cost", err)) return false;
         }
     }
@@ -262,11 +235,11 @@ static bool run_cost(bench_run *run, hs_error *err) {
 }
 
 static bool run_plugin_part(bench_run *run, hs_error *err) {
-    for (int size = 0; size < SIZES; size++) {
+    for (int size = 0; size < BENCH_SIZES; size++) {
         if (!run->o.size[size]) continue;
-        bench_print_plugin_head(sizes[size].n, sizes[size].k);
+        bench_print_plugin_head(bench_sizes[size], kernels[size]);
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
-            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : sizes[size].n;
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
             if (!run_routes(run, size, slab, NULL, err)) return false;
         }
     }
@@ -288,16 +261,8 @@ static bool run_host_part(bench_run *run, hs_error *err) {
     return true;
 }
 
-/* Finds out now, not after minutes, that a file cannot be written. */
-static bool try_output(const char *path, hs_error *err) {
-    hs_output_file output = {0};
-    if (path && !hs_output_open(&output, path, err)) return false;
-    hs_output_discard(&output);
-    return true;
-}
-
 static bool measure(bench_run *run, hs_error *err) {
-    if (!try_output(run->o.csv, err) || !try_output(run->o.json, err)) return false;
+    if (!bench_try_output(run->o.csv, err) || !bench_try_output(run->o.json, err)) return false;
     for (uint32_t i = 0; i < run->o.value_count; i++)
         if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
@@ -312,19 +277,13 @@ static bool measure(bench_run *run, hs_error *err) {
            (!run->o.json || bench_write_json(&run->report, run->o.json, err));
 }
 
-static int fail(const hs_error *err) {
-    (void)fprintf(stderr, "sv_bench: %s\n", err->text);
-    if (err->code == HS_ERR_USAGE) (void)fprintf(stderr, "Try 'sv_bench --help'.\n");
-    return (int)err->code;
-}
-
 int main(int argc, char **argv) {
     hs_error err = {HS_OK, ""};
     bool wants_help;
     bench_run *run = calloc(1, sizeof *run);
     if (!run) {
         (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
-        return fail(&err);
+        return bench_fail("sv_bench", &err);
     }
     bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
     if (wants_help) (void)fputs(help, stdout);
@@ -338,5 +297,5 @@ int main(int argc, char **argv) {
         if (device) hs_cl_close(&run->cl);
     }
     free(run);
-    return ok ? HS_OK : fail(&err);
+    return ok ? HS_OK : bench_fail("sv_bench", &err);
 }
