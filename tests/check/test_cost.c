@@ -28,6 +28,16 @@ static sv_param_value value_of(const rig *r, const char *key, double value) {
     return (sv_param_value){.id = rig_param(r, key), .value = value};
 }
 
+/* Method cost on side^3 voxels, in slabs of 16. */
+static rig_format cube_of(const rig *r, uint32_t side) {
+    return (rig_format){.width = side,
+                        .height = side,
+                        .slices = side,
+                        .slab_slices = 16,
+                        .fixed = {value_of(r, "method", COST)},
+                        .fixed_count = 1};
+}
+
 static sv_status run(rig *r, const shape *s, const uint8_t *volume, float q, double evidence,
                      rig_result *out) {
     const rig_format f = {.width = s->width,
@@ -138,12 +148,7 @@ static void test_confidence(void **state) {
     const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0};
     sv_ref_cost_facts facts;
     assert_true(sv_ref_cost_surface(&v, maps[0], maps[1], maps[2], tie, &facts));
-    const rig_format f = {.width = SIDE,
-                          .height = SIDE,
-                          .slices = SIDE,
-                          .slab_slices = 16,
-                          .fixed = {value_of(r, "method", COST)},
-                          .fixed_count = 1};
+    const rig_format f = cube_of(r, SIDE);
     rig_textures *t = rig_textures_make(r, &f, data.full.voxels);
     rig_result out = rig_result_make(SIDE, SIDE);
     sv_confidence_report report = {.size = sizeof report};
@@ -175,12 +180,7 @@ static void test_memory(void **state) {
     static double maps[3][COUNT];
     static uint8_t tie[COUNT], tied[COUNT];
     const sv_param_value values[] = {value_of(r, "memory", 0.75), value_of(r, "evidence", 0.0)};
-    const rig_format f = {.width = SIDE,
-                          .height = SIDE,
-                          .slices = SIDE,
-                          .slab_slices = 16,
-                          .fixed = {value_of(r, "method", COST)},
-                          .fixed_count = 1};
+    const rig_format f = cube_of(r, SIDE);
     rig_result out = rig_result_make(SIDE, SIDE);
     for (int step = 0; step < STEPS; step++) {
         hs_scene_data data;
@@ -211,12 +211,7 @@ static void test_memory(void **state) {
 static void test_no_memory(void **state) {
     rig *r = *state;
     enum { SIDE = 48, COUNT = SIDE * SIDE };
-    const rig_format f = {.width = SIDE,
-                          .height = SIDE,
-                          .slices = SIDE,
-                          .slab_slices = 16,
-                          .fixed = {value_of(r, "method", COST)},
-                          .fixed_count = 1};
+    const rig_format f = cube_of(r, SIDE);
     rig_result first = rig_result_make(SIDE, SIDE), second = rig_result_make(SIDE, SIDE);
     hs_scene_data a, b;
     hs_error err = {0};
