@@ -43,6 +43,7 @@ enum {
     MINIMA,
     CONFIDENCE
 };
+
 static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
 }

@@ -40,8 +40,6 @@ sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32
     l.cut = SV_COST_CUT;
     l.left = SV_COST_LEFT;
     l.other = SV_COST_OTHER;
-    l.nearby = SV_COST_NEARBY;
-    l.own = SV_COST_OWN;
     l.thick = SV_COST_THICK;
     l.doubt = SV_COST_DOUBT;
     l.slack = SV_COST_SLACK;

@@ -116,9 +116,10 @@ static void judge_runs(ray_t *r) {
         run->sure = -1.0;
         if (j + 1 == r->count || tissue < l->thin) continue;
         const double stout = fmin(fmax((tissue - l->slim) / (l->stout - l->slim), 0.0), 1.0);
-        const double evidence =
-            run->touching ? (double)SV_COST_WALL * nearby / unit + SV_COST_WALL_BIAS
-                          : l->nearby * nearby / unit + l->own * own / unit + l->thick * stout + SV_COST_BIAS;
+        const double evidence = run->touching
+                                    ? (double)SV_COST_WALL * nearby / unit + SV_COST_WALL_BIAS
+                                    : (double)SV_COST_NEARBY * nearby / unit +
+                                          (double)SV_COST_OWN * own / unit + l->thick * stout + SV_COST_BIAS;
         run->sure = logistic(evidence - l->doubt * behind);
         behind = fmax(behind, logistic(evidence));
     }

@@ -21,7 +21,7 @@ typedef struct {
     double scale;       /* labels / SV_COST_UNIT */
     double sigma;       /* of the lateral Gaussian, in cells */
     /* What sv_ref_cost_layout_of takes from SV_COST_*; an experiment may change them. */
-    double tau, cut, left, other, nearby, own, thick, doubt, slack, yield;
+    double tau, cut, left, other, thick, doubt, slack, yield;
     bool bone_splits; /* false: runs stay whole */
     bool median;      /* false: the cells' minima as they are */
     int level;        /* T_L as a grey level; 0: from the histogram */
