@@ -45,11 +45,13 @@ static short16 load_nearby(const rays_t *r, uint bin) {
 }
 
 /* Length of the fluid that every bin begins or continues; scanned tissue thinner than `thin` counts as fluid.
- */
-static void walk_fluid(const cost_layout *l, const rays_t *r, short16 *fluid) {
-    short16 run = (short16)(0), length = (short16)(0);
+ * Returns which rays were scanned. */
+static short16 walk_fluid(const cost_layout *l, const rays_t *r, short16 *fluid) {
+    short16 run = (short16)(0), length = run, scanned = run;
     for (uint bin = 0; bin < l->labels; bin++) {
-        run = (run + (short)1) & (load_bin(r, bin) > r->level);
+        const short16 v = load_bin(r, bin);
+        scanned |= v;
+        run = (run + (short)1) & (v > r->level);
         fluid[bin] = run;
     }
     run = (short16)(0); /* from here on: of the whole run that the bin is in */
@@ -59,6 +61,7 @@ static void walk_fluid(const cost_layout *l, const rays_t *r, short16 *fluid) {
         length = (length + (short)1) & (load_bin(r, bin) > (short16)(0)) & ~parts;
         fluid[bin] = length;
     }
+    return scanned != (short16)(0);
 }
 
 /* The intervals: `fluid` becomes a mask, `light` the brightest nearby in the run of tissue so far. */
@@ -248,12 +251,6 @@ static short16 cells_of(const cost_layout *l, __global const uchar *row, uint x)
     return lanes;
 }
 
-static short16 any_bin(const cost_layout *l, const rays_t *r) {
-    short16 scanned = (short16)(0);
-    for (uint bin = 0; bin < l->labels; bin++) scanned |= load_bin(r, bin);
-    return scanned != (short16)(0);
-}
-
 /* Hands lane i of `value` to the cell of ray x + i. */
 static void to_cells(const cost_layout *l, __global float *cells, uint slot, uint x, float16 value) {
     const uint count = min((uint)SV_LANES, l->columns - x);
@@ -297,9 +294,8 @@ __kernel void cost_gather(cost_layout l, __global const uchar *restrict bins,
             r.bins = bins + at;
             r.sums = sums + at;
             r.nearby = nearby + at;
-            const short16 scanned = any_bin(&l, &r);
+            const short16 scanned = walk_fluid(&l, &r, w.fluid);
             r.weight = select((float16)(0.0f), (float16)(1.0f), convert_int16(scanned));
-            walk_fluid(&l, &r, w.fluid);
             walk_intervals(&l, &r, w.fluid, w.light);
             walk_runs(&l, &r, 1.0f / (27.0f * bright), bone, &w);
             walk_costs(&l, &r, &w);
