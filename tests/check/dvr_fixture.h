@@ -158,16 +158,25 @@ static inline bool compare_pixel(const ref_pixel *expected, const picture *p, si
     return false;
 }
 
+/* A scene's volume, and what it is looked at with. */
+static inline hs_volume lay_out(test_random *random, size_t scene, size_t view, float doubt,
+                                hs_camera *camera, hs_dvr_settings *s, float map[MAP_W * MAP_H]) {
+    const scene_case *c = &scenes[scene];
+    hs_volume volume = test_volume(random, c->pattern, c->size, c->spacing);
+    hs_camera_look(camera, &volume, c->yaw, c->pitch);
+    *s = settings_of(&views[view]);
+    s->ghost_doubt = doubt;
+    fill_map(random, views[view].map, map);
+    return volume;
+}
+
 /* The picture against the definition, with a random confidence if `sure` is true. */
 static inline void check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, bool sure) {
     test_random random = {(uint32_t)(1000 + scene * 97 + view)};
-    hs_volume volume = test_volume(&random, scenes[scene].pattern, scenes[scene].size, scenes[scene].spacing);
     hs_camera camera;
-    hs_camera_look(&camera, &volume, scenes[scene].yaw, scenes[scene].pitch);
-    hs_dvr_settings s = settings_of(&views[view]);
-    s.ghost_doubt = doubt;
+    hs_dvr_settings s;
     float map[MAP_W * MAP_H], confidence[MAP_W * MAP_H];
-    fill_map(&random, views[view].map, map);
+    hs_volume volume = lay_out(&random, scene, view, doubt, &camera, &s, map);
     for (uint32_t i = 0; i < MAP_W * MAP_H; i++) confidence[i] = (float)test_uniform(&random, 0.0, 1.0);
     const ref_depthmap ref_map = {.depth = views[view].map == MAP_NONE ? NULL : map,
                                   .confidence = sure ? confidence : NULL,

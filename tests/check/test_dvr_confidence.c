@@ -16,13 +16,10 @@ static void matches_definition(void **state) {
 /* A picture of one scene and view with the given confidence. */
 static picture picture_of(const hs_cl *cl, size_t scene, size_t view, float doubt, const float *confidence) {
     test_random random = {(uint32_t)(40 + scene * 17 + view)};
-    hs_volume volume = test_volume(&random, scenes[scene].pattern, scenes[scene].size, scenes[scene].spacing);
     hs_camera camera;
-    hs_camera_look(&camera, &volume, scenes[scene].yaw, scenes[scene].pitch);
-    hs_dvr_settings s = settings_of(&views[view]);
-    s.ghost_doubt = doubt;
+    hs_dvr_settings s;
     float map[ENTRIES];
-    fill_map(&random, views[view].map, map);
+    hs_volume volume = lay_out(&random, scene, view, doubt, &camera, &s, map);
     picture p = render(cl, &volume, &camera, &s, views[view].map == MAP_NONE ? NULL : map, confidence);
     hs_volume_free(&volume);
     return p;
