@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # The short front door; CMake is the build's one truth. `make help` lists the targets.
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # ON: compiler warnings are errors. Off by default, so that a newer compiler's new warnings stop no user.

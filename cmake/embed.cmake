@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # sv_embed(<out.h> <symbol> <file>...): a header with the files, one after the other, as one byte array
 # `static const unsigned char <symbol>[]` and its length `<symbol>_size`. A `#line 1 "<file>"` stands before each,
 # so that a kernel's build log names the real file. A byte array, not a string: ISO C bounds the length of a literal.

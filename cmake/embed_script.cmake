@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Run by sv_embed (embed.cmake) at build time: OUT, SYMBOL, INPUTS (separated by |), ROOT.
 string(REPLACE "|" ";" inputs "${INPUTS}")
 set(bytes "")

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * SmartVis plugin ABI, version 1.0: occlusion removal for 3D ultrasound.
  *

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """bench_peers.py [BUILD_FOLDER]: the mean filter and the spline of other libraries on the points of
 sv_surfaces_bench, after its own table in the same run. Needs numpy and scipy, and cv2 (opencv-python-headless)
 for the box filter; what is missing is skipped with a message. Nothing else in the project needs Python."""

@@ -1,17 +1,22 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # check_includes.sh [ROOT]: who may include whom. Prints every line that breaks the rule; exit code 1 if there is one.
 #
-#   folder       may include
-#   include/     <stdint.h>, <stddef.h>
-#   cl/          cl/
-#   src/         include/, src/, cl/sv_shared.h, the C library, <CL/...>
-#   src/ref/     include/, src/ref/, cl/sv_shared.h, the C library                 (no OpenCL)
-#   host_sim/    include/, host_sim/, the C library, <CL/...>, png, turbojpeg, cairo, fontconfig, zlib, jansson;
-#                never src/ or cl/
-#   host_sim/cl/ host_sim/cl/
+#   folder         may include
+#   include/       <stdint.h>, <stddef.h>
+#   cl/FAMILY/     cl/common/, itself
+#   src/LAYER/     include/, src/, cl/common/sv_shared.h, the C library, <CL/...>
+#   src/ref/       include/, src/ref/, cl/common/sv_shared.h, the C library                 (no OpenCL)
+#   host_sim/ROOM/ include/, host_sim/, the C library, <CL/...>, png, turbojpeg, cairo, fontconfig, zlib, jansson;
+#                  never src/ or cl/
+#   host_sim/render/cl/  itself
 #   bench/, tests/                                                             anything
 set -eu
 cd "${1:-$(dirname "$0")/..}"
+
+families='common|profile|chain|mean|minimum|spline|pushpull|grid|cost'
+layers='abi|frame|method|device|ref'
+rooms='base|volume|picture|plugin|render|scene|loop|eval|report|commands'
 
 # The C library and POSIX headers that C code here may use.
 libc='(assert|ctype|dirent|dlfcn|errno|fcntl|fenv|float|getopt|inttypes|limits|locale|math|pthread|signal|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdio|stdlib|string|strings|threads|time|unistd|wchar|sys/[a-z]+)\.h'
@@ -61,29 +66,24 @@ check_folder() {
 }
 
 check_folder include '(stdint|stddef)\.h'
-check_folder cl '(none)' cl
-check_folder src "($libc|$opencl)" include src sv_shared.h kernels_embedded.h \
-    kernels_chain.h kernels_cost.h kernels_mean_maps.h kernels_minimum.h kernels_spline.h kernels_pushpull.h kernels_grid.h
-check_folder src/ref "$libc" include src/ref ref/=src/ref sv_shared.h
-check_folder host_sim "($libc|$opencl|$libraries)" include host_sim hs_kernels_embedded.h
-check_folder host_sim/cl '(none)' host_sim/cl
-
-# In src/ the layers are plugin > pipeline > program > clx: nobody includes from above.
-check_layer() { # check_layer LAYER ABOVE_REGEX: src/LAYER*.c and .h include no header whose name begins as one above
-    local file line number
-    while IFS=: read -r file number line; do
-        [[ ! $line =~ \"($2) ]] || complain "$file" "$number" "$line" "a layer above $1"
-    done < <(include_lines src/"$1"*.{c,h})
-}
-check_layer clx 'program|pipeline|plugin'
-check_layer program 'pipeline|plugin'
-check_layer pipeline 'plugin'
+for folder in ${families//|/ }; do
+    check_folder "cl/$folder" '(none)' "common/=cl/common" "$folder/=cl/$folder"
+done
+for folder in abi frame method device; do
+    check_folder "src/$folder" "($libc|$opencl)" include src common/sv_shared.h \
+        kernels_{frame,chain,cost,mean_maps,minimum,spline,pushpull,grid}.h
+done
+check_folder src/ref "$libc" include ref/=src/ref common/sv_shared.h
+for folder in ${rooms//|/ }; do
+    check_folder "host_sim/$folder" "($libc|$opencl|$libraries)" include host_sim hs_kernels_embedded.h
+done
+check_folder host_sim/render/cl '(none)' host_sim/render/cl
 
 # A folder that the table does not know would escape it.
 while read -r file; do
-    complain "$file" 1 "a source in a folder without a rule" "known: include cl src src/ref host_sim host_sim/cl bench tests"
+    complain "$file" 1 "a source in a folder without a rule" "known: include cl/* src/* host_sim/* host_sim/render/cl bench tests"
 done < <(find . \( -path './build*' -o -path ./out -o -path ./.git -o -path ./bench -o -path ./tests \) -prune -o \
     -type f \( -name '*.c' -o -name '*.h' -o -name '*.cl' -o -name '*.clh' \) -print | sed 's|^\./||' |
-    grep -vE '^(include|cl|src|src/ref|host_sim|host_sim/cl)/[^/]*$' || true)
+    grep -vE "^(include|cl/($families)|src/($layers)|host_sim/($rooms|render/cl))/[^/]*\$" || true)
 
 exit $failed

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # check_rules.sh: the house rules that a pattern can tell. Prints every breach; exit code 1 if there is one.
 set -u
 cd "$(dirname "$0")/.."
@@ -27,6 +28,11 @@ while read -r line; do complain "trailing blanks: $line"; done < <(grep -nHE ' +
 while read -r line; do complain "unfinished: $line"; done < <(grep -nHwE 'TO''DO|FIX''ME|X''XX' "${texts[@]}" | cut -c 1-120)
 # A path of somebody's machine in a source works on that machine only.
 while read -r line; do complain "machine path: $line"; done < <(grep -nHE '(^|[^a-z.])/(home|work|root|Users)/' "${sources[@]}" | cut -c 1-120)
+
+# Every source says its licence.
+for file in "${sources[@]}" $(scripts/list_sources.sh sh cmake py); do
+    head -n 2 "$file" | grep -q 'SPDX-License-Identifier: MIT' || complain "$file: no SPDX-License-Identifier"
+done
 
 # Headers have a guard.
 for file in "${sources[@]}"; do

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # lint.sh BUILD_FOLDER JOBS: everything that reads the sources without running them. BUILD_FOLDER was built with clang and
 # has compile_commands.json. Runs all checks, then ends with 1 if any of them failed.
 set -u
@@ -40,13 +41,13 @@ opencl() {
 # Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names.
 kernels() {
     local code=0 file lanes
-    for file in cl/*.cl; do
+    for file in cl/*/*.cl; do
         opencl -I cl "$file" || code=1
         opencl -I cl -DSV_SUBSTEPS=3 -DSV_STRIP=64 -DSV_PADDED=1 -DSV_WIDE_SUMS=1 "$file" || code=1
         opencl -I cl -DSV_HALF_SUMS=1 -DSV_DOUBLES=1 "$file" || code=1
     done
     for lanes in 1 16; do
-        for file in host_sim/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
+        for file in host_sim/render/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
             opencl -DLANES=$lanes - || code=1
     done
     return $code

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # list_sources.sh EXTENSION...: the project's own files with these extensions, one a line, relative to the root.
 # Works without git. Built folders and results are left out.
 set -eu

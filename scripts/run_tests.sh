@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # run_tests.sh BUILD_FOLDER JOBS: runs CTest and closes with one line of counts. Exit code: CTest's.
 set -u
 folder=$(cd "$1" && pwd) || exit 1

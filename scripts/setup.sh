@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # setup.sh [--check] LIST...: installs the Debian packages of the lists (scripts/packages*.txt) that are missing.
 # Does nothing, and needs no network, if all are there. --check installs nothing: it only names what is missing.
 # Exit code 1 if packages are missing and cannot be installed from here.

@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: MIT */
 /* Cost volume: sizes, bins of a ray, grey levels, brightness, and where wall and back of the sac lie. */
 #include "ref/sv_ref_cost.h"
 
-#include "sv_shared.h"
+#include "common/sv_shared.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,9 @@
+/* SPDX-License-Identifier: MIT */
 /* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way back to
  * pixels. */
 #include "ref/sv_ref_cost.h"
 
-#include "sv_shared.h"
+#include "common/sv_shared.h"
 
 #include <math.h>
 #include <stdlib.h>

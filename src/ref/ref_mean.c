@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The mean filter in float64, by its definition: a window is summed pixel by pixel (Eq. 3.18-3.21,
  * Algorithm 4.3). */
 #include "ref/sv_ref.h"

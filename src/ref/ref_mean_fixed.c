@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The mean filter as the kernels compute it: integer sums of fixed-point depths, one float32 division per
  * pixel. Equal to the kernels bit for bit where division is correctly rounded; within the bound of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The membrane's energy: the sum of (S_i - S_j)^2 over all pairs of pixels that share an edge. */
 #include "ref/sv_ref_methods.h"
 

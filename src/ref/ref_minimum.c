@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The minimum filter over sparse data, window by window (Algorithm 4.4 without its split into columns and
  * rows). */
 #include "ref/sv_ref_methods.h"

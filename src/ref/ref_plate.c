@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The plate's energy (Eq. 3.4 on the pixel grid): the sum of S_xx^2 + 2 S_xy^2 + S_yy^2, second differences
  * where all their pixels exist, and a tension of a thousandth of the membrane's, which makes the surface

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bone threshold and initial points: Algorithm 4.1, lines 15-22, and the three threshold modes of spec 3. */
 #include "ref/sv_ref.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Ray profiles: Algorithm 4.1, lines 2-14, with the corrections of spec 3 and 9. */
 #include "ref/sv_ref.h"
 

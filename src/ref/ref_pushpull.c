@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Push-pull in float64, level by level and by recursion.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Reconstruction at a reduced resolution (docs/algorithm.md): a cell of r x r pixels becomes one pixel of a
  * smaller map, a method works on that, and its surface is read bilinearly between the cells' centres. Cells

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A small dense solver: LU with partial pivoting, and Hager's estimate of the inverse's norm. */
 #include "ref/sv_ref_methods.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The thin-plate spline as the thesis writes it (Eq. 3.8): the whole matrix, Gaussian elimination with
  * pivoting. */
 #include "ref/sv_ref_methods.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Around the spline: merging of points (Algorithm 4.2), and the surface from a coarse grid or pixel by pixel.
  */
 #include "ref/sv_ref_methods.h"

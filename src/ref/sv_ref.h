@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The scalar definition of every stage, written from the specification and free of OpenCL. Tests hold the
  * kernels to it, and the plugin's self-test asks the device for an answer that is computed here.

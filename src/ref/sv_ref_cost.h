@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The cost volume in float64, from its written definition (docs/cost_volume.md). Nothing here needs OpenCL,
- * and nothing is fast. Constants are SV_COST_* in cl/sv_shared.h.
+ * and nothing is fast. Constants are SV_COST_* in cl/common/sv_shared.h.
  */
 #ifndef SV_REF_COST_H
 #define SV_REF_COST_H

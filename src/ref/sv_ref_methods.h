@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The other reconstruction methods in float64, from their written definitions (docs/algorithm.md). All take
  * the status map (!= 0: initial point), a depth per pixel (read at initial points only) and give a surface;
@@ -7,7 +8,7 @@
 #ifndef SV_REF_METHODS_H
 #define SV_REF_METHODS_H
 
-#include "sv_ref.h"
+#include "ref/sv_ref.h"
 
 /* A sparse map. Membrane and plate weigh its points, and the plate's bending knows how far apart its pixels
  * lie. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * For test_evolution.sh: a host that uses every struct that grew in the 1.1 header, if it was compiled
  * against it. Each struct lies in an allocation of exactly its size, so that AddressSanitizer sees one byte

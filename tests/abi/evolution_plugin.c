@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * For test_evolution.sh: a plugin that follows the header's rules on growing structs, and computes nothing.
  * Compiled against the header as it is (1.0) and against one with fields appended (1.1), where SV_ABI_MINOR

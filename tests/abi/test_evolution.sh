@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Old and new hosts and plugins work together: all four pairs of a host and a plugin of ABI 1.0 (the header as it is) and of
 # a made-up 1.1 (the same with fields appended to five structs). Under AddressSanitizer, with every struct in an allocation of
 # its exact size. A struct shorter than its version 1.0 is refused with SV_ERR_SIZE.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What the built library shows to the world: one symbol, three libraries, no writable global state, no code that runs at
 # load time. And the host program has none of the plugin's code linked in.
 set -eu

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # include/smartvis_plugin.h compiles alone, first and twice in a file, without a warning, as every standard it promises: C99
 # to C23 and C++11 to C++20, with gcc and clang where they are installed. It leaves no implicit padding in any struct, and
 # two languages can use it together: a C++ host links with a C plugin.

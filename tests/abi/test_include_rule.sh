@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The include rule holds (scripts/check_includes.sh, with the table of who may include whom), and the check itself
 # catches every kind of violation: a check that finds nothing must be known to be able to find something.
 set -eu
@@ -12,22 +13,20 @@ trap 'rm -rf "$work"' EXIT
 # fresh_tree: a small tree that keeps the rule.
 fresh_tree() {
     rm -rf "$work/tree"
-    mkdir -p "$work"/tree/{include,cl,src/ref,host_sim/cl,tests/check,bench}
+    mkdir -p "$work"/tree/{include,cl/{common,profile},src/{abi,frame,device,ref},host_sim/{base,picture,render/cl},tests/check,bench}
     cd "$work/tree"
     printf '#include <stdint.h>\n#include <stddef.h>\n' > include/smartvis_plugin.h
-    printf '/* shared */\n' > cl/sv_shared.h
-    printf '#include "sv_shared.h"\n' > cl/profile.cl
-    printf '#include "sv_shared.h"\n#include <math.h>\n' > src/ref/ref_mean.h
-    printf '#include "ref_mean.h"\n#include "smartvis_plugin.h"\n' > src/ref/ref_mean.c
-    printf '#include <CL/cl.h>\n' > src/clx.h
-    printf '/* lifecycle */\n' > src/plugin.h
-    printf '#include "program.h"\n' > src/pipeline.h
-    printf '#include "clx.h"\n' > src/program.h
-    printf '#include "clx.h"\n#include "ref/ref_mean.h"\n#include "kernels_embedded.h"\n#include <sys/stat.h>\n' > src/program.c
-    printf '#include <CL/cl.h>\n#include <png.h>\n#include "smartvis_plugin.h"\n' > host_sim/hs_png.c
-    printf '/* helper */\n' > host_sim/cl/hs_sample.clh
-    printf '#include "hs_sample.clh"\n' > host_sim/cl/hs_dvr.cl
-    printf '#include "../../src/clx.h"\n' > tests/check/test_any.c
+    printf '/* shared */\n' > cl/common/sv_shared.h
+    printf '#include "common/sv_shared.h"\n' > cl/profile/profile.cl
+    printf '#include "common/sv_shared.h"\n#include <math.h>\n' > src/ref/ref_mean.h
+    printf '#include "ref/ref_mean.h"\n#include "smartvis_plugin.h"\n' > src/ref/ref_mean.c
+    printf '#include <CL/cl.h>\n' > src/device/clx.h
+    printf '#include "device/clx.h"\n#include "kernels_frame.h"\n#include <sys/stat.h>\n' > src/device/program.c
+    printf '#include "device/clx.h"\n#include "ref/ref_mean.h"\n' > src/frame/pipeline.c
+    printf '#include <CL/cl.h>\n#include <png.h>\n#include "smartvis_plugin.h"\n' > host_sim/picture/png.c
+    printf '/* helper */\n' > host_sim/render/cl/sample.clh
+    printf '#include "sample.clh"\n' > host_sim/render/cl/dvr.cl
+    printf '#include "../../src/device/clx.h"\n' > tests/check/test_any.c
 }
 
 fresh_tree
@@ -47,26 +46,24 @@ caught() {
 
 caught include/smartvis_plugin.h '#include <stdio.h>'
 caught include/smartvis_plugin.h '#include <CL/cl.h>'
-caught include/smartvis_plugin.h '#include "sv_shared.h"'
-caught cl/profile.cl '#include "clx.h"'
-caught cl/profile.cl '#include "../host_sim/cl/hs_sample.clh"'
-caught cl/sv_shared.h '#include <stdint.h>'
+caught include/smartvis_plugin.h '#include "common/sv_shared.h"'
+caught cl/profile/profile.cl '#include "device/clx.h"'
+caught cl/profile/profile.cl '#include "../../host_sim/render/cl/sample.clh"'
+caught cl/common/sv_shared.h '#include <stdint.h>'
+caught cl/common/sv_shared.h '#include "profile/profile.cl"'
 caught src/ref/ref_mean.c '#include <CL/cl.h>'
-caught src/ref/ref_mean.c '#include "../clx.h"'
-caught src/ref/ref_mean.c '#include "clx.h"'
-caught src/program.c '#include "hs_png.h"'
-caught src/program.c '#include "profile.cl"'
-caught src/program.c '#include <png.h>'
-caught src/program.c '#  include "../host_sim/hs_png.h"'
-caught src/clx.h '#include "program.h"'
-caught src/program.c '#include "pipeline.h"'
-caught src/pipeline.h '#include "plugin.h"'
-caught host_sim/hs_png.c '#include "clx.h"'
-caught host_sim/hs_png.c '#include "../src/clx.h"'
-caught host_sim/hs_png.c '#include "ref/ref_mean.h"'
-caught host_sim/hs_png.c '#include "sv_shared.h"'
-caught host_sim/hs_png.c '#include MACRO_NAME'
-caught host_sim/hs_png.c '%:include "clx.h"'
-caught host_sim/cl/hs_dvr.cl '#include "sv_shared.h"'
-caught tools/new.c '#include "clx.h"'
+caught src/ref/ref_mean.c '#include "../device/clx.h"'
+caught src/ref/ref_mean.c '#include "device/clx.h"'
+caught src/device/program.c '#include "picture/png.h"'
+caught src/device/program.c '#include "profile/profile.cl"'
+caught src/device/program.c '#include <png.h>'
+caught src/device/program.c '#  include "../../host_sim/picture/png.h"'
+caught host_sim/picture/png.c '#include "device/clx.h"'
+caught host_sim/picture/png.c '#include "../src/device/clx.h"'
+caught host_sim/picture/png.c '#include "ref/ref_mean.h"'
+caught host_sim/picture/png.c '#include "common/sv_shared.h"'
+caught host_sim/picture/png.c '#include MACRO_NAME'
+caught host_sim/picture/png.c '%:include "device/clx.h"'
+caught host_sim/render/cl/dvr.cl '#include "common/sv_shared.h"'
+caught tools/new.c '#include "device/clx.h"'
 [ $failures = 0 ]

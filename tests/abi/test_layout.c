@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The ABI's layout and numbers on a 64-bit machine (LP64), pinned. A line that fails here is a broken ABI:
  * append fields, never move them; add numbers, never change them. A new minor version adds lines and changes

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The built plugin keeps the rules on `size`: a struct longer than its own (a newer host's) is accepted and
  * the part it does not know is left alone; a struct shorter than version 1.0 is refused with SV_ERR_SIZE,

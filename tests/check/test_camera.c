@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: MIT */
 /* The camera: axes, the box around the volume, and the map from the box to voxel indices. */
-#include "host_fixture.h"
+#include "support/host_fixture.h"
 
-#include "hs_camera.h"
+#include "render/camera.h"
 
 #include <math.h>
 

@@ -1,11 +1,12 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The cost volume against its float64 definition: on scenes, on any volume, by any split into slabs; and what
  * it says where there is no fluid.
  */
-#include "hs_scene.h"
+#include "common/sv_shared.h"
 #include "ref/sv_ref_cost.h"
+#include "scene/scene.h"
 #include "support/rig.h"
-#include "sv_shared.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* The renderer's kernels against the scalar definition (ref_dvr.h), and skipping against not skipping. */
-#include "dvr_fixture.h"
+#include "support/dvr_fixture.h"
 
 static void test_matches_definition(void **state) {
     for (size_t scene = 0; scene < SCENES; scene++) {

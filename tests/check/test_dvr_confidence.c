@@ -1,8 +1,9 @@
+/* SPDX-License-Identifier: MIT */
 /*
- * Ghosting with a confidence map (hs_dvr.h, CONFIDENCE): the kernels against the scalar definition, what
- * must not change a bit, and that less is clipped where less is sure.
+ * Ghosting with a confidence map (host_sim/render/dvr.h, CONFIDENCE): the kernels against the scalar
+ * definition, what must not change a bit, and that less is clipped where less is sure.
  */
-#include "dvr_fixture.h"
+#include "support/dvr_fixture.h"
 
 #define ENTRIES (MAP_W * MAP_H)
 

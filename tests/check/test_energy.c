@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Membrane and plate where they are hardest: on patches with wide gaps, with few points, and on large maps.
  * The bounds of docs/numerics.md for solver_steps hold on all of these, at every size. The float64 answer is

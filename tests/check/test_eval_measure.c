@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /* The evaluation's table of termination depths and its measures, against numbers by hand. */
-#include "golden/loop_fixture.h"
-#include "hs_eval_measure.h"
+#include "eval/eval_measure.h"
+#include "support/loop_fixture.h"
 
 /* The layers of loop_fixture.h; in the ground truth the occluder is fluid, so a ray ends at step FETUS. */
 typedef struct {

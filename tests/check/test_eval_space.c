@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /* The parameter space: the quick way against the direct one, resuming, shards, files that do not fit. */
-#include "check/host_fixture.h"
-#include "hs_eval_best.h"
+#include "eval/eval_best.h"
+#include "support/host_fixture.h"
 
 #include <math.h>
 #include <unistd.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * However a volume is handed over, the answer is the same to the bit: sizes, slabs, tiles, padding, carriers
  * and the way the work is laid out (issue 2). Every frame is compared with the scalar definition.

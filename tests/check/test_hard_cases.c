@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The hard cases of spec 8 that concern ray profiles and the mean filter. Each is named for what it attacks,
  * and must give the definition's result or a clear status: never NaN, a hang or a crash.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The mean filter on maps small enough to do by hand (spec 4; thesis 3.3, Figure 3.11): expectations here are
  * worked out in the comments, not by src/ref/. Every map goes through each of the three work layouts.

@@ -1,12 +1,13 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Depths of 10^4 slices with detail of 10^-2, k = 3, 512 x 512 (spec 8): the mean filter's error stays below
  * 1e-3 slice, half of which is the step of a float32 at that depth. An interval's ends are whole samples, so
- * such detail reaches the filter only behind another stage, by way of the float32 maps (method_mean_maps.cl);
- * this test drives the kernels from there on, as src/method_mean.c does.
+ * such detail reaches the filter only behind another stage, by way of the float32 maps
+ * (cl/mean/mean_maps.cl); this test drives the kernels from there on, as src/method/method_mean.c does.
  */
 #include "support/surfaces.h"
 
-#include "sv_shared.h"
+#include "common/sv_shared.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -39,7 +40,7 @@ static cl_mem buffer(const rig *r, size_t bytes, const void *from) {
 }
 
 static void build(filter *f) {
-    const char *source = "#include \"reconstruct.cl\"\n#include \"method_mean_maps.cl\"\n";
+    const char *source = "#include \"mean/reconstruct.cl\"\n#include \"mean/mean_maps.cl\"\n";
     const char *folder = getenv("SV_SOURCE_DIR");
     char options[512];
     cl_int code = CL_SUCCESS;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The mean filter with planes of 16 bits (precision int16): equal to its scalar form bit for bit, in every
  * layout, and within the bound that follows from the passes and the step: passes * (2^-(f + 1) + depth *

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /* MetaImage files that are right: every voxel type, byte order and carrier, the mapping to 8 bit, the text's
  * liberties. */
-#include "metaimage_files.h"
+#include "support/metaimage_files.h"
 
 #include <math.h>
 #include <sys/stat.h>

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /* hs_metaimage_write: files that read back, texts as 3D Slicer needs them, and failures that leave nothing
  * behind. */
-#include "metaimage_files.h"
+#include "support/metaimage_files.h"
 
 #include <math.h>
 #include <signal.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the knob.
  */
 #include "support/surfaces.h"

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* hs_picture: colours, scaling, files, and where and how each kind of map is drawn. */
-#include "hs_picture.h"
+#include "picture/picture.h"
 #include "smartvis_plugin.h"
 
 #include <limits.h>

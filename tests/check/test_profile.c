@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Ray profiles and initial points, ray by ray: each ray is written out with the fluid interval a person reads
  * off it (spec 3, spec 9), so nothing here leans on src/ref/. All rays lie in one row, four pixels apart: a 3

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Reduced resolution (docs/numerics.md, "Reduced resolution"): the plugin against the definition of the
  * reduced surface, within the bounds of the full one; and how far a reduced surface may lie from the full

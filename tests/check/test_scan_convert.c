@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: MIT */
 /* Scan conversion against its scalar definition, and its slabs: any split, tiling, pitch and offset. */
-#include "host_fixture.h"
+#include "support/host_fixture.h"
 
-#include "ref_scan_convert.h"
+#include "support/ref_scan_convert.h"
 
 #define GUARD 0xA5
 

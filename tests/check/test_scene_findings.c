@@ -1,10 +1,11 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The findings of the thesis on its nine examinations, found again on the nine scenes: the two peaks of the
  * histogram (Figure 3.3), the share of initial points (3.2), and who is easy and who is hard at one setting
  * (Tables 5.2 and 5.3, Figure 5.8). The algorithm is the scalar definition; the clipping and the error are
  * written here from spec 7.
  */
-#include "scene_fixture.h"
+#include "support/scene_fixture.h"
 
 #include "ref/sv_ref.h"
 

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* Each artefact against numbers computed by hand. */
-#include "scene_fixture.h"
+#include "support/scene_fixture.h"
 
 enum { N = 64 };
 

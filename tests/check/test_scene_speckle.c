@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* Speckle: the statistics of fully developed speckle, and the size of its grains. */
-#include "scene_fixture.h"
+#include "support/scene_fixture.h"
 
 enum { N = 96 };
 

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /* Ground truth: exact by construction, and the same bytes for the same seed. */
-#include "hs_metaimage.h"
-#include "scene_fixture.h"
+#include "support/scene_fixture.h"
+#include "volume/metaimage.h"
 
 #include <unistd.h>
 

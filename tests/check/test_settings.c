@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Every setting of a frame against the scalar definition, bit for bit, and the float64 one within its bound:
  * windows, weights, thresholds on and between grey levels, the three ways to find T_B, the knob, and adjust.

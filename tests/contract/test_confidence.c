@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* smartvis.confidence/1: the map on the frame path is the map that read gives, by every way it can travel. */
-#include "hs_scene.h"
+#include "scene/scene.h"
 #include "support/rig.h"
 
 #include <setjmp.h>

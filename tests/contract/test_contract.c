@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The header's rules on calls: every call in every state, NULL where something is needed, structs that are
  * too short, ids and flags that nobody knows. A refused call says why, and changes nothing.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The frame path makes nothing, compiles nothing, waits for nothing and allocates nothing: begin, slab, end
  * and adjust in every work layout and with every carrier, seen through interposed OpenCL calls and an

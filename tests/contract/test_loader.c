@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* The plugin loader: what it accepts, and what it says about everything else. */
-#include "hs_plugin.h"
+#include "plugin/loader.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What activate refuses, and parameters: each message names the field and its value, and the instance stays
  * usable.

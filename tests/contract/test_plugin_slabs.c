@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Slabs and results: what slab and end refuse, and that they touch nothing but what they were given: rows of
  * a pitch, the bytes around every map, the slabs themselves.

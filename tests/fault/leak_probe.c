@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Leaks on purpose, for test_leak_detector.sh: leak_probe none|host|buffer|program|overflow|shift.
  * `none` builds and runs a kernel and cleans up; the others do the same and make one mistake. */
 #include <CL/cl.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Every OpenCL call of the plugin fails once (SQLite's doctrine: the nth call, for every n): during activate,
  * and during a frame in every work layout and with every carrier. Each time an error with the call's reason,

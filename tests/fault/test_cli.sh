@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Bad input at the command line: the exit code, and a message that names the thing and the value.
 # Called with the source and the build folder.
 set -u
@@ -163,7 +164,7 @@ holds [ -z "$(find "$work" -name '*.tmp*' -o -name '.host_sim_*')" ]
 holds [ -z "$(grep -l "$(printf '\033')" stdout stderr)" ]
 
 # Every option that the table of options knows is in the help.
-for option in $(grep -o '{"[a-z-]*", *[rn][a-z_]*argument' "$source/host_sim/hs_run_line.c" | grep -o '"[a-z-]*"' | tr -d '"'); do
+for option in $(grep -o '{"[a-z-]*", *[rn][a-z_]*argument' "$source/host_sim/commands/run_line.c" | grep -o '"[a-z-]*"' | tr -d '"'); do
     holds grep -q -- "--$option" <("$host_sim" run --help)
 done
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The sanitizers of `make test-sanitize` find what they are there for: a lost malloc, a cl_mem and a cl_program that were not
 # released, a read past the end, an undefined shift. And they keep quiet about PoCL's own compiler. Without this, a
 # suppression too wide or a leak check that is switched off would look like clean code.

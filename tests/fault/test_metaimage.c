@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: MIT */
 /* MetaImage files that are wrong: each is refused with file, field and value. Run under ASan, nothing may
  * leak. */
-#include "metaimage_files.h"
+#include "support/metaimage_files.h"
 
 #include <math.h>
 #include <sys/stat.h>

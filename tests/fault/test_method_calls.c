@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the reconstruction methods ask of OpenCL and of the heap: on the frame path they make, build and
  * allocate nothing and never wait; and whichever of their calls fails, in activate or in a frame, there is an

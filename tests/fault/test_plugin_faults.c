@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The plugin's own allocations fail, one by one: create, activate, and a failing build that needs memory for
  * its log. Not under AddressSanitizer, which owns the heap (spy/heap_spy.h).

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The demo end to end, small: its pictures and its page. Called with the source and the build folder.
 set -u
 build=$2

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* The scan loop: pictures and depths that can be computed by hand, and frames that create nothing. */
-#include "golden/loop_fixture.h"
+#include "support/loop_fixture.h"
 
 #include <dlfcn.h>
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The evaluation end to end, small: CSV files, page, shards, comparison. Called with the source and the build
 # folder.
 set -u

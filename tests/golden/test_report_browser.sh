@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The evaluation's page in headless Chromium, where there is one: no console error, and the slider shows
 # another picture. Called with the source and the build folder.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # test_scenes_command.sh SOURCE BUILD: the command `host_sim scenes` from end to end: list, exit codes, exported files, the
 # same bytes whatever the number of threads, a contact sheet.
 set -u

@@ -1,4 +1,5 @@
-#include "shared_programs.h"
+/* SPDX-License-Identifier: MIT */
+#include "programs/shared_programs.h"
 
 #include <dlfcn.h>
 #include <stdlib.h>

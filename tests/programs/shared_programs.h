@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Builds each OpenCL program of a test once. PoCL runs the preprocessor over a source at every
  * clBuildProgram, also if its cache on disk has the result, and tests activate a plugin thousands of times.

@@ -1,6 +1,7 @@
-#include "cl_spy.h"
+/* SPDX-License-Identifier: MIT */
+#include "spy/cl_spy.h"
 
-#include "library_range.h"
+#include "spy/library_range.h"
 
 #include <dlfcn.h>
 #include <link.h>

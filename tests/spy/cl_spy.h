@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Between a library under test and OpenCL: counts its calls, and makes one of them fail. A test program that
  * links spy/cl_spy.c defines clCreateBuffer and so on itself; exported (-rdynamic), these come before those

@@ -1,6 +1,7 @@
-#include "heap_spy.h"
+/* SPDX-License-Identifier: MIT */
+#include "spy/heap_spy.h"
 
-#include "library_range.h"
+#include "spy/library_range.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Between a library under test and the heap: counts its allocations, and makes one of them fail. Works as
  * cl_spy does, by defining malloc, calloc, realloc and free in the program; what returns into the watched

@@ -1,4 +1,5 @@
-#include "library_range.h"
+/* SPDX-License-Identifier: MIT */
+#include "spy/library_range.h"
 
 #include <link.h>
 

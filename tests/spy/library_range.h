@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The addresses at which a loaded library lies. */
 #ifndef SV_LIBRARY_RANGE_H
 #define SV_LIBRARY_RANGE_H

@@ -1,4 +1,5 @@
-#include "compare.h"
+/* SPDX-License-Identifier: MIT */
+#include "support/compare.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,9 +1,10 @@
+/* SPDX-License-Identifier: MIT */
 /* One frame of the plugin held against the scalar definition: maps bit for bit, statistics number for number.
  */
 #ifndef SV_COMPARE_H
 #define SV_COMPARE_H
 
-#include "rig.h"
+#include "support/rig.h"
 
 /* What many comparisons came to. Zero it first. */
 typedef struct {

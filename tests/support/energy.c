@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "support/energy.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-#include "fixture.h"
+/* SPDX-License-Identifier: MIT */
+#include "support/fixture.h"
 #include <stdio.h>
 
 #include <setjmp.h>

@@ -1,8 +1,9 @@
+/* SPDX-License-Identifier: MIT */
 /* An instance with a small volume at hand, for tests of the calls themselves: contract and faults. */
 #ifndef SV_FIXTURE_H
 #define SV_FIXTURE_H
 
-#include "rig.h"
+#include "support/rig.h"
 
 enum { FIXTURE_WIDTH = 21, FIXTURE_HEIGHT = 18, FIXTURE_SLICES = 14, FIXTURE_SLAB = 6, FIXTURE_SLABS = 3 };
 enum { FIXTURE_RAYS = FIXTURE_WIDTH * FIXTURE_HEIGHT };

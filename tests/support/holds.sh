@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Sourced by test scripts: counts what they check, and what failed.
 checked=0
 failed=0

@@ -1,4 +1,5 @@
-#include "rig.h"
+/* SPDX-License-Identifier: MIT */
+#include "support/rig.h"
 
 #include "programs/shared_programs.h"
 

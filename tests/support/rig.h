@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A plugin under test, driven through the ABI alone: any format, carrier and split into slabs. */
 #ifndef SV_RIG_H
 #define SV_RIG_H

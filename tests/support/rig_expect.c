@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* What the scalar definition says of a frame, and the volumes it is asked about. */
-#include "rig.h"
+#include "support/rig.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition
  * says. */
 #ifndef SV_SURFACES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A small whole plugin whose depthmap is a plane, whatever the volume holds. It fails where it is told to,
  * and CMakeLists.txt compiles variants of it that no host may accept:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A whole plugin whose depthmap is always zero: it clips nothing, so an evaluation must find exactly the
  * errors of the unclipped volume. It has no parameter at all. */
 #include "smartvis_plugin.h"

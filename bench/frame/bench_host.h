@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* Times the host's own parts and the whole scan loop around the plugin. */
+#ifndef BENCH_HOST_H
+#define BENCH_HOST_H
+
+#include "frame/bench_times.h"
+#include "loop/loop.h"
+
+typedef struct {
+    const hs_plugin *plugin;
+    const hs_cl *cl;
+    uint32_t frames;
+    const char *scene;            /* a built-in scene or a scene file; NULL: the benchmark's layered volume */
+    uint32_t size;                /* voxels an axis */
+    const sv_param_value *values; /* of the plugin */
+    uint32_t value_count;
+} bench_host_setup;
+
+/* One camera: the loop's three settings, and pieces of it. */
+typedef struct {
+    const char *label;
+    hs_loop_result settings[HS_SETTING_COUNT];
+} bench_view_result;
+
+typedef struct {
+    uint32_t size, lowres;
+    char volume[256]; /* its name */
+    bench_view_result still, rotated, live;
+    bench_times mip;  /* maximum intensity projection, still camera */
+    bench_times grid; /* a volume to the device, with the renderer's grid of maxima */
+} bench_host_result;
+
+/* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface for are counted in the results.
+ */
+bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs_error *err);
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The yardsticks: what a careful C programmer gets from two threads and the compiler's vectoriser, -O3
+ * -march=native, without intrinsics. For the benchmark only; it shares no code with the plugin.
+ */
+#ifndef PLAIN_FRAME_H
+#define PLAIN_FRAME_H
+
+#include "frame/bench_team.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* A volume as slices in tiles: voxel (x, y, z) is slice[z][y * pitch + x]. Not owned. After every row
+ * PLAIN_READ_AHEAD bytes more may be read; they do not matter. */
+enum { PLAIN_READ_AHEAD = 63 };
+typedef struct {
+    uint32_t width, height, slices;
+    const uint8_t *const *slice;
+    size_t pitch; /* bytes */
+} plain_volume;
+
+/* (a) Reads `bytes` bytes (a multiple of 16, aligned to 8) once, as 64-bit words that are summed. Between
+ * bench_team_ready and _rest. */
+uint64_t plain_read(bench_team *team, const void *memory, size_t bytes);
+
+typedef struct {
+    uint8_t fluid_level; /* T_L as a grey level: tissue lies above it */
+    uint8_t bone_drop;   /* a ray is bone if its maximum is above (maximum of the volume) - bone_drop */
+    uint32_t k;          /* window of the mean filter, odd */
+    float q;
+} plain_settings;
+
+/* (b) The plugin's work: ray profiles, offset threshold, initial points, mean filter of both ends to
+ * completion with weights 2 : 1, S(q). All voxels count as scanned. */
+typedef struct plain_frame plain_frame;
+
+/* `team` must outlive it. NULL with HS_ERR_MEMORY, or HS_ERR_USAGE if a window's sums do not fit 32 bits with
+ * 10 fraction bits. */
+plain_frame *plain_frame_create(bench_team *team, uint32_t width, uint32_t height, uint32_t slices,
+                                const plain_settings *settings, hs_error *err);
+void plain_frame_destroy(plain_frame *frame);
+
+/* One frame, between bench_team_ready and _rest. depth: width * height slices; status: width * height bytes,
+ * SV_POINT_*. Returns the passes of the mean filter, 0 if there is no initial point. */
+uint32_t plain_frame_run(plain_frame *frame, const plain_volume *volume, float *depth, uint8_t *status);
+
+#endif

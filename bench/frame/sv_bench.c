@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: MIT */
+/* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
+#include "base/cli.h"
+#include "frame/bench_cli.h"
+#include "frame/bench_report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_VALUES = 16, MAX_SLABS = 8, MAX_RESULTS = 2 * BENCH_SIZES * MAX_SLABS * BENCH_ROUTES };
+
+static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
+
+typedef struct {
+    char plugin[1024];
+    const char *id, *scene, *csv, *json;
+    uint32_t frames, host_frames, host_size;
+    bool size[BENCH_SIZES], route[BENCH_ROUTES];
+    uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
+    bool plugin_part, host_part;
+    const char *value_texts[MAX_VALUES];
+    uint32_t value_count;
+} options;
+
+static const char help[] =
+    "Usage: sv_bench [options]\n"
+    "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
+    "C,\n"
+    "both on two threads; then its method cost, if it has one; then the host's scan loop around the plugin.\n"
+    "The plugin's map is compared with plain C's before anything is timed.\n\n"
+    "  --plugin PATH      plugin library (default: smartvis.so beside this program)\n"
+    "  --id ID            the library's plugin of that id (default: its first)\n"
+    "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
+    "                     change the result make the comparison with plain C fail\n"
+    "  --only PART        'plugin' or 'loop' (default: both)\n"
+    "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
+    "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
+    "0)\n"
+    "  --route NAME       how slabs get to the plugin; may be repeated (default: all)\n"
+    "                       place-own    host memory, read in place; the plugin's own queue\n"
+    "                       place-host   host memory, read in place; the host's queue\n"
+    "                       copy-own     host memory, copied; the plugin's own queue\n"
+    "                       copy-host    host memory, copied; the host's queue\n"
+    "                       buffer-host  OpenCL buffer; the host's queue\n"
+    "  --frames N         timed frames of each combination (default 100)\n"
+    "  --loop-frames N    timed frames of each camera and setting of the scan loop (default 20)\n"
+    "  --loop-size N      voxels an axis of the scan loop's volume (default 400)\n"
+    "  --scene NAME       a scene for the scan loop: E01 .. D02 or a scene file (default: the layered "
+    "volume\n"
+    "                     that the plugin is timed on)\n"
+    "  --quick            20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n"
+    "  --csv FILE         all numbers as CSV\n"
+    "  --json FILE        all numbers as JSON\n"
+    "  --help             this text\n\n"
+    "Exit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is no "
+    "failure.\n";
+
+static bool parse_route(options *o, const char *text, hs_error *err) {
+    for (int i = 0; i < BENCH_ROUTES; i++)
+        if (strcmp(text, bench_route_key((bench_route)i)) == 0) return o->route[i] = true;
+    return hs_fail(err, HS_ERR_USAGE, "--route: there is no '%s'; see --help", text);
+}
+
+static bool parse_slab(options *o, const char *text, hs_error *err) {
+    if (o->slab_count == MAX_SLABS)
+        return hs_fail(err, HS_ERR_USAGE, "--slab: given more than %d times", MAX_SLABS);
+    return bench_parse_count("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
+}
+
+static bool parse_part(options *o, const char *text, hs_error *err) {
+    o->plugin_part = strcmp(text, "plugin") == 0;
+    o->host_part = strcmp(text, "loop") == 0;
+    return o->plugin_part || o->host_part ||
+           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is neither 'plugin' nor 'loop'", text);
+}
+
+static void make_quick(options *o) {
+    o->frames = 20;
+    o->host_frames = 5;
+    o->slabs[0] = 32;
+    o->slab_count = 1;
+    o->route[BENCH_PLACE_OWN] = o->route[BENCH_BUFFER_HOST] = true;
+}
+
+/* What was not chosen takes its default. */
+static void fill_defaults(options *o) {
+    (void)bench_choose_all_if_none(o->size, BENCH_SIZES);
+    (void)bench_choose_all_if_none(o->route, BENCH_ROUTES);
+    if (o->slab_count > 0) return;
+    static const uint32_t usual[] = {16, 32, 0};
+    memcpy(o->slabs, usual, sizeof usual);
+    o->slab_count = sizeof usual / sizeof *usual;
+}
+
+enum {
+    OPT_PLUGIN = BENCH_OPT_FIRST,
+    OPT_ID,
+    OPT_PARAM,
+    OPT_ONLY,
+    OPT_SIZE,
+    OPT_SLAB,
+    OPT_ROUTE,
+    OPT_FRAMES,
+    OPT_HOST_FRAMES,
+    OPT_HOST_SIZE,
+    OPT_SCENE,
+    OPT_QUICK,
+    OPT_CSV,
+    OPT_JSON
+};
+static const struct option long_options[] = {
+    {"plugin", required_argument, NULL, OPT_PLUGIN},
+    {"id", required_argument, NULL, OPT_ID},
+    {"param", required_argument, NULL, OPT_PARAM},
+    {"only", required_argument, NULL, OPT_ONLY},
+    {"size", required_argument, NULL, OPT_SIZE},
+    {"slab", required_argument, NULL, OPT_SLAB},
+    {"route", required_argument, NULL, OPT_ROUTE},
+    {"frames", required_argument, NULL, OPT_FRAMES},
+    {"loop-frames", required_argument, NULL, OPT_HOST_FRAMES},
+    {"loop-size", required_argument, NULL, OPT_HOST_SIZE},
+    {"scene", required_argument, NULL, OPT_SCENE},
+    {"quick", no_argument, NULL, OPT_QUICK},
+    {"csv", required_argument, NULL, OPT_CSV},
+    {"json", required_argument, NULL, OPT_JSON},
+    {"help", no_argument, NULL, BENCH_OPT_HELP},
+    {NULL, 0, NULL, 0},
+};
+
+static bool set_option(void *all, int option, hs_error *err) {
+    options *o = all;
+    switch (option) {
+    case OPT_PLUGIN:
+        (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
+        return true;
+    case OPT_ID:
+        o->id = optarg;
+        return true;
+    case OPT_PARAM:
+        if (o->value_count == MAX_VALUES)
+            return hs_fail(err, HS_ERR_USAGE, "--param: given more than %d times", MAX_VALUES);
+        o->value_texts[o->value_count++] = optarg;
+        return true;
+    case OPT_ONLY:
+        return parse_part(o, optarg, err);
+    case OPT_SIZE:
+        return bench_parse_size(optarg, o->size, err);
+    case OPT_SLAB:
+        return parse_slab(o, optarg, err);
+    case OPT_ROUTE:
+        return parse_route(o, optarg, err);
+    case OPT_FRAMES:
+        return bench_parse_count("--frames", optarg, 1, 100000, &o->frames, err);
+    case OPT_HOST_FRAMES:
+        return bench_parse_count("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
+    case OPT_HOST_SIZE:
+        return bench_parse_count("--loop-size", optarg, 32, 1024, &o->host_size, err);
+    case OPT_SCENE:
+        o->scene = optarg;
+        return true;
+    case OPT_QUICK:
+        make_quick(o);
+        return true;
+    case OPT_CSV:
+        o->csv = optarg;
+        return true;
+    default: /* OPT_JSON */
+        o->json = optarg;
+        return true;
+    }
+}
+
+static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
+    *o =
+        (options){.frames = 100, .host_frames = 20, .host_size = 400, .plugin_part = true, .host_part = true};
+    hs_cli_default_plugin(o->plugin, sizeof o->plugin);
+    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
+    fill_defaults(o);
+    return true;
+}
+
+/* A run's own: what is opened and what has been measured. */
+typedef struct {
+    options o;
+    hs_cl cl;
+    hs_plugin plugin;
+    bench_team *team;
+    sv_param_value values[MAX_VALUES];
+    bench_plugin_result results[MAX_RESULTS];
+    bench_host_result host;
+    bench_report report;
+} bench_run;
+
+/* All chosen ways of one slab length. `method` as in bench_plugin_setup. */
+static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const char *method, hs_error *err) {
+    const bench_plugin_setup setup = {.plugin = &run->plugin,
+                                      .cl = &run->cl,
+                                      .team = run->team,
+                                      .frames = run->o.frames,
+                                      .values = run->values,
+                                      .value_count = run->o.value_count,
+                                      .method = method};
+    bench_slabs slabs;
+    if (!bench_slabs_create(&slabs, bench_sizes[size], slab_slices, err)) return false;
+    bool ok = true;
+    for (int route = 0; ok && route < BENCH_ROUTES; route++) {
+        if (!run->o.route[route]) continue;
+        const bench_variant variant = {bench_sizes[size], kernels[size], slabs.layout.slab_slices,
+                                       (bench_route)route};
+        bench_plugin_result *result = &run->results[run->report.plugin_count];
+        hs_progress progress;
+        hs_progress_begin(&progress, bench_route_label(variant.route), run->o.frames);
+        ok = bench_plugin_run(&setup, &slabs, &variant, &progress, result, err);
+        hs_progress_end(&progress);
+        if (!ok) break;
+        if (!method) bench_print_plugin(result);
+        run->report.plugin_count++;
+    }
+    bench_slabs_destroy(&slabs);
+    return ok;
+}
+
+/* Method cost on the same volumes, at the sizes that have a limit. */
+static bool run_cost(bench_run *run, hs_error *err) {
+    if (!bench_plugin_has_method(&run->plugin, "cost")) return true;
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        if (!run->o.size[size] || bench_cost_limit_ms(bench_sizes[size]) == 0.0) continue;
+        for (uint32_t s = 0; s < run->o.slab_count; s++) {
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
+            if (!run_routes(run, size, slab, "cost", err)) return false;
+        }
+    }
+    bench_print_method(&run->report, "cost");
+    return true;
+}
+
+static bool run_plugin_part(bench_run *run, hs_error *err) {
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        if (!run->o.size[size]) continue;
+        bench_print_plugin_head(bench_sizes[size], kernels[size]);
+        for (uint32_t s = 0; s < run->o.slab_count; s++) {
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
+            if (!run_routes(run, size, slab, NULL, err)) return false;
+        }
+    }
+    bench_print_stages(run->results, run->report.plugin_count);
+    return run_cost(run, err);
+}
+
+static bool run_host_part(bench_run *run, hs_error *err) {
+    const bench_host_setup setup = {.plugin = &run->plugin,
+                                    .cl = &run->cl,
+                                    .frames = run->o.host_frames,
+                                    .scene = run->o.scene,
+                                    .size = run->o.host_size,
+                                    .values = run->values,
+                                    .value_count = run->o.value_count};
+    if (!bench_host_run(&setup, &run->host, err)) return false;
+    bench_print_host(&run->host);
+    run->report.host = &run->host;
+    return true;
+}
+
+static bool measure(bench_run *run, hs_error *err) {
+    if (!bench_try_output(run->o.csv, err) || !bench_try_output(run->o.json, err)) return false;
+    for (uint32_t i = 0; i < run->o.value_count; i++)
+        if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
+    bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
+    bench_print_machine(&run->report.machine);
+    run->team = bench_team_create(err);
+    run->report.plugin = run->results;
+    if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
+        (run->o.host_part && !run_host_part(run, err)))
+        return false;
+    bench_print_targets(&run->report);
+    return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&
+           (!run->o.json || bench_write_json(&run->report, run->o.json, err));
+}
+
+int main(int argc, char **argv) {
+    hs_error err = {HS_OK, ""};
+    bool wants_help;
+    bench_run *run = calloc(1, sizeof *run);
+    if (!run) {
+        (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
+        return bench_fail("sv_bench", &err);
+    }
+    bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
+    if (wants_help) (void)fputs(help, stdout);
+    if (ok && !wants_help) {
+        const bool device = hs_cl_open(&run->cl, &err);
+        const bool plugin =
+            device && hs_plugin_open(&run->plugin, run->o.plugin, run->o.id, SV_LOG_WARNING, &err);
+        ok = plugin && measure(run, &err);
+        bench_team_destroy(run->team);
+        if (plugin) hs_plugin_close(&run->plugin);
+        if (device) hs_cl_close(&run->cl);
+    }
+    free(run);
+    return ok ? HS_OK : bench_fail("sv_bench", &err);
+}

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cost volume: how bright it is around a bin, and where the wall and the back of the sac lie. Sums and maxima
+ * lie as the bins do.
+ */
+#ifndef SV_METHOD_COST_CLH
+#include "cost/cost.clh"
+#endif
+
+/* Vectors of a row of rays at most, rays to either side and bins before and behind that brightness is
+ * looked for in at most. */
+#define MOST_VECTORS (2 * SV_COST_RAYS / SV_LANES)
+#define MOST_BESIDE  6
+#define MOST_DILATE  3
+
+/* Rows of rays begin where a vector may, in the buffers as well as here. */
+typedef ushort16 row_t[MOST_VECTORS];
+
+static ushort16 sums_from(const ushort *p) {
+    return ((const words_anywhere *)p)->v;
+}
+
+static uchar16 counts_from(const uchar *p) {
+    return ((const bytes_anywhere *)p)->v;
+}
+
+static __global const uchar16 *bins_of(__global const uchar *bins, const cost_layout *l, uint label,
+                                       uint row) {
+    return (__global const uchar16 *)(bins + ((size_t)label * l->rows + row) * l->padded_columns);
+}
+
+/* All lanes but those behind the last ray. */
+static ushort16 rays_of(const cost_layout *l, uint vector) {
+    return as_ushort16(convert_short16(LANE_NUMBERS) < (short16)((short)(l->columns - vector * SV_LANES)));
+}
+
+/* The bins of one row, with those of the labels before and behind and those of the rays beside them. */
+static void sum_row(const cost_layout *l, __global const uchar *bins, uint label, uint row, ushort16 *to) {
+    const uint vectors = l->padded_columns / SV_LANES;
+    const bool first = label == 0, last = label + 1 == l->labels;
+    __global const uchar16 *here = bins_of(bins, l, label, row);
+    __global const uchar16 *before = bins_of(bins, l, first ? label : label - 1, row);
+    __global const uchar16 *behind = bins_of(bins, l, last ? label : label + 1, row);
+    const uchar16 with_before = (uchar16)((uchar)(first ? 0 : 255));
+    const uchar16 with_behind = (uchar16)((uchar)(last ? 0 : 255));
+    ushort16 left = (ushort16)(0), middle = left, right = left;
+    for (uint x = 0; x <= vectors; x++) {
+        left = middle;
+        middle = right;
+        right = (ushort16)(0);
+        if (x < vectors)
+            right = convert_ushort16(here[x]) + convert_ushort16(before[x] & with_before) +
+                    convert_ushort16(behind[x] & with_behind);
+        if (x == 0) continue;
+        const ushort16 lower = (ushort16)(left.sf, middle.s01234567, middle.s89ab, middle.scde);
+        const ushort16 upper = (ushort16)(middle.s1234, middle.s56789abc, middle.sdef, right.s0);
+        to[x - 1] = lower + middle + upper;
+    }
+    to[vectors - 1] &= rays_of(l, vectors - 1);
+}
+
+/* One work item per label: sums over 3 x 3 x 3 bins, 0 beyond the volume. */
+__kernel void cost_sums(cost_layout l, __global const uchar *restrict bins,
+                        __global ushort16 *restrict sums) {
+    const uint label = (uint)get_global_id(0), vectors = l.padded_columns / SV_LANES;
+    row_t rows[3];
+    for (uint x = 0; x < vectors; x++) rows[1][x] = rows[2][x] = (ushort16)(0);
+    sum_row(&l, bins, label, 0, rows[0]);
+    sums += (size_t)label * l.rows * vectors;
+    for (uint y = 0; y < l.rows; y++, sums += vectors) {
+        ushort16 *next = rows[(y + 1) % 3];
+        if (y + 1 < l.rows)
+            sum_row(&l, bins, label, y + 1, next);
+        else
+            for (uint x = 0; x < vectors; x++) next[x] = (ushort16)(0);
+        for (uint x = 0; x < vectors; x++) sums[x] = rows[0][x] + rows[1][x] + rows[2][x];
+    }
+}
+
+/*
+ * The largest sums of a row within `dilate` labels, then of those within `beside` rays of the row. `wide`:
+ * room for a row between zeros. The cases fall through: loops of unknown length would take twice the time.
+ */
+static void brightest_row(const cost_layout *l, __global const ushort16 *sums, uint label, uint row,
+                          ushort16 *wide, ushort16 *to) {
+    const uint vectors = l->padded_columns / SV_LANES;
+    __global const ushort16 *before[MOST_DILATE + 1], *behind[MOST_DILATE + 1];
+    for (uint k = 1; k <= MOST_DILATE; k++) {
+        before[k] = sums + ((size_t)(label - min(label, k)) * l->rows + row) * vectors;
+        behind[k] = sums + ((size_t)min(label + k, l->labels - 1) * l->rows + row) * vectors;
+    }
+    sums += ((size_t)label * l->rows + row) * vectors;
+    for (uint x = 0; x < vectors; x++) {
+        ushort16 most = sums[x];
+        switch (l->dilate) {
+        case 3:
+            most = max(most, max(before[3][x], behind[3][x]));
+        case 2:
+            most = max(most, max(before[2][x], behind[2][x]));
+        default:
+            most = max(most, max(before[1][x], behind[1][x]));
+        }
+        wide[x + 1] = most;
+    }
+    for (uint x = 0; x < vectors; x++) {
+        const ushort *rays = (const ushort *)(wide + x + 1);
+        ushort16 most = wide[x + 1];
+        switch (l->beside) {
+        case 6:
+            most = max(most, max(sums_from(rays - 6), sums_from(rays + 6)));
+        case 5:
+            most = max(most, max(sums_from(rays - 5), sums_from(rays + 5)));
+        case 4:
+            most = max(most, max(sums_from(rays - 4), sums_from(rays + 4)));
+        case 3:
+            most = max(most, max(sums_from(rays - 3), sums_from(rays + 3)));
+        case 2:
+            most = max(most, max(sums_from(rays - 2), sums_from(rays + 2)));
+        default:
+            most = max(most, max(sums_from(rays - 1), sums_from(rays + 1)));
+        }
+        to[x] = most;
+    }
+    to[vectors - 1] &= rays_of(l, vectors - 1);
+}
+
+/* The largest of 2 * beside + 1 rows. */
+static void brightest_of_rows(const row_t *rows, uint beside, uint vectors, __global ushort16 *to) {
+    for (uint x = 0; x < vectors; x++) {
+        ushort16 most = rows[0][x];
+        switch (beside) {
+        case 6:
+            most = max(most, max(rows[11][x], rows[12][x]));
+        case 5:
+            most = max(most, max(rows[9][x], rows[10][x]));
+        case 4:
+            most = max(most, max(rows[7][x], rows[8][x]));
+        case 3:
+            most = max(most, max(rows[5][x], rows[6][x]));
+        case 2:
+            most = max(most, max(rows[3][x], rows[4][x]));
+        default:
+            most = max(most, max(rows[1][x], rows[2][x]));
+        }
+        to[x] = most;
+    }
+}
+
+/* One work item per label: the largest of the sums within `beside` rays and `dilate` bins. */
+__kernel void cost_nearby(cost_layout l, __global const ushort16 *restrict sums,
+                          __global ushort16 *restrict nearby) {
+    const uint label = (uint)get_global_id(0), vectors = l.padded_columns / SV_LANES;
+    const uint span = 2 * l.beside + 1;
+    row_t rows[2 * MOST_BESIDE + 1]; /* around one; those beyond the volume are zeros */
+    ushort16 wide[MOST_VECTORS + 2];
+    for (uint x = 0; x < vectors + 2; x++) wide[x] = (ushort16)(0);
+    for (uint k = 0; k < span; k++)
+        for (uint x = 0; x < vectors; x++) rows[k][x] = (ushort16)(0);
+    nearby += (size_t)label * l.rows * vectors;
+    for (uint y = 0; y < l.rows + l.beside; y++) {
+        ushort16 *newest = rows[y % span];
+        if (y < l.rows)
+            brightest_row(&l, sums, label, y, wide, newest);
+        else
+            for (uint x = 0; x < vectors; x++) newest[x] = (ushort16)(0);
+        if (y < l.beside) continue;
+        brightest_of_rows(rows, l.beside, vectors, nearby);
+        nearby += vectors;
+    }
+}
+
+/* What the walk along a cell's rays knows, for 16 columns; only the first of every cell counts. */
+typedef struct {
+    uchar16 run;    /* mostly fluid bins behind tissue */
+    uchar16 behind; /* 255: behind tissue */
+    uchar16 wall, back;
+} walk_t;
+
+/* Numbers of scanned and of fluid rays of a cell's rows in every column, and zeros behind them. */
+typedef struct {
+    uchar16 scanned[MOST_VECTORS + 1], fluid[MOST_VECTORS + 1];
+} crowd_t;
+
+static void count_rows(__global const uchar16 *bins, uint vectors, uint rows, uchar level, crowd_t *crowd) {
+    for (uint x = 0; x < vectors; x++) {
+        uchar16 scanned = (uchar16)(0), tissue = scanned;
+        for (uint y = 0; y < rows; y++) {
+            const uchar16 v = bins[y * vectors + x];
+            scanned -= as_uchar16(v > (uchar16)(0));
+            tissue -= as_uchar16(v > (uchar16)(level));
+        }
+        crowd->scanned[x] = scanned;
+        crowd->fluid[x] = scanned - tissue;
+    }
+}
+
+/* Sums of `block` neighbours: at most 8 x 8. */
+static uchar16 cell_sums(const uchar16 *counts, uint block) {
+    uchar16 sum = *counts;
+    for (uint k = 1; k < block; k++) sum += counts_from((const uchar *)counts + k);
+    return sum;
+}
+
+static void walk_on(const cost_layout *l, uint bin, uchar16 scanned, uchar16 fluid, walk_t *walk) {
+    const walk_t w = *walk;
+    const uchar16 none = (uchar16)((uchar)l->labels), solid = (uchar16)((uchar)l->solid);
+    const uchar16 some = as_uchar16(scanned > (uchar16)(0));
+    const uchar16 mostly = some & as_uchar16(fluid + fluid >= scanned);
+    const uchar16 tissue = some & ~mostly;
+    const uchar16 run = (w.run + (w.behind & (uchar16)(1))) & mostly;
+    const uchar16 opens = as_uchar16(run == solid) & as_uchar16(w.wall == none);
+    const uchar16 closes = tissue & as_uchar16(w.wall < none) & as_uchar16(w.run >= solid);
+    walk->run = run;
+    walk->behind = w.behind | tissue;
+    walk->wall = (w.wall & ~opens) | ((uchar16)((uchar)(bin + 1 - l->solid)) & opens);
+    walk->back = (w.back & ~closes) | ((uchar16)((uchar)bin) & closes);
+}
+
+/* One work item per row of cells: the cells' own walls (labels: none), then their backs (0: none). A bin is
+ * mostly fluid if at least half of a cell's scanned rays are fluid there. */
+__kernel void cost_walls_own(cost_layout l, __global const uchar *restrict bins,
+                             __global const uint *restrict info, __global uchar *restrict own) {
+    const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block;
+    const uint rows = min(l.block, l.rows - y0), vectors = l.padded_columns / SV_LANES;
+    const uchar level = (uchar)info[SV_COST_INFO_LEVEL];
+    walk_t walk[MOST_VECTORS];
+    crowd_t crowd;
+    crowd.scanned[vectors] = crowd.fluid[vectors] = (uchar16)(0);
+    for (uint x = 0; x < vectors; x++) {
+        walk[x].run = walk[x].behind = walk[x].back = (uchar16)(0);
+        walk[x].wall = (uchar16)((uchar)l.labels);
+    }
+    for (uint bin = 0; bin < l.labels; bin++) {
+        count_rows(bins_of(bins, &l, bin, y0), vectors, rows, level, &crowd);
+        for (uint x = 0; x < vectors; x++)
+            walk_on(&l, bin, cell_sums(crowd.scanned + x, l.block), cell_sums(crowd.fluid + x, l.block),
+                    walk + x);
+    }
+    for (uint cell = 0; cell < l.cells_x; cell++) {
+        const walk_t *w = walk + cell * l.block / SV_LANES;
+        const uint lane = cell * l.block % SV_LANES;
+        own[cell_row * l.cells_x + cell] = ((const uchar *)&w->wall)[lane];
+        own[(l.cells_y + cell_row) * l.cells_x + cell] = ((const uchar *)&w->back)[lane];
+    }
+}
+
+/* The values of a window of cells, counted one by one and by sixteens. */
+typedef struct {
+    uchar one[256], sixteen[16];
+    uint all;
+} ranks_t;
+
+/* Column x of the cells' rows y0 .. y1 - 1, but for the value `none`, enters the window or leaves it. */
+static void shift_ranks(const cost_layout *l, __global const uchar *own, uint x, uint y0, uint y1, uchar none,
+                        int change, ranks_t *ranks) {
+    for (uint y = y0; y < y1; y++) {
+        const uchar value = own[y * l->cells_x + x];
+        if (value == none) continue;
+        ranks->one[value] = (uchar)(ranks->one[value] + change);
+        ranks->sixteen[value / 16] = (uchar)(ranks->sixteen[value / 16] + change);
+        ranks->all = (uint)((int)ranks->all + change);
+    }
+}
+
+/* The value that `below` others lie before; there are more. */
+static uchar value_at(const ranks_t *ranks, uint below) {
+    uint value = 0, before = 0;
+    while (before + ranks->sixteen[value / 16] <= below) {
+        before += ranks->sixteen[value / 16];
+        value += 16;
+    }
+    while (before + ranks->one[value] <= below) before += ranks->one[value++];
+    return (uchar)value;
+}
+
+/* A row of cells: of the values around each but `none`, the one with `rank` tenths of the others below it. */
+static void rank_row(const cost_layout *l, __global const uchar *own, uint cell_row, uchar none, uint rank,
+                     uchar otherwise, __global uchar *to) {
+    const uint y0 = cell_row - min(cell_row, (uint)SV_COST_WINDOW);
+    const uint y1 = min(cell_row + SV_COST_WINDOW + 1, l->cells_y);
+    ranks_t ranks;
+    for (uint i = 0; i < 256; i++) ranks.one[i] = 0;
+    for (uint i = 0; i < 16; i++) ranks.sixteen[i] = 0;
+    ranks.all = 0;
+    for (uint x = 0; x < min((uint)SV_COST_WINDOW, l->cells_x); x++)
+        shift_ranks(l, own, x, y0, y1, none, 1, &ranks);
+    for (uint x = 0; x < l->cells_x; x++) {
+        if (x + SV_COST_WINDOW < l->cells_x) shift_ranks(l, own, x + SV_COST_WINDOW, y0, y1, none, 1, &ranks);
+        if (x > SV_COST_WINDOW) shift_ranks(l, own, x - SV_COST_WINDOW - 1, y0, y1, none, -1, &ranks);
+        to[cell_row * l->cells_x + x] =
+            ranks.all == 0 ? otherwise : value_at(&ranks, (ranks.all - 1) * rank / 10);
+    }
+}
+
+/* One work item per row of cells: the walls by rank (0 if there is none around), then the backs (labels). */
+__kernel void cost_walls(cost_layout l, __global const uchar *restrict own, __global uchar *restrict walls) {
+    const uint cell_row = (uint)get_global_id(0), cells = l.cells_x * l.cells_y;
+    const uchar none = (uchar)l.labels;
+    rank_row(&l, own, cell_row, none, 2, 0, walls);
+    rank_row(&l, own + cells, cell_row, 0, 1, none, walls + cells);
+}

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cost volume, along the rays: voxels to bins while the slabs come, then the grey levels of fluid and tissue.
+ *
+ * Bins lie as label, row, column (rows padded to 16 by zeros), so that a vector is one label of 16
+ * neighbouring rays.
+ */
+#ifndef SV_METHOD_COST_CLH
+#include "cost/cost.clh"
+#endif
+
+/* Pixels along the side of a ray, and slices of a bin at most: the volume's sides are at most 8192. */
+#define MOST_SHRINK (8192 / SV_COST_RAYS)
+#define MOST_PER    ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
+
+/* A slab as it lies in its texture, and the grey level that was not scanned (above 255: none). */
+typedef struct {
+    __global const uchar *texture;
+    uint row_pitch, tiles_x, tile_w, tile_h;
+    uint padding;
+} slab_t;
+
+/* Slices of a slab that belong to one bin. */
+typedef struct {
+    uint bin, count;
+    bool begun, ends; /* the bin began in a slab before; it ends with these slices */
+    __global const uchar *slice[MOST_PER];
+} piece_t;
+
+static __global const uchar *slice_at(const slab_t *s, uint slice) {
+    return s->texture + (size_t)(slice / s->tiles_x) * s->tile_h * s->row_pitch +
+           slice % s->tiles_x * s->tile_w;
+}
+
+/* Lanes of the pixels of a row that the vector at x stands for: 255, the others 0. */
+static uchar16 pixels_of(uint x, uint width) {
+    return as_uchar16(convert_char16(LANE_NUMBERS) < (char16)((char)min(width - x, (uint)SV_LANES)));
+}
+
+/* 16 voxels from x on, none from beyond the row: the last ones are loaded with those before them. */
+static uchar16 load_voxels(__global const uchar *row, uint x, uint width) {
+    if (x + SV_LANES <= width) return vload16(0, row + x);
+    uchar16 lanes[2];
+    if (width >= SV_LANES) {
+        lanes[0] = vload16(0, row + width - SV_LANES);
+        return ((const bytes_anywhere *)((const uchar *)lanes + x + SV_LANES - width))->v;
+    }
+    for (uint i = 0; i < width; i++) ((uchar *)lanes)[i] = row[i];
+    return lanes[0];
+}
+
+/* 255 where a voxel was scanned. */
+static uchar16 scanned_of(uchar16 v, uint padding) {
+    return padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)padding));
+}
+
+/* A row of rays whose bins are single voxels. */
+static void copy_row(const slab_t *s, const cost_layout *l, uint first_slice, uint slice_count, uint y,
+                     __global uchar16 *bins) {
+    const uint vectors = l->padded_columns / SV_LANES, last = l->padded_columns - SV_LANES;
+    const uchar16 inside = pixels_of(last, l->width);
+    for (uint i = 0; i < slice_count; i++) {
+        __global const uchar *row = slice_at(s, i) + (size_t)y * s->row_pitch;
+        __global uchar16 *to = bins + ((size_t)(first_slice + i) * l->rows + y) * vectors;
+        for (uint x = 0; x < vectors; x++) {
+            const uchar16 v = load_voxels(row, x * SV_LANES, l->width);
+            to[x] = max(v, (uchar16)(1)) & scanned_of(v, s->padding);
+        }
+        to[vectors - 1] &= inside;
+    }
+}
+
+/* The mean rounded half up, at least 1; 0 of none. Exact, whatever the rounding of a device's division. */
+static uchar16 rounded_mean(uint16 sum, uint16 count) {
+    const int16 least = convert_int16(max(count, (uint16)(1))), whole = convert_int16(sum + count / 2u);
+    int16 mean = convert_int16(convert_float16(whole) / convert_float16(least));
+    mean += mean * least > whole;
+    mean -= (mean + 1) * least <= whole;
+    return convert_uchar16(max(mean, (int16)(1)) & (count != (uint16)(0)));
+}
+
+/* Sums and numbers of the scanned voxels of 16 pixels from x on, a multiple of 16, for the pixel rows of a
+ * row of rays. If the bin goes on in the next slab they wait in `partial`, a pixel row each. */
+static void add_piece(const slab_t *s, const cost_layout *l, const piece_t *piece, uint x, uint row,
+                      __global ushort16 *partial, uint16 *sum, uint16 *count) {
+    const uint pitch = (l->width + SV_LANES - 1) / SV_LANES, y1 = min((row + 1) * l->shrink, l->height);
+    const uchar16 inside = pixels_of(x, l->width);
+    *sum = *count = (uint16)(0);
+    for (uint y = row * l->shrink; y < y1; y++) {
+        __global ushort16 *waiting = partial + (size_t)y * pitch + x / SV_LANES;
+        __global ushort16 *waiting_count = waiting + (size_t)pitch * l->height;
+        const size_t at = (size_t)y * s->row_pitch;
+        ushort16 some = (ushort16)(0);
+        uchar16 number = (uchar16)(0); /* SV_COST_LABELS bins of 8192 slices have 43 */
+        if (piece->begun) {
+            some = *waiting;
+            number = convert_uchar16(*waiting_count);
+        }
+        for (uint i = 0; i < piece->count; i++) {
+            const uchar16 v = load_voxels(piece->slice[i] + at, x, l->width);
+            const uchar16 scanned = scanned_of(v, s->padding) & inside;
+            some += convert_ushort16(v & scanned);
+            number -= scanned;
+        }
+        if (piece->ends) {
+            *sum += convert_uint16(some);
+            *count += convert_uint16(number);
+        } else {
+            *waiting = some;
+            *waiting_count = convert_ushort16(number);
+        }
+    }
+}
+
+/* Sums of `shrink` neighbours of as many vectors, for 16 rays. */
+static uint16 shrunk(uint16 *values, uint shrink) {
+    for (; shrink % 2 == 0; shrink /= 2)
+        for (uint k = 0; k < shrink / 2; k++) {
+            const uint16 a = values[2 * k], b = values[2 * k + 1];
+            values[k] = (uint16)(a.even + a.odd, b.even + b.odd);
+        }
+    if (shrink == 1) return values[0];
+    const uint *pixels = (const uint *)values;
+    uint16 sums;
+    for (uint i = 0; i < SV_LANES; i++, pixels += shrink) {
+        uint sum = 0;
+        for (uint k = 0; k < shrink; k++) sum += pixels[k];
+        ((uint *)&sums)[i] = sum;
+    }
+    return sums;
+}
+
+/* A row of rays: the slices of one bin. */
+static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece, uint row,
+                    __global ushort16 *partial, __global uchar16 *bins) {
+    uint16 sums[MOST_SHRINK], counts[MOST_SHRINK]; /* of the pixels of 16 rays */
+    const uint vectors = l->padded_columns / SV_LANES;
+    bins += ((size_t)piece->bin * l->rows + row) * vectors;
+    for (uint rays = 0; rays < vectors; rays++) {
+        for (uint k = 0; k < l->shrink; k++) {
+            const uint x = (rays * l->shrink + k) * SV_LANES;
+            sums[k] = counts[k] = (uint16)(0);
+            if (x < l->width) add_piece(s, l, piece, x, row, partial, sums + k, counts + k);
+        }
+        if (piece->ends) bins[rays] = rounded_mean(shrunk(sums, l->shrink), shrunk(counts, l->shrink));
+    }
+}
+
+/* One work item per row of rays. `padding` above 255: every voxel was scanned. `partial`: sums, then numbers
+ * of scanned voxels, of the pixels of the bin that a slab left unfinished; unused where bins are voxels. */
+__kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
+                        uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
+                        cost_layout l, __global ushort16 *restrict partial, __global uchar16 *restrict bins) {
+    const uint row = (uint)get_global_id(0);
+    const slab_t s = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h, padding};
+    if (l.shrink == 1 && l.per == 1) {
+        copy_row(&s, &l, first_slice, slice_count, row, bins);
+        return;
+    }
+    piece_t piece;
+    for (uint first = 0; first < slice_count; first += piece.count) {
+        const uint slice = first_slice + first;
+        piece.bin = slice / l.per;
+        const uint end = min((piece.bin + 1) * l.per, l.slices);
+        piece.count = min(end - slice, slice_count - first);
+        piece.begun = slice > piece.bin * l.per;
+        piece.ends = slice + piece.count == end;
+        for (uint i = 0; i < piece.count; i++) piece.slice[i] = slice_at(&s, first + i);
+        add_row(&s, &l, &piece, row, partial, bins);
+    }
+}
+
+/* One work item per row of cells: the histogram of the bins on its middle row. Four counters take turns, as
+ * neighbours are often alike, and a counter must be written before it is read again. */
+__kernel void cost_survey(cost_layout l, __global const uchar *restrict bins,
+                          __global uint *restrict histograms) {
+    const uint cell_row = (uint)get_global_id(0);
+    __global const uchar *row = bins + (size_t)middle_row(&l, cell_row) * l.padded_columns;
+    uint counts[4][256];
+    for (uint i = 0; i < 256; i += 4)
+        for (uint k = 0; k < 4; k++) vstore4((uint4)(0), 0, counts[k] + i);
+    for (uint bin = 0; bin < l.labels; bin++, row += (size_t)l.rows * l.padded_columns)
+        for (uint x = 0; x < l.padded_columns; x += 4) {
+            const uchar4 v = vload4(0, row + x);
+            counts[0][v.x]++;
+            counts[1][v.y]++;
+            counts[2][v.z]++;
+            counts[3][v.w]++;
+        }
+    counts[0][0] -= (l.padded_columns - l.columns) * l.labels;
+    for (uint i = 0; i < 256; i++)
+        histograms[cell_row * 256 + i] = counts[0][i] + counts[1][i] + counts[2][i] + counts[3][i];
+}
+
+/* One work item: the level of fluid, a sixth of the way from the mean of the dark class to that of the bright
+ * one, and the latter. */
+__kernel void cost_level(cost_layout l, __global const uint *restrict histograms,
+                         __global uint *restrict info) {
+    uint counts[256];
+    ulong all = 0, total = 0;
+    for (uint i = 0; i < 256; i++) counts[i] = 0;
+    for (uint row = 0; row < l.cells_y; row++)
+        for (uint i = 0; i < 256; i++) counts[i] += histograms[row * 256 + i];
+    for (uint i = 1; i < 256; i++) {
+        all += counts[i];
+        total += (ulong)i * counts[i];
+    }
+    ulong split = all > 0 ? total / all : 0, dark = 0, bright = 0;
+    for (uint turn = 0; turn < 32; turn++) {
+        ulong count = 0, sum = 0;
+        for (uint i = 1; i <= split; i++) {
+            count += counts[i];
+            sum += (ulong)i * counts[i];
+        }
+        dark = count > 0 ? sum / count : 0;
+        bright = all > count ? (total - sum) / (all - count) : split;
+        const ulong next = (dark + bright) / 2;
+        if (next == split) break;
+        split = next;
+    }
+    const bool fluid = bright >= 2 * dark; /* else there is none */
+    info[SV_COST_INFO_LEVEL] = fluid ? max((uint)(dark + (bright - dark) / 6), 1u) : 0;
+    info[SV_COST_INFO_BRIGHT] = max((uint)bright, 1u);
+}

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/cli.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+const char hs_exit_codes_help[] =
+    "Exit codes:\n"
+    "  0  everything went well\n"
+    "  1  a check the command was asked for did not hold\n"
+    "  2  the command line is wrong: unknown option, value out of range\n"
+    "  3  a volume or scene cannot be read, or is not valid\n"
+    "  4  the plugin cannot be loaded, or one of its calls failed (pictures are written, unclipped)\n"
+    "  5  OpenCL: no device, a build that failed, a call that failed\n"
+    "  6  a result cannot be written\n"
+    "  7  host memory ran out\n";
+
+bool hs_cli_number(const char *option, const char *text, double low, double high, double *out,
+                   hs_error *err) {
+    char *end = NULL;
+    const double value = strtod(text, &end);
+    if (end == text || *end != '\0' || !isfinite(value))
+        return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is not a number", option, text);
+    if (value < low || value > high)
+        return hs_fail(err, HS_ERR_USAGE, "%s: %s is outside %g .. %g", option, text, low, high);
+    *out = value;
+    return true;
+}
+
+bool hs_cli_integer(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *out,
+                    hs_error *err) {
+    char *end = NULL;
+    errno = 0;
+    const unsigned long long value = strtoull(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || *end != '\0')
+        return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is not a whole number", option, text);
+    if (errno == ERANGE || value < low || value > high)
+        return hs_fail(err, HS_ERR_USAGE, "%s: %s is outside %llu .. %llu", option, text,
+                       (unsigned long long)low, (unsigned long long)high);
+    *out = value;
+    return true;
+}
+
+int hs_cli_fail(const char *command, const hs_error *err) {
+    (void)fprintf(stderr, "host_sim %s: %s\n", command, err->text);
+    if (err->code == HS_ERR_USAGE) (void)fprintf(stderr, "Try 'host_sim %s --help'.\n", command);
+    return (int)err->code;
+}
+
+bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err) {
+    return next >= argc || hs_fail(err, HS_ERR_USAGE, "'%s': unexpected argument", argv[next]);
+}
+
+/* mkdir -p: every prefix that ends before a slash, then the whole path. */
+static bool make_folders(const char *path, hs_error *err) {
+    char prefix[PATH_MAX];
+    const size_t length = strlen(path);
+    if (length == 0 || length >= sizeof prefix)
+        return hs_fail(err, HS_ERR_OUTPUT, "'%s': a folder's path has 1 .. %d characters", path,
+                       PATH_MAX - 1);
+    for (size_t i = 1; i <= length; i++) {
+        if (path[i] != '/' && path[i] != '\0') continue;
+        memcpy(prefix, path, i);
+        prefix[i] = '\0';
+        if (mkdir(prefix, 0777) != 0 && errno != EEXIST)
+            return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot make the folder: %s", prefix, strerror(errno));
+    }
+    return true;
+}
+
+bool hs_cli_make_folder(const char *path, hs_error *err) {
+    char probe[PATH_MAX];
+    if (!make_folders(path, err) || !hs_cli_join(path, ".host_sim_XXXXXX", probe, sizeof probe, err))
+        return false;
+    const int file = mkstemp(probe);
+    if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write there: %s", path, strerror(errno));
+    close(file);
+    unlink(probe);
+    return true;
+}
+
+bool hs_cli_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err) {
+    const int length = snprintf(out, bytes, "%s/%s", folder, name);
+    return (length >= 0 && (size_t)length < bytes) ||
+           hs_fail(err, HS_ERR_OUTPUT, "%s/%s: the path is longer than %zu characters", folder, name,
+                   bytes - 1);
+}
+
+void hs_cli_default_plugin(char *out, size_t bytes) {
+    char self[PATH_MAX];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    self[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(self, '/');
+    if (slash) *slash = '\0';
+    (void)snprintf(out, bytes, "%s/smartvis.so", slash ? self : ".");
+}

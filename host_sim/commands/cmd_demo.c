@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: MIT */
+/* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
+#include "base/cli.h"
+#include "commands/run.h"
+#include "picture/page_html.h"
+#include "report/loop_pictures.h"
+
+#include <dirent.h>
+#include <getopt.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_CASES   12
+#define MAX_REAL    4
+#define COLUMNS     8    /* of the table at the end of the page */
+#define CELL        48   /* bytes of a cell */
+#define ORBIT_TOTAL 60.0 /* degrees */
+
+static const char help_text[] =
+    "Usage: host_sim demo [options]\n"
+    "Runs the scan loop in its three settings on a few scenes, and writes pictures and one page, "
+    "index.html.\n"
+    "\n"
+    "  --out DIR       folder for the pictures and the page [out/demo]\n"
+    "  --data DIR      also runs the MetaImage volumes (.mha, .mhd) of this folder, four at most\n"
+    "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
+    "  --quick         smaller scenes and fewer frames\n"
+    "  --help          this text\n"
+    "\n";
+
+/* One source of the demo. */
+typedef struct {
+    const char *scene;         /* a scene's name, or NULL: ... */
+    char file[PATH_MAX];       /* ... a volume's path */
+    char folder[NAME_MAX + 1]; /* of its pictures, inside the demo's */
+} demo_case;
+
+typedef struct {
+    const char *out, *data, *plugin;
+    bool quick, help;
+    demo_case cases[MAX_CASES];
+    uint32_t case_count;
+    hs_report report;
+    char rows[MAX_CASES][COLUMNS][CELL]; /* the table at the end of the page */
+    uint32_t row_count;
+    hs_error plugin_error; /* the first one */
+} demo;
+
+static void add_scenes(demo *d) {
+    static const char *const names[] = {"D01", "E01", "D02"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        demo_case *c = &d->cases[d->case_count++];
+        *c = (demo_case){.scene = names[i]};
+        (void)snprintf(c->folder, sizeof c->folder, "%s", names[i]);
+    }
+}
+
+static int is_metaimage(const struct dirent *entry) {
+    const char *dot = strrchr(entry->d_name, '.');
+    return dot && (strcmp(dot, ".mha") == 0 || strcmp(dot, ".mhd") == 0);
+}
+
+/* The same volume once more, behind the occluders of the scene "real". */
+static void add_hidden(demo *d, demo_case plain) {
+    demo_case *c = &d->cases[d->case_count++];
+    *c = plain;
+    c->scene = "real";
+    (void)snprintf(c->folder, sizeof c->folder, "hidden_%.200s", plain.folder);
+}
+
+/* The volumes of --data, by name. */
+static bool add_volumes(demo *d, hs_error *err) {
+    struct dirent **entries = NULL;
+    if (!d->data) return true;
+    const int count = scandir(d->data, &entries, is_metaimage, alphasort);
+    if (count < 0) return hs_fail(err, HS_ERR_INPUT, "%s: cannot list the folder", d->data);
+    bool ok = true;
+    for (int i = 0; i < count; i++) {
+        if (ok && i < MAX_REAL) {
+            demo_case *c = &d->cases[d->case_count++];
+            (void)snprintf(c->folder, sizeof c->folder, "%s", entries[i]->d_name);
+            for (char *dot = c->folder; (dot = strchr(dot, '.')) != NULL;) *dot = '_';
+            ok = hs_cli_join(d->data, entries[i]->d_name, c->file, sizeof c->file, err);
+            if (ok) add_hidden(d, *c);
+        }
+        free(entries[i]);
+    }
+    free(entries);
+    return ok;
+}
+
+/* A picture of the case on the page, if it was made (a real volume has no ground truth). */
+static void show(demo *d, const char *folder, const char *name, const char *alt, const char *caption) {
+    char path[PATH_MAX];
+    if (!hs_cli_join(folder, name, path, sizeof path, &d->report.error)) return;
+    /* Renderings, and what is drawn over one, are photos; a map in false colour is small as it is. */
+    (strcmp(name, "depthmap.png") == 0 ? hs_report_picture : hs_report_photo)(&d->report, path, alt, caption);
+}
+
+static void show_pictures(demo *d, const hs_run *run, const char *folder, bool clipped) {
+    hs_report_row_begin(&d->report);
+    show(d, folder, "full.png", "Rendering of the full volume", "Full volume: what the probe delivers");
+    show(d, folder, "result.png",
+         clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, unclipped",
+         clipped ? "Result: rays start at the plugin's clipping depthmap" : "Result: rendered unclipped");
+    if (run->source.truths)
+        show(d, folder, "truth.png", "Rendering of the ground truth",
+             "Ground truth: the scene without what hides the fetus");
+    hs_report_row_end(&d->report);
+    hs_report_row_begin(&d->report);
+    show(d, folder, "depthmap.png", "The clipping depthmap in false colour",
+         "Clipping depthmap: where the rays start, in low-resolution slices; hatched clips nothing");
+    show(d, folder, "points.png", "Initial points over the maximum intensity projection",
+         "Initial points over the maximum intensity projection");
+    hs_report_row_end(&d->report);
+    hs_report_row_begin(&d->report);
+    sv_param_info knob;
+    if (run->has_plugin && hs_plugin_find_primary(&run->plugin, &knob))
+        show(d, folder, "knob.png", "The result for six positions of the knob",
+             "The knob: the result for six positions of the plugin's primary parameter");
+    hs_report_row_end(&d->report);
+    hs_report_row_begin(&d->report);
+    show(d, folder, "orbit.png", "Six views of an orbit, the full volume above and the result below",
+         "Six views of an orbit: full volume above, result below");
+    hs_report_row_end(&d->report);
+}
+
+/* The run's table as printed; NULL if memory runs out. */
+static char *printed(const hs_run *run) {
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *stream = open_memstream(&text, &bytes);
+    if (!stream) return NULL;
+    hs_run_print(run, stream);
+    (void)fclose(stream);
+    return text;
+}
+
+/* As much of the text as a cell holds. */
+static void put_cell(char *cell, const char *text) {
+    const size_t length = strnlen(text, CELL - 1);
+    memcpy(cell, text, length);
+    cell[length] = '\0';
+}
+
+/* The case's row in the table at the end of the page. */
+static void keep_row(demo *d, const demo_case *c, const hs_run *run) {
+    const hs_loop_result *r = &run->results[HS_SETTING_SMARTVIS];
+    char(*row)[CELL] = d->rows[d->row_count++];
+    put_cell(row[0], c->folder);
+    for (int s = 0; s < HS_SETTING_COUNT; s++)
+        (void)snprintf(row[1 + s], CELL, "%.1f", run->results[s].volumes_per_second);
+    (void)snprintf(row[4], CELL, "%.2f", r->stage[HS_STAGE_PLUGIN].median);
+    (void)snprintf(row[5], CELL, "%.1f %%", 100 * r->plugin_share);
+    (void)snprintf(row[6], CELL, "%.1f %%", r->stats.rays ? 100.0 * r->stats.points / r->stats.rays : 0.0);
+    put_cell(row[7], hs_status_name(r->outcome));
+}
+
+/* The scene's own sentence; files have none. */
+static const char *what_it_is(const hs_run *run) {
+    return run->source.title[0]
+               ? run->source.title
+               : "A volume from a file, without a ground truth. Where no fluid lies before a structure "
+                 "there is nothing to remove, and a good result cuts nothing away there.";
+}
+
+/* Measures, draws, then turns the camera for the strip of views. */
+static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *folder, hs_error *err) {
+    if (!hs_run_measure(run, err) || !hs_run_pictures(run, folder, err)) return false;
+    hs_run_print(run, stdout);
+    (void)printf("\n");
+    (void)fflush(stdout);
+    keep_row(d, c, run);
+    char *numbers = printed(run);
+    hs_loop_options orbit = run->request.loop;
+    orbit.frames = HS_ORBIT_VIEWS;
+    orbit.orbit = ORBIT_TOTAL;
+    const bool ok = hs_run_replace_loop(run, &orbit, err) && hs_run_orbit_picture(run, folder, err);
+    if (ok) {
+        hs_report_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
+        hs_report_text(&d->report, what_it_is(run));
+        show_pictures(d, run, folder, run->results[HS_SETTING_SMARTVIS].outcome == SV_OK);
+        hs_report_folded(&d->report, "Times and statistics", numbers ? numbers : "");
+    }
+    free(numbers);
+    return ok;
+}
+
+static bool run_case(demo *d, const demo_case *c, hs_error *err) {
+    char folder[PATH_MAX];
+    const char *const volumes[1] = {c->file};
+    hs_run_request request;
+    hs_run run;
+    hs_run_defaults(&request);
+    request.plugin_path = d->plugin;
+    request.scene.name = c->scene;
+    request.scene.real = c->scene && c->file[0] ? c->file : NULL;
+    request.scene.size = d->quick ? 128 : 256;
+    request.volumes = volumes;
+    request.volume_count = c->scene ? 0 : 1;
+    request.loop.frames = d->quick ? 10 : 30;
+    (void)fprintf(stderr, "host_sim demo: %s ...\n", c->folder);
+    if (!hs_cli_join(d->out, c->folder, folder, sizeof folder, err) || !hs_cli_make_folder(folder, err))
+        return false;
+    if (!hs_run_open(&run, &request, err)) return false;
+    const bool ok = run_opened(d, c, &run, folder, err);
+    const hs_error *failure = hs_run_plugin_error(&run);
+    if (failure->code != HS_OK) {
+        (void)fprintf(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
+        (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
+    }
+    hs_run_close(&run);
+    return ok;
+}
+
+static void write_intro(demo *d) {
+    hs_report_text(&d->report,
+                   "In 3D ultrasound tissue, cord and particles often hide the fetus. For every viewing ray "
+                   "the plugin finds a "
+                   "depth in the amniotic fluid between them and the fetus; the renderer starts its rays "
+                   "there. Each case below "
+                   "shows the full volume, the result, and for synthetic scenes the ground truth.");
+}
+
+static void write_table(demo *d) {
+    static const char *const names[COLUMNS] = {"Case",           "DVR [1/s]",   "+ scan conversion [1/s]",
+                                               "+ plugin [1/s]", "plugin [ms]", "plugin's share",
+                                               "initial points", "outcome"};
+    hs_report_heading(&d->report, 2, "Speed");
+    hs_report_text(
+        &d->report,
+        "Volumes a second from the median of the whole loop, in the three settings of the thesis' Figure "
+        "5.21: "
+        "DVR alone and DVR with scan conversion render the full volume, unclipped; with the plugin the "
+        "rays start at its depthmap. The plugin's share is that of a whole frame.");
+    hs_report_table_begin(&d->report);
+    hs_report_table_row(&d->report, names, COLUMNS);
+    for (uint32_t i = 0; i < d->row_count; i++) {
+        const char *cells[COLUMNS];
+        for (uint32_t c = 0; c < COLUMNS; c++) cells[c] = d->rows[i][c];
+        hs_report_table_row(&d->report, cells, COLUMNS);
+    }
+    hs_report_table_end(&d->report);
+}
+
+static bool run_demo(demo *d, hs_error *err) {
+    char page[PATH_MAX];
+    if (!hs_cli_make_folder(d->out, err) || !hs_cli_join(d->out, "index.html", page, sizeof page, err))
+        return false;
+    add_scenes(d);
+    if (!add_volumes(d, err)) return false;
+    hs_report_open(&d->report, page, "SmartVis: the scan loop");
+    write_intro(d);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < d->case_count; i++) ok = run_case(d, &d->cases[i], err);
+    write_table(d);
+    if (d->plugin_error.code != HS_OK) hs_report_text(&d->report, d->plugin_error.text);
+    /* A page that misses a case would look complete. */
+    if (!ok) (void)hs_fail(&d->report.error, err->code, "%s", err->text);
+    if (!hs_report_close(&d->report, ok ? err : &d->report.error) || !ok) return false;
+    (void)printf("Pictures are in %s, the page is %s\n", d->out, page);
+    return true;
+}
+
+static bool parse(int argc, char **argv, demo *d, hs_error *err) {
+    static const struct option options[] = {
+        {"out", required_argument, NULL, 'o'},    {"data", required_argument, NULL, 'd'},
+        {"plugin", required_argument, NULL, 'p'}, {"quick", no_argument, NULL, 'q'},
+        {"help", no_argument, NULL, 'h'},         {0}};
+    optind = 1;
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        switch (option) {
+        case 'o':
+            d->out = optarg;
+            break;
+        case 'd':
+            d->data = optarg;
+            break;
+        case 'p':
+            d->plugin = optarg;
+            break;
+        case 'q':
+            d->quick = true;
+            break;
+        case 'h':
+            d->help = true;
+            return true;
+        default:
+            return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
+                           option == ':' ? "needs a value" : "not an option of this command");
+        }
+    }
+    return hs_cli_no_more(argc, argv, optind, err);
+}
+
+int hs_cmd_demo(int argc, char **argv) {
+    hs_error err = {0};
+    demo *d = calloc(1, sizeof *d);
+    if (!d) {
+        (void)hs_fail(&err, HS_ERR_MEMORY, "no memory");
+        return hs_cli_fail("demo", &err);
+    }
+    d->out = "out/demo";
+    int code = HS_OK;
+    if (!parse(argc, argv, d, &err))
+        code = hs_cli_fail("demo", &err);
+    else if (d->help)
+        (void)printf("%s%s", help_text, hs_exit_codes_help);
+    else if (!run_demo(d, &err))
+        code = hs_cli_fail("demo", &err);
+    else
+        code = (int)d->plugin_error.code;
+    free(d);
+    return code;
+}

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* host_sim info: what a MetaImage volume is, as the simulator sees it. */
+#include "base/cli.h"
+#include "commands/run.h"
+
+#include <getopt.h>
+#include <string.h>
+
+#define BINS      16 /* of 16 grey levels each */
+#define BAR_WIDTH 50 /* characters of the longest bar */
+
+static const char help_text[] =
+    "Usage: host_sim info FILE...\n"
+    "Prints size, spacing, share of unscanned voxels and a histogram of MetaImage volumes.\n"
+    "\n"
+    "  --help   this text\n"
+    "\n";
+
+/* Counts of all grey levels; [0] are the unscanned voxels. */
+static void count_levels(const hs_volume *volume, size_t levels[256]) {
+    memset(levels, 0, 256 * sizeof *levels);
+    const size_t count = hs_volume_count(volume);
+    for (size_t i = 0; i < count; i++) levels[volume->voxels[i]]++;
+}
+
+/* Of the scanned voxels: the unscanned ones would dwarf every bar. */
+static void print_histogram(const size_t levels[256]) {
+    size_t bins[BINS] = {0}, most = 1, scanned = 0;
+    for (int level = 1; level < 256; level++) {
+        bins[level * BINS / 256] += levels[level];
+        scanned += levels[level];
+    }
+    for (int b = 0; b < BINS; b++) most = bins[b] > most ? bins[b] : most;
+    (void)printf("  grey levels of the scanned voxels:\n");
+    for (int b = 0; b < BINS; b++) {
+        const int first = b == 0 ? 1 : b * 256 / BINS;
+        const int length = (int)((double)bins[b] / (double)most * BAR_WIDTH + 0.5);
+        (void)printf("  %3d .. %3d %6.2f %% ", first, (b + 1) * 256 / BINS - 1,
+                     scanned ? 100.0 * (double)bins[b] / (double)scanned : 0.0);
+        for (int i = 0; i < length; i++) (void)putchar('#');
+        (void)putchar('\n');
+    }
+}
+
+static void print_volume(const char *path, const hs_volume *v) {
+    size_t levels[256];
+    int low = 255, high = 0;
+    count_levels(v, levels);
+    for (int level = 1; level < 256; level++)
+        if (levels[level] > 0) {
+            low = level < low ? level : low;
+            high = level;
+        }
+    (void)printf("%s\n", path);
+    (void)printf("  %u x %u x %u voxels of %g x %g x %g mm: %.1f x %.1f x %.1f mm\n", v->nx, v->ny, v->nz,
+                 v->spacing[0], v->spacing[1], v->spacing[2], v->nx * v->spacing[0], v->ny * v->spacing[1],
+                 v->nz * v->spacing[2]);
+    (void)printf("  %.2f %% of the voxels were not scanned", 100 * hs_unscanned_share(v));
+    if (high > 0)
+        (void)printf("; the others hold %d .. %d\n", low, high);
+    else
+        (void)printf("\n");
+    print_histogram(levels);
+}
+
+int hs_cmd_info(int argc, char **argv) {
+    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {0}};
+    hs_error err = {0};
+    optind = 1;
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        if (option == 'h') {
+            (void)printf("%s%s", help_text, hs_exit_codes_help);
+            return HS_OK;
+        }
+        (void)hs_fail(&err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        return hs_cli_fail("info", &err);
+    }
+    if (optind >= argc) {
+        (void)hs_fail(&err, HS_ERR_USAGE, "no FILE given");
+        return hs_cli_fail("info", &err);
+    }
+    for (int i = optind; i < argc; i++) {
+        hs_volume volume;
+        if (!hs_metaimage_read(argv[i], NULL, &volume, &err)) return hs_cli_fail("info", &err);
+        print_volume(argv[i], &volume);
+        hs_volume_free(&volume);
+    }
+    return HS_OK;
+}

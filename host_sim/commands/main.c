@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
+#include "base/cli.h"
+#include "picture/picture.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *what;
+} command;
+
+static const command commands[] = {
+    {"run", hs_cmd_run, "the scan loop on a volume or a scene: times, statistics, pictures"},
+    {"demo", hs_cmd_demo, "the scan loop on a few scenes, with one page of pictures and numbers"},
+    {"report", hs_cmd_report, "quality and speed over all cases and the whole parameter space, with a page"},
+    {"scenes", hs_cmd_scene, "synthetic scenes with ground truth: list, generate, export, look at"},
+    {"list", hs_cmd_list, "a plugin library's plugins and parameters"},
+    {"info", hs_cmd_info, "facts and histogram of a MetaImage volume"},
+};
+
+static void print_help(FILE *out) {
+    (void)fprintf(out, "Usage: host_sim COMMAND [options]\n"
+                       "Simulates the ultrasound machine around a SmartVis plugin.\n\n");
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        (void)fprintf(out, "  %-8s %s\n", commands[i].name, commands[i].what);
+    (void)fprintf(
+        out,
+        "\n'host_sim COMMAND --help' tells all options of a command.\n"
+        "SMARTVIS_DEVICE=cpu or gpu in the environment narrows the choice of the OpenCL device.\n\n%s",
+        hs_exit_codes_help);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        print_help(stderr);
+        return HS_ERR_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        print_help(stdout);
+        return HS_OK;
+    }
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        if (strcmp(argv[1], commands[i].name) == 0) {
+            const int code = commands[i].run(argc - 1, argv + 1);
+            hs_picture_finish();
+            return code;
+        }
+    (void)fprintf(stderr, "host_sim: '%s' is no command\nTry 'host_sim --help'.\n", argv[1]);
+    return HS_ERR_USAGE;
+}

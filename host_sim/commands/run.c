@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+#include "commands/run.h"
+
+#include "base/cli.h"
+#include "report/loop_pictures.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void hs_run_defaults(hs_run_request *request) {
+    *request = (hs_run_request){.log_level = SV_LOG_WARNING, .scene = {.size = 256, .volumes = 1}};
+    hs_loop_defaults(&request->loop);
+    request->loop.dvr.exposure =
+        1.5f; /* tissue has half the intensity of bone: without it pictures are dim */
+    for (int s = 0; s < HS_SETTING_COUNT; s++) request->settings[s] = true;
+}
+
+/* Loads the plugin; if that fails, the run goes on without. Wrong parameters are the user's and stop it. */
+static bool open_plugin(hs_run *run, hs_error *err) {
+    const hs_run_request *r = &run->request;
+    if (r->plugin_path)
+        (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", r->plugin_path);
+    else
+        hs_cli_default_plugin(run->plugin_path, sizeof run->plugin_path);
+    run->has_plugin =
+        hs_plugin_open(&run->plugin, run->plugin_path, r->plugin_id, r->log_level, &run->earlier_error);
+    if (!run->has_plugin) return true;
+    run->values = calloc(r->set_count + 1u, sizeof *run->values);
+    if (!run->values) return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", r->set_count);
+    for (uint32_t i = 0; i < r->set_count; i++)
+        if (!hs_plugin_parse_param(&run->plugin, r->sets[i], &run->values[i], err)) return false;
+    run->request.loop.values = run->values;
+    run->request.loop.value_count = r->set_count;
+    return true;
+}
+
+static bool open_source(hs_run *run, hs_error *err) {
+    const hs_run_request *r = &run->request;
+    if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
+    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->read, err);
+}
+
+bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {
+    *run = (hs_run){.request = *request};
+    if (open_plugin(run, err) && open_source(run, err) && hs_cl_open(&run->cl, err)) {
+        run->loop = hs_loop_create(&run->cl, &run->source, run->has_plugin ? &run->plugin : NULL,
+                                   &run->request.loop, err);
+        if (run->loop) return true;
+    }
+    hs_run_close(run);
+    return false;
+}
+
+bool hs_run_replace_loop(hs_run *run, const hs_loop_options *options, hs_error *err) {
+    run->earlier_error = *hs_run_plugin_error(run);
+    run->earlier_sure = *hs_run_confidence_error(run);
+    hs_loop_destroy(run->loop);
+    run->request.loop = *options;
+    run->loop = hs_loop_create(&run->cl, &run->source, run->has_plugin ? &run->plugin : NULL, options, err);
+    return run->loop != NULL;
+}
+
+void hs_run_close(hs_run *run) {
+    hs_loop_destroy(run->loop);
+    if (run->has_plugin) hs_plugin_close(&run->plugin);
+    hs_cl_close(&run->cl);
+    hs_source_close(&run->source);
+    free(run->values);
+    *run = (hs_run){0};
+}
+
+bool hs_run_has_stage(const hs_run *run, hs_setting setting, hs_stage stage) {
+    if (stage == HS_STAGE_UPLOAD) return run->source.count > 1 || run->request.loop.live;
+    if (stage == HS_STAGE_CONVERT) return setting != HS_SETTING_DVR;
+    return stage != HS_STAGE_PLUGIN || setting == HS_SETTING_SMARTVIS;
+}
+
+bool hs_run_measure(hs_run *run, hs_error *err) {
+    bool ok = true;
+    run->result_count = 0;
+    for (int s = 0; ok && s < HS_SETTING_COUNT; s++) {
+        if (!run->request.settings[s]) continue;
+        hs_progress progress;
+        hs_progress_begin(&progress, hs_setting_label((hs_setting)s), run->request.loop.frames);
+        ok = hs_loop_run(run->loop, (hs_setting)s, &progress, &run->results[run->result_count], err);
+        hs_progress_end(&progress);
+        if (ok) run->result_count++;
+    }
+    return ok;
+}
+
+const hs_error *hs_run_plugin_error(const hs_run *run) {
+    return run->earlier_error.code != HS_OK || !run->loop ? &run->earlier_error
+                                                          : hs_loop_plugin_error(run->loop);
+}
+
+const hs_error *hs_run_confidence_error(const hs_run *run) {
+    return run->earlier_sure.code != HS_OK || !run->loop ? &run->earlier_sure
+                                                         : hs_loop_confidence_error(run->loop);
+}
+
+void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {
+    if (!run->has_plugin) {
+        (void)snprintf(out, bytes, "no plugin");
+        return;
+    }
+    const sv_descriptor *d = run->plugin.instance->descriptor;
+    (void)snprintf(out, bytes, "%s %s", d->id, d->version);
+}
+
+/* Why a view is unclipped, for its captions; NULL if it is clipped. */
+static const char *unclipped_note(const hs_run *run, const hs_view *view, char *text, size_t bytes) {
+    if (view->frame.clipped) return NULL;
+    if (view->frame.outcome > SV_OK)
+        (void)snprintf(text, bytes, "Unclipped: the plugin says %s%s.", hs_status_name(view->frame.outcome),
+                       view->frame.outcome == SV_NO_SURFACE ? ", nothing is sure" : "");
+    else
+        (void)snprintf(text, bytes, "Unclipped: %s", hs_run_plugin_error(run)->text);
+    return text;
+}
+
+static void picture_title(const hs_run *run, char *out, size_t bytes) {
+    char plugin[200];
+    hs_run_plugin_name(run, plugin, sizeof plugin);
+    (void)snprintf(out, bytes, "%s, %s", hs_source_volume(&run->source, 0)->name, plugin);
+}
+
+bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err) {
+    char title[480];
+    picture_title(run, title, sizeof title);
+    return hs_loop_write_orbit(run->loop, &run->request.loop, folder, title, err);
+}
+
+bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
+    char title[480], note[1100];
+    hs_view view;
+    picture_title(run, title, sizeof title);
+    const uint32_t middle = run->request.loop.frames / 2;
+    if (!hs_loop_view(run->loop, middle, &view, err)) return false;
+    const bool ok =
+        hs_loop_write_pictures(&view, folder, title, unclipped_note(run, &view, note, sizeof note),
+                               run->request.panel_cell, err) &&
+        hs_loop_write_knob(run->loop, run->has_plugin ? &run->plugin : NULL, &run->request.loop, middle,
+                           folder, title, err) &&
+        (run->request.loop.orbit == 0 || hs_run_orbit_picture(run, folder, err));
+    hs_view_free(&view);
+    return ok;
+}
+
+double hs_unscanned_share(const hs_volume *volume) {
+    const size_t count = hs_volume_count(volume);
+    size_t zeros = 0;
+    for (size_t i = 0; i < count; i++) zeros += volume->voxels[i] == 0;
+    return count ? (double)zeros / (double)count : 0;
+}

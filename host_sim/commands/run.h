@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* One run of the simulator from request to pictures: what `run` does once, and `demo` for every scene. */
+#ifndef HS_RUN_H
+#define HS_RUN_H
+
+#include "loop/loop.h"
+
+#include <stdio.h>
+
+/* What to run. Strings and arrays are borrowed and must outlive the run. */
+typedef struct {
+    const char *plugin_path;    /* NULL: smartvis.so beside the executable */
+    const char *plugin_id;      /* NULL: the library's first */
+    int32_t log_level;          /* SV_LOG_*: less severe lines of the plugin are not printed */
+    const char *const *volumes; /* MetaImage files, or ... */
+    uint32_t volume_count;
+    hs_source_scene scene; /* ... a scene, if it has a name */
+    hs_metaimage_options read;
+    const char *const *sets; /* key=value for the plugin's parameters */
+    uint32_t set_count;
+    hs_loop_options loop;            /* values are filled in from sets */
+    uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
+    bool settings[HS_SETTING_COUNT]; /* which to measure */
+} hs_run_request;
+
+/* A run under way. Must not move in memory while open (the plugin holds a pointer into it). */
+typedef struct {
+    hs_run_request request;
+    char plugin_path[1024];
+    hs_source source;
+    hs_cl cl;
+    hs_plugin plugin;
+    bool has_plugin;
+    sv_param_value *values;
+    hs_loop *loop;
+    hs_error earlier_sure;  /* the same of its confidence */
+    hs_error earlier_error; /* the plugin's failure while loading, or in a loop that was replaced */
+    hs_loop_result results[HS_SETTING_COUNT];
+    uint32_t result_count;
+} hs_run;
+
+/* Zeros, defaults of the loop, all settings, scene size 256, warnings of the plugin. */
+void hs_run_defaults(hs_run_request *request);
+
+/*
+ * Loads plugin, source and device and builds the loop. A plugin that cannot be loaded or activated is no
+ * failure: see hs_run_plugin_error. Parameters are checked first, so that a slip costs no time: HS_ERR_USAGE.
+ * On failure everything is freed.
+ */
+bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err);
+
+/* Measures the wanted settings into run->results, with a progress line. */
+bool hs_run_measure(hs_run *run, hs_error *err);
+
+/* Writes the pictures of the middle frame into the folder, and orbit.png if the camera orbits. */
+bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err);
+
+/* Writes orbit.png alone. */
+bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err);
+
+/* Ends the loop and builds another from the same source, plugin and device: for other cameras. run->results
+ * stay. On failure there is no loop, and only hs_run_close may follow. */
+bool hs_run_replace_loop(hs_run *run, const hs_loop_options *options, hs_error *err);
+
+/* Safe on a zeroed struct and after a failed open. */
+void hs_run_close(hs_run *run);
+
+/* The first failure of the plugin, of loading or of a frame; code HS_OK if there was none. */
+const hs_error *hs_run_plugin_error(const hs_run *run);
+
+/* The same of its confidence map (hs_loop_confidence_error). */
+const hs_error *hs_run_confidence_error(const hs_run *run);
+
+/* True if frames of the setting have the stage at all. */
+bool hs_run_has_stage(const hs_run *run, hs_setting setting, hs_stage stage);
+
+/* "org.smartvis.clip 1.0.0", or "no plugin". */
+void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes);
+
+/* Share of voxels of a volume that were not scanned, 0 .. 1. */
+double hs_unscanned_share(const hs_volume *volume);
+
+/* The facts and the table of times, shares and statistics, as in the thesis' Figure 5.21 and Table 5.4. */
+void hs_run_print(const hs_run *run, FILE *out);
+
+/* The same as JSON. HS_ERR_OUTPUT, HS_ERR_MEMORY. */
+bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err);
+
+#endif

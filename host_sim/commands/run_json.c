@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* A run's results as JSON. */
+#include "commands/run.h"
+
+#include "base/output_file.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* File names may hold any bytes, JSON only UTF-8: what is not becomes '?'. */
+static json_t *text(const char *bytes) {
+    json_t *value = json_string(bytes);
+    if (value) return value;
+    char *copy = strdup(bytes);
+    if (!copy) return NULL;
+    for (char *c = copy; *c; c++)
+        if ((unsigned char)*c >= 0x80) *c = '?';
+    value = json_string(copy);
+    free(copy);
+    return value;
+}
+
+/* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
+ * rather than being left out. */
+static void put(json_t *object, const char *key, json_t *value, bool *ok) {
+    if (json_object_set_new(object, key, value) != 0) *ok = false;
+}
+
+static json_t *stage_times(const hs_run *run, const hs_loop_result *r, bool *ok) {
+    static const char *const keys[HS_STAGE_COUNT] = {"upload", "scan_conversion", "plugin", "dvr", "loop"};
+    json_t *stages = json_object();
+    for (int s = 0; s < HS_STAGE_COUNT; s++)
+        if (hs_run_has_stage(run, r->setting, (hs_stage)s))
+            put(stages, keys[s],
+                json_pack("{s:f, s:f}", "median_ms", r->stage[s].median, "p95_ms", r->stage[s].p95), ok);
+    return stages;
+}
+
+static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
+    const sv_stats *s = &r->stats;
+    json_t *part = json_pack("{s:f, s:i, s:i, s:i, s:i, s:s}", "share", r->plugin_share, "clipped_frames",
+                             (int)r->clipped_frames, "note_frames", (int)r->note_frames, "failed_frames",
+                             (int)r->failed_frames, "outcome", (int)r->outcome, "outcome_name",
+                             hs_status_name(r->outcome));
+    put(part, "stats",
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f}", "rays", (json_int_t)s->rays, "points",
+                  (json_int_t)s->points, "empty_points", (json_int_t)s->empty_points, "sure_points",
+                  (json_int_t)s->sure_points, "passes", (json_int_t)s->passes, "unfilled",
+                  (json_int_t)s->unfilled, "volume_max", (double)s->volume_max, "bone_threshold",
+                  (double)s->bone_threshold),
+        ok);
+    const sv_stage_times *t = &r->plugin_stages;
+    if (r->has_plugin_stages)
+        put(part, "stages_ms",
+            json_pack("{s:f, s:f, s:f, s:f, s:f}", "transfer", t->transfer_ms, "profile", t->profile_ms,
+                      "threshold", t->threshold_ms, "reconstruct", t->reconstruct_ms, "output", t->output_ms),
+            ok);
+    return part;
+}
+
+static json_t *describe(const hs_run *run, bool *ok) {
+    const hs_volume *v = hs_source_volume(&run->source, 0);
+    const hs_slab_layout *l = hs_loop_layout(run->loop);
+    const hs_loop_options *o = &run->request.loop;
+    char plugin[200];
+    hs_run_plugin_name(run, plugin, sizeof plugin);
+    json_t *root = json_object();
+    put(root, "source", text(v->name), ok);
+    put(root, "source_size", json_pack("[i, i, i]", (int)v->nx, (int)v->ny, (int)v->nz), ok);
+    put(root, "unscanned_share", json_real(hs_unscanned_share(v)), ok);
+    put(root, "plugin", text(plugin), ok);
+    put(root, "device", text(run->cl.device_name), ok);
+    put(root, "lowres_size", json_pack("[i, i, i]", (int)l->width, (int)l->height, (int)l->slices), ok);
+    put(root, "slab_slices", json_integer(l->slab_slices), ok);
+    put(root, "carrier", json_integer(o->carrier), ok);
+    put(root, "own_queue", json_boolean(o->own_queue), ok);
+    put(root, "camera", json_pack("{s:f, s:f, s:f}", "yaw", o->yaw, "pitch", o->pitch, "orbit", o->orbit),
+        ok);
+    put(root, "picture", json_pack("[i, i]", (int)o->dvr.width, (int)o->dvr.height), ok);
+    return root;
+}
+
+bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err) {
+    bool ok = true;
+    json_t *root = describe(run, &ok);
+    json_t *settings = json_object();
+    for (uint32_t i = 0; i < run->result_count; i++) {
+        const hs_loop_result *r = &run->results[i];
+        json_t *one =
+            json_pack("{s:i, s:f}", "frames", (int)r->frames, "volumes_per_second", r->volumes_per_second);
+        put(one, "stages", stage_times(run, r, &ok), &ok);
+        if (r->setting == HS_SETTING_SMARTVIS) put(one, "plugin", plugin_part(r, &ok), &ok);
+        put(settings, hs_setting_key(r->setting), one, &ok);
+    }
+    put(root, "settings", settings, &ok);
+    const hs_error *failure = hs_run_plugin_error(run);
+    put(root, "plugin_error", failure->code == HS_OK ? json_null() : text(failure->text), &ok);
+    char *dump = !ok ? NULL : json_dumps(root, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+    json_decref(root);
+    if (!dump)
+        return hs_fail(err, HS_ERR_OUTPUT, "%s: a result is no finite number, or memory ran out", path);
+    hs_output_file output;
+    ok = hs_output_open(&output, path, err);
+    if (ok &&
+        !(hs_output_write(&output, dump, strlen(dump), err) && hs_output_write(&output, "\n", 1, err))) {
+        hs_output_discard(&output);
+        ok = false;
+    }
+    free(dump);
+    return ok && hs_output_commit(&output, err);
+}

@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: MIT */
+/* host_sim run: its options. */
+#include "commands/run_line.h"
+
+#include "base/cli.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_FRAMES 100000u
+
+static const char help_head[] =
+    "Usage: host_sim run (--volume FILE | --scene NAME) [options]\n"
+    "Runs the scan loop: volume -> scan conversion -> slabs -> plugin -> depthmap -> DVR -> picture.\n"
+    "Prints times and statistics, and writes pictures to one folder.\n"
+    "\n"
+    "Source:\n"
+    "  --volume FILE         MetaImage (.mha, .mhd); given several times: a sequence, one a frame\n"
+    "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all "
+    "[auto]\n"
+    "  --window LOW,HIGH     source values that become 0 and 255 [the file's own range; 8-bit files as they "
+    "are]\n"
+    "  --scene NAME|FILE     a built-in scene (see 'host_sim scenes') or a scene file\n"
+    "  --size N              voxels per axis of a scene, 32 .. 512 [256]\n"
+    "  --seed N              seed of a scene; 0 is its own [0]\n"
+    "  --moving N            N volumes of the scene's motion, one a frame, 1 .. 16 [1: it stands still]\n"
+    "  --real FILE           the volume of a scene of kind real\n"
+    "  --live                uploads every frame's volume anew, as a live scan does\n"
+    "Plugin:\n"
+    "  --plugin PATH         library to load [smartvis.so beside host_sim]\n"
+    "  --id ID               which of its plugins [the first]\n"
+    "  --set KEY=VALUE       a plugin parameter; repeatable; see 'host_sim list'\n"
+    "  --carrier KIND        how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n"
+    "  --own-queue           the plugin picks its own device and queue\n"
+    "  --slab N              slices of a slab [16]\n"
+    "  --lowres N            pixels across the low-resolution volume [a third of the source's resolution]\n"
+    "  --verbose             prints all the plugin logs; default: warnings and errors\n";
+
+static const char help_tail[] =
+    "Loop:\n"
+    "  --setting WHICH       dvr, convert, smartvis or all: the settings of the thesis' Figure 5.21 [all];\n"
+    "                        dvr and convert render the full volume, unclipped\n"
+    "  --frames N            volumes per setting [30]\n"
+    "  --yaw DEG --pitch DEG camera; 0 0 looks from the probe [0 0]\n"
+    "  --orbit DEG           turns the camera by DEG over the frames, half to either side of --yaw [0]\n"
+    "Renderer:\n"
+    "  --t-low T --t-high T  opacity is 0 at T_L and below, 1 at T_H and above, in 0 .. 1 [0.1588 0.45]\n"
+    "  --ghost-offset S      s of the ghosting, in steps [0]\n"
+    "  --ghost-width W       w of the ghosting, in steps; 0 is a hard cut [0]\n"
+    "  --ghost-doubt G       where the plugin is not sure, the ghosting begins up to G times W sooner [2]\n"
+    "  --exposure G          gain of the picture's colours, 1 is the plain formula [1.5]\n"
+    "  --picture N           the picture is N x N pixels [512]\n"
+    "Output:\n"
+    "  --out DIR             folder for the pictures [out/run]\n"
+    "  --panel N             width of each picture in panel.png, pixels [512]\n"
+    "  --json FILE           writes the results as JSON, too\n"
+    "  --help                this text\n"
+    "\n";
+
+enum {
+    OPT_VOLUME = 256,
+    OPT_PADDING,
+    OPT_WINDOW,
+    OPT_SCENE,
+    OPT_SIZE,
+    OPT_SEED,
+    OPT_MOVING,
+    OPT_REAL,
+    OPT_LIVE,
+    OPT_PLUGIN,
+    OPT_ID,
+    OPT_SET,
+    OPT_CARRIER,
+    OPT_OWN_QUEUE,
+    OPT_SLAB,
+    OPT_LOWRES,
+    OPT_VERBOSE,
+    OPT_SETTING,
+    OPT_FRAMES,
+    OPT_YAW,
+    OPT_PITCH,
+    OPT_ORBIT,
+    OPT_T_LOW,
+    OPT_T_HIGH,
+    OPT_GHOST_OFFSET,
+    OPT_GHOST_WIDTH,
+    OPT_GHOST_DOUBT,
+    OPT_EXPOSURE,
+    OPT_PICTURE,
+    OPT_OUT,
+    OPT_PANEL,
+    OPT_JSON,
+    OPT_HELP
+};
+
+static const struct option options[] = {{"volume", required_argument, NULL, OPT_VOLUME},
+                                        {"padding", required_argument, NULL, OPT_PADDING},
+                                        {"window", required_argument, NULL, OPT_WINDOW},
+                                        {"scene", required_argument, NULL, OPT_SCENE},
+                                        {"size", required_argument, NULL, OPT_SIZE},
+                                        {"seed", required_argument, NULL, OPT_SEED},
+                                        {"moving", required_argument, NULL, OPT_MOVING},
+                                        {"real", required_argument, NULL, OPT_REAL},
+                                        {"live", no_argument, NULL, OPT_LIVE},
+                                        {"plugin", required_argument, NULL, OPT_PLUGIN},
+                                        {"id", required_argument, NULL, OPT_ID},
+                                        {"set", required_argument, NULL, OPT_SET},
+                                        {"carrier", required_argument, NULL, OPT_CARRIER},
+                                        {"own-queue", no_argument, NULL, OPT_OWN_QUEUE},
+                                        {"slab", required_argument, NULL, OPT_SLAB},
+                                        {"lowres", required_argument, NULL, OPT_LOWRES},
+                                        {"verbose", no_argument, NULL, OPT_VERBOSE},
+                                        {"setting", required_argument, NULL, OPT_SETTING},
+                                        {"frames", required_argument, NULL, OPT_FRAMES},
+                                        {"yaw", required_argument, NULL, OPT_YAW},
+                                        {"pitch", required_argument, NULL, OPT_PITCH},
+                                        {"orbit", required_argument, NULL, OPT_ORBIT},
+                                        {"t-low", required_argument, NULL, OPT_T_LOW},
+                                        {"t-high", required_argument, NULL, OPT_T_HIGH},
+                                        {"ghost-offset", required_argument, NULL, OPT_GHOST_OFFSET},
+                                        {"ghost-width", required_argument, NULL, OPT_GHOST_WIDTH},
+                                        {"ghost-doubt", required_argument, NULL, OPT_GHOST_DOUBT},
+                                        {"exposure", required_argument, NULL, OPT_EXPOSURE},
+                                        {"picture", required_argument, NULL, OPT_PICTURE},
+                                        {"out", required_argument, NULL, OPT_OUT},
+                                        {"panel", required_argument, NULL, OPT_PANEL},
+                                        {"json", required_argument, NULL, OPT_JSON},
+                                        {"help", no_argument, NULL, OPT_HELP},
+                                        {0}};
+
+/* The index of `text` among `count` names. */
+static bool pick(const char *option, const char *text, const char *const *names, uint32_t count,
+                 uint32_t *index, hs_error *err) {
+    char known[128] = "";
+    for (uint32_t i = 0; i < count; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            *index = i;
+            return true;
+        }
+        (void)strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
+        (void)strncat(known, names[i], sizeof known - strlen(known) - 1);
+    }
+    return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
+}
+
+static bool set_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
+                    hs_error *err) {
+    uint64_t value;
+    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
+    *out = (uint32_t)value;
+    return true;
+}
+
+static bool set_float(const char *option, const char *text, double low, double high, float *out,
+                      hs_error *err) {
+    double value;
+    if (!hs_cli_number(option, text, low, high, &value, err)) return false;
+    *out = (float)value;
+    return true;
+}
+
+/* "LOW,HIGH" */
+static bool set_window(const char *text, hs_metaimage_options *read, hs_error *err) {
+    char low[64];
+    const char *comma = strchr(text, ',');
+    if (!comma || (size_t)(comma - text) >= sizeof low)
+        return hs_fail(err, HS_ERR_USAGE, "--window: '%s', expected LOW,HIGH", text);
+    memcpy(low, text, (size_t)(comma - text));
+    low[comma - text] = '\0';
+    read->has_window = true;
+    if (!hs_cli_number("--window", low, -1e12, 1e12, &read->window_low, err) ||
+        !hs_cli_number("--window", comma + 1, -1e12, 1e12, &read->window_high, err))
+        return false;
+    return read->window_low < read->window_high ||
+           hs_fail(err, HS_ERR_USAGE, "--window: %s: LOW must be less than HIGH", text);
+}
+
+static bool append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
+                   hs_error *err) {
+    if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
+    list[(*count)++] = text;
+    return true;
+}
+
+static bool take_source_option(hs_run_line *line, int option, const char *text, hs_error *err) {
+    static const char *const paddings[] = {"auto", "none", "all"};
+    hs_run_request *r = &line->request;
+    uint32_t index = 0;
+    switch (option) {
+    case OPT_VOLUME:
+        return append("--volume", text, line->volumes, &r->volume_count, HS_RUN_MAX_VOLUMES, err);
+    case OPT_PADDING:
+        if (!pick("--padding", text, paddings, 3, &index, err)) return false;
+        r->read.padding = (hs_padding)index;
+        return true;
+    case OPT_WINDOW:
+        return set_window(text, &r->read, err);
+    case OPT_SCENE:
+        r->scene.name = text;
+        return true;
+    case OPT_SIZE:
+        return set_u32("--size", text, 32, 512, &r->scene.size, err);
+    case OPT_SEED:
+        return hs_cli_integer("--seed", text, 0, UINT64_MAX, &r->scene.seed, err);
+    case OPT_MOVING:
+        return set_u32("--moving", text, 1, 16, &r->scene.volumes, err);
+    case OPT_REAL:
+        r->scene.real = text;
+        return true;
+    default:
+        r->loop.live = true;
+        return true;
+    }
+}
+
+static bool take_plugin_option(hs_run_line *line, int option, const char *text, hs_error *err) {
+    static const char *const carriers[] = {"host", "buffer", "image"};
+    hs_run_request *r = &line->request;
+    uint32_t index = 0;
+    switch (option) {
+    case OPT_PLUGIN:
+        r->plugin_path = text;
+        return true;
+    case OPT_ID:
+        r->plugin_id = text;
+        return true;
+    case OPT_SET:
+        return append("--set", text, line->sets, &r->set_count, HS_RUN_MAX_SETS, err);
+    case OPT_CARRIER:
+        if (!pick("--carrier", text, carriers, 3, &index, err)) return false;
+        r->loop.carrier = SV_CARRIER_HOST + index;
+        line->carrier_given = true;
+        return true;
+    case OPT_OWN_QUEUE:
+        r->loop.own_queue = true;
+        return true;
+    case OPT_SLAB:
+        return set_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
+    case OPT_LOWRES:
+        return set_u32("--lowres", text, 1, 8192, &r->loop.lowres, err);
+    default:
+        r->log_level = SV_LOG_DEBUG;
+        return true;
+    }
+}
+
+static bool take_setting(hs_run_request *r, const char *text, hs_error *err) {
+    static const char *const names[] = {"dvr", "convert", "smartvis", "all"};
+    uint32_t index = 0;
+    if (!pick("--setting", text, names, 4, &index, err)) return false;
+    for (uint32_t s = 0; s < HS_SETTING_COUNT; s++) r->settings[s] = index == HS_SETTING_COUNT || s == index;
+    return true;
+}
+
+static bool take_loop_option(hs_run_line *line, int option, const char *text, hs_error *err) {
+    hs_run_request *r = &line->request;
+    switch (option) {
+    case OPT_SETTING:
+        return take_setting(r, text, err);
+    case OPT_FRAMES:
+        return set_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
+    case OPT_YAW:
+        return hs_cli_number("--yaw", text, -360, 360, &r->loop.yaw, err);
+    case OPT_PITCH:
+        return hs_cli_number("--pitch", text, -360, 360, &r->loop.pitch, err);
+    case OPT_ORBIT:
+        return hs_cli_number("--orbit", text, -360, 360, &r->loop.orbit, err);
+    case OPT_T_LOW:
+        return set_float("--t-low", text, 0, 1, &r->loop.dvr.threshold_low, err);
+    case OPT_T_HIGH:
+        return set_float("--t-high", text, 0, 1, &r->loop.dvr.threshold_high, err);
+    case OPT_GHOST_OFFSET:
+        return set_float("--ghost-offset", text, -8192, 8192, &r->loop.dvr.ghost_offset, err);
+    case OPT_GHOST_WIDTH:
+        return set_float("--ghost-width", text, 0, 8192, &r->loop.dvr.ghost_width, err);
+    case OPT_GHOST_DOUBT:
+        return set_float("--ghost-doubt", text, 0, (double)HS_DVR_MAX_DOUBT, &r->loop.dvr.ghost_doubt, err);
+    case OPT_EXPOSURE:
+        return set_float("--exposure", text, 0.1, 10, &r->loop.dvr.exposure, err);
+    case OPT_PICTURE:
+        if (!set_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
+        r->loop.dvr.height = r->loop.dvr.width;
+        return true;
+    case OPT_PANEL:
+        return set_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+    case OPT_OUT:
+        line->out = text;
+        return true;
+    default:
+        line->json = text;
+        return true;
+    }
+}
+
+/* What can be said before anything is loaded. */
+static bool check_line(const hs_run_line *line, hs_error *err) {
+    const hs_run_request *r = &line->request;
+    if (r->scene.name && r->volume_count > 0)
+        return hs_fail(err, HS_ERR_USAGE, "--scene %s and --volume %s: give one of them", r->scene.name,
+                       line->volumes[0]);
+    if (!r->scene.name && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "no source: give --volume FILE or --scene NAME");
+    if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
+        return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
+                       (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
+    return true;
+}
+
+bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) {
+    *line = (hs_run_line){.out = "out/run"};
+    hs_run_defaults(&line->request);
+    line->request.loop.frames = 30;
+    int option;
+    optind = 1;
+    opterr = 0;
+    while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+        bool ok = true;
+        if (option == OPT_HELP)
+            return (line->help = true);
+        else if (option == ':')
+            ok = hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
+        else if (option == '?')
+            ok = hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        else if (option <= OPT_LIVE)
+            ok = take_source_option(line, option, optarg, err);
+        else if (option <= OPT_VERBOSE)
+            ok = take_plugin_option(line, option, optarg, err);
+        else
+            ok = take_loop_option(line, option, optarg, err);
+        if (!ok) return false;
+    }
+    if (!hs_cli_no_more(argc, argv, optind, err) || !check_line(line, err)) return false;
+    line->request.volumes = line->volumes;
+    line->request.sets = line->sets;
+    if (line->request.loop.own_queue && !line->carrier_given) line->request.loop.carrier = SV_CARRIER_HOST;
+    return true;
+}
+
+void hs_run_line_help(void) {
+    (void)printf("%s%s%s", help_head, help_tail, hs_exit_codes_help);
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* The command line of `host_sim run`. */
+#ifndef HS_RUN_LINE_H
+#define HS_RUN_LINE_H
+
+#include "commands/run.h"
+
+#define HS_RUN_MAX_VOLUMES 64u
+#define HS_RUN_MAX_SETS    64u
+
+/* The command line as read. The request points into it, so it must not move. */
+typedef struct {
+    hs_run_request request;
+    const char *volumes[HS_RUN_MAX_VOLUMES];
+    const char *sets[HS_RUN_MAX_SETS];
+    const char *out, *json;
+    bool carrier_given, help;
+} hs_run_line;
+
+/* Reads the options. HS_ERR_USAGE names option, value and what is allowed. With --help the rest is not read.
+ */
+bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err);
+
+/* Prints all options and the exit codes. */
+void hs_run_line_help(void);
+
+#endif

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/* A run's results as text. */
+#include "commands/run.h"
+
+#include <unistd.h>
+
+#define COLUMN 24 /* characters of a setting's column */
+
+static const char *carrier_name(uint32_t carrier) {
+    return carrier == SV_CARRIER_HOST     ? "host memory"
+           : carrier == SV_CARRIER_BUFFER ? "OpenCL buffer"
+                                          : "OpenCL image";
+}
+
+static void print_facts(const hs_run *run, FILE *out) {
+    const hs_volume *v = hs_source_volume(&run->source, 0);
+    const hs_loop_options *o = &run->request.loop;
+    const hs_slab_layout *l = hs_loop_layout(run->loop);
+    char plugin[200];
+    hs_run_plugin_name(run, plugin, sizeof plugin);
+    (void)fprintf(out, "Source   %s: %u x %u x %u voxels of %.3g x %.3g x %.3g mm, %.1f %% not scanned",
+                  v->name, v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2],
+                  100 * hs_unscanned_share(v));
+    if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
+    (void)fprintf(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
+    (void)fprintf(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
+                  o->own_queue ? "a queue of its own" : "the host's queue");
+    (void)fprintf(out, "Camera   yaw %g, pitch %g, orbit %g degrees; picture %u x %u\n", o->yaw, o->pitch,
+                  o->orbit, o->dvr.width, o->dvr.height);
+    (void)fprintf(out, "Slabs    %u x %u x %u voxels in %u slabs of %u slices, %s\n", l->width, l->height,
+                  l->slices, hs_slab_count(l), l->slab_slices, carrier_name(o->carrier));
+    (void)fprintf(out, "Frames   %u a setting, after one that is not counted\n\n", o->frames);
+}
+
+static void print_headings(const hs_run *run, bool colour, FILE *out) {
+    static const char *const names[HS_SETTING_COUNT] = {"DVR", "+ scan conversion", "+ plugin"};
+    (void)fprintf(out, "%s%-26s", colour ? "\033[1m" : "", "Time of a stage [ms]");
+    for (uint32_t i = 0; i < run->result_count; i++)
+        (void)fprintf(out, "%*s", COLUMN, names[run->results[i].setting]);
+    (void)fprintf(out, "%s\n%-26s", colour ? "\033[0m" : "", "");
+    for (uint32_t i = 0; i < run->result_count; i++)
+        (void)fprintf(out, "%*s%10s", COLUMN - 10, "median", "p95");
+    (void)fprintf(out, "\n");
+}
+
+static bool any_has_stage(const hs_run *run, hs_stage stage) {
+    for (uint32_t i = 0; i < run->result_count; i++)
+        if (hs_run_has_stage(run, run->results[i].setting, stage)) return true;
+    return false;
+}
+
+static void print_times(const hs_run *run, FILE *out) {
+    for (int s = 0; s < HS_STAGE_COUNT; s++) {
+        if (!any_has_stage(run, (hs_stage)s)) continue;
+        (void)fprintf(out, "%-26s", hs_stage_label((hs_stage)s));
+        for (uint32_t i = 0; i < run->result_count; i++) {
+            const hs_loop_result *r = &run->results[i];
+            if (hs_run_has_stage(run, r->setting, (hs_stage)s))
+                (void)fprintf(out, "%*.2f%10.2f", COLUMN - 10, r->stage[s].median, r->stage[s].p95);
+            else
+                (void)fprintf(out, "%*s%10s", COLUMN - 10, "-", "-");
+        }
+        (void)fprintf(out, "\n");
+    }
+    (void)fprintf(out, "%-26s", "volumes a second");
+    for (uint32_t i = 0; i < run->result_count; i++)
+        (void)fprintf(out, "%*.1f%10s", COLUMN - 10, run->results[i].volumes_per_second, "");
+    (void)fprintf(out, "\n%-26s", "plugin's share of a frame");
+    for (uint32_t i = 0; i < run->result_count; i++) {
+        if (run->results[i].setting == HS_SETTING_SMARTVIS)
+            (void)fprintf(out, "%*.1f %%%8s", COLUMN - 12 + 2, 100 * run->results[i].plugin_share, "");
+        else
+            (void)fprintf(out, "%*s%10s", COLUMN - 10, "-", "");
+    }
+    (void)fprintf(out, "\n\n");
+}
+
+static void print_plugin(const hs_loop_result *r, FILE *out) {
+    const sv_stage_times *t = &r->plugin_stages;
+    if (r->has_plugin_stages)
+        (void)fprintf(
+            out,
+            "Plugin by its own clock [ms]: transfer %.3f, ray profiles %.3f, threshold %.3f, surface %.3f, "
+            "output %.3f\n",
+            t->transfer_ms, t->profile_ms, t->threshold_ms, t->reconstruct_ms, t->output_ms);
+    (void)fprintf(out, "Frames: %u clipped; rendered unclipped: %u by the plugin's note, %u by its failure\n",
+                  r->clipped_frames, r->note_frames, r->failed_frames);
+    const sv_stats *s = &r->stats;
+    (void)fprintf(out, "Last frame: %s", hs_status_name(r->outcome));
+    if (s->rays > 0)
+        (void)fprintf(out,
+                      "; %u initial points (%.1f %% of %u rays), %u of them with an empty interval, %u "
+                      "surely in fluid; "
+                      "T_B %.3f, volume maximum %.3f; %u passes, %u pixels unfilled",
+                      s->points, 100.0 * s->points / s->rays, s->rays, s->empty_points, s->sure_points,
+                      (double)s->bone_threshold, (double)s->volume_max, s->passes, s->unfilled);
+    (void)fprintf(out, "\n");
+}
+
+void hs_run_print(const hs_run *run, FILE *out) {
+    const bool colour = hs_use_colour(fileno(out));
+    bool other_settings = false;
+    print_facts(run, out);
+    print_headings(run, colour, out);
+    print_times(run, out);
+    for (uint32_t i = 0; i < run->result_count; i++) {
+        if (run->results[i].setting == HS_SETTING_SMARTVIS)
+            print_plugin(&run->results[i], out);
+        else
+            other_settings = true;
+    }
+    if (other_settings)
+        (void)fprintf(
+            out,
+            "\"DVR\" and \"+ scan conversion\" render the full volume, unclipped; only \"+ plugin\" starts "
+            "its rays at the depthmap.\n");
+}

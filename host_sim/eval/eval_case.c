@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: MIT */
+#include "eval/eval_case.h"
+
+#include "loop/loop_parts.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#define LINEAR_TOLERANCE 1e-3 /* slices */
+#define MAX_REPEATS      15
+
+bool hs_eval_values_add(hs_eval_values *values, uint32_t id, double value, hs_error *err) {
+    if (values->count >= HS_EVAL_MAX_VALUES)
+        return hs_fail(err, HS_ERR_USAGE, "more than %u parameter values", HS_EVAL_MAX_VALUES);
+    values->at[values->count++] = (sv_param_value){.id = id, .value = value};
+    return true;
+}
+
+bool hs_eval_values_parse(hs_eval_values *values, const hs_plugin *plugin, const char *const *sets,
+                          uint32_t count, hs_error *err) {
+    for (uint32_t i = 0; i < count; i++) {
+        sv_param_value value;
+        if (!hs_plugin_parse_param(plugin, sets[i], &value, err) ||
+            !hs_eval_values_add(values, value.id, value.value, err))
+            return false;
+    }
+    return true;
+}
+
+void hs_eval_knob_spread(hs_eval_knob *knob, const hs_plugin *plugin, uint32_t wanted) {
+    *knob = (hs_eval_knob){.count = 1};
+    knob->exists = hs_plugin_find_primary(plugin, &knob->info);
+    if (!knob->exists) return;
+    const double low = knob->info.display_min, high = knob->info.display_max, step = knob->info.step;
+    const double allowed = step > 0 ? floor((high - low) / step + 1e-9) + 1 : wanted;
+    knob->count = (uint32_t)fmin(fmax(fmin(wanted, allowed), 1), HS_EVAL_MAX_LINE);
+    for (uint32_t i = 0; i < knob->count; i++) {
+        const double at = knob->count > 1 ? low + (high - low) * i / (knob->count - 1) : low;
+        /* On the grid of the parameter's own steps, as plain decimals: 0.15, not 0.15000000000000002. */
+        knob->value[i] = step > 0 ? fmin(low + round((at - low) / step) * step, high) : at;
+        knob->value[i] = round(knob->value[i] * 1e9) / 1e9;
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------- open -- */
+
+static uint32_t volume_crc(const hs_volume *full, const hs_volume *truth) {
+    uLong crc = crc32_z(0, full->voxels, hs_volume_count(full));
+    return (uint32_t)crc32_z(crc, truth->voxels, hs_volume_count(truth));
+}
+
+/* A loop whose picture has a pixel for every ray of the map. */
+static bool make_loop(hs_eval_case *c, const hs_cl *cl, const hs_eval_values *fixed, uint32_t lowres,
+                      hs_error *err) {
+    const hs_volume *volume = hs_source_volume(&c->from.source, 0);
+    const uint32_t longest = volume->nx > volume->ny ? volume->nx : volume->ny;
+    hs_loop_options options;
+    hs_loop_defaults(&options);
+    options.frames = 1;
+    options.lowres = lowres ? lowres : (longest + 1u) / 3u;
+    options.dvr.width = options.dvr.height = options.lowres;
+    options.values = fixed->at;
+    options.value_count = fixed->count;
+    c->loop = hs_loop_create(cl, &c->from.source, c->plugin, &options, err);
+    if (!c->loop) return false;
+    const hs_error *failure = hs_loop_plugin_error(c->loop);
+    return failure->code == HS_OK || hs_fail(err, failure->code, "%s", failure->text);
+}
+
+static bool allocate(hs_eval_case *c, hs_error *err) {
+    const size_t pixels = (size_t)c->table.width * c->table.height;
+    for (int i = 0; i < 2; i++) c->map[i] = calloc(pixels, sizeof(float));
+    c->termination = calloc(pixels, sizeof(float));
+    return (c->map[0] && c->map[1] && c->termination) ||
+           hs_fail(err, HS_ERR_MEMORY, "evaluation: no memory for %zu pixels", pixels);
+}
+
+/* The slabs stay on the device: every later frame uses them. */
+static bool convert(hs_eval_case *c, hs_error *err) {
+    hs_camera camera;
+    hs_loop_camera(c->loop, 0, &camera);
+    return hs_slabs_convert(&c->loop->slabs, c->loop->cl, c->loop->converter, c->loop->volume, &camera, err);
+}
+
+static bool run_frame(hs_eval_case *c, const hs_eval_values *values, hs_frame *frame, hs_error *err) {
+    *frame = (hs_frame){.outcome = SV_OK};
+    hs_loop_set_values(c->loop, values->at, values->count);
+    const bool ok = hs_clipper_frame(&c->loop->clipper, (uint32_t)c->frame++, frame, err);
+    hs_loop_set_values(c->loop, NULL, 0); /* the caller's list does not outlive the frame */
+    return ok;
+}
+
+bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin, const hs_eval_values *fixed,
+                       const hs_eval_request *request, hs_error *err) {
+    *c = (hs_eval_case){.plugin = plugin};
+    hs_frame frame;
+    bool ok = hs_eval_source_open(&c->from, request, err) && make_loop(c, cl, fixed, request->lowres, err) &&
+              hs_eval_table_build(&c->table, c->loop, hs_source_volume(&c->from.source, 0),
+                                  hs_source_truth(&c->from.source, 0), c->from.label, err) &&
+              allocate(c, err) && convert(c, err) && run_frame(c, fixed, &frame, err);
+    if (ok) {
+        c->volume_max = (double)frame.stats.volume_max;
+        c->volume_crc = volume_crc(hs_source_volume(&c->from.source, 0), hs_source_truth(&c->from.source, 0));
+    } else {
+        hs_eval_case_close(c);
+    }
+    return ok;
+}
+
+bool hs_eval_case_replace(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin,
+                          const hs_eval_values *fixed, hs_error *err) {
+    hs_loop_destroy(c->loop);
+    c->loop = NULL;
+    c->plugin = plugin;
+    c->way = HS_KNOB_UNKNOWN;
+    return make_loop(c, cl, fixed, c->table.width, err) && convert(c, err);
+}
+
+void hs_eval_case_close(hs_eval_case *c) {
+    hs_loop_destroy(c->loop);
+    hs_eval_table_free(&c->table);
+    for (int i = 0; i < 2; i++) free(c->map[i]);
+    free(c->termination);
+    hs_eval_source_close(&c->from);
+    *c = (hs_eval_case){0};
+}
+
+/* ------------------------------------------------------------------------------------------- measure -- */
+
+/* The depthmap of the last call to the host; zeros, which clip nothing, if it may not be used. */
+static bool read_map(hs_eval_case *c, const hs_frame *frame, float *map, hs_error *err) {
+    const size_t bytes = (size_t)c->table.width * c->table.height * sizeof(float);
+    if (!frame->clipped) {
+        memset(map, 0, bytes);
+        return true;
+    }
+    return hs_cl_check(clEnqueueReadBuffer(c->loop->cl->queue, c->loop->clipper.depth, CL_TRUE, 0, bytes, map,
+                                           0, NULL, NULL),
+                       "clEnqueueReadBuffer (depthmap)", err);
+}
+
+/* The knob at `position` of the frame that was just run, without a new frame. */
+static bool adjusted_map(hs_eval_case *c, const hs_eval_knob *knob, double position, float *map,
+                         hs_error *err) {
+    hs_frame frame = {0};
+    const sv_param_value value = {.id = knob->info.id, .value = position};
+    return hs_clipper_adjust(&c->loop->clipper, value, &frame, err) && read_map(c, &frame, map, err);
+}
+
+/* The second of the two maps: one unit away, q = 1 for the mean filter, or at the end of a shorter range. */
+static double second_position(const hs_eval_knob *knob) {
+    const double last = knob->value[knob->count - 1];
+    return knob->value[0] + 1.0 < last ? knob->value[0] + 1.0 : last;
+}
+
+static void weights(const hs_eval_knob *knob, float *weight) {
+    const double unit = second_position(knob) - knob->value[0];
+    for (uint32_t i = 0; i < knob->count; i++) weight[i] = (float)((knob->value[i] - knob->value[0]) / unit);
+}
+
+/* Whether the last position lies on the line through the two maps; c->map holds both. */
+static bool decide_way(hs_eval_case *c, const hs_eval_knob *knob, hs_error *err) {
+    const size_t pixels = (size_t)c->table.width * c->table.height;
+    float weight[HS_EVAL_MAX_LINE];
+    weights(knob, weight);
+    if (!adjusted_map(c, knob, knob->value[knob->count - 1], c->termination, err)) return false;
+    c->way = HS_KNOB_LINEAR;
+    for (size_t i = 0; i < pixels; i++) {
+        const double predicted = (double)c->map[0][i] + (double)weight[knob->count - 1] *
+                                                            ((double)c->map[1][i] - (double)c->map[0][i]);
+        if (!(fabs(predicted - (double)c->termination[i]) <= LINEAR_TOLERANCE)) c->way = HS_KNOB_ADJUST;
+    }
+    return true;
+}
+
+static bool measure_adjusted(hs_eval_case *c, const hs_eval_knob *knob, hs_measures *out, hs_error *err) {
+    for (uint32_t i = 0; i < knob->count; i++) {
+        if (!adjusted_map(c, knob, knob->value[i], c->map[1], err)) return false;
+        hs_eval_measure_map(&c->table, c->map[1], &out[i]);
+    }
+    return true;
+}
+
+/* c->map[0] holds the first position. */
+static bool measure_clipped(hs_eval_case *c, const hs_eval_knob *knob, hs_measures *out, hs_error *err) {
+    float weight[HS_EVAL_MAX_LINE];
+    if (c->way != HS_KNOB_ADJUST && !adjusted_map(c, knob, second_position(knob), c->map[1], err))
+        return false;
+    if (c->way == HS_KNOB_UNKNOWN && !decide_way(c, knob, err)) return false;
+    if (c->way == HS_KNOB_ADJUST) return measure_adjusted(c, knob, out, err);
+    weights(knob, weight);
+    hs_eval_measure_line(&c->table, c->map[0], c->map[1], weight, knob->count, 0, out);
+    return true;
+}
+
+/* The frame with the knob at one position, into c->map[0]. */
+static bool frame_at(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob, uint32_t i,
+                     hs_frame *frame, hs_error *err) {
+    hs_eval_values all = *values;
+    return (!knob->exists || hs_eval_values_add(&all, knob->info.id, knob->value[i], err)) &&
+           run_frame(c, &all, frame, err) && read_map(c, frame, c->map[0], err);
+}
+
+bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob,
+                          hs_measures *out, sv_status *outcome, hs_error *err) {
+    hs_frame frame;
+    const bool adjustable = knob->exists && knob->count > 1 && (knob->info.flags & SV_PARAM_ADJUST);
+    if (knob->exists && !adjustable) c->way = HS_KNOB_FRAME;
+    if (!frame_at(c, values, knob, 0, &frame, err)) return false;
+    *outcome = frame.outcome;
+    if (adjustable && frame.clipped) return measure_clipped(c, knob, out, err);
+    hs_eval_measure_map(&c->table, c->map[0], &out[0]);
+    for (uint32_t i = 1; i < knob->count; i++) {
+        out[i] = out[0];
+        if (adjustable) continue; /* without a surface there is nothing to turn */
+        if (!frame_at(c, values, knob, i, &frame, err)) return false;
+        hs_eval_measure_map(&c->table, c->map[0], &out[i]);
+    }
+    return true;
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t repeats, double *ms,
+                       hs_error *err) {
+    double times[MAX_REPEATS];
+    hs_frame frame;
+    assert(repeats >= 1 && repeats <= MAX_REPEATS);
+    for (uint32_t i = 0; i < repeats; i++) {
+        const double start = hs_now();
+        if (!run_frame(c, values, &frame, err)) return false;
+        times[i] = (hs_now() - start) * 1e3;
+    }
+    qsort(times, repeats, sizeof times[0], ascending);
+    *ms = times[repeats / 2];
+    return true;
+}
+
+bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, sv_status *outcome,
+                         hs_error *err) {
+    hs_frame frame;
+    hs_camera camera;
+    hs_loop_camera(c->loop, 0, &camera);
+    const size_t bytes = (size_t)c->table.width * c->table.height * sizeof(float);
+    if (!run_frame(c, values, &frame, err) ||
+        !hs_loop_render(c->loop, c->loop->volume, &camera, &frame, true, err) ||
+        !read_map(c, &frame, c->map[0], err) ||
+        !hs_cl_check(clEnqueueReadBuffer(c->loop->cl->queue, c->loop->termination, CL_TRUE, 0, bytes,
+                                         c->termination, 0, NULL, NULL),
+                     "clEnqueueReadBuffer (termination depths)", err))
+        return false;
+    *outcome = frame.outcome;
+    hs_eval_measure_picture(&c->table, c->termination, out);
+    return true;
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
+#ifndef HS_EVAL_STUDY_H
+#define HS_EVAL_STUDY_H
+
+#include "eval/eval_beside.h"
+#include "eval/eval_best.h"
+
+#define HS_EVAL_MAX_CASES HS_BESIDE_MAX_CASES
+#define HS_EVAL_MAX_SETS  32u
+#define HS_EVAL_TURNS     7u /* positions of the slider */
+#define HS_EVAL_CURVES    5u /* thresholds of Figure 5.20 */
+
+/* What the command line asks for. Strings are borrowed. */
+typedef struct {
+    const char *out;    /* folder */
+    const char *plugin; /* NULL: smartvis.so beside the executable */
+    const char *cases[HS_EVAL_MAX_CASES];
+    uint32_t case_count;
+    const char *sets[HS_EVAL_MAX_SETS]; /* key=value */
+    uint32_t set_count;
+    uint32_t size, lowres;
+    uint64_t seed;
+    const char *real;   /* the volume of the scene "real"; NULL: none */
+    const char *beside; /* see hs_eval_beside_open */
+    bool coarse;        /* a fifth of the positions on every axis */
+    bool merge;         /* computes nothing: the shards' files must make the spaces whole */
+    hs_eval_shard shard;
+    uint32_t check;                         /* settings to measure the direct way, too */
+    uint32_t frames;                        /* of a measurement of speed; 0: none */
+    const char *compare[HS_EVAL_MAX_CASES]; /* "library[ key=value]..." */
+    uint32_t compare_count;
+    uint32_t seeds; /* of a comparison */
+} hs_eval_options;
+
+/* What is known of a case when its space is whole, and its page's pictures are made. */
+typedef struct {
+    char title[256];         /* what the thesis says of it */
+    hs_measures unclipped;   /* of the full volume */
+    hs_eval_pick best;       /* Table 5.2 */
+    hs_eval_pick common;     /* Table 5.3: the common setting, the case's best knob */
+    hs_measures shown;       /* measured the direct way at `common` */
+    sv_status shown_outcome; /* of the plugin there */
+    uint32_t turns;          /* pictures of the knob: 0 if it cannot be turned */
+    double turn[HS_EVAL_TURNS];
+    uint32_t turned; /* the one nearest to `common` */
+    bool has_speed;
+    hs_loop_result speed[HS_SETTING_COUNT];
+} hs_eval_result;
+
+/* Owned by the caller; must not move while open. */
+typedef struct hs_eval_study {
+    const hs_eval_options *options;
+    hs_cl cl;
+    hs_plugin plugin;
+    hs_eval_plan plan;
+    uint32_t count;
+    hs_eval_space space[HS_EVAL_MAX_CASES];
+    hs_eval_result result[HS_EVAL_MAX_CASES];
+    hs_eval_mean mean;
+    hs_eval_beside beside; /* another method of the plugin */
+    uint32_t curves;       /* Figure 5.20; 0: not measured */
+    double curve_threshold[HS_EVAL_CURVES];
+    double curve_fps[HS_EVAL_CURVES][HS_EVAL_MAX_LINE]; /* by kernel: frames of the plugin a second */
+    char curve_case[64];
+    double check_worst[3]; /* steps: largest difference of e_abs, e_pos, e_neg to the direct way */
+    uint32_t checked;
+    hs_error plugin_error; /* the plugin's first failure */
+} hs_eval_study;
+
+/* Device, plugin, plan. On failure everything is freed. */
+bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err);
+void hs_eval_study_close(hs_eval_study *study);
+
+/* The spaces of all cases (of this shard), with a line on stderr per case, and the direct check. */
+bool hs_eval_study_run(hs_eval_study *study, hs_error *err);
+
+/* All settings of all cases are there. */
+bool hs_eval_study_whole(const hs_eval_study *study);
+
+/* Best and common settings; the spaces must be whole. */
+bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err);
+
+/* Opens case `index` again, for its pictures. */
+bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
+
+/* The values of a setting, the knob included. */
+bool hs_eval_study_values(const hs_eval_study *study, hs_eval_pick pick, hs_eval_values *values,
+                          hs_error *err);
+
+/* Pictures, speeds and the direct measures of case `index` into "<out>/<case>/"
+ * (host_sim/report/report_pictures.c). */
+bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err);
+
+/* Tables 5.2 and 5.3 as text. */
+void hs_eval_study_print(const hs_eval_study *study, FILE *out);
+
+/* The same as "best.csv" and "common.csv" in the folder. */
+bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
+
+/* The page "<out>/index.html" (hs_eval_page*.c). */
+bool hs_eval_study_page(const hs_eval_study *study, hs_error *err);
+
+#endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+#include "loop/source.h"
+
+#include "base/progress.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* A loop keeps one box, one format and one device volume for all frames, so all volumes must be alike. */
+static bool same_grid(const hs_volume *first, const hs_volume *other, const char *first_path,
+                      const char *path, hs_error *err) {
+    if (first->nx != other->nx || first->ny != other->ny || first->nz != other->nz)
+        return hs_fail(err, HS_ERR_INPUT,
+                       "%s: %u x %u x %u voxels, but %s has %u x %u x %u: a sequence has one size", path,
+                       other->nx, other->ny, other->nz, first_path, first->nx, first->ny, first->nz);
+    for (int axis = 0; axis < 3; axis++)
+        if (first->spacing[axis] != other->spacing[axis])
+            return hs_fail(err, HS_ERR_INPUT, "%s: spacing %g mm along axis %d, but %s has %g mm", path,
+                           other->spacing[axis], axis, first_path, first->spacing[axis]);
+    return true;
+}
+
+bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
+                          const hs_metaimage_options *options, hs_error *err) {
+    *source = (hs_source){.count = count};
+    if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
+    source->files = calloc(count, sizeof *source->files);
+    source->volumes = calloc(count, sizeof *source->volumes);
+    bool ok = source->files && source->volumes;
+    if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", count);
+    for (uint32_t i = 0; ok && i < count; i++) {
+        ok = hs_metaimage_read(paths[i], options, &source->files[i], err) &&
+             same_grid(&source->files[0], &source->files[i], paths[0], paths[i], err);
+        source->volumes[i] = &source->files[i];
+    }
+    if (!ok) hs_source_close(source);
+    return ok;
+}
+
+/* Memory for `count` volumes of a scene. */
+static bool allocate_scenes(hs_source *source, uint32_t count, hs_error *err) {
+    *source = (hs_source){.count = count};
+    source->volumes = calloc(count, sizeof *source->volumes);
+    source->truths = calloc(count, sizeof *source->truths);
+    source->scenes = calloc(count, sizeof *source->scenes);
+    return (source->volumes && source->truths && source->scenes) ||
+           hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %u volumes", count);
+}
+
+bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_error *err) {
+    *source = (hs_source){0};
+    hs_scene *scene = hs_scene_open(what->name, err);
+    if (!scene) return false;
+    bool ok = allocate_scenes(source, what->volumes, err);
+    hs_progress progress;
+    hs_progress_begin(&progress, "generating the scene", what->volumes);
+    for (uint32_t i = 0; ok && i < what->volumes; i++) {
+        const hs_scene_options options = {
+            .size = what->size, .seed = what->seed, .frame = i, .real = what->real};
+        ok = hs_scene_frame(scene, &options, &source->scenes[i], NULL, err);
+        source->volumes[i] = &source->scenes[i].full;
+        source->truths[i] = &source->scenes[i].truth;
+        if (what->volumes > 1) hs_progress_step(&progress, i + 1u);
+    }
+    hs_progress_end(&progress);
+    if (ok) (void)snprintf(source->title, sizeof source->title, "%s", hs_scene_title(scene));
+    hs_scene_close(scene);
+    if (!ok) hs_source_close(source);
+    return ok;
+}
+
+void hs_source_close(hs_source *source) {
+    for (uint32_t i = 0; source->files && i < source->count; i++) hs_volume_free(&source->files[i]);
+    for (uint32_t i = 0; source->scenes && i < source->count; i++) hs_scene_free(&source->scenes[i]);
+    free(source->files);
+    free(source->scenes);
+    free(source->truths);
+    free(source->volumes);
+    *source = (hs_source){0};
+}
+
+const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {
+    return source->volumes[index % source->count];
+}
+
+const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {
+    return source->truths ? source->truths[index % source->count] : NULL;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* Where the scan loop's volumes come from: MetaImage files, or a synthetic scene with its ground truth. */
+#ifndef HS_SOURCE_H
+#define HS_SOURCE_H
+
+#include "scene/scene.h"
+#include "volume/metaimage.h"
+
+/* One or more volumes of the same size and spacing; a loop over more frames than volumes starts again at the
+ * first. Owned by the caller. */
+typedef struct {
+    const hs_volume **volumes; /* count pointers */
+    const hs_volume **truths;  /* the same for the ground truth of scenes, or NULL */
+    uint32_t count;            /* >= 1 */
+    char title[256];           /* what a scene is about; "" for files */
+    hs_scene_data *scenes;     /* what volumes and truths point into: scenes ... */
+    hs_volume *files;          /* ... or volumes read from files */
+} hs_source;
+
+/* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read. HS_ERR_INPUT if one cannot
+ * be read, or differs from the first in size or spacing: the message names both. */
+bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
+                          const hs_metaimage_options *options, hs_error *err);
+
+/* Which scene, and how much of it. */
+typedef struct {
+    const char *name; /* a built-in case or a scene file */
+    uint32_t size;    /* voxels per axis, 32 .. 512 */
+    uint64_t seed;    /* 0: the scene's own */
+    uint32_t volumes; /* of its motion, >= 1; 1: it stands still */
+    const char *real; /* the MetaImage file of a scene of kind "real"; NULL for all others */
+} hs_source_scene;
+
+/* Generates the volumes of a scene with their ground truth. */
+bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_error *err);
+
+/* Frees everything. Safe on a zeroed struct. */
+void hs_source_close(hs_source *source);
+
+/* The volume of frame `index`, and its ground truth or NULL. */
+const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
+const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
+
+#endif

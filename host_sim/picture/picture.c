@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "picture/picture.h"
+
+#include "base/output_file.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool hs_picture_init(hs_picture *picture, uint32_t width, uint32_t height, uint32_t colour, hs_error *err) {
+    memset(picture, 0, sizeof *picture);
+    if (width == 0 || height == 0 || width > HS_PICTURE_MAX_AXIS || height > HS_PICTURE_MAX_AXIS)
+        return hs_fail(err, HS_ERR_INPUT, "picture: size is %" PRIu32 " x %" PRIu32 ", expected 1 .. %u each",
+                       width, height, HS_PICTURE_MAX_AXIS);
+    const size_t count = (size_t)width * height;
+    picture->pixels = malloc(count * sizeof *picture->pixels);
+    if (!picture->pixels)
+        return hs_fail(err, HS_ERR_MEMORY, "picture: no memory for %" PRIu32 " x %" PRIu32 " pixels", width,
+                       height);
+    picture->width = width;
+    picture->height = height;
+    for (size_t i = 0; i < count; i++) picture->pixels[i] = colour;
+    return true;
+}
+
+void hs_picture_free(hs_picture *picture) {
+    free(picture->pixels);
+    memset(picture, 0, sizeof *picture);
+}
+
+bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err) {
+    const size_t count = (size_t)picture->width * picture->height;
+    uint8_t *rgb = malloc(count * 3);
+    if (!rgb) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory to write the picture", path);
+    for (size_t i = 0; i < count; i++)
+        for (unsigned c = 0; c < 3; c++) rgb[i * 3 + c] = (uint8_t)(picture->pixels[i] >> (16 - 8 * c));
+    hs_output_file out;
+    bool ok = hs_output_open(&out, path, err);
+    if (ok) {
+        png_image image = {.version = PNG_IMAGE_VERSION,
+                           .width = picture->width,
+                           .height = picture->height,
+                           .format = PNG_FORMAT_RGB};
+        ok = png_image_write_to_stdio(&image, out.file, 0, rgb, 0, NULL) != 0;
+        if (!ok) hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written: %s", path, image.message);
+        if (ok) ok = hs_output_commit(&out, err);
+        hs_output_discard(&out);
+    }
+    free(rgb);
+    return ok;
+}
+
+/* Colour of an image's pixel. */
+static uint32_t image_pixel(const hs_image *image, uint32_t x, uint32_t y) {
+    const uint8_t *p = image->data + ((size_t)y * image->width + x) * image->channels;
+    if (image->channels == 1) return p[0] * 0x010101u;
+    return (uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2];
+}
+
+/* Where pixel `at` of `to` pixels falls among `from` pixels: the two neighbouring centres and the weight of
+ * the second, in 256ths. */
+typedef struct {
+    uint32_t first, second, weight;
+} tap;
+
+static tap find_tap(uint32_t at, uint32_t to, uint32_t from, hs_scale scale) {
+    if (scale == HS_SCALE_NEAREST) {
+        const uint32_t i = (uint32_t)((uint64_t)at * from / to);
+        return (tap){i, i, 0};
+    }
+    const double centre = (at + 0.5) * from / to - 0.5;
+    if (centre <= 0.0) return (tap){0, 0, 0};
+    const uint32_t i = (uint32_t)centre;
+    if (i + 1 >= from) return (tap){from - 1, from - 1, 0};
+    return (tap){i, i + 1, (uint32_t)((centre - i) * 256.0 + 0.5)};
+}
+
+static uint32_t sample(const hs_image *image, tap tx, tap ty) {
+    if (tx.weight == 0 && ty.weight == 0) return image_pixel(image, tx.first, ty.first);
+    const uint32_t corner[4] = {
+        image_pixel(image, tx.first, ty.first), image_pixel(image, tx.second, ty.first),
+        image_pixel(image, tx.first, ty.second), image_pixel(image, tx.second, ty.second)};
+    uint32_t out = 0;
+    for (unsigned shift = 0; shift < 24; shift += 8) {
+        uint32_t c[4];
+        for (int i = 0; i < 4; i++) c[i] = corner[i] >> shift & 255;
+        const uint32_t top = c[0] * (256 - tx.weight) + c[1] * tx.weight;
+        const uint32_t bottom = c[2] * (256 - tx.weight) + c[3] * tx.weight;
+        out |= ((top * (256 - ty.weight) + bottom * ty.weight + 32768) >> 16) << shift;
+    }
+    return out;
+}
+
+/* The mean over columns x0 .. x1 and rows y0 .. y1, in pixels; parts of a pixel count as such. */
+static uint32_t area_mean(const hs_image *image, double x0, double x1, double y0, double y1) {
+    double sum[3] = {0}, whole = 0;
+    for (uint32_t y = (uint32_t)y0; y < y1 && y < image->height; y++) {
+        const double high = fmin(y + 1.0, y1) - fmax(y, y0);
+        for (uint32_t x = (uint32_t)x0; x < x1 && x < image->width; x++) {
+            const double part = high * (fmin(x + 1.0, x1) - fmax(x, x0));
+            const uint32_t colour = image_pixel(image, x, y);
+            for (unsigned c = 0; c < 3; c++) sum[c] += part * (colour >> (16 - 8 * c) & 255);
+            whole += part;
+        }
+    }
+    uint32_t out = 0;
+    for (unsigned c = 0; c < 3; c++) out = out << 8 | (uint32_t)(sum[c] / whole + 0.5);
+    return out;
+}
+
+/* One pixel of the picture: (i, j) of width x height. */
+static uint32_t scaled_pixel(const hs_image *image, hs_scale scale, uint32_t i, uint32_t width, uint32_t j,
+                             uint32_t height) {
+    const double step_x = (double)image->width / width, step_y = (double)image->height / height;
+    if (scale == HS_SCALE_SMOOTH && (step_x > 1.0 || step_y > 1.0))
+        return area_mean(image, i * step_x, (i + 1.0) * step_x, j * step_y, (j + 1.0) * step_y);
+    return sample(image, find_tap(i, width, image->width, scale), find_tap(j, height, image->height, scale));
+}
+
+void hs_picture_blit(hs_picture *picture, int32_t x, int32_t y, uint32_t width, uint32_t height,
+                     const hs_image *image, hs_scale scale) {
+    for (uint32_t j = 0; j < height; j++) {
+        const int64_t py = (int64_t)y + j;
+        if (py < 0 || py >= picture->height) continue;
+        for (uint32_t i = 0; i < width; i++) {
+            const int64_t px = (int64_t)x + i;
+            if (px < 0 || px >= picture->width) continue;
+            picture->pixels[(size_t)py * picture->width + (size_t)px] =
+                scaled_pixel(image, scale, i, width, j, height);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+#include "picture/plot.h"
+
+#include "picture/picture.h"
+#include "picture/plot_frame.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#define SCALE_CELLS 32 /* of a colour bar */
+
+/* --------------------------------------------------------------------------------------------- heat -- */
+
+/* Ends of the colours; logarithmic where the values span more than a decade, or one bad corner would leave
+ * all the rest in one colour. */
+typedef struct {
+    double low, high;
+    bool logarithmic;
+} range;
+
+#define LEAST 1e-3 /* of a logarithmic scale */
+
+/* 0 .. 1 along the colours, and back. */
+static double colour_at(range r, double value) {
+    if (r.logarithmic) return log(fmax(value, r.low) / r.low) / log(r.high / r.low);
+    return (value - r.low) / (r.high - r.low);
+}
+static double value_at(range r, double t) {
+    return r.logarithmic ? r.low * pow(r.high / r.low, t) : r.low + (r.high - r.low) * t;
+}
+
+static range range_of(const hs_plot_heat *plot) {
+    range r = {INFINITY, -INFINITY, false};
+    for (size_t i = 0; i < (size_t)plot->columns * plot->rows; i++) {
+        if (isnan(plot->value[i])) continue;
+        r.low = fmin(r.low, (double)plot->value[i]);
+        r.high = fmax(r.high, (double)plot->value[i]);
+    }
+    if (!(r.high > r.low)) r.high = r.low + 1;
+    r.logarithmic = r.low >= 0 && r.high > fmax(10 * r.low, LEAST);
+    if (r.logarithmic) r.low = fmax(r.low, LEAST);
+    return r;
+}
+
+static void colour_bar(FILE *out, range r, const char *label) {
+    char text[32];
+    const double height = HS_PLOT_BOTTOM - HS_PLOT_TOP, cell = height / SCALE_CELLS;
+    for (int i = 0; i < SCALE_CELLS; i++)
+        (void)fprintf(out, "<rect x=\"%d\" y=\"%.2f\" width=\"16\" height=\"%.2f\" fill=\"#%06x\"/>\n",
+                      HS_PLOT_RIGHT + 22, HS_PLOT_BOTTOM - (i + 1) * cell, cell + 0.5,
+                      hs_colour_viridis((i + 0.5) / SCALE_CELLS));
+    for (int i = 0; i <= 4; i++) {
+        (void)snprintf(text, sizeof text, "%.3g", value_at(r, i / 4.0));
+        hs_plot_text(out, HS_PLOT_RIGHT + 44, HS_PLOT_BOTTOM - height * i / 4 + 4, "start", text);
+    }
+    (void)fprintf(out, "<g transform=\"translate(%d %.1f) rotate(-90)\">", HS_PLOT_WIDTH - 14,
+                  (HS_PLOT_TOP + HS_PLOT_BOTTOM) / 2.0);
+    hs_plot_text(out, 0, 0, "middle", label);
+    (void)fprintf(out, "</g>\n");
+}
+
+void hs_plot_heat_write(FILE *out, const hs_plot_heat *plot) {
+    const double w = (double)(HS_PLOT_RIGHT - HS_PLOT_LEFT) / plot->columns;
+    const double h = (double)(HS_PLOT_BOTTOM - HS_PLOT_TOP) / plot->rows;
+    const range r = range_of(plot);
+    char text[32];
+    hs_plot_begin(out, plot->title, plot->x_label, plot->y_label);
+    for (uint32_t c = 0; c < plot->columns; c++) {
+        const double x = HS_PLOT_LEFT + c * w;
+        for (uint32_t i = 0; i < plot->rows; i++) {
+            const double value = (double)plot->value[(size_t)c * plot->rows + i];
+            if (isnan(value)) continue;
+            /* Half a unit of overlap, so that no background shows between the cells. */
+            (void)fprintf(
+                out, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%06x\"/>\n", x,
+                HS_PLOT_BOTTOM - (i + 1) * h, w + 0.5, h + 0.5, hs_colour_viridis(colour_at(r, value)));
+        }
+        if (c % ((plot->columns + 9) / 10) != 0) continue;
+        (void)snprintf(text, sizeof text, "%.2f", plot->x[c]);
+        hs_plot_text(out, x + w / 2, HS_PLOT_BOTTOM + 16, "middle", text);
+    }
+    for (uint32_t i = 0; i < plot->rows; i += (plot->rows + 7) / 8) {
+        (void)snprintf(text, sizeof text, "%.6g", plot->y[i]);
+        hs_plot_text(out, HS_PLOT_LEFT - 6, HS_PLOT_BOTTOM - (i + 0.5) * h + 4, "end", text);
+    }
+    if (plot->mark_column >= 0 && plot->mark_row >= 0)
+        (void)fprintf(out,
+                      "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"none\" "
+                      "stroke=\"#fff\" stroke-width=\"2.5\"/>\n",
+                      HS_PLOT_LEFT + plot->mark_column * w, HS_PLOT_BOTTOM - (plot->mark_row + 1) * h, w, h);
+    colour_bar(out, r, plot->value_label);
+    hs_plot_end(out);
+}
+
+/* --------------------------------------------------------------------------------------------- bars -- */
+
+static double group_height(const hs_plot_bars *plot, uint32_t group) {
+    double height = 0;
+    for (uint32_t i = 0; i < plot->series; i++) {
+        const double value = plot->value[group * plot->series + i];
+        height = plot->stacked ? height + value : fmax(height, value);
+    }
+    return height;
+}
+
+static void draw_group(FILE *out, const hs_plot_bars *plot, uint32_t group, double top) {
+    const double w = (double)(HS_PLOT_RIGHT - HS_PLOT_LEFT) / plot->groups;
+    const double x = HS_PLOT_LEFT + (group + 0.15) * w, bar = 0.7 * w / (plot->stacked ? 1 : plot->series);
+    double below = 0;
+    for (uint32_t i = 0; i < plot->series; i++) {
+        const double value = plot->value[group * plot->series + i];
+        const double y = hs_plot_y(below + value, top);
+        (void)fprintf(out,
+                      "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%06x\">"
+                      "<title>%.4g</title></rect>\n",
+                      x + (plot->stacked ? 0 : i * bar), y, bar, hs_plot_y(below, top) - y, hs_plot_colour(i),
+                      value);
+        if (plot->stacked) below += value;
+    }
+    hs_plot_text(out, x + 0.35 * w, HS_PLOT_BOTTOM + 16, "middle", plot->group[group]);
+}
+
+void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot) {
+    double largest = 0;
+    for (uint32_t g = 0; g < plot->groups; g++) largest = fmax(largest, group_height(plot, g));
+    hs_plot_begin(out, plot->title, "case", plot->y_label);
+    const double top = hs_plot_y_axis(out, largest);
+    for (uint32_t g = 0; g < plot->groups; g++) draw_group(out, plot, g, top);
+    for (uint32_t i = 0; i < plot->series; i++) hs_plot_legend(out, i, hs_plot_colour(i), plot->name[i]);
+    hs_plot_end(out);
+}
+
+/* -------------------------------------------------------------------------------------------- lines -- */
+
+void hs_plot_lines_write(FILE *out, const hs_plot_lines *plot) {
+    double largest = 0;
+    const double first = plot->x[0], span = fmax(plot->x[plot->points - 1] - first, 1e-9);
+    char text[32];
+    for (uint32_t i = 0; i < plot->series; i++)
+        for (uint32_t p = 0; p < plot->points; p++)
+            largest = fmax(largest, plot->value[(size_t)i * plot->stride + p]);
+    hs_plot_begin(out, plot->title, plot->x_label, plot->y_label);
+    const double top = hs_plot_y_axis(out, largest);
+    for (uint32_t p = 0; p < plot->points; p += (plot->points + 15) / 16) {
+        (void)snprintf(text, sizeof text, "%.6g", plot->x[p]);
+        hs_plot_text(out, HS_PLOT_LEFT + (HS_PLOT_RIGHT - HS_PLOT_LEFT) * (plot->x[p] - first) / span,
+                     HS_PLOT_BOTTOM + 16, "middle", text);
+    }
+    for (uint32_t i = 0; i < plot->series; i++) {
+        (void)fprintf(out, "<path fill=\"none\" stroke-width=\"2\" stroke=\"#%06x\" d=\"", hs_plot_colour(i));
+        for (uint32_t p = 0; p < plot->points; p++)
+            (void)fprintf(out, "%c%.1f %.1f", p ? 'L' : 'M',
+                          HS_PLOT_LEFT + (HS_PLOT_RIGHT - HS_PLOT_LEFT) * (plot->x[p] - first) / span,
+                          hs_plot_y(plot->value[(size_t)i * plot->stride + p], top));
+        (void)fprintf(out, "\"/>\n");
+        hs_plot_legend(out, i, hs_plot_colour(i), plot->name[i]);
+    }
+    hs_plot_end(out);
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* Figures as inline SVG: axes with units, a legend, a title that a screen reader says. Texts are escaped. */
+#ifndef HS_PLOT_H
+#define HS_PLOT_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+/* A value per cell of a grid, in viridis; NAN cells stay empty. Values >= 0 that span more than a decade have
+ * a logarithmic scale. */
+typedef struct {
+    const char *title, *x_label, *y_label, *value_label;
+    uint32_t columns, rows;        /* >= 1 each */
+    const double *x, *y;           /* what the columns (left to right) and rows (bottom to top) stand for */
+    const float *value;            /* value[column * rows + row] */
+    int32_t mark_column, mark_row; /* the cell with a white square; negative: none */
+} hs_plot_heat;
+void hs_plot_heat_write(FILE *out, const hs_plot_heat *plot);
+
+/* Bars in groups, side by side or stacked. */
+typedef struct {
+    const char *title, *y_label;
+    uint32_t groups, series;  /* 1 .. 8 series */
+    const char *const *group; /* names below the axis */
+    const char *const *name;  /* of the series, in the legend */
+    const double *value;      /* value[group * series + i], >= 0 */
+    int stacked;
+} hs_plot_bars;
+void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot);
+
+/* Lines through points, on axes that begin at 0 in y. */
+typedef struct {
+    const char *title, *x_label, *y_label;
+    uint32_t points, series; /* 1 .. 8 series */
+    const double *x;
+    const double *value; /* value[i * stride + point] */
+    uint32_t stride;
+    const char *const *name;
+} hs_plot_lines;
+void hs_plot_lines_write(FILE *out, const hs_plot_lines *plot);
+
+#endif

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT */
+/* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the library is trusted unchecked.
+ */
+#include "plugin/loader.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+const char *hs_status_name(sv_status status) {
+#define NAME(code)                                                                                           \
+    { code, #code }
+    static const struct {
+        sv_status code;
+        const char *name;
+    } names[] = {
+        NAME(SV_OK),
+        NAME(SV_NO_SURFACE),
+        NAME(SV_PARTIAL),
+        NAME(SV_ERR_INTERNAL),
+        NAME(SV_ERR_ARGUMENT),
+        NAME(SV_ERR_SIZE),
+        NAME(SV_ERR_FORMAT),
+        NAME(SV_ERR_PARAM_ID),
+        NAME(SV_ERR_PARAM_RANGE),
+        NAME(SV_ERR_PARAM_FIXED),
+        NAME(SV_ERR_UNKNOWN_ID),
+        NAME(SV_ERR_STATE),
+        NAME(SV_ERR_SLAB_ORDER),
+        NAME(SV_ERR_SLAB_MISSING),
+        NAME(SV_ERR_SLAB_SHAPE),
+        NAME(SV_ERR_NO_DEVICE),
+        NAME(SV_ERR_BUILD),
+        NAME(SV_ERR_OPENCL),
+        NAME(SV_ERR_SELF_TEST),
+        NAME(SV_ERR_NO_MEMORY),
+    };
+#undef NAME
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (names[i].code == status) return names[i].name;
+    return "unknown status";
+}
+
+static const char *severity_name(int32_t severity) {
+    static const char *const names[] = {
+        "debug", "info", "warning", "error", "host misbehaving", "plugin misbehaving"};
+    bool known = severity >= SV_LOG_DEBUG && severity <= SV_LOG_PLUGIN_MISBEHAVING;
+    return known ? names[severity] : "log";
+}
+
+/* sv_host.log: one fprintf a line, so that lines of two threads do not mix. */
+static void print_log(const sv_host *host, int32_t severity, const char *text) {
+    const hs_plugin *plugin = host->host_data;
+    if (severity < plugin->log_level) return;
+    (void)fprintf(stderr, "plugin: %s: %s\n", severity_name(severity), text ? text : "(null)");
+}
+
+/* sv_host.get_extension: this host offers none. */
+static const void *no_extension(const sv_host *host, const char *id) {
+    (void)host;
+    (void)id;
+    return NULL;
+}
+
+/* dlopen of the resolved path: a bare name would be looked up in the system's library folders instead. */
+static bool open_library(hs_plugin *plugin, const char *path, hs_error *err) {
+    (void)snprintf(plugin->path, sizeof plugin->path, "%s", path);
+    struct stat info;
+    if (stat(path, &info) != 0)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", path, strerror(errno));
+    if (!S_ISREG(info.st_mode)) return hs_fail(err, HS_ERR_PLUGIN, "%s: not a file", path);
+    char *resolved = realpath(path, NULL);
+    if (!resolved)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot resolve the path: %s", path, strerror(errno));
+    plugin->library = dlopen(resolved, RTLD_NOW | RTLD_LOCAL);
+    free(resolved);
+    if (!plugin->library)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: not a loadable library: %s", path, dlerror());
+    plugin->entry = dlsym(plugin->library, SV_ENTRY_SYMBOL);
+    if (!plugin->entry)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: no symbol " SV_ENTRY_SYMBOL ": not a SmartVis plugin", path);
+    return true;
+}
+
+/* abi_major comes first: with another major nothing else in the struct means what this header says. */
+static bool check_entry(const hs_plugin *plugin, hs_error *err) {
+    const sv_entry *entry = plugin->entry;
+    if (entry->abi_major != SV_ABI_MAJOR)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: ABI major %u, this host speaks %u", plugin->path,
+                       entry->abi_major, SV_ABI_MAJOR);
+    if (entry->size < sizeof(sv_entry))
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: entry.size is %u, ABI 1.0 has %zu", plugin->path, entry->size,
+                       sizeof(sv_entry));
+    if (entry->count == 0)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: entry.count is 0: no plugin inside", plugin->path);
+    if (!entry->descriptor || !entry->create)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: entry.%s is NULL", plugin->path,
+                       entry->descriptor ? "create" : "descriptor");
+    for (uint32_t i = 0; i < entry->count; i++) {
+        const sv_descriptor *d = entry->descriptor(i);
+        if (!d || d->size < sizeof(sv_descriptor) || !d->id || !d->name || !d->vendor || !d->version ||
+            !d->summary)
+            return hs_fail(err, HS_ERR_PLUGIN, "%s: descriptor %u of %u is missing or incomplete",
+                           plugin->path, i, entry->count);
+    }
+    return true;
+}
+
+/* The descriptor of `id`, the first one if id is NULL; a wrong id is answered with the ids there are. */
+static const sv_descriptor *find_descriptor(const hs_plugin *plugin, const char *id, hs_error *err) {
+    const sv_entry *entry = plugin->entry;
+    if (!id) return entry->descriptor(0);
+    char known[512] = "";
+    size_t used = 0;
+    for (uint32_t i = 0; i < entry->count; i++) {
+        const sv_descriptor *d = entry->descriptor(i);
+        if (strcmp(d->id, id) == 0) return d;
+        int n = snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", d->id);
+        if (n < 0 || (size_t)n >= sizeof known - used) break;
+        used += (size_t)n;
+    }
+    (void)hs_fail(err, HS_ERR_PLUGIN, "%s: no plugin with id '%s' (there are: %s)", plugin->path, id, known);
+    return NULL;
+}
+
+/* "The function pointers are never NULL": checked once here, so that a call is safe everywhere else. */
+static bool check_instance(const hs_plugin *plugin, hs_error *err) {
+    const sv_plugin *p = plugin->instance;
+    if (p->size < sizeof(sv_plugin))
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: instance.size is %u, ABI 1.0 has %zu", plugin->path, p->size,
+                       sizeof(sv_plugin));
+    const char *missing = !p->destroy         ? "destroy"
+                          : !p->activate      ? "activate"
+                          : !p->deactivate    ? "deactivate"
+                          : !p->begin         ? "begin"
+                          : !p->slab          ? "slab"
+                          : !p->end           ? "end"
+                          : !p->adjust        ? "adjust"
+                          : !p->param_count   ? "param_count"
+                          : !p->param_info    ? "param_info"
+                          : !p->param_text    ? "param_text"
+                          : !p->last_error    ? "last_error"
+                          : !p->get_extension ? "get_extension"
+                          : !p->descriptor    ? "descriptor"
+                                              : NULL;
+    if (missing) return hs_fail(err, HS_ERR_PLUGIN, "%s: instance.%s is NULL", plugin->path, missing);
+    return true;
+}
+
+static bool create_instance(hs_plugin *plugin, const char *id, hs_error *err) {
+    const sv_descriptor *descriptor = find_descriptor(plugin, id, err);
+    if (!descriptor) return false;
+    plugin->host = (sv_host){.size = sizeof(sv_host),
+                             .abi_minor = SV_ABI_MINOR,
+                             .host_data = plugin,
+                             .name = "host_sim",
+                             .version = "0.1.0",
+                             .log = print_log,
+                             .get_extension = no_extension};
+    sv_status status = plugin->entry->create(&plugin->host, descriptor->id, &plugin->instance);
+    if (status != SV_OK) {
+        plugin->instance = NULL; /* by the header it is; a defect there must not become a call through it */
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: create '%s': %s (%d)", plugin->path, descriptor->id,
+                       hs_status_name(status), status);
+    }
+    if (!plugin->instance)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: create '%s': SV_OK, but no instance", plugin->path,
+                       descriptor->id);
+    if (check_instance(plugin, err)) return true;
+    const sv_plugin *broken = plugin->instance;
+    plugin->instance = NULL;
+    if (broken->size >= sizeof(sv_plugin) && broken->destroy) broken->destroy(broken);
+    return false;
+}
+
+bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err) {
+    *plugin = (hs_plugin){.log_level = log_level};
+    if (open_library(plugin, path, err) && check_entry(plugin, err) && create_instance(plugin, id, err))
+        return true;
+    hs_plugin_close(plugin);
+    return false;
+}
+
+void hs_plugin_close(hs_plugin *plugin) {
+    if (plugin->instance) plugin->instance->destroy(plugin->instance);
+    if (plugin->library) dlclose(plugin->library);
+    *plugin = (hs_plugin){0};
+}
+
+bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err) {
+    if (status >= SV_OK) return true;
+    const char *reason = plugin->instance ? plugin->instance->last_error(plugin->instance) : NULL;
+    return hs_fail(err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status),
+                   status, reason && reason[0] ? reason : "the plugin gave no reason");
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* Loads any SmartVis plugin by path. The host knows it by smartvis_plugin.h only. */
+#ifndef HS_LOADER_H
+#define HS_LOADER_H
+
+#include "base/error.h"
+#include "smartvis_plugin.h"
+
+/* A loaded library with one instance. Owned by the caller; must not move in memory while open. */
+typedef struct {
+    void *library;
+    const sv_entry *entry;
+    const sv_plugin *instance;
+    sv_host host;
+    int32_t log_level; /* lines of lower severity are not printed (SV_LOG_*) */
+    char path[1024];
+} hs_plugin;
+
+/* dlopen, symbol, ABI major, descriptor, create. `id` NULL takes the library's first plugin. Every failure
+ * names the path and what was found (HS_ERR_PLUGIN): no such file, not a library, no entry symbol, ABI major
+ * 2 where this host speaks 1, no plugin of that id (and which there are). */
+bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err);
+void hs_plugin_close(hs_plugin *plugin);
+
+/* True on SV_OK and on positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status name> (<number>):
+ * <last_error>". */
+bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err);
+
+/* A status's name, e.g. "SV_ERR_SLAB_ORDER"; "unknown status" for others. */
+const char *hs_status_name(sv_status status);
+
+/* Finds a parameter by key. False if there is none. */
+bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info);
+
+/* Finds the one knob a user sees (SV_PARAM_PRIMARY). False if the plugin has none. */
+bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info);
+
+/* Parses "key=value" (a number, true/false, or an enum's value text) into *out; errors name key, value and
+ * the allowed range or names. */
+bool hs_plugin_parse_param(const hs_plugin *plugin, const char *text, sv_param_value *out, hs_error *err);
+
+#endif

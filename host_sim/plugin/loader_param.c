@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/* A plugin's parameters as a command line sees them: found by key, written as key=value. */
+#include "plugin/loader.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An enum's values are few; a plugin that claims more than this is not asked for all their names. */
+#define MAX_ENUM_VALUES 256
+
+static bool param_at(const hs_plugin *plugin, uint32_t index, sv_param_info *info) {
+    *info = (sv_param_info){.size = sizeof *info};
+    return plugin->instance->param_info(plugin->instance, index, info) == SV_OK && info->key && info->label &&
+           info->unit && info->help;
+}
+
+bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info) {
+    uint32_t count = plugin->instance->param_count(plugin->instance);
+    for (uint32_t i = 0; i < count; i++)
+        if (param_at(plugin, i, info) && strcmp(info->key, key) == 0) return true;
+    return false;
+}
+
+bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info) {
+    uint32_t count = plugin->instance->param_count(plugin->instance);
+    for (uint32_t i = 0; i < count; i++)
+        if (param_at(plugin, i, info) && (info->flags & SV_PARAM_PRIMARY)) return true;
+    return false;
+}
+
+/* Fails with the keys there are. */
+static bool unknown_key(const hs_plugin *plugin, const char *key, hs_error *err) {
+    char known[512] = "";
+    size_t used = 0;
+    sv_param_info info;
+    uint32_t count = plugin->instance->param_count(plugin->instance);
+    for (uint32_t i = 0; i < count && used < sizeof known; i++)
+        if (param_at(plugin, i, &info))
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", info.key);
+    return hs_fail(err, HS_ERR_USAGE, "%s: no parameter '%s' (there are: %s)", plugin->path, key, known);
+}
+
+static uint32_t enum_value_count(const sv_param_info *info) {
+    double step = info->step > 0 ? info->step : 1.0;
+    double count = floor((info->max_value - info->min_value) / step + 0.5) + 1.0;
+    return count >= 1 && count <= MAX_ENUM_VALUES ? (uint32_t)count : 0;
+}
+
+/* Matches an enum's value text; fails with the names there are. */
+static bool parse_enum(const hs_plugin *plugin, const sv_param_info *info, const char *text, double *out,
+                       hs_error *err) {
+    char known[512] = "";
+    size_t used = 0;
+    double step = info->step > 0 ? info->step : 1.0;
+    for (uint32_t i = 0; i < enum_value_count(info) && used < sizeof known; i++) {
+        char name[64] = "";
+        double value = info->min_value + i * step;
+        if (plugin->instance->param_text(plugin->instance, info->id, value, name, sizeof name) != SV_OK)
+            continue;
+        if (strcmp(name, text) == 0) {
+            *out = value;
+            return true;
+        }
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", name);
+    }
+    return hs_fail(err, HS_ERR_USAGE, "parameter %s: '%s' is not one of %s", info->key, text, known);
+}
+
+static bool parse_number(const sv_param_info *info, const char *text, double *out, hs_error *err) {
+    char *end = NULL;
+    double value = strtod(text, &end);
+    if (end == text || *end != '\0' || !isfinite(value))
+        return hs_fail(err, HS_ERR_USAGE, "parameter %s: '%s' is not a number", info->key, text);
+    if (value < info->min_value || value > info->max_value)
+        return hs_fail(err, HS_ERR_USAGE, "parameter %s: %g is outside %g .. %g", info->key, value,
+                       info->min_value, info->max_value);
+    if (info->type == SV_PARAM_INT && info->step > 0) {
+        double n = (value - info->min_value) / info->step;
+        if (n != floor(n))
+            return hs_fail(err, HS_ERR_USAGE, "parameter %s: %g is not %g plus a multiple of %g", info->key,
+                           value, info->min_value, info->step);
+    }
+    *out = value;
+    return true;
+}
+
+bool hs_plugin_parse_param(const hs_plugin *plugin, const char *text, sv_param_value *out, hs_error *err) {
+    const char *equals = strchr(text, '=');
+    char key[64];
+    if (!equals || equals == text || (size_t)(equals - text) >= sizeof key)
+        return hs_fail(err, HS_ERR_USAGE, "'%s': expected key=value", text);
+    memcpy(key, text, (size_t)(equals - text));
+    key[equals - text] = '\0';
+    sv_param_info info;
+    if (!hs_plugin_find_param(plugin, key, &info)) return unknown_key(plugin, key, err);
+    const char *value = equals + 1;
+    *out = (sv_param_value){.id = info.id};
+    if (info.type == SV_PARAM_ENUM) return parse_enum(plugin, &info, value, &out->value, err);
+    if (info.type == SV_PARAM_BOOL && (strcmp(value, "true") == 0 || strcmp(value, "false") == 0)) {
+        out->value = strcmp(value, "true") == 0;
+        return true;
+    }
+    return parse_number(&info, value, &out->value, err);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* The orthographic camera and the box it looks into; depths and pixels in the box, in millimetres. */
+#ifndef HS_CAMERA_H
+#define HS_CAMERA_H
+
+#include "volume/volume.h"
+
+/*
+ * The view box is a camera-aligned box around the volume's centre. Its x and y extents are equal (square
+ * pixels), its z extent is the depth that rays are walked. Pixel (i, j) of a W x H image looks along the ray
+ * through box coordinates ((i + 0.5) / W * extent, (j + 0.5) / H * extent); low-resolution slice s of S has
+ * its centre at depth (s + 0.5) / S * depth_extent. So one box serves the slabs, the depthmap and the
+ * picture, and a pixel of one lies over the same tissue as a pixel of another.
+ */
+typedef struct {
+    double rotation[9];  /* row-major; columns are the camera's x, y, z axes in volume coordinates (mm) */
+    double extent;       /* mm, width and height of the box */
+    double depth_extent; /* mm, depth of the box */
+} hs_camera;
+
+/* Camera rotated by yaw (about y) then pitch (about its own x), in degrees; 0, 0 looks along +z from the
+ * probe. It looks along (sin yaw cos pitch, -sin pitch, cos yaw cos pitch): yaw > 0 turns the view to +x,
+ * pitch > 0 to -y. Multiples of 90 degrees are exact. The box is the smallest that holds the volume seen from
+ * here. */
+void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
+
+/* Enlarges the box of `camera` so that it holds the box of `other` (an orbit uses one box for all views). */
+void hs_camera_merge_box(hs_camera *camera, const hs_camera *other);
+
+/* The affine map from normalised box coordinates (u, v, w in 0..1) to voxel indices (voxel centres at
+ * integers): index = origin + u * du + v * dv + w * dw. */
+typedef struct {
+    double origin[3], du[3], dv[3], dw[3];
+} hs_box_map;
+void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_map *map);
+
+#endif

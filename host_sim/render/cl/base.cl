@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What all kernels of the host share. The files are compiled as one source, in the order of their names.
+ *
+ * A work item handles a packet of LANES neighbouring rays (or voxels) with vector types. On a CPU 16 lanes
+ * make the arithmetic wide and share the control flow; on a GPU, whose lanes are the work items themselves, a
+ * packet is one ray. The same text serves both: vf is a packet of floats, vi of ints.
+ */
+#pragma OPENCL FP_CONTRACT OFF
+
+#ifndef LANES
+#define LANES 1 /* 16 on CPU devices, else 1 */
+#endif
+#ifndef BRICK_SHIFT
+#define BRICK_SHIFT 3 /* log2 of the brick edge; the host's HS_BRICK_SHIFT */
+#endif
+
+/* clang splits 16 lanes in two on some CPUs unless told that they are meant. */
+#if LANES == 16 && defined(__has_attribute)
+#if __has_attribute(min_vector_width)
+#define WIDE __attribute__((min_vector_width(512)))
+#endif
+#endif
+#ifndef WIDE
+#define WIDE
+#endif
+
+/* Packets are large: handing them to a function by memory costs more than its work. */
+#define INLINE static inline __attribute__((always_inline))
+
+#if LANES == 16
+typedef float16 vf;
+typedef int16 vi;
+#define PACKET_W 4 /* rays of a packet: 4 x 4 pixels stay closer together than 16 x 1 */
+#define PACKET_H 4
+#define TO_VF(v) convert_float16(v)
+#define TO_VI(v) convert_int16(v)
+/* A comparison of vectors gives -1, one of scalars 1; as masks both must be -1. */
+#define MASK(condition) (condition)
+#define LANE_INDEX      ((float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15))
+#define LANE_X          ((float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3))
+#define LANE_Y          ((float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3))
+#define STORE(v, p)     vstore16(v, 0, p)
+#define LOAD(p)         vload16(0, p)
+#else
+typedef float vf;
+typedef int vi;
+#define PACKET_W        1
+#define PACKET_H        1
+#define TO_VF(v)        convert_float(v)
+#define TO_VI(v)        convert_int(v)
+#define MASK(condition) (-(int)(condition))
+#define LANE_INDEX      0.0f
+#define LANE_X          0.0f
+#define LANE_Y          0.0f
+#define STORE(v, p)     (*(p) = (v))
+#define LOAD(p)         (*(p))
+#endif
+
+/* Least and largest lane. */
+#if LANES == 16
+INLINE float lanes_min(vf v) {
+    float8 a = min(v.lo, v.hi);
+    float4 b = min(a.lo, a.hi);
+    float2 c = min(b.lo, b.hi);
+    return min(c.x, c.y);
+}
+INLINE float lanes_max(vf v) {
+    float8 a = max(v.lo, v.hi);
+    float4 b = max(a.lo, a.hi);
+    float2 c = max(b.lo, b.hi);
+    return max(c.x, c.y);
+}
+#else
+INLINE float lanes_min(vf v) {
+    return v;
+}
+INLINE float lanes_max(vf v) {
+    return v;
+}
+#endif

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Scan conversion: source volume -> one slab of the low-resolution, camera-aligned volume
+ * (host_sim/render/scan_convert.h defines the result). A work item makes a packet of PACKET_W x PACKET_H
+ * voxels of a slice. A low-resolution voxel is the mean of grid.x * grid.y * grid.z samples at regular places
+ * in its box.
+ */
+#define PACKED_ONE (1 << 20) /* sum of intensities in the low bits, number of scanned samples above */
+
+typedef struct {
+    int x, y, z; /* of the packet's first voxel; z: slice of the whole volume */
+} place;
+
+/* (sum + count / 2) / count in integers, exact whatever the device's float division. */
+INLINE vi rounded_mean(vi sum, vi count) {
+    vi a = 2 * sum + count, b = 2 * count;
+    vi q = TO_VI(TO_VF(a) / TO_VF(b));
+    q -= select((vi)(0), (vi)(1), MASK(q * b > a));
+    q += select((vi)(0), (vi)(1), MASK(a - q * b >= b));
+    return q;
+}
+
+/* Writes the packet's bytes into its tile, and only those inside the picture. */
+INLINE void store_packet(__global uchar *slab, int4 layout, int4 size, place at, int slice, vi value) {
+    __global uchar *tile =
+        slab + (size_t)(slice / layout.x) * layout.z * layout.w + (size_t)(slice % layout.x) * layout.y;
+#if LANES == 16
+    if (at.x + PACKET_W <= size.x && at.y + PACKET_H <= size.y) {
+        uchar16 bytes = convert_uchar16(value);
+        __global uchar *row = tile + (size_t)at.y * layout.w + at.x;
+        vstore4(bytes.s0123, 0, row);
+        vstore4(bytes.s4567, 0, row + layout.w);
+        vstore4(bytes.s89ab, 0, row + 2 * layout.w);
+        vstore4(bytes.scdef, 0, row + 3 * layout.w);
+        return;
+    }
+#endif
+    int values[LANES];
+    STORE(value, values);
+    for (int lane = 0; lane < LANES; lane++) {
+        int x = at.x + lane % PACKET_W, y = at.y + lane / PACKET_W;
+        if (x < size.x && y < size.y) tile[(size_t)y * layout.w + x] = (uchar)values[lane];
+    }
+}
+
+#if LANES == 16
+#define BYTES(p, i)                                                                                          \
+    convert_int16((uchar16)((p)[i.s0], (p)[i.s1], (p)[i.s2], (p)[i.s3], (p)[i.s4], (p)[i.s5], (p)[i.s6],     \
+                            (p)[i.s7], (p)[i.s8], (p)[i.s9], (p)[i.sa], (p)[i.sb], (p)[i.sc], (p)[i.sd],     \
+                            (p)[i.se], (p)[i.sf]))
+#else
+#define BYTES(p, i) ((int)(p)[i])
+#endif
+
+/* Sample (i, j, k) of the volume stands at origin + i * dx + j * dy + k * dz, in voxels with `bits` fraction
+ * bits. The host chooses them so that nothing overflows; half a voxel is in `origin`, so that the nearest
+ * voxel is a floor. */
+typedef struct {
+    int4 origin, dx, dy, dz;
+    int bits;
+} lattice;
+
+/* How many of a packet's samples lie inside the volume along one axis: 0 none, 1 some, 2 all. */
+INLINE int packet_inside(int start, int x_span, int y_span, int z_span, int count, int bits) {
+    int low = (start + min(x_span, 0) + min(y_span, 0) + min(z_span, 0)) >> bits;
+    int high = (start + max(x_span, 0) + max(y_span, 0) + max(z_span, 0)) >> bits;
+    if (high < 0 || low >= count) return 0;
+    return low >= 0 && high < count ? 2 : 1;
+}
+
+/* Sum and number of the packet's scanned samples, packed. */
+INLINE vi gather_nearest(__global const uchar *voxels, int4 dims, int4 grid, lattice l, int4 start,
+                         int guard) {
+    vi packed = (vi)(0), lane_x = TO_VI(LANE_X) * grid.x, lane_y = TO_VI(LANE_Y) * grid.y;
+    vi px = start.x + lane_x * l.dx.x + lane_y * l.dy.x;
+    vi py = start.y + lane_x * l.dx.y + lane_y * l.dy.y;
+    vi pz = start.z + lane_x * l.dx.z + lane_y * l.dy.z;
+    for (int j = 0; j < grid.y; j++) {
+        for (int i = 0; i < grid.x; i++) {
+            int4 at = i * l.dx + j * l.dy;
+            for (int k = 0; k < grid.z; k++, at += l.dz) {
+                vi x = (px + at.x) >> l.bits, y = (py + at.y) >> l.bits, z = (pz + at.z) >> l.bits;
+                vi index = (z * dims.y + y) * dims.x + x;
+                vi value;
+                if (guard) {
+                    vi in = MASK((x >= 0) & (x < dims.x) & (y >= 0) & (y < dims.y) & (z >= 0) & (z < dims.z));
+                    index &= in;
+                    value = BYTES(voxels, index) & in;
+                } else {
+                    value = BYTES(voxels, index);
+                }
+                packed += value + (MASK(value != 0) & PACKED_ONE);
+            }
+        }
+    }
+    return packed;
+}
+
+/*
+ * Means of nearest voxels, in integers: for voxels of the low-resolution volume that span several of the
+ * source. size: width, height, first slice, fraction bits; layout: tiles_x, tile_w, tile_h, row_pitch.
+ * global: (packets in a row, slices of the slab, rows of packets). The rows of packets come last: a slab's
+ * section through a few rows is small enough for the cache, whatever the camera, and its neighbours share
+ * cache lines.
+ */
+WIDE __kernel void convert_nearest(__global const uchar *voxels, int4 dims, int4 grid, int4 origin, int4 dx,
+                                   int4 dy, int4 dz, int4 size, int4 layout, __global uchar *slab,
+                                   ulong offset) {
+    int slice = (int)get_global_id(1);
+    place at = {(int)get_global_id(0) * PACKET_W, (int)get_global_id(2) * PACKET_H, size.z + slice};
+    lattice l = {origin, dx, dy, dz, size.w};
+    int4 start = origin + at.x * grid.x * dx + at.y * grid.y * dy + at.z * grid.z * dz;
+    int4 xs = (PACKET_W * grid.x - 1) * dx, ys = (PACKET_H * grid.y - 1) * dy, zs = (grid.z - 1) * dz;
+    int in_x = packet_inside(start.x, xs.x, ys.x, zs.x, dims.x, l.bits);
+    int in_y = packet_inside(start.y, xs.y, ys.y, zs.y, dims.y, l.bits);
+    int in_z = packet_inside(start.z, xs.z, ys.z, zs.z, dims.z, l.bits);
+    int inside = min(in_x, min(in_y, in_z));
+    vi mean = (vi)(0);
+    if (inside > 0) {
+        vi packed = inside == 2 ? gather_nearest(voxels, dims, grid, l, start, 0)
+                                : gather_nearest(voxels, dims, grid, l, start, 1);
+        vi sum = packed & (PACKED_ONE - 1), count = packed >> 20;
+        mean = clamp(rounded_mean(sum, max(count, (vi)(1))), 1, 255);
+        mean = select(mean, (vi)(0), MASK(2 * count < grid.x * grid.y * grid.z));
+    }
+    store_packet(slab + offset, layout, size, at, slice, mean);
+}
+
+/* The same cell with 1 for every scanned voxel: its blend is the scanned share of a sample. */
+INLINE vpair scanned_pair(vpair pair) {
+    vpair first = min((vpair)(pair & (vpair)(0xff)), (vpair)(1)),
+          second = min((vpair)(pair >> (vpair)(8)), (vpair)(1));
+    return (vpair)(first | (vpair)(second << (vpair)(8)));
+}
+INLINE cell scanned(cell c) {
+    c.near = scanned_pair(c.near);
+    c.below = scanned_pair(c.below);
+    c.far = scanned_pair(c.far);
+    c.far_below = scanned_pair(c.far_below);
+    return c;
+}
+
+INLINE vi in_box(vf position, int count) {
+    return MASK((position >= -BOX_HALF_VOXEL) & (position <= (float)(count - 1) + BOX_HALF_VOXEL));
+}
+
+#define HALF_COVERED 0.4995f /* of the samples: rounding never decides about a voxel exactly half covered */
+
+/*
+ * Means of trilinear samples: for voxels of the low-resolution volume about as small as the source's.
+ * origin, dx, dy, dz: voxel index of sample (0, 0, 0) and its steps along the samples' grid.
+ */
+WIDE __kernel void convert_trilinear(__global const uchar *voxels, int4 dims, int4 grid, float4 origin,
+                                     float4 dx, float4 dy, float4 dz, int4 size, int4 layout,
+                                     __global uchar *slab, ulong offset) {
+    int slice = (int)get_global_id(1);
+    place at = {(int)get_global_id(0) * PACKET_W, (int)get_global_id(2) * PACKET_H, size.z + slice};
+    vf sum = (vf)(0.0f), share = (vf)(0.0f);
+    for (int k = 0; k < grid.z; k++) {
+        float w = (float)(at.z * grid.z + k);
+        for (int j = 0; j < grid.y; j++) {
+            vf v = (LANE_Y + (float)at.y) * (float)grid.y + (float)j;
+            for (int i = 0; i < grid.x; i++) {
+                vf u = (LANE_X + (float)at.x) * (float)grid.x + (float)i;
+                vf x = origin.x + u * dx.x + v * dy.x + w * dz.x;
+                vf y = origin.y + u * dx.y + v * dy.y + w * dz.y;
+                vf z = origin.z + u * dx.z + v * dy.z + w * dz.z;
+                vi in = in_box(x, dims.x) & in_box(y, dims.y) & in_box(z, dims.z);
+                cell c = fetch(voxels, dims, x, y, z);
+                sum += select((vf)(0.0f), blend(c), in);
+                share += select((vf)(0.0f), blend(scanned(c)), in);
+            }
+        }
+    }
+    vi mean = TO_VI(clamp(floor(sum / max(share, (vf)(1e-6f)) + 0.5f), 1.0f, 255.0f));
+    mean = select(mean, (vi)(0), MASK(share < HALF_COVERED * (float)(grid.x * grid.y * grid.z)));
+    store_packet(slab + offset, layout, size, at, slice, mean);
+}

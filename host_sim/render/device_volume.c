@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/device_volume.h"
+
+#include <stdlib.h>
+
+#define BRICK_EDGE (1u << HS_BRICK_SHIFT)
+
+static size_t voxel_bytes(const hs_device_volume *dv) {
+    return (size_t)dv->n[0] * dv->n[1] * dv->n[2];
+}
+
+/* Trilinear lookups read two neighbours in x. A volume one voxel wide has no second one, so the kernels
+ * (which give it weight 0) need a byte behind the last voxel: such a volume is copied, never wrapped. */
+static bool wraps_host_memory(const hs_device_volume *dv) {
+    return dv->cl->is_cpu && dv->n[0] > 1;
+}
+
+/* The buffer around this host memory: a known one, or a new one in the place of the oldest. */
+static bool wrap_host(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
+    for (uint32_t i = 0; i < HS_WRAP_COUNT; i++) {
+        if (dv->wrap[i].host != host) continue;
+        dv->voxels = dv->wrap[i].buffer;
+        /* The contents may be new: OpenCL wants to be told before a command reads them. */
+        cl_int code = CL_SUCCESS;
+        void *mapped = clEnqueueMapBuffer(dv->cl->queue, dv->voxels, CL_FALSE, CL_MAP_WRITE_INVALIDATE_REGION,
+                                          0, voxel_bytes(dv), 0, NULL, NULL, &code);
+        if (!hs_cl_check(code, "clEnqueueMapBuffer(volume)", err)) return false;
+        code = clEnqueueUnmapMemObject(dv->cl->queue, dv->voxels, mapped, 0, NULL, NULL);
+        return hs_cl_check(code, "clEnqueueUnmapMemObject(volume)", err);
+    }
+    union {
+        const uint8_t *in;
+        void *out;
+    } pointer = {host}; /* read-only for the device, whatever the prototype says */
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = clCreateBuffer(dv->cl->context, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, voxel_bytes(dv),
+                                   pointer.out, &code);
+    if (!hs_cl_check(code, "clCreateBuffer(volume in host memory)", err)) return false;
+    uint32_t slot = dv->wrap_next;
+    if (dv->wrap[slot].buffer) (void)clReleaseMemObject(dv->wrap[slot].buffer);
+    dv->wrap[slot].host = host;
+    dv->wrap[slot].buffer = buffer;
+    dv->wrap_next = (slot + 1) % HS_WRAP_COUNT;
+    dv->voxels = buffer;
+    return true;
+}
+
+static bool upload(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
+    if (wraps_host_memory(dv)) return wrap_host(dv, host, err);
+    cl_int code =
+        clEnqueueWriteBuffer(dv->cl->queue, dv->copy, CL_FALSE, 0, voxel_bytes(dv), host, 0, NULL, NULL);
+    dv->voxels = dv->copy;
+    return hs_cl_check(code, "clEnqueueWriteBuffer(volume)", err);
+}
+
+static bool enqueue_grid(hs_device_volume *dv, hs_error *err) {
+    cl_int4 dims = {{(cl_int)dv->n[0], (cl_int)dv->n[1], (cl_int)dv->n[2], 0}};
+    cl_int4 bricks = {{(cl_int)dv->bricks[0], (cl_int)dv->bricks[1], (cl_int)dv->bricks[2], 0}};
+    cl_int code = clSetKernelArg(dv->build_grid, 0, sizeof(cl_mem), &dv->voxels);
+    code |= clSetKernelArg(dv->build_grid, 1, sizeof dims, &dims);
+    code |= clSetKernelArg(dv->build_grid, 2, sizeof bricks, &bricks);
+    code |= clSetKernelArg(dv->build_grid, 3, sizeof(cl_mem), &dv->grid);
+    if (!hs_cl_check(code, "clSetKernelArg(build_brick_grid)", err)) return false;
+    /* On a CPU a work item makes a whole row of bricks, and is a work group, so that all cores get some. */
+    const bool rows = dv->cl->lanes > 1;
+    const size_t global[3] = {rows ? 1 : dv->bricks[0], dv->bricks[1], dv->bricks[2]};
+    const size_t local[3] = {1, 1, 1};
+    code = clEnqueueNDRangeKernel(dv->cl->queue, dv->build_grid, 3, NULL, global, rows ? local : NULL, 0,
+                                  NULL, NULL);
+    return hs_cl_check(code, "clEnqueueNDRangeKernel(build_brick_grid)", err);
+}
+
+static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
+    const uint32_t n[3] = {volume->nx, volume->ny, volume->nz};
+    uint64_t count = 1, brick_count = 1;
+    for (int k = 0; k < 3; k++) {
+        if (n[k] == 0 || n[k] > HS_VOLUME_MAX_AXIS) { /* the kernels' rows are as long as that (MAX_ROW) */
+            return hs_fail(err, HS_ERR_INPUT, "%s: size %c is %u, expected 1 .. %u", volume->name, "xyz"[k],
+                           n[k], HS_VOLUME_MAX_AXIS);
+        }
+        dv->n[k] = n[k];
+        dv->spacing[k] = volume->spacing[k];
+        dv->bricks[k] = n[k] > 1 ? (n[k] - 1 + BRICK_EDGE - 1) / BRICK_EDGE : 1;
+        count *= n[k];
+        brick_count *= dv->bricks[k];
+    }
+    if (count >= 1ull << 31) { /* the kernels index voxels with 31 bits */
+        return hs_fail(err, HS_ERR_INPUT, "%s: %u x %u x %u voxels, expected at most 2^31 - 1 in all",
+                       volume->name, n[0], n[1], n[2]);
+    }
+    cl_int code = CL_SUCCESS;
+    if (!wraps_host_memory(dv)) {
+        dv->copy = clCreateBuffer(dv->cl->context, CL_MEM_READ_ONLY, (size_t)count + 1, NULL, &code);
+        if (!hs_cl_check(code, "clCreateBuffer(volume)", err)) return false;
+    }
+    dv->grid = clCreateBuffer(dv->cl->context, CL_MEM_READ_WRITE, (size_t)brick_count, NULL, &code);
+    if (!hs_cl_check(code, "clCreateBuffer(brick grid)", err)) return false;
+    dv->build_grid = clCreateKernel(dv->cl->program, "build_brick_grid", &code);
+    if (!hs_cl_check(code, "clCreateKernel(build_brick_grid)", err)) return false;
+    return upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
+}
+
+hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
+    hs_device_volume *dv = calloc(1, sizeof *dv);
+    if (!dv) {
+        hs_fail(err, HS_ERR_MEMORY, "%s: no memory for the device volume", volume->name);
+        return NULL;
+    }
+    dv->cl = cl;
+    if (init(dv, volume, err)) return dv;
+    hs_device_volume_destroy(dv);
+    return NULL;
+}
+
+bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
+    if (volume->nx != dv->n[0] || volume->ny != dv->n[1] || volume->nz != dv->n[2]) {
+        return hs_fail(err, HS_ERR_INPUT, "%s: %u x %u x %u voxels in a sequence of %u x %u x %u",
+                       volume->name, volume->nx, volume->ny, volume->nz, dv->n[0], dv->n[1], dv->n[2]);
+    }
+    for (int k = 0; k < 3; k++) dv->spacing[k] = volume->spacing[k];
+    return upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
+}
+
+void hs_device_volume_destroy(hs_device_volume *dv) {
+    if (!dv) return;
+    /* The host memory may go as soon as this returns, so nothing may be reading it any more. */
+    (void)clFinish(dv->cl->queue);
+    if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
+    if (dv->grid) (void)clReleaseMemObject(dv->grid);
+    if (dv->copy) (void)clReleaseMemObject(dv->copy);
+    for (uint32_t i = 0; i < HS_WRAP_COUNT; i++) {
+        if (dv->wrap[i].buffer) (void)clReleaseMemObject(dv->wrap[i].buffer);
+    }
+    free(dv);
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* The host's OpenCL device, context and in-order queue, shared by scan conversion, renderer and plugin. */
+#ifndef HS_HOST_CL_H
+#define HS_HOST_CL_H
+
+#include "base/error.h"
+
+#include <CL/cl.h>
+#include <stdint.h>
+
+typedef struct {
+    cl_device_id device;
+    cl_context context;
+    cl_command_queue queue; /* in-order, with profiling */
+    cl_program program;     /* the host's kernels, for its own sources: scan conversion, renderer, volume */
+    uint32_t lanes;         /* rays or voxels a work item of those kernels handles: 16 on CPUs, else 1 */
+    char device_name[256];
+    bool is_cpu; /* the device is a CPU: it shares the host's memory */
+} hs_cl;
+
+/* Opens the first GPU, else the first CPU, else any device, and builds the host's embedded kernels for it.
+ * The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows the choice. False with HS_ERR_DEVICE and
+ * what to do about it; where the kernels do not build, the first lines of the build log. `cl` is all zero
+ * then. */
+bool hs_cl_open(hs_cl *cl, hs_error *err);
+
+/* The same with `lanes` 1 or 16 whatever the device: a CPU can run, and test, the kernels of a GPU. 0: as
+ * fits. */
+bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err);
+
+/* Waits for the queue and releases everything. Safe on a zeroed struct. */
+void hs_cl_close(hs_cl *cl);
+
+/* True on CL_SUCCESS; else records HS_ERR_DEVICE with the call's name, the code's name and its number. */
+bool hs_cl_check(cl_int code, const char *call, hs_error *err);
+
+/* True if `buffer` holds at least `bytes` bytes; else records HS_ERR_DEVICE with `what` and both sizes. */
+bool hs_cl_check_size(cl_mem buffer, uint64_t bytes, const char *what, hs_error *err);
+
+/* Milliseconds a finished command ran, from its profiling event; negative if the event does not tell. */
+double hs_cl_event_ms(cl_event event);
+
+#endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/scan_convert.h"
+
+#include "render/device_volume.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define MAX_ROW_PITCH        (1u << 28) /* bytes; a slab's size then fits 64 bits */
+#define SAMPLE_SPACING       1.5        /* finest source voxels from one sample to the next, about */
+#define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
+#define MAX_SAMPLES_PER_AXIS 8
+#define NEAREST_MIN_SPAN     2.0 /* source voxels a box spans in every direction to be a mean of nearest ones */
+#define NEAREST_MIN_BITS     12   /* fraction bits a fixed-point position must have */
+#define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
+
+struct hs_scan_converter {
+    const hs_cl *cl;
+    hs_slab_layout layout;
+    cl_kernel nearest, trilinear;
+    size_t max_group; /* work items of a group, as far as the device goes */
+};
+
+/* How the samples of a volume lie: sample (i, j, k) of width * grid[0] x ... stands at voxel index
+ * origin + i * step[0] + j * step[1] + k * step[2]. */
+typedef struct {
+    uint32_t grid[3]; /* samples per low-resolution voxel */
+    bool nearest;
+    int bits; /* fraction bits of fixed-point positions */
+    double origin[3], step[3][3];
+} sampling;
+
+uint32_t hs_slab_count(const hs_slab_layout *layout) {
+    return (layout->slices + layout->slab_slices - 1) / layout->slab_slices;
+}
+
+uint32_t hs_slab_length(const hs_slab_layout *layout, uint32_t index) {
+    uint32_t rest = layout->slices - index * layout->slab_slices;
+    return rest < layout->slab_slices ? rest : layout->slab_slices;
+}
+
+size_t hs_slab_bytes(const hs_slab_layout *layout, uint32_t slices) {
+    uint32_t tile_rows = (slices + layout->tiles_x - 1) / layout->tiles_x;
+    return (size_t)tile_rows * layout->tile_h * layout->row_pitch;
+}
+
+static bool check_layout(const hs_slab_layout *l, hs_error *err) {
+    const struct {
+        const char *name;
+        uint64_t value, low, high;
+    } fields[] = {
+        {"width", l->width, 1, 8192},
+        {"height", l->height, 1, 8192},
+        {"slices", l->slices, 1, 8192},
+        {"slab_slices", l->slab_slices, 1, l->slices},
+        {"tiles_x", l->tiles_x, 1, 8192},
+        {"tile_w", l->tile_w, l->width, 1u << 20},
+        {"tile_h", l->tile_h, l->height, 1u << 20},
+        {"row_pitch", l->row_pitch, (uint64_t)l->tiles_x * l->tile_w, MAX_ROW_PITCH},
+    };
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        if (fields[i].value >= fields[i].low && fields[i].value <= fields[i].high) continue;
+        return hs_fail(err, HS_ERR_USAGE, "slab layout: %s is %llu, expected %llu .. %llu", fields[i].name,
+                       (unsigned long long)fields[i].value, (unsigned long long)fields[i].low,
+                       (unsigned long long)fields[i].high);
+    }
+    return true;
+}
+
+static bool init(hs_scan_converter *converter, const hs_slab_layout *layout, hs_error *err) {
+    if (!check_layout(layout, err)) return false;
+    converter->layout = *layout;
+    cl_int code = CL_SUCCESS;
+    converter->nearest = clCreateKernel(converter->cl->program, "convert_nearest", &code);
+    if (!hs_cl_check(code, "clCreateKernel(convert_nearest)", err)) return false;
+    converter->trilinear = clCreateKernel(converter->cl->program, "convert_trilinear", &code);
+    if (!hs_cl_check(code, "clCreateKernel(convert_trilinear)", err)) return false;
+    code = clGetDeviceInfo(converter->cl->device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof converter->max_group,
+                           &converter->max_group, NULL);
+    return hs_cl_check(code, "clGetDeviceInfo(CL_DEVICE_MAX_WORK_GROUP_SIZE)", err);
+}
+
+hs_scan_converter *hs_scan_converter_create(const hs_cl *cl, const hs_slab_layout *layout, hs_error *err) {
+    hs_scan_converter *converter = calloc(1, sizeof *converter);
+    if (!converter) {
+        hs_fail(err, HS_ERR_MEMORY, "scan conversion: no memory for the converter");
+        return NULL;
+    }
+    converter->cl = cl;
+    if (init(converter, layout, err)) return converter;
+    hs_scan_converter_destroy(converter);
+    return NULL;
+}
+
+void hs_scan_converter_destroy(hs_scan_converter *converter) {
+    if (!converter) return;
+    if (converter->nearest) (void)clReleaseKernel(converter->nearest);
+    if (converter->trilinear) (void)clReleaseKernel(converter->trilinear);
+    free(converter);
+}
+
+/* The most fraction bits with which every position a packet may meet fits an int, the parts of its sum too.
+ */
+static int position_bits(const sampling *s, const hs_slab_layout *layout) {
+    /* Packets may overhang the picture. */
+    const uint32_t size[3] = {layout->width + 4, layout->height + 4, layout->slices};
+    double reach = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double along = fabs(s->origin[k]) + 1.0;
+        for (int a = 0; a < 3; a++) along += fabs(s->step[a][k]) * s->grid[a] * size[a];
+        reach = fmax(reach, along);
+    }
+    int bits = 0;
+    while (bits < 30 && ldexp(reach, bits + 1) < 0x1p31) bits++;
+    return bits;
+}
+
+static sampling plan_sampling(const hs_slab_layout *layout, const hs_device_volume *source,
+                              const hs_camera *camera) {
+    const hs_volume shape = {.nx = source->n[0],
+                             .ny = source->n[1],
+                             .nz = source->n[2],
+                             .spacing = {source->spacing[0], source->spacing[1], source->spacing[2]}};
+    hs_box_map map;
+    hs_camera_box_map(camera, &shape, &map);
+    const double *const axis[3] = {map.du, map.dv, map.dw};
+    const uint32_t size[3] = {layout->width, layout->height, layout->slices};
+    const double extent[3] = {camera->extent, camera->extent, camera->depth_extent};
+    double finest = fmin(shape.spacing[0], fmin(shape.spacing[1], shape.spacing[2]));
+    double coarsest = fmax(shape.spacing[0], fmax(shape.spacing[1], shape.spacing[2]));
+    sampling s = {.nearest = true, .origin = {map.origin[0], map.origin[1], map.origin[2]}};
+    for (int a = 0; a < 3; a++) {
+        double edge_mm = extent[a] / size[a];
+        double span = edge_mm / finest, fewest = span >= MIN_SHARED_SPAN * (1.0 - TOLERANCE) ? 2.0 : 1.0;
+        s.grid[a] = (uint32_t)fmin(fmax(round(span / SAMPLE_SPACING), fewest), MAX_SAMPLES_PER_AXIS);
+        if (edge_mm < NEAREST_MIN_SPAN * coarsest * (1.0 - TOLERANCE)) s.nearest = false;
+        for (int k = 0; k < 3; k++) {
+            s.step[a][k] = axis[a][k] / ((double)size[a] * s.grid[a]);
+            s.origin[k] += 0.5 * s.step[a][k];
+        }
+    }
+    s.bits = position_bits(&s, layout);
+    if (s.bits < NEAREST_MIN_BITS) s.nearest = false;
+    return s;
+}
+
+static cl_int4 fixed4(const double v[3], double offset, int bits) {
+    cl_int4 out = {{(cl_int)lrint(ldexp(v[0] + offset, bits)), (cl_int)lrint(ldexp(v[1] + offset, bits)),
+                    (cl_int)lrint(ldexp(v[2] + offset, bits)), 0}};
+    return out;
+}
+
+static cl_float4 float4_of(const double v[3]) {
+    cl_float4 out = {{(cl_float)v[0], (cl_float)v[1], (cl_float)v[2], 0.0f}};
+    return out;
+}
+
+/* Arguments 3 to 6: where the samples lie. Half a voxel makes the nearest one a floor. */
+static cl_int set_positions(cl_kernel kernel, const sampling *s) {
+    cl_int code = CL_SUCCESS;
+    for (cl_uint i = 0; i < 4; i++) {
+        const double *v = i == 0 ? s->origin : s->step[i - 1];
+        if (s->nearest) {
+            cl_int4 fixed = fixed4(v, i == 0 ? 0.5 : 0.0, s->bits);
+            code |= clSetKernelArg(kernel, 3 + i, sizeof fixed, &fixed);
+        } else {
+            cl_float4 plain = float4_of(v);
+            code |= clSetKernelArg(kernel, 3 + i, sizeof plain, &plain);
+        }
+    }
+    return code;
+}
+
+/* On a CPU a work item makes 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work group
+ * one row of packets in all slices: few enough groups to cost nothing, enough that all cores get some. */
+static bool enqueue(const hs_scan_converter *converter, cl_kernel kernel, uint32_t slices, cl_event *event,
+                    hs_error *err) {
+    const hs_slab_layout *l = &converter->layout;
+    const bool packets = converter->cl->lanes > 1;
+    const size_t edge = packets ? 4 : 1;
+    const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
+    const size_t local[3] = {global[0], global[0] * slices <= converter->max_group ? slices : 1, 1};
+    const bool rows = packets && global[0] <= converter->max_group;
+    cl_int code = clEnqueueNDRangeKernel(converter->cl->queue, kernel, 3, NULL, global, rows ? local : NULL,
+                                         0, NULL, event);
+    return hs_cl_check(code, "clEnqueueNDRangeKernel(scan conversion)", err);
+}
+
+bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
+                          const hs_camera *camera, uint32_t index, cl_mem slab, size_t offset,
+                          cl_event *event, hs_error *err) {
+    const hs_slab_layout *l = &converter->layout;
+    if (index >= hs_slab_count(l)) {
+        return hs_fail(err, HS_ERR_USAGE, "scan conversion: slab %u of %u", index, hs_slab_count(l));
+    }
+    const uint32_t slices = hs_slab_length(l, index);
+    const uint64_t bytes = hs_slab_bytes(l, slices), end = bytes + offset;
+    if (!hs_cl_check_size(slab, end < bytes ? UINT64_MAX : end, "a slab", err)) return false;
+    const sampling s = plan_sampling(l, source, camera);
+    const cl_int4 dims = {{(cl_int)source->n[0], (cl_int)source->n[1], (cl_int)source->n[2], 0}};
+    const cl_int4 grid = {{(cl_int)s.grid[0], (cl_int)s.grid[1], (cl_int)s.grid[2], 0}};
+    const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
+    const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
+    const cl_ulong start = offset;
+    cl_kernel kernel = s.nearest ? converter->nearest : converter->trilinear;
+    cl_int code = clSetKernelArg(kernel, 0, sizeof(cl_mem), &source->voxels);
+    code |= clSetKernelArg(kernel, 1, sizeof dims, &dims);
+    code |= clSetKernelArg(kernel, 2, sizeof grid, &grid);
+    code |= set_positions(kernel, &s);
+    code |= clSetKernelArg(kernel, 7, sizeof size, &size);
+    code |= clSetKernelArg(kernel, 8, sizeof layout, &layout);
+    code |= clSetKernelArg(kernel, 9, sizeof(cl_mem), &slab);
+    code |= clSetKernelArg(kernel, 10, sizeof start, &start);
+    if (!hs_cl_check(code, "clSetKernelArg(scan conversion)", err)) return false;
+    return enqueue(converter, kernel, slices, event, err);
+}

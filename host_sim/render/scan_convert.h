@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/* Scan conversion: source volume and camera -> low-resolution camera-aligned slabs (spec 5). */
+#ifndef HS_SCAN_CONVERT_H
+#define HS_SCAN_CONVERT_H
+
+#include "render/camera.h"
+#include "render/host_cl.h"
+
+/* How a slab lies in its texture; the same words as sv_format. */
+typedef struct {
+    uint32_t width, height, slices; /* of the whole low-resolution volume */
+    uint32_t slab_slices;           /* slices of a full slab; the last may be short */
+    uint32_t tiles_x, tile_w, tile_h, row_pitch;
+} hs_slab_layout;
+
+/* These three are for layouts that hs_scan_converter_create accepts. Texture bytes of a slab of `slices`
+ * slices. */
+size_t hs_slab_bytes(const hs_slab_layout *layout, uint32_t slices);
+/* Number of slabs, and slices of slab `index`. */
+uint32_t hs_slab_count(const hs_slab_layout *layout);
+uint32_t hs_slab_length(const hs_slab_layout *layout, uint32_t index);
+
+/* A source volume on the device, ready to be sampled by scan conversion and renderer. */
+typedef struct hs_device_volume hs_device_volume;
+
+/*
+ * Uploads the volume and builds the renderer's grid of brick maxima; does not wait: the voxels must stay,
+ * unchanged, until the commands that read them have run. On a CPU device they are not copied but read where
+ * they are, so they must stay allocated until hs_device_volume_destroy, which waits for the queue. (A volume
+ * one voxel wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or more), HS_ERR_DEVICE or HS_ERR_MEMORY.
+ */
+hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err);
+
+/* Takes another volume of the same size (a live sequence); does not wait. No memory for voxels is allocated;
+ * on a CPU device, host buffers that come again (up to 8 in turn) create no OpenCL object either. The spacing
+ * may differ. */
+bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_error *err);
+void hs_device_volume_destroy(hs_device_volume *dv);
+
+typedef struct hs_scan_converter hs_scan_converter;
+
+/* NULL with HS_ERR_USAGE (an impossible layout), HS_ERR_DEVICE or HS_ERR_MEMORY. */
+hs_scan_converter *hs_scan_converter_create(const hs_cl *cl, const hs_slab_layout *layout, hs_error *err);
+void hs_scan_converter_destroy(hs_scan_converter *converter);
+
+/*
+ * Enqueues the conversion of slab `index` into `slab`, a buffer of at least hs_slab_bytes(its slices) bytes
+ * from `offset` on; does not wait. Tile and pitch padding is not written. `event` (may be NULL) receives the
+ * command's event.
+ *
+ * A low-resolution voxel is the mean of the source over its own box, by samples on a regular grid in it.
+ * Along each camera axis the edge of the box, in finest source voxels, is divided by 1.5 and rounded: that
+ * many samples, 8 at most, 2 at least where the edge is 1.5 voxels or longer, else 1. Sample i of g stands at
+ * (i + 0.5) / g of the edge.
+ *
+ * Nearest: where every box edge spans two source voxels or more (by the coarsest spacing, with a millionth of
+ * tolerance) a sample is the nearest source voxel, and all is integer arithmetic: the same bytes on every
+ * device. Positions are fixed-point with as many fraction bits as 32-bit sums allow (20 to 22 for 400^3
+ * voxels), so a sample is placed to a thousandth of a voxel or better. (A box so long that fewer than 12 bits
+ * are left is sampled as below.)
+ *
+ * Trilinear: elsewhere a sample is trilinear between the voxel centres; in the outer half voxel the nearest
+ * voxel counts. "Half covered", below, then has a tolerance of a thousandth.
+ *
+ * Only scanned source voxels (> 0) inside the volume have weight; a voxel less than half covered by them
+ * becomes 0 (not scanned), any other their mean, rounded half up, 1 .. 255.
+ */
+bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
+                          const hs_camera *camera, uint32_t index, cl_mem slab, size_t offset,
+                          cl_event *event, hs_error *err);
+
+#endif

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+#include "report/loop_pictures.h"
+
+#include "base/cli.h"
+#include "picture/picture.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ORBIT_CELL 256u /* pixels */
+
+/* Saves and frees; `made` tells whether the picture is there. */
+static bool save(bool made, hs_picture *picture, const char *folder, const char *name, hs_error *err) {
+    char path[PATH_MAX];
+    const bool ok =
+        made && hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
+    if (made) hs_picture_free(picture);
+    return ok;
+}
+
+static hs_image rgba_image(const hs_view *view, const uint8_t *pixels) {
+    return (hs_image){.data = pixels, .width = view->width, .height = view->height, .channels = 4};
+}
+
+/* A rendered picture without anything around it. */
+static bool write_plain(const hs_view *view, const uint8_t *pixels, const char *folder, const char *name,
+                        hs_error *err) {
+    hs_picture picture;
+    const hs_image image = rgba_image(view, pixels);
+    const bool made = hs_picture_init(&picture, view->width, view->height, 0, err);
+    if (made) hs_picture_blit(&picture, 0, 0, view->width, view->height, &image, HS_SCALE_NEAREST);
+    return save(made, &picture, folder, name, err);
+}
+
+static bool write_panel(const hs_view *view, const char *folder, const char *title, const char *note,
+                        uint32_t cell, hs_error *err) {
+    const hs_panel_item items[3] = {{.caption = view->frame.clipped ? "Result" : "Result: unclipped",
+                                     .image = rgba_image(view, view->result)},
+                                    {.caption = "Full volume", .image = rgba_image(view, view->full)},
+                                    {.caption = "Ground truth", .image = rgba_image(view, view->truth)}};
+    const hs_caption caption = {.title = title, .footer = note};
+    hs_picture picture;
+    const bool made = hs_picture_panel(&picture, items, view->truth ? 3 : 2, cell, &caption, err);
+    return save(made, &picture, folder, "panel.png", err);
+}
+
+static bool write_depthmap(const hs_view *view, const char *folder, const char *title, const char *note,
+                           hs_error *err) {
+    char facts[256];
+    (void)snprintf(facts, sizeof facts, "%u x %u rays, volume of %u slices%s%s", view->map_width,
+                   view->map_height, view->slices, note ? "\n" : "", note ? note : "");
+    const hs_caption caption = {.title = title, .footer = facts};
+    hs_picture picture;
+    const bool made = hs_picture_depthmap(&picture, view->depth, view->map_width, view->map_height,
+                                          (hs_range){0, 0}, &caption, err);
+    return save(made, &picture, folder, "depthmap.png", err);
+}
+
+static bool write_points(const hs_view *view, const char *folder, const char *title, const char *note,
+                         hs_error *err) {
+    const hs_image mip = {.data = view->mip, .width = view->width, .height = view->height, .channels = 1};
+    char facts[256];
+    (void)snprintf(facts, sizeof facts, "coloured by the depth of the clipping surface there, T_B %.3f%s%s",
+                   (double)view->frame.stats.bone_threshold, note ? "\n" : "", note ? note : "");
+    const hs_caption caption = {.title = title, .footer = facts};
+    hs_picture picture;
+    const bool made = hs_picture_points(&picture, &mip, view->status, view->depth, view->map_width,
+                                        view->map_height, (hs_range){0, 0}, &caption, err);
+    return save(made, &picture, folder, "points.png", err);
+}
+
+/* Only a plugin that has one gives a confidence. */
+static bool write_confidence(const hs_view *view, const char *folder, const char *title, hs_error *err) {
+    static const hs_share_words words = {.quantity = "confidence", .high = "sure", .low = "nothing is known"};
+    const hs_caption caption = {
+        .title = title,
+        .footer = "how sure the plugin is of its depthmap; where it is not, ghosting begins sooner"};
+    hs_picture picture;
+    if (!view->sure) return true;
+    const bool made =
+        hs_picture_share(&picture, view->sure, view->map_width, view->map_height, &words, &caption, err);
+    return save(made, &picture, folder, "confidence.png", err);
+}
+
+bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
+                            uint32_t cell, hs_error *err) {
+    return write_plain(view, view->result, folder, "result.png", err) &&
+           write_plain(view, view->full, folder, "full.png", err) &&
+           (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
+           write_panel(view, folder, title, note, cell, err) &&
+           write_depthmap(view, folder, title, note, err) && write_points(view, folder, title, note, err) &&
+           write_confidence(view, folder, title, err);
+}
+
+/* `upper` above `lower`, on a picture as wide as the wider one. */
+static bool stack(const hs_picture *upper, const hs_picture *lower, hs_picture *out, hs_error *err) {
+    const uint32_t width = upper->width > lower->width ? upper->width : lower->width;
+    if (!hs_picture_init(out, width, upper->height + lower->height, HS_COLOUR_BACKGROUND, err)) return false;
+    const hs_picture *parts[2] = {upper, lower};
+    uint32_t *row = out->pixels;
+    for (int p = 0; p < 2; p++)
+        for (uint32_t y = 0; y < parts[p]->height; y++, row += width)
+            memcpy(row, parts[p]->pixels + (size_t)y * parts[p]->width, parts[p]->width * sizeof *row);
+    return true;
+}
+
+/* Two strips from the views; captions are the camera's yaw. */
+static bool draw_orbit(const hs_view *views, const char captions[][32], const char *title, hs_picture *out,
+                       hs_error *err) {
+    hs_panel_item full[HS_ORBIT_VIEWS], result[HS_ORBIT_VIEWS];
+    for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) {
+        full[i] = (hs_panel_item){.caption = captions[i], .image = rgba_image(&views[i], views[i].full)};
+        result[i] = (hs_panel_item){.caption = views[i].frame.clipped ? "result" : "result: unclipped",
+                                    .image = rgba_image(&views[i], views[i].result)};
+    }
+    const hs_caption upper_caption = {.title = title}, lower_caption = {0};
+    hs_picture upper = {0}, lower = {0};
+    const bool ok = hs_picture_panel(&upper, full, HS_ORBIT_VIEWS, ORBIT_CELL, &upper_caption, err) &&
+                    hs_picture_panel(&lower, result, HS_ORBIT_VIEWS, ORBIT_CELL, &lower_caption, err) &&
+                    stack(&upper, &lower, out, err);
+    hs_picture_free(&upper);
+    hs_picture_free(&lower);
+    return ok;
+}
+
+bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
+                         hs_error *err) {
+    hs_view views[HS_ORBIT_VIEWS] = {0};
+    char captions[HS_ORBIT_VIEWS][32];
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < HS_ORBIT_VIEWS; i++) {
+        const uint32_t index = i * (options->frames - 1) / (HS_ORBIT_VIEWS - 1);
+        (void)snprintf(captions[i], sizeof captions[i], "full, yaw %+.0f°", hs_loop_yaw(options, index));
+        ok = hs_loop_view(loop, index, &views[i], err);
+    }
+    hs_picture picture;
+    ok = ok && save(draw_orbit(views, (const char(*)[32])captions, title, &picture, err), &picture, folder,
+                    "orbit.png", err);
+    for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) hs_view_free(&views[i]);
+    return ok;
+}

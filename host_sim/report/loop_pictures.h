@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* The scan loop's pictures in one folder (design.md, "The host's three pictures"; thesis, Figure 4.2). */
+#ifndef HS_LOOP_PICTURES_H
+#define HS_LOOP_PICTURES_H
+
+#include "loop/loop.h"
+
+/*
+ * Writes, from one view:
+ *   result.png, full.png, truth.png   the pictures alone (truth: scenes only)
+ *   panel.png                         the same side by side
+ *   depthmap.png                      the clipping depthmap in false colour, with a legend
+ *   points.png                        initial points over the maximum intensity projection
+ *   confidence.png                    the plugin's confidence, if it gave one
+ * `title` names source and plugin. `note` (may be NULL) says why the result is unclipped; `cell` is the width
+ * of a picture in panel.png in pixels, 0: 512.
+ */
+bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
+                            uint32_t cell, hs_error *err);
+
+#define HS_ORBIT_VIEWS 6u
+
+/* Writes orbit.png: six views of the loop's orbit, full volume above, result below. */
+bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
+                         hs_error *err);
+
+/*
+ * Writes knob.png: the result of frame `index` for six positions of the plugin's primary parameter, from one
+ * end of its display range to the other. Writes nothing if the plugin has no such parameter.
+ */
+bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
+                        uint32_t index, const char *folder, const char *title, hs_error *err);
+
+#endif

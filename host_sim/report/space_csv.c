@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+/* Results of a parameter space as CSV: one row per setting; docs/evaluation.md lists the columns. */
+#include "eval/eval_space.h"
+
+#include "base/cli.h"
+#include "base/output_file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { T_B, DELTA, KERNEL, KNOB, OUTCOME, FIRST_MEASURE, FIELDS = FIRST_MEASURE + HS_MEASURE_COUNT };
+
+static void write_head(const hs_eval_space *space, FILE *file) {
+    (void)fprintf(file, "# %s\nt_b,delta_mi,k,%s,outcome", space->identity,
+                  space->plan->knob.exists ? space->plan->knob.info.key : "knob");
+    for (int m = 0; m < HS_MEASURE_COUNT; m++) (void)fprintf(file, ",%s", hs_measure_key((hs_measure)m));
+    (void)fprintf(file, "\n");
+}
+
+bool hs_eval_csv_append(const hs_eval_space *space, uint32_t item, FILE *file) {
+    const hs_eval_plan *plan = space->plan;
+    const uint32_t t = item / plan->kernel.count, k = item % plan->kernel.count;
+    for (uint32_t q = 0; q < plan->knob.count; q++) {
+        if (plan->threshold.exists)
+            (void)fprintf(file, "%.6g,%.4f,", plan->threshold.value[t],
+                          space->volume_max - plan->threshold.value[t]);
+        else
+            (void)fprintf(file, ",,");
+        if (plan->kernel.exists) (void)fprintf(file, "%.6g", plan->kernel.value[k]);
+        (void)fprintf(file, ",");
+        if (plan->knob.exists) (void)fprintf(file, "%.9g", plan->knob.value[q]);
+        (void)fprintf(file, ",%d", space->outcome[item]);
+        const hs_measures *m = &space->at[(size_t)item * plan->knob.count + q];
+        for (int i = 0; i < HS_MEASURE_COUNT; i++) (void)fprintf(file, ",%.6g", (double)m->of[i]);
+        (void)fprintf(file, "\n");
+    }
+    return fflush(file) == 0 && !ferror(file);
+}
+
+bool hs_eval_csv_write(const hs_eval_space *space, const char *path, hs_error *err) {
+    hs_output_file output = {0};
+    if (!hs_output_open(&output, path, err)) return false;
+    write_head(space, output.file);
+    for (uint32_t item = 0; item < space->items; item++)
+        if (hs_eval_space_done(space, item)) (void)hs_eval_csv_append(space, item, output.file);
+    if (!ferror(output.file)) return hs_output_commit(&output, err);
+    hs_output_discard(&output);
+    return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+}
+
+/* ---------------------------------------------------------------------------------------------- load -- */
+
+/* Splits at commas, in place; the number of fields. */
+static uint32_t split(char *line, char *field[FIELDS + 1]) {
+    uint32_t count = 0;
+    for (char *p = line; p && count <= FIELDS; count++) {
+        field[count] = p;
+        p = strchr(p, ',');
+        if (p) *p++ = '\0';
+    }
+    return count;
+}
+
+static bool number(const char *text, double *out) {
+    char *end = NULL;
+    *out = strtod(text, &end);
+    return end != text && *end == '\0';
+}
+
+/* The position of a field's value on an axis; an axis that does not exist has an empty field. */
+static bool position(const char *text, bool exists, const double *values, uint32_t count, uint32_t *out) {
+    double value;
+    *out = 0;
+    if (!exists) return text[0] == '\0';
+    if (!number(text, &value)) return false;
+    while (*out < count && !(fabs(values[*out] - value) < 1e-6)) ++*out;
+    return *out < count;
+}
+
+static bool take_row(hs_eval_space *space, char *line) {
+    const hs_eval_plan *plan = space->plan;
+    char *field[FIELDS + 1];
+    uint32_t t, k, q;
+    double value;
+    if (split(line, field) != FIELDS ||
+        !position(field[T_B], plan->threshold.exists, plan->threshold.value, plan->threshold.count, &t) ||
+        !position(field[KERNEL], plan->kernel.exists, plan->kernel.value, plan->kernel.count, &k) ||
+        !position(field[KNOB], plan->knob.exists, plan->knob.value, plan->knob.count, &q) ||
+        !number(field[OUTCOME], &value) || !(fabs(value) < 1000))
+        return false;
+    const uint32_t item = t * plan->kernel.count + k;
+    const bool before = hs_eval_space_done(space, item);
+    space->outcome[item] = (sv_status)value;
+    hs_measures *m = &space->at[(size_t)item * plan->knob.count + q];
+    for (int i = 0; i < HS_MEASURE_COUNT; i++) {
+        if (!number(field[FIRST_MEASURE + i], &value)) return false;
+        m->of[i] = (float)value;
+    }
+    space->seen[item] |= UINT64_C(1) << q;
+    if (!before && hs_eval_space_done(space, item)) space->done_count++;
+    return true;
+}
+
+/* Line `at` of a file: its identity, the columns' names, or a row. */
+static bool take_line(hs_eval_space *space, char *line, uint32_t at, const char *path, hs_error *err) {
+    if (at == 1) {
+        if (line[0] == '#' && line[1] == ' ' && strcmp(line + 2, space->identity) == 0) return true;
+        return hs_fail(err, HS_ERR_INPUT,
+                       "%s: holds results of other settings ('%.300s', expected '# %.300s'): remove it, or "
+                       "take another folder",
+                       path, line, space->identity);
+    }
+    if (at == 2) return true;
+    return take_row(space, line) ||
+           hs_fail(err, HS_ERR_INPUT, "%s: line %u is no result of this parameter space", path, at);
+}
+
+static bool load_file(hs_eval_space *space, const char *path, hs_error *err) {
+    char line[2048];
+    FILE *file = fopen(path, "r");
+    if (!file) return hs_fail(err, HS_ERR_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    bool ok = true;
+    for (uint32_t at = 1; ok && fgets(line, sizeof line, file); at++) {
+        const size_t length = strlen(line);
+        if (length == 0 || line[length - 1] != '\n') {
+            if (feof(file)) break; /* cut off when the run was ended */
+            ok = hs_fail(err, HS_ERR_INPUT, "%s: line %u is longer than %zu characters", path, at,
+                         sizeof line - 2);
+            break;
+        }
+        line[length - 1] = '\0';
+        ok = take_line(space, line, at, path, err);
+    }
+    if (ok && ferror(file)) ok = hs_fail(err, HS_ERR_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    (void)fclose(file);
+    return ok;
+}
+
+/* "space_<case>.csv" and "space_<case>.part<i>of<n>.csv". */
+static bool is_part(const hs_eval_space *space, const char *file) {
+    char start[96];
+    const int length = snprintf(start, sizeof start, "space_%s.part", space->name);
+    const char *dot = strrchr(file, '.');
+    return strncmp(file, start, (size_t)length) == 0 && dot && strcmp(dot, ".csv") == 0;
+}
+
+static bool is_whole(const hs_eval_space *space, const char *file) {
+    char name[96];
+    (void)snprintf(name, sizeof name, "space_%s.csv", space->name);
+    return strcmp(file, name) == 0;
+}
+
+bool hs_eval_csv_load(hs_eval_space *space, const char *folder, hs_error *err) {
+    char path[PATH_MAX];
+    DIR *dir = opendir(folder);
+    if (!dir) return hs_fail(err, HS_ERR_INPUT, "%s: cannot list the folder: %s", folder, strerror(errno));
+    bool ok = true;
+    for (struct dirent *entry; ok && (entry = readdir(dir)) != NULL;)
+        if (is_part(space, entry->d_name) || is_whole(space, entry->d_name))
+            ok = hs_cli_join(folder, entry->d_name, path, sizeof path, err) && load_file(space, path, err);
+    (void)closedir(dir);
+    return ok;
+}
+
+void hs_eval_csv_remove_parts(const hs_eval_space *space, const char *folder) {
+    char path[PATH_MAX];
+    hs_error ignored = {0};
+    DIR *dir = opendir(folder);
+    if (!dir) return;
+    for (struct dirent *entry; (entry = readdir(dir)) != NULL;)
+        if (is_part(space, entry->d_name) && hs_cli_join(folder, entry->d_name, path, sizeof path, &ignored))
+            (void)unlink(path);
+    (void)closedir(dir);
+}

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: MIT */
+/* A scene from its file to its volumes: the steps in their order, each only if the scene lists it. */
+#include "scene/scene.h"
+
+#include "base/threads.h"
+#include "scene/scene_field.h"
+#include "scene/scene_random.h"
+#include "volume/metaimage.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct hs_scene {
+    hs_scene_spec spec;
+};
+
+static const char *const step_names[HS_SCENE_STEPS] = {
+    "raster",  "echo",       "attenuation", "edge shadow", "reverberation", "far band",
+    "speckle", "side lobes", "noise",       "compress",    "fan",           "truth"};
+
+const char *hs_scene_step_name(int step) {
+    return step >= 0 && step < HS_SCENE_STEPS ? step_names[step] : "?";
+}
+
+const char *hs_scene_builtin(uint32_t index) {
+    static const char *const names[] = {"E01", "E02", "E03", "E04", "M01",
+                                        "M02", "M03", "D01", "D02", "real"};
+    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
+}
+
+const char *hs_scene_name(const hs_scene *scene) {
+    return scene->spec.name;
+}
+
+const char *hs_scene_title(const hs_scene *scene) {
+    return scene->spec.title;
+}
+
+/* A name without a slash or a dot is a built-in case; SMARTVIS_SCENES names another folder for them. */
+static void scene_path(const char *name_or_path, char *path, size_t size) {
+    const char *folder = getenv("SMARTVIS_SCENES");
+    if (strpbrk(name_or_path, "/."))
+        snprintf(path, size, "%s", name_or_path);
+    else
+        snprintf(path, size, "%s/%s.json", folder && folder[0] ? folder : HS_SCENE_DIR, name_or_path);
+}
+
+hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
+    char path[1024];
+    scene_path(name_or_path, path, sizeof path);
+    hs_scene *scene = calloc(1, sizeof *scene);
+    if (!scene) {
+        hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
+        return NULL;
+    }
+    if (!hs_scene_read(path, &scene->spec, err)) {
+        free(scene);
+        return NULL;
+    }
+    return scene;
+}
+
+void hs_scene_close(hs_scene *scene) {
+    free(scene);
+}
+
+static double now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+}
+
+/* What one frame is made from. */
+typedef struct {
+    hs_scene_spec spec; /* moved to the frame */
+    hs_field field;
+    hs_solid_list solids;
+    const hs_volume *given; /* NULL but for a real scene */
+    hs_scene_data *data;
+    hs_scene_times *times;
+    hs_error *err;
+    uint64_t skip;
+} making;
+
+static bool raster(making *m) {
+    if (!hs_scene_raster(&m->field, &m->spec, &m->solids, m->err)) return false;
+    if (m->given) hs_scene_real_place(&m->field, m->given);
+    return true;
+}
+
+static bool truth(making *m) {
+    if (m->given) hs_scene_real_combine(&m->field, m->given, &m->data->full);
+    if (!hs_scene_truth(&m->field, m->data, m->err)) return false;
+    if (m->given) memcpy(m->data->truth.voxels, m->given->voxels, hs_volume_count(m->given));
+    return true;
+}
+
+static bool run_step(making *m, int step) {
+    hs_field *f = &m->field;
+    const hs_scene_spec *spec = &m->spec;
+    switch (step) {
+    case HS_SCENE_STEP_RASTER:
+        return raster(m);
+    case HS_SCENE_STEP_ECHO:
+        hs_scene_echo(f, spec);
+        break;
+    case HS_SCENE_STEP_ATTENUATION:
+        hs_scene_attenuation(f, spec);
+        break;
+    case HS_SCENE_STEP_EDGE_SHADOW:
+        hs_scene_edge_shadow(f, spec);
+        break;
+    case HS_SCENE_STEP_REVERBERATION:
+        hs_scene_reverberation(f, spec);
+        break;
+    case HS_SCENE_STEP_FAR_BAND:
+        hs_scene_far_band(f, spec);
+        break;
+    case HS_SCENE_STEP_SPECKLE:
+        return hs_scene_speckle(f, spec, m->err);
+    case HS_SCENE_STEP_SIDE_LOBES:
+        return hs_scene_side_lobes(f, spec, m->err);
+    case HS_SCENE_STEP_NOISE:
+        hs_scene_noise(f, spec);
+        break;
+    case HS_SCENE_STEP_COMPRESS:
+        hs_scene_compress(f, spec, &m->data->full);
+        break;
+    case HS_SCENE_STEP_FAN:
+        hs_scene_fan(f, spec, &m->data->full);
+        break;
+    case HS_SCENE_STEP_TRUTH:
+        return truth(m);
+    default:
+        break;
+    }
+    return true;
+}
+
+/* Which steps the scene asks for. */
+static void listed(const hs_scene_spec *spec, bool on[HS_SCENE_STEPS]) {
+    for (int i = 0; i < HS_SCENE_STEPS; i++) on[i] = true;
+    on[HS_SCENE_STEP_ATTENUATION] = spec->attenuation.on;
+    on[HS_SCENE_STEP_EDGE_SHADOW] = spec->edge.on;
+    on[HS_SCENE_STEP_REVERBERATION] = spec->reverberation.on;
+    on[HS_SCENE_STEP_FAR_BAND] = spec->far_band.on;
+    on[HS_SCENE_STEP_SPECKLE] = spec->speckle.on;
+    on[HS_SCENE_STEP_SIDE_LOBES] = spec->side_lobe.on;
+    on[HS_SCENE_STEP_NOISE] = spec->noise.on;
+    on[HS_SCENE_STEP_FAN] = spec->fan.on;
+}
+
+static bool run_steps(making *m) {
+    bool on[HS_SCENE_STEPS];
+    listed(&m->spec, on);
+    for (int step = 0; step < HS_SCENE_STEPS; step++) {
+        double start = now_ms();
+        bool artefact =
+            step > HS_SCENE_STEP_ECHO && step != HS_SCENE_STEP_COMPRESS && step != HS_SCENE_STEP_TRUTH;
+        bool run = on[step] && !(artefact && (m->skip >> step & 1u));
+        if (run && !run_step(m, step)) return false;
+        if (!run && step == HS_SCENE_STEP_SPECKLE) hs_scene_add_powers(&m->field);
+        m->times->ms[step] = run ? now_ms() - start : 0.0;
+    }
+    return true;
+}
+
+static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
+    hs_scene_data *out = m->data;
+    const char *name = m->spec.name;
+    size_t pixels = (size_t)n[0] * n[1];
+    if (!hs_volume_init(&out->full, n[0], n[1], n[2], m->err)) return false;
+    if (!hs_volume_init(&out->truth, n[0], n[1], n[2], m->err)) return false;
+    for (int a = 0; a < 3; a++)
+        out->full.spacing[a] = out->truth.spacing[a] = m->given ? m->given->spacing[a] : (double)h[a];
+    snprintf(out->full.name, sizeof out->full.name, "%s", name);
+    snprintf(out->truth.name, sizeof out->truth.name, "%s truth", name);
+    out->label = calloc(pixels, 1);
+    out->near_end = calloc(pixels, sizeof *out->near_end);
+    out->far_end = calloc(pixels, sizeof *out->far_end);
+    out->clip = calloc(pixels, sizeof *out->clip);
+    if (out->label && out->near_end && out->far_end && out->clip) return true;
+    return hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for %zu pixels", name, pixels);
+}
+
+static bool make(making *m, const uint32_t n[3], const float h[3]) {
+    if (!allocate(m, n, h) || !hs_field_init(&m->field, n, h, m->err)) return false;
+    if (!hs_scene_solids(&m->spec, m->field.seed, &m->solids, m->err)) return false;
+    if (!run_steps(m)) return false;
+    m->data->tissue = m->field.tissue; /* handed over */
+    m->field.tissue = NULL;
+    return true;
+}
+
+static bool check_options(const hs_scene *scene, const hs_scene_options *options, hs_error *err) {
+    const char *name = scene->spec.name;
+    if (scene->spec.real && !options->real)
+        return hs_fail(err, HS_ERR_USAGE, "scene %s: needs a volume to put its occluders before", name);
+    if (!scene->spec.real && options->real)
+        return hs_fail(err, HS_ERR_USAGE, "scene %s: is synthetic, but the volume '%.200s' was given", name,
+                       options->real);
+    if (!scene->spec.real && (options->size < 32 || options->size > 512))
+        return hs_fail(err, HS_ERR_USAGE, "scene %s: size is %u, expected 32 .. 512", name, options->size);
+    return true;
+}
+
+/* The voxels: a cube of `size`, or those of the given volume, over which the scene's box is stretched. */
+static void choose_grid(const making *m, uint32_t size, uint32_t n[3], float h[3]) {
+    const uint32_t given[3] = {m->given ? m->given->nx : size, m->given ? m->given->ny : size,
+                               m->given ? m->given->nz : size};
+    for (int a = 0; a < 3; a++) {
+        n[a] = given[a];
+        h[a] = m->spec.extent_mm / (float)n[a];
+    }
+}
+
+bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
+                    hs_scene_times *times, hs_error *err) {
+    memset(out, 0, sizeof *out);
+    if (!check_options(scene, options, err)) return false;
+    making *m = calloc(1, sizeof *m);
+    if (!m) return hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory", scene->spec.name);
+    hs_scene_times unused;
+    hs_volume given = {0};
+    double start = now_ms();
+    m->spec = scene->spec;
+    m->given = options->real ? &given : NULL;
+    m->data = out;
+    m->times = times ? times : &unused;
+    m->err = err;
+    m->skip = options->skip;
+    memset(m->times, 0, sizeof *m->times);
+    hs_scene_move(&m->spec, options->frame);
+    m->field.threads = hs_scene_thread_count(options->threads);
+    m->field.seed = options->seed ? options->seed : m->spec.seed;
+    m->field.noise_seed = hs_random_key(m->field.seed, 1000u + (uint64_t)options->frame);
+    bool ok = !options->real || (hs_metaimage_read(options->real, NULL, &given, err) &&
+                                 hs_scene_real_lead(&given, m->spec.lead_mm / m->spec.extent_mm, err));
+    if (ok) {
+        uint32_t n[3];
+        float h[3];
+        choose_grid(m, options->size, n, h);
+        ok = make(m, n, h);
+    }
+    m->times->total_ms = now_ms() - start;
+    if (!ok) hs_scene_free(out);
+    hs_field_free(&m->field);
+    hs_solid_list_free(&m->solids);
+    hs_volume_free(&given);
+    free(m);
+    return ok;
+}
+
+bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
+                       hs_error *err) {
+    memset(out, 0, sizeof *out);
+    hs_scene *scene = hs_scene_open(name_or_path, err);
+    if (!scene) return false;
+    const hs_scene_options options = {.size = size, .seed = seed};
+    bool ok = hs_scene_frame(scene, &options, out, NULL, err);
+    hs_scene_close(scene);
+    return ok;
+}
+
+void hs_scene_free(hs_scene_data *data) {
+    hs_volume_free(&data->full);
+    hs_volume_free(&data->truth);
+    free(data->label);
+    free(data->near_end);
+    free(data->far_end);
+    free(data->clip);
+    free(data->tissue);
+    memset(data, 0, sizeof *data);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the tissues send back before anything happens to it on the way: scattered echo, of random phase, and
+ * the echo of interfaces. The amplitude reflected by an interface is R = (Z2 - Z1) / (Z2 + Z1) (Szabo 2014,
+ * chapter 3), and it falls with the angle t between beam and normal as a power of the cosine, as simulators
+ * by geometrical acoustics set it (Kutter, Shams and Navab, Comput. Methods Programs Biomed. 94, 2009; Burger
+ * et al., IEEE Trans. Med. Imaging 32, 2013):
+ *
+ *     L = specular_db + 20 log10(R cos^p t)
+ *
+ * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
+ * fluid.
+ */
+#include "base/threads.h"
+#include "scene/scene_field.h"
+
+typedef struct {
+    hs_pass pass;
+    int16_t scatter[HS_TISSUE_COUNT];
+    int16_t reflect[HS_TISSUE_COUNT][HS_TISSUE_COUNT];
+    int16_t layers;     /* what a boundary of layers loses */
+    int16_t cosine[65]; /* level of cos^power at 64 steps of the cosine */
+} echo;
+
+static float reflection(const hs_scene_spec *spec, int a, int b) {
+    float za = spec->tissue[a].impedance_mrayl, zb = spec->tissue[b].impedance_mrayl;
+    return fabsf(zb - za) / (zb + za);
+}
+
+static int16_t interface_level(const echo *e, uint32_t x, uint32_t y, uint32_t z) {
+    const hs_field *f = e->pass.field;
+    size_t index = hs_field_index(f, x, y, z);
+    uint8_t here = f->tissue[index];
+    if (here == HS_TISSUE_FLUID) return HS_LEVEL_SILENT;
+    /* The outermost voxel of the tissue: its centre is less than one voxel inside. */
+    if (here == HS_TISSUE_BONE && f->bone[index] > -HS_DISTANCE_ONE)
+        return hs_level_clamp(e->reflect[HS_TISSUE_BONE][HS_TISSUE_SOFT] +
+                              e->cosine[lrintf(64.0f * hs_field_cosine(f, f->bone, x, y, z))]);
+    if (f->surface[index] > -HS_DISTANCE_ONE)
+        return hs_level_clamp(e->reflect[here][HS_TISSUE_FLUID] +
+                              e->cosine[lrintf(64.0f * hs_field_cosine(f, f->surface, x, y, z))]);
+    if (z == 0) return HS_LEVEL_SILENT;
+    /* Layers of the wall lie across the beam. */
+    uint8_t before = f->tissue[index - hs_field_slice(f)];
+    if (before == here || here >= HS_TISSUE_SOFT) return HS_LEVEL_SILENT;
+    return hs_level_clamp(e->reflect[before][here] + e->layers);
+}
+
+static void echo_slice(void *context, uint32_t z) {
+    const echo *e = context;
+    hs_field *f = e->pass.field;
+    for (uint32_t y = 0; y < f->n[1]; y++)
+        for (uint32_t x = 0; x < f->n[0]; x++) {
+            size_t index = hs_field_index(f, x, y, z);
+            f->diffuse[index] = e->scatter[f->tissue[index]];
+            f->coherent[index] = interface_level(e, x, y, z);
+        }
+}
+
+void hs_scene_echo(hs_field *field, const hs_scene_spec *spec) {
+    echo e = {.pass = {field, spec}, .layers = hs_level(spec->layers.boundary_db)};
+    for (int a = 0; a < HS_TISSUE_COUNT; a++) {
+        e.scatter[a] = hs_level(spec->tissue[a].echo_db);
+        for (int b = 0; b < HS_TISSUE_COUNT; b++) {
+            float r = reflection(spec, a, b);
+            e.reflect[a][b] =
+                r > 0.0f ? hs_level(spec->specular_db + 20.0f * log10f(r)) : (int16_t)HS_LEVEL_SILENT;
+        }
+    }
+    for (int i = 0; i <= 64; i++)
+        e.cosine[i] =
+            i ? hs_level(20.0f * spec->specular_power * log10f((float)i / 64.0f)) : (int16_t)HS_LEVEL_SILENT;
+    hs_scene_parallel(field->threads, field->n[2], echo_slice, &e);
+}

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/scene_json.h"
+
+#include "scene/scene_spec.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+bool(hs_json_fail)(const hs_json *at, const char *format, ...) {
+    char message[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    return hs_fail(at->file->err, HS_ERR_INPUT, "%s:%u: %s: %s", at->file->path,
+                   hs_json_line(at->file->text, at->where), at->where[0] ? at->where : "scene", message);
+}
+
+static const char *found(const json_t *value) {
+    switch (json_typeof(value)) {
+    case JSON_OBJECT:
+        return "an object";
+    case JSON_ARRAY:
+        return "an array";
+    case JSON_STRING:
+        return "a string";
+    case JSON_INTEGER:
+    case JSON_REAL:
+        return "a number";
+    case JSON_NULL:
+        return "null";
+    default:
+        return "a truth value";
+    }
+}
+
+bool hs_json_is_object(const hs_json *value) {
+    if (json_is_object(value->value)) return true;
+    return hs_json_fail(value, "is %s, expected an object", found(value->value));
+}
+
+bool hs_json_is_array(const hs_json *value, size_t min, size_t max) {
+    if (!json_is_array(value->value))
+        return hs_json_fail(value, "is %s, expected an array", found(value->value));
+    size_t size = json_array_size(value->value);
+    if (size >= min && size <= max) return true;
+    if (min == max) return hs_json_fail(value, "has %zu elements, expected %zu", size, min);
+    return hs_json_fail(value, "has %zu elements, expected %zu .. %zu", size, min, max);
+}
+
+bool hs_json_member(const hs_json *object, const char *key, hs_json *out) {
+    json_t *value = json_object_get(object->value, key);
+    if (!value) return false;
+    out->file = object->file;
+    out->value = value;
+    snprintf(out->where, sizeof out->where, "%.90s%s%.30s", object->where, object->where[0] ? "." : "", key);
+    return true;
+}
+
+void hs_json_element(const hs_json *array, size_t index, hs_json *out) {
+    out->file = array->file;
+    out->value = json_array_get(array->value, index);
+    snprintf(out->where, sizeof out->where, "%.100s[%zu]", array->where, index);
+}
+
+static bool number(const hs_json *v, double min, double max, double *out) {
+    if (!json_is_number(v->value)) return hs_json_fail(v, "is %s, expected a number", found(v->value));
+    double x = json_number_value(v->value);
+    if (!(x >= min && x <= max)) return hs_json_fail(v, "is %g, expected %g .. %g", x, min, max);
+    *out = x;
+    return true;
+}
+
+static bool integer(const hs_json *v, double min, double max, uint64_t *out) {
+    if (!json_is_integer(v->value)) return hs_json_fail(v, "is %s, expected a whole number", found(v->value));
+    double checked;
+    if (!number(v, min, max, &checked)) return false;
+    *out = (uint64_t)json_integer_value(v->value);
+    return true;
+}
+
+static bool vec3(const hs_json *v, double min, double max, float out[3]) {
+    if (!hs_json_is_array(v, 3, 3)) return false;
+    for (size_t i = 0; i < 3; i++) {
+        hs_json part;
+        double x;
+        hs_json_element(v, i, &part);
+        if (!number(&part, min, max, &x)) return false;
+        out[i] = (float)x;
+    }
+    return true;
+}
+
+static bool text(const hs_json *v, double max, char *out) {
+    if (!json_is_string(v->value)) return hs_json_fail(v, "is %s, expected a string", found(v->value));
+    if ((double)json_string_length(v->value) >= max)
+        return hs_json_fail(v, "has %zu bytes, expected less than %g", json_string_length(v->value), max);
+    strcpy(out, json_string_value(v->value));
+    return true;
+}
+
+static bool tissue(const hs_json *v, hs_tissue *out) {
+    if (!json_is_string(v->value)) return hs_json_fail(v, "is %s, expected a tissue's name", found(v->value));
+    const char *name = json_string_value(v->value);
+    for (int i = 0; i < HS_TISSUE_COUNT; i++)
+        if (strcmp(name, hs_tissue_names[i]) == 0) {
+            *out = (hs_tissue)i;
+            return true;
+        }
+    char names[256] = "";
+    for (int i = 0; i < HS_TISSUE_COUNT; i++) {
+        strcat(names, i ? ", " : "");
+        strcat(names, hs_tissue_names[i]);
+    }
+    return hs_json_fail(v, "is '%.40s', expected one of %s", name, names);
+}
+
+static bool points(const hs_json *v, double min, double max, hs_points *out) {
+    if (!hs_json_is_array(v, 2, HS_SCENE_MAX_POINTS)) return false;
+    out->count = (uint32_t)json_array_size(v->value);
+    for (uint32_t i = 0; i < out->count; i++) {
+        hs_json point;
+        hs_json_element(v, i, &point);
+        if (!vec3(&point, min, max, out->p[i])) return false;
+    }
+    return true;
+}
+
+static bool read_field(const hs_json *v, const hs_json_field *f, void *out) {
+    if (f->kind == HS_FIELD_OTHER) return true; /* its reader has it; there may be no `out` */
+    char *to = (char *)out + f->offset;
+    double x = 0.0;
+    uint64_t n = 0;
+    bool ok;
+    switch (f->kind) {
+    case HS_FIELD_FLOAT:
+        ok = number(v, f->min, f->max, &x);
+        if (ok) *(float *)(void *)to = (float)x;
+        return ok;
+    case HS_FIELD_UINT:
+        ok = integer(v, f->min, f->max, &n);
+        if (ok) *(uint32_t *)(void *)to = (uint32_t)n;
+        return ok;
+    case HS_FIELD_SEED:
+        ok = integer(v, f->min, f->max, &n);
+        if (ok) *(uint64_t *)(void *)to = n;
+        return ok;
+    case HS_FIELD_VEC3:
+        return vec3(v, f->min, f->max, (float *)(void *)to);
+    case HS_FIELD_TEXT:
+        return text(v, f->max, to);
+    case HS_FIELD_TISSUE:
+        return tissue(v, (hs_tissue *)(void *)to);
+    case HS_FIELD_POINTS:
+        return points(v, f->min, f->max, (hs_points *)(void *)to);
+    case HS_FIELD_OTHER:
+        break;
+    }
+    return true;
+}
+
+bool hs_json_read(const hs_json *object, const hs_json_field *fields, size_t count, void *out) {
+    if (!hs_json_is_object(object)) return false;
+    const char *key;
+    json_t *ignored;
+    json_object_foreach(object->value, key, ignored) {
+        bool known = false;
+        for (size_t i = 0; i < count; i++) known |= strcmp(key, fields[i].key) == 0;
+        hs_json at;
+        if (!known && hs_json_member(object, key, &at))
+            return hs_json_fail(&at, "is no field of this object");
+    }
+    for (size_t i = 0; i < count; i++) {
+        hs_json value;
+        if (hs_json_member(object, fields[i].key, &value)) {
+            if (!read_field(&value, &fields[i], out)) return false;
+        } else if (fields[i].required) {
+            return hs_json_fail(object, "has no field '%s'", fields[i].key);
+        }
+    }
+    return true;
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/* Typed fields of a JSON object; every error names file, line and field. */
+#ifndef HS_SCENE_JSON_H
+#define HS_SCENE_JSON_H
+
+#include "base/error.h"
+
+#include <jansson.h>
+#include <stddef.h>
+
+/* A file being read. */
+typedef struct {
+    const char *path; /* for messages */
+    const char *text; /* the whole file */
+    hs_error *err;
+} hs_json_file;
+
+/* A value and where it stands: "structures[2].radii_mm". */
+typedef struct {
+    const hs_json_file *file;
+    json_t *value;
+    char where[128];
+} hs_json;
+
+typedef enum {
+    HS_FIELD_FLOAT,  /* float */
+    HS_FIELD_UINT,   /* uint32_t */
+    HS_FIELD_SEED,   /* uint64_t */
+    HS_FIELD_VEC3,   /* float[3] */
+    HS_FIELD_TEXT,   /* char[max] */
+    HS_FIELD_TISSUE, /* hs_tissue by name */
+    HS_FIELD_POINTS, /* hs_points, at least 2 */
+    HS_FIELD_OTHER   /* allowed, read by the caller */
+} hs_field_kind;
+
+/* One field: a number is in min .. max. Its destination is `offset` bytes from the start of the struct. */
+typedef struct {
+    const char *key;
+    hs_field_kind kind;
+    size_t offset;
+    double min, max;
+    bool required;
+} hs_json_field;
+
+/* Reads the fields of an object; one that is absent keeps its value. A key that is not in the table is an
+ * error. */
+bool hs_json_read(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
+
+/* A member or an element. False (no error) if it is not there. */
+bool hs_json_member(const hs_json *object, const char *key, hs_json *out);
+void hs_json_element(const hs_json *array, size_t index, hs_json *out);
+
+/* Records "<file>:<line>: <field>: <message>" and returns false. */
+bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#ifdef __clang_analyzer__ /* as for hs_fail: it always returns false */
+#define hs_json_fail(...) ((void)hs_json_fail(__VA_ARGS__), false)
+#endif
+
+/* True if the value is of that type; else records what was found. */
+bool hs_json_is_object(const hs_json *value);
+bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
+
+/* Line of the value at a path such as "a[3].b" in well-formed JSON text; the nearest enclosing value's if the
+ * path does not exist. 1 is the first line. */
+unsigned hs_json_line(const char *text, const char *where);
+
+#endif

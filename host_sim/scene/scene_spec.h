@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* A scene as its file describes it. Lengths in mm of the scene's box, angles in degrees, levels in dB. */
+#ifndef HS_SCENE_SPEC_H
+#define HS_SCENE_SPEC_H
+
+#include "scene/scene_fetus.h"
+#include "scene/scene_tissue.h"
+
+#define HS_SCENE_MAX_STRUCTURES 32
+#define HS_SCENE_MAX_POINTS     32
+#define HS_SCENE_MAX_LAYERS     6
+
+typedef struct {
+    float p[HS_SCENE_MAX_POINTS][3];
+    uint32_t count;
+} hs_points;
+
+typedef struct {
+    float centre[3], radii[3], rotation[3];
+    float roughness_mm, roughness_scale_mm; /* height of the bumps, and their wavelength */
+} hs_sac_spec;
+
+typedef struct {
+    hs_tissue tissue[HS_SCENE_MAX_LAYERS]; /* from the probe inwards; behind the last one is uterine wall */
+    float thickness_mm[HS_SCENE_MAX_LAYERS];
+    uint32_t count;
+    float undulation_mm;
+    float boundary_db; /* <= 0: the layers interleave, so their boundaries echo that much less than smooth
+                          ones */
+} hs_layers_spec;
+
+typedef enum {
+    HS_STRUCTURE_OCCLUDER,
+    HS_STRUCTURE_CORD,
+    HS_STRUCTURE_CLOUD,
+    HS_STRUCTURE_FETUS
+} hs_structure_kind;
+
+typedef struct {
+    hs_tissue tissue;
+    float centre[3], radii[3], rotation[3], blend_mm;
+} hs_occluder_spec;
+
+typedef struct {
+    hs_points points; /* a curve through them */
+    float radius_mm, twist_mm;
+} hs_cord_spec;
+
+typedef struct {
+    float centre[3], radii[3]; /* the region that holds the particles */
+    uint32_t count;
+    float particle_min_mm, particle_max_mm; /* radii */
+} hs_cloud_spec;
+
+typedef struct {
+    float position[3], rotation[3], scale;
+    hs_fetus_pose pose;
+} hs_fetus_spec;
+
+typedef struct {
+    hs_structure_kind kind;
+    union {
+        hs_occluder_spec occluder;
+        hs_cord_spec cord;
+        hs_cloud_spec cloud;
+        hs_fetus_spec fetus;
+    } of;
+} hs_structure;
+
+/* Every artefact: `on` only if the scene lists it. */
+typedef struct {
+    bool on;
+    float tgc_db_cm_mhz; /* the one-way attenuation that the time-gain compensation assumes */
+} hs_attenuation_spec;
+typedef struct {
+    bool on;
+    float max_loss_db; /* two-way, at one edge */
+} hs_edge_spec;
+typedef struct {
+    bool on;
+    uint32_t count;   /* bands after the first echo */
+    float spacing_mm; /* 0: from the two interfaces of the column */
+    float loss_db;    /* from band to band */
+} hs_reverberation_spec;
+typedef struct {
+    bool on;
+    float gap_mm, thickness_mm, level_db;
+    float direction[3]; /* of the band's middle from the skull's centre, in the scene */
+    float angle_deg;    /* half opening */
+} hs_far_band_spec;
+typedef struct {
+    bool on;
+    float axial_mm, lateral_mm; /* standard deviations of the point spread, lateral at the focus */
+    float focus_mm, rayleigh_mm;
+} hs_speckle_spec;
+typedef struct {
+    bool on;
+    float level_db, width_mm;
+} hs_side_lobe_spec;
+typedef struct {
+    bool on;
+    float level_db;
+} hs_noise_spec;
+typedef struct {
+    bool on;
+    float azimuth_deg, sweep_deg;             /* full opening angles */
+    float azimuth_radius_mm, sweep_radius_mm; /* of the probe's surface */
+    float depth_mm;
+} hs_fan_spec;
+
+/* Motion: x(f) = x(0) + amplitude (sin(2 pi f / period + phase) - sin(phase)). */
+typedef struct {
+    bool on;
+    float period_frames;
+    float drift_mm[3]; /* of the whole fetus */
+    float limb_mm;     /* of elbows, hands, knees, ankles; each with a phase of its own */
+    float cloud_drift_mm[3];
+} hs_motion_spec;
+
+typedef struct {
+    char name[64];
+    char title[512];
+    bool real; /* occluders before a given volume */
+    uint64_t seed;
+    float extent_mm; /* edge of the cube */
+    float lead_mm;   /* real: depth of the cube that is put before the given volume, < extent_mm */
+    float frequency_mhz;
+    float dynamic_range_db, gain_db;   /* grey = 255 (1 + (level + gain) / range) */
+    float specular_db, specular_power; /* level of an interface: specular_db + 20 log10(R cos^power) */
+    hs_tissue_properties tissue[HS_TISSUE_COUNT];
+    hs_sac_spec sac;
+    hs_layers_spec layers;
+    hs_structure structure[HS_SCENE_MAX_STRUCTURES];
+    uint32_t structure_count;
+    hs_attenuation_spec attenuation;
+    hs_edge_spec edge;
+    hs_reverberation_spec reverberation;
+    hs_far_band_spec far_band;
+    hs_speckle_spec speckle;
+    hs_side_lobe_spec side_lobe;
+    hs_noise_spec noise;
+    hs_fan_spec fan;
+    hs_motion_spec motion;
+} hs_scene_spec;
+
+/* Reads a scene file. Errors name file, line and field. */
+bool hs_scene_read(const char *path, hs_scene_spec *spec, hs_error *err);
+
+/* The same from text; `path` is for messages. */
+bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec, hs_error *err);
+
+/* The scene as it stands at `frame` of its motion. */
+void hs_scene_move(hs_scene_spec *spec, uint32_t frame);
+
+#endif

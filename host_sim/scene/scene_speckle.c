@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Speckle. Every voxel holds a scatterer with a circular complex Gaussian amplitude whose mean power is the
+ * tissue's; the sum over the point spread of the pulse is again circular Gaussian, so its magnitude A is
+ * Rayleigh:
+ *
+ *     p(A) = A / s^2 exp(-A^2 / 2 s^2),   mean / standard deviation = sqrt(pi / (4 - pi)) = 1.91
+ *
+ * (Burckhardt, "Speckle in ultrasound B-mode scans", IEEE Trans. Sonics Ultrason. 25, 1978; Wagner et al.,
+ * IEEE Trans. Sonics Ultrason. 30, 1983; the convolution model: Bamber and Dickinson, Phys. Med. Biol. 25,
+ * 1980.) The point spread is Gaussian along the beam (the pulse) and across it, where it widens off the focus
+ * as a Gaussian beam does: sigma(z) = sigma_0 sqrt(1 + ((z - z_f) / z_R)^2). Interfaces add their echo in
+ * phase before the point spread.
+ */
+#include "base/threads.h"
+#include "scene/scene_field.h"
+#include "scene/scene_random.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_RADIUS = 24, LANES = 16, QUANTILES = 4096 };
+
+typedef struct {
+    float weight[MAX_RADIUS + 1]; /* of distance 0 .. radius on both sides */
+    int radius;
+    float sum; /* of all weights */
+} kernel;
+
+typedef struct {
+    hs_pass pass;
+    uint32_t width; /* row length in floats, a multiple of LANES */
+    float normal[QUANTILES];
+    kernel axial;
+    uint32_t chunk; /* slices per block */
+    atomic_bool out_of_memory;
+} speckle;
+
+/* One thread's planes: real part, then imaginary part, each height x width. */
+typedef struct {
+    float *raw, *lateral, *ring;
+    size_t plane;
+} planes;
+
+/* Gaussian weights of unit energy: filtered noise keeps its mean power. */
+static kernel gaussian(float sigma_voxels) {
+    kernel k = {.radius = (int)ceilf(3.0f * sigma_voxels)};
+    if (k.radius > MAX_RADIUS) k.radius = MAX_RADIUS;
+    if (sigma_voxels < 0.2f) k.radius = 0;
+    float energy = 0.0f;
+    for (int i = 0; i <= k.radius; i++) {
+        k.weight[i] = k.radius ? expf(-0.5f * (float)(i * i) / (sigma_voxels * sigma_voxels)) : 1.0f;
+        energy += (i ? 2.0f : 1.0f) * k.weight[i] * k.weight[i];
+    }
+    for (int i = 0; i <= k.radius; i++) {
+        k.weight[i] /= sqrtf(energy);
+        k.sum += (i ? 2.0f : 1.0f) * k.weight[i];
+    }
+    return k;
+}
+
+/* Quantiles of the normal distribution by Newton's method on its integral, scaled to unit variance. A draw is
+ * one of them, by 12 random bits; the point spread sums many draws. */
+static void make_normal(float *table) {
+    double x = -4.5, square = 0.0;
+    for (int i = 0; i < QUANTILES; i++) {
+        double p = ((double)i + 0.5) / QUANTILES;
+        for (int step = 0; step < 60; step++) {
+            double cdf = 0.5 * erfc(-x * 0.70710678118654752440);
+            double move = (cdf - p) * 2.5066282746310002 * exp(0.5 * x * x);
+            x -= move > 0.5 ? 0.5 : move < -0.5 ? -0.5 : move;
+            if (fabs(move) < 1e-12) break;
+        }
+        table[i] = (float)x;
+        square += x * x;
+    }
+    float scale = (float)sqrt(QUANTILES / square);
+    for (int i = 0; i < QUANTILES; i++) table[i] *= scale;
+}
+
+static kernel lateral_kernel(const speckle *s, uint32_t z, int axis) {
+    const hs_speckle_spec *spec = &s->pass.spec->speckle;
+    float off = (((float)z + 0.5f) * s->pass.field->h[2] - spec->focus_mm) / spec->rayleigh_mm;
+    return gaussian(spec->lateral_mm * sqrtf(1.0f + off * off) / s->pass.field->h[axis]);
+}
+
+/* Scatterers and interfaces of slice z. An interface is wide across the beam and thin along it: it is scaled
+ * so that its peak keeps its level behind the point spread. */
+static void draw(const speckle *s, uint32_t z, const kernel *kx, const kernel *ky, planes *p) {
+    const hs_field *f = s->pass.field;
+    float *re = p->raw, *im = p->raw + p->plane;
+    const float keep = 1.0f / (kx->sum * ky->sum * s->axial.weight[0]);
+    const float half = 0.70710678f; /* half of the power in each part */
+    for (uint32_t y = 0; y < f->n[1]; y++) {
+        size_t index = hs_field_index(f, 0, y, z), out = (size_t)y * s->width;
+        for (uint32_t x = 0; x < f->n[0]; x++) {
+            float amplitude = half * hs_level_amplitude(f->diffuse[index + x]);
+            float interface = f->coherent[index + x] > HS_LEVEL_SILENT
+                                  ? keep * hs_level_amplitude(f->coherent[index + x])
+                                  : 0.0f;
+            uint64_t bits = hs_random_bits(f->noise_seed, index + x);
+            re[out + x] = amplitude * s->normal[bits >> 52] + interface;
+            im[out + x] = amplitude * s->normal[(bits >> 40) & (QUANTILES - 1)];
+        }
+    }
+}
+
+/* out = in filtered along x; `row` holds radius zeros on both sides of the copy. */
+static void filter_x(const float *in, float *out, uint32_t n, uint32_t width, const kernel *k) {
+    float row[2 * MAX_RADIUS + HS_VOLUME_MAX_AXIS + LANES];
+    const int r = k->radius;
+    memset(row, 0, sizeof row);
+    memcpy(row + r, in, n * sizeof *in);
+    for (uint32_t x = 0; x < width; x += LANES) {
+        const float *c = row + r + x;
+        float sum[LANES];
+        for (int l = 0; l < LANES; l++) sum[l] = k->weight[0] * c[l];
+        for (int i = 1; i <= r; i++)
+            for (int l = 0; l < LANES; l++) sum[l] += k->weight[i] * (c[l - i] + c[l + i]);
+        memcpy(out + x, sum, sizeof sum);
+    }
+}
+
+/* out = planes at distance i on both sides, weighted; a NULL plane lies outside. */
+static void filter_across(const float *const *row, float *out, uint32_t width, const kernel *k) {
+    const int r = k->radius;
+    for (uint32_t x = 0; x < width; x += LANES) {
+        float sum[LANES];
+        for (int l = 0; l < LANES; l++) sum[l] = k->weight[0] * row[r][x + (uint32_t)l];
+        for (int i = 1; i <= r; i++) {
+            const float *above = row[r - i], *below = row[r + i];
+            if (above)
+                for (int l = 0; l < LANES; l++) sum[l] += k->weight[i] * above[x + (uint32_t)l];
+            if (below)
+                for (int l = 0; l < LANES; l++) sum[l] += k->weight[i] * below[x + (uint32_t)l];
+        }
+        memcpy(out + x, sum, sizeof sum);
+    }
+}
+
+/* Slice z, drawn and filtered across the beam, into the ring. */
+static void make_slice(const speckle *s, uint32_t z, planes *p) {
+    const hs_field *f = s->pass.field;
+    kernel kx = lateral_kernel(s, z, 0), ky = lateral_kernel(s, z, 1);
+    draw(s, z, &kx, &ky, p);
+    float *slot = p->ring + 2 * p->plane * (z % (2u * (uint32_t)s->axial.radius + 1u));
+    for (int part = 0; part < 2; part++) {
+        float *raw = p->raw + (size_t)part * p->plane, *lateral = p->lateral;
+        for (uint32_t y = 0; y < f->n[1]; y++)
+            filter_x(raw + (size_t)y * s->width, lateral + (size_t)y * s->width, f->n[0], s->width, &kx);
+        for (uint32_t y = 0; y < f->n[1]; y++) {
+            const float *row[2 * MAX_RADIUS + 1];
+            for (int i = -ky.radius; i <= ky.radius; i++) {
+                int64_t at = (int64_t)y + i;
+                bool inside = at >= 0 && at < (int64_t)f->n[1];
+                row[ky.radius + i] = inside ? lateral + (size_t)at * s->width : NULL;
+            }
+            filter_across(row, slot + (size_t)part * p->plane + (size_t)y * s->width, s->width, &ky);
+        }
+    }
+}
+
+/* Filters along the beam and takes the magnitude. */
+static void finish_slice(const speckle *s, uint32_t z, planes *p) {
+    hs_field *f = s->pass.field;
+    const int r = s->axial.radius;
+    for (uint32_t y = 0; y < f->n[1]; y++) {
+        float *part[2] = {p->raw, p->raw + s->width};
+        for (int k = 0; k < 2; k++) {
+            const float *row[2 * MAX_RADIUS + 1];
+            for (int i = -r; i <= r; i++) {
+                int64_t at = (int64_t)z + i;
+                bool inside = at >= 0 && at < (int64_t)f->n[2];
+                const float *slot =
+                    p->ring + 2 * p->plane * ((size_t)(inside ? at : 0) % (2u * (size_t)r + 1u));
+                row[r + i] = inside ? slot + (size_t)k * p->plane + (size_t)y * s->width : NULL;
+            }
+            filter_across(row, part[k], s->width, &s->axial);
+        }
+        size_t index = hs_field_index(f, 0, y, z);
+        for (uint32_t x = 0; x < f->n[0]; x++)
+            f->envelope[index + x] = hs_level_of_power(part[0][x] * part[0][x] + part[1][x] * part[1][x]);
+    }
+}
+
+static void speckle_block(void *context, uint32_t block) {
+    speckle *s = context;
+    const hs_field *f = s->pass.field;
+    planes p = {.plane = (size_t)s->width * f->n[1]};
+    const uint32_t r = (uint32_t)s->axial.radius, first = block * s->chunk;
+    const uint32_t end = first + s->chunk < f->n[2] ? first + s->chunk : f->n[2];
+    float *memory = malloc((3 + 2 * (2 * (size_t)r + 1)) * p.plane * sizeof *memory);
+    if (!memory) {
+        atomic_store(&s->out_of_memory, true);
+        return;
+    }
+    p.raw = memory;
+    p.lateral = memory + 2 * p.plane;
+    p.ring = memory + 3 * p.plane;
+    uint32_t made = first > r ? first - r : 0;
+    for (uint32_t z = first; z < end; z++) {
+        for (; made <= z + r && made < f->n[2]; made++) make_slice(s, made, &p);
+        finish_slice(s, z, &p);
+    }
+    free(memory);
+}
+
+bool hs_scene_speckle(hs_field *field, const hs_scene_spec *spec, hs_error *err) {
+    speckle *s = calloc(1, sizeof *s);
+    if (!s) return hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for speckle", spec->name);
+    s->pass = (hs_pass){field, spec};
+    s->width = (field->n[0] + LANES - 1) / LANES * LANES;
+    s->axial = gaussian(spec->speckle.axial_mm / field->h[2]);
+    atomic_init(&s->out_of_memory, false);
+    make_normal(s->normal);
+    s->chunk = (field->n[2] + field->threads - 1) / field->threads;
+    hs_scene_parallel(field->threads, (field->n[2] + s->chunk - 1) / s->chunk, speckle_block, s);
+    bool done = !atomic_load(&s->out_of_memory);
+    free(s);
+    return done ? true : hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for speckle", spec->name);
+}

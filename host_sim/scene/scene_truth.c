@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets the
+ * fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that meets
+ * the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a ray, its
+ * longest stretch of fluid counts.
+ */
+#include "base/threads.h"
+#include "scene/scene_field.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define REACH_MM 2.0f /* how far the point spread carries an occluder sideways */
+
+typedef struct {
+    const hs_field *field;
+    hs_scene_data *data;
+} truth;
+
+typedef struct {
+    uint8_t label;
+    uint32_t near_end, far_end;
+} interval;
+
+static interval column(const truth *t, size_t pixel) {
+    const hs_field *f = t->field;
+    const size_t slice = hs_field_slice(f);
+    interval best = {HS_LABEL_NEITHER, 0, 0};
+    uint32_t run = 0;
+    for (uint32_t z = 0; z < f->n[2]; z++) {
+        size_t index = slice * z + pixel;
+        uint8_t tissue = f->tissue[index];
+        if (t->data->full.voxels[index] == 0) {
+            run = 0;
+            continue;
+        }
+        if (hs_tissue_is_fetus(tissue)) return (interval){HS_LABEL_FETUS, run ? z - run : z, run ? z - 1 : z};
+        run = tissue == HS_TISSUE_FLUID ? run + 1 : 0;
+        if (run > 0 && (best.label == HS_LABEL_NEITHER || run > best.far_end - best.near_end + 1))
+            best = (interval){HS_LABEL_SAC, z + 1 - run, z};
+    }
+    return best;
+}
+
+static void truth_row(void *context, uint32_t y) {
+    const truth *t = context;
+    for (uint32_t x = 0; x < t->field->n[0]; x++) {
+        size_t pixel = (size_t)y * t->field->n[0] + x;
+        interval i = column(t, pixel);
+        t->data->label[pixel] = i.label;
+        t->data->near_end[pixel] = i.label ? (float)i.near_end : NAN;
+        t->data->far_end[pixel] = i.label ? (float)i.far_end : NAN;
+    }
+}
+
+typedef struct {
+    float *map, *distance;
+    uint32_t nx, ny;
+} spread;
+
+static void take(spread *s, uint32_t x, uint32_t y, int dx, int dy, float step) {
+    int64_t fx = (int64_t)x + dx, fy = (int64_t)y + dy;
+    if (fx < 0 || fy < 0 || fx >= (int64_t)s->nx || fy >= (int64_t)s->ny) return;
+    size_t to = (size_t)y * s->nx + x, from = (size_t)fy * s->nx + (size_t)fx;
+    if (s->distance[from] + step < s->distance[to]) {
+        s->distance[to] = s->distance[from] + step;
+        s->map[to] = s->map[from];
+    }
+}
+
+bool hs_scene_spread(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
+    spread s = {map, calloc((size_t)nx * ny, sizeof(float)), nx, ny};
+    if (!s.distance) return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %u x %u pixels", nx, ny);
+    const float diagonal = 1.41421356f;
+    for (size_t i = 0; i < (size_t)nx * ny; i++) {
+        s.distance[i] = isnan(map[i]) ? INFINITY : 0.0f;
+        if (isnan(map[i])) map[i] = 0.0f;
+    }
+    for (uint32_t y = 0; y < ny; y++) {
+        for (uint32_t x = 0; x < nx; x++) {
+            take(&s, x, y, -1, 0, 1.0f);
+            take(&s, x, y, 0, -1, 1.0f);
+            take(&s, x, y, -1, -1, diagonal);
+            take(&s, x, y, 1, -1, diagonal);
+        }
+        for (uint32_t x = nx; x-- > 0;) take(&s, x, y, 1, 0, 1.0f);
+    }
+    for (uint32_t y = ny; y-- > 0;) {
+        for (uint32_t x = nx; x-- > 0;) {
+            take(&s, x, y, 1, 0, 1.0f);
+            take(&s, x, y, 0, 1, 1.0f);
+            take(&s, x, y, 1, 1, diagonal);
+            take(&s, x, y, -1, 1, diagonal);
+        }
+        for (uint32_t x = 0; x < nx; x++) take(&s, x, y, -1, 0, 1.0f);
+    }
+    free(s.distance);
+    return true;
+}
+
+/*
+ * The clipping surface: the middle of the interval, but no nearer than where the occluders of the
+ * neighbourhood end: the point spread makes them visible beside themselves. It never leaves the pixel's own
+ * interval.
+ */
+static void clip_row(void *context, uint32_t y) {
+    const truth *t = context;
+    const hs_scene_data *data = t->data;
+    const uint32_t nx = t->field->n[0], ny = t->field->n[1];
+    const int64_t rx = lrintf(REACH_MM / t->field->h[0]), ry = lrintf(REACH_MM / t->field->h[1]);
+    for (int64_t x = 0; x < (int64_t)nx; x++) {
+        size_t pixel = (size_t)y * nx + (size_t)x;
+        if (data->label[pixel] == HS_LABEL_NEITHER) {
+            data->clip[pixel] = NAN;
+            continue;
+        }
+        float clip = 0.5f * (data->near_end[pixel] + data->far_end[pixel]);
+        for (int64_t v = (int64_t)y - ry; v <= (int64_t)y + ry; v++)
+            for (int64_t u = x - rx; u <= x + rx; u++) {
+                if (u < 0 || v < 0 || u >= (int64_t)nx || v >= (int64_t)ny) continue;
+                size_t other = (size_t)v * nx + (size_t)u;
+                if (data->label[other] && data->near_end[other] <= data->far_end[pixel])
+                    clip = fmaxf(clip, data->near_end[other]);
+            }
+        data->clip[pixel] = clip;
+    }
+}
+
+static void clip_slice(void *context, uint32_t z) {
+    const truth *t = context;
+    size_t slice = hs_field_slice(t->field), start = slice * z;
+    uint8_t *out = t->data->truth.voxels + start;
+    memcpy(out, t->data->full.voxels + start, slice);
+    for (size_t i = 0; i < slice; i++)
+        if ((float)z < t->data->clip[i] && out[i] > 1) out[i] = 1;
+}
+
+bool hs_scene_truth(const hs_field *field, hs_scene_data *data, hs_error *err) {
+    truth t = {field, data};
+    hs_scene_parallel(field->threads, field->n[1], truth_row, &t);
+    hs_scene_parallel(field->threads, field->n[1], clip_row, &t);
+    if (!hs_scene_spread(data->clip, field->n[0], field->n[1], err)) return false;
+    hs_scene_parallel(field->threads, field->n[2], clip_slice, &t);
+    return true;
+}

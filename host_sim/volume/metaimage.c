@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/metaimage.h"
+
+#include "volume/metaimage_data.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK_VOXELS = 32768 };
+
+/* Room for one chunk: bytes as they stand in the file, and their values. */
+typedef struct {
+    uint8_t raw[CHUNK_VOXELS * 8];
+    double value[CHUNK_VOXELS];
+} chunk;
+
+/* The volume being read. */
+typedef struct {
+    const char *path;
+    const hs_met_header *header;
+    hs_met_data *data;
+    chunk *chunk;
+    hs_volume *volume;
+    hs_error *err;
+} reader;
+
+static void swap_bytes(uint8_t *bytes, size_t count, size_t width) {
+    for (size_t i = 0; i < count; i++) {
+        for (size_t low = 0, high = width - 1; low < high; low++, high--) {
+            const uint8_t kept = bytes[i * width + low];
+            bytes[i * width + low] = bytes[i * width + high];
+            bytes[i * width + high] = kept;
+        }
+    }
+}
+
+/* memcpy, since the bytes need not be aligned for the type. */
+#define DECODE(type)                                                                                         \
+    for (size_t i = 0; i < count; i++) {                                                                     \
+        type v;                                                                                              \
+        memcpy(&v, raw + i * sizeof v, sizeof v);                                                            \
+        value[i] = (double)v;                                                                                \
+    }                                                                                                        \
+    break
+
+static void decode(hs_met_type type, const uint8_t *raw, size_t count, double *value) {
+    switch (type) {
+    case HS_MET_CHAR:
+        DECODE(int8_t);
+    case HS_MET_UCHAR:
+        DECODE(uint8_t);
+    case HS_MET_SHORT:
+        DECODE(int16_t);
+    case HS_MET_USHORT:
+        DECODE(uint16_t);
+    case HS_MET_INT:
+        DECODE(int32_t);
+    case HS_MET_UINT:
+        DECODE(uint32_t);
+    case HS_MET_LONG_LONG:
+        DECODE(int64_t);
+    case HS_MET_ULONG_LONG:
+        DECODE(uint64_t);
+    case HS_MET_FLOAT:
+        DECODE(float);
+    case HS_MET_DOUBLE:
+        DECODE(double);
+    }
+}
+
+/* Reads voxels first .. first + count - 1, which must be the next ones, into chunk->value; all of them
+ * finite. */
+static bool read_chunk(reader *r, size_t first, size_t count) {
+    const hs_met_header *h = r->header;
+    if (!hs_met_data_read(r->data, r->chunk->raw, count * h->element_bytes, r->err)) return false;
+    const bool host_is_big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+    if (h->big_endian != host_is_big) swap_bytes(r->chunk->raw, count, h->element_bytes);
+    decode(h->type, r->chunk->raw, count, r->chunk->value);
+    if (h->type != HS_MET_FLOAT && h->type != HS_MET_DOUBLE) return true;
+    for (size_t i = 0; i < count; i++) {
+        if (isfinite(r->chunk->value[i])) continue;
+        const size_t at = first + i, nx = h->size[0], ny = h->size[1];
+        return hs_fail(r->err, HS_ERR_INPUT,
+                       "%s:%u: ElementDataFile '%s': voxel (%zu, %zu, %zu) is '%g', expected a finite number",
+                       r->path, h->data_line, h->data_name, at % nx, at / nx % ny, at / nx / ny,
+                       r->chunk->value[i]);
+    }
+    return true;
+}
+
+/* Reads the data once for its smallest and largest value. */
+static bool find_range(reader *r, size_t count, double *low, double *high) {
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (size_t first = 0; first < count; first += CHUNK_VOXELS) {
+        const size_t n = count - first < CHUNK_VOXELS ? count - first : CHUNK_VOXELS;
+        if (!read_chunk(r, first, n)) return false;
+        for (size_t i = 0; i < n; i++) {
+            const double v = r->chunk->value[i];
+            *low = v < *low ? v : *low;
+            *high = v > *high ? v : *high;
+        }
+    }
+    if (!hs_met_data_finish(r->data, r->err)) return false;
+    if (!(*low < *high))
+        return hs_fail(
+            r->err, HS_ERR_INPUT,
+            "%s:%u: ElementDataFile '%s': every voxel is %g: no range to map to 8 bit, give a window",
+            r->path, r->header->data_line, r->header->data_name, *low);
+    return hs_met_data_rewind(r->data, r->err);
+}
+
+/* Reads the data and maps low .. high to 0 .. 255, rounding to the nearest level. */
+static bool read_mapped(reader *r, size_t count, double low, double high) {
+    /* Halved, since high - low may exceed the largest double. */
+    const double scale = 255.0 / (high * 0.5 - low * 0.5);
+    if (!isfinite(scale))
+        return hs_fail(r->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", r->path,
+                       low, high);
+    for (size_t first = 0; first < count; first += CHUNK_VOXELS) {
+        const size_t n = count - first < CHUNK_VOXELS ? count - first : CHUNK_VOXELS;
+        if (!read_chunk(r, first, n)) return false;
+        for (size_t i = 0; i < n; i++) {
+            const double level = (r->chunk->value[i] * 0.5 - low * 0.5) * scale;
+            const double clamped = level < 0.0 ? 0.0 : level > 255.0 ? 255.0 : level;
+            r->volume->voxels[first + i] = (uint8_t)(clamped + 0.5);
+        }
+    }
+    return true;
+}
+
+static bool read_voxels(reader *r, const hs_metaimage_options *opt) {
+    const size_t count = hs_volume_count(r->volume);
+    double low = opt->window_low, high = opt->window_high;
+    bool ok;
+    if (r->header->type == HS_MET_UCHAR && !opt->has_window)
+        ok = hs_met_data_read(r->data, r->volume->voxels, count, r->err);
+    else
+        ok = (opt->has_window || find_range(r, count, &low, &high)) && read_mapped(r, count, low, high);
+    return ok && hs_met_data_finish(r->data, r->err);
+}
+
+static bool apply_padding(hs_volume *volume, hs_padding padding, hs_error *err) {
+    if (padding == HS_PADDING_AUTO) return hs_volume_mark_unscanned(volume, err);
+    if (padding == HS_PADDING_NONE) hs_volume_mark_all_scanned(volume);
+    return true;
+}
+
+/* Allocates the volume the header describes, named after the file. */
+static bool make_volume(const reader *r) {
+    const hs_met_header *h = r->header;
+    hs_error cause = {0};
+    if (!hs_volume_init(r->volume, h->size[0], h->size[1], h->size[2], &cause))
+        return hs_fail(r->err, cause.code, "%s:%u: DimSize: %s", r->path, h->dim_line, cause.text);
+    memcpy(r->volume->spacing, h->spacing, sizeof h->spacing);
+    const char *slash = strrchr(r->path, '/');
+    (void)snprintf(r->volume->name, sizeof r->volume->name, "%s", slash ? slash + 1 : r->path);
+    return true;
+}
+
+bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err) {
+    memset(out, 0, sizeof *out);
+    const hs_metaimage_options defaults = {0};
+    if (!opt) opt = &defaults;
+    const bool is_window =
+        isfinite(opt->window_low) && isfinite(opt->window_high) && opt->window_low < opt->window_high;
+    if (opt->has_window && !is_window)
+        return hs_fail(err, HS_ERR_USAGE, "%s: window is %g .. %g, expected two finite numbers, low < high",
+                       path, opt->window_low, opt->window_high);
+    hs_met_header *header = malloc(sizeof *header);
+    chunk *room = malloc(sizeof *room);
+    reader r = {.path = path, .header = header, .chunk = room, .volume = out, .err = err};
+    bool ok = header && room;
+    if (!ok) hs_fail(err, HS_ERR_MEMORY, "%s: no memory to read the file", path);
+    ok = ok && hs_met_header_read(path, header, err);
+    if (ok) r.data = hs_met_data_open(path, header, err);
+    ok = r.data && make_volume(&r) && read_voxels(&r, opt) && apply_padding(out, opt->padding, err);
+    if (!ok) hs_volume_free(out);
+    hs_met_data_close(r.data);
+    free(room);
+    free(header);
+    return ok;
+}

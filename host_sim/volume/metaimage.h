@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/* MetaImage files (.mhd with a data file, .mha): volumes in, arrays out. docs/metaimage.md states the
+ * mapping. */
+#ifndef HS_METAIMAGE_H
+#define HS_METAIMAGE_H
+
+#include "volume/volume.h"
+
+/* What a 0 in the 8-bit volume means. */
+typedef enum {
+    HS_PADDING_AUTO = 0, /* zeros connected to the border are not scanned, inner ones become 1 */
+    HS_PADDING_NONE,     /* everything was scanned: every zero becomes 1 */
+    HS_PADDING_ALL       /* every zero is not scanned */
+} hs_padding;
+
+typedef struct {
+    hs_padding padding;
+    bool has_window;                /* false: MET_UCHAR as it is, other types from their own range */
+    double window_low, window_high; /* source values that become 0 and 255; low < high, finite */
+} hs_metaimage_options;
+
+/*
+ * Reads a volume. `opt` may be NULL (padding auto, no window). On success the caller frees `out` with
+ * hs_volume_free; on failure it is zeroed and nothing is left. Needs the 8-bit volume and about 1 MB beside
+ * it, whatever the voxel type: the data is streamed, twice if its range must be found first. Padding auto
+ * needs what hs_volume_mark_unscanned does.
+ *
+ * HS_ERR_INPUT: unreadable, malformed or truncated file, named with line, field and value; NaN or infinite
+ * voxels, named with their position. HS_ERR_USAGE: a window that is none. HS_ERR_MEMORY. Values of fields
+ * this reader does not use never appear in a message: they may hold a patient's data. Any thread.
+ */
+bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err);
+
+typedef enum { HS_ARRAY_U8 = 0, HS_ARRAY_U16, HS_ARRAY_F32 } hs_array_type;
+
+/* An array to be written; x fastest, then y, then z. */
+typedef struct {
+    hs_array_type type;
+    const void *data;  /* size[0] * size[1] * size[2] elements, borrowed */
+    uint32_t dims;     /* 2 or 3 */
+    uint32_t size[3];  /* elements along x, y, z; size[2] is ignored if dims is 2 */
+    double spacing[3]; /* mm, > 0; the same */
+    bool compress;     /* zlib */
+} hs_metaimage_array;
+
+/* Writes "<name>.mha", or "<name>.mhd" and beside it "<name>.raw" ("<name>.zraw" if compressed), by the
+ * ending of `path`. Each file is written under a temporary name and renamed, the data before the header.
+ * HS_ERR_OUTPUT names the path and the field or the system's reason. */
+bool hs_metaimage_write(const char *path, const hs_metaimage_array *array, hs_error *err);
+
+#endif

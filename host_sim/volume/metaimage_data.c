@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/metaimage_data.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+struct hs_met_data {
+    const char *path; /* the header's file */
+    const hs_met_header *header;
+    FILE *file;
+    uint64_t first; /* where the data starts in the file */
+    uint64_t bytes; /* bytes of the data in the file */
+    uint64_t left;  /* of those, not yet read */
+    uint64_t voxel_bytes;
+    uint64_t delivered; /* voxel bytes handed out since the last rewind */
+    z_stream zlib;
+    bool zlib_ready, zlib_ended;
+    uint8_t input[1 << 16];
+};
+
+/* "<header file>:<line>: ElementDataFile '<name>': " starts every message about the data. */
+#define DATA_CONTEXT "%s:%u: ElementDataFile '%s': "
+#define DATA_ARGS(d) (d)->path, (d)->header->data_line, (d)->header->data_name
+
+/* The data must fill the file exactly: more or less means that DimSize or ElementType is not what was
+ * written. */
+static bool check_plain_size(hs_met_data *d, uint64_t file_bytes, hs_error *err) {
+    const hs_met_header *h = d->header;
+    const uint64_t rest = file_bytes > h->header_size ? file_bytes - h->header_size : 0;
+    if (h->header_from_end && file_bytes >= d->voxel_bytes && file_bytes - d->voxel_bytes >= h->header_size) {
+        d->first = file_bytes - d->voxel_bytes;
+    } else if (!h->header_from_end && rest == d->voxel_bytes) {
+        d->first = h->header_size;
+    } else {
+        return hs_fail(err, HS_ERR_INPUT,
+                       DATA_CONTEXT "%" PRIu64 " bytes of data, expected %" PRIu64 " (DimSize %" PRIu32
+                                    " %" PRIu32 " %" PRIu32 " of %s)",
+                       DATA_ARGS(d), rest, d->voxel_bytes, h->size[0], h->size[1], h->size[2], h->type_name);
+    }
+    d->bytes = d->voxel_bytes;
+    return true;
+}
+
+static bool check_compressed_size(hs_met_data *d, uint64_t file_bytes, hs_error *err) {
+    const hs_met_header *h = d->header;
+    d->first = h->header_size;
+    d->bytes = file_bytes > h->header_size ? file_bytes - h->header_size : 0;
+    if (h->has_compressed_size && h->compressed_size != d->bytes)
+        return hs_fail(err, HS_ERR_INPUT,
+                       "%s:%u: CompressedDataSize is '%" PRIu64 "', but '%s' has %" PRIu64 " bytes of data",
+                       d->path, h->compressed_size_line, h->compressed_size, h->data_name, d->bytes);
+    /* Deflate shrinks to 1/1032 at best (zlib technical details, "Maximum Compression Factor"): a size that
+     * needs more is not believed, before memory is spent on it. */
+    if (d->voxel_bytes / 1032 > d->bytes)
+        return hs_fail(err, HS_ERR_INPUT,
+                       DATA_CONTEXT "%" PRIu64 " compressed bytes cannot hold DimSize %" PRIu32 " %" PRIu32
+                                    " %" PRIu32 " of %s",
+                       DATA_ARGS(d), d->bytes, h->size[0], h->size[1], h->size[2], h->type_name);
+    return true;
+}
+
+hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err) {
+    hs_met_data *d = calloc(1, sizeof *d);
+    if (!d) {
+        hs_fail(err, HS_ERR_MEMORY, "%s: no memory to read the data", path);
+        return NULL;
+    }
+    d->path = path;
+    d->header = header;
+    d->voxel_bytes = (uint64_t)header->size[0] * header->size[1] * header->size[2] * header->element_bytes;
+    char context[1024];
+    (void)snprintf(context, sizeof context, "%s:%u: ElementDataFile '%s'", DATA_ARGS(d));
+    uint64_t file_bytes = 0;
+    d->file = hs_met_open(header->data_path, context, &file_bytes, err);
+    bool ok = d->file != NULL;
+    ok = ok && (header->compressed ? check_compressed_size(d, file_bytes, err)
+                                   : check_plain_size(d, file_bytes, err));
+    if (ok && header->compressed) {
+        /* 15 + 32: the largest window, and a zlib or a gzip header, as MetaIO accepts both. */
+        d->zlib_ready = inflateInit2(&d->zlib, 15 + 32) == Z_OK;
+        if (!d->zlib_ready) ok = hs_fail(err, HS_ERR_MEMORY, "%s: no memory for zlib", path);
+    }
+    if (ok && hs_met_data_rewind(d, err)) return d;
+    hs_met_data_close(d);
+    return NULL;
+}
+
+bool hs_met_data_rewind(hs_met_data *d, hs_error *err) {
+    d->left = d->bytes;
+    d->delivered = 0;
+    d->zlib_ended = false;
+    if (d->zlib_ready) {
+        (void)inflateReset(&d->zlib); /* fails on a stream that was never made only */
+        d->zlib.avail_in = 0;
+    }
+    if (fseeko(d->file, (off_t)d->first, SEEK_SET) == 0) return true;
+    return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d), strerror(errno));
+}
+
+static bool read_file(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
+    errno = 0;
+    if (fread(out, 1, bytes, d->file) != bytes)
+        return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d),
+                       errno ? strerror(errno) : "it became shorter");
+    d->left -= bytes;
+    return true;
+}
+
+/* Inflates up to *bytes bytes; *bytes becomes what was made. 0 at the end of the stream or of the file only.
+ */
+static bool inflate_some(hs_met_data *d, void *out, size_t *bytes, hs_error *err) {
+    const size_t most = *bytes < (1u << 30) ? *bytes : 1u << 30; /* zlib counts in 32 bit */
+    d->zlib.next_out = out;
+    d->zlib.avail_out = (uInt)most;
+    while (d->zlib.avail_out == most && !d->zlib_ended) {
+        if (d->zlib.avail_in == 0 && d->left > 0) {
+            const size_t n = d->left < sizeof d->input ? (size_t)d->left : sizeof d->input;
+            if (!read_file(d, d->input, n, err)) return false;
+            d->zlib.next_in = d->input;
+            d->zlib.avail_in = (uInt)n;
+        }
+        const int code = inflate(&d->zlib, Z_NO_FLUSH);
+        d->zlib_ended = code == Z_STREAM_END;
+        if (code == Z_BUF_ERROR && d->left == 0) break; /* the input ends before the stream does */
+        if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR)
+            return hs_fail(err, code == Z_MEM_ERROR ? HS_ERR_MEMORY : HS_ERR_INPUT,
+                           DATA_CONTEXT "CompressedData is damaged about byte %" PRIu64 ": %s", DATA_ARGS(d),
+                           d->bytes - d->left - d->zlib.avail_in, d->zlib.msg ? d->zlib.msg : zError(code));
+    }
+    *bytes = most - d->zlib.avail_out;
+    return true;
+}
+
+bool hs_met_data_read(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
+    if (!d->header->compressed) return read_file(d, out, bytes, err);
+    for (uint8_t *at = out; bytes > 0;) {
+        size_t got = bytes;
+        if (!inflate_some(d, at, &got, err)) return false;
+        if (got == 0)
+            return hs_fail(err, HS_ERR_INPUT,
+                           DATA_CONTEXT "CompressedData %s after %" PRIu64 " voxel bytes, expected %" PRIu64,
+                           DATA_ARGS(d), d->zlib_ended ? "ends" : "is cut off", d->delivered, d->voxel_bytes);
+        d->delivered += got;
+        at += got;
+        bytes -= got;
+    }
+    return true;
+}
+
+bool hs_met_data_finish(hs_met_data *d, hs_error *err) {
+    if (!d->header->compressed) return true; /* its size was checked when it was opened */
+    uint8_t extra;
+    size_t got = 1;
+    if (!inflate_some(d, &extra, &got, err)) return false;
+    if (got > 0)
+        return hs_fail(err, HS_ERR_INPUT,
+                       DATA_CONTEXT "CompressedData holds more than the %" PRIu64 " voxel bytes expected",
+                       DATA_ARGS(d), d->voxel_bytes);
+    if (!d->zlib_ended)
+        return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "CompressedData is cut off in its checksum",
+                       DATA_ARGS(d));
+    const uint64_t trailing = d->left + d->zlib.avail_in;
+    if (trailing > 0)
+        return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "%" PRIu64 " bytes follow after the compressed data",
+                       DATA_ARGS(d), trailing);
+    return true;
+}
+
+void hs_met_data_close(hs_met_data *d) {
+    if (!d) return;
+    if (d->zlib_ready) (void)inflateEnd(&d->zlib);
+    if (d->file) (void)fclose(d->file);
+    free(d);
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* The voxel bytes of a MetaImage file as one stream, compressed or not. Internal to the MetaImage reader. */
+#ifndef HS_METAIMAGE_DATA_H
+#define HS_METAIMAGE_DATA_H
+
+#include "volume/metaimage_header.h"
+
+typedef struct hs_met_data hs_met_data;
+
+/* Opens the data file and checks its size against the header, before any voxel is allocated. `path` is the
+ * header's file; it and `header` must outlive the stream. NULL on failure. */
+hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err);
+
+/* Back to the first voxel. */
+bool hs_met_data_rewind(hs_met_data *data, hs_error *err);
+
+/* The next `bytes` bytes. */
+bool hs_met_data_read(hs_met_data *data, void *out, size_t bytes, hs_error *err);
+
+/* Succeeds if the stream ends here, as it should after the last voxel. */
+bool hs_met_data_finish(hs_met_data *data, hs_error *err);
+
+/* NULL is allowed. */
+void hs_met_data_close(hs_met_data *data);
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/* The text part of a MetaImage file. Internal to the MetaImage reader. */
+#ifndef HS_METAIMAGE_HEADER_H
+#define HS_METAIMAGE_HEADER_H
+
+#include "volume/volume.h"
+
+#include <stdio.h>
+
+typedef enum {
+    HS_MET_CHAR,
+    HS_MET_UCHAR,
+    HS_MET_SHORT,
+    HS_MET_USHORT,
+    HS_MET_INT,
+    HS_MET_UINT,
+    HS_MET_LONG_LONG,
+    HS_MET_ULONG_LONG,
+    HS_MET_FLOAT,
+    HS_MET_DOUBLE
+} hs_met_type;
+
+/* A checked header. Line numbers count from 1 and are 0 for a field that is not there. */
+typedef struct {
+    uint32_t size[3];
+    double spacing[3]; /* mm */
+    hs_met_type type;
+    const char *type_name; /* static, "MET_UCHAR" */
+    uint32_t element_bytes;
+    bool big_endian;
+    bool compressed;
+    bool has_compressed_size;
+    uint64_t compressed_size; /* bytes, if has_compressed_size */
+    bool header_from_end;     /* HeaderSize = -1: the data ends where the file ends */
+    uint64_t header_size;     /* bytes before the data in the data file; LOCAL: at least local_start */
+    bool local;               /* the data is in the header's own file */
+    uint64_t local_start;     /* bytes of the text part */
+    char data_path[4096];     /* the data file; the header's own path if local */
+    char data_name[256];      /* ElementDataFile, made fit for a message */
+    unsigned dim_line, compressed_size_line, header_size_line, data_line;
+} hs_met_header;
+
+/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. */
+bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
+
+/* Opens a regular file for reading and sets *bytes to its size. On failure NULL, and HS_ERR_INPUT "<context>:
+ * <reason>". Never waits, not even on a FIFO. */
+FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
+
+#endif

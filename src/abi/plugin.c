@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: MIT */
+/* The ABI's glue: one screen per function. What is behind it: instance.c, then pipeline.c. */
+#include "frame/instance.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const sv_descriptor descriptor = {
+    .size = sizeof descriptor,
+    .id = "org.smartvis.clip",
+    .name = "SmartVis",
+    .vendor = "SmartVis",
+    .version = "0.1.0",
+    .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
+};
+
+static sv_instance *instance_of(const sv_plugin *plugin) {
+    sv_instance *in = plugin->plugin_data;
+    in->diag.last_error[0] = '\0';
+    return in;
+}
+
+static void plugin_deactivate(const sv_plugin *plugin) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state == SV_STATE_INACTIVE)
+        (void)sv_blame_host(&in->diag, SV_ERR_STATE, "deactivate: not active");
+    else
+        sv_instance_deactivate(in);
+}
+
+static void plugin_destroy(const sv_plugin *plugin) {
+    if (!plugin) return;
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_INACTIVE) {
+        (void)sv_blame_host(&in->diag, SV_ERR_STATE, "destroy: still active, deactivating");
+        sv_instance_deactivate(in);
+    }
+    free(in);
+}
+
+static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *format) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_INACTIVE)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "activate: already active");
+    const sv_status status = sv_validate_format(&in->diag, format);
+    return status == SV_OK ? sv_instance_activate(in, format) : status;
+}
+
+/* With its own queue nobody but the plugin can wait: after a failure, or when a frame is dropped, the host
+ * may reuse its slabs and maps at once. */
+static sv_status let_go(sv_instance *in, sv_status status) {
+    if (in->device.owned) (void)clFinish(in->device.queue);
+    return status;
+}
+
+static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "begin: not active");
+    if (in->state == SV_STATE_SLABS) (void)let_go(in, SV_OK);
+    in->state = SV_STATE_IDLE;
+    if (!frame) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
+    if (frame->size < sizeof *frame)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", frame->size,
+                             sizeof *frame);
+    if (frame->flags != 0)
+        return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, no flag is known",
+                             frame->flags);
+    sv_values values = in->activated;
+    sv_status status =
+        sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
+    if (status == SV_OK) status = sv_validate_values(&in->diag, &in->pipeline, &values);
+    if (status != SV_OK) return status;
+    in->frame = values;
+    sv_pipeline_begin(&in->pipeline, &in->frame);
+    in->state = SV_STATE_SLABS;
+    return SV_OK;
+}
+
+static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_SLABS)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "slab: no frame was begun");
+    sv_status status = sv_validate_slab(&in->diag, &in->pipeline, slab);
+    if (status == SV_OK) status = sv_pipeline_slab(&in->pipeline, slab);
+    if (status == SV_OK) return SV_OK;
+    in->state = SV_STATE_IDLE;
+    return let_go(in, status);
+}
+
+/* In own-queue mode: waits, and returns what the frame came to. */
+static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result *result) {
+    if (!in->device.owned) return SV_OK;
+    const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);
+    const sv_stats *stats = result->stats;
+    if (status != SV_OK || !stats || stats->outcome == SV_OK) return status;
+    return sv_report(
+        &in->diag, SV_LOG_DEBUG, stats->outcome,
+        "%s: %s: %u initial points, %u of them surely behind fluid, %u of %u pixels without a surface", call,
+        stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points, stats->sure_points,
+        stats->unfilled, stats->rays);
+}
+
+static sv_status output(sv_instance *in, const char *call, const sv_values *values, const sv_result *result) {
+    sv_result own = *result;
+    sv_stats stats = {.size = sizeof stats};
+    if (in->device.owned && !own.stats) own.stats = &stats; /* end must return the outcome */
+    const sv_status status = sv_pipeline_output(&in->pipeline, (float)values->of[SV_PARAM_Q], &own);
+    return status == SV_OK ? wait_outcome(in, call, &own) : status;
+}
+
+static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_SLABS) return sv_blame_host(&in->diag, SV_ERR_STATE, "end: no frame was begun");
+    in->state = SV_STATE_IDLE;
+    sv_status status = SV_OK;
+    if (in->pipeline.next_slice < in->pipeline.config.slices)
+        status = sv_blame_host(&in->diag, SV_ERR_SLAB_MISSING, "end: %u of %u slices came",
+                               in->pipeline.next_slice, in->pipeline.config.slices);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "end", &in->pipeline, result);
+    if (status == SV_OK) status = sv_pipeline_end(&in->pipeline, (float)in->frame.of[SV_PARAM_Q]);
+    if (status == SV_OK) status = output(in, "end", &in->frame, result);
+    if (status < 0) return let_go(in, status);
+    in->state = SV_STATE_FINISHED;
+    in->timing.complete = in->timing.enabled;
+    return status;
+}
+
+static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
+                               const sv_result *result) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state != SV_STATE_FINISHED)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "adjust: no finished frame");
+    sv_values adjusted = in->frame;
+    sv_status status =
+        sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
+    in->pipeline.timing = NULL; /* the times stay those of the frame */
+    if (status == SV_OK) status = sv_pipeline_adjust(&in->pipeline, (float)adjusted.of[SV_PARAM_Q]);
+    if (status == SV_OK) status = output(in, "adjust", &adjusted, result);
+    in->pipeline.timing = &in->timing;
+    return status < 0 ? let_go(in, status) : status;
+}
+
+static uint32_t plugin_param_count(const sv_plugin *plugin) {
+    (void)plugin;
+    return sv_params_count();
+}
+
+/* Calls from any thread tell the host's log what is wrong, but leave last_error to the instance's own
+ * threads. */
+static sv_diag diag_of_any_thread(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return (sv_diag){.host = in->diag.host};
+}
+
+static sv_status plugin_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
+    sv_diag diag = diag_of_any_thread(plugin);
+    return sv_params_info(&diag, index, out);
+}
+
+static sv_status plugin_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
+                                   uint32_t bytes) {
+    sv_diag diag = diag_of_any_thread(plugin);
+    return sv_params_text(&diag, id, value, out, bytes);
+}
+
+static const char *plugin_last_error(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return in->diag.last_error;
+}
+
+static sv_status stats_enable(const sv_plugin *plugin, uint32_t on) {
+    sv_instance *in = instance_of(plugin);
+    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "stats: not active");
+    sv_timing_reset(&in->timing);
+    in->timing.enabled = on != 0;
+    return SV_OK;
+}
+
+static sv_status stats_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
+    sv_instance *in = instance_of(plugin);
+    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "stage_times: out is NULL");
+    if (out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "stage_times: size is %u, expected at least %zu",
+                             out->size, sizeof *out);
+    return sv_timing_read(&in->timing, &in->diag, out);
+}
+
+static const sv_ext_stats ext_stats = {
+    .size = sizeof ext_stats, .enable = stats_enable, .stage_times = stats_stage_times};
+
+static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
+    sv_instance *in = instance_of(plugin);
+    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "spline: out is NULL");
+    if (out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "spline: size is %u, expected at least %zu", out->size,
+                             sizeof *out);
+    if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_SPLINE)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "spline: no finished frame with method spline");
+    float r[SV_SPLINE_REPORT_WORDS];
+    const sv_status status = sv_spline_read(sv_chain_map(&in->pipeline), r);
+    if (status == SV_OK)
+        *out = (sv_spline_report){.size = out->size,
+                                  .points = (uint32_t)r[0],
+                                  .merge_grid = (uint32_t)r[1],
+                                  .rank = (uint32_t)r[2],
+                                  .dropped = (uint32_t)r[3],
+                                  .condition = r[4],
+                                  .residual = r[5]};
+    return status;
+}
+
+static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
+
+static sv_status confidence_ready(sv_instance *in) {
+    if (in->state == SV_STATE_FINISHED && in->pipeline.config.method == SV_METHOD_COST) return SV_OK;
+    return sv_blame_host(&in->diag, SV_ERR_STATE, "confidence: no finished frame with method cost");
+}
+
+static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
+    sv_instance *in = instance_of(plugin);
+    if (out && out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
+                             out->size, sizeof *out);
+    const sv_status ready = confidence_ready(in);
+    if (ready != SV_OK) return ready;
+    uint32_t info[SV_COST_INFO_WORDS];
+    const sv_status status = sv_cost_read(&in->pipeline, map, info);
+    if (status == SV_OK && out)
+        *out = (sv_confidence_report){.size = out->size,
+                                      .fluid_threshold = (float)info[SV_COST_INFO_LEVEL] / 255.0f,
+                                      .rays = info[SV_COST_INFO_RAYS],
+                                      .open_rays = info[SV_COST_INFO_OPEN]};
+    return status;
+}
+
+static uint32_t confidence_offered(const sv_plugin *plugin) {
+    const sv_instance *in = plugin->plugin_data;
+    return in->state != SV_STATE_INACTIVE && in->pipeline.config.method == SV_METHOD_COST;
+}
+
+/* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
+static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
+                                  uint64_t offset) {
+    sv_instance *in = instance_of(plugin);
+    const sv_result to = {.size = sizeof to, .depth = map, .depth_object = object, .depth_offset = offset};
+    sv_status status = confidence_ready(in);
+    if (status == SV_OK) status = sv_validate_result(&in->diag, "confidence", &in->pipeline, &to);
+    if (status != SV_OK) return status;
+    const cl_command_queue queue = in->device.queue;
+    const cl_mem from = sv_cost_confidence(&in->pipeline);
+    const size_t bytes = (size_t)in->pipeline.config.width * in->pipeline.config.height * sizeof *map;
+    const cl_int code = map ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, bytes, map, 0, NULL, NULL)
+                            : clEnqueueCopyBuffer(queue, from, object, 0, offset, bytes, 0, NULL, NULL);
+    status = sv_clx_check(&in->diag, code, "confidence: enqueue");
+    if (status != SV_OK || !in->device.owned) return status;
+    return sv_clx_check(&in->diag, clFinish(queue), "confidence: clFinish");
+}
+
+static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
+                                                 .read = confidence_read,
+                                                 .offered = confidence_offered,
+                                                 .write = confidence_write};
+
+static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
+    (void)plugin;
+    if (id && strcmp(id, SV_EXT_STATS) == 0) return &ext_stats;
+    if (id && strcmp(id, SV_EXT_CONFIDENCE) == 0) return &ext_confidence;
+    return id && strcmp(id, SV_EXT_SPLINE) == 0 ? &ext_spline : NULL;
+}
+
+static const sv_plugin vtable = {
+    .size = sizeof vtable,
+    .descriptor = &descriptor,
+    .destroy = plugin_destroy,
+    .activate = plugin_activate,
+    .deactivate = plugin_deactivate,
+    .begin = plugin_begin,
+    .slab = plugin_slab,
+    .end = plugin_end,
+    .adjust = plugin_adjust,
+    .param_count = plugin_param_count,
+    .param_info = plugin_param_info,
+    .param_text = plugin_param_text,
+    .last_error = plugin_last_error,
+    .get_extension = plugin_get_extension,
+};
+
+static const sv_descriptor *entry_descriptor(uint32_t index) {
+    return index == 0 ? &descriptor : NULL;
+}
+
+static sv_status entry_create(const sv_host *host, const char *id, const sv_plugin **out) {
+    if (!out) return SV_ERR_ARGUMENT;
+    *out = NULL;
+    if (!host || !id) return SV_ERR_ARGUMENT;
+    if (host->size < sizeof *host) return SV_ERR_SIZE;
+    sv_diag diag = {.host = host};
+    if (strcmp(id, descriptor.id) != 0)
+        return sv_blame_host(&diag, SV_ERR_UNKNOWN_ID, "create: no plugin '%.100s' here, only '%s'", id,
+                             descriptor.id);
+    sv_instance *in = calloc(1, sizeof *in);
+    if (!in)
+        return sv_fail(&diag, SV_ERR_NO_MEMORY, "create: no memory for an instance (%zu bytes)", sizeof *in);
+    in->abi = vtable;
+    in->abi.plugin_data = in;
+    in->diag = diag;
+    sv_params_defaults(&in->activated);
+    *out = &in->abi;
+    return SV_OK;
+}
+
+const sv_entry smartvis_plugin_entry = {
+    .abi_major = SV_ABI_MAJOR,
+    .abi_minor = SV_ABI_MINOR,
+    .size = sizeof smartvis_plugin_entry,
+    .count = 1,
+    .descriptor = entry_descriptor,
+    .create = entry_create,
+};

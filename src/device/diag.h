@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* The reason of the last failure, kept for last_error and told to the host's log. */
+#ifndef SV_DIAG_H
+#define SV_DIAG_H
+
+#include "smartvis_plugin.h"
+
+typedef struct {
+    const sv_host *host; /* may be NULL in tests */
+    char last_error[512];
+} sv_diag;
+
+/* Keeps the reason, logs it with the given severity, and returns `status`. */
+sv_status sv_report(sv_diag *diag, int32_t severity, sv_status status, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* A failure that is nobody's misbehaviour. */
+#define sv_fail(diag, status, ...) sv_report(diag, SV_LOG_ERROR, status, __VA_ARGS__)
+/* The host broke a rule of the header. */
+#define sv_blame_host(diag, status, ...) sv_report(diag, SV_LOG_HOST_MISBEHAVING, status, __VA_ARGS__)
+
+/* One line to the host's log, without an error. */
+void sv_log(const sv_diag *diag, int32_t severity, const char *text);
+
+#endif

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+#include "device/program.h"
+
+#include "kernels_frame.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The build log goes to the host's log whole; the error keeps its beginning. */
+static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program program, cl_int code) {
+    size_t bytes = 0;
+    (void)clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
+    char *log = calloc(bytes + 1, 1);
+    if (log) (void)clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
+    if (log) sv_log(diag, SV_LOG_ERROR, log);
+    const sv_status status = sv_fail(diag, SV_ERR_BUILD, "the kernels do not build: %s (%d): %.300s",
+                                     sv_clx_name(code), code, log ? log : "");
+    free(log);
+    return status;
+}
+
+static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *exactly) {
+    cl_device_fp_config config = 0;
+    const cl_int code =
+        clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
+    *exactly = (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
+}
+
+static sv_status create_kernels(sv_diag *diag, sv_program *p) {
+    cl_int code = CL_SUCCESS;
+#define SV_KERNEL_CREATE(name)                                                                               \
+    p->name = clCreateKernel(p->program, #name, &code);                                                      \
+    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateKernel(" #name ")");
+    SV_KERNELS(SV_KERNEL_CREATE)
+#undef SV_KERNEL_CREATE
+    return SV_OK;
+}
+
+/* Compiles one source with the options every program has, then `own`, then those of the environment. */
+static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
+                         const char *own, cl_program *out) {
+    bool exactly = false;
+    const sv_status status = divides_exactly(diag, device, &exactly);
+    if (status != SV_OK) return status;
+    /* For those who debug kernels, and for the test of a build that fails. */
+    const char *more = getenv("SMARTVIS_BUILD_OPTIONS");
+    char options[512];
+    const int wanted =
+        snprintf(options, sizeof options, "-cl-std=CL1.2%s %s %s",
+                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own, more ? more : "");
+    if (wanted < 0 || (size_t)wanted >= sizeof options)
+        return sv_fail(diag, SV_ERR_BUILD, "SMARTVIS_BUILD_OPTIONS is too long (%zu characters)",
+                       more ? strlen(more) : 0);
+    const char *text = (const char *)source;
+    cl_int code = CL_SUCCESS;
+    *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
+    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
+    code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
+    return code == CL_SUCCESS ? SV_OK : report_build(diag, device, *out, code);
+}
+
+sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
+                           sv_program *out) {
+    *out = (sv_program){0};
+    char options[128];
+    (void)snprintf(options, sizeof options,
+                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_WIDE_SUMS=%d "
+                   "-DSV_HALF_SUMS=%d -DSV_FETCH_AHEAD=%d",
+                   structure->substeps, structure->strip, structure->padded, structure->wide_sums,
+                   structure->half_sums, structure->fetch_ahead);
+    sv_status status = compile(diag, device, sv_kernels_frame, sv_kernels_frame_size, options, &out->program);
+    if (status == SV_OK) status = create_kernels(diag, out);
+    if (status != SV_OK) sv_program_release(out);
+    return status;
+}
+
+void sv_program_release(sv_program *program) {
+#define SV_KERNEL_RELEASE(name)                                                                              \
+    if (program->name) (void)clReleaseKernel(program->name);
+    SV_KERNELS(SV_KERNEL_RELEASE)
+#undef SV_KERNEL_RELEASE
+    if (program->program) (void)clReleaseProgram(program->program);
+    *program = (sv_program){0};
+}
+
+sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsigned char *source,
+                              size_t source_size, const char *const *names, const char *options,
+                              sv_kernel_set *out) {
+    *out = (sv_kernel_set){0};
+    sv_status status = compile(diag, device, source, source_size, options, &out->program);
+    for (uint32_t i = 0; status == SV_OK && names[i]; i++) {
+        cl_int code = CL_SUCCESS;
+        out->kernel[i] = clCreateKernel(out->program, names[i], &code);
+        status = sv_clx_check(diag, code, names[i]);
+    }
+    if (status != SV_OK) sv_kernel_set_release(out);
+    return status;
+}
+
+void sv_kernel_set_release(sv_kernel_set *set) {
+    for (uint32_t i = 0; i < SV_MAX_METHOD_KERNELS; i++)
+        if (set->kernel[i]) (void)clReleaseKernel(set->kernel[i]);
+    if (set->program) (void)clReleaseProgram(set->program);
+    *set = (sv_kernel_set){0};
+}

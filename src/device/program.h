@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+/* Builds the embedded kernels for one structure (-D options) and holds the kernel objects. One set per
+ * instance. */
+#ifndef SV_PROGRAM_H
+#define SV_PROGRAM_H
+
+#include "device/clx.h"
+
+/* Every kernel by its name in cl/. */
+#define SV_KERNELS(X)                                                                                        \
+    X(profile_strip)                                                                                         \
+    X(profile_rays)                                                                                          \
+    X(frame_end)                                                                                             \
+    X(band_survey)                                                                                           \
+    X(band_level)                                                                                            \
+    X(band_points)                                                                                           \
+    X(band_mean)                                                                                             \
+    X(band_record)                                                                                           \
+    X(rays_clear)                                                                                            \
+    X(rays_survey)                                                                                           \
+    X(rays_points)                                                                                           \
+    X(rays_columns)                                                                                          \
+    X(rays_means)                                                                                            \
+    X(blend)
+
+typedef struct {
+    cl_program program;
+#define SV_KERNEL_FIELD(name) cl_kernel name;
+    SV_KERNELS(SV_KERNEL_FIELD)
+#undef SV_KERNEL_FIELD
+} sv_program;
+
+/* Kernels of a method (method.h), by their place in its list of names. */
+#define SV_MAX_METHOD_KERNELS 16
+typedef struct {
+    cl_program program;
+    cl_kernel kernel[SV_MAX_METHOD_KERNELS];
+} sv_kernel_set;
+
+/* Builds `source` and makes the kernels of the NULL-terminated list. */
+sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsigned char *source,
+                              size_t source_size, const char *const *names, const char *options,
+                              sv_kernel_set *out);
+
+/* Safe on a zeroed struct. */
+void sv_kernel_set_release(sv_kernel_set *set);
+
+/* What changes the code: see the same names in cl/. */
+typedef struct {
+    uint32_t substeps; /* SV_SUBSTEPS */
+    uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
+    bool padded;       /* SV_PADDED */
+    bool wide_sums;    /* SV_WIDE_SUMS */
+    bool half_sums;    /* SV_HALF_SUMS */
+    bool fetch_ahead;  /* SV_FETCH_AHEAD */
+} sv_structure;
+
+/* SV_ERR_BUILD with the build log in the host's log. */
+sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
+                           sv_program *out);
+
+/* Safe on a zeroed struct. */
+void sv_program_release(sv_program *program);
+
+#endif

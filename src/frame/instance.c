@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "frame/instance.h"
+
+#include "frame/selftest.h"
+
+#include <stdio.h>
+
+/* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
+enum { FETCH_AHEAD_BYTES = 16 << 20 };
+
+static sv_config config_of(const sv_format *f, const sv_values *values) {
+    sv_config c = {.width = f->width,
+                   .height = f->height,
+                   .slices = f->slices,
+                   .max_slab_slices = f->max_slab_slices,
+                   .tiles_x = f->tiles_x,
+                   .tile_w = f->tile_w,
+                   .tile_h = f->tile_h,
+                   .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
+                   .carrier = f->carrier,
+                   .padding = f->padding_value,
+                   .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
+                   .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
+                   .method = (uint32_t)values->of[SV_PARAM_METHOD],
+                   .prefilter = (uint32_t)values->of[SV_PARAM_PREFILTER],
+                   .float32 = values->of[SV_PARAM_PRECISION] == SV_PRECISION_FLOAT32,
+                   .half_sums = values->of[SV_PARAM_PRECISION] == SV_PRECISION_INT16 &&
+                                values->of[SV_PARAM_METHOD] == SV_METHOD_MEAN,
+                   .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
+                   .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
+                   .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
+                   .host_memory = f->host_memory,
+                   .host_memory_bytes = f->host_memory_bytes};
+    return c;
+}
+
+/* Builds the kernel sets for vectors of `strip` rays and lets the device prove itself. */
+static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32_t strip) {
+    sv_structure structure = {.substeps = config->substeps,
+                              .strip = strip,
+                              .padded = config->padding >= 0,
+                              .half_sums = config->half_sums,
+                              .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
+                                             FETCH_AHEAD_BYTES};
+    const bool needs_wide = sv_pipeline_needs_wide(config);
+    sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
+    if (status == SV_OK && needs_wide) {
+        structure.wide_sums = true;
+        status = sv_program_build(&in->diag, &in->device, &structure, &in->wide);
+    }
+    if (status == SV_OK)
+        status = sv_selftest(&in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config);
+    if (status != SV_OK) {
+        sv_program_release(&in->narrow);
+        sv_program_release(&in->wide);
+    }
+    return status;
+}
+
+/* The widest vectors first: they need more than OpenCL C promises, so a failure only costs speed. */
+static sv_status build_kernels(sv_instance *in, const sv_config *config) {
+    const uint32_t widest = !in->device.is_cpu || config->width < 32 ? 16 : config->width < 64 ? 32 : 64;
+    if (widest > 16) {
+        if (build_and_test(in, config, widest) == SV_OK) return SV_OK;
+        char text[96];
+        (void)snprintf(text, sizeof text, "no vectors of %u rays on this device; going on with 16", widest);
+        sv_log(&in->diag, SV_LOG_INFO, text);
+        in->diag.last_error[0] = '\0'; /* nothing has failed yet */
+    }
+    return build_and_test(in, config, 16);
+}
+
+sv_status sv_instance_activate(sv_instance *in, const sv_format *format) {
+    sv_values values;
+    sv_params_defaults(&values);
+    sv_status status = sv_params_apply(&in->diag, "activate", format->values, format->value_count,
+                                       SV_PARAM_REACTIVATE, true, &values);
+    if (status != SV_OK) return status;
+    in->activated = in->frame = values;
+    const sv_config config = config_of(format, &values);
+    /* Every command of a frame: slabs (copy and kernel), passes (two kernels), and a dozen more. */
+    const uint32_t longest = config.width > config.height ? config.width : config.height;
+    status = sv_timing_create(&in->timing, &in->diag,
+                              2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
+    if (status == SV_OK)
+        status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
+    if (status == SV_OK) status = build_kernels(in, &config);
+    if (status == SV_OK)
+        status = sv_selftest_method(&in->diag, &in->device, &in->narrow,
+                                    sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &config);
+    if (status == SV_OK)
+        status = sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow,
+                                    sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
+    if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline);
+    if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
+    if (status != SV_OK)
+        sv_instance_deactivate(in);
+    else
+        in->state = SV_STATE_IDLE;
+    return status;
+}
+
+void sv_instance_deactivate(sv_instance *in) {
+    /* With the host's queue too: commands in flight use the buffers that are about to go. */
+    if (in->device.queue) (void)clFinish(in->device.queue);
+    sv_pipeline_destroy(&in->pipeline);
+    sv_program_release(&in->narrow);
+    sv_program_release(&in->wide);
+    sv_timing_destroy(&in->timing);
+    sv_device_close(&in->device);
+    in->state = SV_STATE_INACTIVE;
+}

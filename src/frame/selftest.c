@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+#include "frame/selftest.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Odd sizes, wider than the widest vector, a short last slab; small enough for the scalar reference
+ * (milliseconds). */
+enum { WIDTH = 75, HEIGHT = 35, SLICES = 21, SLAB = 8, TILES_X = 3, PIXELS = WIDTH * HEIGHT };
+enum { SLAB_BYTES = (SLAB + TILES_X - 1) / TILES_X * HEIGHT * TILES_X * WIDTH };
+static const double BOUND = 1e-3; /* slices: what docs/numerics.md promises of any device */
+static const double Q = 0.25;
+
+/* Everything the test holds; one allocation. */
+typedef struct {
+    uint8_t volume[PIXELS * SLICES];
+    uint8_t slab[SLAB_BYTES];
+    uint8_t status[PIXELS], expected_status[PIXELS];
+    float depth[PIXELS], expected_depth[PIXELS], near_surface[PIXELS], far_surface[PIXELS];
+    sv_ref_ray rays[PIXELS];
+    double near_end[PIXELS], far_end[PIXELS];
+    uint32_t near_position[PIXELS], far_position[PIXELS];
+} bench;
+
+/* Layers of tissue, fluid and bone that vary from ray to ray, with some unscanned voxels and exact
+ * thresholds. */
+static void fill_volume(bench *b, int32_t padding) {
+    uint32_t random = 12345;
+    for (size_t z = 0; z < SLICES; z++)
+        for (size_t i = 0; i < PIXELS; i++) {
+            random = random * 1664525u + 1013904223u;
+            const uint32_t noise = random >> 24;
+            uint32_t value = z % 7 < 3 + i % 3 ? 20 + noise % 22 : 40 + noise % 120;
+            if (i % 13 == z && noise < 60) value = 255 - noise % 5;
+            if (padding >= 0 && (z < i % 4 || noise > 250)) value = (uint32_t)padding;
+            b->volume[z * PIXELS + i] = (uint8_t)value;
+        }
+}
+
+static void fill_slab(bench *b, uint32_t first, uint32_t count) {
+    for (uint32_t s = 0; s < count; s++)
+        for (size_t y = 0; y < HEIGHT; y++) {
+            const size_t row = (size_t)(s / TILES_X) * HEIGHT + y;
+            memcpy(b->slab + row * TILES_X * WIDTH + (size_t)(s % TILES_X) * WIDTH,
+                   b->volume + ((size_t)(first + s) * HEIGHT + y) * WIDTH, WIDTH);
+        }
+}
+
+static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, bool wide) {
+    const double fluid = v->of[SV_PARAM_FLUID_THRESHOLD];
+    const sv_ref_volume volume = {b->volume, WIDTH, HEIGHT, SLICES, c->padding};
+    const sv_ref_bone bone = {
+        .fluid_threshold = fluid, .bone_mode = SV_REF_OFFSET, .bone_offset = v->of[SV_PARAM_BONE_OFFSET]};
+    sv_ref_profile(&volume, fluid, c->substeps, b->rays);
+    const uint32_t level = sv_ref_bone_level(b->rays, PIXELS, &bone);
+    sv_ref_points(b->rays, PIXELS, &bone, level, b->expected_status, b->near_end, b->far_end);
+    for (size_t i = 0; i < PIXELS; i++) {
+        b->near_position[i] = (uint32_t)(b->near_end[i] * c->substeps + 0.5);
+        b->far_position[i] = (uint32_t)(b->far_end[i] * c->substeps + 0.5);
+    }
+    sv_ref_fixed format = sv_ref_fixed_format(WIDTH, HEIGHT, SLICES, (uint32_t)v->of[SV_PARAM_KERNEL], 2);
+    format.wide = wide;
+    if (c->half_sums) format = sv_ref_half_format(SLICES, 2);
+    sv_ref_fill fill;
+    if (!sv_ref_mean_fixed(b->expected_status, b->near_position, b->far_position, WIDTH, HEIGHT,
+                           (uint32_t)v->of[SV_PARAM_KERNEL], v->of[SV_PARAM_FILL_WEIGHT], c->substeps, format,
+                           b->near_surface, b->far_surface, &fill))
+        return false;
+    sv_ref_blend(b->near_surface, b->far_surface, PIXELS, (float)Q, b->expected_depth);
+    return true;
+}
+
+static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v, bool wide) {
+    sv_pipeline_begin(p, v);
+    if (wide) p->program = p->wide;
+    sv_status status = SV_OK;
+    for (uint32_t first = 0; status == SV_OK && first < SLICES; first += SLAB) {
+        const uint32_t count = SLICES - first < SLAB ? SLICES - first : SLAB;
+        fill_slab(b, first, count);
+        const sv_slab slab = {.size = sizeof slab,
+                              .first_slice = first,
+                              .slice_count = count,
+                              .memory = b->slab,
+                              .bytes = SLAB_BYTES};
+        status = sv_pipeline_slab(p, &slab);
+        /* The slab's memory is used again at once. This is activation: waiting is allowed. */
+        if (status == SV_OK)
+            status = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
+    }
+    if (status == SV_OK) status = sv_pipeline_end(p, (float)Q);
+    const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
+    if (status == SV_OK) status = sv_pipeline_output(p, (float)Q, &result);
+    const sv_status waited = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
+    return status == SV_OK ? waited : status;
+}
+
+static sv_status compare(sv_diag *diag, const bench *b) {
+    for (int i = 0; i < PIXELS; i++) {
+        const double error = fabs((double)b->depth[i] - (double)b->expected_depth[i]);
+        if (b->status[i] != b->expected_status[i])
+            return sv_fail(diag, SV_ERR_SELF_TEST, "self-test: status of ray (%d, %d) is %d, expected %d",
+                           i % WIDTH, i / WIDTH, b->status[i], b->expected_status[i]);
+        if (!(error <= BOUND))
+            return sv_fail(diag, SV_ERR_SELF_TEST,
+                           "self-test: depth of ray (%d, %d) is %g slices, expected %g", i % WIDTH, i / WIDTH,
+                           (double)b->depth[i], (double)b->expected_depth[i]);
+    }
+    return SV_OK;
+}
+
+sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
+                      const sv_config *config) {
+    sv_config small = {.width = WIDTH,
+                       .height = HEIGHT,
+                       .slices = SLICES,
+                       .max_slab_slices = SLAB,
+                       .tiles_x = TILES_X,
+                       .tile_w = WIDTH,
+                       .tile_h = HEIGHT,
+                       .row_pitch = TILES_X * WIDTH,
+                       .carrier = SV_CARRIER_HOST,
+                       .padding = config->padding,
+                       .substeps = config->substeps,
+                       .strategy = config->strategy,
+                       .half_sums = config->half_sums,
+                       .reduction = 1};
+    bench *b = calloc(1, sizeof *b);
+    if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
+    sv_values values;
+    sv_params_defaults(&values);
+    values.of[SV_PARAM_KERNEL] = 11.0;  /* small enough that the small map needs several passes */
+    values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
+    fill_volume(b, config->padding);
+    sv_pipeline pipeline;
+    sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
+    for (int set = 0; status == SV_OK && set < (wide ? 2 : 1); set++) {
+        status = compute_on_device(&pipeline, b, &values, set == 1);
+        if (status == SV_OK && !compute_expected(b, &values, &small, set == 1))
+            status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
+        if (status == SV_OK) status = compare(diag, b);
+    }
+    sv_pipeline_destroy(&pipeline);
+    free(b);
+    return status;
+}

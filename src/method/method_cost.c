@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Method cost: every ray pays for every depth, the rays of a neighbourhood together, and the cheapest depth
+ * is the surface (docs/cost_volume.md). It asks for no initial points; it takes the slabs themselves, as bins
+ * along the rays.
+ */
+#include "device/launch.h"
+#include "kernels_cost.h"
+#include "ref/sv_ref_cost.h"
+
+#include <math.h>
+
+enum {
+    K_BINS,
+    K_SURVEY,
+    K_LEVEL,
+    K_SUMS,
+    K_NEARBY,
+    K_WALLS_OWN,
+    K_WALLS,
+    K_GATHER,
+    K_DECIDE,
+    K_BLUR,
+    K_MINIMUM,
+    K_MEDIAN,
+    K_LEAVE
+};
+static const char *const kernels[] = {
+    "cost_bins",   "cost_survey", "cost_level", "cost_sums",    "cost_nearby", "cost_walls_own", "cost_walls",
+    "cost_gather", "cost_decide", "cost_blur",  "cost_minimum", "cost_median", "cost_leave",     NULL};
+enum {
+    BINS,
+    PARTIAL,
+    SUMS,       /* brightness of every bin with its neighbours */
+    NEARBY,     /* the largest of those nearby */
+    OWN,        /* wall and back of every cell by itself */
+    WALLS,      /* the same of its neighbourhood */
+    HISTOGRAMS, /* 256 words a row of cells */
+    COUNTS,
+    INFO,
+    VOLUME, /* later the smooth minima */
+    BLURRED,
+    PREVIOUS, /* costs of the frame before */
+    MINIMA,
+    CONFIDENCE
+};
+
+static sv_source source(void) {
+    return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
+}
+
+static uint32_t commands(const sv_config *c) {
+    return c->slices + K_LEAVE;
+}
+
+static sv_ref_cost_layout layout_of(const sv_config *c) {
+    return sv_ref_cost_layout_of(c->width, c->height, c->slices);
+}
+
+/* Rays of a row in the bins. */
+static uint32_t padded_columns(const sv_ref_cost_layout *l) {
+    return (l->columns + SV_LANES - 1) / SV_LANES * SV_LANES;
+}
+
+static sv_status create(sv_pipeline *p, sv_method_state *s) {
+    const sv_config *c = &p->config;
+    const sv_ref_cost_layout l = layout_of(c);
+    const size_t plane = (size_t)p->padded_width * c->height, cells = (size_t)l.cells_x * l.cells_y;
+    const size_t bins = (size_t)l.labels * padded_columns(&l) * l.rows;
+    const size_t bytes[] = {[BINS] = bins,
+                            [PARTIAL] = 2 * plane * sizeof(cl_ushort),
+                            [SUMS] = bins * sizeof(cl_ushort),
+                            [NEARBY] = bins * sizeof(cl_ushort),
+                            [OWN] = 2 * cells,
+                            [WALLS] = 2 * cells,
+                            [HISTOGRAMS] = 256 * (size_t)l.cells_y * sizeof(cl_uint),
+                            [COUNTS] = 2 * (size_t)l.cells_y * sizeof(cl_uint),
+                            [INFO] = SV_COST_INFO_WORDS * sizeof(cl_uint),
+                            [VOLUME] = cells * SV_COST_VALUES * sizeof(cl_float),
+                            [BLURRED] = cells * SV_COST_VALUES * sizeof(cl_float),
+                            [PREVIOUS] = cells * SV_COST_VALUES * sizeof(cl_float),
+                            [MINIMA] = cells * 4 * sizeof(cl_float),
+                            [CONFIDENCE] = (size_t)c->width * c->height * sizeof(cl_float)};
+    sv_status status = SV_OK;
+    for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
+        s->buffer[i] = sv_clx_buffer(p->diag, p->device, bytes[i], NULL, &status);
+    return status;
+}
+
+/* The layout as the kernels see it: cost_layout in cl/cost/cost.clh. */
+static void layout_arg(sv_launch *launch, const sv_pipeline *p) {
+    const sv_ref_cost_layout l = layout_of(&p->config);
+    const struct {
+        cl_uint width, height, slices, shrink, columns, rows, padded_columns, per, labels, block, cells_x,
+            cells_y;
+        cl_uint thin, gap, solid, contact, split, dilate, beside;
+        cl_float scale;
+    } layout = {l.width, l.height,  l.slices, l.shrink,  l.columns, l.rows,        padded_columns(&l),
+                l.per,   l.labels,  l.block,  l.cells_x, l.cells_y, l.thin,        l.gap,
+                l.solid, l.contact, l.split,  l.dilate,  l.beside,  (float)l.scale};
+    sv_launch_arg(launch, sizeof layout, &layout);
+}
+
+/* The lateral Gaussian at 0 .. SV_COST_REACH cells. */
+static void weights_arg(sv_launch *launch, const sv_pipeline *p) {
+    const double sigma = layout_of(&p->config).sigma;
+    cl_float8 weight = {{0}};
+    for (int i = 0; i <= SV_COST_REACH; i++) weight.s[i] = (float)exp(-0.5 * i * i / (sigma * sigma));
+    sv_launch_arg(launch, sizeof weight, &weight);
+}
+
+/* Buffers of the state as arguments, up to a negative index. */
+static void buffer_args(sv_launch *launch, const sv_method_state *s, const int *indices) {
+    for (; *indices >= 0; indices++) sv_launch_buffer(launch, s->buffer[*indices]);
+}
+
+static sv_status slab(sv_pipeline *p, sv_method_state *s, cl_mem buffer, uint64_t offset,
+                      uint32_t slice_count) {
+    const sv_config *c = &p->config;
+    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_BINS], kernels[K_BINS]);
+    const cl_ulong first_byte = offset;
+    sv_launch_buffer(&l, buffer);
+    sv_launch_arg(&l, sizeof first_byte, &first_byte);
+    const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
+    const uint32_t numbers[] = {c->row_pitch,  c->tiles_x,  c->tile_w, c->tile_h,
+                                p->next_slice, slice_count, padding};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
+    layout_arg(&l, p);
+    buffer_args(&l, s, (const int[]){PARTIAL, BINS, -1});
+    return sv_launch_items(&l, layout_of(c).rows, SV_STAGE_PROFILE);
+}
+
+typedef enum { ONCE, LABELS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
+
+/* Arguments besides the method's buffers: the first three before them, the others behind. */
+enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16 };
+
+/* What follows the bins, in this order. */
+static const struct {
+    int kernel, takes;
+    items items;
+    sv_stage stage;
+    int buffers[8]; /* up to -1 */
+} launches[] = {
+    {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
+    {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
+    {K_SUMS, 0, LABELS, SV_STAGE_THRESHOLD, {BINS, SUMS, -1}},
+    {K_NEARBY, 0, LABELS, SV_STAGE_THRESHOLD, {SUMS, NEARBY, -1}},
+    {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
+    {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
+    {K_GATHER, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {BINS, SUMS, NEARBY, WALLS, INFO, VOLUME, COUNTS, -1}},
+    {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {COUNTS, INFO, -1}},
+    {K_BLUR, WEIGHTS, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, BLURRED, -1}},
+    {K_MINIMUM,
+     WEIGHTS | REMEMBERED,
+     ROWS_OF_CELLS,
+     SV_STAGE_RECONSTRUCT,
+     {INFO, BLURRED, PREVIOUS, MINIMA, -1}},
+    {K_MEDIAN, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, MINIMA, VOLUME, -1}},
+    {K_LEAVE, MAP_WIDTH | SURFACES, ROWS_OF_PIXELS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, CONFIDENCE, -1}},
+};
+
+static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
+    (void)planes; /* both, always: the method is linear in q */
+    const sv_ref_cost_layout layout = layout_of(&p->config);
+    const size_t count[] = {[ONCE] = 1,
+                            [LABELS] = layout.labels,
+                            [ROWS_OF_CELLS] = layout.cells_y,
+                            [ROWS_OF_PIXELS] = layout.height};
+    const cl_float memory = (cl_float)p->values.of[SV_PARAM_MEMORY];
+    sv_status status = SV_OK;
+    for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
+        const int kernel = launches[i].kernel, takes = launches[i].takes;
+        sv_launch l = sv_launch_begin(p, s->kernels.kernel[kernel], kernels[kernel]);
+        layout_arg(&l, p);
+        if (takes & WEIGHTS) weights_arg(&l, p);
+        if (takes & REMEMBERED) sv_launch_arg(&l, sizeof memory, &memory);
+        if (takes & MAP_WIDTH) sv_launch_uint(&l, p->padded_width);
+        buffer_args(&l, s, launches[i].buffers);
+        if (takes & RECORD) sv_launch_buffer(&l, p->buffers.record);
+        if (takes & SURFACES) sv_launch_buffer(&l, p->buffers.surfaces);
+        status = sv_launch_items(&l, count[launches[i].items], launches[i].stage);
+    }
+    return status;
+}
+
+sv_status sv_cost_read(sv_pipeline *p, float *confidence, uint32_t *info) {
+    const cl_command_queue queue = p->device->queue;
+    const sv_method_state *s = &p->chain.state;
+    const size_t bytes = (size_t)p->config.width * p->config.height * sizeof *confidence;
+    sv_status status = SV_OK;
+    if (confidence)
+        status = sv_clx_check(
+            p->diag,
+            clEnqueueReadBuffer(queue, s->buffer[CONFIDENCE], CL_TRUE, 0, bytes, confidence, 0, NULL, NULL),
+            "confidence: clEnqueueReadBuffer");
+    if (status != SV_OK) return status;
+    return sv_clx_check(p->diag,
+                        clEnqueueReadBuffer(queue, s->buffer[INFO], CL_TRUE, 0,
+                                            SV_COST_INFO_WORDS * sizeof *info, info, 0, NULL, NULL),
+                        "confidence: clEnqueueReadBuffer");
+}
+
+cl_mem sv_cost_confidence(const sv_pipeline *p) {
+    return p->chain.state.buffer[CONFIDENCE];
+}
+
+const sv_method sv_method_cost = {.linear = true,
+                                  .kernels = kernels,
+                                  .source = source,
+                                  .commands = commands,
+                                  .create = create,
+                                  .slab = slab,
+                                  .run = run};
