@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A comparison's renderings: every case at its first seed, by every method. */
+#include "report/report_pictures_compare.h"
+
 #include "base/cli.h"
-#include "eval/eval_compare.h"
 #include "report/report_draw.h"
 
 #include <ctype.h>
 #include <limits.h>
+#include <stdio.h>
 
 bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
                             hs_error *err) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The picture of the one knob a user turns: the same frame for several positions of it. */
-#include "report/loop_pictures.h"
+#include "report/loop_knob.h"
 
 #include "base/cli.h"
 #include "picture/picture.h"
