@@ -3,7 +3,7 @@
 #include "report/loop_pictures.h"
 
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "picture/picture_panel.h"
 
 #include <limits.h>
 #include <stdio.h>
