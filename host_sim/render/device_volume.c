@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/device_volume.h"
 
+#include "render/host_launch.h"
+
 #include <stdlib.h>
 
 #define BRICK_EDGE (1u << HS_BRICK_SHIFT)
@@ -56,18 +58,16 @@ static bool upload(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
 static bool enqueue_grid(hs_device_volume *dv, hs_error *err) {
     cl_int4 dims = {{(cl_int)dv->n[0], (cl_int)dv->n[1], (cl_int)dv->n[2], 0}};
     cl_int4 bricks = {{(cl_int)dv->bricks[0], (cl_int)dv->bricks[1], (cl_int)dv->bricks[2], 0}};
-    cl_int code = clSetKernelArg(dv->build_grid, 0, sizeof(cl_mem), &dv->voxels);
-    code |= clSetKernelArg(dv->build_grid, 1, sizeof dims, &dims);
-    code |= clSetKernelArg(dv->build_grid, 2, sizeof bricks, &bricks);
-    code |= clSetKernelArg(dv->build_grid, 3, sizeof(cl_mem), &dv->grid);
-    if (!hs_cl_check(code, "clSetKernelArg(build_brick_grid)", err)) return false;
+    hs_launch launch = hs_launch_begin(dv->cl, dv->build_grid, "build_brick_grid");
+    hs_launch_buffer(&launch, dv->voxels);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    hs_launch_arg(&launch, sizeof bricks, &bricks);
+    hs_launch_buffer(&launch, dv->grid);
     /* On a CPU a work item makes a whole row of bricks, and is a work group, so that all cores get some. */
     const bool rows = dv->cl->lanes > 1;
     const size_t global[3] = {rows ? 1 : dv->bricks[0], dv->bricks[1], dv->bricks[2]};
     const size_t local[3] = {1, 1, 1};
-    code = clEnqueueNDRangeKernel(dv->cl->queue, dv->build_grid, 3, NULL, global, rows ? local : NULL, 0,
-                                  NULL, NULL);
-    return hs_cl_check(code, "clEnqueueNDRangeKernel(build_brick_grid)", err);
+    return hs_launch_run(&launch, 3, global, rows ? local : NULL, NULL, err);
 }
 
 static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {

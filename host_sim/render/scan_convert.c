@@ -2,6 +2,7 @@
 #include "render/scan_convert.h"
 
 #include "render/device_volume.h"
+#include "render/host_launch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -155,35 +156,31 @@ static cl_float4 float4_of(const double v[3]) {
     return out;
 }
 
-/* Arguments 3 to 6: where the samples lie. Half a voxel makes the nearest one a floor. */
-static cl_int set_positions(cl_kernel kernel, const sampling *s) {
-    cl_int code = CL_SUCCESS;
+/* The four arguments that say where the samples lie. Half a voxel makes the nearest one a floor. */
+static void set_positions(hs_launch *launch, const sampling *s) {
     for (cl_uint i = 0; i < 4; i++) {
         const double *v = i == 0 ? s->origin : s->step[i - 1];
         if (s->nearest) {
             cl_int4 fixed = fixed4(v, i == 0 ? 0.5 : 0.0, s->bits);
-            code |= clSetKernelArg(kernel, 3 + i, sizeof fixed, &fixed);
+            hs_launch_arg(launch, sizeof fixed, &fixed);
         } else {
             cl_float4 plain = float4_of(v);
-            code |= clSetKernelArg(kernel, 3 + i, sizeof plain, &plain);
+            hs_launch_arg(launch, sizeof plain, &plain);
         }
     }
-    return code;
 }
 
 /* On a CPU a work item makes 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work group
  * one row of packets in all slices: few enough groups to cost nothing, enough that all cores get some. */
-static bool enqueue(const hs_scan_converter *converter, cl_kernel kernel, uint32_t slices, cl_event *event,
-                    hs_error *err) {
+static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
+                    cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
     const bool packets = converter->cl->lanes > 1;
     const size_t edge = packets ? 4 : 1;
     const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
     const size_t local[3] = {global[0], global[0] * slices <= converter->max_group ? slices : 1, 1};
     const bool rows = packets && global[0] <= converter->max_group;
-    cl_int code = clEnqueueNDRangeKernel(converter->cl->queue, kernel, 3, NULL, global, rows ? local : NULL,
-                                         0, NULL, event);
-    return hs_cl_check(code, "clEnqueueNDRangeKernel(scan conversion)", err);
+    return hs_launch_run(launch, 3, global, rows ? local : NULL, event, err);
 }
 
 bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
@@ -202,15 +199,15 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
     const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
     const cl_ulong start = offset;
-    cl_kernel kernel = s.nearest ? converter->nearest : converter->trilinear;
-    cl_int code = clSetKernelArg(kernel, 0, sizeof(cl_mem), &source->voxels);
-    code |= clSetKernelArg(kernel, 1, sizeof dims, &dims);
-    code |= clSetKernelArg(kernel, 2, sizeof grid, &grid);
-    code |= set_positions(kernel, &s);
-    code |= clSetKernelArg(kernel, 7, sizeof size, &size);
-    code |= clSetKernelArg(kernel, 8, sizeof layout, &layout);
-    code |= clSetKernelArg(kernel, 9, sizeof(cl_mem), &slab);
-    code |= clSetKernelArg(kernel, 10, sizeof start, &start);
-    if (!hs_cl_check(code, "clSetKernelArg(scan conversion)", err)) return false;
-    return enqueue(converter, kernel, slices, event, err);
+    hs_launch launch = s.nearest ? hs_launch_begin(converter->cl, converter->nearest, "convert_nearest")
+                                 : hs_launch_begin(converter->cl, converter->trilinear, "convert_trilinear");
+    hs_launch_buffer(&launch, source->voxels);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    hs_launch_arg(&launch, sizeof grid, &grid);
+    set_positions(&launch, &s);
+    hs_launch_arg(&launch, sizeof size, &size);
+    hs_launch_arg(&launch, sizeof layout, &layout);
+    hs_launch_buffer(&launch, slab);
+    hs_launch_arg(&launch, sizeof start, &start);
+    return enqueue(converter, &launch, slices, event, err);
 }

@@ -2,7 +2,7 @@
 #include "report/loop_knob.h"
 
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "picture/picture_panel.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -2,6 +2,7 @@
 #include "report/report_draw.h"
 
 #include "base/cli.h"
+#include "picture/picture_colour.h"
 
 #include <limits.h>
 #include <math.h>

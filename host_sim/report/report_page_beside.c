@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_page_beside.h"
 
+#include "picture/picture_colour.h"
 #include "report/report_draw.h"
 #include "report/report_page_parts.h"
 #include "report/report_rows_beside.h"

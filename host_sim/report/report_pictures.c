@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "report/loop_pictures.h"
+#include "report/picture_map.h"
 #include "report/report_draw.h"
 #include "report/report_pictures_beside.h"
 

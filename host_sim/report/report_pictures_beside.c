@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_pictures_beside.h"
 
+#include "picture/picture_colour.h"
 #include "report/report_draw.h"
 
 #include <stdlib.h>
