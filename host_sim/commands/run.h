@@ -3,7 +3,8 @@
 #ifndef HS_RUN_H
 #define HS_RUN_H
 
-#include "loop/loop.h"
+#include "loop/loop_run.h"
+#include "loop/view.h"
 
 #include <stdio.h>
 

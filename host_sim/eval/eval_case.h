@@ -5,6 +5,7 @@
 
 #include "eval/eval_measure.h"
 #include "eval/eval_source.h"
+#include "plugin/loader.h"
 
 #define HS_EVAL_MAX_VALUES 64u /* parameter values of a frame */
 
@@ -59,6 +60,10 @@ typedef struct {
 bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin, const hs_eval_values *fixed,
                        const hs_eval_request *request, hs_error *err);
 void hs_eval_case_close(hs_eval_case *c);
+
+/* Ends the loop, so that another may use the plugin's instance, which serves one at a time. Then only
+ * hs_eval_case_replace and hs_eval_case_close may follow; volume and table stay. */
+void hs_eval_case_release(hs_eval_case *c);
 
 /* Puts another plugin on the same volume; the table stays. HS_ERR_PLUGIN if it cannot be activated: then only
  * hs_eval_case_close may follow. */

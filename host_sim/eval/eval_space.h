@@ -3,6 +3,7 @@
 #ifndef HS_EVAL_SPACE_H
 #define HS_EVAL_SPACE_H
 
+#include "base/progress.h"
 #include "eval/eval_options.h"
 #include "eval/eval_plan.h"
 

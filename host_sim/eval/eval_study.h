@@ -6,6 +6,7 @@
 #include "eval/eval_beside.h"
 #include "eval/eval_best.h"
 #include "eval/eval_options.h"
+#include "loop/loop_run.h"
 
 #define HS_EVAL_TURNS  7u /* positions of the slider */
 #define HS_EVAL_CURVES 5u /* thresholds of Figure 5.20 */

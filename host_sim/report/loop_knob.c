@@ -2,6 +2,7 @@
 #include "report/loop_knob.h"
 
 #include "base/cli.h"
+#include "loop/view.h"
 #include "picture/picture_panel.h"
 
 #include <limits.h>

@@ -3,7 +3,7 @@
 #ifndef HS_LOOP_PICTURES_H
 #define HS_LOOP_PICTURES_H
 
-#include "loop/loop.h"
+#include "loop/view.h"
 
 /*
  * Writes, from one view:

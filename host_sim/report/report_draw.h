@@ -4,7 +4,7 @@
 #define HS_REPORT_DRAW_H
 
 #include "eval/eval_case.h"
-#include "loop/loop.h"
+#include "loop/view.h"
 #include "picture/picture.h"
 
 #define HS_EVAL_PICTURE      256u  /* pixels per side on the page */

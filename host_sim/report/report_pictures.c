@@ -146,8 +146,7 @@ static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const ch
         (curve && study->options->frames && !time_curves(study, space, c, err)))
         return false;
     /* A plugin's instance serves one loop at a time. */
-    hs_loop_destroy(c->loop);
-    c->loop = NULL;
+    hs_eval_case_release(c);
     return draw(study, index, c, &values, folder, err) && time_settings(study, index, c, &values, err) &&
            hs_eval_beside_pictures(study, index, c, folder, err);
 }

@@ -20,8 +20,7 @@ static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const hs_eval_val
         ok = hs_eval_save_errors(error, c->table.width, c->table.height, folder, name, err);
     }
     free(error);
-    hs_loop_destroy(c->loop);
-    c->loop = NULL;
+    hs_eval_case_release(c);
     return ok;
 }
 
