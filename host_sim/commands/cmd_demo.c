@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
+#include "commands/cmd_demo.h"
+
 #include "base/cli.h"
-#include "commands/run.h"
+#include "commands/run_print.h"
 #include "picture/page_html.h"
 #include "report/loop_pictures.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim report: quality and speed of a plugin over all cases and its whole parameter space, with a page.
- */
+#include "commands/cmd_report.h"
+
 #include "base/cli.h"
 #include "commands/report_line.h"
 #include "eval/eval_compare.h"

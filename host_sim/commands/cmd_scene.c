@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim scenes: lists, generates, exports and shows the synthetic scenes. */
+#include "commands/cmd_scene.h"
+
 #include "base/cli.h"
 #include "report/scene_sheet.h"
 

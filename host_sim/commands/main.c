@@ -1,6 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
+#include "commands/cmd_demo.h"
+#include "commands/cmd_info.h"
+#include "commands/cmd_list.h"
+#include "commands/cmd_report.h"
+#include "commands/cmd_run.h"
+#include "commands/cmd_scene.h"
 #include "picture/picture_text.h"
 
 #include <stdio.h>

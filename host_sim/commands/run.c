@@ -2,9 +2,11 @@
 #include "commands/run.h"
 
 #include "base/cli.h"
+#include "loop/view.h"
 #include "report/loop_knob.h"
 #include "report/loop_pictures.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

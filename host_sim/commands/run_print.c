@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A run's results as text. */
-#include "commands/run.h"
+#include "commands/run_print.h"
 
 #include <unistd.h>
 
