@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim report: quality and speed of a plugin over all cases and its whole parameter space, with a page.
- */
+/* host_sim report: quality and speed of a plugin over all cases and its parameter space, with a page. */
 #ifndef HS_CMD_REPORT_H
 #define HS_CMD_REPORT_H
 

@@ -77,20 +77,18 @@ static void print_times(const hs_run *run, FILE *out) {
 static void print_plugin(const hs_loop_result *r, FILE *out) {
     const sv_stage_times *t = &r->plugin_stages;
     if (r->has_plugin_stages)
-        (void)fprintf(
-            out,
-            "Plugin by its own clock [ms]: transfer %.3f, ray profiles %.3f, threshold %.3f, surface %.3f, "
-            "output %.3f\n",
-            t->transfer_ms, t->profile_ms, t->threshold_ms, t->reconstruct_ms, t->output_ms);
+        (void)fprintf(out,
+                      "Plugin by its own clock [ms]: "
+                      "transfer %.3f, ray profiles %.3f, threshold %.3f, surface %.3f, output %.3f\n",
+                      t->transfer_ms, t->profile_ms, t->threshold_ms, t->reconstruct_ms, t->output_ms);
     (void)fprintf(out, "Frames: %u clipped; rendered unclipped: %u by the plugin's note, %u by its failure\n",
                   r->clipped_frames, r->note_frames, r->failed_frames);
     const sv_stats *s = &r->stats;
     (void)fprintf(out, "Last frame: %s", hs_status_name(r->outcome));
     if (s->rays > 0)
         (void)fprintf(out,
-                      "; %u initial points (%.1f %% of %u rays), %u of them with an empty interval, %u "
-                      "surely in fluid; "
-                      "T_B %.3f, volume maximum %.3f; %u passes, %u pixels unfilled",
+                      "; %u initial points (%.1f %% of %u rays), %u of them with an empty interval, "
+                      "%u surely in fluid; T_B %.3f, volume maximum %.3f; %u passes, %u pixels unfilled",
                       s->points, 100.0 * s->points / s->rays, s->rays, s->empty_points, s->sure_points,
                       (double)s->bone_threshold, (double)s->volume_max, s->passes, s->unfilled);
     (void)fprintf(out, "\n");

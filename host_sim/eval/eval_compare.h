@@ -61,8 +61,8 @@ void hs_eval_compare_rank(hs_eval_comparison *x);
 double hs_eval_method_mean(const hs_eval_comparison *x, uint32_t method, hs_method_measure measure);
 
 /* e_abs of a method minus that of another on one case: the mean over the seeds, and the sample standard
- * deviation of the seeds' differences (NAN for one seed). The difference exceeds the spread if |mean| >
- * spread. */
+ * deviation of the seeds' differences (NAN for one seed). The difference exceeds the spread if
+ * |mean| > spread. */
 typedef struct {
     double mean, spread;
     bool exceeds;

@@ -16,8 +16,7 @@ bool hs_eval_space_open(hs_eval_space *space, const hs_eval_plan *plan, const hs
                    (unsigned long long)request->seed, c->volume_crc);
     if (plan->threshold.exists && !(space->volume_max > 0))
         return hs_fail(err, HS_ERR_PLUGIN,
-                       "%s: reports volume_max %g, so Delta_MI = volume_max - T_B cannot "
-                       "be told",
+                       "%s: reports volume_max %g, so Delta_MI = volume_max - T_B cannot be told",
                        plan->plugin->path, space->volume_max);
     space->seen = calloc(space->items, sizeof *space->seen);
     space->outcome = calloc(space->items, sizeof *space->outcome);

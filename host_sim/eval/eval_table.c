@@ -96,12 +96,11 @@ static bool check_loop(const hs_loop *loop, uint32_t steps, hs_error *err) {
     const hs_slab_layout *layout = hs_loop_layout(loop);
     if (dvr->width != layout->width || dvr->height != layout->height || dvr->step != 1.0f ||
         dvr->ghost_width != 0.0f || dvr->ghost_offset != 0.0f)
-        return hs_fail(
-            err, HS_ERR_USAGE,
-            "evaluation: picture %u x %u, step %g, ghost %g + %g; expected the map's %u x %u, step "
-            "1, no ghost",
-            dvr->width, dvr->height, (double)dvr->step, (double)dvr->ghost_offset, (double)dvr->ghost_width,
-            layout->width, layout->height);
+        return hs_fail(err, HS_ERR_USAGE,
+                       "evaluation: picture %u x %u, step %g, ghost %g + %g; expected the map's %u x %u, "
+                       "step 1, no ghost",
+                       dvr->width, dvr->height, (double)dvr->step, (double)dvr->ghost_offset,
+                       (double)dvr->ghost_width, layout->width, layout->height);
     if (steps > HS_EVAL_MAX_STEPS)
         return hs_fail(err, HS_ERR_USAGE, "evaluation: %u DVR steps, allowed are 1 .. %u", steps,
                        HS_EVAL_MAX_STEPS);

@@ -207,8 +207,7 @@ bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip,
     return settle(clipper, instance->adjust(instance, &value, 1, &result), "adjust", clip, err);
 }
 
-/* ----------------------------------------------------------------------------------------- what it left --
- */
+/* --------------------------------------------------------------------------------------- what it left -- */
 
 const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped, bool sure,
                                         hs_start_depths *out) {

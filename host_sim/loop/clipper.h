@@ -34,8 +34,7 @@ hs_clipper *hs_clipper_create(const hs_cl *cl, const hs_slabs *slabs, const hs_p
                               const hs_clipper_options *options, hs_error *err);
 void hs_clipper_destroy(hs_clipper *clipper);
 
-/* Other parameter values from the next frame on. Borrowed until this is called again or the clipper is
- * destroyed. */
+/* Other parameter values from the next frame on. Borrowed until the next call of this, or the end. */
 void hs_clipper_set_values(hs_clipper *clipper, const sv_param_value *values, uint32_t count);
 /* Those that are set now. */
 const sv_param_value *hs_clipper_values(const hs_clipper *clipper, uint32_t *count);

@@ -14,8 +14,8 @@
 typedef struct hs_confidence_map hs_confidence_map;
 
 /* Memory for the maps (width x height) of an active plugin; none if `plugin` is NULL or gives no confidence.
- * `own_queue`: the plugin writes to host memory. `cl` and `plugin` must outlive it. NULL with HS_ERR_DEVICE
- * or HS_ERR_MEMORY. */
+ * `own_queue`: the plugin writes to host memory. `cl` and `plugin` must outlive it. NULL with
+ * HS_ERR_DEVICE or HS_ERR_MEMORY. */
 hs_confidence_map *hs_confidence_map_create(const hs_cl *cl, const hs_plugin *plugin, uint32_t width,
                                             uint32_t height, bool own_queue, hs_error *err);
 void hs_confidence_map_destroy(hs_confidence_map *map);

@@ -27,8 +27,8 @@ typedef struct hs_loop hs_loop;
 /*
  * Builds a loop. `cl`, `source`, `plugin` and options->values must outlive it. `plugin` may be NULL: then
  * even the setting "smartvis" renders unclipped. A plugin that cannot be activated does not fail the loop
- * either: see hs_loop_plugin_error. NULL with HS_ERR_USAGE (an option out of range), HS_ERR_DEVICE or
- * HS_ERR_MEMORY.
+ * either: see hs_loop_plugin_error. NULL with HS_ERR_USAGE (an option out of range), or with
+ * HS_ERR_DEVICE or HS_ERR_MEMORY.
  */
 hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
                         const hs_loop_options *options, hs_error *err);
@@ -49,8 +49,7 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
  * destroyed. Those flagged SV_PARAM_REACTIVATE must be what they were. */
 void hs_loop_set_values(hs_loop *loop, const sv_param_value *values, uint32_t count);
 
-/* The first error of the plugin since the loop was created; code HS_OK if there was none. Owned by the loop.
- */
+/* The plugin's first error since the loop was created; code HS_OK if there was none. Owned by the loop. */
 const hs_error *hs_loop_plugin_error(const hs_loop *loop);
 
 /* The first time the plugin's confidence failed, or was none; the picture is then as if it had none. Not

@@ -39,15 +39,13 @@ typedef struct {
 /* Still camera at 0, 0; 100 frames; a third; slabs of 16; the host's queue with buffers; hs_dvr_defaults. */
 void hs_loop_defaults(hs_loop_options *options);
 
-/* HS_ERR_USAGE names the option that is out of range, and its value. The renderer's are checked where it is
- * made. */
+/* HS_ERR_USAGE names the option that is out of range, and its value. hs_dvr_create checks the renderer's. */
 bool hs_loop_check_options(const hs_loop_options *options, hs_error *err);
 
 /* Yaw of frame `index` in degrees: the orbit lies half to either side of options->yaw. */
 double hs_loop_yaw(const hs_loop_options *options, uint32_t index);
 
-/* The stages of a frame. Each is timed by the wall clock from the host's enqueue until the device has
- * finished. */
+/* The stages of a frame. Each is timed by the wall clock, from the host's enqueue to the device's end. */
 typedef enum {
     HS_STAGE_UPLOAD,  /* a new volume to the device, with the renderer's grid of maxima; 0 if it stays */
     HS_STAGE_CONVERT, /* scan conversion of all slabs into the plugin's carrier */

@@ -21,13 +21,13 @@ bool hs_screen_render(hs_screen *screen, const hs_device_volume *volume, const h
 bool hs_screen_render_from(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
                            uint32_t step, hs_error *err);
 
-/* Wait for the queue and read the last picture back: RGBA, 4 bytes a pixel, or its termination depths in
+/* Wait for the queue and read back: the last picture as RGBA, 4 bytes a pixel, or its termination depths in
  * steps. HS_ERR_DEVICE. */
 bool hs_screen_read(const hs_screen *screen, uint8_t *rgba, hs_error *err);
 bool hs_screen_read_termination(const hs_screen *screen, float *termination, hs_error *err);
 
-/* Renders the maximum intensity projection of the full volume and reads it: one byte a pixel. The picture is
- * lost. */
+/* Renders the full volume's maximum intensity projection and reads it: one byte a pixel. The picture that was
+ * there is lost. HS_ERR_DEVICE. */
 bool hs_screen_project(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
                        uint8_t *mip, hs_error *err);
 

@@ -54,8 +54,8 @@ static bool read_confidence(const hs_loop *loop, size_t rays, hs_view *view, hs_
     return hs_clipper_read_confidence(loop->clipper, view->sure, err);
 }
 
-/* The frame with every map the plugin has. A map that was not used is not shown either: it may be an earlier
- * frame's. */
+/* The frame with every map the plugin has. A map that was not used is not shown either, since it may be an
+ * earlier frame's. */
 static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     const size_t rays = (size_t)view->map_width * view->map_height;
     const bool wanted = hs_clipper_wants_confidence(loop->clipper);

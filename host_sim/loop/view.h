@@ -32,8 +32,8 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err);
 void hs_view_free(hs_view *view);
 
 /* Frame `index` once more with the primary parameter at `value`, after hs_loop_frame has run it: by the
- * plugin's adjust where the parameter allows it, else as a whole frame. `rgba` (4 bytes a pixel) receives the
- * picture. */
+ * plugin's adjust where the parameter allows it, else as a whole frame. `rgba` receives the picture, 4 bytes
+ * a pixel. HS_ERR_DEVICE or HS_ERR_MEMORY. */
 bool hs_loop_turn(hs_loop *loop, uint32_t index, const sv_param_info *primary, double value, uint8_t *rgba,
                   hs_error *err);
 

@@ -39,8 +39,7 @@ static bool save_confidence(const hs_view *view, const char *folder, hs_error *e
     return ok;
 }
 
-/* The other method: the rendering, and where it gives a confidence, that and a rendering whose ghosting heeds
- * it. */
+/* The other method: its rendering and, where it gives a confidence, that and a rendering ghosted by it. */
 static bool draw_other(hs_eval_study *study, uint32_t index, hs_eval_drawing *drawing, const char *folder,
                        hs_error *err) {
     hs_view view;
