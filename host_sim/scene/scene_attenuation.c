@@ -8,8 +8,9 @@
  * 2014, chapters 4 and 6). What absorbs more than alpha_tgc throws a shadow, what absorbs less brightens what
  * lies behind. Beams run along +z.
  */
+#include "scene/scene_attenuation.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Log compression: grey = 255 (1 + (L + gain) / range), rounded, 1 .. 255. */
+#include "scene/scene_compress.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 typedef struct {
     const hs_field *field;

@@ -11,8 +11,9 @@
  * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
  * fluid.
  */
+#include "scene/scene_echo.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 typedef struct {
     hs_pass pass;

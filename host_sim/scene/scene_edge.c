@@ -10,8 +10,9 @@
  * and the echo loses 2 * -10 log10 T, at most max_loss_db. The loss at normal incidence belongs to the
  * attenuation step and is taken off here.
  */
+#include "scene/scene_edge.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdlib.h>
 #include <string.h>

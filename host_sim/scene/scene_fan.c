@@ -10,8 +10,9 @@
  *
  * All else holds 0.
  */
+#include "scene/scene_fan.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 typedef struct {
     const hs_field *field;

@@ -6,8 +6,11 @@
  * model; this one sets the levels as the figure shows them: a shell of thickness_mm at level_db on the
  * skull's ellipsoid, and gap_mm of silence on its inner side, within angle_deg of a direction.
  */
+#include "scene/scene_far_band.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
+#include "scene/scene_fetus.h"
+#include "scene/scene_fetus_head.h"
 
 #include <string.h>
 

@@ -3,8 +3,9 @@
  * Electronic noise: white, of level_db, added to the echo as power. The power of circular Gaussian noise is
  * exponentially distributed: N = -n^2 ln u (Goodman, "Statistical Optics", 1985, section 2.9).
  */
+#include "scene/scene_noise.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 #include "scene/scene_random.h"
 
 enum { QUANTILES = 4096 };

@@ -4,8 +4,9 @@
  * make room; what lies before the first tissue of a column is taken as free; occluders are put there, and
  * kept a gap away from it.
  */
+#include "scene/scene_real.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <string.h>
 

@@ -8,8 +8,9 @@
  *
  *     H = 10^(level_db / 20) * (interface amplitude blurred over width_mm across the beam),  A^2 + H^2
  */
+#include "scene/scene_side_lobes.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

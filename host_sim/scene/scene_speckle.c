@@ -12,9 +12,11 @@
  * as a Gaussian beam does: sigma(z) = sigma_0 sqrt(1 + ((z - z_f) / z_R)^2). Interfaces add their echo in
  * phase before the point spread.
  */
+#include "scene/scene_speckle.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 #include "scene/scene_random.h"
+#include "volume/volume.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -5,8 +5,9 @@
  * the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a ray, its
  * longest stretch of fluid counts.
  */
+#include "scene/scene_truth.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdlib.h>
 #include <string.h>
