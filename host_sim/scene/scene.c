@@ -249,7 +249,7 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     m->skip = options->skip;
     memset(m->times, 0, sizeof *m->times);
     hs_scene_move(&m->spec, options->frame);
-    m->field.threads = hs_scene_thread_count(options->threads);
+    m->field.threads = hs_thread_count(options->threads);
     m->field.seed = options->seed ? options->seed : m->spec.seed;
     m->field.noise_seed = hs_random_key(m->field.seed, 1000u + (uint64_t)options->frame);
     bool ok = !options->real || (hs_metaimage_read(options->real, NULL, &given, err) &&

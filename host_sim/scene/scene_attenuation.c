@@ -57,5 +57,5 @@ void hs_scene_attenuation(hs_field *field, const hs_scene_spec *spec) {
             a.crossing[t][u] = (float)HS_LEVEL_ONE * 20.0f * log10f(1.0f - r * r);
         }
     }
-    hs_scene_parallel(field->threads, field->n[1], attenuate_row, &a);
+    hs_parallel(field->threads, field->n[1], attenuate_row, &a);
 }

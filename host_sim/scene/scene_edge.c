@@ -74,5 +74,5 @@ static void edge_row(void *context, uint32_t y) {
 void hs_scene_edge_shadow(hs_field *field, const hs_scene_spec *spec) {
     edge e = {.pass = {field, spec}};
     make_losses(&e);
-    hs_scene_parallel(field->threads, field->n[1], edge_row, &e);
+    hs_parallel(field->threads, field->n[1], edge_row, &e);
 }

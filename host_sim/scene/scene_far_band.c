@@ -70,6 +70,6 @@ void hs_scene_far_band(hs_field *field, const hs_scene_spec *spec) {
         const float *to = spec->far_band.direction;
         float length = sqrtf(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
         for (int a = 0; a < 3; a++) b.direction[a] = to[a] / length;
-        hs_scene_parallel(field->threads, field->n[2], band_slice, &b);
+        hs_parallel(field->threads, field->n[2], band_slice, &b);
     }
 }

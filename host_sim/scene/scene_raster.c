@@ -234,7 +234,7 @@ bool hs_scene_raster(hs_field *field, const hs_scene_spec *spec, hs_solid_list *
                 spec->layers.undulation_mm * 0.5f *
                 (sinf(1.7f * u + 0.6f * v) + sinf(2.3f * v - 0.9f * u + 1.0f));
         }
-    hs_scene_parallel(field->threads, r.bricks[1] * r.bricks[2], brick_row, &r);
+    hs_parallel(field->threads, r.bricks[1] * r.bricks[2], brick_row, &r);
     free(r.layer_shift);
     return true;
 }

@@ -41,5 +41,5 @@ static void reverberation_row(void *context, uint32_t y) {
 
 void hs_scene_reverberation(hs_field *field, const hs_scene_spec *spec) {
     hs_pass pass = {field, spec};
-    hs_scene_parallel(field->threads, field->n[1], reverberation_row, &pass);
+    hs_parallel(field->threads, field->n[1], reverberation_row, &pass);
 }

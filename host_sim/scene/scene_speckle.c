@@ -217,7 +217,7 @@ bool hs_scene_speckle(hs_field *field, const hs_scene_spec *spec, hs_error *err)
     atomic_init(&s->out_of_memory, false);
     make_normal(s->normal);
     s->chunk = (field->n[2] + field->threads - 1) / field->threads;
-    hs_scene_parallel(field->threads, (field->n[2] + s->chunk - 1) / s->chunk, speckle_block, s);
+    hs_parallel(field->threads, (field->n[2] + s->chunk - 1) / s->chunk, speckle_block, s);
     bool done = !atomic_load(&s->out_of_memory);
     free(s);
     return done ? true : hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for speckle", spec->name);
