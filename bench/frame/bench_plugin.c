@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/bench_plugin.h"
 
+#include "plugin/loader_param.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,6 +3,7 @@
 #include "base/cli.h"
 #include "frame/bench_cli.h"
 #include "frame/bench_report.h"
+#include "plugin/loader_param.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth; their flicker and
  * their time. */
-#include "plugin/loader.h"
+#include "plugin/loader_param.h"
 #include "quality/surf_ablation.h"
 #include "volume/metaimage.h"
 
