@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/bench_plugin.h"
 
+#include "frame/plain_frame.h"
+#include "frame/plain_read.h"
 #include "plugin/loader_param.h"
 
 #include <math.h>
