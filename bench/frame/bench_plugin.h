@@ -5,6 +5,7 @@
 
 #include "base/progress.h"
 #include "frame/bench_slabs.h"
+#include "frame/bench_team.h"
 #include "frame/bench_times.h"
 #include "plugin/loader.h"
 #include "plugin/plugin_ext.h"

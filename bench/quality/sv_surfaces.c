@@ -2,6 +2,7 @@
 /* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth; their flicker and
  * their time. */
 #include "plugin/loader.h"
+#include "plugin/loader_param.h"
 #include "plugin/plugin_ext.h"
 #include "quality/surf_ablation.h"
 #include "volume/metaimage.h"

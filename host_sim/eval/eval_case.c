@@ -2,6 +2,7 @@
 #include "eval/eval_case.h"
 
 #include "loop/loop_parts.h"
+#include "plugin/loader_param.h"
 
 #include <assert.h>
 #include <math.h>

@@ -2,7 +2,8 @@
 #include "report/loop_pictures.h"
 
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "picture/picture_colour.h"
+#include "report/picture_map.h"
 
 #include <limits.h>
 #include <stdio.h>
