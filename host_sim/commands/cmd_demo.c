@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "commands/run_print.h"
 #include "picture/page_html.h"
+#include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
 
 #include <dirent.h>

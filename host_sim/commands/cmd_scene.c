@@ -3,6 +3,8 @@
 
 #include "base/cli.h"
 #include "report/scene_sheet.h"
+#include "scene/scene.h"
+#include "scene/scene_export.h"
 
 #include <getopt.h>
 #include <stdio.h>

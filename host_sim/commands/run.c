@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "loop/view.h"
+#include "plugin/loader_param.h"
 #include "report/loop_knob.h"
 #include "report/loop_pictures.h"
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_beside.h"
 
+#include "plugin/loader_param.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -18,8 +18,9 @@ struct hs_clipper {
     float *host_depth; /* own queue: where the plugin writes */
     uint8_t *status;   /* SV_POINT_* */
     hs_confidence_map *confidence;
-    sv_stats stats; /* written by the queue; valid when it has run */
-    hs_error error; /* the plugin's first failure */
+    sv_stats stats;          /* written by the queue; valid when it has run */
+    sv_points_report points; /* the same; size is 0 if the plugin does not have the extension */
+    hs_error error;          /* the plugin's first failure */
 };
 
 /* The values of parameters that only activate reads. Others in the format would be refused or ignored. */
@@ -175,6 +176,7 @@ static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
 /* The depthmap is on the device, the queue has run, and the outcome is known. */
 static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_clip *clip, hs_error *err) {
     *clip = (hs_clip){.outcome = status};
+    if (status >= SV_OK) hs_plugin_points(clipper->plugin->instance, &clipper->points);
     if (status == SV_OK && !enqueue_maps(clipper, err)) return false;
     /* Waiting here costs some 30 us and settles two things: the statistics are valid, and the host knows the
      * outcome before it renders. After a failure the plugin's commands may still be under way, too. */
@@ -184,6 +186,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
         return true;
     }
     clip->stats = clipper->stats;
+    clip->points = clipper->points;
     /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
     if (status == SV_OK) clip->outcome = clipper->stats.outcome;
     clip->clipped = clip->outcome == SV_OK;
@@ -248,20 +251,17 @@ const hs_error *hs_clipper_confidence_error(const hs_clipper *clipper) {
     return hs_confidence_map_error(clipper->confidence);
 }
 
-static const sv_ext_stats *stats_extension(const hs_clipper *clipper) {
-    if (!clipper->active) return NULL;
-    const sv_plugin *instance = clipper->plugin->instance;
-    const sv_ext_stats *ext = instance->get_extension(instance, SV_EXT_STATS);
-    return ext && ext->size >= sizeof *ext && ext->enable && ext->stage_times ? ext : NULL;
+static const sv_ext_timing *timing_of(const hs_clipper *clipper) {
+    return clipper->active ? hs_plugin_timing(clipper->plugin->instance) : NULL;
 }
 
 bool hs_clipper_time_stages(const hs_clipper *clipper, bool on) {
-    const sv_ext_stats *ext = stats_extension(clipper);
+    const sv_ext_timing *ext = timing_of(clipper);
     return ext && ext->enable(clipper->plugin->instance, on) == SV_OK;
 }
 
 bool hs_clipper_stage_times(const hs_clipper *clipper, sv_stage_times *times) {
-    const sv_ext_stats *ext = stats_extension(clipper);
+    const sv_ext_timing *ext = timing_of(clipper);
     *times = (sv_stage_times){.size = sizeof *times};
     return ext && ext->stage_times(clipper->plugin->instance, times) == SV_OK;
 }

@@ -8,6 +8,7 @@
 
 #include "loop/slabs.h"
 #include "plugin/loader.h"
+#include "plugin/plugin_ext.h"
 #include "render/dvr.h"
 
 typedef struct {
@@ -19,10 +20,11 @@ typedef struct {
 
 /* What a call of the plugin came to. */
 typedef struct {
-    bool clipped;      /* the map may be used: the outcome is SV_OK */
-    bool sure;         /* and so may its confidence */
-    sv_status outcome; /* the plugin's; SV_ERR_STATE if it is not there or not active */
-    sv_stats stats;    /* the plugin's; zeros if it failed */
+    bool clipped;            /* the map may be used: the outcome is SV_OK */
+    bool sure;               /* and so may its confidence */
+    sv_status outcome;       /* the plugin's; SV_ERR_STATE if it is not there or not active */
+    sv_stats stats;          /* the plugin's; zeros if it failed */
+    sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
 } hs_clip;
 
 typedef struct hs_clipper hs_clipper;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/confidence_map.h"
 
+#include "plugin/plugin_ext.h"
 #include "render/host_launch.h"
 
 #include <stdlib.h>
@@ -22,10 +23,8 @@ struct hs_confidence_map {
 
 static const sv_ext_confidence *find(const hs_plugin *plugin) {
     if (!plugin) return NULL;
-    const sv_plugin *instance = plugin->instance;
-    const sv_ext_confidence *ext = instance->get_extension(instance, SV_EXT_CONFIDENCE);
-    if (!ext || !SV_HAS(ext, write) || !ext->offered || !ext->write) return NULL;
-    return ext->offered(instance) ? ext : NULL;
+    const sv_ext_confidence *ext = hs_plugin_confidence(plugin->instance);
+    return ext && ext->offered(plugin->instance) ? ext : NULL;
 }
 
 static bool create_memory(hs_confidence_map *map, hs_error *err) {

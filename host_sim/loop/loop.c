@@ -139,6 +139,7 @@ static bool ask_plugin(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error 
     frame->sure = clip.sure;
     frame->outcome = clip.outcome;
     frame->stats = clip.stats;
+    frame->points = clip.points;
     return true;
 }
 

@@ -23,7 +23,8 @@ typedef struct {
     double plugin_share;       /* median of the plugin / median of the loop, 0 .. 1 */
     sv_status outcome;         /* of the last frame, with its statistics */
     sv_stats stats;
-    bool has_plugin_stages;       /* the plugin has smartvis.stats/1 and it gave times: */
+    sv_points_report points;
+    bool has_plugin_stages;       /* the plugin has smartvis.timing/1 and it gave times: */
     sv_stage_times plugin_stages; /* medians of a few extra frames, measured apart because events cost time */
 } hs_loop_result;
 

@@ -5,7 +5,26 @@
 
 #include <stdlib.h>
 
-#define BRICK_EDGE (1u << HS_BRICK_SHIFT)
+#define BRICK_EDGE 8u /* 1 << BRICK_SHIFT in cl/base.cl */
+
+/* Host buffers of a live sequence whose wrapping is remembered. */
+#define WRAP_COUNT 8
+
+struct hs_device_volume {
+    const hs_cl *cl;
+    uint32_t n[3];      /* voxels */
+    uint32_t bricks[3]; /* max(1, ceil((n - 1) / brick edge)) */
+    double spacing[3];  /* mm */
+    cl_mem voxels;      /* n[0] * n[1] * n[2] bytes, x fastest; not owned: one of wrap[] or `copy` */
+    cl_mem copy;        /* a device's own memory; NULL while host memory is wrapped */
+    cl_mem grid;        /* brick maxima, one byte each, x fastest */
+    struct {
+        const uint8_t *host;
+        cl_mem buffer;
+    } wrap[WRAP_COUNT];
+    uint32_t wrap_next; /* the oldest wrapping: the next to go */
+    cl_kernel build_grid;
+};
 
 static size_t voxel_bytes(const hs_device_volume *dv) {
     return (size_t)dv->n[0] * dv->n[1] * dv->n[2];
@@ -19,7 +38,7 @@ static bool wraps_host_memory(const hs_device_volume *dv) {
 
 /* The buffer around this host memory: a known one, or a new one in the place of the oldest. */
 static bool wrap_host(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
-    for (uint32_t i = 0; i < HS_WRAP_COUNT; i++) {
+    for (uint32_t i = 0; i < WRAP_COUNT; i++) {
         if (dv->wrap[i].host != host) continue;
         dv->voxels = dv->wrap[i].buffer;
         /* The contents may be new: OpenCL wants to be told before a command reads them. */
@@ -42,7 +61,7 @@ static bool wrap_host(hs_device_volume *dv, const uint8_t *host, hs_error *err) 
     if (dv->wrap[slot].buffer) (void)clReleaseMemObject(dv->wrap[slot].buffer);
     dv->wrap[slot].host = host;
     dv->wrap[slot].buffer = buffer;
-    dv->wrap_next = (slot + 1) % HS_WRAP_COUNT;
+    dv->wrap_next = (slot + 1) % WRAP_COUNT;
     dv->voxels = buffer;
     return true;
 }
@@ -128,8 +147,18 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
     if (dv->grid) (void)clReleaseMemObject(dv->grid);
     if (dv->copy) (void)clReleaseMemObject(dv->copy);
-    for (uint32_t i = 0; i < HS_WRAP_COUNT; i++) {
+    for (uint32_t i = 0; i < WRAP_COUNT; i++) {
         if (dv->wrap[i].buffer) (void)clReleaseMemObject(dv->wrap[i].buffer);
     }
     free(dv);
+}
+
+hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
+    return (hs_device_view){.shape = {.nx = dv->n[0],
+                                      .ny = dv->n[1],
+                                      .nz = dv->n[2],
+                                      .spacing = {dv->spacing[0], dv->spacing[1], dv->spacing[2]}},
+                            .voxels = dv->voxels,
+                            .brick_maxima = dv->grid,
+                            .bricks = {dv->bricks[0], dv->bricks[1], dv->bricks[2]}};
 }

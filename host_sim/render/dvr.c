@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/dvr.h"
 
-#include "render/device_volume.h"
 #include "render/host_launch.h"
 
 #include <math.h>
@@ -24,7 +23,7 @@ typedef struct {
     cl_int4 dims, bricks;
     cl_float4 origin, dx, dy, dn;
     double slices; /* source slices along the box' depth */
-} view;
+} ray_view;
 
 /* Where the rays start, as render_volume takes it (cl/dvr.cl). */
 typedef struct {
@@ -107,15 +106,21 @@ void hs_dvr_destroy(hs_dvr *dvr) {
     free(dvr);
 }
 
-static double source_slices(const hs_device_volume *source, const hs_camera *camera) {
-    double finest = fmin(source->spacing[0], fmin(source->spacing[1], source->spacing[2]));
+static double source_slices(const hs_volume *shape, const hs_camera *camera) {
+    double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
     return fmax(1.0, round(camera->depth_extent / finest));
+}
+
+static uint32_t count_steps(const hs_dvr_settings *settings, const hs_volume *shape,
+                            const hs_camera *camera) {
+    double steps = ceil(source_slices(shape, camera) / (double)settings->step - 0.5);
+    return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
 }
 
 uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *source,
                       const hs_camera *camera) {
-    double steps = ceil(source_slices(source, camera) / (double)settings->step - 0.5);
-    return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
+    const hs_device_view view = hs_device_volume_view(source);
+    return count_steps(settings, &view.shape, camera);
 }
 
 static cl_float4 scaled(const double v[3], double factor) {
@@ -130,27 +135,24 @@ static cl_int transparent_level(const hs_dvr_settings *s) {
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
 }
 
-static bool plan_view(const hs_dvr_settings *s, const hs_device_volume *source, const hs_camera *camera,
-                      view *out, hs_error *err) {
-    const uint32_t steps = hs_dvr_steps(s, source, camera);
+static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, const hs_camera *camera,
+                      ray_view *out, hs_error *err) {
+    const uint32_t steps = count_steps(s, &source->shape, camera);
     if (steps > MAX_STEPS) {
         return hs_fail(err, HS_ERR_USAGE,
                        "renderer: step %g makes %u steps of this volume, expected at most %u",
                        (double)s->step, steps, MAX_STEPS);
     }
-    const hs_volume shape = {.nx = source->n[0],
-                             .ny = source->n[1],
-                             .nz = source->n[2],
-                             .spacing = {source->spacing[0], source->spacing[1], source->spacing[2]}};
     hs_box_map map;
-    hs_camera_box_map(camera, &shape, &map);
-    view v = {.slices = source_slices(source, camera)};
+    hs_camera_box_map(camera, &source->shape, &map);
+    ray_view v = {.slices = source_slices(&source->shape, camera)};
+    const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
     for (int k = 0; k < 3; k++) {
         first[k] =
             map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height + map.dw[k] * 0.5 * step;
-        v.dims.s[k] = (cl_int)source->n[k];
+        v.dims.s[k] = (cl_int)n[k];
         v.bricks.s[k] = (cl_int)source->bricks[k];
     }
     v.dims.s[3] = (cl_int)steps;
@@ -165,11 +167,11 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_volume *source, 
 
 /* The view: the first arguments of both kernels. */
 static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name,
-                              const hs_device_volume *source, const view *v) {
+                              const hs_device_view *source, const ray_view *v) {
     hs_launch launch = hs_launch_begin(dvr->cl, kernel, name);
     hs_launch_buffer(&launch, source->voxels);
     hs_launch_arg(&launch, sizeof v->dims, &v->dims);
-    hs_launch_buffer(&launch, source->grid);
+    hs_launch_buffer(&launch, source->brick_maxima);
     hs_launch_arg(&launch, sizeof v->bricks, &v->bricks);
     hs_launch_arg(&launch, sizeof v->origin, &v->origin);
     hs_launch_arg(&launch, sizeof v->dx, &v->dx);
@@ -197,7 +199,7 @@ static bool enqueue(const hs_dvr *dvr, const hs_launch *launch, cl_event *event,
 }
 
 /* Where the rays start, as the kernel takes it. */
-static ray_start plan_start(const hs_dvr_settings *s, const view *v, const hs_start_depths *depths) {
+static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const hs_start_depths *depths) {
     ray_start out = {.map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}},
                      .to_steps = {{0.0f, s->ghost_offset, 0.0f, 0.0f}}};
     if (!depths || !depths->depth) return out;
@@ -250,10 +252,11 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
     if (rgba && !hs_cl_check_size(rgba, pixels * 4, "the picture", err)) return false;
     if (termination && !hs_cl_check_size(termination, pixels * sizeof(float), "termination depths", err))
         return false;
-    view v;
-    if (!plan_view(&dvr->settings, source, camera, &v, err)) return false;
+    ray_view v;
+    const hs_device_view view = hs_device_volume_view(source);
+    if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
     const ray_start rays = plan_start(&dvr->settings, &v, depths);
-    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", source, &v);
+    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &view, &v);
     hs_launch_buffer(&launch, rays.map);
     hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
     hs_launch_arg(&launch, sizeof rays.to_steps, &rays.to_steps);
@@ -268,10 +271,11 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
                 cl_event *event, hs_error *err) {
     const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
-    view v;
-    if (!plan_view(&dvr->settings, source, camera, &v, err)) return false;
+    ray_view v;
+    const hs_device_view view = hs_device_volume_view(source);
+    if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
-    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", source, &v);
+    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &view, &v);
     hs_launch_arg(&launch, sizeof picture, &picture);
     hs_launch_buffer(&launch, gray);
     return enqueue(dvr, &launch, event, err);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/scan_convert.h"
 
-#include "render/device_volume.h"
 #include "render/host_launch.h"
 
 #include <math.h>
@@ -116,19 +115,14 @@ static int position_bits(const sampling *s, const hs_slab_layout *layout) {
     return bits;
 }
 
-static sampling plan_sampling(const hs_slab_layout *layout, const hs_device_volume *source,
-                              const hs_camera *camera) {
-    const hs_volume shape = {.nx = source->n[0],
-                             .ny = source->n[1],
-                             .nz = source->n[2],
-                             .spacing = {source->spacing[0], source->spacing[1], source->spacing[2]}};
+static sampling plan_sampling(const hs_slab_layout *layout, const hs_volume *shape, const hs_camera *camera) {
     hs_box_map map;
-    hs_camera_box_map(camera, &shape, &map);
+    hs_camera_box_map(camera, shape, &map);
     const double *const axis[3] = {map.du, map.dv, map.dw};
     const uint32_t size[3] = {layout->width, layout->height, layout->slices};
     const double extent[3] = {camera->extent, camera->extent, camera->depth_extent};
-    double finest = fmin(shape.spacing[0], fmin(shape.spacing[1], shape.spacing[2]));
-    double coarsest = fmax(shape.spacing[0], fmax(shape.spacing[1], shape.spacing[2]));
+    double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
+    double coarsest = fmax(shape->spacing[0], fmax(shape->spacing[1], shape->spacing[2]));
     sampling s = {.nearest = true, .origin = {map.origin[0], map.origin[1], map.origin[2]}};
     for (int a = 0; a < 3; a++) {
         double edge_mm = extent[a] / size[a];
@@ -193,15 +187,16 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const uint32_t slices = hs_slab_length(l, index);
     const uint64_t bytes = hs_slab_bytes(l, slices), end = bytes + offset;
     if (!hs_cl_check_size(slab, end < bytes ? UINT64_MAX : end, "a slab", err)) return false;
-    const sampling s = plan_sampling(l, source, camera);
-    const cl_int4 dims = {{(cl_int)source->n[0], (cl_int)source->n[1], (cl_int)source->n[2], 0}};
+    const hs_device_view view = hs_device_volume_view(source);
+    const sampling s = plan_sampling(l, &view.shape, camera);
+    const cl_int4 dims = {{(cl_int)view.shape.nx, (cl_int)view.shape.ny, (cl_int)view.shape.nz, 0}};
     const cl_int4 grid = {{(cl_int)s.grid[0], (cl_int)s.grid[1], (cl_int)s.grid[2], 0}};
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
     const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
     const cl_ulong start = offset;
     hs_launch launch = s.nearest ? hs_launch_begin(converter->cl, converter->nearest, "convert_nearest")
                                  : hs_launch_begin(converter->cl, converter->trilinear, "convert_trilinear");
-    hs_launch_buffer(&launch, source->voxels);
+    hs_launch_buffer(&launch, view.voxels);
     hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_arg(&launch, sizeof grid, &grid);
     set_positions(&launch, &s);

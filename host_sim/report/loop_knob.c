@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "loop/view.h"
 #include "picture/picture_panel.h"
+#include "plugin/loader_param.h"
 
 #include <limits.h>
 #include <stdio.h>
