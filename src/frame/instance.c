@@ -70,6 +70,12 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config) {
     return build_and_test(in, config, 16);
 }
 
+sv_instance *sv_instance_of(const sv_plugin *plugin) {
+    sv_instance *in = plugin->plugin_data;
+    in->diag.last_error[0] = '\0';
+    return in;
+}
+
 sv_status sv_instance_activate(sv_instance *in, const sv_format *format) {
     sv_values values;
     sv_params_defaults(&values);

@@ -24,6 +24,9 @@ typedef struct {
     sv_values frame;     /* values of the frame under way, or of the last one */
 } sv_instance;
 
+/* The instance behind the table that a host holds; its last error is forgotten: a new call begins. */
+sv_instance *sv_instance_of(const sv_plugin *plugin);
+
 /* Everything of activate once the format has been found valid; all or nothing. */
 sv_status sv_instance_activate(sv_instance *instance, const sv_format *format);
 void sv_instance_deactivate(sv_instance *instance);
