@@ -45,7 +45,11 @@ static void ray_slice(ray_t *r, uint v, uint slice, uint level, uint level_n, ui
     }
     const bool tissue = v > level;
     const bool follows = slice > 0 && !not_scanned(r->last, padding);
-    const uint step = follows ? ray_crossing_step(r->last, v, tissue, level_n) : SV_SUBSTEPS;
+    /* Computed for every slice and selected afterwards, as profile_strip.cl does. Computed in a branch, it
+     * stops PoCL 6.0: the compiler moves the read of r->last into the branch, needs a second round to settle,
+     * allows itself only one, and aborts the process. */
+    const uint crossing = ray_crossing_step(r->last, v, tissue, level_n);
+    const uint step = follows ? crossing : SV_SUBSTEPS;
     const uint position = slice * SV_SUBSTEPS - SV_SUBSTEPS + step;
     if (tissue && !r->tissue) r->entry = position;
     if (!tissue && r->tissue) r->exit = position;
