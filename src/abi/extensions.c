@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "abi/extensions.h"
 
+#include "abi/validate.h"
 #include "frame/instance.h"
 
 #include <string.h>

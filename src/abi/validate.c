@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the host hands over, checked once at the ABI's edge. */
-#include "frame/instance.h"
+#include "abi/validate.h"
+
+#include "quantise.h"
 
 #include <stdio.h>
 
@@ -65,7 +66,7 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
 
 sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *p, const sv_values *values) {
     uint32_t weight_initial, weight_filled;
-    sv_ref_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
+    sv_fill_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
     if (!p->reduced || p->config.method != SV_METHOD_MEAN || weight_filled > 0) return SV_OK;
     BLAME(diag, SV_ERR_PARAM_RANGE,
           "begin: fill_weight is %g, which leaves pixels empty; with reduction = %u, whose surface is "

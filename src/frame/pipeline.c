@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
 #include "device/launch.h"
-#include "ref/sv_ref_methods.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -32,9 +31,9 @@ static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
 }
 
 /* A frame's fixed-point format. */
-static sv_ref_fixed format_of(const sv_config *c, uint32_t k, uint32_t weight_initial) {
-    return c->half_sums ? sv_ref_half_format(c->slices, weight_initial)
-                        : sv_ref_fixed_format(c->width, c->height, c->slices, k, weight_initial);
+static sv_fixed format_of(const sv_config *c, uint32_t k, uint32_t weight_initial) {
+    return c->half_sums ? sv_half_format(c->slices, weight_initial)
+                        : sv_fixed_format(c->width, c->height, c->slices, k, weight_initial);
 }
 
 bool sv_pipeline_needs_wide(const sv_config *c) {
@@ -114,7 +113,7 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     p->spacing = 1;
     p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
     p->bands = band_count(device, &p->config);
-    p->pass_capacity = sv_ref_pass_limit(config->width, config->height, 3);
+    p->pass_capacity = sv_pass_limit(config->width, config->height, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
     if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
         p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
@@ -125,11 +124,9 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
     return status;
 }
 
-sv_status sv_pipeline_warm_up(sv_pipeline *p) {
+sv_status sv_pipeline_warm_up(sv_pipeline *p, const sv_values *values) {
     if (p->chain.plain_mean) return SV_OK;
-    sv_values values;
-    sv_params_defaults(&values);
-    sv_pipeline_begin(p, &values);
+    sv_pipeline_begin(p, values);
     /* A slab of no slices reads nothing, so any buffer will do. */
     const sv_status status = sv_chain_slab(p, p->buffers.state8, 0, 0);
     if (status != SV_OK) return status;
@@ -143,8 +140,8 @@ sv_status sv_pipeline_create_reduced(sv_pipeline *p) {
         .diag = p->diag, .device = p->device, .narrow = p->narrow, .wide = p->wide, .config = p->config};
     p->reduced = r;
     r->spacing = p->config.reduction;
-    r->config.width = sv_ref_reduced_side(p->config.width, r->spacing);
-    r->config.height = sv_ref_reduced_side(p->config.height, r->spacing);
+    r->config.width = sv_reduced_side(p->config.width, r->spacing);
+    r->config.height = sv_reduced_side(p->config.height, r->spacing);
     r->config.reduction = 1;
     r->padded_width = (r->config.width + SV_LANES - 1) / SV_LANES * SV_LANES;
     r->bands = band_count(p->device, &r->config);
@@ -172,8 +169,8 @@ void sv_pipeline_destroy(sv_pipeline *p) {
 static void choose_format(sv_pipeline *p) {
     const sv_config *c = &p->config;
     sv_job *j = &p->job;
-    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
-    const sv_ref_fixed format = format_of(c, j->k, j->weight_initial);
+    j->pass_limit = sv_pass_limit(c->width, c->height, j->k);
+    const sv_fixed format = format_of(c, j->k, j->weight_initial);
     j->fraction = format.fraction;
     p->program = format.wide ? p->wide : p->narrow;
 }
@@ -186,10 +183,10 @@ static void begin_reduced(sv_pipeline *r, const sv_pipeline *p) {
     r->job.width = r->config.width;
     r->job.padded_width = r->padded_width;
     r->job.height = r->config.height;
-    r->job.k = sv_ref_reduced_kernel(p->job.k, r->spacing);
+    r->job.k = sv_reduced_kernel(p->job.k, r->spacing);
     choose_format(r);
     r->values = p->values;
-    v[SV_PARAM_PREFILTER_KERNEL] = sv_ref_reduced_kernel((uint32_t)v[SV_PARAM_PREFILTER_KERNEL], r->spacing);
+    v[SV_PARAM_PREFILTER_KERNEL] = sv_reduced_kernel((uint32_t)v[SV_PARAM_PREFILTER_KERNEL], r->spacing);
     v[SV_PARAM_LAMBDA] /= area;
 }
 
@@ -199,17 +196,17 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     sv_job *j = &p->job;
     *j = (sv_job){.width = c->width, .padded_width = p->padded_width, .height = c->height};
     j->bone_mode = (uint32_t)v[SV_PARAM_BONE_MODE];
-    j->fluid_level = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], 1);
-    j->bone_level = sv_ref_level(v[SV_PARAM_BONE_THRESHOLD], 1);
-    j->bone_drop = 255 - sv_ref_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
-    j->bone_wanted = sv_ref_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
+    j->fluid_level = sv_grey_level(v[SV_PARAM_FLUID_THRESHOLD], 1);
+    j->bone_level = sv_grey_level(v[SV_PARAM_BONE_THRESHOLD], 1);
+    j->bone_drop = 255 - sv_grey_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
+    j->bone_wanted = sv_rays_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
     j->drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
-    j->min_gap = sv_ref_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
+    j->min_gap = sv_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
     j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
     j->k = (uint32_t)v[SV_PARAM_KERNEL];
-    sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
+    sv_fill_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
     choose_format(p);
-    p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
+    p->level_n = sv_grey_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
     p->next_slice = 0;
     p->values = *values;
     p->batch = (sv_batch){0};

@@ -6,11 +6,12 @@
 #ifndef SV_PIPELINE_H
 #define SV_PIPELINE_H
 
-#include "abi/params.h"
 #include "common/sv_shared.h"
 #include "device/program.h"
-#include "frame/timing.h"
+#include "device/timing.h"
 #include "method/method.h"
+#include "method/values.h"
+#include "quantise.h"
 
 /* What stays the same from frame to frame; from sv_format and the parameters that need reactivation. */
 typedef struct sv_config {
@@ -85,7 +86,7 @@ sv_status sv_pipeline_create(sv_pipeline *pipeline, sv_diag *diag, const sv_devi
 sv_status sv_pipeline_create_reduced(sv_pipeline *pipeline);
 
 /* Launches every kernel of the method once, on no points. The self-test did so for the others. */
-sv_status sv_pipeline_warm_up(sv_pipeline *pipeline);
+sv_status sv_pipeline_warm_up(sv_pipeline *pipeline, const sv_values *values);
 void sv_pipeline_destroy(sv_pipeline *pipeline);
 
 /* Enqueues a frame's stages. The caller has validated everything. */

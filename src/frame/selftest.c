@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/selftest.h"
 
+#include "ref/sv_ref.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,9 +61,9 @@ static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, b
         b->near_position[i] = (uint32_t)(b->near_end[i] * c->substeps + 0.5);
         b->far_position[i] = (uint32_t)(b->far_end[i] * c->substeps + 0.5);
     }
-    sv_ref_fixed format = sv_ref_fixed_format(WIDTH, HEIGHT, SLICES, (uint32_t)v->of[SV_PARAM_KERNEL], 2);
+    sv_fixed format = sv_fixed_format(WIDTH, HEIGHT, SLICES, (uint32_t)v->of[SV_PARAM_KERNEL], 2);
     format.wide = wide;
-    if (c->half_sums) format = sv_ref_half_format(SLICES, 2);
+    if (c->half_sums) format = sv_half_format(SLICES, 2);
     sv_ref_fill fill;
     if (!sv_ref_mean_fixed(b->expected_status, b->near_position, b->far_position, WIDTH, HEIGHT,
                            (uint32_t)v->of[SV_PARAM_KERNEL], v->of[SV_PARAM_FILL_WEIGHT], c->substeps, format,
@@ -110,7 +112,7 @@ static sv_status compare(sv_diag *diag, const bench *b) {
 }
 
 sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
-                      const sv_config *config) {
+                      const sv_config *config, const sv_values *defaults) {
     sv_config small = {.width = WIDTH,
                        .height = HEIGHT,
                        .slices = SLICES,
@@ -127,8 +129,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow
                        .reduction = 1};
     bench *b = calloc(1, sizeof *b);
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
-    sv_values values;
-    sv_params_defaults(&values);
+    sv_values values = *defaults;
     values.of[SV_PARAM_KERNEL] = 11.0;  /* small enough that the small map needs several passes */
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     fill_volume(b, config->padding);

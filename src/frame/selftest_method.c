@@ -58,10 +58,10 @@ static bool expect_cost(bench *b, int32_t padding) {
 }
 
 static bool expect_method(bench *b, sv_ref_map map, const sv_config *c) {
-    const uint32_t k = sv_ref_reduced_kernel(KERNEL, c->reduction);
+    const uint32_t k = sv_reduced_kernel(KERNEL, c->reduction);
     sv_ref_fill passes;
     if (c->prefilter == SV_PREFILTER_MINIMUM) {
-        const uint32_t window = sv_ref_reduced_kernel(PREFILTER_KERNEL, c->reduction);
+        const uint32_t window = sv_reduced_kernel(PREFILTER_KERNEL, c->reduction);
         if (!sv_ref_minimum_prefilter(&map, window, 1, b->filtered)) return false;
         map.depth = b->filtered;
     }
@@ -93,9 +93,8 @@ static bool expect(bench *b, const sv_config *c) {
     return ok;
 }
 
-static sv_status compute(sv_pipeline *p, bench *b) {
-    sv_values values;
-    sv_params_defaults(&values);
+static sv_status compute(sv_pipeline *p, bench *b, const sv_values *defaults) {
+    sv_values values = *defaults;
     values.of[SV_PARAM_KERNEL] = KERNEL;
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
@@ -131,7 +130,7 @@ static sv_status compare(sv_diag *diag, const bench *b, double bound) {
 }
 
 sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
-                             const sv_config *config) {
+                             const sv_config *config, const sv_values *defaults) {
     if (config->method == SV_METHOD_MEAN && config->prefilter == SV_PREFILTER_NONE && config->reduction == 1)
         return SV_OK;
     const sv_config small = {.width = WIDTH,
@@ -157,7 +156,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program 
     fill(b, config->method);
     sv_pipeline pipeline;
     sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
-    if (status == SV_OK) status = compute(&pipeline, b);
+    if (status == SV_OK) status = compute(&pipeline, b, defaults);
     if (status == SV_OK && !expect(b, &small))
         status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
     if (status == SV_OK) status = compare(diag, b, bound_of(sv_chain_map(&pipeline)));

@@ -22,7 +22,7 @@
 #define SV_METHOD_H
 
 #include "device/program.h"
-#include "method/method_list.h"
+#include "method_list.h"
 
 struct sv_config;
 struct sv_pipeline;

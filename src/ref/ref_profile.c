@@ -4,12 +4,6 @@
 
 #include <math.h>
 
-uint32_t sv_ref_level(double threshold, uint32_t substeps) {
-    const double level = floor(threshold * 255.0 * substeps + SV_LEVEL_SLACK);
-    if (level < 0.0) return 0;
-    return level > 255.0 * substeps ? 255 * substeps : (uint32_t)level;
-}
-
 /* The walk along one ray. */
 typedef struct {
     bool in_tissue; /* class of the last scanned sample */

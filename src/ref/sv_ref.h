@@ -9,6 +9,8 @@
 #ifndef SV_REF_H
 #define SV_REF_H
 
+#include "quantise.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -19,16 +21,6 @@ typedef struct {
     uint32_t width, height, slices;
     int32_t padding; /* voxels of this value were not scanned; -1: all were */
 } sv_ref_volume;
-
-/* ---- grey levels: thresholds in 0..1 against 8-bit voxels
- * ---------------------------------------------------- */
-
-/* Thresholds this close to a grey level (in levels) count as that level, so that 40 / 255.0 means 40. */
-#define SV_LEVEL_SLACK 1e-9
-
-/* Largest integer n with n <= threshold * 255 * substeps: a sample (in 1 / substeps level) lies above the
- * threshold exactly if it is > n. Clamped to 0 .. 255 * substeps. */
-uint32_t sv_ref_level(double threshold, uint32_t substeps);
 
 /* ---- ray profile (spec 3; thesis Algorithm 4.1, lines 2-14)
  * -------------------------------------------------- */
@@ -58,14 +50,8 @@ typedef struct {
     bool drop_empty;        /* rays with an empty interval give no point */
 } sv_ref_bone;
 
-/* Rays that must qualify at least in fraction mode: the share rounded up, at least one. */
-uint32_t sv_ref_wanted(double fraction, uint32_t rays);
-
 /* Grey level above which a ray's maximum is bone. Never below T_L. */
 uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone);
-
-/* Samples of an interval of at least `gap` slices. */
-uint32_t sv_ref_gap_samples(double gap, uint32_t substeps);
 
 /* Evidence of a gap: bone rays (maximum above `level`), and those among them whose interval has at least
  * `min_gap` slices. A frame has a surface only if it has a point and sure >= evidence * bone, `evidence` in
@@ -96,32 +82,11 @@ typedef struct {
 bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uint32_t height, uint32_t k,
                  double omega, double *surface, sv_ref_fill *fill);
 
-/* Integer weights with weight_filled / weight_initial = omega, which is rounded to a quarter (smallest such
- * pair). */
-void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled);
-
-/* Passes that are enough for any set of points: each reaches k / 2 pixels further in every direction. At
- * least three, so that a fill weight of 0 is seen to reach nothing new. */
-uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k);
-
-/* Fixed-point format of the kernels for a window: fraction bits, and whether sums need 64 bits, or (half) a
- * pixel's weight * depth has 16. */
-typedef struct {
-    uint32_t fraction;
-    bool wide, half;
-} sv_ref_fixed;
-sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint32_t k,
-                                 uint32_t weight_initial);
-
-/* Of precision int16: as many fraction bits as leave weight * depth below 2^16, whatever the window. At least
- * 1, up to 8,192 slices. */
-sv_ref_fixed sv_ref_half_format(uint32_t slices, uint32_t weight_initial);
-
 /* The kernels' fixed-point mean filter for both ends at once, to the bit. Positions in samples (substeps per
  * slice); only pixels with status != 0 are read. Surfaces in float32 slices. False if memory runs out. */
 bool sv_ref_mean_fixed(const uint8_t *status, const uint32_t *near_position, const uint32_t *far_position,
                        uint32_t width, uint32_t height, uint32_t k, double omega, uint32_t substeps,
-                       sv_ref_fixed format, float *near_surface, float *far_surface, sv_ref_fill *fill);
+                       sv_fixed format, float *near_surface, float *far_surface, sv_ref_fill *fill);
 
 /* ---- the knob (spec 4): S(q) = S_f + q (S_n - S_f)
  * ------------------------------------------------------------ */

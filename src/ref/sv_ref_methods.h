@@ -98,10 +98,6 @@ typedef struct {
 bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref_reduced *out);
 void sv_ref_reduced_free(sv_ref_reduced *reduced);
 
-/* Cells along a side, and the window in cells for one of k pixels: the nearest odd number, at least 3. */
-uint32_t sv_ref_reduced_side(uint32_t side, uint32_t reduction);
-uint32_t sv_ref_reduced_kernel(uint32_t k, uint32_t reduction);
-
 /* Bilinear between the cells' centres, constant beyond the outermost. width, height: of `surface`. */
 void sv_ref_spread(const double *cells, uint32_t width, uint32_t height, uint32_t reduction, double *surface);
 

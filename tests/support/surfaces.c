@@ -174,9 +174,8 @@ static bool expect_spline(const sv_ref_map *map, const surface_chain *chain, dou
 /* The chain on a map, without the reduction. */
 static bool expect_on(sv_ref_map map, const surface_chain *chain, double *surface) {
     const uint32_t reduction = map.spacing ? map.spacing : 1;
-    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
-    const uint32_t prefilter_k =
-        sv_ref_reduced_kernel(chain->prefilter_k ? chain->prefilter_k : 5, reduction);
+    const uint32_t k = sv_reduced_kernel(chain->k ? chain->k : 23, reduction);
+    const uint32_t prefilter_k = sv_reduced_kernel(chain->prefilter_k ? chain->prefilter_k : 5, reduction);
     const double weight = chain->data_weight > 0.0 ? chain->data_weight : 1.0;
     double *filtered = must(malloc((size_t)map.width * map.height * sizeof *filtered));
     bool ok = true;
@@ -235,10 +234,10 @@ double surface_error(const rig_result *out, const double *expected, size_t count
  * and half a step for merged points, which are no whole samples. */
 static double half_bound(const surface_chain *chain, const surface_points *p) {
     const uint32_t reduction = chain->reduction ? chain->reduction : 1;
-    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
-    const uint32_t passes = sv_ref_pass_limit(sv_ref_reduced_side(p->width, reduction),
-                                              sv_ref_reduced_side(p->height, reduction), k);
-    const sv_ref_fixed format = sv_ref_half_format(p->slices, 2);
+    const uint32_t k = sv_reduced_kernel(chain->k ? chain->k : 23, reduction);
+    const uint32_t passes =
+        sv_pass_limit(sv_reduced_side(p->width, reduction), sv_reduced_side(p->height, reduction), k);
+    const sv_fixed format = sv_half_format(p->slices, 2);
     return (2.0 + fabs((double)chain->q)) * (passes + 1) *
            (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-23);
 }
