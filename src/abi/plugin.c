@@ -4,6 +4,7 @@
 #include "abi/params.h"
 #include "abi/validate.h"
 #include "frame/instance.h"
+#include "frame/pipeline_end.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -136,10 +137,10 @@ static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *va
     sv_status status =
         sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
-    in->pipeline.timing = NULL; /* the times stay those of the frame */
+    in->pipeline.queue.timing = NULL; /* the times stay those of the frame */
     if (status == SV_OK) status = sv_pipeline_adjust(&in->pipeline, (float)adjusted.of[SV_PARAM_Q]);
     if (status == SV_OK) status = output(in, "adjust", &adjusted, result);
-    in->pipeline.timing = &in->timing;
+    in->pipeline.queue.timing = &in->timing;
     return status < 0 ? let_go(in, status) : status;
 }
 

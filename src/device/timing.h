@@ -5,6 +5,8 @@
 
 #include "device/clx.h"
 
+#include <stdbool.h>
+
 typedef enum {
     SV_STAGE_TRANSFER,
     SV_STAGE_PROFILE,

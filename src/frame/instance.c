@@ -2,6 +2,7 @@
 #include "frame/instance.h"
 
 #include "frame/selftest.h"
+#include "frame/selftest_method.h"
 
 #include <stdio.h>
 
@@ -42,7 +43,7 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
                               .half_sums = config->half_sums,
                               .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
                                              FETCH_AHEAD_BYTES};
-    const bool needs_wide = sv_pipeline_needs_wide(config);
+    const bool needs_wide = sv_map_needs_wide(config);
     sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
@@ -86,13 +87,14 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
         &in->timing, &in->diag, 2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
     if (status == SV_OK)
         status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
+    if (status == SV_OK) status = sv_pipeline_check_memory(&in->diag, &in->device, &config);
     if (status == SV_OK) status = build_kernels(in, &config);
     if (status == SV_OK)
         status = sv_selftest_method(&in->diag, &in->device, &in->narrow,
-                                    sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &config, values);
+                                    sv_map_needs_wide(&config) ? &in->wide : NULL, &config, values);
     if (status == SV_OK)
         status = sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow,
-                                    sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
+                                    sv_map_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
     if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline, values);
     if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
     if (status != SV_OK)

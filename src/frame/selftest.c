@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/selftest.h"
 
-#include "ref/sv_ref.h"
+#include "frame/pipeline_end.h"
+#include "quantise.h"
+#include "ref/ref_mean_fixed.h"
+#include "ref/ref_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -75,7 +78,7 @@ static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, b
 
 static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v, bool wide) {
     sv_pipeline_begin(p, v);
-    if (wide) p->program = p->wide;
+    if (wide) p->map.program = p->map.wide;
     sv_status status = SV_OK;
     for (uint32_t first = 0; status == SV_OK && first < SLICES; first += SLAB) {
         const uint32_t count = SLICES - first < SLAB ? SLICES - first : SLAB;
@@ -88,12 +91,13 @@ static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v,
         status = sv_pipeline_slab(p, &slab);
         /* The slab's memory is used again at once. This is activation: waiting is allowed. */
         if (status == SV_OK)
-            status = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
+            status = sv_clx_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     }
     if (status == SV_OK) status = sv_pipeline_end(p, (float)Q);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
     if (status == SV_OK) status = sv_pipeline_output(p, (float)Q, &result);
-    const sv_status waited = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
+    const sv_status waited =
+        sv_clx_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
 }
 
@@ -111,8 +115,8 @@ static sv_status compare(sv_diag *diag, const bench *b) {
     return SV_OK;
 }
 
-sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
-                      const sv_config *config, const sv_values *defaults) {
+sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *narrow,
+                      const sv_program *wide, const sv_config *config, const sv_values *defaults) {
     sv_config small = {.width = WIDTH,
                        .height = HEIGHT,
                        .slices = SLICES,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Bone threshold and initial points: Algorithm 4.1, lines 15-22, and the three threshold modes of spec 3. */
-#include "ref/sv_ref.h"
+#include "ref/ref_points.h"
+
+#include "quantise.h"
 
 #include <math.h>
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Ray profiles: Algorithm 4.1, lines 2-14, with the corrections of spec 3 and 9. */
-#include "ref/sv_ref.h"
+#include "ref/ref_profile.h"
+
+#include "quantise.h"
 
 #include <math.h>
 

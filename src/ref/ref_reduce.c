@@ -4,7 +4,9 @@
  * smaller map, a method works on that, and its surface is read bilinearly between the cells' centres. Cells
  * at the right and lower border may hold fewer pixels; their centre stays where a whole cell's is.
  */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_reduce.h"
+
+#include "quantise.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,6 +6,11 @@
  */
 #include "support/surfaces.h"
 
+#include "ref/ref_mean.h"
+#include "ref/ref_minimum.h"
+#include "ref/ref_pushpull.h"
+#include "ref/ref_reduce.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,7 +3,8 @@
 #ifndef SV_RIG_H
 #define SV_RIG_H
 
-#include "ref/sv_ref.h"
+#include "ref/ref_mean_fixed.h"
+#include "ref/ref_points.h"
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>

@@ -2,6 +2,8 @@
 /* What the scalar definition says of a frame, and the volumes it is asked about. */
 #include "support/rig.h"
 
+#include "ref/ref_mean.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
