@@ -4,6 +4,7 @@
 #
 #   folder         may include
 #   include/       <stdint.h>, <stddef.h>
+#   include/smartvis/ include/, the C library
 #   cl/FAMILY/     cl/common/, itself
 #   src/           itself, cl/*/*_shared.h, the C library                                   (no OpenCL)
 #   src/ref/       the same, and itself
@@ -72,6 +73,7 @@ check_folder() {
 }
 
 check_folder include '(stdint|stddef)\.h'
+check_folder include/smartvis "$libc" include
 for folder in ${families//|/ }; do
     check_folder "cl/$folder" '(none)' "common/=cl/common" "$folder/=cl/$folder"
 done
@@ -95,6 +97,6 @@ while read -r file; do
     complain "$file" 1 "a source in a folder without a rule" "known: include cl/* src/* host_sim/* host_sim/render/cl bench tests"
 done < <(find . \( -path './build*' -o -path ./out -o -path ./.git -o -path ./bench -o -path ./tests \) -prune -o \
     -type f \( -name '*.c' -o -name '*.h' -o -name '*.cl' -o -name '*.clh' \) -print | sed 's|^\./||' |
-    grep -vE "^(include|cl/($families)|src|src/($layers)|host_sim/($rooms|render/cl))/[^/]*\$" || true)
+    grep -vE "^(include|include/smartvis|cl/($families)|src|src/($layers)|host_sim/($rooms|render/cl))/[^/]*\$" || true)
 
 exit $failed

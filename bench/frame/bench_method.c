@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The frames of another method than the one plain C computes, as multiples of a ray profile. */
-#include "frame/bench_report.h"
+#include "frame/bench_method.h"
 
 #include <math.h>
 #include <stdio.h>

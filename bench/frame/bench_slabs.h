@@ -3,7 +3,7 @@
 #ifndef BENCH_SLABS_H
 #define BENCH_SLABS_H
 
-#include "frame/plain_frame.h"
+#include "frame/plain_volume.h"
 #include "render/scan_convert.h"
 
 /* Intensities of the volume, grey levels: fluid 1 .. 40, tissue 60 .. 150, bone 220 .. 255. */

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The plot: time to the right on a logarithmic axis, error upwards on another, a marker a row. Left the
- * largest error against the float64 definition, right the distance from the scenes' ground truth.
- */
+#include "methods/methods_svg.h"
+
 #include "base/output_file.h"
 #include "methods/methods_fit.h"
-#include "methods/methods_report.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "base/cli.h"
 #include "commands/run.h"
 #include "picture/page_html.h"
+#include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
 
 #include <dirent.h>

@@ -2,6 +2,8 @@
 /* host_sim scenes: lists, generates, exports and shows the synthetic scenes. */
 #include "base/cli.h"
 #include "report/scene_sheet.h"
+#include "scene/scene.h"
+#include "scene/scene_export.h"
 
 #include <getopt.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "picture/picture_text.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,6 +2,7 @@
 #include "commands/run.h"
 
 #include "base/cli.h"
+#include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
 
 #include <stdlib.h>

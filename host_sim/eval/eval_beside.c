@@ -2,6 +2,7 @@
 #include "eval/eval_beside.h"
 
 #include "eval/eval_study.h"
+#include "plugin/loader_param.h"
 
 #include <math.h>
 #include <stdlib.h>

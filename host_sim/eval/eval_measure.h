@@ -33,7 +33,7 @@ typedef struct {
 #define HS_EVAL_MAX_LINE 64u
 
 /* The results of `count` (1 .. HS_EVAL_MAX_LINE) depthmaps zero + weight[i] * (one - zero): `zero` and `one`
- * are the maps at weight 0 and 1, width * height slices each. `threads` as for hs_scene_thread_count; few
+ * are the maps at weight 0 and 1, width * height slices each. `threads` as for hs_thread_count; few
  * look-ups are done on one. */
 void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const float *one,
                           const float *weight, uint32_t count, uint32_t threads, hs_measures *out);

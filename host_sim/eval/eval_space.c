@@ -2,6 +2,7 @@
 #include "eval/eval_space.h"
 
 #include "base/cli.h"
+#include "plugin/loader_param.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -3,7 +3,8 @@
 #include "report/loop_pictures.h"
 
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "picture/picture_panel.h"
+#include "plugin/loader_param.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A plugin's parameters as a command line sees them: found by key, written as key=value. */
-#include "plugin/loader.h"
+#include "plugin/loader_param.h"
 
 #include <math.h>
 #include <stdio.h>

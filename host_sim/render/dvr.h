@@ -87,7 +87,7 @@ typedef struct {
  * the number of steps of a whole ray if it never did (spec 7).
  */
 bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
-                   const hs_start_depths *start, cl_mem rgba, cl_mem termination, cl_event *event,
+                   const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                    hs_error *err);
 
 /* Enqueues a maximum intensity projection of the same samples, unclipped, into `gray` (width * height bytes).

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Maps in colour with a legend beside them: depth, initial points, signed values, labels. */
-#include "picture/picture_draw.h"
+#include "report/picture_map.h"
 
+#include "picture/picture_bar.h"
+#include "picture/picture_colour.h"
+#include "picture/picture_draw.h"
 #include "smartvis_plugin.h"
 
 #include <inttypes.h>
@@ -20,6 +22,13 @@ enum {
     LARGEST = 1280,  /* pixels a large map is reduced to */
     MIN_HEIGHT = 420 /* the legend needs it */
 };
+
+uint32_t hs_colour_label(uint8_t label) {
+    /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): told apart by colour-blind
+     * readers. */
+    static const uint32_t colours[] = {HS_COLOUR_NO_VALUE, 0x56b4e9, 0xe69f00};
+    return label < sizeof colours / sizeof *colours ? colours[label] : HS_COLOUR_INVALID;
+}
 
 /* A map's place in its picture. */
 typedef struct {

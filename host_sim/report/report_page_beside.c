@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The page's section of two methods beside each other: table, legends, and every case in pictures. */
+#include "picture/picture_colour.h"
 #include "report/report_draw.h"
 #include "report/report_page.h"
 

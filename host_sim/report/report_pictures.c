@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "picture/picture_colour.h"
 #include "report/loop_pictures.h"
+#include "report/picture_map.h"
 #include "report/report_draw.h"
 
 #include <limits.h>

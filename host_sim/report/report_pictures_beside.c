@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of both methods of one case, each at its one setting for all cases. */
+#include "picture/picture_colour.h"
 #include "report/report_draw.h"
 
 #include <stdlib.h>

@@ -4,28 +4,7 @@
 #ifndef HS_SCENE_H
 #define HS_SCENE_H
 
-#include "volume/volume.h"
-
-/* Values of the label map. */
-enum { HS_LABEL_NEITHER = 0, HS_LABEL_SAC = 1, HS_LABEL_FETUS = 2 };
-
-/* What a scene generates. Maps are nx * ny for the camera at 0, 0 (rays along +z), in source voxels:
- * depth 0 is the centre of the first slice. */
-typedef struct {
-    hs_volume full;  /* what the probe delivers */
-    hs_volume truth; /* the same with everything before a correct clipping surface removed (set to 1) */
-    uint8_t *label;  /* HS_LABEL_* */
-    /* Nearest and farthest admissible clipping depth; NAN where the label is 0. Both are voxel centres, and
-     * all voxels from near to far are fluid. A fetus that is touched by its occluder has no fluid before it:
-     * near = far = the first voxel of the fetus. */
-    float *near_end, *far_end;
-    /* The clipping surface of `truth`: the middle of the interval, or deeper where an occluder beside the ray
-     * ends deeper, always inside the interval; on label 0 carried on from the nearest pixel that has one.
-     * Voxels z < clip are removed. */
-    float *clip;
-    /* hs_tissue of each voxel (host_sim/scene/scene_tissue.h), nx * ny * nz: what the truth was read from. */
-    uint8_t *tissue;
-} hs_scene_data;
+#include "scene/scene_data.h"
 
 /* Milliseconds each step took; 0 for a step that the scene does not list. */
 enum {
@@ -88,10 +67,5 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
  * scene's own. */
 bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
                        hs_error *err);
-void hs_scene_free(hs_scene_data *data);
-
-/* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha. Where the label is 0, near and
- * far hold -1 in the files. */
-bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *err);
 
 #endif

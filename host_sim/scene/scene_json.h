@@ -60,8 +60,4 @@ bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((for
 bool hs_json_is_object(const hs_json *value);
 bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
 
-/* Line of the value at a path such as "a[3].b" in well-formed JSON text; the nearest enclosing value's if the
- * path does not exist. 1 is the first line. */
-unsigned hs_json_line(const char *text, const char *where);
-
 #endif

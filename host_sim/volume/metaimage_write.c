@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
+#include "volume/metaimage_write.h"
+
 #include "base/output_file.h"
-#include "volume/metaimage.h"
 
 #include <errno.h>
 #include <inttypes.h>

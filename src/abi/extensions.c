@@ -1,22 +1,27 @@
 /* SPDX-License-Identifier: MIT */
+/* The extensions that the plugin offers: one table each, headers in include/smartvis/. */
 #include "abi/extensions.h"
 
 #include "abi/validate.h"
 #include "frame/instance.h"
 #include "frame/pipeline_end.h"
+#include "smartvis/confidence.h"
+#include "smartvis/points.h"
+#include "smartvis/spline.h"
+#include "smartvis/timing.h"
 
 #include <string.h>
 
-static sv_status stats_enable(const sv_plugin *plugin, uint32_t on) {
-    sv_instance *in = sv_instance_of(plugin);
-    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "stats: not active");
+static sv_status timing_enable(const sv_plugin *plugin, uint32_t on) {
+    sv_instance *in = sv_instance_enter(plugin);
+    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "timing: not active");
     sv_timing_reset(&in->timing);
     in->timing.enabled = on != 0;
     return SV_OK;
 }
 
-static sv_status stats_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
-    sv_instance *in = sv_instance_of(plugin);
+static sv_status timing_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
+    sv_instance *in = sv_instance_enter(plugin);
     if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "stage_times: out is NULL");
     if (out->size < sizeof *out)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "stage_times: size is %u, expected at least %zu",
@@ -24,11 +29,27 @@ static sv_status stats_stage_times(const sv_plugin *plugin, sv_stage_times *out)
     return sv_timing_read(&in->timing, &in->diag, out);
 }
 
-static const sv_ext_stats ext_stats = {
-    .size = sizeof ext_stats, .enable = stats_enable, .stage_times = stats_stage_times};
+static const sv_ext_timing ext_timing = {
+    .size = sizeof ext_timing, .enable = timing_enable, .stage_times = timing_stage_times};
+
+/* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
+static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
+    sv_instance *in = sv_instance_enter(plugin);
+    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "points: out is NULL");
+    if (out->size < sizeof *out)
+        return sv_blame_host(&in->diag, SV_ERR_SIZE, "points: size is %u, expected at least %zu", out->size,
+                             sizeof *out);
+    if (in->state != SV_STATE_FINISHED)
+        return sv_blame_host(&in->diag, SV_ERR_STATE, "points: no finished frame");
+    const sv_status status = sv_pipeline_read_points(&in->pipeline, out);
+    if (status != SV_OK || !in->device.owned) return status;
+    return sv_clx_check(&in->diag, clFinish(in->device.queue), "points: clFinish");
+}
+
+static const sv_ext_points ext_points = {.size = sizeof ext_points, .write = points_write};
 
 static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "spline: out is NULL");
     if (out->size < sizeof *out)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "spline: size is %u, expected at least %zu", out->size,
@@ -48,7 +69,7 @@ static sv_status confidence_ready(sv_instance *in) {
 }
 
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (out && out->size < sizeof *out)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
                              out->size, sizeof *out);
@@ -67,7 +88,7 @@ static uint32_t confidence_offered(const sv_plugin *plugin) {
 /* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
 static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
                                   uint64_t offset) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     const sv_result to = {.size = sizeof to, .depth = map, .depth_object = object, .depth_offset = offset};
     sv_status status = confidence_ready(in);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "confidence", &in->pipeline, &to);
@@ -80,8 +101,12 @@ static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
                                                  .offered = confidence_offered,
                                                  .write = confidence_write};
 
-const void *sv_extension_find(const char *id) {
-    if (strcmp(id, SV_EXT_STATS) == 0) return &ext_stats;
-    if (strcmp(id, SV_EXT_CONFIDENCE) == 0) return &ext_confidence;
-    return strcmp(id, SV_EXT_SPLINE) == 0 ? &ext_spline : NULL;
+const char *const sv_extension_ids[] = {SV_EXT_TIMING, SV_EXT_POINTS, SV_EXT_SPLINE, SV_EXT_CONFIDENCE, NULL};
+
+const void *sv_extension(const char *id) {
+    /* In the order of sv_extension_ids. */
+    static const void *const tables[] = {&ext_timing, &ext_points, &ext_spline, &ext_confidence};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+        if (strcmp(id, sv_extension_ids[i]) == 0) return tables[i];
+    return NULL;
 }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The plugin's extensions: statistics, spline report, confidence (include/smartvis_plugin.h has the
- * contract). */
+/* The extensions that the plugin offers. */
 #ifndef SV_EXTENSIONS_H
 #define SV_EXTENSIONS_H
 
-/* The table of the extension `id` (not NULL), static, or NULL if the plugin has none by that name. */
-const void *sv_extension_find(const char *id);
+/* Their ids, ended by NULL, for the descriptor. */
+extern const char *const sv_extension_ids[];
+
+/* The const table of an extension, or NULL for an unknown id. */
+const void *sv_extension(const char *id);
 
 #endif

@@ -14,12 +14,17 @@ static const sv_descriptor descriptor = {
     .id = "org.smartvis.clip",
     .name = "SmartVis",
     .vendor = "SmartVis",
-    .version = "0.1.0",
+    .version = SV_VERSION,
+    .carriers = SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER) | SV_BIT(SV_CARRIER_IMAGE),
+    .voxel_types = SV_BIT(SV_VOXEL_U8),
+    .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
+    .features = SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
+    .extensions = sv_extension_ids,
     .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
 };
 
 static void plugin_deactivate(const sv_plugin *plugin) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state == SV_STATE_INACTIVE)
         (void)sv_blame_host(&in->diag, SV_ERR_STATE, "deactivate: not active");
     else
@@ -28,7 +33,7 @@ static void plugin_deactivate(const sv_plugin *plugin) {
 
 static void plugin_destroy(const sv_plugin *plugin) {
     if (!plugin) return;
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_INACTIVE) {
         (void)sv_blame_host(&in->diag, SV_ERR_STATE, "destroy: still active, deactivating");
         sv_instance_deactivate(in);
@@ -37,7 +42,7 @@ static void plugin_destroy(const sv_plugin *plugin) {
 }
 
 static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *format) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_INACTIVE)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "activate: already active");
     sv_values values;
@@ -57,20 +62,14 @@ static sv_status let_go(sv_instance *in, sv_status status) {
 }
 
 static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "begin: not active");
     if (in->state == SV_STATE_SLABS) (void)let_go(in, SV_OK);
     in->state = SV_STATE_IDLE;
-    if (!frame) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
-    if (frame->size < sizeof *frame)
-        return sv_blame_host(&in->diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", frame->size,
-                             sizeof *frame);
-    if (frame->flags != 0)
-        return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, no flag is known",
-                             frame->flags);
+    sv_status status = sv_validate_frame(&in->diag, &in->pipeline, frame);
+    if (status != SV_OK) return status;
     sv_values values = in->activated;
-    sv_status status =
-        sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
+    status = sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
     if (status == SV_OK) status = sv_validate_values(&in->diag, &in->pipeline, &values);
     if (status != SV_OK) return status;
     in->frame = values;
@@ -80,7 +79,7 @@ static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
 }
 
 static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_SLABS)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "slab: no frame was begun");
     sv_status status = sv_validate_slab(&in->diag, &in->pipeline, slab);
@@ -96,11 +95,10 @@ static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result
     const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);
     const sv_stats *stats = result->stats;
     if (status != SV_OK || !stats || stats->outcome == SV_OK) return status;
-    return sv_report(
-        &in->diag, SV_LOG_DEBUG, stats->outcome,
-        "%s: %s: %u initial points, %u of them surely behind fluid, %u of %u pixels without a surface", call,
-        stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points, stats->sure_points,
-        stats->unfilled, stats->rays);
+    return sv_report(&in->diag, SV_LOG_DEBUG, stats->outcome,
+                     "%s: %s: %u rays gave a point, %u of %u pixels are without a surface", call,
+                     stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points,
+                     stats->unfilled, stats->rays);
 }
 
 static sv_status output(sv_instance *in, const char *call, const sv_values *values, const sv_result *result) {
@@ -112,7 +110,7 @@ static sv_status output(sv_instance *in, const char *call, const sv_values *valu
 }
 
 static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_SLABS) return sv_blame_host(&in->diag, SV_ERR_STATE, "end: no frame was begun");
     in->state = SV_STATE_IDLE;
     sv_status status = SV_OK;
@@ -130,7 +128,7 @@ static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
 
 static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
                                const sv_result *result) {
-    sv_instance *in = sv_instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_FINISHED)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "adjust: no finished frame");
     sv_values adjusted = in->frame;
@@ -174,7 +172,7 @@ static const char *plugin_last_error(const sv_plugin *plugin) {
 
 static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
     (void)plugin;
-    return id ? sv_extension_find(id) : NULL;
+    return id ? sv_extension(id) : NULL;
 }
 
 static const sv_plugin vtable = {

@@ -4,6 +4,7 @@
 #define SV_TIMING_H
 
 #include "device/clx.h"
+#include "smartvis/timing.h"
 
 #include <stdbool.h>
 

@@ -6,6 +6,12 @@
 
 #include <stdio.h>
 
+sv_instance *sv_instance_enter(const sv_plugin *plugin) {
+    sv_instance *in = plugin->plugin_data;
+    in->diag.last_error[0] = '\0';
+    return in;
+}
+
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
 enum { FETCH_AHEAD_BYTES = 16 << 20 };
 
@@ -70,12 +76,6 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config) {
         in->diag.last_error[0] = '\0'; /* nothing has failed yet */
     }
     return build_and_test(in, config, 16);
-}
-
-sv_instance *sv_instance_of(const sv_plugin *plugin) {
-    sv_instance *in = plugin->plugin_data;
-    in->diag.last_error[0] = '\0';
-    return in;
 }
 
 sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {

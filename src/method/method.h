@@ -17,6 +17,8 @@
 
 #include "method/map.h"
 #include "ref/ref_method.h"
+#include "smartvis/confidence.h"
+#include "smartvis/spline.h"
 
 #define SV_MAX_METHOD_BUFFERS 14
 #define SV_MAX_LEVELS         14 /* of a pyramid over 8192 pixels */

@@ -2,6 +2,7 @@
 /* MetaImage files that are right: every voxel type, byte order and carrier, the mapping to 8 bit, the text's
  * liberties. */
 #include "support/metaimage_files.h"
+#include "volume/metaimage_write.h"
 
 #include <math.h>
 #include <sys/stat.h>

@@ -1,5 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Each artefact against numbers computed by hand. */
+#include "scene/scene_attenuation.h"
+#include "scene/scene_compress.h"
+#include "scene/scene_echo.h"
+#include "scene/scene_edge.h"
+#include "scene/scene_fan.h"
+#include "scene/scene_noise.h"
+#include "scene/scene_reverberation.h"
+#include "scene/scene_side_lobes.h"
 #include "support/scene_fixture.h"
 
 enum { N = 64 };

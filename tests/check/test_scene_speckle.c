@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Speckle: the statistics of fully developed speckle, and the size of its grains. */
+#include "scene/scene_speckle.h"
 #include "support/scene_fixture.h"
 
 enum { N = 96 };

@@ -2,6 +2,7 @@
 /* Ground truth: exact by construction, and the same bytes for the same seed. */
 #include "support/scene_fixture.h"
 #include "volume/metaimage.h"
+#include "volume/metaimage_write.h"
 
 #include <unistd.h>
 

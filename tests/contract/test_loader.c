@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The plugin loader: what it accepts, and what it says about everything else. */
-#include "plugin/loader.h"
+#include "plugin/loader_param.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

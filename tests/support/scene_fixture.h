@@ -3,8 +3,10 @@
 #ifndef SCENE_FIXTURE_H
 #define SCENE_FIXTURE_H
 
-#include "scene/scene_field.h"
+#include "scene/scene.h"
+#include "scene/scene_pass.h"
 #include "scene/scene_random.h"
+#include "scene/scene_read.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
