@@ -6,8 +6,12 @@
 #   include/       <stdint.h>, <stddef.h>
 #   include/smartvis/ include/, the C library
 #   cl/FAMILY/     cl/common/, itself
-#   src/LAYER/     include/, src/, cl/common/sv_shared.h, the C library, <CL/...>
-#   src/ref/       include/, src/ref/, cl/common/sv_shared.h, the C library                 (no OpenCL)
+#   src/           itself, cl/*/*_shared.h, the C library                                   (no OpenCL)
+#   src/ref/       the same, and itself
+#   src/device/    include/, itself, cl/*/*_shared.h, the C library, <CL/...>, generated kernels
+#   src/method/    the same, and src/, src/ref/, itself
+#   src/frame/     the same, and itself
+#   src/abi/       the same, and itself
 #   host_sim/ROOM/ include/, host_sim/, the C library, <CL/...>, png, turbojpeg, cairo, fontconfig, zlib, jansson;
 #                  never src/ or cl/
 #   host_sim/render/cl/  itself
@@ -15,7 +19,8 @@
 set -eu
 cd "${1:-$(dirname "$0")/..}"
 
-families='common|profile|chain|mean|minimum|spline|pushpull|grid|cost'
+families=$(cd cl && printf '%s|' *)
+families=${families%|}
 layers='abi|frame|method|device|ref'
 rooms='base|volume|picture|plugin|render|scene|loop|eval|report|commands'
 
@@ -31,7 +36,7 @@ complain() {
 }
 
 # may_include NAME PLACE...: true if the quoted name is found in one of the places. A place is a folder; or PREFIX/=FOLDER,
-# where names begin with the prefix; or the name itself (a generated file, the shared header).
+# where names begin with the prefix; or the name itself; or the beginning of names and * (generated files).
 may_include() {
     local name=$1 place
     shift
@@ -39,6 +44,7 @@ may_include() {
     for place in "$@"; do
         case $place in
         "$name") return 0 ;;
+        *'*') [[ $name == "${place%'*'}"* && $name != */* ]] && return 0 ;;
         *=*) [[ $name == "${place%%=*}"* && -f ${place#*=}/${name#"${place%%=*}"} ]] && return 0 ;;
         *) [ -f "$place/$name" ] && return 0 ;;
         esac
@@ -71,11 +77,16 @@ check_folder include/smartvis "$libc" include
 for folder in ${families//|/ }; do
     check_folder "cl/$folder" '(none)' "common/=cl/common" "$folder/=cl/$folder"
 done
-for folder in abi frame method device; do
-    check_folder "src/$folder" "($libc|$opencl)" include src common/sv_shared.h \
-        kernels_{frame,chain,cost,mean_maps,minimum,spline,pushpull,grid}.h
+mapfile -t shared < <(cd cl && ls */*_shared.h)
+mapfile -t floor < <(cd src && ls *.h)
+check_folder src "$libc" "${floor[@]}" "${shared[@]}"
+check_folder src/ref "$libc" "${floor[@]}" "${shared[@]}" ref/=src/ref
+floor=(include device/=src/device "${shared[@]}" "${floor[@]}" ref/=src/ref 'kernels_*')
+check_folder src/device "($libc|$opencl)" include device/=src/device "${shared[@]}" 'kernels_*'
+for folder in method frame abi; do
+    floor+=("$folder/=src/$folder")
+    check_folder "src/$folder" "($libc|$opencl)" "${floor[@]}"
 done
-check_folder src/ref "$libc" include ref/=src/ref common/sv_shared.h
 for folder in ${rooms//|/ }; do
     check_folder "host_sim/$folder" "($libc|$opencl|$libraries)" include host_sim hs_kernels_embedded.h
 done
@@ -86,6 +97,6 @@ while read -r file; do
     complain "$file" 1 "a source in a folder without a rule" "known: include cl/* src/* host_sim/* host_sim/render/cl bench tests"
 done < <(find . \( -path './build*' -o -path ./out -o -path ./.git -o -path ./bench -o -path ./tests \) -prune -o \
     -type f \( -name '*.c' -o -name '*.h' -o -name '*.cl' -o -name '*.clh' \) -print | sed 's|^\./||' |
-    grep -vE "^(include|include/smartvis|cl/($families)|src/($layers)|host_sim/($rooms|render/cl))/[^/]*\$" || true)
+    grep -vE "^(include|include/smartvis|cl/($families)|src|src/($layers)|host_sim/($rooms|render/cl))/[^/]*\$" || true)
 
 exit $failed

@@ -13,16 +13,19 @@ trap 'rm -rf "$work"' EXIT
 # fresh_tree: a small tree that keeps the rule.
 fresh_tree() {
     rm -rf "$work/tree"
-    mkdir -p "$work"/tree/{include,cl/{common,profile},src/{abi,frame,device,ref},host_sim/{base,picture,render/cl},tests/check,bench}
+    mkdir -p "$work"/tree/{include,cl/{common,profile},src/{abi,frame,method,device,ref},host_sim/{base,picture,render/cl},tests/check,bench}
     cd "$work/tree"
     printf '#include <stdint.h>\n#include <stddef.h>\n' > include/smartvis_plugin.h
     printf '/* shared */\n' > cl/common/sv_shared.h
     printf '#include "common/sv_shared.h"\n' > cl/profile/profile.cl
+    printf '#include "common/sv_shared.h"\n#include <stdint.h>\n' > src/quantise.h
     printf '#include "common/sv_shared.h"\n#include <math.h>\n' > src/ref/ref_mean.h
-    printf '#include "ref/ref_mean.h"\n#include "smartvis_plugin.h"\n' > src/ref/ref_mean.c
+    printf '#include "ref/ref_mean.h"\n#include "quantise.h"\n' > src/ref/ref_mean.c
     printf '#include <CL/cl.h>\n' > src/device/clx.h
     printf '#include "device/clx.h"\n#include "kernels_frame.h"\n#include <sys/stat.h>\n' > src/device/program.c
-    printf '#include "device/clx.h"\n#include "ref/ref_mean.h"\n' > src/frame/pipeline.c
+    printf '#include "device/clx.h"\n#include "kernels_mean.h"\n#include "quantise.h"\n' > src/method/chain.h
+    printf '#include "device/clx.h"\n#include "ref/ref_mean.h"\n' > src/frame/pipeline.h
+    printf '#include "frame/pipeline.h"\n#include "method/chain.h"\n' > src/abi/plugin.c
     printf '#include <CL/cl.h>\n#include <png.h>\n#include "smartvis_plugin.h"\n' > host_sim/picture/png.c
     printf '/* helper */\n' > host_sim/render/cl/sample.clh
     printf '#include "sample.clh"\n' > host_sim/render/cl/dvr.cl
@@ -54,6 +57,13 @@ caught cl/common/sv_shared.h '#include "profile/profile.cl"'
 caught src/ref/ref_mean.c '#include <CL/cl.h>'
 caught src/ref/ref_mean.c '#include "../device/clx.h"'
 caught src/ref/ref_mean.c '#include "device/clx.h"'
+caught src/ref/ref_mean.c '#include "smartvis_plugin.h"'
+caught src/quantise.h '#include "ref/ref_mean.h"'
+caught src/quantise.h '#include <CL/cl.h>'
+caught src/device/program.c '#include "quantise.h"'
+caught src/device/program.c '#include "method/chain.h"'
+caught src/method/chain.h '#include "frame/pipeline.h"'
+caught src/frame/pipeline.h '#include "abi/plugin.c"'
 caught src/device/program.c '#include "picture/png.h"'
 caught src/device/program.c '#include "profile/profile.cl"'
 caught src/device/program.c '#include <png.h>'

@@ -4,7 +4,8 @@
 #define SV_RIG_H
 
 #include "plugin/plugin_ext.h"
-#include "ref/sv_ref.h"
+#include "ref/ref_mean_fixed.h"
+#include "ref/ref_points.h"
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>
@@ -106,7 +107,7 @@ typedef struct {
     uint32_t points, empty_points, sure_points, level, maximum;
     sv_ref_fill fill;
     sv_status outcome;
-    sv_ref_fixed format;
+    sv_fixed format;
 } rig_expected;
 rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *settings, bool with_double);
 void rig_expected_free(rig_expected *e);

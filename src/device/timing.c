@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "frame/timing.h"
+#include "device/timing.h"
 
 #include <stdlib.h>
 

@@ -6,6 +6,8 @@
 #include "device/clx.h"
 #include "smartvis/timing.h"
 
+#include <stdbool.h>
+
 typedef enum {
     SV_STAGE_TRANSFER,
     SV_STAGE_PROFILE,

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The cost volume in float64, from its written definition (docs/cost_volume.md). Nothing here needs OpenCL,
- * and nothing is fast. Constants are SV_COST_* in cl/common/sv_shared.h.
+ * The cost volume in float64, from its written definition (docs/cost_volume.md): sizes, bins, grey levels,
+ * brightness, and where wall and back of the sac lie. Constants are SV_COST_*.
  */
 #ifndef SV_REF_COST_H
 #define SV_REF_COST_H
 
-#include "ref/sv_ref.h"
+#include "ref/ref_volume.h"
+
+#include <stdbool.h>
 
 /* What a length along a ray becomes for a ray of `labels` bins, and all else that follows from the sizes. */
 typedef struct {
@@ -56,44 +58,5 @@ bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *layou
  * before the back (labels: nowhere). One a cell. False: no memory. */
 bool sv_ref_cost_walls(const uint8_t *bins, const sv_ref_cost_layout *layout, uint32_t level, uint8_t *wall,
                        uint8_t *back);
-
-/* Everything that the costs of rays are taken from. */
-typedef struct {
-    const sv_ref_cost_layout *layout;
-    const uint8_t *bins;
-    sv_ref_cost_levels levels;
-    const uint16_t *sums, *nearby;
-    const uint8_t *wall, *back;
-} sv_ref_cost_scan;
-
-/* What a ray pays for every label. `open`: it has a fluid interval. False if it was not scanned. */
-typedef struct {
-    double cost[192]; /* SV_COST_LABELS */
-    double weight;    /* of its vote, 0 .. 1: 1 but for what touches the wall */
-    bool open;
-} sv_ref_cost_ray;
-bool sv_ref_cost_of_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row, sv_ref_cost_ray *out);
-
-typedef struct {
-    sv_ref_cost_levels levels;
-    uint32_t rays; /* scanned ones */
-    uint32_t open; /* with a fluid interval */
-    uint32_t ties; /* pixels near a cell where two labels, or a label and the edge of the minimum, are within
-                       1e-5 */
-} sv_ref_cost_facts;
-
-/* Everything: both ends of the q range, float64 slices, the confidence 0 .. 1, and 1 in `tie` for pixels that
- * a tie can reach. Maps are width * height. `tie` and `facts` may be NULL. False if memory runs out. */
-bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
-                         double *confidence, uint8_t *tie, sv_ref_cost_facts *facts);
-
-/* The same with a changed layout. */
-bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_layout *layout,
-                              double *near_surface, double *far_surface, double *confidence, uint8_t *tie,
-                              sv_ref_cost_facts *facts);
-
-/* The blurred cost volume, cells_x * cells_y * SV_COST_VALUES, from bins; the caller frees it. NULL: no
- * memory. */
-double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *layout, sv_ref_cost_facts *facts);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The methods of surface reconstruction: constant, stable value, and name, which is the parameter's text and
- * the suffix of the method's table (sv_method_<name>, in method_<name>.c). In the order of their values.
+ * the suffix of the method's table (sv_method_<name>, in method/method_<name>.c) and of its definition's
+ * (sv_ref_method_<name>, in ref/ref_<name>.c). In the order of their values.
  */
 #ifndef SV_METHOD_LIST_H
 #define SV_METHOD_LIST_H
