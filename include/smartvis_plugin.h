@@ -3,11 +3,13 @@
  * SmartVis plugin ABI, version 1.0: occlusion removal for 3D ultrasound.
  *
  * This header is all a host or a plugin author needs. It includes <stdint.h> and <stddef.h> only, and
- * compiles as C99 to C23 and C++11 to C++20.
+ * compiles as C99 to C23 and C++11 to C++20. Extensions have a header each in include/smartvis/, and so have
+ * two optional helpers: author.h for plugins, lookup.h for hosts.
  *
  *   host                                                        plugin
  *   ----                                                        ------
  *   dlopen, read smartvis_plugin_entry.abi_major  ------------>  (no plugin code has run yet)
+ *   entry.descriptor(i)                           ------------>  what it is, and what it can do
  *   entry.create(host, id)                        ------------>  a whole instance, or an error
  *     activate(format)                            ------------>  allocates, compiles, warms up, tests itself
  *       begin(frame)                              ------------>  \
@@ -52,8 +54,20 @@
  * of a result; they may hold anything. Slabs may differ in length from call to call, the last is often
  * short; none is longer than max_slab_slices.
  *
- * INTENSITIES are 8-bit unorm: 0 .. 255 stands for 0 .. 1, and thresholds are given in 0 .. 1. Voxels the
- * probe did not scan carry padding_value. They are neither fluid nor tissue: a ray skips them.
+ * INTENSITIES are 8-bit unorm: 0 .. 255 stands for 0 .. 1, and thresholds are given in 0 .. 1.
+ *
+ * WHERE THE FAN IS. Black fluid is 0, and so, in most machines, is what lies outside the fan. What was not
+ * scanned is neither fluid nor tissue: a ray skips it. A host knows its geometry and says for every ray which
+ * slices were scanned:
+ *
+ *     ray (x, y):   [ not scanned | scanned .................... | not scanned ]
+ *     slice:          0 ..          first .................. end - 1         .. slices - 1
+ *
+ * A host that cannot say so names a padding_value instead: voxels of that value were not scanned. Where both
+ * are given, a voxel was scanned if it lies in its ray's range and does not hold the padding value.
+ *
+ * LENGTHS. spacing_mm gives the distance between voxels, so that a method can measure in millimetres: the
+ * same anatomy then gives the same surface at any resolution. Depths in results stay in slices.
  *
  * DEPTH, AND "CLIPS NOTHING":
  *
@@ -65,10 +79,11 @@
  *                 :    starts at the front,
  *                      nothing is clipped
  *
- * A depth <= 0 clips nothing on that ray. For q > 1 depths may be negative; the host clamps when it
- * renders, a plugin must not. A map of zeros clips nothing at all.
+ * A depth <= 0 clips nothing on that ray. A depth may be negative, where the surface lies before the volume;
+ * the host clamps when it renders, a plugin must not. A map of zeros clips nothing at all.
  *
- * ON FAILURE. Whatever a call returns but SV_OK, the host renders unclipped, never with an earlier map.
+ * WHEN A MAP MAY BE USED. If the outcome of a frame is SV_OK or SV_PARTIAL, the host renders with its map. If
+ * it is SV_NO_SURFACE, or any call returned an error, the host renders unclipped, never with an earlier map.
  * The reason goes to sv_host.log and to last_error. A plugin never aborts, and fails no call in silence.
  *
  * THREADS AND STATES, the tag before every function:
@@ -77,13 +92,35 @@
  *                no file access, no unbounded loop. With the host's queue: no blocking call either.
  *     [any]      any thread, any time between create and destroy
  *     & active / & !active: only between activate and deactivate / only outside of it
- * A tag names a symbolic thread: any system thread will do if the calls do not overlap. Two instances are
- * independent of each other; a library has no global state.
+ * A tag names a symbolic thread: any system thread will do if the calls do not overlap. [control] and [frame]
+ * calls of one instance never overlap each other either: the host orders them. Only [any] calls may run
+ * beside them. Two instances are independent of each other; a library has no global state.
  *
- * EVOLUTION. Every struct that crosses begins with `size`, set by whoever owns the memory to sizeof of the
- * struct it was compiled with. Fields are appended, never moved or reused. A reader tests SV_HAS before it
- * reads a field that is newer than 1.0; a writer writes no further than `size`. Unknown enum values, flags
- * and ids are refused with an error, never guessed. Reserved fields are 0.
+ * STATE. All settings live in the host: parameter values come with every frame, so there are no presets to
+ * save and none to restore. A frame's map belongs to that frame's volume: there is no latency to make up for.
+ * A plugin that remembers earlier frames forgets them at SV_FRAME_DISCONTINUITY and at deactivate.
+ *
+ * EVOLUTION. A struct that may grow begins with `size`, set by whoever owns the memory to sizeof of the
+ * struct it was compiled with: sv_host, sv_param_info, sv_format, sv_frame, sv_slab, sv_stats, sv_result,
+ * sv_descriptor, sv_plugin and every struct of an extension; sv_entry has its size behind the version.
+ * sv_param_value and sv_scanned travel in arrays: they have no size and never grow. Fields are appended,
+ * never moved or reused. A reader tests SV_HAS before it reads a field that is newer than 1.0; a writer
+ * writes no further than `size`. Unknown enum values, flags and ids are refused with an error, never guessed.
+ * Reserved fields are 0.
+ *
+ * NOT IN 1.0, and how it would come without breaking anything:
+ *     16-bit voxels        SV_VOXEL_U16 is reserved; a plugin that reads it sets its bit in voxel_types
+ *     a Doppler channel    a second carrier in sv_slab, announced by a feature bit
+ *     a perspective camera a flag of the format and the rays' geometry behind the last field; today the host
+ *                          resamples to parallel rays
+ *     a region of interest a rectangle behind the last field of sv_frame; today the host gives a smaller
+ * format several maps         an extension that writes further maps after end, as smartvis.confidence/1 does
+ *     3D images            a further carrier, announced by its bit in carriers
+ *     semaphores, external memory   an extension that hands them over at activate; the queue stays the order
+ *
+ * WHERE HOSTS LOOK for plugins, if none is named: the folders of the environment variable
+ * SMARTVIS_PLUGIN_PATH (separated by ':', on Windows by ';'), then /usr/local/lib/smartvis and
+ * /usr/lib/smartvis. A plugin is a file there that exports smartvis_plugin_entry; its name does not matter.
  *
  * Source: "Application of Smart Visibility on Medical 3D Ultrasound Datasets" (diploma thesis, Vienna
  * University of Technology): "the thesis" below; section and algorithm numbers are its own.
@@ -111,6 +148,13 @@ struct _cl_device_id;
 struct _cl_command_queue;
 struct _cl_mem;
 
+/* The calling convention of every function that crosses. */
+#if defined(_WIN32) && !defined(_WIN64)
+#define SV_CALL __cdecl
+#else
+#define SV_CALL
+#endif
+
 typedef struct sv_plugin sv_plugin;
 typedef struct sv_host sv_host;
 
@@ -120,15 +164,17 @@ typedef struct sv_host sv_host;
 typedef int32_t sv_status;
 enum {
     SV_OK = 0,
-    SV_NO_SURFACE = 1, /* no initial point, or too little evidence of fluid before the bone: nothing is sure.
-                          The map holds zeros, which clip nothing. */
-    SV_PARTIAL = 2,    /* some pixels could not be reached (fill weight 0): they hold 0 and clip nothing */
+    SV_NO_SURFACE = 1, /* too little evidence of fluid before the fetus, or nothing hides it: the map holds
+                          zeros, which clip nothing */
+    SV_PARTIAL = 2, /* the map holds, but some pixels have no surface: they are 0 and clip nothing. The host
+                       renders with it as with SV_OK. */
 
     SV_ERR_INTERNAL = -1, /* a defect of the plugin */
 
     SV_ERR_ARGUMENT = -10,    /* a pointer is NULL, a flag or an enum value is unknown */
     SV_ERR_SIZE = -11,        /* a struct's `size` is smaller than version 1.0 of that struct */
-    SV_ERR_FORMAT = -12,      /* the format is impossible (width 0, pitch too small) or not supported */
+    SV_ERR_FORMAT = -12,      /* the format is impossible (width 0, pitch too small), not supported, or needs
+                                 more memory than the device has */
     SV_ERR_PARAM_ID = -13,    /* no parameter has this id */
     SV_ERR_PARAM_RANGE = -14, /* outside its hard range, not finite, or not a value of its type */
     SV_ERR_PARAM_FIXED = -15, /* flagged SV_PARAM_REACTIVATE and differs from the value at activate */
@@ -167,10 +213,10 @@ struct sv_host {
     const char *version; /* UTF-8, not NULL */
 
     /* [any] One finished line of text, without a newline. May be NULL. The text is valid during the call. */
-    void (*log)(const sv_host *host, int32_t severity, const char *text);
+    void(SV_CALL *log)(const sv_host *host, int32_t severity, const char *text);
 
     /* [any] A host extension by its id ("name/revision"), or NULL. May be NULL. Valid until destroy. */
-    const void *(*get_extension)(const sv_host *host, const char *id);
+    const void *(SV_CALL *get_extension)(const sv_host *host, const char *id);
 };
 
 /* --------------------------------------------------------------------------------------- parameters -- */
@@ -204,6 +250,17 @@ typedef struct sv_param_info {
     double display_max;
     double default_value;
     double step; /* the value is min_value + n * step for int, bool, enum; a hint for float */
+
+    /* What belongs together in a host's controls: "Surface", "Bone threshold". Not NULL, "" for none. */
+    const char *group;
+
+    /* When the parameter matters: always, if depends_on is 0. Else depends_on is the id of an int, bool or
+     * enum parameter, and this one matters only while that one matters and its value is min_value + n * step
+     * with bit n of depends_values set (n < 64). A value that does not matter is still checked. No parameter
+     * depends on itself, directly or through others. */
+    uint32_t depends_on;
+    uint32_t reserved; /* 0 */
+    uint64_t depends_values;
 } sv_param_info;
 
 typedef struct sv_param_value {
@@ -224,6 +281,15 @@ enum {
 };
 
 #define SV_NO_PADDING (-1)
+
+/* Flags of a format. */
+enum {
+    SV_FORMAT_SCANNED = 1u << 0 /* every frame brings the scanned range of every ray (sv_frame.scanned) */
+};
+
+/* What a plugin takes the longest side of a volume for if the spacing is unknown: about the depth of a
+ * prenatal scan. Its voxels are then taken as cubes. */
+#define SV_ASSUMED_EXTENT_MM 120.0f
 
 /*
  * Everything that stays the same from frame to frame. Read by activate, which copies what it needs.
@@ -246,6 +312,11 @@ typedef struct sv_format {
     uint32_t tile_h;          /* texture rows from one tile to the next in y, height .. 16384 */
     uint32_t row_pitch;       /* bytes from one texture row to the next, >= tiles_x * tile_w * voxel bytes */
 
+    /* Millimetres from one voxel's centre to the next in x, y and z; finite, and either all above 0 or all 0:
+     * unknown, and SV_ASSUMED_EXTENT_MM holds. */
+    float spacing_mm[3];
+    uint32_t flags; /* SV_FORMAT_* */
+
     struct _cl_context *context;
     struct _cl_device_id *device;
     struct _cl_command_queue *queue;
@@ -263,19 +334,50 @@ typedef struct sv_format {
 
 /* -------------------------------------------------------------------------------------------- frame -- */
 
-/* Read by begin, which copies what it needs. A parameter that is not listed has its default value. */
+/* Flags of a frame. */
+enum {
+    SV_FRAME_DISCONTINUITY = 1u << 0 /* this volume does not continue the one before: the camera moved, the
+                                        image was frozen, another patient. Whatever remembers forgets. */
+};
+
+/* The slices of one ray that were scanned: first .. end - 1. first >= end: none. What lies beyond the
+ * volume's slices is cut off. */
+typedef struct sv_scanned {
+    uint16_t first;
+    uint16_t end;
+} sv_scanned;
+
+/*
+ * Read by begin, which copies what it needs, except the contents of `scanned`. A parameter that is not listed
+ * has its default value.
+ */
 typedef struct sv_frame {
     uint32_t size;
-    uint32_t flags;               /* 0 */
+    uint32_t flags;               /* SV_FRAME_* */
     uint64_t index;               /* the host's own number of this volume, for the log */
+    uint64_t time_ns;             /* when it was acquired, on any clock that does not run back; 0: unknown */
     const sv_param_value *values; /* may be NULL if value_count is 0; a repeated id: the last counts */
     uint32_t value_count;
     uint32_t reserved; /* 0 */
+
+    /* With SV_FORMAT_SCANNED exactly one of the two, else neither: width * height ranges, row by row without
+     * a gap, in host memory, or in an OpenCL buffer of the host's context. As a slab's, the contents must not
+     * change until the commands of this frame have run (host queue), or end or a call that failed has
+     * returned (own queue). */
+    const sv_scanned *scanned;
+    struct _cl_mem *scanned_object;
+    uint64_t scanned_offset; /* bytes from the buffer's start, a multiple of 4 */
 } sv_frame;
 
 /*
  * One slab. Exactly one carrier, the one named in the format. The contents must not change until the
  * commands of this frame have run (host queue), or end or a call that failed has returned (own queue).
+ *
+ * `bytes` must reach the last voxel that belongs to a slice. With n = slice_count, r = (n - 1) / tiles_x (the
+ * last row of tiles) and v bytes a voxel, the exact least is the larger of
+ *     (r * tile_h + height - 1) * row_pitch + ((n - 1) % tiles_x * tile_w + width) * v
+ * and, if r > 0,
+ *     ((r - 1) * tile_h + height - 1) * row_pitch + ((tiles_x - 1) * tile_w + width) * v
  */
 typedef struct sv_slab {
     uint32_t size;
@@ -288,25 +390,21 @@ typedef struct sv_slab {
     uint64_t bytes;         /* HOST and BUFFER: bytes from the texture's first byte that may be read */
 } sv_slab;
 
-/* Per-frame statistics. All counts are of this frame's rays. */
+/* Per-frame statistics: what every method has. All counts are of this frame's rays. Methods that know more
+ * say it in an extension (include/smartvis/). */
 typedef struct sv_stats {
     uint32_t size;
-    sv_status outcome;     /* SV_OK, SV_NO_SURFACE or SV_PARTIAL: what this frame came to */
-    uint32_t rays;         /* width * height */
-    uint32_t points;       /* initial points, those with an empty interval included */
-    uint32_t empty_points; /* points whose interval is empty: depth 0, "clip nothing here" */
-    uint32_t passes;       /* passes or steps of the surface reconstruction; 1 if it has none */
-    uint32_t unfilled;     /* pixels without a surface (SV_PARTIAL, SV_NO_SURFACE) */
-    float volume_max;      /* largest intensity, 0 .. 1; padding does not count */
-    float bone_threshold;  /* the T_B that was used, 0 .. 1: a ray is bone above it */
-    uint32_t sure_points;  /* bone rays whose interval is long enough to be sure it is fluid */
+    sv_status outcome; /* SV_OK, SV_NO_SURFACE or SV_PARTIAL: what this frame came to */
+    uint32_t rays;     /* width * height */
+    uint32_t points;   /* rays that the surface rests on; 0 if the method does not count them */
+    uint32_t unfilled; /* pixels without a surface: 0 with SV_OK, all rays with SV_NO_SURFACE */
 } sv_stats;
 
 /* Values in the status map, one byte a ray. */
 enum {
-    SV_POINT_NONE = 0,    /* no initial point on this ray */
-    SV_POINT_INITIAL = 1, /* an initial point in a fluid interval */
-    SV_POINT_EMPTY = 2    /* an initial point with an empty interval: depth 0 */
+    SV_POINT_NONE = 0,    /* the surface does not rest on this ray */
+    SV_POINT_INITIAL = 1, /* it does: the ray gave a depth in a fluid interval */
+    SV_POINT_EMPTY = 2    /* it does, by a vote for depth 0: there is no fluid before the fetus on this ray */
 };
 
 /*
@@ -321,21 +419,48 @@ typedef struct sv_result {
     float *depth;                 /* float32 slices, height rows */
     struct _cl_mem *depth_object; /* an OpenCL buffer instead of depth; rows are width * 4 bytes apart */
     uint64_t depth_offset;        /* bytes into depth_object, a multiple of 4 */
-    uint8_t *status;              /* width * height bytes, SV_POINT_* */
-    sv_stats *stats;              /* stats->size set by the host; filled from the start up to that size */
+    uint8_t *status; /* width * height bytes, SV_POINT_*; SV_POINT_NONE for methods without points */
+    sv_stats *stats; /* stats->size set by the host; filled from the start up to that size */
 } sv_result;
 
 /* ------------------------------------------------------------------------------------------- plugin -- */
 
-/* Static facts about one plugin of the library. Valid until the library is unloaded; strings not NULL. */
+/* Queue modes, bits of sv_descriptor.queues. */
+enum {
+    SV_QUEUE_OWN =
+        1u << 0, /* activate without context, device and queue; a plugin on the CPU knows this only */
+    SV_QUEUE_HOST = 1u << 1 /* activate with the host's */
+};
+
+/* What a plugin makes use of, bits of sv_descriptor.features. */
+enum {
+    SV_FEATURE_SCANNED = 1u << 0, /* takes SV_FORMAT_SCANNED; without the bit it refuses the flag */
+    SV_FEATURE_PADDING = 1u << 1, /* heeds padding_value; without the bit it ignores the field */
+    SV_FEATURE_ADJUST = 1u << 2   /* has parameters flagged SV_PARAM_ADJUST */
+};
+
+/* The bit of a carrier or a voxel type in sv_descriptor. */
+#define SV_BIT(value) (1u << (value))
+
+/*
+ * Static facts about one plugin of the library, and what it can do: a host reads here what activate would
+ * refuse with SV_ERR_FORMAT, before any kernel is compiled. Valid until the library is unloaded; strings not
+ * NULL, UTF-8.
+ */
 typedef struct sv_descriptor {
     uint32_t size;
-    uint32_t reserved; /* 0 */
+    uint32_t carriers; /* SV_BIT(SV_CARRIER_HOST) | ...; SV_CARRIER_HOST is always among them */
     const char *id;    /* reverse domain and unique: "org.smartvis.clip" */
     const char *name;  /* for a person */
     const char *vendor;
-    const char *version; /* of the plugin, "1.0.0" */
-    const char *summary; /* one sentence */
+    const char *version;           /* of the plugin, "1.0.0" */
+    const char *summary;           /* one sentence */
+    uint32_t voxel_types;          /* SV_BIT(SV_VOXEL_U8) | ... */
+    uint32_t queues;               /* SV_QUEUE_OWN | SV_QUEUE_HOST */
+    uint32_t features;             /* SV_FEATURE_* */
+    uint32_t reserved;             /* 0 */
+    const char *const *extensions; /* ids that get_extension knows, ended by NULL; never NULL itself. An id
+                                      may still give NULL in an instance. */
 } sv_descriptor;
 
 /* One instance. The plugin owns it; the function pointers are never NULL and never change. */
@@ -346,137 +471,48 @@ struct sv_plugin {
     void *plugin_data; /* the plugin's own; a host does not touch it */
 
     /* [control & !active] Frees the instance. An active one is deactivated first (and the host is told). */
-    void (*destroy)(const sv_plugin *plugin);
+    void(SV_CALL *destroy)(const sv_plugin *plugin);
 
     /* [control & !active] Makes everything a frame needs for this format, compiles and launches every kernel
      * once, and has the device compute a known answer. SV_ERR_* leaves the instance inactive. */
-    sv_status (*activate)(const sv_plugin *plugin, const sv_format *format);
+    sv_status(SV_CALL *activate)(const sv_plugin *plugin, const sv_format *format);
 
     /* [control & active] Waits for its own outstanding work and frees what activate made. */
-    void (*deactivate)(const sv_plugin *plugin);
+    void(SV_CALL *deactivate)(const sv_plugin *plugin);
 
     /* [frame & active] Starts a volume. One that is under way is dropped. */
-    sv_status (*begin)(const sv_plugin *plugin, const sv_frame *frame);
+    sv_status(SV_CALL *begin)(const sv_plugin *plugin, const sv_frame *frame);
 
     /* [frame & active, after begin] The next slab, front to back. After an error the frame is over. */
-    sv_status (*slab)(const sv_plugin *plugin, const sv_slab *slab);
+    sv_status(SV_CALL *slab)(const sv_plugin *plugin, const sv_slab *slab);
 
     /* [frame & active, after the last slab] Delivers the results. Either way the frame is over. */
-    sv_status (*end)(const sv_plugin *plugin, const sv_result *result);
+    sv_status(SV_CALL *end)(const sv_plugin *plugin, const sv_result *result);
 
-    /* [frame & active, after a successful end] The last volume again, with other values for parameters that
-     * are flagged SV_PARAM_ADJUST; the rest keep the frame's. Where the surface is linear in q, q costs one
-     * multiply-add per pixel, S(q) = S_f + q (S_n - S_f), so a slider may call it at will; where it is not
-     * (minimum filter), the surface is reconstructed again. */
-    sv_status (*adjust)(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
-                        const sv_result *result);
+    /* [frame & active, after an end that returned SV_OK, SV_PARTIAL or SV_NO_SURFACE] The last volume again,
+     * with other values for parameters that are flagged SV_PARAM_ADJUST; the rest keep the frame's. A slider
+     * may call it at will. The outcome may be another one with other values; after SV_NO_SURFACE it mostly
+     * stays that, with a map of zeros. An error leaves the frame as it is: adjust may be called again. */
+    sv_status(SV_CALL *adjust)(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
+                               const sv_result *result);
 
     /* [any] Parameters; 0 .. param_count - 1 is an index, not an id. The order is that of importance. */
-    uint32_t (*param_count)(const sv_plugin *plugin);
-    sv_status (*param_info)(const sv_plugin *plugin, uint32_t index, sv_param_info *out);
+    uint32_t(SV_CALL *param_count)(const sv_plugin *plugin);
+    sv_status(SV_CALL *param_info)(const sv_plugin *plugin, uint32_t index, sv_param_info *out);
 
     /* [any] A value as a person reads it ("0.24", "offset"): writes at most bytes - 1 characters and a NUL.
      * An enum's value text is its name. */
-    sv_status (*param_text)(const sv_plugin *plugin, uint32_t id, double value, char *out, uint32_t bytes);
+    sv_status(SV_CALL *param_text)(const sv_plugin *plugin, uint32_t id, double value, char *out,
+                                   uint32_t bytes);
 
     /* [control] or [frame] The reason of the last [control] or [frame] call that did not return SV_OK, or ""
      * if the last one did. UTF-8, valid until the next such call of this instance. Calls for [any] thread
      * only log. */
-    const char *(*last_error)(const sv_plugin *plugin);
+    const char *(SV_CALL *last_error)(const sv_plugin *plugin);
 
     /* [any] An extension's const table by its id, or NULL. Valid until destroy. */
-    const void *(*get_extension)(const sv_plugin *plugin, const char *id);
+    const void *(SV_CALL *get_extension)(const sv_plugin *plugin, const char *id);
 };
-
-/* --------------------------------------------------------------------------------------- extensions -- */
-
-/*
- * smartvis.stats/1: where the time of a frame went. It needs a queue with CL_QUEUE_PROFILING_ENABLE (the
- * plugin's own queue has it).
- */
-#define SV_EXT_STATS "smartvis.stats/1"
-
-typedef struct sv_stage_times {
-    uint32_t size;
-    uint32_t reserved;     /* 0 */
-    double transfer_ms;    /* copies of slabs to the device; 0 where slabs are read in place */
-    double profile_ms;     /* ray profiles, all slabs */
-    double threshold_ms;   /* bone threshold and initial points */
-    double reconstruct_ms; /* surface reconstruction and S(q), where the device tells it from threshold */
-    double output_ms;      /* results to the host */
-} sv_stage_times;
-
-typedef struct sv_ext_stats {
-    uint32_t size;
-    uint32_t reserved; /* 0 */
-
-    /* [control] Switches timing on or off (off after activate): on, each command keeps its event. */
-    sv_status (*enable)(const sv_plugin *plugin, uint32_t on);
-
-    /* [control] Times of the last frame whose end succeeded. Its commands must have run. SV_ERR_STATE if
-     * there is none or timing was off, SV_ERR_OPENCL if the queue does not profile. */
-    sv_status (*stage_times)(const sv_plugin *plugin, sv_stage_times *out);
-} sv_ext_stats;
-
-/*
- * smartvis.spline/1: what the thin-plate spline of the last frame came to (parameter method = spline).
- */
-#define SV_EXT_SPLINE "smartvis.spline/1"
-
-typedef struct sv_spline_report {
-    uint32_t size;
-    uint32_t points;     /* control points, after merging; 0: the frame had no initial point */
-    uint32_t merge_grid; /* cells per side that points were merged on; 0: not merged */
-    uint32_t rank;       /* of the plane: 3, or 2 for collinear points, or 1 for a single one */
-    uint32_t dropped;    /* unknowns left out because their pivot was as good as 0 */
-    float condition;   /* ratio of the largest to the smallest pivot: at most the matrix' condition number */
-    float residual;    /* largest error of the solved equations at a control point, slices */
-    uint32_t reserved; /* 0 */
-} sv_spline_report;
-
-typedef struct sv_ext_spline {
-    uint32_t size;
-    uint32_t reserved; /* 0 */
-
-    /* [control] Waits for the queue and reads the report of the last frame whose end succeeded. SV_ERR_STATE
-     * if there is none, or the method is another one. */
-    sv_status (*report)(const sv_plugin *plugin, sv_spline_report *out);
-} sv_ext_spline;
-
-/*
- * smartvis.confidence/1: how sure the surface of the last frame is (parameter method = cost).
- */
-#define SV_EXT_CONFIDENCE "smartvis.confidence/1"
-
-typedef struct sv_confidence_report {
-    uint32_t size;
-    float fluid_threshold; /* T_L that was found from the volume's own grey levels, 0 .. 1 */
-    uint32_t rays;         /* that have a scanned voxel */
-    uint32_t open_rays;    /* with an interval of fluid behind tissue; too few of them: SV_NO_SURFACE */
-} sv_confidence_report;
-
-typedef struct sv_ext_confidence {
-    uint32_t size;
-    uint32_t reserved; /* 0 */
-
-    /* [control] Waits for the queue and reads the last frame whose end succeeded. `map`: width * height
-     * float32, row by row, 0 (nothing is known) .. 1 (no other depth comes near in cost, and all rays nearby
-     * show fluid); all 0 without a surface. The surface lies nearer to the viewer where it is low; a host may
-     * widen its ghosting window there. `map` or `out` may be NULL. SV_ERR_STATE if there is no such frame or
-     * the method is another one. */
-    sv_status (*read)(const sv_plugin *plugin, float *map, sv_confidence_report *out);
-
-    /* [control & active] or [frame & active] 1 if the method that is active gives a map, else 0. It stays the
-     * same until deactivate. */
-    uint32_t (*offered)(const sv_plugin *plugin);
-
-    /* [frame & active, after a successful end or adjust] The map of the last frame on the frame path, into
-     * either `map` or `object`, an OpenCL buffer, at `offset` bytes (a multiple of 4). Host queue: enqueued
-     * behind the frame's own commands and valid when the queue has run; the memory must stay until then. Own
-     * queue: `map` only; valid when it returns. SV_ERR_STATE as `read`; SV_ERR_ARGUMENT for none or both, or
-     * an object that the queue cannot reach or that is too small. */
-    sv_status (*write)(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset);
-} sv_ext_confidence;
 
 /* -------------------------------------------------------------------------------------------- entry -- */
 
@@ -491,12 +527,12 @@ typedef struct sv_entry {
     uint32_t count;     /* plugins in this library, >= 1 */
 
     /* [any] Facts about plugin 0 .. count - 1; NULL for any other index. Cheap: a host may scan folders. */
-    const sv_descriptor *(*descriptor)(uint32_t index);
+    const sv_descriptor *(SV_CALL *descriptor)(uint32_t index);
 
     /* [control] Makes an instance of the plugin with this id. On success *out is whole; on an error it is
      * NULL and nothing is left behind. Makes no OpenCL call: an instance on a machine without a device can
      * still describe its parameters. */
-    sv_status (*create)(const sv_host *host, const char *id, const sv_plugin **out);
+    sv_status(SV_CALL *create)(const sv_host *host, const char *id, const sv_plugin **out);
 } sv_entry;
 
 #define SV_ENTRY_SYMBOL "smartvis_plugin_entry"

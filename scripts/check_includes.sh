@@ -21,6 +21,7 @@ floors() {
     cat <<'TABLE'
 include/smartvis_plugin.h |                                                          | fixed
 include/smartvis/author.h | abi                                                      | fixed libc
+include/smartvis/lookup.h | abi                                                      | fixed libc
 include/smartvis          | abi                                                      | fixed
 cl/common                 | .                                                        |
 cl/*                      | cl/common .                                              |

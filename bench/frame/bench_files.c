@@ -123,7 +123,7 @@ static json_t *json_plugin(const bench_report *report, const bench_plugin_result
                   json_known(plain > 0.0 ? r->times[BENCH_FRAME].median / plain : NAN), "per_mean_profile",
                   json_known(ratio.mean), "per_own_profile", json_known(ratio.own),
                   "largest_difference_slices", r->difference, "points", (int)r->stats.points, "empty_points",
-                  (int)r->stats.empty_points, "passes", (int)r->stats.passes);
+                  (int)r->points.empty_points, "passes", (int)r->points.passes);
     if (r->has_stages)
         (void)json_object_set_new(object, "stages_ms",
                                   json_pack("{s:f,s:f,s:f,s:f,s:f}", "transfer", r->stages.transfer_ms,

@@ -31,6 +31,7 @@ typedef struct {
     plain_frame *plain;
     bench_samples samples[BENCH_PARTS];
     sv_stats stats;
+    sv_points_report points;
 } bench;
 
 static const struct {
@@ -194,6 +195,8 @@ static bool plugin_frame(bench *b, uint8_t *status_map, double ms[BENCH_PARTS], 
     if (!hs_plugin_check(p, b->instance->end(b->instance, &result), "end", err) || !finish(b, err))
         return false;
     const double ended = hs_now();
+    hs_plugin_points(b->instance, &b->points);
+    if (!finish(b, err)) return false;
     if (!ms) return true;
     ms[BENCH_BEGIN] = (begun - start) * 1e3;
     ms[BENCH_SLABS] = (given - begun) * 1e3;
@@ -273,7 +276,7 @@ static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
 
 /* Stage times of a few more frames, apart from the others because events cost time. */
 static bool time_stages(bench *b, bench_plugin_result *result, hs_error *err) {
-    const sv_ext_stats *ext = b->instance->get_extension(b->instance, SV_EXT_STATS);
+    const sv_ext_timing *ext = hs_plugin_timing(b->instance);
     if (!ext || ext->enable(b->instance, 1) != SV_OK) return true;
     bench_samples samples[5] = {{0}};
     bool ok = true;
@@ -328,6 +331,7 @@ bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs,
                     time_stages(&b, result, err);
     for (int p = 0; ok && p < BENCH_PARTS; p++) result->times[p] = bench_samples_times(&b.samples[p]);
     result->stats = b.stats;
+    result->points = b.points;
     release(&b);
     return ok;
 }

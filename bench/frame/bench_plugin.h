@@ -8,6 +8,7 @@
 #include "frame/bench_team.h"
 #include "frame/bench_times.h"
 #include "plugin/loader.h"
+#include "plugin/plugin_ext.h"
 
 /* How slabs get to the plugin, and whose queue it uses. */
 typedef enum {
@@ -47,7 +48,8 @@ typedef struct {
     uint32_t frames;
     bench_times times[BENCH_PARTS];
     sv_stats stats;
-    double difference; /* largest of the plugin's depths from plain C's, slices */
+    sv_points_report points; /* size 0: the plugin does not tell */
+    double difference;       /* largest of the plugin's depths from plain C's, slices */
     bool has_stages;
     sv_stage_times stages; /* medians of frames with events on, measured apart */
 } bench_plugin_result;

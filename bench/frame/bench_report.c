@@ -31,7 +31,7 @@ void bench_print_plugin(const bench_plugin_result *r) {
 }
 
 void bench_print_stages(const bench_plugin_result *results, uint32_t count) {
-    printf("\nStages of the plugin's frame by its own events (" SV_EXT_STATS "), medians in milliseconds\n");
+    printf("\nStages of the plugin's frame by its own events (" SV_EXT_TIMING "), medians in milliseconds\n");
     printf("%4s %-34s %4s | %8s %8s %9s %11s %7s | %s\n", "n", "slabs", "of", "transfer", "profile",
            "threshold", "reconstruct", "output", "initial points, empty, passes");
     for (uint32_t i = 0; i < count; i++) {
@@ -40,7 +40,7 @@ void bench_print_stages(const bench_plugin_result *results, uint32_t count) {
         printf("%4u %-34s %4u | %8.3f %8.3f %9.3f %11.3f %7.3f | %.1f %%, %u, %u\n", r->variant.n,
                bench_route_label(r->variant.route), r->variant.slab_slices, r->stages.transfer_ms,
                r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, r->stages.output_ms,
-               100.0 * ratio(r->stats.points, r->stats.rays), r->stats.empty_points, r->stats.passes);
+               100.0 * ratio(r->stats.points, r->stats.rays), r->points.empty_points, r->points.passes);
     }
 }
 

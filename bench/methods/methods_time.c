@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "frame/plain_surface.h"
 #include "plugin/loader_param.h"
+#include "plugin/plugin_ext.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +20,7 @@ typedef struct {
     const methods_map *map;
     const methods_variant *variant;
     const sv_plugin *instance;
-    const sv_ext_stats *stats; /* NULL: the plugin has none */
+    const sv_ext_timing *stats; /* NULL: the plugin has none */
     methods_values values;
     bool active;
     double first_ms; /* `end` of the first frame */
@@ -103,8 +104,10 @@ static bool verify(timing *t, methods_times *times, hs_error *err) {
         if (t->status[i] != t->map->status[i])
             return hs_fail(err, HS_ERR_FAILED, "%s: ray (%zu, %zu): the plugin's status is %u, expected %u",
                            t->variant->label, i % t->map->n, i / t->map->n, t->status[i], t->map->status[i]);
-    times->passes = stats.passes;
-    const sv_ext_spline *spline = t->instance->get_extension(t->instance, SV_EXT_SPLINE);
+    sv_points_report points;
+    hs_plugin_points(t->instance, &points);
+    times->passes = points.passes;
+    const sv_ext_spline *spline = hs_plugin_spline(t->instance);
     sv_spline_report report = {.size = sizeof report};
     if (t->variant->kind == METHODS_SPLINE && spline && spline->report(t->instance, &report) == SV_OK)
         times->control_points = report.points;
@@ -178,7 +181,7 @@ bool methods_time(const methods_setup *setup, const methods_map *map, const meth
                 .map = map,
                 .variant = variant,
                 .instance = instance,
-                .stats = instance->get_extension(instance, SV_EXT_STATS)};
+                .stats = hs_plugin_timing(instance)};
     t.depth = depth;
     *times = (methods_times){0};
     const bool ok =

@@ -19,7 +19,7 @@ typedef struct {
 /* Milliseconds. All zero where it does not apply. */
 typedef struct {
     bench_times end;         /* wall clock of the plugin's `end`, all events off */
-    bench_times reconstruct; /* its stage by smartvis.stats/1, in the frames between; zero without it */
+    bench_times reconstruct; /* its stage by smartvis.timing/1, in the frames between; zero without it */
     bench_times memory;      /* two float32 maps read and one written once, two threads: its minimum
                                 is the limit */
     bench_times plain;       /* mean filter: the same in plain C, two threads */

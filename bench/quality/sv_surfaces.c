@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth; their flicker and
  * their time. */
+#include "plugin/loader.h"
 #include "plugin/loader_param.h"
+#include "plugin/plugin_ext.h"
 #include "quality/surf_ablation.h"
 #include "volume/metaimage.h"
 
@@ -278,7 +280,7 @@ static bool print_times(const char *path, const char *method, uint32_t n, hs_err
     session s = {0};
     if (!hs_scene_generate("E01", n, 1, &scene, err)) return false;
     bool ok = session_open(&s, path, method, n, n, n, err);
-    const sv_ext_stats *stats = ok ? s.plugin.instance->get_extension(s.plugin.instance, SV_EXT_STATS) : NULL;
+    const sv_ext_timing *stats = ok ? hs_plugin_timing(s.plugin.instance) : NULL;
     double ms[FRAMES];
     sv_stage_times t = {.size = sizeof t};
     for (int i = 0; ok && i < FRAMES; i++) {
@@ -312,7 +314,7 @@ static bool print_volume(const char *path, const char *file, hs_error *err) {
     bool ok =
         session_open(&s, path, "cost", v.nx, v.ny, v.nz, err) && session_frame(&s, v.voxels, 0.5f, 0.0, err);
     const sv_plugin *p = s.plugin.instance;
-    const sv_ext_confidence *ext = ok ? p->get_extension(p, SV_EXT_CONFIDENCE) : NULL;
+    const sv_ext_confidence *ext = ok ? hs_plugin_confidence(p) : NULL;
     sv_confidence_report r = {.size = sizeof r};
     float *map = malloc((size_t)v.nx * v.ny * sizeof *map);
     if (ok && ext && map && ext->read(p, map, &r) == SV_OK) {

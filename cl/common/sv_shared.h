@@ -119,18 +119,18 @@
 #define SV_MEAN_BATCH   4
 #define SV_SCRATCH_ROWS (SV_SUM_PLANES * (1 + SV_MEAN_BATCH))
 
-/* Words of the frame's record on the device. The first ten are sv_stats of the ABI, word for word (`size`
- * unused), so that a read of the record is the host's struct. */
-#define SV_REC_OUTCOME  1
-#define SV_REC_RAYS     2
-#define SV_REC_POINTS   3
-#define SV_REC_EMPTY    4
-#define SV_REC_PASSES   5
-#define SV_REC_UNFILLED 6
-#define SV_REC_MAX      7 /* float bits, 0..1 */
-#define SV_REC_TB       8 /* float bits, 0..1 */
-#define SV_REC_SURE     9
-#define SV_REC_WORDS    10
+/* Words of the frame's record on the device. The first are sv_stats of the ABI, word for word (`size` unused),
+ * and those from SV_REC_EMPTY on sv_points_report, so that a read of the record is the host's struct. */
+#define SV_REC_OUTCOME     1
+#define SV_REC_RAYS        2
+#define SV_REC_POINTS      3
+#define SV_REC_UNFILLED    4
+#define SV_REC_STATS_WORDS 5
+#define SV_REC_EMPTY       5
+#define SV_REC_PASSES      6
+#define SV_REC_MAX         7 /* float bits, 0..1 */
+#define SV_REC_TB          8 /* float bits, 0..1 */
+#define SV_REC_SURE        9
 #define SV_REC_LEVEL    10 /* bone level 0..255: a ray is bone above it */
 #define SV_REC_BONE     11 /* rays above it, whether they give a point or not */
 #define SV_REC_EVIDENCE 12 /* sv_job.evidence */

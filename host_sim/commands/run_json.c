@@ -44,12 +44,16 @@ static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
                              (int)r->failed_frames, "outcome", (int)r->outcome, "outcome_name",
                              hs_status_name(r->outcome));
     put(part, "stats",
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f}", "rays", (json_int_t)s->rays, "points",
-                  (json_int_t)s->points, "empty_points", (json_int_t)s->empty_points, "sure_points",
-                  (json_int_t)s->sure_points, "passes", (json_int_t)s->passes, "unfilled",
-                  (json_int_t)s->unfilled, "volume_max", (double)s->volume_max, "bone_threshold",
-                  (double)s->bone_threshold),
+        json_pack("{s:I, s:I, s:I}", "rays", (json_int_t)s->rays, "points", (json_int_t)s->points, "unfilled",
+                  (json_int_t)s->unfilled),
         ok);
+    const sv_points_report *p = &r->points;
+    if (p->size > 0)
+        put(part, "points",
+            json_pack("{s:I, s:I, s:I, s:f, s:f}", "empty_points", (json_int_t)p->empty_points, "sure_points",
+                      (json_int_t)p->sure_points, "passes", (json_int_t)p->passes, "volume_max",
+                      (double)p->volume_max, "bone_threshold", (double)p->bone_threshold),
+            ok);
     const sv_stage_times *t = &r->plugin_stages;
     if (r->has_plugin_stages)
         put(part, "stages_ms",

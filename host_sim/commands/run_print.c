@@ -87,13 +87,16 @@ static void print_plugin(const hs_loop_result *r, FILE *out) {
                   r->clipped_frames, r->note_frames, r->failed_frames);
     const sv_stats *s = &r->stats;
     (void)fprintf(out, "Last frame: %s", hs_status_name(r->outcome));
+    const sv_points_report *p = &r->points;
     if (s->rays > 0)
-        (void)fprintf(out,
-                      "; %u initial points (%.1f %% of %u rays), %u of them with an empty interval, %u "
-                      "surely in fluid; "
-                      "T_B %.3f, volume maximum %.3f; %u passes, %u pixels unfilled",
-                      s->points, 100.0 * s->points / s->rays, s->rays, s->empty_points, s->sure_points,
-                      (double)s->bone_threshold, (double)s->volume_max, s->passes, s->unfilled);
+        (void)fprintf(out, "; %u rays gave a point (%.1f %% of %u), %u pixels unfilled", s->points,
+                      100.0 * s->points / s->rays, s->rays, s->unfilled);
+    if (p->size > 0)
+        (void)fprintf(
+            out,
+            "; %u points with an empty interval, %u surely in fluid; T_B %.3f, volume maximum %.3f; %u "
+            "passes",
+            p->empty_points, p->sure_points, (double)p->bone_threshold, (double)p->volume_max, p->passes);
     (void)fprintf(out, "\n");
 }
 

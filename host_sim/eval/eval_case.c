@@ -103,7 +103,7 @@ bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin
                                   hs_source_truth(&c->from.source, 0), c->from.label, err) &&
               allocate(c, err) && convert(c, err) && run_frame(c, fixed, &frame, err);
     if (ok) {
-        c->volume_max = (double)frame.stats.volume_max;
+        c->volume_max = (double)frame.points.volume_max;
         c->volume_crc = volume_crc(hs_source_volume(&c->from.source, 0), hs_source_truth(&c->from.source, 0));
     } else {
         hs_eval_case_close(c);

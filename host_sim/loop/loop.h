@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "loop/source.h"
 #include "plugin/loader.h"
+#include "plugin/plugin_ext.h"
 #include "render/dvr.h"
 
 /* What a frame consists of (thesis, Figure 5.21). Only the last clips: the others render the full volume. */
@@ -66,10 +67,11 @@ const char *hs_stage_label(hs_stage stage);
 /* What one frame came to. */
 typedef struct {
     double ms[HS_STAGE_COUNT];
-    bool clipped;      /* the picture was rendered with the plugin's map: its status was SV_OK */
-    bool sure;         /* and its ghosting with the plugin's confidence */
-    sv_status outcome; /* the plugin's, SV_OK if it was not asked */
-    sv_stats stats;    /* the plugin's; zeros if it was not asked or failed */
+    bool clipped;            /* the picture was rendered with the plugin's map: its status was SV_OK */
+    bool sure;               /* and its ghosting with the plugin's confidence */
+    sv_status outcome;       /* the plugin's, SV_OK if it was not asked */
+    sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */
+    sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
 } hs_frame;
 
 typedef struct hs_loop hs_loop;
@@ -119,7 +121,8 @@ typedef struct {
     double plugin_share;       /* median of the plugin / median of the loop, 0 .. 1 */
     sv_status outcome;         /* of the last frame, with its statistics */
     sv_stats stats;
-    bool has_plugin_stages;       /* the plugin has smartvis.stats/1 and it gave times: */
+    sv_points_report points;
+    bool has_plugin_stages;       /* the plugin has smartvis.timing/1 and it gave times: */
     sv_stage_times plugin_stages; /* medians of a few extra frames, measured apart because events cost time */
 } hs_loop_result;
 

@@ -129,6 +129,7 @@ static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **ca
  */
 static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_frame *frame, hs_error *err) {
     bool asked = false;
+    if (status >= SV_OK) hs_plugin_points(clipper->plugin->instance, &clipper->points);
     if (status == SV_OK && !hs_clipper_sure_ask(clipper, &asked, err)) return false;
     if (status == SV_OK && clipper->own_queue) {
         cl_int code =
@@ -145,6 +146,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_f
         return true;
     }
     frame->stats = clipper->stats;
+    frame->points = clipper->points;
     /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
     frame->outcome = status != SV_OK ? status : clipper->stats.outcome;
     frame->clipped = frame->outcome == SV_OK;
@@ -172,20 +174,17 @@ bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_frame *fram
     return settle(clipper, instance->adjust(instance, &value, 1, &result), "adjust", frame, err);
 }
 
-static const sv_ext_stats *stats_extension(const hs_clipper *clipper) {
-    if (!clipper->active) return NULL;
-    const sv_plugin *instance = clipper->plugin->instance;
-    const sv_ext_stats *ext = instance->get_extension(instance, SV_EXT_STATS);
-    return ext && ext->size >= sizeof *ext && ext->enable && ext->stage_times ? ext : NULL;
+static const sv_ext_timing *timing_of(const hs_clipper *clipper) {
+    return clipper->active ? hs_plugin_timing(clipper->plugin->instance) : NULL;
 }
 
 bool hs_clipper_time_stages(hs_clipper *clipper, bool on) {
-    const sv_ext_stats *ext = stats_extension(clipper);
+    const sv_ext_timing *ext = timing_of(clipper);
     return ext && ext->enable(clipper->plugin->instance, on) == SV_OK;
 }
 
 bool hs_clipper_stage_times(hs_clipper *clipper, sv_stage_times *times) {
-    const sv_ext_stats *ext = stats_extension(clipper);
+    const sv_ext_timing *ext = timing_of(clipper);
     *times = (sv_stage_times){.size = sizeof *times};
     return ext && ext->stage_times(clipper->plugin->instance, times) == SV_OK;
 }

@@ -56,11 +56,12 @@ typedef struct {
     float *host_sure;  /* own queue: where the plugin writes it */
     cl_kernel check;   /* counts confidences that are out of range, into `wrong` */
     cl_mem wrong;
-    cl_int wrong_count;  /* of the last frame; valid when the queue has run */
-    uint8_t *status;     /* SV_POINT_* */
-    sv_stats stats;      /* written by the queue; valid when it has run */
-    hs_error error;      /* the plugin's first failure */
-    hs_error sure_error; /* the first failure to give a usable confidence; not among the others */
+    cl_int wrong_count;      /* of the last frame; valid when the queue has run */
+    uint8_t *status;         /* SV_POINT_* */
+    sv_stats stats;          /* written by the queue; valid when it has run */
+    sv_points_report points; /* the same; size is 0 if the plugin does not have the extension */
+    hs_error error;          /* the plugin's first failure */
+    hs_error sure_error;     /* the first failure to give a usable confidence; not among the others */
 } hs_clipper;
 
 /* Makes the memory and activates the plugin. False only for failures of the host's own. */

@@ -29,6 +29,7 @@ static void count_outcome(hs_loop_result *result, const hs_frame *frame) {
         result->failed_frames++;
     result->outcome = frame->outcome;
     result->stats = frame->stats;
+    result->points = frame->points;
 }
 
 /* The split of the plugin's time. Apart from the timed run, since every command then keeps an event. */

@@ -12,9 +12,8 @@
 static const sv_ext_confidence *find(const hs_clipper *clipper) {
     if (!clipper->active) return NULL;
     const sv_plugin *instance = clipper->plugin->instance;
-    const sv_ext_confidence *ext = instance->get_extension(instance, SV_EXT_CONFIDENCE);
-    if (!ext || !SV_HAS(ext, write) || !ext->offered || !ext->write) return NULL;
-    return ext->offered(instance) ? ext : NULL;
+    const sv_ext_confidence *ext = hs_plugin_confidence(instance);
+    return ext && ext->offered(instance) ? ext : NULL;
 }
 
 bool hs_clipper_sure_create(hs_clipper *clipper, hs_error *err) {

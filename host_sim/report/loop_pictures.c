@@ -63,8 +63,11 @@ static bool write_points(const hs_view *view, const char *folder, const char *ti
                          hs_error *err) {
     const hs_image mip = {.data = view->mip, .width = view->width, .height = view->height, .channels = 1};
     char facts[256];
-    (void)snprintf(facts, sizeof facts, "coloured by the depth of the clipping surface there, T_B %.3f%s%s",
-                   (double)view->frame.stats.bone_threshold, note ? "\n" : "", note ? note : "");
+    char threshold[32] = "";
+    if (view->frame.points.size > 0)
+        (void)snprintf(threshold, sizeof threshold, ", T_B %.3f", (double)view->frame.points.bone_threshold);
+    (void)snprintf(facts, sizeof facts, "coloured by the depth of the clipping surface there%s%s%s",
+                   threshold, note ? "\n" : "", note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
     const bool made = hs_picture_points(&picture, &mip, view->status, view->depth, view->map_width,

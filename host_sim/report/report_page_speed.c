@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#define STAGES 5 /* of the plugin, as smartvis.stats/1 tells them */
+#define STAGES 5 /* of the plugin, as smartvis.timing/1 tells them */
 
 static const char *const stage_names[STAGES] = {"transfer", "ray profiles", "threshold", "surface", "output"};
 

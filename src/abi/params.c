@@ -15,97 +15,118 @@ static const char *const prefilters[] = {"none", "minimum"};
 static const char *const precisions[] = {"float64", "float32", "int16"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 
+#define GROUP_SURFACE   "Surface"
+#define GROUP_POINTS    "Initial points"
+#define GROUP_PREFILTER "Pre-filter"
+#define GROUP_METHOD    "Method"
+#define GROUP_WORK      "Computation"
+
+/* Values of `method` that a parameter matters for. */
+#define ON(NAME)      ((uint64_t)SV_BIT(SV_METHOD_##NAME))
+#define POINT_METHODS (ON(MEAN) | ON(MINIMUM) | ON(SPLINE) | ON(PUSHPULL) | ON(MEMBRANE) | ON(PLATE))
+
 /* In order of importance, which is the order a host shows them in. */
 static const struct {
     uint32_t id, type, flags;
     const char *key, *label, *unit, *help;
     double min, max, display_min, display_max, initial, step;
     const char *const *names;
+    const char *group;
+    uint32_t depends_on; /* a parameter's id; 0: it always matters */
+    uint64_t depends_values;
 } table[] = {
     {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
      "Where the surface lies in the fluid: 0 at the fetus, 1 at the occluder, up to 1.5 beyond it.", 0.0, 1.5,
-     0.0, 1.5, 0.5, 0.05, NULL},
+     0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,
-     0.01, NULL},
+     0.01, NULL, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_BONE_MODE, SV_PARAM_ENUM, 0, "bone_mode", "Bone threshold mode", "",
      "How the bone threshold T_B is found: given, below the volume's maximum, or by a share of the rays.",
-     0.0, 2.0, 0.0, 2.0, 1.0, 1.0, bone_modes},
+     0.0, 2.0, 0.0, 2.0, 1.0, 1.0, bone_modes, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_BONE_OFFSET, SV_PARAM_FLOAT, 0, "bone_offset", "Bone offset", "",
-     "Mode offset: T_B = maximum of the volume minus this.", 0.0, 1.0, 0.0, 0.5, 0.24, 0.01, NULL},
+     "Mode offset: T_B = maximum of the volume minus this.", 0.0, 1.0, 0.0, 0.5, 0.24, 0.01, NULL,
+     GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_OFFSET)},
     {SV_PARAM_BONE_THRESHOLD, SV_PARAM_FLOAT, 0, "bone_threshold", "Bone threshold T_B", "",
      "Mode absolute: a ray whose maximum exceeds it gives an initial point.", 0.0, 1.0, 0.5, 1.0, 0.74, 0.01,
-     NULL},
+     NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_ABSOLUTE)},
     {SV_PARAM_BONE_FRACTION, SV_PARAM_FLOAT, 0, "bone_fraction", "Bone fraction", "",
      "Mode fraction: T_B is the highest threshold that at least this share of the rays exceeds.", 0.0, 1.0,
-     0.01, 0.1, 0.03, 0.01, NULL},
+     0.01, 0.1, 0.03, 0.01, NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_FRACTION)},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
      "How depths spread from the initial points to all pixels, or, with cost, are found from every ray's own "
      "fluid; all but minimum are linear in the depths, so that turning q costs next to nothing.",
-     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods},
+     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods, GROUP_SURFACE, 0,
+     0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
-     23.0, 2.0, NULL},
+     23.0, 2.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(MEAN) | ON(MINIMUM)},
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
-     1.0, 0.0, 1.0, 0.5, 0.25, NULL},
+     1.0, 0.0, 1.0, 0.5, 0.25, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(MEAN)},
     {SV_PARAM_EVIDENCE, SV_PARAM_FLOAT, 0, "evidence", "Evidence wanted", "",
      "Share of the bone rays that must have sure fluid before the bone; with less, the frame ends without a "
      "surface.",
-     0.0, 1.0, 0.0, 1.0, 0.5, 0.05, NULL},
+     0.0, 1.0, 0.0, 1.0, 0.5, 0.05, NULL, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_MIN_GAP, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "min_gap", "Sure gap", "slices",
-     "A fluid interval at least this long counts as sure evidence.", 0.0, 64.0, 0.0, 8.0, 2.0, 0.5, NULL},
+     "A fluid interval at least this long counts as sure evidence.", 0.0, 64.0, 0.0, 8.0, 2.0, 0.5, NULL,
+     GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_DROP_EMPTY, SV_PARAM_BOOL, SV_PARAM_EXPERT, "drop_empty", "Drop empty intervals", "",
      "Bone rays without fluid before the bone give no initial point instead of a vote for depth 0.", 0.0, 1.0,
-     0.0, 1.0, 0.0, 1.0, NULL},
+     0.0, 1.0, 0.0, 1.0, NULL, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_PREFILTER, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "prefilter", "Pre-filter", "",
      "What is done to the initial points first: minimum takes the smallest depth nearby, against outliers "
      "that lie too deep; every turn of q then reconstructs again.",
-     0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters},
+     0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters, GROUP_PREFILTER, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_PREFILTER_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_passes", "Pre-filter passes", "",
-     "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL},
+     "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL, GROUP_PREFILTER, SV_PARAM_PREFILTER,
+     SV_BIT(SV_PREFILTER_MINIMUM)},
     {SV_PARAM_PREFILTER_KERNEL, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_kernel", "Pre-filter size",
-     "pixels", "Window of the pre-filter, odd.", 3.0, 63.0, 3.0, 63.0, 5.0, 2.0, NULL},
+     "pixels", "Window of the pre-filter, odd.", 3.0, 63.0, 3.0, 63.0, 5.0, 2.0, NULL, GROUP_PREFILTER,
+     SV_PARAM_PREFILTER, SV_BIT(SV_PREFILTER_MINIMUM)},
     {SV_PARAM_LAMBDA, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "lambda", "Spline smoothing", "pixels^2",
-     "Method spline: 0 passes through the points, larger is smoother.", 0.0, 1e6, 0.0, 1000.0, 0.0, 1.0,
-     NULL},
+     "Method spline: 0 passes through the points, larger is smoother.", 0.0, 1e6, 0.0, 1000.0, 0.0, 1.0, NULL,
+     GROUP_METHOD, SV_PARAM_METHOD, ON(SPLINE)},
     {SV_PARAM_MERGE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "merge_grid", "Spline merging",
      "",
      "Method spline: points within a cell of this many by as many are merged; 0 merges only if there are "
      "more points than the solver takes.",
-     0.0, SV_SPLINE_MAX_GRID, 0.0, 32.0, 8.0, 1.0, NULL},
+     0.0, SV_SPLINE_MAX_GRID, 0.0, 32.0, 8.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(SPLINE)},
     {SV_PARAM_SPLINE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "spline_grid",
      "Spline evaluation", "",
      "Method spline: evaluated at the nodes of this many by as many cells, linear in between; 0: at every "
      "pixel.",
-     0.0, 256.0, 0.0, 64.0, 32.0, 1.0, NULL},
+     0.0, 256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(SPLINE)},
     {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
      "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
-     SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL},
+     SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL, GROUP_METHOD, SV_PARAM_METHOD,
+     ON(MEMBRANE) | ON(PLATE)},
     {SV_PARAM_SOLVER_STEPS, SV_PARAM_INT, SV_PARAM_EXPERT, "solver_steps", "Solver steps", "",
      "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as "
      "the promised bound needs.",
-     0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL},
+     0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD,
+     ON(MEMBRANE) | ON(PLATE)},
     {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision", "Precision", "",
      "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at "
      "most 64 points in a spline. Method mean: int16 keeps half as many bytes a pixel, at the price of "
      "depths in coarser steps.",
-     0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions},
+     0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions, GROUP_WORK, SV_PARAM_METHOD,
+     ON(MEAN) | ON(SPLINE) | ON(MEMBRANE) | ON(PLATE)},
     {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
      "Reduced resolution", "pixels",
      "The surface is made on cells of this many by as many pixels and interpolated: faster, less exact; 1: "
      "on pixels. Wants a fill weight above 0. Method cost ignores it, having cells of its own.",
-     1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL},
+     1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
      "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
      "once.",
-     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL},
+     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(COST)},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
-     1.0, 1.0, NULL},
+     1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, POINT_METHODS},
     {SV_PARAM_STRATEGY, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "strategy", "Work layout", "",
      "How the work is laid out on the device; the result is the same.", 0.0, 3.0, 0.0, 3.0, 0.0, 1.0,
-     strategies},
+     strategies, GROUP_WORK, 0, 0},
 };
 enum { COUNT = sizeof table / sizeof *table };
 
@@ -140,7 +161,10 @@ sv_status sv_params_info(sv_diag *diag, uint32_t index, sv_param_info *out) {
                            .display_min = table[index].display_min,
                            .display_max = table[index].display_max,
                            .default_value = table[index].initial,
-                           .step = table[index].step};
+                           .step = table[index].step,
+                           .group = table[index].group,
+                           .depends_on = table[index].depends_on,
+                           .depends_values = table[index].depends_values};
     return SV_OK;
 }
 

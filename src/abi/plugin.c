@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The ABI's glue: one screen per function. What is behind it: instance.c, then pipeline.c. */
+#include "abi/extensions.h"
 #include "frame/instance.h"
 
 #include <stdlib.h>
@@ -10,18 +11,17 @@ static const sv_descriptor descriptor = {
     .id = "org.smartvis.clip",
     .name = "SmartVis",
     .vendor = "SmartVis",
-    .version = "0.1.0",
+    .version = SV_VERSION,
+    .carriers = SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER) | SV_BIT(SV_CARRIER_IMAGE),
+    .voxel_types = SV_BIT(SV_VOXEL_U8),
+    .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
+    .features = SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
+    .extensions = sv_extension_ids,
     .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
 };
 
-static sv_instance *instance_of(const sv_plugin *plugin) {
-    sv_instance *in = plugin->plugin_data;
-    in->diag.last_error[0] = '\0';
-    return in;
-}
-
 static void plugin_deactivate(const sv_plugin *plugin) {
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state == SV_STATE_INACTIVE)
         (void)sv_blame_host(&in->diag, SV_ERR_STATE, "deactivate: not active");
     else
@@ -30,7 +30,7 @@ static void plugin_deactivate(const sv_plugin *plugin) {
 
 static void plugin_destroy(const sv_plugin *plugin) {
     if (!plugin) return;
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_INACTIVE) {
         (void)sv_blame_host(&in->diag, SV_ERR_STATE, "destroy: still active, deactivating");
         sv_instance_deactivate(in);
@@ -39,7 +39,7 @@ static void plugin_destroy(const sv_plugin *plugin) {
 }
 
 static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *format) {
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_INACTIVE)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "activate: already active");
     const sv_status status = sv_validate_format(&in->diag, format);
@@ -54,20 +54,14 @@ static sv_status let_go(sv_instance *in, sv_status status) {
 }
 
 static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "begin: not active");
     if (in->state == SV_STATE_SLABS) (void)let_go(in, SV_OK);
     in->state = SV_STATE_IDLE;
-    if (!frame) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
-    if (frame->size < sizeof *frame)
-        return sv_blame_host(&in->diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", frame->size,
-                             sizeof *frame);
-    if (frame->flags != 0)
-        return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, no flag is known",
-                             frame->flags);
+    sv_status status = sv_validate_frame(&in->diag, &in->pipeline, frame);
+    if (status != SV_OK) return status;
     sv_values values = in->activated;
-    sv_status status =
-        sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
+    status = sv_params_apply(&in->diag, "begin", frame->values, frame->value_count, 0, false, &values);
     if (status == SV_OK) status = sv_validate_values(&in->diag, &in->pipeline, &values);
     if (status != SV_OK) return status;
     in->frame = values;
@@ -77,7 +71,7 @@ static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
 }
 
 static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_SLABS)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "slab: no frame was begun");
     sv_status status = sv_validate_slab(&in->diag, &in->pipeline, slab);
@@ -93,11 +87,10 @@ static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result
     const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);
     const sv_stats *stats = result->stats;
     if (status != SV_OK || !stats || stats->outcome == SV_OK) return status;
-    return sv_report(
-        &in->diag, SV_LOG_DEBUG, stats->outcome,
-        "%s: %s: %u initial points, %u of them surely behind fluid, %u of %u pixels without a surface", call,
-        stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points, stats->sure_points,
-        stats->unfilled, stats->rays);
+    return sv_report(&in->diag, SV_LOG_DEBUG, stats->outcome,
+                     "%s: %s: %u rays gave a point, %u of %u pixels are without a surface", call,
+                     stats->outcome == SV_NO_SURFACE ? "no surface" : "partial surface", stats->points,
+                     stats->unfilled, stats->rays);
 }
 
 static sv_status output(sv_instance *in, const char *call, const sv_values *values, const sv_result *result) {
@@ -109,7 +102,7 @@ static sv_status output(sv_instance *in, const char *call, const sv_values *valu
 }
 
 static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_SLABS) return sv_blame_host(&in->diag, SV_ERR_STATE, "end: no frame was begun");
     in->state = SV_STATE_IDLE;
     sv_status status = SV_OK;
@@ -127,7 +120,7 @@ static sv_status plugin_end(const sv_plugin *plugin, const sv_result *result) {
 
 static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *values, uint32_t value_count,
                                const sv_result *result) {
-    sv_instance *in = instance_of(plugin);
+    sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_FINISHED)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "adjust: no finished frame");
     sv_values adjusted = in->frame;
@@ -169,104 +162,9 @@ static const char *plugin_last_error(const sv_plugin *plugin) {
     return in->diag.last_error;
 }
 
-static sv_status stats_enable(const sv_plugin *plugin, uint32_t on) {
-    sv_instance *in = instance_of(plugin);
-    if (in->state == SV_STATE_INACTIVE) return sv_blame_host(&in->diag, SV_ERR_STATE, "stats: not active");
-    sv_timing_reset(&in->timing);
-    in->timing.enabled = on != 0;
-    return SV_OK;
-}
-
-static sv_status stats_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
-    sv_instance *in = instance_of(plugin);
-    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "stage_times: out is NULL");
-    if (out->size < sizeof *out)
-        return sv_blame_host(&in->diag, SV_ERR_SIZE, "stage_times: size is %u, expected at least %zu",
-                             out->size, sizeof *out);
-    return sv_timing_read(&in->timing, &in->diag, out);
-}
-
-static const sv_ext_stats ext_stats = {
-    .size = sizeof ext_stats, .enable = stats_enable, .stage_times = stats_stage_times};
-
-static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
-    sv_instance *in = instance_of(plugin);
-    if (!out) return sv_blame_host(&in->diag, SV_ERR_ARGUMENT, "spline: out is NULL");
-    if (out->size < sizeof *out)
-        return sv_blame_host(&in->diag, SV_ERR_SIZE, "spline: size is %u, expected at least %zu", out->size,
-                             sizeof *out);
-    if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_SPLINE)
-        return sv_blame_host(&in->diag, SV_ERR_STATE, "spline: no finished frame with method spline");
-    float r[SV_SPLINE_REPORT_WORDS];
-    const sv_status status = sv_spline_read(sv_chain_map(&in->pipeline), r);
-    if (status == SV_OK)
-        *out = (sv_spline_report){.size = out->size,
-                                  .points = (uint32_t)r[0],
-                                  .merge_grid = (uint32_t)r[1],
-                                  .rank = (uint32_t)r[2],
-                                  .dropped = (uint32_t)r[3],
-                                  .condition = r[4],
-                                  .residual = r[5]};
-    return status;
-}
-
-static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
-
-static sv_status confidence_ready(sv_instance *in) {
-    if (in->state == SV_STATE_FINISHED && in->pipeline.config.method == SV_METHOD_COST) return SV_OK;
-    return sv_blame_host(&in->diag, SV_ERR_STATE, "confidence: no finished frame with method cost");
-}
-
-static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
-    sv_instance *in = instance_of(plugin);
-    if (out && out->size < sizeof *out)
-        return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
-                             out->size, sizeof *out);
-    const sv_status ready = confidence_ready(in);
-    if (ready != SV_OK) return ready;
-    uint32_t info[SV_COST_INFO_WORDS];
-    const sv_status status = sv_cost_read(&in->pipeline, map, info);
-    if (status == SV_OK && out)
-        *out = (sv_confidence_report){.size = out->size,
-                                      .fluid_threshold = (float)info[SV_COST_INFO_LEVEL] / 255.0f,
-                                      .rays = info[SV_COST_INFO_RAYS],
-                                      .open_rays = info[SV_COST_INFO_OPEN]};
-    return status;
-}
-
-static uint32_t confidence_offered(const sv_plugin *plugin) {
-    const sv_instance *in = plugin->plugin_data;
-    return in->state != SV_STATE_INACTIVE && in->pipeline.config.method == SV_METHOD_COST;
-}
-
-/* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
-static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
-                                  uint64_t offset) {
-    sv_instance *in = instance_of(plugin);
-    const sv_result to = {.size = sizeof to, .depth = map, .depth_object = object, .depth_offset = offset};
-    sv_status status = confidence_ready(in);
-    if (status == SV_OK) status = sv_validate_result(&in->diag, "confidence", &in->pipeline, &to);
-    if (status != SV_OK) return status;
-    const cl_command_queue queue = in->device.queue;
-    const cl_mem from = sv_cost_confidence(&in->pipeline);
-    const size_t bytes = (size_t)in->pipeline.config.width * in->pipeline.config.height * sizeof *map;
-    const cl_int code = map ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, bytes, map, 0, NULL, NULL)
-                            : clEnqueueCopyBuffer(queue, from, object, 0, offset, bytes, 0, NULL, NULL);
-    status = sv_clx_check(&in->diag, code, "confidence: enqueue");
-    if (status != SV_OK || !in->device.owned) return status;
-    return sv_clx_check(&in->diag, clFinish(queue), "confidence: clFinish");
-}
-
-static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
-                                                 .read = confidence_read,
-                                                 .offered = confidence_offered,
-                                                 .write = confidence_write};
-
 static const void *plugin_get_extension(const sv_plugin *plugin, const char *id) {
     (void)plugin;
-    if (id && strcmp(id, SV_EXT_STATS) == 0) return &ext_stats;
-    if (id && strcmp(id, SV_EXT_CONFIDENCE) == 0) return &ext_confidence;
-    return id && strcmp(id, SV_EXT_SPLINE) == 0 ? &ext_spline : NULL;
+    return id ? sv_extension(id) : NULL;
 }
 
 static const sv_plugin vtable = {

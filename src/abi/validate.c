@@ -63,6 +63,17 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
     return status == SV_OK ? check_texture(diag, f) : status;
 }
 
+sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *p, const sv_frame *f) {
+    (void)p;
+    if (!f) BLAME(diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
+    if (f->size < sizeof *f)
+        BLAME(diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", f->size, sizeof *f);
+    if (f->flags & ~(uint32_t)SV_FRAME_DISCONTINUITY)
+        BLAME(diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only 0x%x (SV_FRAME_DISCONTINUITY) is known",
+              f->flags, (unsigned)SV_FRAME_DISCONTINUITY);
+    return SV_OK;
+}
+
 sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *p, const sv_values *values) {
     uint32_t weight_initial, weight_filled;
     sv_ref_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);

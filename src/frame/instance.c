@@ -5,6 +5,12 @@
 
 #include <stdio.h>
 
+sv_instance *sv_instance_enter(const sv_plugin *plugin) {
+    sv_instance *in = plugin->plugin_data;
+    in->diag.last_error[0] = '\0';
+    return in;
+}
+
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
 enum { FETCH_AHEAD_BYTES = 16 << 20 };
 

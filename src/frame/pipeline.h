@@ -11,6 +11,7 @@
 #include "device/program.h"
 #include "frame/timing.h"
 #include "method/method.h"
+#include "smartvis/points.h"
 
 /* What stays the same from frame to frame; from sv_format and the parameters that need reactivation. */
 typedef struct sv_config {
@@ -94,5 +95,8 @@ sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);
 sv_status sv_pipeline_end(sv_pipeline *pipeline, float q);    /* up to the surfaces */
 sv_status sv_pipeline_adjust(sv_pipeline *pipeline, float q); /* what another q asks for before the output */
 sv_status sv_pipeline_output(sv_pipeline *pipeline, float q, const sv_result *result); /* S(q) and the rest */
+
+/* Enqueues a read of what the points stage found out; valid when the queue has run. */
+sv_status sv_pipeline_read_points(sv_pipeline *pipeline, sv_points_report *out);
 
 #endif

@@ -78,15 +78,30 @@ static sv_status read_rows(sv_pipeline *p, cl_mem from, size_t from_pitch, void 
     return sv_clx_check(p->diag, code, what);
 }
 
-static sv_status read_stats(sv_pipeline *p, sv_stats *stats) {
-    const size_t first = sizeof stats->size;
-    const size_t known = SV_REC_WORDS * sizeof(cl_uint);
-    const size_t end = stats->size < known ? stats->size : known;
+/* Enqueues a read of words of the record into what follows the `size` of a struct of the ABI. */
+static sv_status read_record(sv_pipeline *p, uint32_t word, void *out, size_t bytes, const char *what) {
     return sv_clx_check(p->diag,
-                        clEnqueueReadBuffer(p->device->queue, p->buffers.record, CL_FALSE, first, end - first,
-                                            (char *)stats + first, 0, NULL,
+                        clEnqueueReadBuffer(p->device->queue, p->buffers.record, CL_FALSE,
+                                            word * sizeof(cl_uint), bytes - sizeof(uint32_t),
+                                            (char *)out + sizeof(uint32_t), 0, NULL,
                                             sv_timing_slot(p->timing, SV_STAGE_OUTPUT)),
-                        "end: read of the statistics");
+                        what);
+}
+
+static sv_status read_stats(sv_pipeline *p, sv_stats *stats) {
+    _Static_assert(sizeof *stats == SV_REC_STATS_WORDS * sizeof(cl_uint), "the record is no longer sv_stats");
+    return read_record(p, SV_REC_OUTCOME, stats, sizeof *stats, "end: read of the statistics");
+}
+
+sv_status sv_pipeline_read_points(sv_pipeline *p, sv_points_report *out) {
+    _Static_assert(sizeof *out == (1 + SV_REC_SURE + 1 - SV_REC_EMPTY) * sizeof(cl_uint),
+                   "the record is no longer sv_points_report");
+    /* Not part of the frame that is timed. */
+    sv_timing *timing = p->timing;
+    p->timing = NULL;
+    const sv_status status = read_record(p, SV_REC_EMPTY, out, sizeof *out, "points: read of the record");
+    p->timing = timing;
+    return status;
 }
 
 sv_status sv_pipeline_output(sv_pipeline *p, float q, const sv_result *result) {

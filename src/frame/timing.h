@@ -4,6 +4,7 @@
 #define SV_TIMING_H
 
 #include "device/clx.h"
+#include "smartvis/timing.h"
 
 typedef enum {
     SV_STAGE_TRANSFER,

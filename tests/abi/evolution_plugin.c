@@ -43,7 +43,7 @@ static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
 static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     (void)plugin;
     if (result->stats->size < FIRST_VERSION(sv_stats, added_count)) return SV_ERR_SIZE;
-    sv_stats stats = {.size = sizeof(stats), .outcome = SV_OK, .rays = 7, .volume_max = gain};
+    sv_stats stats = {.size = sizeof(stats), .outcome = SV_OK, .rays = 7, .points = (uint32_t)gain};
 #if SV_ABI_MINOR >= 1
     stats.added_count = 11;
 #endif

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# include/smartvis_plugin.h compiles alone, first and twice in a file, without a warning, as every standard it promises: C99
-# to C23 and C++11 to C++20, with gcc and clang where they are installed. It leaves no implicit padding in any struct, and
+# Every public header compiles alone, first and twice in a file, without a warning, as every standard it promises: C99 to C23
+# and C++11 to C++20, with gcc and clang where they are installed. It leaves no implicit padding in any struct, and
 # two languages can use it together: a C++ host links with a C plugin.
 set -eu
 source_dir=$1
@@ -24,6 +24,14 @@ int check_header(const sv_entry *entry, const sv_host *host, struct _cl_mem *buf
 }
 END
 cp use.c use.cpp
+# The headers of extensions and helpers, each in a file of its own.
+headers=()
+for header in "$source_dir"/include/smartvis/*.h; do
+    name=$(basename "$header" .h)
+    printf '#include "smartvis/%s.h"\n#include "smartvis/%s.h"\nextern int %s_compiles;\n' "$name" "$name" "$name" > "$name.c"
+    cp "$name.c" "$name.cpp"
+    headers+=("$name")
+done
 
 failures=0
 compile() { # compile COMPILER FILE FLAG...: no warning, or the test fails
@@ -39,14 +47,16 @@ for compiler in gcc clang; do
     command -v $compiler > /dev/null || { echo "not installed, left out: $compiler"; continue; }
     # c2x is what compilers of 2022 call C23.
     for standard in c99 gnu99 c11 c17 c2x; do
-        compile $compiler use.c -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
+        for file in use "${headers[@]}"; do
+            compile $compiler "$file.c" -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
+        done
         tried=$((tried + 1))
     done
 done
 for compiler in g++ clang++; do
     command -v $compiler > /dev/null || { echo "not installed, left out: $compiler"; continue; }
     for standard in c++11 c++14 c++17 c++20; do
-        compile $compiler use.cpp -std=$standard
+        for file in use "${headers[@]}"; do compile $compiler "$file.cpp" -std=$standard; done
         tried=$((tried + 1))
     done
 done
@@ -54,7 +64,7 @@ done
 
 # Implicit padding would hide a field appended later: SV_HAS could not tell the old struct from the new one.
 if command -v gcc > /dev/null; then
-    compile gcc use.c -std=c99 -Wpadded
+    for file in use timing points spline confidence; do compile gcc "$file.c" -std=c99 -Wpadded; done
 fi
 
 # It includes <stdint.h> and <stddef.h> and needs nothing else before it.

@@ -6,7 +6,10 @@
  */
 #include <CL/cl.h> /* before the header on purpose: its tags must be OpenCL's own types */
 
-#include "smartvis_plugin.h"
+#include "smartvis/confidence.h"
+#include "smartvis/points.h"
+#include "smartvis/spline.h"
+#include "smartvis/timing.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -41,9 +44,13 @@ AT(sv_param_info, display_min, 64);
 AT(sv_param_info, display_max, 72);
 AT(sv_param_info, default_value, 80);
 AT(sv_param_info, step, 88);
-SIZE(sv_param_info, 96);
+AT(sv_param_info, group, 96);
+AT(sv_param_info, depends_on, 104);
+AT(sv_param_info, reserved, 108);
+AT(sv_param_info, depends_values, 112);
+SIZE(sv_param_info, 120);
 
-/* An array crosses the boundary, so this struct can never grow. */
+/* Arrays of these cross the boundary, so they can never grow. */
 AT(sv_param_value, id, 0);
 AT(sv_param_value, reserved, 4);
 AT(sv_param_value, value, 8);
@@ -61,23 +68,34 @@ AT(sv_format, tiles_x, 32);
 AT(sv_format, tile_w, 36);
 AT(sv_format, tile_h, 40);
 AT(sv_format, row_pitch, 44);
-AT(sv_format, context, 48);
-AT(sv_format, device, 56);
-AT(sv_format, queue, 64);
-AT(sv_format, host_memory, 72);
-AT(sv_format, host_memory_bytes, 80);
-AT(sv_format, values, 88);
-AT(sv_format, value_count, 96);
-AT(sv_format, reserved, 100);
-SIZE(sv_format, 104);
+AT(sv_format, spacing_mm, 48);
+AT(sv_format, flags, 60);
+AT(sv_format, context, 64);
+AT(sv_format, device, 72);
+AT(sv_format, queue, 80);
+AT(sv_format, host_memory, 88);
+AT(sv_format, host_memory_bytes, 96);
+AT(sv_format, values, 104);
+AT(sv_format, value_count, 112);
+AT(sv_format, reserved, 116);
+SIZE(sv_format, 120);
+
+/* The same. */
+AT(sv_scanned, first, 0);
+AT(sv_scanned, end, 2);
+SIZE(sv_scanned, 4);
 
 AT(sv_frame, size, 0);
 AT(sv_frame, flags, 4);
 AT(sv_frame, index, 8);
-AT(sv_frame, values, 16);
-AT(sv_frame, value_count, 24);
-AT(sv_frame, reserved, 28);
-SIZE(sv_frame, 32);
+AT(sv_frame, time_ns, 16);
+AT(sv_frame, values, 24);
+AT(sv_frame, value_count, 32);
+AT(sv_frame, reserved, 36);
+AT(sv_frame, scanned, 40);
+AT(sv_frame, scanned_object, 48);
+AT(sv_frame, scanned_offset, 56);
+SIZE(sv_frame, 64);
 
 AT(sv_slab, size, 0);
 AT(sv_slab, first_slice, 4);
@@ -93,13 +111,8 @@ AT(sv_stats, size, 0);
 AT(sv_stats, outcome, 4);
 AT(sv_stats, rays, 8);
 AT(sv_stats, points, 12);
-AT(sv_stats, empty_points, 16);
-AT(sv_stats, passes, 20);
-AT(sv_stats, unfilled, 24);
-AT(sv_stats, volume_max, 28);
-AT(sv_stats, bone_threshold, 32);
-AT(sv_stats, sure_points, 36);
-SIZE(sv_stats, 40);
+AT(sv_stats, unfilled, 16);
+SIZE(sv_stats, 20);
 
 AT(sv_result, size, 0);
 AT(sv_result, depth_pitch, 4);
@@ -111,13 +124,18 @@ AT(sv_result, stats, 40);
 SIZE(sv_result, 48);
 
 AT(sv_descriptor, size, 0);
-AT(sv_descriptor, reserved, 4);
+AT(sv_descriptor, carriers, 4);
 AT(sv_descriptor, id, 8);
 AT(sv_descriptor, name, 16);
 AT(sv_descriptor, vendor, 24);
 AT(sv_descriptor, version, 32);
 AT(sv_descriptor, summary, 40);
-SIZE(sv_descriptor, 48);
+AT(sv_descriptor, voxel_types, 48);
+AT(sv_descriptor, queues, 52);
+AT(sv_descriptor, features, 56);
+AT(sv_descriptor, reserved, 60);
+AT(sv_descriptor, extensions, 64);
+SIZE(sv_descriptor, 72);
 
 AT(sv_plugin, size, 0);
 AT(sv_plugin, reserved, 4);
@@ -146,11 +164,24 @@ AT(sv_stage_times, reconstruct_ms, 32);
 AT(sv_stage_times, output_ms, 40);
 SIZE(sv_stage_times, 48);
 
-AT(sv_ext_stats, size, 0);
-AT(sv_ext_stats, reserved, 4);
-AT(sv_ext_stats, enable, 8);
-AT(sv_ext_stats, stage_times, 16);
-SIZE(sv_ext_stats, 24);
+AT(sv_ext_timing, size, 0);
+AT(sv_ext_timing, reserved, 4);
+AT(sv_ext_timing, enable, 8);
+AT(sv_ext_timing, stage_times, 16);
+SIZE(sv_ext_timing, 24);
+
+AT(sv_points_report, size, 0);
+AT(sv_points_report, empty_points, 4);
+AT(sv_points_report, passes, 8);
+AT(sv_points_report, volume_max, 12);
+AT(sv_points_report, bone_threshold, 16);
+AT(sv_points_report, sure_points, 20);
+SIZE(sv_points_report, 24);
+
+AT(sv_ext_points, size, 0);
+AT(sv_ext_points, reserved, 4);
+AT(sv_ext_points, write, 8);
+SIZE(sv_ext_points, 16);
 
 AT(sv_spline_report, size, 0);
 AT(sv_spline_report, points, 4);
@@ -233,6 +264,14 @@ NUMBER(SV_CARRIER_HOST, 1);
 NUMBER(SV_CARRIER_BUFFER, 2);
 NUMBER(SV_CARRIER_IMAGE, 3);
 NUMBER(SV_NO_PADDING, -1);
+NUMBER(SV_FORMAT_SCANNED, 1);
+NUMBER(SV_FRAME_DISCONTINUITY, 1);
+NUMBER(SV_QUEUE_OWN, 1);
+NUMBER(SV_QUEUE_HOST, 2);
+NUMBER(SV_FEATURE_SCANNED, 1);
+NUMBER(SV_FEATURE_PADDING, 2);
+NUMBER(SV_FEATURE_ADJUST, 4);
+NUMBER(SV_BIT(SV_CARRIER_IMAGE), 8);
 NUMBER(SV_POINT_NONE, 0);
 NUMBER(SV_POINT_INITIAL, 1);
 NUMBER(SV_POINT_EMPTY, 2);
@@ -267,11 +306,11 @@ static void test_handles_are_opencl_types(void **state) {
 static void test_has_field(void **state) {
     (void)state;
     sv_stats stats = {0};
-    const uint32_t end = (uint32_t)(offsetof(sv_stats, bone_threshold) + sizeof(stats.bone_threshold));
+    const uint32_t end = (uint32_t)(offsetof(sv_stats, points) + sizeof(stats.points));
     for (uint32_t size = 0; size <= sizeof(stats); size++) {
         stats.size = size;
         const sv_stats *reader = &stats;
-        assert_int_equal(SV_HAS(reader, bone_threshold), size >= end);
+        assert_int_equal(SV_HAS(reader, points), size >= end);
         assert_int_equal(SV_HAS(reader, size), size >= sizeof(uint32_t));
     }
 }
@@ -280,7 +319,10 @@ static void test_has_field(void **state) {
 static void test_names(void **state) {
     (void)state;
     assert_string_equal(SV_ENTRY_SYMBOL, "smartvis_plugin_entry");
-    assert_string_equal(SV_EXT_STATS, "smartvis.stats/1");
+    assert_string_equal(SV_EXT_TIMING, "smartvis.timing/1");
+    assert_string_equal(SV_EXT_POINTS, "smartvis.points/1");
+    assert_string_equal(SV_EXT_SPLINE, "smartvis.spline/1");
+    assert_string_equal(SV_EXT_CONFIDENCE, "smartvis.confidence/1");
 }
 
 int main(void) {

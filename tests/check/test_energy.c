@@ -88,7 +88,7 @@ static void check_size(rig *r, uint32_t width, uint32_t height, int first) {
             assert_int_equal(surface_run(r, &p, &chain, &out, NULL), SV_OK);
             const double error = surface_error(&out, expected, count);
             print_message("%-9s %2u steps, %s, %-9s %3u x %-3u error %.1e slices, bound %.0e\n",
-                          surface_names[chain.method], out.stats.passes,
+                          surface_names[chain.method], out.points.passes,
                           chain.float32 ? "float32" : "float64", set_names[set], width, height, error,
                           promised[i].bound);
             assert_true(error <= promised[i].bound);

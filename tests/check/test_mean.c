@@ -78,7 +78,7 @@ static void figure_3_11(void **state) {
         assert_int_equal(run_map(*state, m, strategy, 0.0f, &out), SV_OK);
         assert_int_equal(run_map(*state, mirrored, strategy, 0.0f, &other), SV_OK);
         /* Each pass reaches one pixel further; the farthest pixel, (12, 12), is 7 from its nearest point. */
-        assert_int_equal(out.stats.passes, 7);
+        assert_int_equal(out.points.passes, 7);
         assert_int_equal(out.stats.points, 3);
         assert_depth(&out, 0, 5.0);       /* (0, 0) is 9 pixels from the others: 7 passes bring only (3, 3) */
         assert_depth(&out, 12, 1.0);      /* (12, 0): only (9, 5) */
@@ -129,9 +129,9 @@ static void lines(void **state) {
             map *m = empty_map(table[n].width, 1, 3, table[n].omega);
             for (uint32_t x = 0; x < table[n].width; x++) set_point(m, x, 0, table[n].far_end[x]);
             rig_result out = rig_result_make(m->width, 1);
-            if (run_map(*state, m, strategy, 0.0f, &out) != SV_OK || out.stats.passes != table[n].passes)
+            if (run_map(*state, m, strategy, 0.0f, &out) != SV_OK || out.points.passes != table[n].passes)
                 fail_msg("'%s': outcome %d after %u passes, expected 0 after %u", table[n].name,
-                         out.stats.outcome, out.stats.passes, table[n].passes);
+                         out.stats.outcome, out.points.passes, table[n].passes);
             for (uint32_t x = 0; x < m->width; x++) assert_depth(&out, x, table[n].depth[x]);
             rig_result_free(&out);
             free(m);
@@ -147,7 +147,7 @@ static void borders(void **state) {
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         rig_result out = rig_result_make(3, 3);
         assert_int_equal(run_map(*state, m, strategy, 0.0f, &out), SV_OK);
-        assert_int_equal(out.stats.passes, 1);
+        assert_int_equal(out.points.passes, 1);
         for (uint32_t i = 0; i < 9; i++) assert_depth(&out, i, expected[i]);
         rig_result_free(&out);
     }
@@ -166,7 +166,7 @@ static void one_point(void **state) {
         const uint32_t farthest = right > below ? right : below;
         rig_result out = rig_result_make(32, 32);
         assert_int_equal(run_map(*state, m, 1 + n % 3, 0.0f, &out), SV_OK);
-        assert_int_equal(out.stats.passes, (farthest + reach - 1) / reach);
+        assert_int_equal(out.points.passes, (farthest + reach - 1) / reach);
         for (uint32_t i = 0; i < 32 * 32; i++) assert_true(out.depth[i] == 29.0f);
         rig_result_free(&out);
         free(m);
@@ -182,7 +182,7 @@ static void window_larger_than_image(void **state) {
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         rig_result out = rig_result_make(9, 7);
         assert_int_equal(run_map(*state, m, strategy, 0.0f, &out), SV_OK);
-        assert_int_equal(out.stats.passes, 1);
+        assert_int_equal(out.points.passes, 1);
         for (uint32_t i = 0; i < 63; i++) assert_depth(&out, i, 20.0);
         rig_result_free(&out);
     }

@@ -105,10 +105,10 @@ static void test_error(void **state) {
             assert_int_equal(surface_run(*state, &p, &chain, &out, NULL), SV_OK);
             double *expected = surface_expect(&p, &chain);
             const double error = surface_error(&out, expected, (size_t)p.width * p.height);
-            const double bound = out.stats.passes * (ldexp(0.5, -9) + 60 * 0x1p-23) + 60 * 0x1p-22;
+            const double bound = out.points.passes * (ldexp(0.5, -9) + 60 * 0x1p-23) + 60 * 0x1p-22;
             print_message(
                 "int16, k = %-2u %-9s 171 x 171, 60 slices: error %.1e slices, bound %.1e, %u passes\n", k,
-                set ? "patches" : "scattered", error, bound, out.stats.passes);
+                set ? "patches" : "scattered", error, bound, out.points.passes);
             assert_int_equal(sv_ref_half_format(60, 2).fraction, 9);
             assert_true(error <= bound);
             free(expected);

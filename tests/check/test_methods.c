@@ -165,7 +165,7 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
         if (n == 0) assert_int_equal(p->adjust(p, high, 1, &result), SV_OK);
     }
     assert_memory_equal(first.depth, second.depth, count * sizeof(float));
-    assert_int_equal(first.stats.passes, second.stats.passes);
+    assert_int_equal(first.points.passes, second.points.passes);
     p->deactivate(p);
     free(volume);
     rig_result_free(&first);

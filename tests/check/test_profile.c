@@ -172,7 +172,7 @@ static void check_table(rig *r, const table *t, const uint32_t *lengths, uint32_
         empty += expected->status == SV_POINT_EMPTY;
     }
     assert_int_equal(far_map.stats.points, points);
-    assert_int_equal(far_map.stats.empty_points, empty);
+    assert_int_equal(far_map.points.empty_points, empty);
     rig_textures_free(textures);
     rig_result_free(&far_map);
     rig_result_free(&near_map);
@@ -205,7 +205,7 @@ static void one_ray_by_hand(void **state) {
         /* 7 + 1.5 (3 - 7) */
         check_depth(&whole_steps[0], &one, (double)out.depth[0], 1.0, "1.5");
         assert_int_equal(out.status[0], SV_POINT_INITIAL);
-        assert_int_equal(out.stats.passes, 1);
+        assert_int_equal(out.points.passes, 1);
         rig_result_free(&out);
     }
 }
@@ -243,11 +243,12 @@ static void thresholds_by_hand(void **state) {
                                          {rig_param(r, "evidence"), 0, 0}};
         rig_result out = rig_result_make(RAYS, 1);
         assert_int_equal(rig_frame(r, t, values, 4, &out), cases[i].points ? SV_OK : SV_NO_SURFACE);
-        if (out.stats.bone_threshold != (float)cases[i].level / 255.0f || out.stats.points != cases[i].points)
+        if (out.points.bone_threshold != (float)cases[i].level / 255.0f ||
+            out.stats.points != cases[i].points)
             fail_msg("mode %g, %g: T_B %g / 255 and %u points, expected %u and %u", cases[i].mode,
-                     cases[i].value, (double)out.stats.bone_threshold * 255.0, out.stats.points,
+                     cases[i].value, (double)out.points.bone_threshold * 255.0, out.stats.points,
                      cases[i].level, cases[i].points);
-        assert_true(out.stats.volume_max == 250.0f / 255.0f);
+        assert_true(out.points.volume_max == 250.0f / 255.0f);
         for (uint32_t x = 0; x < RAYS; x++) assert_int_equal(out.status[x], maxima[x] > cases[i].level);
         rig_result_free(&out);
     }
@@ -292,11 +293,11 @@ static void evidence_by_hand(void **state) {
             rig_result out = rig_result_make(RAYS, 1);
             const sv_status status = rig_frame(r, t, values, 2, &out);
             if (status != (cases[i].surface ? SV_OK : SV_NO_SURFACE) ||
-                out.stats.sure_points != cases[i].sure)
+                out.points.sure_points != cases[i].sure)
                 fail_msg("gap %g, evidence %g: status %d, %u sure, expected %u", cases[i].min_gap,
-                         cases[i].evidence, status, out.stats.sure_points, cases[i].sure);
+                         cases[i].evidence, status, out.points.sure_points, cases[i].sure);
             assert_int_equal(out.stats.points, RAYS);
-            assert_int_equal(out.stats.empty_points, 1);
+            assert_int_equal(out.points.empty_points, 1);
             assert_int_equal(out.stats.unfilled, cases[i].surface ? 0 : RAYS);
             for (uint32_t x = 0; x < RAYS; x++) {
                 assert_int_equal(out.status[x], x == 0 ? SV_POINT_EMPTY : SV_POINT_INITIAL);

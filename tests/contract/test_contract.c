@@ -65,7 +65,7 @@ static void enter(fixture *f, phase p) {
 
 static sv_status make_call(fixture *f, call c) {
     const sv_plugin *p = f->r.plugin;
-    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
     const sv_result result = fixture_result(f);
     sv_stage_times times = {.size = sizeof times};
     switch (c) {
@@ -168,7 +168,7 @@ static void null_arguments(void **state) {
     fixture_refused_anywhere(f, p->param_info(p, 0, NULL), SV_ERR_ARGUMENT, "out is NULL");
     fixture_keep_reason(f);
     fixture_refused_anywhere(f, p->param_text(p, 1, 0.0, NULL, 10), SV_ERR_ARGUMENT, "no room");
-    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
     fixture_refused(f, stats->stage_times(p, NULL), SV_ERR_ARGUMENT, "out is NULL");
     assert_null(p->get_extension(p, NULL));
     fixture_frame_is_good(f);
@@ -192,7 +192,7 @@ static void a_host_without_services(void **state) {
 static void structs_too_short(void **state) {
     fixture *f = *state;
     const sv_plugin *p = f->r.plugin;
-    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
     char text[64];
     static const uint32_t cut[] = {0, 1, 4, 8};
     for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
@@ -233,8 +233,8 @@ static void unknown_ids_and_flags(void **state) {
     assert_null(out);
     assert_int_equal(entry->create(&f->r.host, "", &out), SV_ERR_UNKNOWN_ID);
     assert_null(entry->descriptor(entry->count));
-    assert_null(p->get_extension(p, "smartvis.stats/2"));
-    assert_null(p->get_extension(p, "smartvis.stats/1 "));
+    assert_null(p->get_extension(p, "smartvis.timing/2"));
+    assert_null(p->get_extension(p, "smartvis.timing/1 "));
     assert_null(p->get_extension(p, ""));
     const sv_frame frame = {.size = sizeof frame, .flags = 0x80000000u};
     fixture_refused(f, p->begin(p, &frame), SV_ERR_ARGUMENT, "flags is 0x80000000");

@@ -135,7 +135,7 @@ static void timed_frames(void **state) {
     fixture *f = *state;
     watch(f);
     assert_int_equal(fixture_activate(f), SV_OK);
-    const sv_ext_stats *stats = f->r.plugin->get_extension(f->r.plugin, SV_EXT_STATS);
+    const sv_ext_timing *stats = f->r.plugin->get_extension(f->r.plugin, SV_EXT_TIMING);
     assert_int_equal(stats->enable(f->r.plugin, 1), SV_OK);
     for (int n = 0; n < 3; n++) {
         forget();

@@ -222,7 +222,7 @@ static void wrong_results(void **state) {
     sv_stats shorter = {.size = sizeof shorter - 4};
     r = fixture_result(f);
     r.stats = &shorter;
-    refused_result(f, r, SV_ERR_SIZE, "stats.size is 36");
+    refused_result(f, r, SV_ERR_SIZE, "stats.size is 16");
     assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
     assert_int_equal(clReleaseMemObject(image), CL_SUCCESS);
     fixture_frame_is_good(f);

@@ -195,7 +195,7 @@ static void outputs_and_timing(void **state) {
     assert_true(code == CL_SUCCESS && rows);
     spy_watch(f->r.entry);
     const sv_plugin *p = f->r.plugin;
-    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
     for (uint32_t timed = 0; timed < 2; timed++) {
         fixture_change(f, (rig_format){0});
         assert_int_equal(fixture_activate(f), SV_OK);
@@ -220,7 +220,7 @@ static void outputs_and_timing(void **state) {
 static void stage_times_of_a_failing_query(void **state) {
     fixture *f = *state;
     const sv_plugin *p = f->r.plugin;
-    const sv_ext_stats *stats = p->get_extension(p, SV_EXT_STATS);
+    const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
     spy_watch(f->r.entry);
     assert_int_equal(fixture_activate(f), SV_OK);
     assert_int_equal(stats->enable(p, 1), SV_OK);

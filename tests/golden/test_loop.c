@@ -155,7 +155,7 @@ static void results_add_up(void **state) {
         }
         assert_true(r.volumes_per_second == 1e3 / r.stage[HS_STAGE_LOOP].median);
         assert_true(r.plugin_share >= 0 && r.plugin_share < 1);
-        assert_false(r.has_plugin_stages); /* this plugin has no smartvis.stats/1 */
+        assert_false(r.has_plugin_stages); /* this plugin has no smartvis.timing/1 */
     }
     hs_loop_destroy(loop);
 }

@@ -31,7 +31,10 @@ static void fail_pixel(const char *where, const char *map, size_t i, uint32_t wi
     fail_msg("%s: %s at (%zu, %zu) is %.9g, expected %.9g", where, map, i % width, i / width, got, expected);
 }
 
-static void compare_stats(const sv_stats *got, const rig_expected *e, uint32_t count, const char *where) {
+static void compare_stats(const rig_result *result, const rig_expected *e, uint32_t count,
+                          const char *where) {
+    const sv_stats *got = &result->stats;
+    const sv_points_report *points = &result->points;
     const struct {
         const char *name;
         double got, expected;
@@ -39,12 +42,12 @@ static void compare_stats(const sv_stats *got, const rig_expected *e, uint32_t c
         {"outcome", got->outcome, e->outcome},
         {"rays", got->rays, count},
         {"points", got->points, e->points},
-        {"empty_points", got->empty_points, e->empty_points},
-        {"passes", got->passes, e->fill.passes},
+        {"empty_points", points->empty_points, e->empty_points},
+        {"passes", points->passes, e->fill.passes},
         {"unfilled", got->unfilled, e->fill.unfilled},
-        {"volume_max", (double)got->volume_max, (double)((float)e->maximum / 255.0f)},
-        {"bone_threshold", (double)got->bone_threshold, (double)((float)e->level / 255.0f)},
-        {"sure_points", got->sure_points, e->sure_points},
+        {"volume_max", (double)points->volume_max, (double)((float)e->maximum / 255.0f)},
+        {"bone_threshold", (double)points->bone_threshold, (double)((float)e->level / 255.0f)},
+        {"sure_points", points->sure_points, e->sure_points},
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
         if (fields[i].got != fields[i].expected)
@@ -60,7 +63,7 @@ void compare_result(const rig_result *got, const rig_expected *e, uint32_t width
     for (size_t i = 0; i < count; i++)
         if (memcmp(&got->depth[i], &e->depth[i], sizeof(float)) != 0)
             fail_pixel(where, "depth", i, width, (double)got->depth[i], (double)e->depth[i]);
-    compare_stats(&got->stats, e, count, where);
+    compare_stats(got, e, count, where);
 }
 
 static void compare_double(const rig_result *got, const rig_expected *e, const sv_ref_volume *volume,

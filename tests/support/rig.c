@@ -246,6 +246,7 @@ sv_status rig_frame(rig *r, const rig_textures *t, const sv_param_value *values,
     const sv_result result = {
         .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
     if (status == SV_OK) status = p->end(p, &result);
+    if (status >= SV_OK) hs_plugin_points(p, &out->points);
     /* After an error, too: slabs may still be on their way. */
     if (t->format.queue && clFinish(t->format.queue) != CL_SUCCESS) fail("OpenCL", "clFinish");
     return status == SV_OK ? out->stats.outcome : status;

@@ -3,6 +3,7 @@
 #ifndef SV_RIG_H
 #define SV_RIG_H
 
+#include "plugin/plugin_ext.h"
 #include "ref/sv_ref.h"
 #include "smartvis_plugin.h"
 
@@ -41,6 +42,7 @@ typedef struct {
     float *depth;
     uint8_t *status;
     sv_stats stats;
+    sv_points_report points; /* size 0: the plugin does not tell */
 } rig_result;
 
 /* Loads SV_BUILD_DIR/smartvis.so (or `path`) and creates its first plugin. Fails the test program otherwise.

@@ -94,6 +94,7 @@ static sv_status run_active(rig *r, const surface_points *points, const uint8_t 
     sv_status status = p->begin(p, &frame);
     if (status == SV_OK) status = p->slab(p, &slab);
     if (status == SV_OK) status = p->end(p, &result);
+    if (status >= SV_OK) hs_plugin_points(p, &out->points);
     (void)clFinish(r->queue);
     return status == SV_OK ? out->stats.outcome : status;
 }
@@ -147,7 +148,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
     status = run_active(r, points, volume, values, sizeof values / sizeof *values, out);
     free(volume);
     if (status >= 0 && report && chain->method == SPLINE) {
-        const sv_ext_spline *spline = r->plugin->get_extension(r->plugin, SV_EXT_SPLINE);
+        const sv_ext_spline *spline = hs_plugin_spline(r->plugin);
         *report = (sv_spline_report){.size = sizeof *report};
         const sv_status read = spline->report(r->plugin, report);
         if (read != SV_OK) status = read;

@@ -9,7 +9,7 @@
  *   TP_SLAB          the instance's slab
  *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
  */
-#include "smartvis_plugin.h"
+#include "smartvis/confidence.h"
 
 #include <CL/cl.h>
 #include <math.h>
@@ -204,7 +204,7 @@ static sv_status plane_end(const sv_plugin *plugin, const sv_result *result) {
     if (result->status) memset(result->status, SV_POINT_INITIAL, rays);
     if (result->stats) {
         const uint32_t size = result->stats->size;
-        const sv_stats stats = {.size = size, .outcome = outcome, .rays = rays, .points = rays, .passes = 1};
+        const sv_stats stats = {.size = size, .outcome = outcome, .rays = rays, .points = rays};
         memcpy(result->stats, &stats, size < sizeof stats ? size : sizeof stats);
     }
     return p->format.queue ? SV_OK : outcome;

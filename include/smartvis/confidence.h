@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Extension smartvis.confidence/1: how sure the surface of the last frame is, pixel by pixel. Tags and rules
+ * are those of smartvis_plugin.h.
+ */
+#ifndef SMARTVIS_CONFIDENCE_H
+#define SMARTVIS_CONFIDENCE_H
+
+#include "smartvis_plugin.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SV_EXT_CONFIDENCE "smartvis.confidence/1"
+
+typedef struct sv_confidence_report {
+    uint32_t size;
+    float fluid_threshold; /* T_L that was found from the volume's own grey levels, 0 .. 1 */
+    uint32_t rays;         /* that have a scanned voxel */
+    uint32_t open_rays;    /* with an interval of fluid behind tissue; too few of them: SV_NO_SURFACE */
+} sv_confidence_report;
+
+typedef struct sv_ext_confidence {
+    uint32_t size;
+    uint32_t reserved; /* 0 */
+
+    /* [control & active] Waits for the queue and reads the last frame whose end succeeded. `map`: width *
+     * height float32, row by row, 0 (nothing is known) .. 1 (no other depth comes near in cost, and all rays
+     * nearby show fluid); all 0 without a surface. The surface lies nearer to the viewer where it is low; a
+     * host may widen its ghosting window there. `map` or `out` may be NULL. SV_ERR_STATE if there is no such
+     * frame, or the active method gives no confidence. */
+    sv_status(SV_CALL *read)(const sv_plugin *plugin, float *map, sv_confidence_report *out);
+
+    /* [control & active] or [frame & active] 1 if the active method gives a map, else 0. It stays the same
+     * until deactivate. */
+    uint32_t(SV_CALL *offered)(const sv_plugin *plugin);
+
+    /* [frame & active, after a successful end or adjust] The map of the last frame on the frame path, into
+     * either `map` or `object`, an OpenCL buffer, at `offset` bytes (a multiple of 4). Host queue: enqueued
+     * behind the frame's own commands and valid when the queue has run; the memory must stay until then. Own
+     * queue: `map` only; valid when it returns. SV_ERR_STATE as `read`; SV_ERR_ARGUMENT for none or both, or
+     * an object that the queue cannot reach or that is too small. */
+    sv_status(SV_CALL *write)(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset);
+} sv_ext_confidence;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
