@@ -4,8 +4,10 @@
 #include "support/metaimage_files.h"
 #include "volume/metaimage_write.h"
 
+#include <limits.h>
 #include <math.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 enum { NX = 5, NY = 4, NZ = 3, COUNT = NX * NY * NZ };
 

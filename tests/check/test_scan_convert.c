@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Scan conversion against its scalar definition, and its slabs: any split, tiling, pitch and offset. */
 #include "support/host_fixture.h"
-
+#include "support/ref_dvr.h"
 #include "support/ref_scan_convert.h"
+
+#include <math.h>
 
 #define GUARD 0xA5
 

@@ -8,6 +8,8 @@
 
 #include "support/ref_dvr.h"
 
+#include <math.h>
+
 enum { PLANE = 8 }; /* slices: step 25, five before the fetus; the occluder ends 13 before it */
 
 /* w = 10 steps before the surface, and up to 3 w more where nothing is sure: as far as the occluder. */

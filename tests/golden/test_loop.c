@@ -3,6 +3,7 @@
 #include "support/loop_fixture.h"
 
 #include <dlfcn.h>
+#include <math.h>
 
 /* ------------------------------------------------------------------ calls no frame may make -- */
 
