@@ -53,8 +53,8 @@ static void test_nothing_to_clip(void **state) {
     }
 }
 
-/* A solid cube seen straight on, so that everything can be worked out by hand: step n is slice n, and so is
- * depth n. */
+/* A solid cube seen straight on, so that everything can be worked out by hand: step n
+ * is slice n, and so is depth n. */
 static dvr_picture render_solid(const hs_cl *cl, float termination, float depth, float offset, float width) {
     enum { EDGE = MAP_S };
     const uint32_t size[3] = {EDGE, EDGE, EDGE};

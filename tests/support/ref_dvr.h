@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The renderer's definition (host_sim/render/dvr.h, spec 5) in scalar double precision: one ray, one sample
- * after the other, no skipping. Written from the definition; it shares nothing with the kernels but the
- * settings.
+ * The renderer's definition (host_sim/render/dvr.h, spec 5) in scalar double precision: one ray,
+ * one sample after the other, no skipping. Written from the definition; it shares nothing with
+ * the kernels but the settings.
  */
 #ifndef REF_DVR_H
 #define REF_DVR_H

@@ -45,8 +45,8 @@ typedef struct {
     sv_points_report points; /* size 0: the plugin does not tell */
 } rig_result;
 
-/* Loads SV_BUILD_DIR/smartvis.so (or `path`) and creates its first plugin. If it cannot, the test program
- * fails. */
+/* Loads SV_BUILD_DIR/smartvis.so (or `path`) and creates its first plugin. If it
+ * cannot, the test program fails. */
 void rig_open(rig *r, const char *path);
 void rig_close(rig *r);
 

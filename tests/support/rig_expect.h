@@ -25,8 +25,8 @@ typedef struct {
     sv_status outcome;
     sv_ref_fixed format;
 } rig_expected;
-/* The same frame by the scalar definition: fixed point, and float64 if `with_double` is true. Arrays of width
- * * height; rig_expected_free them. */
+/* The same frame by the scalar definition: fixed point, and float64 if `with_double` is true.
+ * Arrays of width * height; rig_expected_free them. */
 rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *settings, bool with_double);
 void rig_expected_free(rig_expected *e);
 

@@ -31,8 +31,8 @@ extern const char *const scene_cases[SCENE_CASES];
 /* That scene, read. */
 void empty_spec(hs_scene_spec *spec);
 
-/* A cube of n^3 voxels of h mm, all of one tissue, far from any surface, with silent interfaces.
- * hs_field_free it. */
+/* A cube of n^3 voxels of h mm, all of one tissue, far from any surface, with silent
+ * interfaces. hs_field_free it. */
 void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue);
 
 /* Like assert_float_equal, in double. */
