@@ -4,13 +4,14 @@
 #
 # - A file includes only what its floor may include, by the table below.
 # - Nothing includes in a circle. A source and its header count as one: x.c and x.h.
-# - A source in src/, host_sim/ and bench/ has a header of its own, unless it holds a main.
+# - A source in src/, host_sim/ and bench/ has a header of its own, unless it holds a program's main or the
+#   library's entry, whose header is the ABI's.
 # - Every source lies in a folder that the table knows.
 set -eu
 cd "${1:-$(dirname "$0")/..}"
 
 # Floors that are not clean yet, parted by blanks: what they include is not complained of.
-pending=${CHECK_INCLUDES_PENDING-'src src/ref src/device src/method src/frame src/abi host_sim/loop host_sim/eval host_sim/report host_sim/commands'}
+pending=${CHECK_INCLUDES_PENDING-'src/ref'}
 
 # One line a floor: folder or file | what its "..." includes may name | which <...> groups it may use.
 #   FOLDER  a file directly in it        .         its own folder
@@ -25,8 +26,8 @@ include/smartvis/lookup.h | abi                                                 
 include/smartvis          | abi                                                      | fixed
 cl/common                 | .                                                        |
 cl/*                      | cl/common .                                              |
-src                       | abi shared .                                             | libc
-src/ref                   | abi shared src .                                         | libc
+src                       | shared .                                                 | libc
+src/ref                   | shared src .                                             | libc
 src/device                | abi shared kernels .                                     | libc opencl
 src/method                | abi shared kernels src src/ref src/device .              | libc opencl
 src/frame                 | abi shared kernels src src/ref src/device src/method .   | libc opencl
@@ -43,8 +44,8 @@ host_sim/eval             | abi MACHINE host_sim/loop .                         
 host_sim/report           | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
 host_sim/commands         | abi HOST .                                               | libc opencl json
 bench/frame               | abi HOST .                                               | libc opencl json futex
-bench/methods             | abi HOST src src/ref bench/frame .                       | libc opencl
-bench/quality             | abi HOST src src/ref .                                   | libc opencl json
+bench/methods             | abi HOST shared src src/ref bench/frame .                | libc opencl
+bench/quality             | abi HOST shared src src/ref .                            | libc opencl json
 examples                  | abi .                                                    | libc opencl
 examples/*                | abi .                                                    | libc opencl
 tests/*                   | any kernels                                              | any
@@ -87,8 +88,8 @@ groups > "$work/groups"
 roots > "$work/roots"
 find . \( -path './build*' -o -path ./out -o -path ./.git \) -prune -o \
     -type f \( -name '*.c' -o -name '*.h' -o -name '*.cl' -o -name '*.clh' \) -print | sed 's|^\./||' > "$work/sources"
-# The programs, and "FILE:LINE:TEXT" of every line that includes something.
-xargs grep -lE '^int main\(' < "$work/sources" > "$work/mains" || true
+# Where programs and the library begin, and "FILE:LINE:TEXT" of every line that includes something.
+xargs grep -lE '^(int main\(|.*const sv_entry smartvis_plugin_entry = )' < "$work/sources" > "$work/mains" || true
 xargs grep -nHE '^[[:space:]]*(#|%:)[[:space:]]*(include|import|embed)' < "$work/sources" > "$work/lines" || true
 
 awk -v pending="$pending" -v edges="$work/edges" '
@@ -164,7 +165,7 @@ FILENAME ~ /\/(groups|roots)$/ {
     next
 }
 FILENAME ~ /\/sources$/ { known[$0] = 1; next }
-FILENAME ~ /\/mains$/ { main[$0] = 1; next }
+FILENAME ~ /\/mains$/ { begins[$0] = 1; next }
 {
     match($0, /^[^:]*:[0-9]+:/)
     where = substr($0, 1, RLENGTH - 1)
@@ -192,7 +193,7 @@ FILENAME ~ /\/mains$/ { main[$0] = 1; next }
 END {
     for (path in known) {
         if (!floor_of(path)) complain(path ":1", "a source in a folder without a rule")
-        if (path !~ /^(src|host_sim|bench)\/.*\.c$/ || path in main || is_pending(path)) continue
+        if (path !~ /^(src|host_sim|bench)\/.*\.c$/ || path in begins || is_pending(path)) continue
         if (!((unit_of(path) ".h") in known)) complain(path ":1", "a source without a header of its own")
     }
     exit failed

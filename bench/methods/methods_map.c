@@ -3,7 +3,7 @@
 
 #include "base/output_file.h"
 #include "frame/bench_slabs.h"
-#include "ref/sv_ref.h"
+#include "ref/ref_points.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "quality/surf_ablation.h"
 
-#include "ref/sv_ref_cost.h"
+#include "ref/ref_cost_surface.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
+#include "commands/cmd_demo.h"
+
 #include "base/cli.h"
-#include "commands/run.h"
+#include "commands/run_print.h"
 #include "picture/page_html.h"
 #include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
@@ -218,10 +219,9 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
 static void write_intro(demo *d) {
     hs_report_text(&d->report,
                    "In 3D ultrasound tissue, cord and particles often hide the fetus. For every viewing ray "
-                   "the plugin finds a "
-                   "depth in the amniotic fluid between them and the fetus; the renderer starts its rays "
-                   "there. Each case below "
-                   "shows the full volume, the result, and for synthetic scenes the ground truth.");
+                   "the plugin finds a depth in the amniotic fluid between them and the fetus; the renderer "
+                   "starts its rays there. Each case below shows the full volume, the result, and for "
+                   "synthetic scenes the ground truth.");
 }
 
 static void write_table(demo *d) {
@@ -232,8 +232,7 @@ static void write_table(demo *d) {
     hs_report_text(
         &d->report,
         "Volumes a second from the median of the whole loop, in the three settings of the thesis' Figure "
-        "5.21: "
-        "DVR alone and DVR with scan conversion render the full volume, unclipped; with the plugin the "
+        "5.21: DVR alone and DVR with scan conversion render the full volume, unclipped; with the plugin the "
         "rays start at its depthmap. The plugin's share is that of a whole frame.");
     hs_report_table_begin(&d->report);
     hs_report_table_row(&d->report, names, COLUMNS);

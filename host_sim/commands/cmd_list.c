@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim list: what a plugin library holds and which parameters its plugins have, from the ABI alone. */
+#include "commands/cmd_list.h"
+
 #include "base/cli.h"
 #include "plugin/loader.h"
 

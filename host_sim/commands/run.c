@@ -2,17 +2,20 @@
 #include "commands/run.h"
 
 #include "base/cli.h"
+#include "loop/view.h"
 #include "plugin/loader_param.h"
+#include "report/loop_knob.h"
 #include "report/loop_pictures.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 void hs_run_defaults(hs_run_request *request) {
     *request = (hs_run_request){.log_level = SV_LOG_WARNING, .scene = {.size = 256, .volumes = 1}};
     hs_loop_defaults(&request->loop);
-    request->loop.dvr.exposure =
-        1.5f; /* tissue has half the intensity of bone: without it pictures are dim */
+    /* Tissue has half the intensity of bone: without it pictures are dim. */
+    request->loop.dvr.exposure = 1.5f;
     for (int s = 0; s < HS_SETTING_COUNT; s++) request->settings[s] = true;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A run's results as JSON. */
-#include "commands/run.h"
+#include "commands/run_json.h"
 
 #include "base/output_file.h"
 

@@ -3,7 +3,7 @@
 #ifndef HS_LOOP_PICTURES_H
 #define HS_LOOP_PICTURES_H
 
-#include "loop/loop.h"
+#include "loop/view.h"
 
 /*
  * Writes, from one view:
@@ -23,12 +23,5 @@ bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char 
 /* Writes orbit.png: six views of the loop's orbit, full volume above, result below. */
 bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
                          hs_error *err);
-
-/*
- * Writes knob.png: the result of frame `index` for six positions of the plugin's primary parameter, from one
- * end of its display range to the other. Writes nothing if the plugin has no such parameter.
- */
-bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
-                        uint32_t index, const char *folder, const char *title, hs_error *err);
 
 #endif

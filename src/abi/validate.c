@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the host hands over, checked once at the ABI's edge. */
-#include "frame/instance.h"
+#include "abi/validate.h"
+
+#include "quantise.h"
 
 #include <stdio.h>
 
@@ -76,8 +77,9 @@ sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *p, const sv_frame 
 
 sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *p, const sv_values *values) {
     uint32_t weight_initial, weight_filled;
-    sv_ref_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
-    if (!p->reduced || p->config.method != SV_METHOD_MEAN || weight_filled > 0) return SV_OK;
+    sv_fill_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
+    if (!p->chain.reduced || !sv_method_uses(p->chain.method, SV_PARAM_FILL_WEIGHT) || weight_filled > 0)
+        return SV_OK;
     BLAME(diag, SV_ERR_PARAM_RANGE,
           "begin: fill_weight is %g, which leaves pixels empty; with reduction = %u, whose surface is "
           "interpolated, expected at least 0.125",
@@ -199,7 +201,7 @@ sv_status sv_validate_result(sv_diag *diag, const char *call, const sv_pipeline 
     if ((r->depth != NULL) == (r->depth_object != NULL))
         BLAME(diag, SV_ERR_ARGUMENT, "%s: expected exactly one of depth and depth_object, got %s", call,
               r->depth ? "both" : "neither");
-    if (r->depth_object && p->device->owned)
+    if (r->depth_object && p->queue.device->owned)
         BLAME(diag, SV_ERR_ARGUMENT, "%s: depth_object needs the host's context, and activate was given none",
               call);
     if (r->depth_pitch &&

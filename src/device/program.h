@@ -4,7 +4,7 @@
 #ifndef SV_PROGRAM_H
 #define SV_PROGRAM_H
 
-#include "device/clx.h"
+#include "device/device.h"
 
 /* Every kernel by its name in cl/. */
 #define SV_KERNELS(X)                                                                                        \
@@ -30,7 +30,7 @@ typedef struct {
 #undef SV_KERNEL_FIELD
 } sv_program;
 
-/* Kernels of a method (method.h), by their place in its list of names. */
+/* Kernels of a program of its own, by their place in its list of names. */
 #define SV_MAX_METHOD_KERNELS 16
 typedef struct {
     cl_program program;

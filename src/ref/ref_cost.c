@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Cost volume: sizes, bins of a ray, grey levels, brightness, and where wall and back of the sac lie. */
-#include "ref/sv_ref_cost.h"
+#include "ref/ref_cost.h"
 
 #include "common/sv_shared.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Cost volume: the runs of tissue along a ray, which of them may be the fetus, and what every label costs. */
-#include "ref/sv_ref_cost.h"
+#include "ref/ref_cost_rays.h"
 
 #include "common/sv_shared.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way back to
  * pixels. */
-#include "ref/sv_ref_cost.h"
+#include "ref/ref_cost_surface.h"
 
 #include "common/sv_shared.h"
 
@@ -243,3 +243,19 @@ bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, doub
     const sv_ref_cost_layout l = sv_ref_cost_layout_of(volume->width, volume->height, volume->slices);
     return sv_ref_cost_surface_with(volume, &l, near_surface, far_surface, confidence, tie, facts);
 }
+
+/* S(q) between the ends; no surface, so zeros, where too few rays have a fluid interval. */
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    const size_t count = (size_t)task->map.width * task->map.height;
+    double *far_surface = malloc(2 * count * sizeof *far_surface), *confidence = far_surface + count;
+    sv_ref_cost_facts facts = {0};
+    const bool ok =
+        far_surface && sv_ref_cost_surface(task->volume, surface, far_surface, confidence, either, &facts);
+    const bool wanted = facts.open > 0 && facts.open * SV_COST_EVIDENCE >= facts.rays;
+    for (size_t i = 0; ok && i < count; i++)
+        surface[i] = wanted ? far_surface[i] + task->q * (surface[i] - far_surface[i]) : 0.0;
+    free(far_surface);
+    return ok;
+}
+
+const sv_ref_method sv_ref_method_cost = {.name = "cost", .takes_volume = true, .surface = of_task};

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Ray profiles: Algorithm 4.1, lines 2-14, with the corrections of spec 3 and 9. */
-#include "ref/sv_ref.h"
+#include "ref/ref_profile.h"
+
+#include "quantise.h"
 
 #include <math.h>
-
-uint32_t sv_ref_level(double threshold, uint32_t substeps) {
-    const double level = floor(threshold * 255.0 * substeps + SV_LEVEL_SLACK);
-    if (level < 0.0) return 0;
-    return level > 255.0 * substeps ? 255 * substeps : (uint32_t)level;
-}
 
 /* The walk along one ray. */
 typedef struct {

@@ -185,8 +185,8 @@ static void long_slabs(void **state) {
 /* 700 slices under a window of 63 x 48: the sums need 64 bits; under 3 x 3 the
  * same instance uses 32 again. */
 static void sums_of_64_bits(void **state) {
-    assert_true(sv_ref_fixed_format(64, 48, 700, 63, 2).wide);
-    assert_false(sv_ref_fixed_format(64, 48, 700, 3, 2).wide);
+    assert_true(sv_fixed_format(64, 48, 700, 63, 2).wide);
+    assert_false(sv_fixed_format(64, 48, 700, 3, 2).wide);
     compare_summary all = {0};
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         rig_format f = layout(*state, strategy, 1);

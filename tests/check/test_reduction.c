@@ -6,6 +6,11 @@
  */
 #include "support/surfaces.h"
 
+#include "ref/ref_mean.h"
+#include "ref/ref_minimum.h"
+#include "ref/ref_pushpull.h"
+#include "ref/ref_reduce.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -153,7 +158,7 @@ static bool filter(int method, const sv_ref_map *map, uint32_t k, double *surfac
 static uint32_t both_surfaces(int method, const sv_ref_map *map, uint32_t reduction, double *full) {
     enum { K = 7 };
     const size_t count = (size_t)map->width * map->height;
-    const uint32_t k_cells = sv_ref_reduced_kernel(K, reduction);
+    const uint32_t k_cells = sv_reduced_kernel(K, reduction);
     double *less = full + count, *cells = less + count;
     sv_ref_reduced reduced;
     sv_ref_fill fill, fill_cells;

@@ -7,7 +7,8 @@
  */
 #include "support/scene_fixture.h"
 
-#include "ref/sv_ref.h"
+#include "ref/ref_mean.h"
+#include "ref/ref_points.h"
 
 enum { SIZE = 192, LOW = SIZE / 3, PIXELS = LOW * LOW };
 

@@ -6,6 +6,9 @@
  */
 #include "support/surfaces.h"
 
+#include "ref/ref_solve.h"
+#include "ref/ref_spline_surface.h"
+
 #include <lapacke.h>
 
 #include <math.h>

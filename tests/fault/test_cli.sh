@@ -148,6 +148,13 @@ for command in run demo list info; do
     holds grep -q "^Exit codes:" stdout
 done
 expect 0 "" --help
+holds grep -q -- "--version" stdout
+# The versions are those of the project and of the header.
+expect 0 "" --version
+version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
+abi() { sed -n "s/^#define SV_ABI_$1 *\([0-9]*\)u.*/\1/p" "$source/include/smartvis_plugin.h"; }
+holds [ -n "$version" ]
+holds [ "$(cat stdout)" = "host_sim $version, SmartVis plugin ABI $(abi MAJOR).$(abi MINOR)" ]
 expect 0 "" info good.mha "$work/other_size.mha"
 holds grep -q "16 x 16 x 8 voxels" stdout
 # No OpenCL device is needed to describe a plugin.
@@ -158,6 +165,11 @@ unset OCL_ICD_VENDORS
 expect 0 "" "${good[@]}" --json "$work/result.json"
 holds grep -q '"volumes_per_second"' result.json
 holds [ "$(tail -n 1 stdout)" = "Pictures are in $work/out" ]
+# One volume is uploaded once, unless it comes live.
+holds [ "$(grep -c '"upload"' result.json)" = 0 ]
+expect 0 "" "${good[@]}" --live --json "$work/result.json"
+holds [ "$(grep -c '"upload"' result.json)" = 3 ]
+holds grep -q "^upload " stdout
 for picture in result full panel depthmap points; do holds [ -s "out/$picture.png" ]; done
 holds [ -z "$(find "$work" -name '*.tmp*' -o -name '.host_sim_*')" ]
 # Colours and progress are for terminals.

@@ -179,6 +179,33 @@ static void a_sequence_shows_its_volumes_in_turn(void **state) {
     hs_loop_destroy(loop);
 }
 
+/* A scan writes its next volume where the last one was. What was transparent everywhere becomes tissue:
+ * neither the voxels nor the renderer's grid of maxima may be those of the frame before. */
+static void a_live_scan_is_uploaded_anew(void **state) {
+    const fixture *f = *state;
+    hs_volume scan = make_layers(false);
+    const hs_volume *volumes[1] = {&scan};
+    fixture g = *f;
+    g.source = (hs_source){.volumes = volumes, .count = 1};
+    hs_loop_options o = options_with(NULL, 0);
+    o.live = true;
+    hs_error err = {0};
+    memset(scan.voxels, 10, hs_volume_count(&scan));
+    hs_loop *loop = hs_loop_create(&g.cl, &g.source, NULL, &o, &err);
+    if (!loop) fail_msg("%s", err.text);
+    static const uint8_t levels[3] = {10, 255, 10};
+    for (uint32_t i = 0; i < 3; i++) {
+        memset(scan.voxels, levels[i], hs_volume_count(&scan));
+        hs_view view = view_of(loop, i);
+        assert_true(view.termination[0] == (levels[i] == 255 ? 0 : N));
+        assert_int_equal(view.result[0], levels[i] == 255 ? red_at(FETUS, &o.dvr) : 0);
+        assert_true(view.frame.ms[HS_STAGE_UPLOAD] > 0);
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+    hs_volume_free(&scan);
+}
+
 static void an_orbit_keeps_one_box_and_lies_around_its_yaw(void **state) {
     const fixture *f = *state;
     hs_loop_options o = options_with(NULL, 0);
@@ -227,6 +254,7 @@ int main(void) {
         cmocka_unit_test(frames_create_and_compile_nothing),
         cmocka_unit_test(results_add_up),
         cmocka_unit_test(a_sequence_shows_its_volumes_in_turn),
+        cmocka_unit_test(a_live_scan_is_uploaded_anew),
         cmocka_unit_test(an_orbit_keeps_one_box_and_lies_around_its_yaw),
         cmocka_unit_test(the_ground_truth_is_rendered_with_the_same_camera),
     };

@@ -10,8 +10,7 @@
 
 #include <cmocka.h>
 
-double compare_bound(const sv_ref_volume *volume, const rig_settings *s, sv_ref_fixed format,
-                     uint32_t passes) {
+double compare_bound(const sv_ref_volume *volume, const rig_settings *s, sv_fixed format, uint32_t passes) {
     const double depth =
         volume->slices - 1.0; /* no interval end lies deeper, and a mean never leaves its inputs */
     const double fixed_step = ldexp(0.5, -(int)format.fraction);

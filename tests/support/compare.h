@@ -15,7 +15,7 @@ typedef struct {
 
 /* Slices by which the fixed-point filter may differ from the float64 definition after `passes` passes; see
  * the terms in compare.c. */
-double compare_bound(const sv_ref_volume *volume, const rig_settings *settings, sv_ref_fixed format,
+double compare_bound(const sv_ref_volume *volume, const rig_settings *settings, sv_fixed format,
                      uint32_t passes);
 
 /* Promised of every frame, in slices (docs/numerics.md, issue 2). */

@@ -4,7 +4,8 @@
 #ifndef SV_ENERGY_H
 #define SV_ENERGY_H
 
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_grid.h"
+#include "ref/ref_map.h"
 
 /*
  * The same equations and the same answer: float64, conjugate gradients until the error in the energy has

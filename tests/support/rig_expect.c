@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/rig_expect.h"
 
+#include "ref/ref_mean.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -63,9 +65,9 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
         e.empty_points += e.status[i] == SV_POINT_EMPTY;
     }
     uint32_t weight_initial, weight_filled;
-    sv_ref_weights(s->omega, &weight_initial, &weight_filled);
-    e.format = sv_ref_fixed_format(width, height, volume->slices, s->k, weight_initial);
-    if (s->half) e.format = sv_ref_half_format(volume->slices, weight_initial);
+    sv_fill_weights(s->omega, &weight_initial, &weight_filled);
+    e.format = sv_fixed_format(width, height, volume->slices, s->k, weight_initial);
+    if (s->half) e.format = sv_half_format(volume->slices, weight_initial);
     const bool ok = sv_ref_mean_fixed(e.status, positions, positions + count, width, height, s->k, s->omega,
                                       s->substeps, e.format, surfaces, surfaces + count, &e.fill);
     assert(ok);

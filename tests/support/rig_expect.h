@@ -3,7 +3,8 @@
 #ifndef SV_RIG_EXPECT_H
 #define SV_RIG_EXPECT_H
 
-#include "ref/sv_ref.h"
+#include "ref/ref_mean_fixed.h"
+#include "ref/ref_points.h"
 #include "smartvis_plugin.h"
 
 typedef struct {
@@ -23,7 +24,7 @@ typedef struct {
     uint32_t points, empty_points, sure_points, level, maximum;
     sv_ref_fill fill;
     sv_status outcome;
-    sv_ref_fixed format;
+    sv_fixed format;
 } rig_expected;
 /* The same frame by the scalar definition: fixed point, and float64 if `with_double` is true.
  * Arrays of width * height; rig_expected_free them. */

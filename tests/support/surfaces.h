@@ -6,7 +6,7 @@
 
 #include "support/rig.h"
 
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_method.h"
 
 enum { MEAN, MINIMUM, SPLINE, PUSHPULL, MEMBRANE, PLATE, METHODS };
 extern const char *const surface_names[METHODS];
