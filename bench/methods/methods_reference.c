@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "methods/methods_reference.h"
 
-#include "common/sv_shared.h"
+#include "spline/spline_shared.h"
 #include "ref/ref_method.h"
 
 #include <math.h>

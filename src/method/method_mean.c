@@ -7,6 +7,7 @@
 
 #include "device/buffer.h"
 #include "kernels_mean_maps.h"
+#include "mean/mean_shared.h"
 #include "ref/ref_mean.h"
 
 #include <math.h>

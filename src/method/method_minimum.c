@@ -5,13 +5,13 @@
 
 #include "device/buffer.h"
 #include "kernels_minimum.h"
+#include "minimum/minimum_shared.h"
 #include "ref/ref_minimum.h"
 
 enum { K_CLEAR, K_ENTER, K_COLUMNS, K_ROWS, K_LEAVE };
 static const char *const kernels[] = {"minimum_clear", "minimum_enter", "minimum_columns",
                                       "minimum_rows",  "minimum_leave", NULL};
 enum { MAP_A, MAP_B };
-enum { MARGIN = 32 };                          /* SV_MIN_MARGIN of the kernels */
 static const uint32_t EVERY_PASS = UINT32_MAX; /* no counting, no early end */
 
 static sv_source source(void) {
@@ -24,7 +24,7 @@ static uint32_t commands(const sv_config *c) {
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     sv_status status = SV_OK;
-    const size_t bytes = (m->padded_width + (size_t)2 * MARGIN) * m->height * sizeof(cl_float);
+    const size_t bytes = (m->padded_width + (size_t)2 * SV_MIN_MARGIN) * m->height * sizeof(cl_float);
     s->buffer[MAP_A] = sv_buffer_make(m->queue, bytes, &status);
     s->buffer[MAP_B] = sv_buffer_make(m->queue, bytes, &status);
     return status;

@@ -3,7 +3,7 @@
  */
 #include "ref/ref_spline_surface.h"
 
-#include "common/sv_shared.h"
+#include "spline/spline_shared.h"
 
 #include <assert.h>
 #include <math.h>
