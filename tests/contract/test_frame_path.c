@@ -151,8 +151,7 @@ static void timed_frames(void **state) {
     assert_int_equal(spy_live(), 0);
 }
 
-/* ---- the spy itself: a spy that sees nothing would pass every test above
- * ---------------------------------------- */
+/* ---- the spy itself: a spy that sees nothing would pass every test above ---- */
 
 static void the_spy_sees_activation(void **state) {
     fixture *f = *state;
