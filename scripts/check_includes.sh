@@ -11,12 +11,14 @@
 #   host_sim/ROOM/ include/, host_sim/, the C library, <CL/...>, png, turbojpeg, cairo, fontconfig, zlib, jansson;
 #                  never src/ or cl/
 #   host_sim/render/cl/  itself
+#   examples/NAME/ include/, the C library, <CL/...>
 #   bench/, tests/                                                             anything
 set -eu
 cd "${1:-$(dirname "$0")/..}"
 
 families='common|profile|chain|mean|minimum|spline|pushpull|grid|cost'
 layers='abi|frame|method|device|ref'
+examples='first_edge|kernel_edge|small_host'
 rooms='base|volume|picture|plugin|render|scene|loop|eval|report|commands'
 
 # The C library and POSIX headers that C code here may use.
@@ -80,12 +82,15 @@ for folder in ${rooms//|/ }; do
     check_folder "host_sim/$folder" "($libc|$opencl|$libraries)" include host_sim hs_kernels_embedded.h
 done
 check_folder host_sim/render/cl '(none)' host_sim/render/cl
+for folder in ${examples//|/ }; do
+    check_folder "examples/$folder" "($libc|$opencl)" include
+done
 
 # A folder that the table does not know would escape it.
 while read -r file; do
-    complain "$file" 1 "a source in a folder without a rule" "known: include cl/* src/* host_sim/* host_sim/render/cl bench tests"
+    complain "$file" 1 "a source in a folder without a rule" "known: include cl/* src/* host_sim/* host_sim/render/cl examples/* bench tests"
 done < <(find . \( -path './build*' -o -path ./out -o -path ./.git -o -path ./bench -o -path ./tests \) -prune -o \
     -type f \( -name '*.c' -o -name '*.h' -o -name '*.cl' -o -name '*.clh' \) -print | sed 's|^\./||' |
-    grep -vE "^(include|include/smartvis|cl/($families)|src/($layers)|host_sim/($rooms|render/cl))/[^/]*\$" || true)
+    grep -vE "^(include|include/smartvis|cl/($families)|src/($layers)|host_sim/($rooms|render/cl)|examples/($examples))/[^/]*\$" || true)
 
 exit $failed
