@@ -13,7 +13,7 @@ trap 'rm -rf "$work"' EXIT
 # fresh_tree: a small tree that keeps the rule.
 fresh_tree() {
     rm -rf "$work/tree"
-    mkdir -p "$work"/tree/{include,cl/{common,profile},src/{abi,frame,device,ref},host_sim/{base,picture,render/cl},tests/check,bench}
+    mkdir -p "$work"/tree/{include,cl/{common,profile},src/{abi,frame,device,ref},host_sim/{base,picture,render/cl},examples/first_edge,tests/check,bench}
     cd "$work/tree"
     printf '#include <stdint.h>\n#include <stddef.h>\n' > include/smartvis_plugin.h
     printf '/* shared */\n' > cl/common/sv_shared.h
@@ -26,6 +26,7 @@ fresh_tree() {
     printf '#include <CL/cl.h>\n#include <png.h>\n#include "smartvis_plugin.h"\n' > host_sim/picture/png.c
     printf '/* helper */\n' > host_sim/render/cl/sample.clh
     printf '#include "sample.clh"\n' > host_sim/render/cl/dvr.cl
+    printf '#include "smartvis_plugin.h"\n#include <stdio.h>\n' > examples/first_edge/first_edge.c
     printf '#include "../../src/device/clx.h"\n' > tests/check/test_any.c
 }
 
@@ -65,5 +66,8 @@ caught host_sim/picture/png.c '#include "common/sv_shared.h"'
 caught host_sim/picture/png.c '#include MACRO_NAME'
 caught host_sim/picture/png.c '%:include "device/clx.h"'
 caught host_sim/render/cl/dvr.cl '#include "common/sv_shared.h"'
+caught examples/first_edge/first_edge.c '#include "device/clx.h"'
+caught examples/first_edge/first_edge.c '#include <png.h>'
+caught examples/new/new.c '#include <stdio.h>'
 caught tools/new.c '#include "device/clx.h"'
 [ $failures = 0 ]
