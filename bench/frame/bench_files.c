@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The benchmark's results as CSV and JSON. */
+#include "frame/bench_files.h"
+
 #include "base/output_file.h"
-#include "frame/bench_report.h"
+#include "frame/bench_method.h"
 
 #include <jansson.h>
 #include <math.h>

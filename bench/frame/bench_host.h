@@ -4,7 +4,7 @@
 #define BENCH_HOST_H
 
 #include "frame/bench_times.h"
-#include "loop/loop.h"
+#include "loop/loop_run.h"
 
 typedef struct {
     const hs_plugin *plugin;
@@ -30,8 +30,8 @@ typedef struct {
     bench_times grid; /* a volume to the device, with the renderer's grid of maxima */
 } bench_host_result;
 
-/* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface for are counted in the results.
- */
+/* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface
+ * for are counted in the results. */
 bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs_error *err);
 
 #endif

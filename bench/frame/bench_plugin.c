@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/bench_plugin.h"
 
+#include "frame/plain_frame.h"
+#include "frame/plain_read.h"
+#include "plugin/loader_param.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

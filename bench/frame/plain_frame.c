@@ -2,7 +2,9 @@
 /* A whole frame in plain C on two threads: each has half of the rows, and they meet after every step. */
 #include "frame/plain_frame.h"
 
-#include "frame/plain_parts.h"
+#include "frame/plain_mean.h"
+#include "frame/plain_profile.h"
+#include "frame/plain_surface.h"
 #include "smartvis_plugin.h"
 
 #include <stdlib.h>

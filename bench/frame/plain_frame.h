@@ -1,28 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The yardsticks: what a careful C programmer gets from two threads and the compiler's vectoriser, -O3
- * -march=native, without intrinsics. For the benchmark only; it shares no code with the plugin.
- */
+/* The whole frame in plain C, one of the yardsticks (plain_volume.h). */
 #ifndef PLAIN_FRAME_H
 #define PLAIN_FRAME_H
 
 #include "frame/bench_team.h"
-
-#include <stddef.h>
-#include <stdint.h>
-
-/* A volume as slices in tiles: voxel (x, y, z) is slice[z][y * pitch + x]. Not owned. After every row
- * PLAIN_READ_AHEAD bytes more may be read; they do not matter. */
-enum { PLAIN_READ_AHEAD = 63 };
-typedef struct {
-    uint32_t width, height, slices;
-    const uint8_t *const *slice;
-    size_t pitch; /* bytes */
-} plain_volume;
-
-/* (a) Reads `bytes` bytes (a multiple of 16, aligned to 8) once, as 64-bit words that are summed. Between
- * bench_team_ready and _rest. */
-uint64_t plain_read(bench_team *team, const void *memory, size_t bytes);
+#include "frame/plain_volume.h"
 
 typedef struct {
     uint8_t fluid_level; /* T_L as a grey level: tissue lies above it */
@@ -31,7 +13,7 @@ typedef struct {
     float q;
 } plain_settings;
 
-/* (b) The plugin's work: ray profiles, offset threshold, initial points, mean filter of both ends to
+/* The plugin's work: ray profiles, offset threshold, initial points, mean filter of both ends to
  * completion with weights 2 : 1, S(q). All voxels count as scanned. */
 typedef struct plain_frame plain_frame;
 

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mean filter in plain C: running column sums down the rows, then windows along the row. Sums are
- * unsigned 32-bit fixed point; a difference of running sums is exact even where the sums themselves wrap
- * around.
+ * The mean filter in plain C: running column sums down the rows, then windows along the row.
+ * Sums are unsigned 32-bit fixed point; a difference of running sums is exact even where the
+ * sums themselves wrap around.
  */
-#include "frame/plain_parts.h"
+#include "frame/plain_mean.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 /* Rows of a thread: column sums with k / 2 zeros on either side, window sums, 1 / (sum of weights). */

@@ -8,7 +8,9 @@
  * time are walked in all rows before the next 16, each row fetching the next: 64 bytes from each of hundreds
  * of slices is a poor way to read memory.
  */
-#include "frame/plain_parts.h"
+#include "frame/plain_profile.h"
+
+#include <stdbool.h>
 
 #include <string.h>
 

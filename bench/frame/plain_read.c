@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* (a) of the benchmark: the volume's bytes, once through, by two threads. */
-#include "frame/plain_frame.h"
+#include "frame/plain_read.h"
 
 typedef struct {
     const uint64_t *words;

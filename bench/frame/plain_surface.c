@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/plain_surface.h"
 
-#include "frame/plain_parts.h"
+#include "frame/plain_mean.h"
 #include "smartvis_plugin.h"
 
 #include <stdlib.h>

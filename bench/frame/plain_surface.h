@@ -3,7 +3,10 @@
 #ifndef PLAIN_SURFACE_H
 #define PLAIN_SURFACE_H
 
-#include "frame/plain_frame.h"
+#include "frame/bench_team.h"
+
+#include <stddef.h>
+#include <stdint.h>
 
 /* Initial points of a map of width x height pixels: SV_POINT_*, and interval ends in slices. Not owned. */
 typedef struct {
@@ -25,5 +28,21 @@ uint32_t plain_surface_run(plain_surface *surface, float q, float *depth);
 
 /* The least that any method moves: reads two float32 maps and writes one, with a multiply-add between. */
 void plain_surface_touch(plain_surface *surface, float q, float *depth);
+
+/* ---- parts that the whole frame shares */
+
+/* Fraction bits with which the largest sum of a window fits 32 bits, and a depth a float's 24. Fewer than
+ * PLAIN_MIN_FRACTION are too coarse. */
+enum { PLAIN_MIN_FRACTION = 10 };
+uint32_t plain_fraction(uint32_t slices, uint32_t k);
+
+/* One end of `count` intervals as the mean filter's first sums: weight * depth, 0
+ * where the interval is empty. */
+void plain_weigh_points(size_t count, uint32_t fraction, const uint8_t *restrict status,
+                        const uint16_t *restrict end, uint32_t *restrict sum);
+
+/* S(q) = S_f + q (S_n - S_f) for `count` pixels. */
+void plain_blend(size_t count, float q, const float *restrict near_surface, const float *restrict far_surface,
+                 float *restrict depth);
 
 #endif

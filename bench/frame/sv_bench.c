@@ -2,7 +2,10 @@
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
 #include "base/cli.h"
 #include "frame/bench_cli.h"
+#include "frame/bench_files.h"
+#include "frame/bench_method.h"
 #include "frame/bench_report.h"
+#include "plugin/loader_param.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -267,7 +270,7 @@ static bool measure(bench_run *run, hs_error *err) {
     for (uint32_t i = 0; i < run->o.value_count; i++)
         if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
-    bench_print_machine(&run->report.machine);
+    bench_machine_print(&run->report.machine);
     run->team = bench_team_create(err);
     run->report.plugin = run->results;
     if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The results as CSV: a line a row; what is not known is empty. */
+#include "methods/methods_csv.h"
+
 #include "base/output_file.h"
-#include "methods/methods_report.h"
 
 static void field(FILE *file, bool known, double value) {
     if (known) (void)fprintf(file, ",%.6g", value);

@@ -2,7 +2,9 @@
 /* sv_surfaces_bench: what each reconstruction method costs, and how wrong it is. */
 #include "base/cli.h"
 #include "base/progress.h"
-#include "methods/methods_report.h"
+#include "methods/methods_csv.h"
+#include "methods/methods_print.h"
+#include "methods/methods_svg.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -145,8 +147,8 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
            hs_fail(err, HS_ERR_USAGE, "--points: needs one --size, got %d", sizes);
 }
 
-/* A run's own. `reference` is the last definition that was computed: variants that share it stand together.
- */
+/* A run's own. `reference` is the last definition that was computed: variants
+ * that share it stand together. */
 typedef struct {
     options o;
     hs_cl cl;
@@ -257,7 +259,7 @@ static bool measure(bench_run *run, hs_error *err) {
     run->depth = malloc(largest * sizeof *run->depth);
     if (!run->depth) return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu pixels", largest);
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
-    bench_print_machine(&run->report.machine);
+    bench_machine_print(&run->report.machine);
     for (int s = 0; s < BENCH_SIZES; s++)
         if (o->size[s] && !run_size(run, bench_sizes[s], err)) return false;
     if (o->fit && o->kind[METHODS_SPLINE] && !run_splines(run, err)) return false;

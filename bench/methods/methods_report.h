@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The results of sv_surfaces_bench: tables, CSV and a plot. */
+/* The results of sv_surfaces_bench. */
 #ifndef METHODS_REPORT_H
 #define METHODS_REPORT_H
 
 #include "frame/bench_cli.h"
-#include "frame/bench_report.h"
+#include "frame/bench_machine.h"
 #include "methods/methods_reference.h"
 #include "methods/methods_time.h"
 #include "methods/methods_truth.h"
@@ -44,15 +44,5 @@ double methods_row_ms(const methods_row *row);
 const methods_truth_row *methods_row_truth(const methods_report *report, const methods_row *row);
 /* Mean over the scenes. */
 double methods_truth_mean(const methods_truth_row *truth);
-
-/* Tables. The head before the first row of its kind, then a line each as they come in. */
-void methods_print_head(const char *what);
-void methods_print_row(const methods_row *row);
-void methods_print_truth(const methods_report *report);
-void methods_print_fits(const methods_report *report);
-
-/* HS_ERR_OUTPUT names the path. */
-bool methods_write_csv(const methods_report *report, const char *path, hs_error *err);
-bool methods_write_svg(const methods_report *report, const char *path, hs_error *err);
 
 #endif

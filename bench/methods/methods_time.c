@@ -3,6 +3,7 @@
 
 #include "base/progress.h"
 #include "frame/plain_surface.h"
+#include "plugin/loader_param.h"
 #include "plugin/plugin_ext.h"
 
 #include <stdlib.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "methods/methods_variant.h"
 
+#include "plugin/loader_param.h"
+
 #include <stdio.h>
 
 static const char *const kind_keys[METHODS_KINDS] = {"mean",     "minimum",  "spline",

@@ -13,17 +13,22 @@
 #define MOST_SHRINK (8192 / SV_COST_RAYS)
 #define MOST_PER    ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
 
-/* A slab as it lies in its texture, and the grey level that was not scanned (above 255: none). */
+/* A slab as it lies in its texture, and what of it was not scanned: a grey level (above 255: none), and what
+ * lies outside the rays' scanned ranges (profile/scanned.cl), if there are any. */
 typedef struct {
     __global const uchar *texture;
     uint row_pitch, tiles_x, tile_w, tile_h;
     uint padding;
+    bool ranged;
+    __global const ushort *first, *end;
+    uint padded_width; /* of their rows */
 } slab_t;
 
 /* Slices of a slab that belong to one bin. */
 typedef struct {
     uint bin, count;
     bool begun, ends; /* the bin began in a slab before; it ends with these slices */
+    uint first;       /* number of the first of them in the volume */
     __global const uchar *slice[MOST_PER];
 } piece_t;
 
@@ -49,13 +54,20 @@ static uchar16 load_voxels(__global const uchar *row, uint x, uint width) {
     return lanes[0];
 }
 
-/* 255 where a voxel was scanned. */
-static uchar16 scanned_of(uchar16 v, uint padding) {
-    return padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)padding));
+/* 255 where a voxel of slice `slice`, pixels x to x + 15 of row y, was scanned. */
+static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y) {
+    uchar16 scanned = s->padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)s->padding));
+    if (s->ranged) {
+        const size_t at = (size_t)y * s->padded_width + x;
+        const short16 inside = vload16(0, s->first + at) <= (ushort16)((ushort)slice) &
+                               vload16(0, s->end + at) > (ushort16)((ushort)slice);
+        scanned &= as_uchar16(convert_char16(inside));
+    }
+    return scanned;
 }
 
 /* A row of rays whose bins are single voxels. */
-static void copy_row(const slab_t *s, const cost_layout *l, uint first_slice, uint slice_count, uint y,
+static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint slice_count, uint y,
                      __global uchar16 *bins) {
     const uint vectors = l->padded_columns / SV_LANES, last = l->padded_columns - SV_LANES;
     const uchar16 inside = pixels_of(last, l->width);
@@ -64,7 +76,7 @@ static void copy_row(const slab_t *s, const cost_layout *l, uint first_slice, ui
         __global uchar16 *to = bins + ((size_t)(first_slice + i) * l->rows + y) * vectors;
         for (uint x = 0; x < vectors; x++) {
             const uchar16 v = load_voxels(row, x * SV_LANES, l->width);
-            to[x] = max(v, (uchar16)(1)) & scanned_of(v, s->padding);
+            to[x] = max(v, (uchar16)(1)) & scanned_of(s, v, first_slice + i, x * SV_LANES, y);
         }
         to[vectors - 1] &= inside;
     }
@@ -81,7 +93,7 @@ static uchar16 rounded_mean(uint16 sum, uint16 count) {
 
 /* Sums and numbers of the scanned voxels of 16 pixels from x on, a multiple of 16, for the pixel rows of a
  * row of rays. If the bin goes on in the next slab they wait in `partial`, a pixel row each. */
-static void add_piece(const slab_t *s, const cost_layout *l, const piece_t *piece, uint x, uint row,
+static void add_piece(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint x, uint row,
                       __global ushort16 *partial, uint16 *sum, uint16 *count) {
     const uint pitch = (l->width + SV_LANES - 1) / SV_LANES, y1 = min((row + 1) * l->shrink, l->height);
     const uchar16 inside = pixels_of(x, l->width);
@@ -98,7 +110,7 @@ static void add_piece(const slab_t *s, const cost_layout *l, const piece_t *piec
         }
         for (uint i = 0; i < piece->count; i++) {
             const uchar16 v = load_voxels(piece->slice[i] + at, x, l->width);
-            const uchar16 scanned = scanned_of(v, s->padding) & inside;
+            const uchar16 scanned = scanned_of(s, v, piece->first + i, x, y) & inside;
             some += convert_ushort16(v & scanned);
             number -= scanned;
         }
@@ -131,7 +143,7 @@ static uint16 shrunk(uint16 *values, uint shrink) {
 }
 
 /* A row of rays: the slices of one bin. */
-static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece, uint row,
+static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint row,
                     __global ushort16 *partial, __global uchar16 *bins) {
     uint16 sums[MOST_SHRINK], counts[MOST_SHRINK]; /* of the pixels of 16 rays */
     const uint vectors = l->padded_columns / SV_LANES;
@@ -146,25 +158,39 @@ static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece,
     }
 }
 
-/* One work item per row of rays. `padding` above 255: every voxel was scanned. `partial`: sums, then numbers
- * of scanned voxels, of the pixels of the bin that a slab left unfinished; unused where bins are voxels. */
+/* One work item per row of rays. `padding` above 255: no grey level means "not scanned"; `ranged`: `scanned`
+ * tells what was. `partial`: sums, then numbers of scanned voxels, of the pixels of the bin that a slab left
+ * unfinished; unused where bins are voxels. */
 __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
                         uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
-                        cost_layout l, __global ushort16 *restrict partial, __global uchar16 *restrict bins) {
+                        uint ranged, uint padded_width, __global const ushort *restrict scanned,
+                        sv_cost_layout l, __global ushort16 *restrict partial,
+                        __global uchar16 *restrict bins) {
     const uint row = (uint)get_global_id(0);
-    const slab_t s = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h, padding};
-    if (l.shrink == 1 && l.per == 1) {
+    const size_t plane = (size_t)padded_width * l.height;
+    const slab_t s = {.texture = slab + slab_offset,
+                      .row_pitch = row_pitch,
+                      .tiles_x = tiles_x,
+                      .tile_w = tile_w,
+                      .tile_h = tile_h,
+                      .padding = padding,
+                      .ranged = ranged != 0,
+                      .first = scanned + SV_SCANNED_FIRST * plane,
+                      .end = scanned + SV_SCANNED_END * plane,
+                      .padded_width = padded_width};
+    if (l.shrink == 1 && l.bin_slices == 1) {
         copy_row(&s, &l, first_slice, slice_count, row, bins);
         return;
     }
     piece_t piece;
     for (uint first = 0; first < slice_count; first += piece.count) {
         const uint slice = first_slice + first;
-        piece.bin = slice / l.per;
-        const uint end = min((piece.bin + 1) * l.per, l.slices);
+        piece.bin = slice / l.bin_slices;
+        const uint end = min((piece.bin + 1) * l.bin_slices, l.slices);
         piece.count = min(end - slice, slice_count - first);
-        piece.begun = slice > piece.bin * l.per;
+        piece.begun = slice > piece.bin * l.bin_slices;
         piece.ends = slice + piece.count == end;
+        piece.first = slice;
         for (uint i = 0; i < piece.count; i++) piece.slice[i] = slice_at(&s, first + i);
         add_row(&s, &l, &piece, row, partial, bins);
     }
@@ -172,7 +198,7 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
 
 /* One work item per row of cells: the histogram of the bins on its middle row. Four counters take turns, as
  * neighbours are often alike, and a counter must be written before it is read again. */
-__kernel void cost_survey(cost_layout l, __global const uchar *restrict bins,
+__kernel void cost_survey(sv_cost_layout l, __global const uchar *restrict bins,
                           __global uint *restrict histograms) {
     const uint cell_row = (uint)get_global_id(0);
     __global const uchar *row = bins + (size_t)middle_row(&l, cell_row) * l.padded_columns;
@@ -192,9 +218,10 @@ __kernel void cost_survey(cost_layout l, __global const uchar *restrict bins,
         histograms[cell_row * 256 + i] = counts[0][i] + counts[1][i] + counts[2][i] + counts[3][i];
 }
 
-/* One work item: the level of fluid, a sixth of the way from the mean of the dark class to that of the bright
- * one, and the latter. */
-__kernel void cost_level(cost_layout l, __global const uint *restrict histograms,
+/* One work item: T_L by isodata thresholding (the threshold lies midway between the means of the dark and the
+ * bright class, and is moved until it stays), then a sixth of the way from the dark mean to the bright one;
+ * and the latter. */
+__kernel void cost_level(sv_cost_layout l, __global const uint *restrict histograms,
                          __global uint *restrict info) {
     uint counts[256];
     ulong all = 0, total = 0;
@@ -205,18 +232,18 @@ __kernel void cost_level(cost_layout l, __global const uint *restrict histograms
         all += counts[i];
         total += (ulong)i * counts[i];
     }
-    ulong split = all > 0 ? total / all : 0, dark = 0, bright = 0;
+    ulong threshold = all > 0 ? total / all : 0, dark = 0, bright = 0;
     for (uint turn = 0; turn < 32; turn++) {
         ulong count = 0, sum = 0;
-        for (uint i = 1; i <= split; i++) {
+        for (uint i = 1; i <= threshold; i++) {
             count += counts[i];
             sum += (ulong)i * counts[i];
         }
         dark = count > 0 ? sum / count : 0;
-        bright = all > count ? (total - sum) / (all - count) : split;
+        bright = all > count ? (total - sum) / (all - count) : threshold;
         const ulong next = (dark + bright) / 2;
-        if (next == split) break;
-        split = next;
+        if (next == threshold) break;
+        threshold = next;
     }
     const bool fluid = bright >= 2 * dark; /* else there is none */
     info[SV_COST_INFO_LEVEL] = fluid ? max((uint)(dark + (bright - dark) / 6), 1u) : 0;

@@ -59,8 +59,8 @@ static sv_status find(sva *a, float *depth) {
 static const sva_param params[] = {
     SVA_PARAM(Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface position", "",
               "0: at the fetus; 1: at the tissue before it.", 0.0, 1.0, 0.25, 0.01),
-    SVA_PARAM(LEVEL, SV_PARAM_FLOAT, 0, "level", "Fluid level", "", "Darker voxels are fluid.", 0.0, 1.0,
-              0.2, 0.01),
+    SVA_PARAM(LEVEL, SV_PARAM_FLOAT, 0, "level", "Fluid level", "", "Darker voxels are fluid.", 0.0, 1.0, 0.2,
+              0.01),
     SVA_PARAM(GAP, SV_PARAM_FLOAT, 0, "gap", "Shortest gap", "mm", "Less fluid does not count.", 0.0, 50.0,
               4.0, 0.5)};
 

@@ -21,19 +21,19 @@ static void *work(void *argument) {
     }
 }
 
-void hs_scene_parallel(uint32_t threads, uint32_t blocks, hs_block_fn fn, void *context) {
+void hs_parallel(uint32_t threads, uint32_t blocks, hs_block_fn fn, void *context) {
     job j = {.blocks = blocks, .fn = fn, .context = context};
     atomic_init(&j.next, 0u);
     if (threads > blocks) threads = blocks;
-    pthread_t helpers[HS_SCENE_MAX_THREADS];
+    pthread_t helpers[HS_MAX_THREADS];
     uint32_t started = 0;
     while (started + 1 < threads && pthread_create(&helpers[started], NULL, work, &j) == 0) started++;
     work(&j);
     for (uint32_t i = 0; i < started; i++) pthread_join(helpers[i], NULL);
 }
 
-uint32_t hs_scene_thread_count(uint32_t wanted) {
+uint32_t hs_thread_count(uint32_t wanted) {
     long online = sysconf(_SC_NPROCESSORS_ONLN);
     uint32_t count = wanted ? wanted : online > 0 ? (uint32_t)online : 1u;
-    return count < HS_SCENE_MAX_THREADS ? count : HS_SCENE_MAX_THREADS;
+    return count < HS_MAX_THREADS ? count : HS_MAX_THREADS;
 }

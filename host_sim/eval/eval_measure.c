@@ -98,7 +98,7 @@ void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const f
     assert(count >= 1 && count <= HS_EVAL_MAX_LINE);
     job j = {.table = table, .zero = zero, .one = one, .weight = weight, .count = count, .blocks = BLOCKS};
     const bool small = (uint64_t)table->count * count < LEAST_LOOKUPS;
-    hs_scene_parallel(small ? 1 : hs_scene_thread_count(threads), BLOCKS, count_block, &j);
+    hs_parallel(small ? 1 : hs_thread_count(threads), BLOCKS, count_block, &j);
     for (uint32_t b = 1; b < BLOCKS; b++)
         for (int label = 0; label < 2; label++) add(&j.of[0][label], &j.of[b][label], count);
     finish(table, &j.of[0][0], &j.of[0][1], count, out);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Colour maps: control points, linearly interpolated. */
-#include "picture/picture.h"
+#include "picture/picture_colour.h"
 
 /* Piecewise linear through `count` colours, t in 0 .. 1. */
 static uint32_t interpolate(const uint32_t *colours, unsigned count, double t) {
@@ -29,11 +28,4 @@ uint32_t hs_colour_diverging(double t) {
     static const uint32_t points[] = {0x053061, 0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7,
                                       0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b, 0x67001f};
     return interpolate(points, sizeof points / sizeof *points, (t + 1.0) * 0.5);
-}
-
-uint32_t hs_colour_label(uint8_t label) {
-    /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): told apart by colour-blind
-     * readers. */
-    static const uint32_t colours[] = {HS_COLOUR_NO_VALUE, 0x56b4e9, 0xe69f00};
-    return label < sizeof colours / sizeof *colours ? colours[label] : HS_COLOUR_INVALID;
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures side by side, with captions, a title and facts. */
+#include "picture/picture_panel.h"
+
+#include "picture/picture_colour.h"
 #include "picture/picture_draw.h"
 
 #include <inttypes.h>

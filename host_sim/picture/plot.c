@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "picture/plot.h"
 
-#include "picture/picture.h"
+#include "picture/picture_colour.h"
 #include "picture/plot_frame.h"
 
 #include <math.h>

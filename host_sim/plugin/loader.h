@@ -22,21 +22,11 @@ typedef struct {
 bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);
 
-/* True on SV_OK and on positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status name> (<number>):
- * <last_error>". */
+/* True on SV_OK and on positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status
+ * name> (<number>): <last_error>". */
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err);
 
 /* A status's name, e.g. "SV_ERR_SLAB_ORDER"; "unknown status" for others. */
 const char *hs_status_name(sv_status status);
-
-/* Finds a parameter by key. False if there is none. */
-bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info);
-
-/* Finds the one knob a user sees (SV_PARAM_PRIMARY). False if the plugin has none. */
-bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info);
-
-/* Parses "key=value" (a number, true/false, or an enum's value text) into *out; errors name key, value and
- * the allowed range or names. */
-bool hs_plugin_parse_param(const hs_plugin *plugin, const char *text, sv_param_value *out, hs_error *err);
 
 #endif

@@ -1,9 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/device_volume.h"
 
+#include "render/host_launch.h"
+
 #include <stdlib.h>
 
-#define BRICK_EDGE (1u << HS_BRICK_SHIFT)
+#define BRICK_EDGE 8u /* 1 << BRICK_SHIFT in cl/base.cl */
+
+/* Host buffers of a live sequence whose wrapping is remembered. */
+#define WRAP_COUNT 8
+
+struct hs_device_volume {
+    const hs_cl *cl;
+    uint32_t n[3];      /* voxels */
+    uint32_t bricks[3]; /* max(1, ceil((n - 1) / brick edge)) */
+    double spacing[3];  /* mm */
+    cl_mem voxels;      /* n[0] * n[1] * n[2] bytes, x fastest; not owned: one of wrap[] or `copy` */
+    cl_mem copy;        /* a device's own memory; NULL while host memory is wrapped */
+    cl_mem grid;        /* brick maxima, one byte each, x fastest */
+    struct {
+        const uint8_t *host;
+        cl_mem buffer;
+    } wrap[WRAP_COUNT];
+    uint32_t wrap_next; /* the oldest wrapping: the next to go */
+    cl_kernel build_grid;
+};
 
 static size_t voxel_bytes(const hs_device_volume *dv) {
     return (size_t)dv->n[0] * dv->n[1] * dv->n[2];
@@ -17,7 +38,7 @@ static bool wraps_host_memory(const hs_device_volume *dv) {
 
 /* The buffer around this host memory: a known one, or a new one in the place of the oldest. */
 static bool wrap_host(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
-    for (uint32_t i = 0; i < HS_WRAP_COUNT; i++) {
+    for (uint32_t i = 0; i < WRAP_COUNT; i++) {
         if (dv->wrap[i].host != host) continue;
         dv->voxels = dv->wrap[i].buffer;
         /* The contents may be new: OpenCL wants to be told before a command reads them. */
@@ -40,7 +61,7 @@ static bool wrap_host(hs_device_volume *dv, const uint8_t *host, hs_error *err) 
     if (dv->wrap[slot].buffer) (void)clReleaseMemObject(dv->wrap[slot].buffer);
     dv->wrap[slot].host = host;
     dv->wrap[slot].buffer = buffer;
-    dv->wrap_next = (slot + 1) % HS_WRAP_COUNT;
+    dv->wrap_next = (slot + 1) % WRAP_COUNT;
     dv->voxels = buffer;
     return true;
 }
@@ -56,18 +77,16 @@ static bool upload(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
 static bool enqueue_grid(hs_device_volume *dv, hs_error *err) {
     cl_int4 dims = {{(cl_int)dv->n[0], (cl_int)dv->n[1], (cl_int)dv->n[2], 0}};
     cl_int4 bricks = {{(cl_int)dv->bricks[0], (cl_int)dv->bricks[1], (cl_int)dv->bricks[2], 0}};
-    cl_int code = clSetKernelArg(dv->build_grid, 0, sizeof(cl_mem), &dv->voxels);
-    code |= clSetKernelArg(dv->build_grid, 1, sizeof dims, &dims);
-    code |= clSetKernelArg(dv->build_grid, 2, sizeof bricks, &bricks);
-    code |= clSetKernelArg(dv->build_grid, 3, sizeof(cl_mem), &dv->grid);
-    if (!hs_cl_check(code, "clSetKernelArg(build_brick_grid)", err)) return false;
+    hs_launch launch = hs_launch_begin(dv->cl, dv->build_grid, "build_brick_grid");
+    hs_launch_buffer(&launch, dv->voxels);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    hs_launch_arg(&launch, sizeof bricks, &bricks);
+    hs_launch_buffer(&launch, dv->grid);
     /* On a CPU a work item makes a whole row of bricks, and is a work group, so that all cores get some. */
     const bool rows = dv->cl->lanes > 1;
     const size_t global[3] = {rows ? 1 : dv->bricks[0], dv->bricks[1], dv->bricks[2]};
     const size_t local[3] = {1, 1, 1};
-    code = clEnqueueNDRangeKernel(dv->cl->queue, dv->build_grid, 3, NULL, global, rows ? local : NULL, 0,
-                                  NULL, NULL);
-    return hs_cl_check(code, "clEnqueueNDRangeKernel(build_brick_grid)", err);
+    return hs_launch_run(&launch, 3, global, rows ? local : NULL, NULL, err);
 }
 
 static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
@@ -128,8 +147,18 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
     if (dv->grid) (void)clReleaseMemObject(dv->grid);
     if (dv->copy) (void)clReleaseMemObject(dv->copy);
-    for (uint32_t i = 0; i < HS_WRAP_COUNT; i++) {
+    for (uint32_t i = 0; i < WRAP_COUNT; i++) {
         if (dv->wrap[i].buffer) (void)clReleaseMemObject(dv->wrap[i].buffer);
     }
     free(dv);
+}
+
+hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
+    return (hs_device_view){.shape = {.nx = dv->n[0],
+                                      .ny = dv->n[1],
+                                      .nz = dv->n[2],
+                                      .spacing = {dv->spacing[0], dv->spacing[1], dv->spacing[2]}},
+                            .voxels = dv->voxels,
+                            .brick_maxima = dv->grid,
+                            .bricks = {dv->bricks[0], dv->bricks[1], dv->bricks[2]}};
 }

@@ -1,32 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* What scan conversion and renderer share about a source volume on the device. Nobody else includes this. */
+/* A source volume on the device, ready to be sampled by scan conversion and renderer. */
 #ifndef HS_DEVICE_VOLUME_H
 #define HS_DEVICE_VOLUME_H
 
-#include "render/scan_convert.h"
+#include "render/host_cl.h"
+#include "volume/volume.h"
 
-/* Sample positions per brick edge (BRICK_SHIFT in cl/base.cl); a brick's maximum covers one voxel more on
- * the far sides, so that it bounds every trilinear sample whose lower corner lies in the brick.
+typedef struct hs_device_volume hs_device_volume;
+
+/*
+ * Uploads the volume and builds the renderer's grid of brick maxima; does not wait: the voxels must stay,
+ * unchanged, until the commands that read them have run. On a CPU device they are not copied but read where
+ * they are, so they must stay allocated until hs_device_volume_destroy, which waits for the queue. (A volume
+ * one voxel wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or more), HS_ERR_DEVICE or HS_ERR_MEMORY.
  */
-#define HS_BRICK_SHIFT 3
+hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err);
 
-/* Host buffers of a live sequence whose wrapping is remembered. */
-#define HS_WRAP_COUNT 8
+/* Takes another volume of the same size (a live sequence); does not wait. No memory for voxels is
+ * allocated; on a CPU device, host buffers that come again (up to 8 in turn) create no OpenCL object
+ * either. The spacing may differ. */
+bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_error *err);
+void hs_device_volume_destroy(hs_device_volume *dv);
 
-struct hs_device_volume {
-    const hs_cl *cl;
-    uint32_t n[3];      /* voxels */
+/* What the kernels sample it by. Buffers are borrowed, and may be others after hs_device_volume_replace. */
+typedef struct {
+    hs_volume shape; /* size and spacing; no voxels, no name */
+    cl_mem voxels;   /* one byte each, x fastest, then y, then z */
+    /* The largest voxel of each brick, one byte each, x fastest. A brick has 8 sample positions per edge
+     * (BRICK_SHIFT in cl/base.cl) and its maximum covers one voxel more on the far sides, so that it bounds
+     * every trilinear sample whose lower corner lies in the brick. */
+    cl_mem brick_maxima;
     uint32_t bricks[3]; /* max(1, ceil((n - 1) / brick edge)) */
-    double spacing[3];  /* mm */
-    cl_mem voxels;      /* n[0] * n[1] * n[2] bytes, x fastest; not owned: one of wrap[] or `copy` */
-    cl_mem copy;        /* a device's own memory; NULL while host memory is wrapped */
-    cl_mem grid;        /* brick maxima, one byte each, x fastest */
-    struct {
-        const uint8_t *host;
-        cl_mem buffer;
-    } wrap[HS_WRAP_COUNT];
-    uint32_t wrap_next; /* the oldest wrapping: the next to go */
-    cl_kernel build_grid;
-};
+} hs_device_view;
+hs_device_view hs_device_volume_view(const hs_device_volume *dv);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/dvr.h"
 
-#include "render/device_volume.h"
+#include "render/host_launch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +23,14 @@ typedef struct {
     cl_int4 dims, bricks;
     cl_float4 origin, dx, dy, dn;
     double slices; /* source slices along the box' depth */
-} view;
+} ray_view;
+
+/* Where the rays start, as render_volume takes it (cl/dvr.cl). */
+typedef struct {
+    cl_mem map, confidence; /* NULL: none */
+    cl_int4 map_dims;
+    cl_float4 to_steps;
+} ray_start;
 
 void hs_dvr_defaults(hs_dvr_settings *settings) {
     const hs_dvr_settings defaults = {
@@ -99,15 +106,21 @@ void hs_dvr_destroy(hs_dvr *dvr) {
     free(dvr);
 }
 
-static double source_slices(const hs_device_volume *source, const hs_camera *camera) {
-    double finest = fmin(source->spacing[0], fmin(source->spacing[1], source->spacing[2]));
+static double source_slices(const hs_volume *shape, const hs_camera *camera) {
+    double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
     return fmax(1.0, round(camera->depth_extent / finest));
+}
+
+static uint32_t count_steps(const hs_dvr_settings *settings, const hs_volume *shape,
+                            const hs_camera *camera) {
+    double steps = ceil(source_slices(shape, camera) / (double)settings->step - 0.5);
+    return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
 }
 
 uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *source,
                       const hs_camera *camera) {
-    double steps = ceil(source_slices(source, camera) / (double)settings->step - 0.5);
-    return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
+    const hs_device_view view = hs_device_volume_view(source);
+    return count_steps(settings, &view.shape, camera);
 }
 
 static cl_float4 scaled(const double v[3], double factor) {
@@ -115,34 +128,31 @@ static cl_float4 scaled(const double v[3], double factor) {
     return out;
 }
 
-/* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
- * 0. */
+/* Bricks up to this value are transparent; -1: none is. A brick of zeros always
+ * is: its samples are exactly 0. */
 static cl_int transparent_level(const hs_dvr_settings *s) {
     if (!s->skip_empty) return -1;
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
 }
 
-static bool plan_view(const hs_dvr_settings *s, const hs_device_volume *source, const hs_camera *camera,
-                      view *out, hs_error *err) {
-    const uint32_t steps = hs_dvr_steps(s, source, camera);
+static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, const hs_camera *camera,
+                      ray_view *out, hs_error *err) {
+    const uint32_t steps = count_steps(s, &source->shape, camera);
     if (steps > MAX_STEPS) {
         return hs_fail(err, HS_ERR_USAGE,
                        "renderer: step %g makes %u steps of this volume, expected at most %u",
                        (double)s->step, steps, MAX_STEPS);
     }
-    const hs_volume shape = {.nx = source->n[0],
-                             .ny = source->n[1],
-                             .nz = source->n[2],
-                             .spacing = {source->spacing[0], source->spacing[1], source->spacing[2]}};
     hs_box_map map;
-    hs_camera_box_map(camera, &shape, &map);
-    view v = {.slices = source_slices(source, camera)};
+    hs_camera_box_map(camera, &source->shape, &map);
+    ray_view v = {.slices = source_slices(&source->shape, camera)};
+    const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
     for (int k = 0; k < 3; k++) {
         first[k] =
             map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height + map.dw[k] * 0.5 * step;
-        v.dims.s[k] = (cl_int)source->n[k];
+        v.dims.s[k] = (cl_int)n[k];
         v.bricks.s[k] = (cl_int)source->bricks[k];
     }
     v.dims.s[3] = (cl_int)steps;
@@ -155,17 +165,19 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_volume *source, 
     return true;
 }
 
-/* Arguments 0 to 7, which both kernels share. */
-static cl_int set_view(cl_kernel kernel, const hs_device_volume *source, const view *v) {
-    cl_int code = clSetKernelArg(kernel, 0, sizeof(cl_mem), &source->voxels);
-    code |= clSetKernelArg(kernel, 1, sizeof v->dims, &v->dims);
-    code |= clSetKernelArg(kernel, 2, sizeof(cl_mem), &source->grid);
-    code |= clSetKernelArg(kernel, 3, sizeof v->bricks, &v->bricks);
-    code |= clSetKernelArg(kernel, 4, sizeof v->origin, &v->origin);
-    code |= clSetKernelArg(kernel, 5, sizeof v->dx, &v->dx);
-    code |= clSetKernelArg(kernel, 6, sizeof v->dy, &v->dy);
-    code |= clSetKernelArg(kernel, 7, sizeof v->dn, &v->dn);
-    return code;
+/* The view: the first arguments of both kernels. */
+static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name,
+                              const hs_device_view *source, const ray_view *v) {
+    hs_launch launch = hs_launch_begin(dvr->cl, kernel, name);
+    hs_launch_buffer(&launch, source->voxels);
+    hs_launch_arg(&launch, sizeof v->dims, &v->dims);
+    hs_launch_buffer(&launch, source->brick_maxima);
+    hs_launch_arg(&launch, sizeof v->bricks, &v->bricks);
+    hs_launch_arg(&launch, sizeof v->origin, &v->origin);
+    hs_launch_arg(&launch, sizeof v->dx, &v->dx);
+    hs_launch_arg(&launch, sizeof v->dy, &v->dy);
+    hs_launch_arg(&launch, sizeof v->dn, &v->dn);
+    return launch;
 }
 
 /*
@@ -173,7 +185,7 @@ static cl_int set_view(cl_kernel kernel, const hs_device_volume *source, const v
  * long enough to cost nothing, short enough that no core waits for another. GPU: a square of pixels, whose
  * rays stay close.
  */
-static bool enqueue(hs_dvr *dvr, cl_kernel kernel, cl_event *event, const char *call, hs_error *err) {
+static bool enqueue(const hs_dvr *dvr, const hs_launch *launch, cl_event *event, hs_error *err) {
     const bool packets = dvr->cl->lanes > 1;
     const size_t edge = packets ? 4 : 1;
     const size_t local[2] = {packets ? 32 : 8, packets ? 1 : 8};
@@ -183,88 +195,88 @@ static bool enqueue(hs_dvr *dvr, cl_kernel kernel, cl_event *event, const char *
         size_t items = (picture[k] + edge - 1) / edge;
         global[k] = (items + local[k] - 1) / local[k] * local[k];
     }
-    cl_int code = clEnqueueNDRangeKernel(dvr->cl->queue, kernel, 2, NULL, global, local, 0, NULL, event);
-    return hs_cl_check(code, call, err);
+    return hs_launch_run(launch, 2, global, local, event, err);
 }
 
-/* Arguments 8 to 12 and 17: start depths, transfer function, confidence. */
-static cl_int set_transfer(hs_dvr *dvr, const view *v, const hs_start_depths *start) {
-    const hs_dvr_settings *s = &dvr->settings;
-    const bool clipped = start && start->depth;
-    cl_mem map = clipped ? start->depth : NULL, sure = NULL;
-    cl_int4 map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}};
-    cl_float4 to_steps = {{0.0f, s->ghost_offset, 0.0f, 0.0f}};
-    if (clipped) {
-        map_dims.s[0] = (cl_int)start->width;
-        map_dims.s[1] = (cl_int)start->height;
-        to_steps.s[0] = (cl_float)(v->slices / ((double)start->slices * (double)s->step));
-        to_steps.s[2] = s->ghost_width > HARD_CUT_WIDTH ? 1.0f / s->ghost_width : 0.0f;
-        if (start->confidence && to_steps.s[2] > 0.0f) {
-            sure = start->confidence;
-            to_steps.s[3] = s->ghost_width * s->ghost_doubt;
-        }
+/* Where the rays start, as the kernel takes it. */
+static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const hs_start_depths *depths) {
+    ray_start out = {.map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}},
+                     .to_steps = {{0.0f, s->ghost_offset, 0.0f, 0.0f}}};
+    if (!depths || !depths->depth) return out;
+    out.map = depths->depth;
+    out.map_dims.s[0] = (cl_int)depths->width;
+    out.map_dims.s[1] = (cl_int)depths->height;
+    out.to_steps.s[0] = (cl_float)(v->slices / ((double)depths->slices * (double)s->step));
+    out.to_steps.s[2] = s->ghost_width > HARD_CUT_WIDTH ? 1.0f / s->ghost_width : 0.0f;
+    if (depths->confidence && out.to_steps.s[2] > 0.0f) {
+        out.confidence = depths->confidence;
+        out.to_steps.s[3] = s->ghost_width * s->ghost_doubt;
     }
+    return out;
+}
+
+static void set_transfer(hs_launch *launch, const hs_dvr_settings *s) {
     const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
     const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
     const float gain = s->exposure;
     const cl_float4 skin = {{gain * s->skin[0], gain * s->skin[1], gain * s->skin[2], 0.0f}};
-    cl_int code = clSetKernelArg(dvr->render, 8, sizeof(cl_mem), map ? &map : NULL);
-    code |= clSetKernelArg(dvr->render, 9, sizeof map_dims, &map_dims);
-    code |= clSetKernelArg(dvr->render, 10, sizeof to_steps, &to_steps);
-    code |= clSetKernelArg(dvr->render, 11, sizeof window, &window);
-    code |= clSetKernelArg(dvr->render, 12, sizeof skin, &skin);
-    code |= clSetKernelArg(dvr->render, 17, sizeof(cl_mem), sure ? &sure : NULL);
-    return code;
+    hs_launch_arg(launch, sizeof window, &window);
+    hs_launch_arg(launch, sizeof skin, &skin);
 }
 
-static cl_int set_output(cl_kernel kernel, cl_uint index, cl_mem buffer) {
+/* A buffer that may be NULL, and whether it is wanted. */
+static void set_output(hs_launch *launch, cl_mem buffer) {
     const cl_int wanted = buffer != NULL;
-    cl_int code = clSetKernelArg(kernel, index, sizeof(cl_mem), buffer ? &buffer : NULL);
-    code |= clSetKernelArg(kernel, index + 1, sizeof wanted, &wanted);
-    return code;
+    hs_launch_buffer(launch, buffer);
+    hs_launch_arg(launch, sizeof wanted, &wanted);
 }
 
-static bool check_start(const hs_start_depths *start, hs_error *err) {
-    if (!start || !start->depth) return true;
-    if (start->width == 0 || start->height == 0 || start->slices == 0 || start->width > MAX_PICTURE ||
-        start->height > MAX_PICTURE) {
+static bool check_start(const hs_start_depths *depths, hs_error *err) {
+    if (!depths || !depths->depth) return true;
+    if (depths->width == 0 || depths->height == 0 || depths->slices == 0 || depths->width > MAX_PICTURE ||
+        depths->height > MAX_PICTURE) {
         return hs_fail(err, HS_ERR_USAGE,
-                       "renderer: depthmap of %u x %u pixels for %u slices, expected 1 .. %u", start->width,
-                       start->height, start->slices, (unsigned)MAX_PICTURE);
+                       "renderer: depthmap of %u x %u pixels for %u slices, expected 1 .. %u", depths->width,
+                       depths->height, depths->slices, (unsigned)MAX_PICTURE);
     }
-    const uint64_t bytes = (uint64_t)start->width * start->height * sizeof(float);
-    return hs_cl_check_size(start->depth, bytes, "start depths", err) &&
-           (!start->confidence || hs_cl_check_size(start->confidence, bytes, "the confidence", err));
+    const uint64_t bytes = (uint64_t)depths->width * depths->height * sizeof(float);
+    return hs_cl_check_size(depths->depth, bytes, "start depths", err) &&
+           (!depths->confidence || hs_cl_check_size(depths->confidence, bytes, "the confidence", err));
 }
 
 bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
-                   const hs_start_depths *start, cl_mem rgba, cl_mem termination, cl_event *event,
+                   const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                    hs_error *err) {
-    if (!check_start(start, err)) return false;
+    if (!check_start(depths, err)) return false;
     const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
     if (rgba && !hs_cl_check_size(rgba, pixels * 4, "the picture", err)) return false;
     if (termination && !hs_cl_check_size(termination, pixels * sizeof(float), "termination depths", err))
         return false;
-    view v;
-    if (!plan_view(&dvr->settings, source, camera, &v, err)) return false;
-    cl_int code = set_view(dvr->render, source, &v);
-    code |= set_transfer(dvr, &v, start);
-    code |= set_output(dvr->render, 13, rgba);
-    code |= set_output(dvr->render, 15, termination);
-    if (!hs_cl_check(code, "clSetKernelArg(render_volume)", err)) return false;
-    return enqueue(dvr, dvr->render, event, "clEnqueueNDRangeKernel(render_volume)", err);
+    ray_view v;
+    const hs_device_view view = hs_device_volume_view(source);
+    if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
+    const ray_start rays = plan_start(&dvr->settings, &v, depths);
+    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &view, &v);
+    hs_launch_buffer(&launch, rays.map);
+    hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
+    hs_launch_arg(&launch, sizeof rays.to_steps, &rays.to_steps);
+    set_transfer(&launch, &dvr->settings);
+    set_output(&launch, rgba);
+    set_output(&launch, termination);
+    hs_launch_buffer(&launch, rays.confidence);
+    return enqueue(dvr, &launch, event, err);
 }
 
 bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera, cl_mem gray,
                 cl_event *event, hs_error *err) {
     const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
-    view v;
-    if (!plan_view(&dvr->settings, source, camera, &v, err)) return false;
+    ray_view v;
+    const hs_device_view view = hs_device_volume_view(source);
+    if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
-    cl_int code = set_view(dvr->mip, source, &v);
-    code |= clSetKernelArg(dvr->mip, 8, sizeof picture, &picture);
-    code |= clSetKernelArg(dvr->mip, 9, sizeof(cl_mem), &gray);
-    if (!hs_cl_check(code, "clSetKernelArg(project_maximum)", err)) return false;
-    return enqueue(dvr, dvr->mip, event, "clEnqueueNDRangeKernel(project_maximum)", err);
+    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &view, &v);
+    hs_launch_arg(&launch, sizeof picture, &picture);
+    hs_launch_buffer(&launch, gray);
+    return enqueue(dvr, &launch, event, err);
 }

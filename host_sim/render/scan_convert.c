@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/scan_convert.h"
 
-#include "render/device_volume.h"
+#include "render/host_launch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #define SAMPLE_SPACING       1.5        /* finest source voxels from one sample to the next, about */
 #define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
 #define MAX_SAMPLES_PER_AXIS 8
-#define NEAREST_MIN_SPAN     2.0 /* source voxels a box spans in every direction to be a mean of nearest ones */
+#define NEAREST_MIN_SPAN     2.0  /* source voxels a box spans each way for a mean of nearest ones */
 #define NEAREST_MIN_BITS     12   /* fraction bits a fixed-point position must have */
 #define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
 
@@ -99,8 +99,8 @@ void hs_scan_converter_destroy(hs_scan_converter *converter) {
     free(converter);
 }
 
-/* The most fraction bits with which every position a packet may meet fits an int, the parts of its sum too.
- */
+/* The most fraction bits with which every position a packet may meet fits an
+ * int, the parts of its sum too. */
 static int position_bits(const sampling *s, const hs_slab_layout *layout) {
     /* Packets may overhang the picture. */
     const uint32_t size[3] = {layout->width + 4, layout->height + 4, layout->slices};
@@ -115,19 +115,14 @@ static int position_bits(const sampling *s, const hs_slab_layout *layout) {
     return bits;
 }
 
-static sampling plan_sampling(const hs_slab_layout *layout, const hs_device_volume *source,
-                              const hs_camera *camera) {
-    const hs_volume shape = {.nx = source->n[0],
-                             .ny = source->n[1],
-                             .nz = source->n[2],
-                             .spacing = {source->spacing[0], source->spacing[1], source->spacing[2]}};
+static sampling plan_sampling(const hs_slab_layout *layout, const hs_volume *shape, const hs_camera *camera) {
     hs_box_map map;
-    hs_camera_box_map(camera, &shape, &map);
+    hs_camera_box_map(camera, shape, &map);
     const double *const axis[3] = {map.du, map.dv, map.dw};
     const uint32_t size[3] = {layout->width, layout->height, layout->slices};
     const double extent[3] = {camera->extent, camera->extent, camera->depth_extent};
-    double finest = fmin(shape.spacing[0], fmin(shape.spacing[1], shape.spacing[2]));
-    double coarsest = fmax(shape.spacing[0], fmax(shape.spacing[1], shape.spacing[2]));
+    double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
+    double coarsest = fmax(shape->spacing[0], fmax(shape->spacing[1], shape->spacing[2]));
     sampling s = {.nearest = true, .origin = {map.origin[0], map.origin[1], map.origin[2]}};
     for (int a = 0; a < 3; a++) {
         double edge_mm = extent[a] / size[a];
@@ -155,35 +150,31 @@ static cl_float4 float4_of(const double v[3]) {
     return out;
 }
 
-/* Arguments 3 to 6: where the samples lie. Half a voxel makes the nearest one a floor. */
-static cl_int set_positions(cl_kernel kernel, const sampling *s) {
-    cl_int code = CL_SUCCESS;
+/* The four arguments that say where the samples lie. Half a voxel makes the nearest one a floor. */
+static void set_positions(hs_launch *launch, const sampling *s) {
     for (cl_uint i = 0; i < 4; i++) {
         const double *v = i == 0 ? s->origin : s->step[i - 1];
         if (s->nearest) {
             cl_int4 fixed = fixed4(v, i == 0 ? 0.5 : 0.0, s->bits);
-            code |= clSetKernelArg(kernel, 3 + i, sizeof fixed, &fixed);
+            hs_launch_arg(launch, sizeof fixed, &fixed);
         } else {
             cl_float4 plain = float4_of(v);
-            code |= clSetKernelArg(kernel, 3 + i, sizeof plain, &plain);
+            hs_launch_arg(launch, sizeof plain, &plain);
         }
     }
-    return code;
 }
 
 /* On a CPU a work item makes 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work group
  * one row of packets in all slices: few enough groups to cost nothing, enough that all cores get some. */
-static bool enqueue(const hs_scan_converter *converter, cl_kernel kernel, uint32_t slices, cl_event *event,
-                    hs_error *err) {
+static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
+                    cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
     const bool packets = converter->cl->lanes > 1;
     const size_t edge = packets ? 4 : 1;
     const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
     const size_t local[3] = {global[0], global[0] * slices <= converter->max_group ? slices : 1, 1};
     const bool rows = packets && global[0] <= converter->max_group;
-    cl_int code = clEnqueueNDRangeKernel(converter->cl->queue, kernel, 3, NULL, global, rows ? local : NULL,
-                                         0, NULL, event);
-    return hs_cl_check(code, "clEnqueueNDRangeKernel(scan conversion)", err);
+    return hs_launch_run(launch, 3, global, rows ? local : NULL, event, err);
 }
 
 bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
@@ -196,21 +187,22 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const uint32_t slices = hs_slab_length(l, index);
     const uint64_t bytes = hs_slab_bytes(l, slices), end = bytes + offset;
     if (!hs_cl_check_size(slab, end < bytes ? UINT64_MAX : end, "a slab", err)) return false;
-    const sampling s = plan_sampling(l, source, camera);
-    const cl_int4 dims = {{(cl_int)source->n[0], (cl_int)source->n[1], (cl_int)source->n[2], 0}};
+    const hs_device_view view = hs_device_volume_view(source);
+    const sampling s = plan_sampling(l, &view.shape, camera);
+    const cl_int4 dims = {{(cl_int)view.shape.nx, (cl_int)view.shape.ny, (cl_int)view.shape.nz, 0}};
     const cl_int4 grid = {{(cl_int)s.grid[0], (cl_int)s.grid[1], (cl_int)s.grid[2], 0}};
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
     const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
     const cl_ulong start = offset;
-    cl_kernel kernel = s.nearest ? converter->nearest : converter->trilinear;
-    cl_int code = clSetKernelArg(kernel, 0, sizeof(cl_mem), &source->voxels);
-    code |= clSetKernelArg(kernel, 1, sizeof dims, &dims);
-    code |= clSetKernelArg(kernel, 2, sizeof grid, &grid);
-    code |= set_positions(kernel, &s);
-    code |= clSetKernelArg(kernel, 7, sizeof size, &size);
-    code |= clSetKernelArg(kernel, 8, sizeof layout, &layout);
-    code |= clSetKernelArg(kernel, 9, sizeof(cl_mem), &slab);
-    code |= clSetKernelArg(kernel, 10, sizeof start, &start);
-    if (!hs_cl_check(code, "clSetKernelArg(scan conversion)", err)) return false;
-    return enqueue(converter, kernel, slices, event, err);
+    hs_launch launch = s.nearest ? hs_launch_begin(converter->cl, converter->nearest, "convert_nearest")
+                                 : hs_launch_begin(converter->cl, converter->trilinear, "convert_trilinear");
+    hs_launch_buffer(&launch, view.voxels);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    hs_launch_arg(&launch, sizeof grid, &grid);
+    set_positions(&launch, &s);
+    hs_launch_arg(&launch, sizeof size, &size);
+    hs_launch_arg(&launch, sizeof layout, &layout);
+    hs_launch_buffer(&launch, slab);
+    hs_launch_arg(&launch, sizeof start, &start);
+    return enqueue(converter, &launch, slices, event, err);
 }

@@ -4,7 +4,7 @@
 #define HS_SCAN_CONVERT_H
 
 #include "render/camera.h"
-#include "render/host_cl.h"
+#include "render/device_volume.h"
 
 /* How a slab lies in its texture; the same words as sv_format. */
 typedef struct {
@@ -13,29 +13,12 @@ typedef struct {
     uint32_t tiles_x, tile_w, tile_h, row_pitch;
 } hs_slab_layout;
 
-/* These three are for layouts that hs_scan_converter_create accepts. Texture bytes of a slab of `slices`
- * slices. */
+/* These three are for layouts that hs_scan_converter_create accepts. Texture bytes
+ * of a slab of `slices` slices. */
 size_t hs_slab_bytes(const hs_slab_layout *layout, uint32_t slices);
 /* Number of slabs, and slices of slab `index`. */
 uint32_t hs_slab_count(const hs_slab_layout *layout);
 uint32_t hs_slab_length(const hs_slab_layout *layout, uint32_t index);
-
-/* A source volume on the device, ready to be sampled by scan conversion and renderer. */
-typedef struct hs_device_volume hs_device_volume;
-
-/*
- * Uploads the volume and builds the renderer's grid of brick maxima; does not wait: the voxels must stay,
- * unchanged, until the commands that read them have run. On a CPU device they are not copied but read where
- * they are, so they must stay allocated until hs_device_volume_destroy, which waits for the queue. (A volume
- * one voxel wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or more), HS_ERR_DEVICE or HS_ERR_MEMORY.
- */
-hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err);
-
-/* Takes another volume of the same size (a live sequence); does not wait. No memory for voxels is allocated;
- * on a CPU device, host buffers that come again (up to 8 in turn) create no OpenCL object either. The spacing
- * may differ. */
-bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_error *err);
-void hs_device_volume_destroy(hs_device_volume *dv);
 
 typedef struct hs_scan_converter hs_scan_converter;
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What the pictures of a case share; for hs_eval_pictures*.c and the page. */
+/* What the pictures of a case are drawn with: loops over its volume, and files in its folder. */
 #ifndef HS_REPORT_DRAW_H
 #define HS_REPORT_DRAW_H
 
-#include "eval/eval_study.h"
+#include "eval/eval_case.h"
+#include "loop/view.h"
 #include "picture/picture.h"
 
 #define HS_EVAL_PICTURE      256u  /* pixels per side on the page */
@@ -16,7 +17,6 @@ typedef struct {
     const hs_plugin *plugin;
     const hs_eval_case *c;
     const hs_eval_values *values;
-    uint32_t frames; /* 0: one */
     uint32_t pixels; /* of the picture's sides */
     float ghost;     /* steps before the surface that are ghosted (s = w); 0: a hard cut */
 } hs_eval_drawing;

@@ -1,22 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Figures 5.7 and 5.8 of the thesis, for our cases. */
+#include "report/report_page_figures.h"
+
 #include "picture/plot.h"
-#include "report/report_page.h"
+#include "report/report_page_parts.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-void hs_eval_figure_put(hs_report *report, hs_eval_figure_fn write, const void *plot) {
-    char *markup = NULL;
-    size_t bytes = 0;
-    FILE *stream = open_memstream(&markup, &bytes);
-    if (stream) write(stream, plot);
-    if (stream && fclose(stream) == 0)
-        hs_report_markup(report, markup);
-    else
-        (void)hs_fail(&report->error, HS_ERR_MEMORY, "page: no memory for a figure");
-    free(markup);
-}
 
 static void write_heat(FILE *out, const void *plot) {
     hs_plot_heat_write(out, plot);
@@ -26,7 +14,7 @@ static float lowest_over_knob(const hs_eval_space *space, uint32_t threshold, ui
     return hs_eval_at(space, hs_eval_best_knob(space, threshold, kernel))->of[HS_MEASURE_ABS];
 }
 
-void hs_eval_figure_space(hs_report *report, const hs_eval_study *study, uint32_t index) {
+void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const hs_eval_plan *plan = &study->plan;
     const hs_eval_space *space = &study->space[index];
     const uint32_t kernels = plan->kernel.count;
@@ -57,7 +45,7 @@ void hs_eval_figure_space(hs_report *report, const hs_eval_study *study, uint32_
     if (plot.columns > 0) hs_eval_figure_put(report, write_heat, &plot);
 }
 
-void hs_eval_figure_mean(hs_report *report, const hs_eval_study *study) {
+void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
     const hs_eval_plan *plan = &study->plan;
     const hs_eval_mean *mean = &study->mean;
     float value[HS_EVAL_MAX_LINE * HS_EVAL_MAX_LINE];

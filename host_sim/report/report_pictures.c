@@ -1,43 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
+#include "report/report_pictures.h"
+
 #include "base/cli.h"
-#include "picture/picture.h"
+#include "eval/eval_speed.h"
 #include "report/loop_pictures.h"
+#include "report/picture_map.h"
 #include "report/report_draw.h"
+#include "report/report_pictures_beside.h"
 
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#define PICTURE      HS_EVAL_PICTURE
-#define TURNED       192u /* of the slider's pictures: there are many */
-#define TIMED        512u /* pixels per side where speed is measured (spec 5) */
-#define ERROR_LIMIT  HS_EVAL_ERROR_LIMIT
-#define CURVE_CASE   "E04" /* of the thesis' Figure 5.20 */
-#define CURVE_FRAMES 3u
-#define EXPOSURE     1.5f /* as in host_sim run: without it pictures are dim */
-
-bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name, hs_error *err) {
-    char path[PATH_MAX];
-    return hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
-}
-
-bool hs_eval_save_errors(const float *error, uint32_t width, uint32_t height, const char *folder,
-                         const char *name, hs_error *err) {
-    hs_picture picture;
-    if (!hs_picture_init(&picture, PICTURE, PICTURE, HS_COLOUR_NO_VALUE, err)) return false;
-    for (uint32_t y = 0; y < PICTURE; y++) {
-        for (uint32_t x = 0; x < PICTURE; x++) {
-            const float e = error[(size_t)(y * height / PICTURE) * width + x * width / PICTURE];
-            if (!isnan(e))
-                picture.pixels[(size_t)y * PICTURE + x] = hs_colour_diverging((double)(e / ERROR_LIMIT));
-        }
-    }
-    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
-    hs_picture_free(&picture);
-    return ok;
-}
+#define TURNED 192u /* of the slider's pictures: there are many */
 
 static bool save_error(const hs_eval_case *c, const char *folder, const char *name, hs_error *err) {
     static const hs_signed_words words = {
@@ -50,7 +26,7 @@ static bool save_error(const hs_eval_case *c, const char *folder, const char *na
     const hs_caption caption = {.title = title,
                                 .footer = "Termination depth of the ground truth minus that of the result"};
     hs_picture picture;
-    bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, ERROR_LIMIT, &words,
+    bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, HS_EVAL_ERROR_LIMIT, &words,
                                 &caption, err);
     if (ok) {
         ok = hs_eval_save_picture(&picture, folder, "error.png", err);
@@ -58,38 +34,6 @@ static bool save_error(const hs_eval_case *c, const char *folder, const char *na
     }
     ok = ok && hs_eval_save_errors(error, c->table.width, c->table.height, folder, "error_rays.png", err);
     free(error);
-    return ok;
-}
-
-/* Figure 5.20: frames of the plugin a second over kernel, for some thresholds. */
-static bool time_curves(hs_eval_study *study, const hs_eval_space *space, hs_eval_case *c, hs_error *err) {
-    const hs_eval_plan *plan = &study->plan;
-    if (!plan->threshold.exists || !plan->kernel.exists) return true;
-    (void)snprintf(study->curve_case, sizeof study->curve_case, "%s", space->name);
-    for (uint32_t i = 0; i < HS_EVAL_CURVES; i++) {
-        const uint32_t t = plan->threshold.count * i / HS_EVAL_CURVES;
-        study->curve_threshold[i] = plan->threshold.value[t];
-        for (uint32_t k = 0; k < plan->kernel.count; k++) {
-            hs_eval_values values;
-            double ms;
-            if (!hs_eval_study_values(study, (hs_eval_pick){t, k, 0}, &values, err) ||
-                !hs_eval_case_time(c, &values, CURVE_FRAMES, &ms, err))
-                return false;
-            study->curve_fps[i][k] = 1e3 / ms;
-        }
-    }
-    study->curves = HS_EVAL_CURVES;
-    return true;
-}
-
-bool hs_eval_save_rgba(const uint8_t *rgba, uint32_t side, const char *folder, const char *name,
-                       hs_error *err) {
-    const hs_image image = {.data = rgba, .width = side, .height = side, .channels = 4};
-    hs_picture picture;
-    if (!hs_picture_init(&picture, side, side, 0, err)) return false;
-    hs_picture_blit(&picture, 0, 0, side, side, &image, HS_SCALE_NEAREST);
-    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
-    hs_picture_free(&picture);
     return ok;
 }
 
@@ -117,42 +61,10 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
     return ok;
 }
 
-hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
-    hs_loop_options options;
-    hs_loop_defaults(&options);
-    options.frames = d->frames ? d->frames : 1;
-    options.lowres = d->c->table.width;
-    options.dvr.width = options.dvr.height = d->pixels;
-    options.dvr.exposure = EXPOSURE;
-    options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
-    options.values = d->values->at;
-    options.value_count = d->values->count;
-    return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
-}
-
-bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name, hs_view *view,
-                         hs_error *err) {
-    hs_view own;
-    hs_loop *loop = hs_eval_draw_loop(drawing, err);
-    bool ok = loop && hs_loop_view(loop, 0, &own, err);
-    hs_loop_destroy(loop);
-    if (!ok) return false;
-    ok = hs_eval_save_rgba(own.result, drawing->pixels, folder, name, err);
-    if (ok && view)
-        *view = own;
-    else
-        hs_view_free(&own);
-    return ok;
-}
-
 static hs_eval_drawing drawing_of(const hs_eval_study *study, const hs_eval_case *c,
                                   const hs_eval_values *values, uint32_t pixels) {
-    return (hs_eval_drawing){.cl = &study->cl,
-                             .plugin = &study->plugin,
-                             .c = c,
-                             .values = values,
-                             .frames = study->options->frames,
-                             .pixels = pixels};
+    return (hs_eval_drawing){
+        .cl = &study->cl, .plugin = &study->plugin, .c = c, .values = values, .pixels = pixels};
 }
 
 static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
@@ -167,12 +79,14 @@ static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case 
 static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
                  const char *folder, hs_error *err) {
     hs_view view;
-    const hs_eval_drawing drawing = drawing_of(study, c, values, PICTURE);
+    char note[160];
+    const hs_eval_drawing drawing = drawing_of(study, c, values, HS_EVAL_PICTURE);
     hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
+        const char *said = hs_frame_note(&view.frame, "the plugin failed", note, sizeof note);
         ok = hs_loop_write_pictures(&view, folder, study->space[index].name,
-                                    view.frame.clipped ? NULL : "Unclipped", PICTURE, err);
+                                    view.frame.clipped ? said : "Unclipped", HS_EVAL_PICTURE, err);
         clipped = view.frame.clipped;
         hs_view_free(&view);
     }
@@ -181,34 +95,16 @@ static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, co
     return ok && (!clipped || draw_turns(study, index, c, values, folder, err));
 }
 
-static bool time_settings(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
-                          const hs_eval_values *values, hs_error *err) {
-    hs_eval_result *r = &study->result[index];
-    if (study->options->frames == 0) return true;
-    const hs_eval_drawing drawing = drawing_of(study, c, values, TIMED);
-    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
-    bool ok = loop != NULL;
-    for (int s = 0; ok && s < HS_SETTING_COUNT; s++)
-        ok = hs_loop_run(loop, (hs_setting)s, NULL, &r->speed[s], err);
-    r->has_speed = ok;
-    hs_loop_destroy(loop);
-    return ok;
-}
-
 static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder, hs_error *err) {
     hs_eval_result *r = &study->result[index];
-    const hs_eval_space *space = &study->space[index];
-    const bool curve = strcmp(space->name, CURVE_CASE) == 0 || (index + 1 == study->count && !study->curves);
     hs_eval_values values;
     if (!hs_eval_study_values(study, r->common, &values, err) ||
         !hs_eval_case_direct(c, &values, &r->shown, &r->shown_outcome, err) ||
-        !save_error(c, folder, space->name, err) ||
-        (curve && study->options->frames && !time_curves(study, space, c, err)))
+        !save_error(c, folder, study->space[index].name, err) || !hs_eval_speed_curves(study, index, c, err))
         return false;
-    /* A plugin's instance serves one loop at a time. */
-    hs_loop_destroy(c->loop);
-    c->loop = NULL;
-    return draw(study, index, c, &values, folder, err) && time_settings(study, index, c, &values, err) &&
+    hs_eval_case_release(c); /* a plugin's instance serves one loop at a time */
+    return draw(study, index, c, &values, folder, err) &&
+           hs_eval_speed_settings(study, index, c, &values, err) &&
            hs_eval_beside_pictures(study, index, c, folder, err);
 }
 

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/scene_sheet.h"
 
+#include "picture/picture_colour.h"
+#include "picture/picture_text.h"
 #include "render/dvr.h"
+#include "report/picture_map.h"
 
 #include <math.h>
 #include <stdio.h>

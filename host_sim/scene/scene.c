@@ -3,8 +3,24 @@
 #include "scene/scene.h"
 
 #include "base/threads.h"
+#include "scene/scene_attenuation.h"
+#include "scene/scene_compress.h"
+#include "scene/scene_echo.h"
+#include "scene/scene_edge.h"
+#include "scene/scene_fan.h"
+#include "scene/scene_far_band.h"
 #include "scene/scene_field.h"
+#include "scene/scene_motion.h"
+#include "scene/scene_noise.h"
 #include "scene/scene_random.h"
+#include "scene/scene_raster.h"
+#include "scene/scene_read.h"
+#include "scene/scene_real.h"
+#include "scene/scene_reverberation.h"
+#include "scene/scene_side_lobes.h"
+#include "scene/scene_solids.h"
+#include "scene/scene_speckle.h"
+#include "scene/scene_truth.h"
 #include "volume/metaimage.h"
 
 #include <stdio.h>
@@ -233,7 +249,7 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     m->skip = options->skip;
     memset(m->times, 0, sizeof *m->times);
     hs_scene_move(&m->spec, options->frame);
-    m->field.threads = hs_scene_thread_count(options->threads);
+    m->field.threads = hs_thread_count(options->threads);
     m->field.seed = options->seed ? options->seed : m->spec.seed;
     m->field.noise_seed = hs_random_key(m->field.seed, 1000u + (uint64_t)options->frame);
     bool ok = !options->real || (hs_metaimage_read(options->real, NULL, &given, err) &&
@@ -262,15 +278,4 @@ bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, h
     bool ok = hs_scene_frame(scene, &options, out, NULL, err);
     hs_scene_close(scene);
     return ok;
-}
-
-void hs_scene_free(hs_scene_data *data) {
-    hs_volume_free(&data->full);
-    hs_volume_free(&data->truth);
-    free(data->label);
-    free(data->near_end);
-    free(data->far_end);
-    free(data->clip);
-    free(data->tissue);
-    memset(data, 0, sizeof *data);
 }

@@ -1,31 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Synthetic scenes with a ground truth that is exact by construction (spec 6). docs/scenes.md has the file
- * format. */
+/* Synthetic scenes with a ground truth that is exact by construction (spec 6).
+ * docs/scenes.md has the file format. */
 #ifndef HS_SCENE_H
 #define HS_SCENE_H
 
-#include "volume/volume.h"
-
-/* Values of the label map. */
-enum { HS_LABEL_NEITHER = 0, HS_LABEL_SAC = 1, HS_LABEL_FETUS = 2 };
-
-/* What a scene generates. Maps are nx * ny for the camera at 0, 0 (rays along +z), in source voxels:
- * depth 0 is the centre of the first slice. */
-typedef struct {
-    hs_volume full;  /* what the probe delivers */
-    hs_volume truth; /* the same with everything before a correct clipping surface removed (set to 1) */
-    uint8_t *label;  /* HS_LABEL_* */
-    /* Nearest and farthest admissible clipping depth; NAN where the label is 0. Both are voxel centres, and
-     * all voxels from near to far are fluid. A fetus that is touched by its occluder has no fluid before it:
-     * near = far = the first voxel of the fetus. */
-    float *near_end, *far_end;
-    /* The clipping surface of `truth`: the middle of the interval, or deeper where an occluder beside the ray
-     * ends deeper, always inside the interval; on label 0 carried on from the nearest pixel that has one.
-     * Voxels z < clip are removed. */
-    float *clip;
-    /* hs_tissue of each voxel (host_sim/scene/scene_tissue.h), nx * ny * nz: what the truth was read from. */
-    uint8_t *tissue;
-} hs_scene_data;
+#include "scene/scene_data.h"
 
 /* Milliseconds each step took; 0 for a step that the scene does not list. */
 enum {
@@ -56,8 +35,8 @@ const char *hs_scene_builtin(uint32_t index);
 /* A scene that was read from its file. Read-only after that: any number of threads may generate from it. */
 typedef struct hs_scene hs_scene;
 
-/* `name_or_path` is a built-in case ("E01" .. "D02") or the path of a scene file. Errors name file, line and
- * field. */
+/* `name_or_path` is a built-in case ("E01" .. "D02") or the path of a scene file.
+ * Errors name file, line and field. */
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
 void hs_scene_close(hs_scene *scene);
 const char *hs_scene_name(const hs_scene *scene);
@@ -79,19 +58,14 @@ typedef struct {
     const char *real;
 } hs_scene_options;
 
-/* One frame of a scene with its truth. `times` may be NULL. On failure *out is zeroed. Same arguments, same
- * bytes. */
+/* One frame of a scene with its truth. `times` may be NULL. On failure *out is
+ * zeroed. Same arguments, same bytes. */
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
                     hs_scene_times *times, hs_error *err);
 
-/* Opens, makes frame 0 and closes. `size` is the number of voxels per axis (32 .. 512); seed 0 takes the
- * scene's own. */
+/* Opens, makes frame 0 and closes. `size` is the number of voxels per axis (32 .. 512);
+ * seed 0 takes the scene's own. */
 bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
                        hs_error *err);
-void hs_scene_free(hs_scene_data *data);
-
-/* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha. Where the label is 0, near and
- * far hold -1 in the files. */
-bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *err);
 
 #endif

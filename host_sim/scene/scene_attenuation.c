@@ -8,8 +8,9 @@
  * 2014, chapters 4 and 6). What absorbs more than alpha_tgc throws a shadow, what absorbs less brightens what
  * lies behind. Beams run along +z.
  */
+#include "scene/scene_attenuation.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdlib.h>
 
@@ -56,5 +57,5 @@ void hs_scene_attenuation(hs_field *field, const hs_scene_spec *spec) {
             a.crossing[t][u] = (float)HS_LEVEL_ONE * 20.0f * log10f(1.0f - r * r);
         }
     }
-    hs_scene_parallel(field->threads, field->n[1], attenuate_row, &a);
+    hs_parallel(field->threads, field->n[1], attenuate_row, &a);
 }

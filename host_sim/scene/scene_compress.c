@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Log compression: grey = 255 (1 + (L + gain) / range), rounded, 1 .. 255. */
+#include "scene/scene_compress.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 typedef struct {
     const hs_field *field;
@@ -24,7 +25,7 @@ void hs_scene_compress(const hs_field *field, const hs_scene_spec *spec, hs_volu
         grey[i] = (uint8_t)lrintf(fminf(fmaxf(g, 1.0f), 255.0f));
     }
     compress c = {field, grey, full->voxels};
-    hs_scene_parallel(field->threads, field->n[2], compress_slice, &c);
+    hs_parallel(field->threads, field->n[2], compress_slice, &c);
 }
 
 /* Without speckle the two kinds of echo are added by power. */
@@ -38,5 +39,5 @@ static void add_slice(void *context, uint32_t z) {
 }
 
 void hs_scene_add_powers(hs_field *field) {
-    hs_scene_parallel(field->threads, field->n[2], add_slice, field);
+    hs_parallel(field->threads, field->n[2], add_slice, field);
 }

@@ -8,11 +8,12 @@
  *
  *     L = specular_db + 20 log10(R cos^p t)
  *
- * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
- * fluid.
+ * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's
+ * side holds nothing but fluid.
  */
+#include "scene/scene_echo.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 typedef struct {
     hs_pass pass;
@@ -70,5 +71,5 @@ void hs_scene_echo(hs_field *field, const hs_scene_spec *spec) {
     for (int i = 0; i <= 64; i++)
         e.cosine[i] =
             i ? hs_level(20.0f * spec->specular_power * log10f((float)i / 64.0f)) : (int16_t)HS_LEVEL_SILENT;
-    hs_scene_parallel(field->threads, field->n[2], echo_slice, &e);
+    hs_parallel(field->threads, field->n[2], echo_slice, &e);
 }

@@ -10,8 +10,9 @@
  * and the echo loses 2 * -10 log10 T, at most max_loss_db. The loss at normal incidence belongs to the
  * attenuation step and is taken off here.
  */
+#include "scene/scene_edge.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -73,5 +74,5 @@ static void edge_row(void *context, uint32_t y) {
 void hs_scene_edge_shadow(hs_field *field, const hs_scene_spec *spec) {
     edge e = {.pass = {field, spec}};
     make_losses(&e);
-    hs_scene_parallel(field->threads, field->n[1], edge_row, &e);
+    hs_parallel(field->threads, field->n[1], edge_row, &e);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene's volumes and maps as MetaImage files. */
-#include "scene/scene.h"
-#include "volume/metaimage.h"
+#include "scene/scene_export.h"
+
+#include "volume/metaimage_write.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -10,8 +10,9 @@
  *
  * All else holds 0.
  */
+#include "scene/scene_fan.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 typedef struct {
     const hs_field *field;
@@ -46,5 +47,5 @@ void hs_scene_fan(const hs_field *field, const hs_scene_spec *spec, hs_volume *f
     fan_pass p = {.field = field, .fan = &spec->fan, .voxels = full->voxels};
     p.tan_azimuth = tanf(spec->fan.azimuth_deg * half_degree);
     p.tan_sweep = tanf(spec->fan.sweep_deg * half_degree);
-    hs_scene_parallel(field->threads, field->n[2], fan_slice, &p);
+    hs_parallel(field->threads, field->n[2], fan_slice, &p);
 }

@@ -6,8 +6,11 @@
  * model; this one sets the levels as the figure shows them: a shell of thickness_mm at level_db on the
  * skull's ellipsoid, and gap_mm of silence on its inner side, within angle_deg of a direction.
  */
+#include "scene/scene_far_band.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
+#include "scene/scene_fetus.h"
+#include "scene/scene_fetus_head.h"
 
 #include <string.h>
 
@@ -67,6 +70,6 @@ void hs_scene_far_band(hs_field *field, const hs_scene_spec *spec) {
         const float *to = spec->far_band.direction;
         float length = sqrtf(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
         for (int a = 0; a < 3; a++) b.direction[a] = to[a] / length;
-        hs_scene_parallel(field->threads, field->n[2], band_slice, &b);
+        hs_parallel(field->threads, field->n[2], band_slice, &b);
     }
 }

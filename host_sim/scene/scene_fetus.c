@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/scene_fetus.h"
 
+#include "scene/scene_fetus_head.h"
+#include "scene/scene_fetus_limbs.h"
+
 #include <string.h>
 
 const hs_fetus_pose hs_fetus_resting = {

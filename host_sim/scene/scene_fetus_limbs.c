@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "scene/scene_fetus.h"
+#include "scene/scene_fetus_limbs.h"
 
 #include <math.h>
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/scene_json.h"
 
+#include "scene/scene_locate.h"
 #include "scene/scene_spec.h"
 
 #include <math.h>

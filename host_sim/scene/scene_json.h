@@ -42,8 +42,8 @@ typedef struct {
     bool required;
 } hs_json_field;
 
-/* Reads the fields of an object; one that is absent keeps its value. A key that is not in the table is an
- * error. */
+/* Reads the fields of an object; one that is absent keeps its value. A key that is
+ * not in the table is an error. */
 bool hs_json_read(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
 
 /* A member or an element. False (no error) if it is not there. */
@@ -59,9 +59,5 @@ bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((for
 /* True if the value is of that type; else records what was found. */
 bool hs_json_is_object(const hs_json *value);
 bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
-
-/* Line of the value at a path such as "a[3].b" in well-formed JSON text; the nearest enclosing value's if the
- * path does not exist. 1 is the first line. */
-unsigned hs_json_line(const char *text, const char *where);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the line of a value in JSON text: jansson tells lines for syntax errors only. */
-#include "scene/scene_json.h"
+#include "scene/scene_locate.h"
 
 #include <ctype.h>
+#include <stdbool.h>
 #include <string.h>
 
 /* The text is well-formed: it has been parsed before. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Motion: slow drift of the fetus and its particles, and limbs that move by themselves. */
-#include "scene/scene_spec.h"
+#include "scene/scene_motion.h"
 
 #include <math.h>
 

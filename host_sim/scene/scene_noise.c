@@ -3,8 +3,9 @@
  * Electronic noise: white, of level_db, added to the echo as power. The power of circular Gaussian noise is
  * exponentially distributed: N = -n^2 ln u (Goodman, "Statistical Optics", 1985, section 2.9).
  */
+#include "scene/scene_noise.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 #include "scene/scene_random.h"
 
 enum { QUANTILES = 4096 };
@@ -29,5 +30,5 @@ void hs_scene_noise(hs_field *field, const hs_scene_spec *spec) {
     noise n = {.field = field, .key = hs_random_key(field->noise_seed, 1)};
     float mean = powf(10.0f, spec->noise.level_db / 10.0f);
     for (int i = 0; i < QUANTILES; i++) n.power[i] = -mean * logf(((float)i + 0.5f) / QUANTILES);
-    hs_scene_parallel(field->threads, field->n[2], noise_slice, &n);
+    hs_parallel(field->threads, field->n[2], noise_slice, &n);
 }

@@ -3,7 +3,7 @@
 #ifndef HS_SCENE_POINTS_H
 #define HS_SCENE_POINTS_H
 
-#include "scene/scene.h"
+#include "scene/scene_data.h"
 
 enum { HS_POINT_NONE = 0, HS_POINT_WRONG = 1, HS_POINT_RIGHT = 2 };
 

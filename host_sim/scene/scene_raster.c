@@ -3,8 +3,9 @@
  * Solids to voxels. The volume is cut into bricks of 8^3 voxels; a brick looks only at the solids whose
  * bounds it touches, so the cost is that of the surfaces, not of the volume.
  */
+#include "scene/scene_raster.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 #include "scene/scene_random.h"
 
 #include <stdlib.h>
@@ -24,8 +25,8 @@ typedef struct {
     uint32_t bricks[3];
 } raster;
 
-/* Indices of the solids a brick (or a row of bricks) has to look at; first[part] .. first[part + 1] are of
- * one part. */
+/* Indices of the solids a brick (or a row of bricks) has to look at;
+ * first[part] .. first[part + 1] are of one part. */
 typedef struct {
     uint16_t item[HS_SCENE_MAX_SOLIDS];
     uint32_t first[HS_PART_COUNT + 1];
@@ -233,7 +234,7 @@ bool hs_scene_raster(hs_field *field, const hs_scene_spec *spec, hs_solid_list *
                 spec->layers.undulation_mm * 0.5f *
                 (sinf(1.7f * u + 0.6f * v) + sinf(2.3f * v - 0.9f * u + 1.0f));
         }
-    hs_scene_parallel(field->threads, r.bricks[1] * r.bricks[2], brick_row, &r);
+    hs_parallel(field->threads, r.bricks[1] * r.bricks[2], brick_row, &r);
     free(r.layer_shift);
     return true;
 }

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene file to hs_scene_spec. The tables below are the schema (docs/scenes.md). */
+#include "scene/scene_read.h"
+
+#include "scene/scene_fetus.h"
 #include "scene/scene_json.h"
-#include "scene/scene_spec.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -4,8 +4,9 @@
  * make room; what lies before the first tissue of a column is taken as free; occluders are put there, and
  * kept a gap away from it.
  */
+#include "scene/scene_real.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <string.h>
 
@@ -18,8 +19,8 @@ typedef struct {
     uint8_t *full;
 } real;
 
-/* Makes a column scanned, as fluid, from the front to its first scanned voxel; one without any stays as it
- * is. */
+/* Makes a column scanned, as fluid, from the front to its first scanned voxel;
+ * one without any stays as it is. */
 static void open_column(hs_volume *v, size_t column) {
     const size_t plane = (size_t)v->nx * v->ny;
     uint32_t first = 0;
@@ -79,7 +80,7 @@ static void place_row(void *context, uint32_t y) {
 
 void hs_scene_real_place(hs_field *field, const hs_volume *given) {
     real r = {field, given, NULL};
-    hs_scene_parallel(field->threads, field->n[1], place_row, &r);
+    hs_parallel(field->threads, field->n[1], place_row, &r);
 }
 
 /* Before the tissue the brighter one counts; from it on, and where nothing was scanned, the given volume. */
@@ -99,5 +100,5 @@ static void combine_row(void *context, uint32_t y) {
 
 void hs_scene_real_combine(hs_field *field, const hs_volume *given, hs_volume *full) {
     real r = {field, given, full->voxels};
-    hs_scene_parallel(field->threads, field->n[1], combine_row, &r);
+    hs_parallel(field->threads, field->n[1], combine_row, &r);
 }

@@ -6,8 +6,9 @@
  * J. Ultrasound Med. 5, 1986). loss_db stands for -20 log10(R1 R2). The reflectors of a column are where the
  * wall ends at the fluid, and the last boundary of its layers before.
  */
+#include "scene/scene_reverberation.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 static void bands(hs_field *f, const hs_reverberation_spec *spec, size_t pixel, uint32_t far_z,
                   float spacing) {
@@ -40,5 +41,5 @@ static void reverberation_row(void *context, uint32_t y) {
 
 void hs_scene_reverberation(hs_field *field, const hs_scene_spec *spec) {
     hs_pass pass = {field, spec};
-    hs_scene_parallel(field->threads, field->n[1], reverberation_row, &pass);
+    hs_parallel(field->threads, field->n[1], reverberation_row, &pass);
 }

@@ -8,8 +8,9 @@
  *
  *     H = 10^(level_db / 20) * (interface amplitude blurred over width_mm across the beam),  A^2 + H^2
  */
+#include "scene/scene_side_lobes.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -80,7 +81,7 @@ bool hs_scene_side_lobes(hs_field *field, const hs_scene_spec *spec, hs_error *e
         s.radius[axis] = (uint32_t)lrintf(0.25f * spec->side_lobe.width_mm / field->h[axis]);
     s.factor = powf(10.0f, spec->side_lobe.level_db / 20.0f);
     atomic_init(&s.out_of_memory, false);
-    hs_scene_parallel(field->threads, field->n[2], lobe_slice, &s);
+    hs_parallel(field->threads, field->n[2], lobe_slice, &s);
     return !atomic_load(&s.out_of_memory) ||
            hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for side lobes", spec->name);
 }

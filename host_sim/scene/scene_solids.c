@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The structures of a scene as solids: occluders, cord, particles and the fetus. */
-#include "scene/scene_field.h"
+#include "scene/scene_solids.h"
+
+#include "scene/scene_fetus.h"
 #include "scene/scene_random.h"
 
+#include <math.h>
 #include <string.h>
 
 static const hs_solid_frame scene_frame = {.axis = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .scale = 1.0f};

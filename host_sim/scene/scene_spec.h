@@ -3,7 +3,7 @@
 #ifndef HS_SCENE_SPEC_H
 #define HS_SCENE_SPEC_H
 
-#include "scene/scene_fetus.h"
+#include "scene/scene_fetus_pose.h"
 #include "scene/scene_tissue.h"
 
 #define HS_SCENE_MAX_STRUCTURES 32
@@ -25,8 +25,8 @@ typedef struct {
     float thickness_mm[HS_SCENE_MAX_LAYERS];
     uint32_t count;
     float undulation_mm;
-    float boundary_db; /* <= 0: the layers interleave, so their boundaries echo that much less than smooth
-                          ones */
+    /* <= 0: the layers interleave, so their boundaries echo that much less than smooth ones. */
+    float boundary_db;
 } hs_layers_spec;
 
 typedef enum {
@@ -142,14 +142,5 @@ typedef struct {
     hs_fan_spec fan;
     hs_motion_spec motion;
 } hs_scene_spec;
-
-/* Reads a scene file. Errors name file, line and field. */
-bool hs_scene_read(const char *path, hs_scene_spec *spec, hs_error *err);
-
-/* The same from text; `path` is for messages. */
-bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec, hs_error *err);
-
-/* The scene as it stands at `frame` of its motion. */
-void hs_scene_move(hs_scene_spec *spec, uint32_t frame);
 
 #endif

@@ -12,9 +12,11 @@
  * as a Gaussian beam does: sigma(z) = sigma_0 sqrt(1 + ((z - z_f) / z_R)^2). Interfaces add their echo in
  * phase before the point spread.
  */
+#include "scene/scene_speckle.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 #include "scene/scene_random.h"
+#include "volume/volume.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -215,7 +217,7 @@ bool hs_scene_speckle(hs_field *field, const hs_scene_spec *spec, hs_error *err)
     atomic_init(&s->out_of_memory, false);
     make_normal(s->normal);
     s->chunk = (field->n[2] + field->threads - 1) / field->threads;
-    hs_scene_parallel(field->threads, (field->n[2] + s->chunk - 1) / s->chunk, speckle_block, s);
+    hs_parallel(field->threads, (field->n[2] + s->chunk - 1) / s->chunk, speckle_block, s);
     bool done = !atomic_load(&s->out_of_memory);
     free(s);
     return done ? true : hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for speckle", spec->name);

@@ -5,8 +5,9 @@
  * the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a ray, its
  * longest stretch of fluid counts.
  */
+#include "scene/scene_truth.h"
+
 #include "base/threads.h"
-#include "scene/scene_field.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -100,9 +101,9 @@ bool hs_scene_spread(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
 }
 
 /*
- * The clipping surface: the middle of the interval, but no nearer than where the occluders of the
- * neighbourhood end: the point spread makes them visible beside themselves. It never leaves the pixel's own
- * interval.
+ * The clipping surface: the middle of the interval, but no nearer than where the occluders of
+ * the neighbourhood end: the point spread makes them visible beside themselves. It never
+ * leaves the pixel's own interval.
  */
 static void clip_row(void *context, uint32_t y) {
     const truth *t = context;
@@ -138,9 +139,9 @@ static void clip_slice(void *context, uint32_t z) {
 
 bool hs_scene_truth(const hs_field *field, hs_scene_data *data, hs_error *err) {
     truth t = {field, data};
-    hs_scene_parallel(field->threads, field->n[1], truth_row, &t);
-    hs_scene_parallel(field->threads, field->n[1], clip_row, &t);
+    hs_parallel(field->threads, field->n[1], truth_row, &t);
+    hs_parallel(field->threads, field->n[1], clip_row, &t);
     if (!hs_scene_spread(data->clip, field->n[0], field->n[1], err)) return false;
-    hs_scene_parallel(field->threads, field->n[2], clip_slice, &t);
+    hs_parallel(field->threads, field->n[2], clip_slice, &t);
     return true;
 }

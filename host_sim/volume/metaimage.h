@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* MetaImage files (.mhd with a data file, .mha): volumes in, arrays out. docs/metaimage.md states the
- * mapping. */
+/* Reads volumes from MetaImage files (.mhd with a data file, .mha). docs/metaimage.md states the mapping. */
 #ifndef HS_METAIMAGE_H
 #define HS_METAIMAGE_H
 
@@ -31,21 +30,8 @@ typedef struct {
  */
 bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err);
 
-typedef enum { HS_ARRAY_U8 = 0, HS_ARRAY_U16, HS_ARRAY_F32 } hs_array_type;
-
-/* An array to be written; x fastest, then y, then z. */
-typedef struct {
-    hs_array_type type;
-    const void *data;  /* size[0] * size[1] * size[2] elements, borrowed */
-    uint32_t dims;     /* 2 or 3 */
-    uint32_t size[3];  /* elements along x, y, z; size[2] is ignored if dims is 2 */
-    double spacing[3]; /* mm, > 0; the same */
-    bool compress;     /* zlib */
-} hs_metaimage_array;
-
-/* Writes "<name>.mha", or "<name>.mhd" and beside it "<name>.raw" ("<name>.zraw" if compressed), by the
- * ending of `path`. Each file is written under a temporary name and renamed, the data before the header.
- * HS_ERR_OUTPUT names the path and the field or the system's reason. */
-bool hs_metaimage_write(const char *path, const hs_metaimage_array *array, hs_error *err);
+/* Reads a map of nx x ny pixels (a file of nx x ny x 1) as it stands, row by row, into `values`, the
+ * caller's. HS_ERR_INPUT as above, and if the size is another one; HS_ERR_MEMORY. Any thread. */
+bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err);
 
 #endif

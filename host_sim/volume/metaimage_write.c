@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
+#include "volume/metaimage_write.h"
+
 #include "base/output_file.h"
-#include "volume/metaimage.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -111,8 +112,8 @@ static bool write_data(hs_output_file *out, const plan *p, uint64_t *written, hs
     return hs_output_write(out, p->array->data, (size_t)p->data_bytes, err);
 }
 
-/* Writes the text. Its length does not depend on `compressed`, so that it can be written again when that is
- * known. */
+/* Writes the text. Its length does not depend on `compressed`, so that it can be
+ * written again when that is known. */
 static bool write_header(hs_output_file *out, const plan *p, uint64_t compressed, hs_error *err) {
     const hs_metaimage_array *a = p->array;
     const bool volume = a->dims == 3;

@@ -108,7 +108,7 @@ static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_f
     sva_keep_format(a, format);
     status = sva_allocate(a);
     if (status == SV_OK && a->method->activate) status = sva_heed(a, "activate", a->method->activate(a));
-    if (status == SV_OK)
+    if (status >= SV_OK)
         a->state = SVA_IDLE;
     else
         sva_release(a);
@@ -135,7 +135,7 @@ static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_fram
     a->next_slice = 0;
     if (a->rays) memset(a->rays, 0, sva_rays(a) * a->method->ray_bytes);
     if (a->method->begin) status = sva_heed(a, "begin", a->method->begin(a));
-    if (status == SV_OK) a->state = SVA_SLABS;
+    if (status >= SV_OK) a->state = SVA_SLABS;
     return status;
 }
 
@@ -149,7 +149,7 @@ static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab 
         a->slice[slab->first_slice + s] = (const uint8_t *)slab->memory + sva_byte(&a->format, 0, 0, s);
     a->next_slice += slab->slice_count;
     if (a->method->slab) status = sva_heed(a, "slab", a->method->slab(a, slab));
-    if (status == SV_OK) a->state = SVA_SLABS;
+    if (status >= SV_OK) a->state = SVA_SLABS;
     return status;
 }
 

@@ -2,7 +2,9 @@
 /* The extensions that the plugin offers: one table each, headers in include/smartvis/. */
 #include "abi/extensions.h"
 
+#include "abi/validate.h"
 #include "frame/instance.h"
+#include "frame/pipeline_end.h"
 #include "smartvis/confidence.h"
 #include "smartvis/points.h"
 #include "smartvis/spline.h"
@@ -52,26 +54,18 @@ static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
     if (out->size < sizeof *out)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "spline: size is %u, expected at least %zu", out->size,
                              sizeof *out);
-    if (in->state != SV_STATE_FINISHED || in->pipeline.config.method != SV_METHOD_SPLINE)
+    sv_chain *chain = &in->pipeline.chain;
+    if (in->state != SV_STATE_FINISHED || !chain->method->spline_report)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "spline: no finished frame with method spline");
-    float r[SV_SPLINE_REPORT_WORDS];
-    const sv_status status = sv_spline_read(sv_chain_map(&in->pipeline), r);
-    if (status == SV_OK)
-        *out = (sv_spline_report){.size = out->size,
-                                  .points = (uint32_t)r[0],
-                                  .merge_grid = (uint32_t)r[1],
-                                  .rank = (uint32_t)r[2],
-                                  .dropped = (uint32_t)r[3],
-                                  .condition = r[4],
-                                  .residual = r[5]};
-    return status;
+    return chain->method->spline_report(sv_chain_map(chain), &chain->state, out);
 }
 
 static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
 
 static sv_status confidence_ready(sv_instance *in) {
-    if (in->state == SV_STATE_FINISHED && in->pipeline.config.method == SV_METHOD_COST) return SV_OK;
-    return sv_blame_host(&in->diag, SV_ERR_STATE, "confidence: no finished frame with method cost");
+    if (in->state == SV_STATE_FINISHED && in->pipeline.chain.method->confidence) return SV_OK;
+    return sv_blame_host(&in->diag, SV_ERR_STATE,
+                         "confidence: no finished frame with a method that gives it");
 }
 
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
@@ -79,21 +73,16 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     if (out && out->size < sizeof *out)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
                              out->size, sizeof *out);
-    const sv_status ready = confidence_ready(in);
-    if (ready != SV_OK) return ready;
-    uint32_t info[SV_COST_INFO_WORDS];
-    const sv_status status = sv_cost_read(&in->pipeline, map, info);
-    if (status == SV_OK && out)
-        *out = (sv_confidence_report){.size = out->size,
-                                      .fluid_threshold = (float)info[SV_COST_INFO_LEVEL] / 255.0f,
-                                      .rays = info[SV_COST_INFO_RAYS],
-                                      .open_rays = info[SV_COST_INFO_OPEN]};
-    return status;
+    const sv_chain *chain = &in->pipeline.chain;
+    sv_status status = confidence_ready(in);
+    if (status == SV_OK && map) status = sv_pipeline_confidence(&in->pipeline, map, NULL, 0, true);
+    if (status != SV_OK || !out) return status;
+    return chain->method->confidence_report(&in->pipeline.map, &chain->state, out);
 }
 
 static uint32_t confidence_offered(const sv_plugin *plugin) {
     const sv_instance *in = plugin->plugin_data;
-    return in->state != SV_STATE_INACTIVE && in->pipeline.config.method == SV_METHOD_COST;
+    return in->state != SV_STATE_INACTIVE && in->pipeline.chain.method->confidence;
 }
 
 /* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
@@ -104,14 +93,7 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
     sv_status status = confidence_ready(in);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "confidence", &in->pipeline, &to);
     if (status != SV_OK) return status;
-    const cl_command_queue queue = in->device.queue;
-    const cl_mem from = sv_cost_confidence(&in->pipeline);
-    const size_t bytes = (size_t)in->pipeline.config.width * in->pipeline.config.height * sizeof *map;
-    const cl_int code = map ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, bytes, map, 0, NULL, NULL)
-                            : clEnqueueCopyBuffer(queue, from, object, 0, offset, bytes, 0, NULL, NULL);
-    status = sv_clx_check(&in->diag, code, "confidence: enqueue");
-    if (status != SV_OK || !in->device.owned) return status;
-    return sv_clx_check(&in->diag, clFinish(queue), "confidence: clFinish");
+    return sv_pipeline_confidence(&in->pipeline, map, object, offset, in->device.owned);
 }
 
 static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,

@@ -2,6 +2,8 @@
 #include "abi/params.h"
 
 #include "common/sv_shared.h"
+#include "grid/grid_shared.h"
+#include "spline/spline_shared.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,58 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The plugin's parameters: one table that describes them, and the values of one frame. */
+/* The plugin's parameters as the host sees them: one table that describes them, and the checks of what it
+ * sends. */
 #ifndef SV_PARAMS_H
 #define SV_PARAMS_H
 
 #include "device/diag.h"
-#include "method/method_list.h"
-#include "ref/sv_ref.h"
+#include "method/values.h"
 
-/* Stable ids (never reused). They index sv_values. */
-enum {
-    SV_PARAM_Q = 1,
-    SV_PARAM_FLUID_THRESHOLD = 2,
-    SV_PARAM_BONE_MODE = 3,
-    SV_PARAM_BONE_OFFSET = 4,
-    SV_PARAM_BONE_THRESHOLD = 5,
-    SV_PARAM_BONE_FRACTION = 6,
-    SV_PARAM_KERNEL = 7,
-    SV_PARAM_FILL_WEIGHT = 8,
-    SV_PARAM_DROP_EMPTY = 9,
-    SV_PARAM_SUBSTEPS = 10,
-    SV_PARAM_STRATEGY = 11,
-    SV_PARAM_MIN_GAP = 12,
-    SV_PARAM_EVIDENCE = 13,
-    SV_PARAM_METHOD = 14,
-    SV_PARAM_PREFILTER = 15,
-    SV_PARAM_PREFILTER_PASSES = 16,
-    SV_PARAM_PREFILTER_KERNEL = 17,
-    SV_PARAM_LAMBDA = 18,
-    SV_PARAM_MERGE_GRID = 19,
-    SV_PARAM_SPLINE_GRID = 20,
-    SV_PARAM_DATA_WEIGHT = 21,
-    SV_PARAM_PRECISION = 22,
-    SV_PARAM_SOLVER_STEPS = 23,
-    SV_PARAM_MEMORY = 24,
-    SV_PARAM_REDUCTION = 25,
-    SV_PARAM_ID_END
-};
-
-/* Strategies: how the work is laid out on the device. All give the same bits. */
-enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
-
-/* Methods of surface reconstruction (method.h), and what may be done to the points before. */
-#define SV_METHOD_VALUE(NAME, value, key) SV_METHOD_##NAME = (value),
-enum { SV_METHODS(SV_METHOD_VALUE) SV_METHOD_COUNT };
-#undef SV_METHOD_VALUE
-
-/* Numbers that the solvers (spline, membrane, plate) compute with, or that the mean filter keeps. */
-enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
-enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
-
-/* Values by id; [0] is unused. */
-typedef struct {
-    double of[SV_PARAM_ID_END];
-} sv_values;
+#include <stdbool.h>
 
 uint32_t sv_params_count(void);
 sv_status sv_params_info(sv_diag *diag, uint32_t index, sv_param_info *out);

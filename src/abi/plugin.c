@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The ABI's glue: one screen per function. What is behind it: instance.c, then pipeline.c. */
 #include "abi/extensions.h"
+#include "abi/params.h"
+#include "abi/validate.h"
 #include "frame/instance.h"
+#include "frame/pipeline_end.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +18,7 @@ static const sv_descriptor descriptor = {
     .carriers = SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER) | SV_BIT(SV_CARRIER_IMAGE),
     .voxel_types = SV_BIT(SV_VOXEL_U8),
     .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
-    .features = SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
+    .features = SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
     .extensions = sv_extension_ids,
     .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
 };
@@ -42,8 +45,13 @@ static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *forma
     sv_instance *in = sv_instance_enter(plugin);
     if (in->state != SV_STATE_INACTIVE)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "activate: already active");
-    const sv_status status = sv_validate_format(&in->diag, format);
-    return status == SV_OK ? sv_instance_activate(in, format) : status;
+    sv_values values;
+    sv_params_defaults(&values);
+    sv_status status = sv_validate_format(&in->diag, format);
+    if (status == SV_OK)
+        status = sv_params_apply(&in->diag, "activate", format->values, format->value_count,
+                                 SV_PARAM_REACTIVATE, true, &values);
+    return status == SV_OK ? sv_instance_activate(in, format, &values) : status;
 }
 
 /* With its own queue nobody but the plugin can wait: after a failure, or when a frame is dropped, the host
@@ -66,6 +74,12 @@ static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
     if (status != SV_OK) return status;
     in->frame = values;
     sv_pipeline_begin(&in->pipeline, &in->frame);
+    in->pipeline.map.continues = !(frame->flags & SV_FRAME_DISCONTINUITY);
+    if (in->pipeline.config.ranged) {
+        status =
+            sv_pipeline_scanned(&in->pipeline, frame->scanned, frame->scanned_object, frame->scanned_offset);
+        if (status != SV_OK) return let_go(in, status);
+    }
     in->state = SV_STATE_SLABS;
     return SV_OK;
 }
@@ -127,10 +141,10 @@ static sv_status plugin_adjust(const sv_plugin *plugin, const sv_param_value *va
     sv_status status =
         sv_params_apply(&in->diag, "adjust", values, value_count, SV_PARAM_ADJUST, false, &adjusted);
     if (status == SV_OK) status = sv_validate_result(&in->diag, "adjust", &in->pipeline, result);
-    in->pipeline.timing = NULL; /* the times stay those of the frame */
+    in->pipeline.queue.timing = NULL; /* the times stay those of the frame */
     if (status == SV_OK) status = sv_pipeline_adjust(&in->pipeline, (float)adjusted.of[SV_PARAM_Q]);
     if (status == SV_OK) status = output(in, "adjust", &adjusted, result);
-    in->pipeline.timing = &in->timing;
+    in->pipeline.queue.timing = &in->timing;
     return status < 0 ? let_go(in, status) : status;
 }
 

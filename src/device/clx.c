@@ -56,27 +56,3 @@ sv_status sv_clx_check(sv_diag *diag, cl_int code, const char *what) {
     if (code == CL_SUCCESS) return SV_OK;
     return sv_fail(diag, SV_ERR_OPENCL, "%s: %s (%d)", what, sv_clx_name(code), code);
 }
-
-cl_mem sv_clx_buffer(sv_diag *diag, const sv_device *device, size_t bytes, void *host_ptr,
-                     sv_status *status) {
-    if (*status != SV_OK) return NULL;
-    cl_int code = CL_SUCCESS;
-    const cl_mem_flags flags = host_ptr ? CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR : CL_MEM_READ_WRITE;
-    cl_mem buffer = clCreateBuffer(device->context, flags, bytes ? bytes : 1, host_ptr, &code);
-    if (code != CL_SUCCESS) {
-        *status = sv_fail(diag, SV_ERR_OPENCL, "clCreateBuffer of %zu bytes: %s (%d)", bytes,
-                          sv_clx_name(code), code);
-        return NULL;
-    }
-    if (!host_ptr) {
-        const cl_uchar zero = 0;
-        code = clEnqueueFillBuffer(device->queue, buffer, &zero, 1, 0, bytes ? bytes : 1, 0, NULL, NULL);
-        *status = sv_clx_check(diag, code, "clEnqueueFillBuffer");
-    }
-    return buffer;
-}
-
-void sv_clx_release(cl_mem *buffer) {
-    if (*buffer) (void)clReleaseMemObject(*buffer);
-    *buffer = NULL;
-}

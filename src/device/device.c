@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which OpenCL device: the host's, or one that the plugin opens itself. */
-#include "device/clx.h"
+#include "device/device.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,6 +50,11 @@ static sv_status query_device(sv_diag *diag, sv_device *d) {
     cl_device_fp_config doubles = 0;
     if (code == CL_SUCCESS)
         code = clGetDeviceInfo(d->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
+    if (code == CL_SUCCESS)
+        code = clGetDeviceInfo(d->device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof d->memory, &d->memory, NULL);
+    if (code == CL_SUCCESS)
+        code = clGetDeviceInfo(d->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof d->largest_buffer,
+                               &d->largest_buffer, NULL);
     d->has_doubles = doubles != 0;
     d->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     d->shares_memory = d->is_cpu && unified;

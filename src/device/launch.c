@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "device/launch.h"
 
-#include <stdio.h>
-
-sv_launch sv_launch_begin(sv_pipeline *pipeline, cl_kernel kernel, const char *name) {
-    return (sv_launch){.pipeline = pipeline, .kernel = kernel, .name = name};
+sv_launch sv_launch_begin(const sv_queue *queue, cl_kernel kernel, const char *name) {
+    return (sv_launch){.queue = queue, .kernel = kernel, .name = name};
 }
 
-sv_launch sv_launch_job(sv_pipeline *pipeline, cl_kernel kernel, const char *name) {
-    sv_launch l = sv_launch_begin(pipeline, kernel, name);
-    sv_launch_arg(&l, sizeof pipeline->job, &pipeline->job);
+sv_launch sv_launch_job(const sv_queue *queue, cl_kernel kernel, const char *name, const sv_job *job) {
+    sv_launch l = sv_launch_begin(queue, kernel, name);
+    sv_launch_arg(&l, sizeof *job, job);
     return l;
 }
 
@@ -28,12 +26,12 @@ void sv_launch_uint(sv_launch *launch, uint32_t value) {
 
 static sv_status launch(sv_launch *l, cl_uint dimensions, const size_t *global, const size_t *local,
                         sv_stage stage) {
-    sv_pipeline *p = l->pipeline;
+    const sv_queue *q = l->queue;
     if (l->code == CL_SUCCESS)
-        l->code = clEnqueueNDRangeKernel(p->device->queue, l->kernel, dimensions, NULL, global, local, 0,
-                                         NULL, sv_timing_slot(p->timing, stage));
+        l->code = clEnqueueNDRangeKernel(q->device->queue, l->kernel, dimensions, NULL, global, local, 0,
+                                         NULL, sv_timing_slot(q->timing, stage));
     if (l->code == CL_SUCCESS) return SV_OK;
-    return sv_fail(p->diag, SV_ERR_OPENCL, "kernel %s, argument or launch: %s (%d)", l->name,
+    return sv_fail(q->diag, SV_ERR_OPENCL, "kernel %s, argument or launch: %s (%d)", l->name,
                    sv_clx_name(l->code), l->code);
 }
 

@@ -3,22 +3,21 @@
 #ifndef SV_LAUNCH_H
 #define SV_LAUNCH_H
 
-#include "frame/pipeline.h"
+#include "common/sv_shared.h"
+#include "device/queue.h"
 
 /* Collects arguments in order; the first failing call is remembered and later calls do nothing. */
 typedef struct {
-    sv_pipeline *pipeline;
+    const sv_queue *queue;
     cl_kernel kernel;
     const char *name;
     cl_uint next;
     cl_int code;
 } sv_launch;
 
-sv_launch sv_launch_begin(sv_pipeline *pipeline, cl_kernel kernel, const char *name);
-#define SV_LAUNCH(pipeline, name) sv_launch_begin(pipeline, (pipeline)->program->name, #name)
+sv_launch sv_launch_begin(const sv_queue *queue, cl_kernel kernel, const char *name);
 /* The same with the frame's job as the first argument. */
-sv_launch sv_launch_job(sv_pipeline *pipeline, cl_kernel kernel, const char *name);
-#define SV_LAUNCH_JOB(pipeline, name) sv_launch_job(pipeline, (pipeline)->program->name, #name)
+sv_launch sv_launch_job(const sv_queue *queue, cl_kernel kernel, const char *name, const sv_job *job);
 void sv_launch_arg(sv_launch *launch, size_t bytes, const void *value);
 void sv_launch_buffer(sv_launch *launch, cl_mem buffer);
 void sv_launch_uint(sv_launch *launch, uint32_t value);

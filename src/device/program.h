@@ -4,10 +4,11 @@
 #ifndef SV_PROGRAM_H
 #define SV_PROGRAM_H
 
-#include "device/clx.h"
+#include "device/device.h"
 
 /* Every kernel by its name in cl/. */
 #define SV_KERNELS(X)                                                                                        \
+    X(scanned_planes)                                                                                        \
     X(profile_strip)                                                                                         \
     X(profile_rays)                                                                                          \
     X(frame_end)                                                                                             \
@@ -30,7 +31,7 @@ typedef struct {
 #undef SV_KERNEL_FIELD
 } sv_program;
 
-/* Kernels of a method (method.h), by their place in its list of names. */
+/* Kernels of a program of its own, by their place in its list of names. */
 #define SV_MAX_METHOD_KERNELS 16
 typedef struct {
     cl_program program;
@@ -50,6 +51,7 @@ typedef struct {
     uint32_t substeps; /* SV_SUBSTEPS */
     uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
     bool padded;       /* SV_PADDED */
+    bool ranged;       /* SV_RANGED */
     bool wide_sums;    /* SV_WIDE_SUMS */
     bool half_sums;    /* SV_HALF_SUMS */
     bool fetch_ahead;  /* SV_FETCH_AHEAD */

@@ -2,6 +2,7 @@
 #include "frame/instance.h"
 
 #include "frame/selftest.h"
+#include "frame/selftest_method.h"
 
 #include <stdio.h>
 
@@ -14,6 +15,14 @@ sv_instance *sv_instance_enter(const sv_plugin *plugin) {
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
 enum { FETCH_AHEAD_BYTES = 16 << 20 };
 
+/* Unknown spacing: cubes, and the longest side as long as the header says (SV_ASSUMED_EXTENT_MM). */
+static void find_spacing(const sv_format *f, float spacing[3]) {
+    const uint32_t side = f->width > f->height ? f->width : f->height;
+    const float assumed = SV_ASSUMED_EXTENT_MM / (float)(side > f->slices ? side : f->slices);
+    for (int axis = 0; axis < 3; axis++)
+        spacing[axis] = f->spacing_mm[axis] > 0.0f ? f->spacing_mm[axis] : assumed;
+}
+
 static sv_config config_of(const sv_format *f, const sv_values *values) {
     sv_config c = {.width = f->width,
                    .height = f->height,
@@ -25,6 +34,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
                    .carrier = f->carrier,
                    .padding = f->padding_value,
+                   .ranged = (f->flags & SV_FORMAT_SCANNED) != 0,
                    .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
                    .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
                    .method = (uint32_t)values->of[SV_PARAM_METHOD],
@@ -37,6 +47,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
                    .host_memory = f->host_memory,
                    .host_memory_bytes = f->host_memory_bytes};
+    find_spacing(f, c.spacing);
     return c;
 }
 
@@ -45,17 +56,19 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
     sv_structure structure = {.substeps = config->substeps,
                               .strip = strip,
                               .padded = config->padding >= 0,
+                              .ranged = config->ranged,
                               .half_sums = config->half_sums,
                               .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
                                              FETCH_AHEAD_BYTES};
-    const bool needs_wide = sv_pipeline_needs_wide(config);
+    const bool needs_wide = sv_map_needs_wide(config);
     sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
         status = sv_program_build(&in->diag, &in->device, &structure, &in->wide);
     }
     if (status == SV_OK)
-        status = sv_selftest(&in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config);
+        status = sv_selftest(&in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config,
+                             &in->activated);
     if (status != SV_OK) {
         sv_program_release(&in->narrow);
         sv_program_release(&in->wide);
@@ -76,28 +89,24 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config) {
     return build_and_test(in, config, 16);
 }
 
-sv_status sv_instance_activate(sv_instance *in, const sv_format *format) {
-    sv_values values;
-    sv_params_defaults(&values);
-    sv_status status = sv_params_apply(&in->diag, "activate", format->values, format->value_count,
-                                       SV_PARAM_REACTIVATE, true, &values);
-    if (status != SV_OK) return status;
-    in->activated = in->frame = values;
-    const sv_config config = config_of(format, &values);
+sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
+    in->activated = in->frame = *values;
+    const sv_config config = config_of(format, values);
     /* Every command of a frame: slabs (copy and kernel), passes (two kernels), and a dozen more. */
     const uint32_t longest = config.width > config.height ? config.width : config.height;
-    status = sv_timing_create(&in->timing, &in->diag,
-                              2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
+    sv_status status = sv_timing_create(
+        &in->timing, &in->diag, 2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
     if (status == SV_OK)
         status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
+    if (status == SV_OK) status = sv_pipeline_check_memory(&in->diag, &in->device, &config);
     if (status == SV_OK) status = build_kernels(in, &config);
     if (status == SV_OK)
         status = sv_selftest_method(&in->diag, &in->device, &in->narrow,
-                                    sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &config);
+                                    sv_map_needs_wide(&config) ? &in->wide : NULL, &config, values);
     if (status == SV_OK)
         status = sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow,
-                                    sv_pipeline_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
-    if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline);
+                                    sv_map_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
+    if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline, values);
     if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
     if (status != SV_OK)
         sv_instance_deactivate(in);

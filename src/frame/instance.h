@@ -24,21 +24,13 @@ typedef struct {
     sv_values frame;     /* values of the frame under way, or of the last one */
 } sv_instance;
 
-/* Everything of activate once the format has been found valid; all or nothing. */
-sv_status sv_instance_activate(sv_instance *instance, const sv_format *format);
-void sv_instance_deactivate(sv_instance *instance);
-
 /* The instance behind the ABI's table, at the start of a [control] or [frame] call: its last error is
  * forgotten. */
 sv_instance *sv_instance_enter(const sv_plugin *plugin);
 
-/* Validation at the ABI's edge: SV_OK, or an error that names the field and its value. */
-sv_status sv_validate_format(sv_diag *diag, const sv_format *format);
-sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *pipeline, const sv_frame *frame);
-/* Values that do not go together, in a frame of this pipeline. */
-sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *pipeline, const sv_values *values);
-sv_status sv_validate_slab(sv_diag *diag, const sv_pipeline *pipeline, const sv_slab *slab);
-sv_status sv_validate_result(sv_diag *diag, const char *call, const sv_pipeline *pipeline,
-                             const sv_result *result);
+/* Everything of activate once the format has been found valid; all or nothing. `values`: the defaults with
+ * what the format sets. */
+sv_status sv_instance_activate(sv_instance *instance, const sv_format *format, const sv_values *values);
+void sv_instance_deactivate(sv_instance *instance);
 
 #endif

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
+#include "frame/pipeline.h"
+
+#include "device/buffer.h"
 #include "device/launch.h"
-#include "ref/sv_ref_methods.h"
+#include "quantise.h"
 
 #include <assert.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
  * as a pass (docs/performance.md, "bands or one launch"). */
 enum { SINGLE_MAX_PIXELS = 200 * 200 };
-enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };
 /* Slabs wait until they hold this many voxels: about what a launch costs, so waiting longer gains nothing. */
 enum { BATCH_VOXELS = 1 << 20 };
 
@@ -31,71 +31,37 @@ static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
     return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
 }
 
-/* A frame's fixed-point format. */
-static sv_ref_fixed format_of(const sv_config *c, uint32_t k, uint32_t weight_initial) {
-    return c->half_sums ? sv_ref_half_format(c->slices, weight_initial)
-                        : sv_ref_fixed_format(c->width, c->height, c->slices, k, weight_initial);
-}
-
-bool sv_pipeline_needs_wide(const sv_config *c) {
-    for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
-        if (format_of(c, k, 4).wide) return true;
-    return false;
-}
-
 static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
     if (c->strategy != SV_STRATEGY_AUTO) return c->strategy;
     if (!device->is_cpu) return SV_STRATEGY_RAYS;
     return (uint64_t)c->width * c->height <= SINGLE_MAX_PIXELS ? SV_STRATEGY_SINGLE : SV_STRATEGY_BANDS;
 }
 
-static uint32_t band_count(const sv_device *device, const sv_config *c) {
-    if (c->strategy != SV_STRATEGY_BANDS) return 1;
-    const uint32_t wanted = device->compute_units * BANDS_PER_UNIT;
-    const uint32_t most = (c->height + BAND_MIN_ROWS - 1) / BAND_MIN_ROWS;
-    return wanted < most ? wanted : most;
-}
-
-/* What a method works with. Sums are also where the points stage leaves its own, whatever the method. */
-static sv_status create_map_buffers(sv_pipeline *p) {
+/* All buffers of the pipeline, made or counted (device/buffer.h): there is no other list of them. */
+static sv_status make_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
-    const size_t plane = (size_t)p->padded_width * c->height;
-    const size_t sum = p->wide ? sizeof(cl_ulong) : sizeof(cl_uint);
-    const size_t scratch_rows = p->bands * (size_t)SV_SCRATCH_ROWS;
+    const sv_queue *q = &p->queue;
+    const size_t plane = (size_t)p->map.padded_width * c->height;
+    const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && q->device->shares_memory;
     sv_buffers *b = &p->buffers;
     sv_status status = SV_OK;
-    b->status = sv_clx_buffer(p->diag, p->device, plane, NULL, &status);
-    b->sums_a = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
-    if (c->method == SV_METHOD_MEAN) {
-        b->sums_b = sv_clx_buffer(p->diag, p->device, SV_SUM_PLANES * plane * sum, NULL, &status);
-        b->scratch = sv_clx_buffer(p->diag, p->device, scratch_rows * (p->padded_width + SV_ROW_SLACK) * sum,
-                                   NULL, &status);
-    }
-    b->surfaces = sv_clx_buffer(p->diag, p->device, 2 * plane * sizeof(cl_float), NULL, &status);
-    return status;
-}
-
-static sv_status create_buffers(sv_pipeline *p) {
-    const sv_config *c = &p->config;
-    const size_t plane = (size_t)p->padded_width * c->height;
-    sv_buffers *b = &p->buffers;
-    sv_status status = SV_OK;
-    const bool in_place = c->carrier == SV_CARRIER_HOST && c->host_memory && p->device->shares_memory;
     if (in_place)
-        b->host_slabs = sv_clx_buffer(p->diag, p->device, c->host_memory_bytes,
-                                      (void *)(uintptr_t)c->host_memory, &status);
+        b->host_slabs = sv_buffer_wrap(q, c->host_memory, c->host_memory_bytes, &status);
     else if (c->carrier != SV_CARRIER_BUFFER)
-        b->slab = sv_clx_buffer(p->diag, p->device, p->slab_bytes * p->batch_slots, NULL, &status);
-    b->state8 = sv_clx_buffer(p->diag, p->device, SV_STATE8_PLANES * plane, NULL, &status);
-    b->state16 =
-        sv_clx_buffer(p->diag, p->device, plane * SV_STATE16_PLANES * sizeof(cl_ushort), NULL, &status);
-    b->survey = sv_clx_buffer(p->diag, p->device, (size_t)p->bands * 257 * sizeof(cl_uint), NULL, &status);
-    b->histogram = sv_clx_buffer(p->diag, p->device, 256 * sizeof(cl_uint), NULL, &status);
-    b->record = sv_clx_buffer(p->diag, p->device, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint),
-                              NULL, &status);
-    b->depth =
-        sv_clx_buffer(p->diag, p->device, (size_t)c->width * c->height * sizeof(cl_float), NULL, &status);
-    return status == SV_OK ? create_map_buffers(p) : status;
+        b->slab = sv_buffer_make(q, p->slab_bytes * p->batch_slots, &status);
+    b->state8 = sv_buffer_make(q, SV_STATE8_PLANES * plane, &status);
+    b->state16 = sv_buffer_make(q, plane * SV_STATE16_PLANES * sizeof(cl_ushort), &status);
+    b->survey = sv_buffer_make(q, (size_t)p->map.bands * 257 * sizeof(cl_uint), &status);
+    b->histogram = sv_buffer_make(q, 256 * sizeof(cl_uint), &status);
+    b->record = sv_buffer_make(q, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint), &status);
+    b->depth = sv_buffer_make(q, (size_t)c->width * c->height * sizeof(cl_float), &status);
+    if (c->ranged) {
+        b->ranges = sv_buffer_make(q, (size_t)c->width * c->height * sizeof(sv_scanned), &status);
+        b->scanned = sv_buffer_make(q, plane * SV_SCANNED_PLANES * sizeof(cl_ushort), &status);
+        p->map.scanned = b->scanned;
+    }
+    if (status == SV_OK) status = sv_map_buffers(&p->map, true, b->record);
+    return status == SV_OK ? sv_chain_buffers(&p->chain) : status;
 }
 
 /* Slabs of full length that make a batch worth its launch. */
@@ -106,161 +72,169 @@ static uint32_t batch_slots(const sv_config *c) {
     return wanted < SV_BATCH ? (uint32_t)wanted : SV_BATCH;
 }
 
-sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, sv_program *narrow,
-                             sv_program *wide, sv_timing *timing, const sv_config *config) {
-    *p = (sv_pipeline){
-        .diag = diag, .device = device, .narrow = narrow, .wide = wide, .timing = timing, .config = *config};
-    p->config.strategy = resolve_strategy(device, config);
-    p->spacing = 1;
-    p->padded_width = (config->width + SV_LANES - 1) / SV_LANES * SV_LANES;
-    p->bands = band_count(device, &p->config);
-    p->pass_capacity = sv_ref_pass_limit(config->width, config->height, 3);
+/* Everything but the buffers and the kernels. */
+static void plan(sv_pipeline *p, const sv_queue *queue, const sv_config *config, bool wide_sums) {
+    *p = (sv_pipeline){.queue = *queue, .config = *config};
+    p->config.strategy = resolve_strategy(queue->device, config);
+    sv_map_init(&p->map, &p->queue, &p->config, 1, wide_sums);
+    p->pass_capacity = sv_pass_limit(config->width, config->height, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
     if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
         p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
     p->batch_slots = batch_slots(config);
-    sv_status status = create_buffers(p);
-    if (status == SV_OK) status = sv_chain_create(p);
+}
+
+sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const sv_config *config) {
+    sv_tally tally = {0};
+    const sv_queue counting = {.diag = diag, .device = device, .tally = &tally};
+    sv_pipeline p;
+    plan(&p, &counting, config, sv_map_needs_wide(config));
+    sv_chain_init(&p.chain, &p.map);
+    const sv_status status = make_buffers(&p);
+    if (status != SV_OK) return status;
+    if (tally.bytes > device->memory)
+        return sv_fail(diag, SV_ERR_FORMAT,
+                       "activate: a format of %u x %u x %u needs %llu bytes on the device, which has %llu",
+                       config->width, config->height, config->slices, (unsigned long long)tally.bytes,
+                       (unsigned long long)device->memory);
+    if (tally.largest > device->largest_buffer)
+        return sv_fail(
+            diag, SV_ERR_FORMAT,
+            "activate: a format of %u x %u x %u needs a buffer of %llu bytes, the device allows %llu",
+            config->width, config->height, config->slices, (unsigned long long)tally.largest,
+            (unsigned long long)device->largest_buffer);
+    return SV_OK;
+}
+
+sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *device, const sv_program *narrow,
+                             const sv_program *wide, sv_timing *timing, const sv_config *config) {
+    const sv_queue queue = {.diag = diag, .device = device, .timing = timing};
+    plan(p, &queue, config, wide != NULL);
+    p->map.narrow = narrow;
+    p->map.wide = wide;
+    sv_chain_init(&p->chain, &p->map);
+    sv_status status = make_buffers(p);
+    if (status == SV_OK) status = sv_chain_build(&p->chain);
     if (status != SV_OK) sv_pipeline_destroy(p);
     return status;
 }
 
-sv_status sv_pipeline_warm_up(sv_pipeline *p) {
-    if (p->chain.plain_mean) return SV_OK;
-    sv_values values;
-    sv_params_defaults(&values);
-    sv_pipeline_begin(p, &values);
+sv_status sv_pipeline_warm_up(sv_pipeline *p, const sv_values *values) {
+    if (p->chain.direct) return SV_OK;
+    sv_pipeline_begin(p, values);
     /* A slab of no slices reads nothing, so any buffer will do. */
-    const sv_status status = sv_chain_slab(p, p->buffers.state8, 0, 0);
+    const sv_placed_slab none = {.buffer = p->buffers.state8};
+    const sv_status status = sv_chain_slab(&p->chain, &none);
     if (status != SV_OK) return status;
-    return sv_chain_run(p, 0.0f); /* the record is zeros: no points */
-}
-
-sv_status sv_pipeline_create_reduced(sv_pipeline *p) {
-    sv_pipeline *r = malloc(sizeof *r);
-    if (!r) return sv_fail(p->diag, SV_ERR_NO_MEMORY, "no memory for the reduced map (%zu bytes)", sizeof *r);
-    *r = (sv_pipeline){
-        .diag = p->diag, .device = p->device, .narrow = p->narrow, .wide = p->wide, .config = p->config};
-    p->reduced = r;
-    r->spacing = p->config.reduction;
-    r->config.width = sv_ref_reduced_side(p->config.width, r->spacing);
-    r->config.height = sv_ref_reduced_side(p->config.height, r->spacing);
-    r->config.reduction = 1;
-    r->padded_width = (r->config.width + SV_LANES - 1) / SV_LANES * SV_LANES;
-    r->bands = band_count(p->device, &r->config);
-    const sv_status status = create_map_buffers(r);
-    r->buffers.record = p->buffers.record; /* freed with p's */
-    return status;
+    return sv_chain_run(&p->chain, p->buffers.state16, 0.0f); /* the record is zeros: no points */
 }
 
 void sv_pipeline_destroy(sv_pipeline *p) {
-    if (p->reduced) {
-        p->reduced->buffers.record = NULL;
-        sv_pipeline_destroy(p->reduced);
-        free(p->reduced);
-        p->reduced = NULL;
-    }
     sv_chain_destroy(&p->chain);
+    sv_map_release(&p->map);
     sv_buffers *b = &p->buffers;
     cl_mem *const all[] = {&b->slab,      &b->host_slabs, &b->state8, &b->state16, &b->survey,
-                           &b->histogram, &b->status,     &b->sums_a, &b->sums_b,  &b->scratch,
-                           &b->surfaces,  &b->record,     &b->depth};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) sv_clx_release(all[i]);
+                           &b->histogram, &b->record,     &b->ranges, &b->scanned, &b->depth};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) sv_buffer_release(all[i]);
 }
 
-/* What depends on the map's size: the filter's passes and the format of its sums. */
-static void choose_format(sv_pipeline *p) {
-    const sv_config *c = &p->config;
-    sv_job *j = &p->job;
-    j->pass_limit = sv_ref_pass_limit(c->width, c->height, j->k);
-    const sv_ref_fixed format = format_of(c, j->k, j->weight_initial);
-    j->fraction = format.fraction;
-    p->program = format.wide ? p->wide : p->narrow;
-}
-
-/* The job of the smaller map: lengths in its own pixels. Lambda is an area (docs/algorithm.md). */
-static void begin_reduced(sv_pipeline *r, const sv_pipeline *p) {
-    const double area = (double)r->spacing * r->spacing;
-    double *v = r->values.of;
-    r->job = p->job;
-    r->job.width = r->config.width;
-    r->job.padded_width = r->padded_width;
-    r->job.height = r->config.height;
-    r->job.k = sv_ref_reduced_kernel(p->job.k, r->spacing);
-    choose_format(r);
-    r->values = p->values;
-    v[SV_PARAM_PREFILTER_KERNEL] = sv_ref_reduced_kernel((uint32_t)v[SV_PARAM_PREFILTER_KERNEL], r->spacing);
-    v[SV_PARAM_LAMBDA] /= area;
+static sv_job job_of(const sv_config *c, const sv_values *values) {
+    const double *v = values->of;
+    sv_job j = {.bone_mode = (uint32_t)v[SV_PARAM_BONE_MODE]};
+    j.fluid_level = sv_grey_level(v[SV_PARAM_FLUID_THRESHOLD], 1);
+    j.bone_level = sv_grey_level(v[SV_PARAM_BONE_THRESHOLD], 1);
+    j.bone_drop = 255 - sv_grey_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
+    j.bone_wanted = sv_rays_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
+    j.drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
+    j.min_gap = sv_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
+    j.evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
+    j.k = (uint32_t)v[SV_PARAM_KERNEL];
+    sv_fill_weights(v[SV_PARAM_FILL_WEIGHT], &j.weight_initial, &j.weight_filled);
+    return j;
 }
 
 void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
-    const sv_config *c = &p->config;
-    const double *v = values->of;
-    sv_job *j = &p->job;
-    *j = (sv_job){.width = c->width, .padded_width = p->padded_width, .height = c->height};
-    j->bone_mode = (uint32_t)v[SV_PARAM_BONE_MODE];
-    j->fluid_level = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], 1);
-    j->bone_level = sv_ref_level(v[SV_PARAM_BONE_THRESHOLD], 1);
-    j->bone_drop = 255 - sv_ref_level(1.0 - v[SV_PARAM_BONE_OFFSET], 1);
-    j->bone_wanted = sv_ref_wanted(v[SV_PARAM_BONE_FRACTION], c->width * c->height);
-    j->drop_empty = v[SV_PARAM_DROP_EMPTY] != 0.0;
-    j->min_gap = sv_ref_gap_samples(v[SV_PARAM_MIN_GAP], c->substeps);
-    j->evidence = (uint32_t)(v[SV_PARAM_EVIDENCE] * 1000.0 + 0.5);
-    j->k = (uint32_t)v[SV_PARAM_KERNEL];
-    sv_ref_weights(v[SV_PARAM_FILL_WEIGHT], &j->weight_initial, &j->weight_filled);
-    choose_format(p);
-    p->level_n = sv_ref_level(v[SV_PARAM_FLUID_THRESHOLD], c->substeps);
+    const sv_job job = job_of(&p->config, values);
+    sv_map_begin(&p->map, &job, values);
+    sv_chain_begin(&p->chain);
+    p->level_n = sv_grey_level(values->of[SV_PARAM_FLUID_THRESHOLD], p->config.substeps);
     p->next_slice = 0;
-    p->values = *values;
     p->batch = (sv_batch){0};
-    if (p->reduced) begin_reduced(p->reduced, p);
-    if (p->timing) sv_timing_reset(p->timing);
+    if (p->queue.timing) sv_timing_reset(p->queue.timing);
+}
+
+sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem object, uint64_t offset) {
+    const sv_config *c = &p->config;
+    const size_t bytes = (size_t)c->width * c->height * sizeof *ranges;
+    if (!object) {
+        const cl_int code =
+            clEnqueueWriteBuffer(p->queue.device->queue, p->buffers.ranges, CL_FALSE, 0, bytes, ranges, 0,
+                                 NULL, sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER));
+        const sv_status status = sv_clx_check(p->queue.diag, code, "begin: clEnqueueWriteBuffer of scanned");
+        if (status != SV_OK) return status;
+    }
+    const cl_ulong first = offset / sizeof(cl_ushort);
+    sv_launch l = SV_LAUNCH(&p->map, scanned_planes);
+    sv_launch_buffer(&l, object ? object : p->buffers.ranges);
+    sv_launch_arg(&l, sizeof first, &first);
+    sv_launch_uint(&l, c->width);
+    sv_launch_uint(&l, p->map.padded_width);
+    sv_launch_uint(&l, c->height);
+    sv_launch_uint(&l, c->slices);
+    sv_launch_buffer(&l, p->buffers.scanned);
+    return sv_launch_items(&l, c->height, SV_STAGE_TRANSFER);
 }
 
 /* Brings a slab where the kernels can read it: the buffer and the offset of its first byte. Copied slabs get
  * a slot each, for the batch that they will be launched with. */
-static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer, uint64_t *offset) {
+static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, sv_placed_slab *to) {
     const sv_config *c = &p->config;
-    *buffer = p->buffers.slab;
-    *offset = p->batch.count * p->slab_bytes;
+    *to = (sv_placed_slab){.buffer = p->buffers.slab,
+                           .offset = p->batch.count * p->slab_bytes,
+                           .first_slice = p->next_slice,
+                           .slice_count = slab->slice_count};
     if (c->carrier == SV_CARRIER_BUFFER) {
-        *buffer = slab->object;
-        *offset = slab->offset;
+        to->buffer = slab->object;
+        to->offset = slab->offset;
         return SV_OK;
     }
     if (p->buffers.host_slabs) {
-        *buffer = p->buffers.host_slabs;
-        *offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
+        to->buffer = p->buffers.host_slabs;
+        to->offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
         return SV_OK;
     }
-    cl_event *slot = sv_timing_slot(p->timing, SV_STAGE_TRANSFER);
-    const cl_command_queue queue = p->device->queue;
+    cl_event *slot = sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER);
+    const cl_command_queue queue = p->queue.device->queue;
     if (c->carrier == SV_CARRIER_HOST) {
         const size_t bytes = sv_pipeline_slab_bytes(c, slab->slice_count);
         return sv_clx_check(
-            p->diag,
-            clEnqueueWriteBuffer(queue, *buffer, CL_FALSE, *offset, bytes, slab->memory, 0, NULL, slot),
+            p->queue.diag,
+            clEnqueueWriteBuffer(queue, to->buffer, CL_FALSE, to->offset, bytes, slab->memory, 0, NULL, slot),
             "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
     const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
-    return sv_clx_check(
-        p->diag,
-        clEnqueueCopyImageToBuffer(queue, slab->object, *buffer, origin, region, *offset, 0, NULL, slot),
-        "slab: clEnqueueCopyImageToBuffer");
+    return sv_clx_check(p->queue.diag,
+                        clEnqueueCopyImageToBuffer(queue, slab->object, to->buffer, origin, region,
+                                                   to->offset, 0, NULL, slot),
+                        "slab: clEnqueueCopyImageToBuffer");
 }
 
 /* Launches the profile of the slabs that wait. */
 static sv_status launch_profile(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const bool rays = c->strategy == SV_STRATEGY_RAYS;
-    sv_launch l = rays ? SV_LAUNCH(p, profile_rays) : SV_LAUNCH(p, profile_strip);
+    sv_launch l = rays ? SV_LAUNCH(&p->map, profile_rays) : SV_LAUNCH(&p->map, profile_strip);
     sv_launch_buffer(&l, p->batch_buffer);
     sv_launch_arg(&l, sizeof p->batch, &p->batch);
-    const uint32_t numbers[] = {
-        c->row_pitch,    c->tiles_x, c->tile_w,          c->tile_h,  c->width,
-        p->padded_width, c->height,  p->job.fluid_level, p->level_n, (uint32_t)c->padding & 255u};
+    const uint32_t numbers[] = {c->row_pitch, c->tiles_x,
+                                c->tile_w,    c->tile_h,
+                                c->width,     p->map.padded_width,
+                                c->height,    p->map.job.fluid_level,
+                                p->level_n,   (uint32_t)c->padding & 255u};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
+    /* Without ranges the kernel reads none: any buffer will do. */
+    sv_launch_buffer(&l, c->ranged ? p->buffers.scanned : p->buffers.state16);
     sv_launch_buffer(&l, p->buffers.state8);
     sv_launch_buffer(&l, p->buffers.state16);
     p->batch = (sv_batch){.first_slice = p->next_slice};
@@ -277,15 +251,14 @@ static bool batch_is_due(const sv_pipeline *p) {
 }
 
 sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
-    cl_mem buffer = NULL;
-    uint64_t offset = 0;
-    sv_status status = place_slab(p, slab, &buffer, &offset);
-    if (status == SV_OK && p->batch.count > 0 && buffer != p->batch_buffer) status = launch_profile(p);
+    sv_placed_slab placed;
+    sv_status status = place_slab(p, slab, &placed);
+    if (status == SV_OK && p->batch.count > 0 && placed.buffer != p->batch_buffer) status = launch_profile(p);
     if (status != SV_OK) return status;
-    status = sv_chain_slab(p, buffer, offset, slab->slice_count);
+    status = sv_chain_slab(&p->chain, &placed);
     if (status != SV_OK) return status;
-    p->batch_buffer = buffer;
-    p->batch.offset[p->batch.count] = offset;
+    p->batch_buffer = placed.buffer;
+    p->batch.offset[p->batch.count] = placed.offset;
     p->batch.slices[p->batch.count++] = slab->slice_count;
     p->next_slice += slab->slice_count;
     return batch_is_due(p) ? launch_profile(p) : SV_OK;

@@ -6,97 +6,62 @@
 #ifndef SV_PIPELINE_H
 #define SV_PIPELINE_H
 
-#include "abi/params.h"
-#include "common/sv_shared.h"
-#include "device/program.h"
-#include "frame/timing.h"
-#include "method/method.h"
-#include "smartvis/points.h"
+#include "method/chain.h"
 
-/* What stays the same from frame to frame; from sv_format and the parameters that need reactivation. */
-typedef struct sv_config {
-    uint32_t width, height, slices, max_slab_slices;
-    uint32_t tiles_x, tile_w, tile_h, row_pitch; /* row_pitch of the texture as the kernels read it */
-    uint32_t carrier;
-    int32_t padding; /* SV_NO_PADDING: none */
-    uint32_t substeps;
-    uint32_t strategy;          /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
-    uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */
-    uint32_t merge_grid, spline_grid;
-    uint32_t reduction; /* pixels along a side of the cells that the method works on; 1: pixels */
-    bool half_sums;     /* mean filter: planes of 16 bits between passes */
-    bool float32;       /* the solvers do without float64 even where the device has it */
-    const void *host_memory;
-    uint64_t host_memory_bytes;
-} sv_config;
-
-/* Buffers per stage. Rows of per-ray maps are padded to SV_LANES; see cl/common/sv_shared.h for the planes.
- */
+/* Buffers per stage. Rows of per-ray maps are padded to SV_LANES; cl/common/sv_shared.h has the planes. The
+ * map of the frame has more. */
 typedef struct {
     cl_mem slab;       /* textures of a batch of slabs, where they are not read in place */
     cl_mem host_slabs; /* wraps sv_config.host_memory where slabs are read in place */
     cl_mem state8, state16;
     cl_mem survey;    /* bands: 257 words each */
     cl_mem histogram; /* 256 words */
-    cl_mem status;
-    cl_mem sums_a;          /* written with the points, whatever the method */
-    cl_mem sums_b, scratch; /* mean filter only */
-    cl_mem surfaces;        /* near, far: float32 slices */
-    cl_mem record;          /* SV_REC_* */
-    cl_mem depth;           /* the depthmap, where the host wants it in its memory */
+    cl_mem record;    /* SV_REC_* */
+    cl_mem ranges;    /* the host's scanned ranges, where they come in its memory; NULL unless ranged */
+    cl_mem scanned;   /* the same as planes; see sv_map */
+    cl_mem depth;     /* the depthmap, where the host wants it in its memory */
 } sv_buffers;
 
-typedef struct sv_pipeline {
-    sv_diag *diag;
-    const sv_device *device;
-    sv_program *narrow; /* kernels with 32-bit sums */
-    sv_program *wide;   /* kernels with 64-bit sums; NULL if no setting needs them */
-    sv_timing *timing;
+/* Not to be moved: its parts point to each other. */
+typedef struct {
+    sv_queue queue;
     sv_config config;
     sv_buffers buffers;
+    sv_map map; /* the frame's pixels */
     sv_chain chain;
-    struct sv_pipeline *reduced; /* where the method works at a reduced resolution; else NULL */
-    uint32_t spacing;            /* pixels of the depthmap from one pixel of this map to the next */
-    uint32_t padded_width, bands, pass_capacity, batch_slots;
+    uint32_t pass_capacity, batch_slots;
     uint64_t slab_bytes; /* of the longest slab */
 
     /* the frame under way, or the last one */
-    sv_values values;
-    sv_job job;
-    sv_program *program; /* narrow or wide */
-    uint32_t level_n;    /* T_L in 1 / substeps grey level */
+    uint32_t level_n; /* T_L in 1 / substeps grey level */
     uint32_t next_slice;
     sv_batch batch;      /* slabs that wait for a launch */
     cl_mem batch_buffer; /* where they lie */
 } sv_pipeline;
 
-/* True if some frame with this format can need 64-bit sums. */
-bool sv_pipeline_needs_wide(const sv_config *config);
-
 /* Bytes of a slab texture up to its last voxel; 64-bit, so no format can overflow it. */
 uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
 
-/* Allocates. The pointed-to objects must outlive the pipeline. On failure nothing is left behind. */
+/* SV_OK if the device has room for the buffers of such a pipeline, else SV_ERR_FORMAT with both numbers.
+ * Makes none. */
+sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const sv_config *config);
+
+/* Allocates. `narrow`: kernels with 32-bit sums; `wide`: with 64-bit sums, NULL if no setting needs them. The
+ * pointed-to objects must outlive the pipeline. On failure nothing is left behind. */
 sv_status sv_pipeline_create(sv_pipeline *pipeline, sv_diag *diag, const sv_device *device,
-                             sv_program *narrow, sv_program *wide, sv_timing *timing,
+                             const sv_program *narrow, const sv_program *wide, sv_timing *timing,
                              const sv_config *config);
 
-/* The smaller map of a reduced resolution: config, job and values follow those of `pipeline`, and so does
- * the record, which is shared; other buffers are those that a method uses. */
-sv_status sv_pipeline_create_reduced(sv_pipeline *pipeline);
-
 /* Launches every kernel of the method once, on no points. The self-test did so for the others. */
-sv_status sv_pipeline_warm_up(sv_pipeline *pipeline);
+sv_status sv_pipeline_warm_up(sv_pipeline *pipeline, const sv_values *values);
 void sv_pipeline_destroy(sv_pipeline *pipeline);
 
 /* Enqueues a frame's stages. The caller has validated everything. */
 void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values);
+/* After begin, if the format says that frames bring ranges: from host memory, or from `object` from byte
+ * `offset` on. Memory must stay until the queue has run. */
+sv_status sv_pipeline_scanned(sv_pipeline *pipeline, const sv_scanned *ranges, cl_mem object,
+                              uint64_t offset);
 sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);
-sv_status sv_pipeline_end(sv_pipeline *pipeline, float q);    /* up to the surfaces */
-sv_status sv_pipeline_adjust(sv_pipeline *pipeline, float q); /* what another q asks for before the output */
-sv_status sv_pipeline_output(sv_pipeline *pipeline, float q, const sv_result *result); /* S(q) and the rest */
-
-/* Enqueues a read of what the points stage found out; valid when the queue has run. */
-sv_status sv_pipeline_read_points(sv_pipeline *pipeline, sv_points_report *out);
 
 #endif

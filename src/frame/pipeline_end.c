@@ -1,66 +1,72 @@
 /* SPDX-License-Identifier: MIT */
-/* The end of a frame: bone threshold, initial points, reconstruction (method.c), S(q) and the results. */
-#include "device/launch.h"
+#include "frame/pipeline_end.h"
 
-#include <string.h>
+#include "device/launch.h"
 
 /* The bone level from the survey, and an empty record. */
 static sv_status launch_level(sv_pipeline *p) {
-    sv_launch l = SV_LAUNCH_JOB(p, band_level);
+    sv_launch l = SV_LAUNCH_JOB(&p->map, band_level);
     sv_launch_buffer(&l, p->buffers.survey);
-    sv_launch_uint(&l, p->bands);
+    sv_launch_uint(&l, p->map.bands);
     sv_launch_buffer(&l, p->buffers.histogram);
     sv_launch_buffer(&l, p->buffers.record);
     return sv_launch_items(&l, 1, SV_STAGE_THRESHOLD);
 }
 
-static void points_args(sv_launch *l, const sv_buffers *b) {
-    const cl_mem buffers[] = {b->state8, b->state16, b->status, b->sums_a, b->surfaces, b->record};
+static void points_args(sv_launch *l, const sv_pipeline *p) {
+    const sv_map *m = &p->map;
+    const cl_mem buffers[] = {p->buffers.state8, p->buffers.state16, m->status,
+                              m->sums,           m->surfaces,        m->record};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) sv_launch_buffer(l, buffers[i]);
 }
 
 /* Status map, sums and an empty surface, by bands of rows. */
 static sv_status points_by_bands(sv_pipeline *p) {
     const sv_buffers *b = &p->buffers;
-    sv_launch l = SV_LAUNCH_JOB(p, band_survey);
+    sv_launch l = SV_LAUNCH_JOB(&p->map, band_survey);
     sv_launch_buffer(&l, b->state8);
     sv_launch_buffer(&l, b->survey);
-    sv_status status = sv_launch_items(&l, p->bands, SV_STAGE_THRESHOLD);
+    sv_status status = sv_launch_items(&l, p->map.bands, SV_STAGE_THRESHOLD);
     if (status == SV_OK) status = launch_level(p);
     if (status != SV_OK) return status;
-    l = SV_LAUNCH_JOB(p, band_points);
-    points_args(&l, b);
-    return sv_launch_items(&l, p->bands, SV_STAGE_THRESHOLD);
+    l = SV_LAUNCH_JOB(&p->map, band_points);
+    points_args(&l, p);
+    return sv_launch_items(&l, p->map.bands, SV_STAGE_THRESHOLD);
 }
 
 /* The same, by pixels. */
 static sv_status points_by_rays(sv_pipeline *p) {
     const sv_buffers *b = &p->buffers;
-    sv_launch l = SV_LAUNCH(p, rays_clear);
+    sv_launch l = SV_LAUNCH(&p->map, rays_clear);
     sv_launch_buffer(&l, b->survey);
     sv_status status = sv_launch_items(&l, 257, SV_STAGE_THRESHOLD);
     if (status == SV_OK) {
-        l = SV_LAUNCH_JOB(p, rays_survey);
+        l = SV_LAUNCH_JOB(&p->map, rays_survey);
         sv_launch_buffer(&l, b->state8);
         sv_launch_buffer(&l, b->survey);
         status = sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_THRESHOLD);
     }
     if (status == SV_OK) status = launch_level(p);
     if (status != SV_OK) return status;
-    l = SV_LAUNCH_JOB(p, rays_points);
-    points_args(&l, b);
-    return sv_launch_pixels(&l, p->padded_width, p->config.height, SV_STAGE_THRESHOLD);
+    l = SV_LAUNCH_JOB(&p->map, rays_points);
+    points_args(&l, p);
+    return sv_launch_pixels(&l, p->map.padded_width, p->config.height, SV_STAGE_THRESHOLD);
 }
 
 sv_status sv_pipeline_end(sv_pipeline *p, float q) {
-    if (p->chain.plain_mean && p->config.strategy == SV_STRATEGY_SINGLE) return sv_mean_single(p);
-    const bool rays = p->config.strategy == SV_STRATEGY_RAYS;
-    const sv_status status = rays ? points_by_rays(p) : points_by_bands(p);
-    return status == SV_OK ? sv_chain_run(p, q) : status;
+    sv_chain *chain = &p->chain;
+    const sv_buffers *b = &p->buffers;
+    if (chain->direct && chain->method->single && p->config.strategy == SV_STRATEGY_SINGLE) {
+        const sv_ray_states rays = {b->state8, b->state16, b->histogram};
+        return chain->method->single(&p->map, &chain->state, &rays);
+    }
+    const bool by_rays = p->config.strategy == SV_STRATEGY_RAYS;
+    const sv_status status = by_rays ? points_by_rays(p) : points_by_bands(p);
+    return status == SV_OK ? sv_chain_run(chain, b->state16, q) : status;
 }
 
 sv_status sv_pipeline_adjust(sv_pipeline *p, float q) {
-    return p->chain.linear ? SV_OK : sv_chain_run(p, q);
+    return p->chain.linear ? SV_OK : sv_chain_run(&p->chain, p->buffers.state16, q);
 }
 
 /* Enqueues a read of a map whose rows are `from_pitch` bytes apart into host rows `to_pitch` apart. */
@@ -68,23 +74,23 @@ static sv_status read_rows(sv_pipeline *p, cl_mem from, size_t from_pitch, void 
                            size_t row_bytes, const char *what) {
     const size_t origin[3] = {0, 0, 0};
     const size_t region[3] = {row_bytes, p->config.height, 1};
-    cl_event *slot = sv_timing_slot(p->timing, SV_STAGE_OUTPUT);
-    const cl_command_queue queue = p->device->queue;
+    cl_event *slot = sv_timing_slot(p->queue.timing, SV_STAGE_OUTPUT);
+    const cl_command_queue queue = p->queue.device->queue;
     const bool whole = from_pitch == row_bytes && to_pitch == row_bytes;
     const cl_int code =
         whole ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, row_bytes * p->config.height, to, 0, NULL, slot)
               : clEnqueueReadBufferRect(queue, from, CL_FALSE, origin, origin, region, from_pitch, 0,
                                         to_pitch, 0, to, 0, NULL, slot);
-    return sv_clx_check(p->diag, code, what);
+    return sv_clx_check(p->queue.diag, code, what);
 }
 
 /* Enqueues a read of words of the record into what follows the `size` of a struct of the ABI. */
 static sv_status read_record(sv_pipeline *p, uint32_t word, void *out, size_t bytes, const char *what) {
-    return sv_clx_check(p->diag,
-                        clEnqueueReadBuffer(p->device->queue, p->buffers.record, CL_FALSE,
+    return sv_clx_check(p->queue.diag,
+                        clEnqueueReadBuffer(p->queue.device->queue, p->buffers.record, CL_FALSE,
                                             word * sizeof(cl_uint), bytes - sizeof(uint32_t),
                                             (char *)out + sizeof(uint32_t), 0, NULL,
-                                            sv_timing_slot(p->timing, SV_STAGE_OUTPUT)),
+                                            sv_timing_slot(p->queue.timing, SV_STAGE_OUTPUT)),
                         what);
 }
 
@@ -97,10 +103,10 @@ sv_status sv_pipeline_read_points(sv_pipeline *p, sv_points_report *out) {
     _Static_assert(sizeof *out == (1 + SV_REC_SURE + 1 - SV_REC_EMPTY) * sizeof(cl_uint),
                    "the record is no longer sv_points_report");
     /* Not part of the frame that is timed. */
-    sv_timing *timing = p->timing;
-    p->timing = NULL;
+    sv_timing *timing = p->queue.timing;
+    p->queue.timing = NULL;
     const sv_status status = read_record(p, SV_REC_EMPTY, out, sizeof *out, "points: read of the record");
-    p->timing = timing;
+    p->queue.timing = timing;
     return status;
 }
 
@@ -110,10 +116,10 @@ sv_status sv_pipeline_output(sv_pipeline *p, float q, const sv_result *result) {
     const cl_mem depth = result->depth_object ? result->depth_object : p->buffers.depth;
     const cl_ulong offset = result->depth_object ? result->depth_offset / sizeof(float) : 0;
     if (!p->chain.linear) q = 1.0f; /* q is in the first plane already, and the second holds zeros */
-    sv_launch l = SV_LAUNCH(p, blend);
-    sv_launch_buffer(&l, p->buffers.surfaces);
+    sv_launch l = SV_LAUNCH(&p->map, blend);
+    sv_launch_buffer(&l, p->map.surfaces);
     sv_launch_uint(&l, c->width);
-    sv_launch_uint(&l, p->padded_width);
+    sv_launch_uint(&l, p->map.padded_width);
     sv_launch_uint(&l, c->height);
     sv_launch_arg(&l, sizeof q, &q);
     sv_launch_buffer(&l, depth);
@@ -123,8 +129,18 @@ sv_status sv_pipeline_output(sv_pipeline *p, float q, const sv_result *result) {
         status = read_rows(p, depth, row, result->depth, result->depth_pitch ? result->depth_pitch : row, row,
                            "end: read of the depthmap");
     if (status == SV_OK && result->status)
-        status = read_rows(p, p->buffers.status, p->padded_width, result->status, c->width, c->width,
+        status = read_rows(p, p->map.status, p->map.padded_width, result->status, c->width, c->width,
                            "end: read of the status map");
     if (status == SV_OK && result->stats) status = read_stats(p, result->stats);
     return status;
+}
+
+sv_status sv_pipeline_confidence(sv_pipeline *p, float *map, cl_mem object, uint64_t offset, bool wait) {
+    const cl_command_queue queue = p->queue.device->queue;
+    const cl_mem from = p->chain.method->confidence(&p->chain.state);
+    const size_t bytes = (size_t)p->config.width * p->config.height * sizeof *map;
+    const cl_int code = map ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, bytes, map, 0, NULL, NULL)
+                            : clEnqueueCopyBuffer(queue, from, object, 0, offset, bytes, 0, NULL, NULL);
+    if (code != CL_SUCCESS) return sv_clx_check(p->queue.diag, code, "confidence: enqueue");
+    return wait ? sv_clx_check(p->queue.diag, clFinish(queue), "confidence: clFinish") : SV_OK;
 }

@@ -8,14 +8,11 @@
 /*
  * Runs a small volume through each kernel set (narrow, and wide if it is not NULL) with the configuration's
  * structure (samples per slice, padding, strategy). As a side effect every kernel is launched once with its
- * final local size, so that no frame pays for a late compilation. Blocks and allocates. SV_ERR_SELF_TEST if
- * the device is wrong: a status that differs, or a depth that differs by more than 1e-3 slice.
+ * final local size, so that no frame pays for a late compilation. `defaults`: the frame parameters that the
+ * test does not set itself. Blocks and allocates. SV_ERR_SELF_TEST if the device is wrong: a status that
+ * differs, or a depth that differs by more than 1e-3 slice.
  */
-sv_status sv_selftest(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
-                      const sv_config *config);
-
-/* The same for the configuration's method and pre-filter; SV_OK at once for the mean filter on its own. */
-sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
-                             const sv_config *config);
+sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *narrow,
+                      const sv_program *wide, const sv_config *config, const sv_values *defaults);
 
 #endif

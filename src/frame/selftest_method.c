@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The method's part of the self-test: a small map of scattered points, reconstructed on the device and by
- * src/ref/. */
-#include "frame/selftest.h"
+#include "frame/selftest_method.h"
 
-#include "ref/sv_ref_cost.h"
-#include "ref/sv_ref_methods.h"
+#include "frame/pipeline_end.h"
+#include "ref/ref_method.h"
+#include "ref/ref_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,111 +15,90 @@ static const float Q = 0.25f;
 
 typedef struct {
     uint8_t volume[PIXELS * SLICES], status[PIXELS], expected_status[PIXELS];
-    uint8_t tie[PIXELS]; /* pixels that two equal costs can reach: either answer is right */
+    uint8_t either[PIXELS]; /* pixels where two answers are right */
     float depth[PIXELS];
-    double points[PIXELS], filtered[PIXELS], surface[PIXELS], expected[PIXELS], x[PIXELS], y[PIXELS],
-        z[PIXELS];
+    sv_ref_range ranges[PIXELS];
+    sv_ref_ray rays[PIXELS];
+    double near_end[PIXELS], far_end[PIXELS], points[PIXELS], expected[PIXELS];
 } bench;
 
-/* A point on every 13th ray, or on every second one for the cost volume, which wants fluid on many: fluid
- * from slice `near` up to bone at `far`. */
-static void fill(bench *b, uint32_t method) {
-    const uint32_t stride = method == SV_METHOD_COST ? 2 : 13;
-    const uint8_t tissue =
-        method == SV_METHOD_COST ? 180 : 100; /* its T_L lies between the dark and the bright */
+/* A point on every 13th ray: fluid from slice `near_end` up to bone at `far_end`. A method that takes the
+ * volume wants fluid on many rays, so every second one there, and tissue bright enough that its own T_L lies
+ * between the two. */
+static void fill(bench *b, bool for_volume) {
+    const uint32_t stride = for_volume ? 2 : 13;
+    const uint8_t tissue = for_volume ? 180 : 100;
     for (uint32_t i = 0; i < PIXELS; i++) {
         const uint32_t near_end = 1 + i * 7 % 5, far_end = 8 + i * 11 % 13;
-        b->expected_status[i] = i % stride == 4 % stride;
+        b->ranges[i] = (sv_ref_range){(uint16_t)(i % 2), (uint16_t)(SLICES - i % 3)};
         for (uint32_t z = 0; z < SLICES; z++)
             b->volume[z * PIXELS + i] =
-                !b->expected_status[i] || z < near_end ? tissue : (uint8_t)(z < far_end ? 0 : 255);
-        b->points[i] = (double)((float)far_end + Q * ((float)near_end - (float)far_end));
+                i % stride != 4 % stride || z < near_end ? tissue : (uint8_t)(z < far_end ? 0 : 255);
     }
 }
 
-static bool expect_spline(bench *b, const sv_ref_map *map) {
-    sv_ref_spline spline;
-    const uint32_t count = sv_ref_merge(map, MERGE, b->x, b->y, b->z);
-    if (!sv_ref_spline_solve(b->x, b->y, b->z, count, 0.0, &spline)) return false;
-    sv_ref_spline_surface(&spline, map->width, map->height, 0, b->surface);
-    sv_ref_spline_free(&spline);
-    return true;
-}
-
-static bool expect_cost(bench *b, int32_t padding) {
-    const sv_ref_volume volume = {b->volume, WIDTH, HEIGHT, SLICES, padding};
-    sv_ref_cost_facts facts;
-    if (!sv_ref_cost_surface(&volume, b->x, b->y, b->z, b->tie, &facts)) return false;
-    const bool wanted = facts.open > 0 && facts.open * SV_COST_EVIDENCE >= facts.rays;
-    for (uint32_t i = 0; i < PIXELS; i++)
-        b->expected[i] = wanted ? b->y[i] + (double)Q * (b->x[i] - b->y[i]) : 0.0;
-    return true;
-}
-
-static bool expect_method(bench *b, sv_ref_map map, const sv_config *c) {
-    const uint32_t k = sv_ref_reduced_kernel(KERNEL, c->reduction);
-    sv_ref_fill passes;
-    if (c->prefilter == SV_PREFILTER_MINIMUM) {
-        const uint32_t window = sv_ref_reduced_kernel(PREFILTER_KERNEL, c->reduction);
-        if (!sv_ref_minimum_prefilter(&map, window, 1, b->filtered)) return false;
-        map.depth = b->filtered;
-    }
-    switch (c->method) {
-    case SV_METHOD_MEAN:
-        return sv_ref_mean(map.status, map.depth, map.width, map.height, k, 0.5, b->surface, &passes);
-    case SV_METHOD_MINIMUM:
-        return sv_ref_minimum(&map, k, b->surface, &passes);
-    case SV_METHOD_SPLINE:
-        return expect_spline(b, &map);
-    case SV_METHOD_PUSHPULL:
-        return sv_ref_pushpull(&map, b->surface);
-    case SV_METHOD_MEMBRANE:
-        return sv_ref_least_energy(&map, sv_ref_membrane_energy, 1.0, b->surface);
-    default:
-        return sv_ref_least_energy(&map, sv_ref_plate_energy, 1.0, b->surface);
+/* The initial points by definition, with their depths at q, which the kernels compute in float32. */
+static void expect_points(bench *b, const sv_ref_volume *volume, uint32_t substeps, const sv_values *values) {
+    const double *v = values->of;
+    const sv_ref_bone bone = {.fluid_threshold = v[SV_PARAM_FLUID_THRESHOLD],
+                              .bone_mode = SV_REF_OFFSET,
+                              .bone_offset = v[SV_PARAM_BONE_OFFSET]};
+    sv_ref_profile(volume, bone.fluid_threshold, substeps, b->rays);
+    const uint32_t level = sv_ref_bone_level(b->rays, PIXELS, &bone);
+    (void)sv_ref_points(b->rays, PIXELS, &bone, level, b->expected_status, b->near_end, b->far_end);
+    for (int i = 0; i < PIXELS; i++) {
+        const float near_end = (float)b->near_end[i], far_end = (float)b->far_end[i];
+        b->points[i] = (double)(far_end + Q * (near_end - far_end));
     }
 }
 
-static bool expect(bench *b, const sv_config *c) {
-    if (c->method == SV_METHOD_COST) return expect_cost(b, c->padding);
-    const sv_ref_map map = {.status = b->expected_status, b->points, WIDTH, HEIGHT};
-    const bool least = c->method == SV_METHOD_MINIMUM || c->prefilter == SV_PREFILTER_MINIMUM;
-    sv_ref_reduced cells;
-    if (!sv_ref_reduce(&map, c->reduction, least, &cells)) return false;
-    const bool ok = expect_method(b, cells.map, c);
-    if (ok) sv_ref_spread(b->surface, WIDTH, HEIGHT, c->reduction, b->expected);
-    sv_ref_reduced_free(&cells);
-    return ok;
+static bool expect(bench *b, const sv_ref_method *definition, const sv_config *c, const sv_values *values) {
+    const double *v = values->of;
+    const bool filtered = c->prefilter == SV_PREFILTER_MINIMUM;
+    const sv_ref_volume volume = {.voxels = b->volume,
+                                  .width = WIDTH,
+                                  .height = HEIGHT,
+                                  .slices = SLICES,
+                                  .padding = c->padding,
+                                  .scanned = c->ranged ? b->ranges : NULL};
+    const sv_ref_settings settings = {
+        .kernel = (uint32_t)v[SV_PARAM_KERNEL],
+        .fill_weight = v[SV_PARAM_FILL_WEIGHT],
+        .lambda = v[SV_PARAM_LAMBDA],
+        .merge_grid = c->merge_grid,
+        .spline_grid = c->spline_grid,
+        .data_weight = v[SV_PARAM_DATA_WEIGHT],
+        .reduction = c->reduction,
+        .prefilter_passes = filtered ? (uint32_t)v[SV_PARAM_PREFILTER_PASSES] : 0,
+        .prefilter_kernel = (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
+    };
+    expect_points(b, &volume, c->substeps, values);
+    const sv_ref_task task = {.map = {.status = b->expected_status, b->points, WIDTH, HEIGHT},
+                              .volume = &volume,
+                              .q = (double)Q,
+                              .settings = &settings};
+    return sv_ref_chain(definition, &task, b->expected, b->either);
 }
 
-static sv_status compute(sv_pipeline *p, bench *b) {
-    sv_values values;
-    sv_params_defaults(&values);
-    values.of[SV_PARAM_KERNEL] = KERNEL;
-    values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
-    values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
-    sv_pipeline_begin(p, &values);
+static sv_status compute(sv_pipeline *p, bench *b, const sv_values *values) {
+    sv_pipeline_begin(p, values);
     const sv_slab slab = {
         .size = sizeof slab, .slice_count = SLICES, .memory = b->volume, .bytes = sizeof b->volume};
-    sv_status status = sv_pipeline_slab(p, &slab);
+    sv_status status = SV_OK;
+    if (p->config.ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
+    if (status == SV_OK) status = sv_pipeline_slab(p, &slab);
     if (status == SV_OK) status = sv_pipeline_end(p, Q);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
     if (status == SV_OK) status = sv_pipeline_output(p, Q, &result);
-    const sv_status waited = sv_clx_check(p->diag, clFinish(p->device->queue), "self-test: clFinish");
+    const sv_status waited =
+        sv_clx_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
-}
-
-/* Slices; docs/numerics.md. */
-static double bound_of(const sv_pipeline *p) {
-    const sv_job *j = &p->job;
-    if (p->config.half_sums) return 1e-3 + 2.0 * j->pass_limit * 0.5 / (1u << j->fraction);
-    return p->chain.doubles ? 1e-3 : 1e-2;
 }
 
 static sv_status compare(sv_diag *diag, const bench *b, double bound) {
     for (int i = 0; i < PIXELS; i++)
         if (b->status[i] != b->expected_status[i] ||
-            !(b->tie[i] || fabs((double)b->depth[i] - b->expected[i]) <= bound))
+            !(b->either[i] || fabs((double)b->depth[i] - b->expected[i]) <= bound))
             return sv_fail(
                 diag, SV_ERR_SELF_TEST,
                 "self-test of the method: ray (%d, %d) has status %d and depth %g slices, expected %d "
@@ -130,10 +108,10 @@ static sv_status compare(sv_diag *diag, const bench *b, double bound) {
     return SV_OK;
 }
 
-sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program *narrow, sv_program *wide,
-                             const sv_config *config) {
-    if (config->method == SV_METHOD_MEAN && config->prefilter == SV_PREFILTER_NONE && config->reduction == 1)
-        return SV_OK;
+sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_program *narrow,
+                             const sv_program *wide, const sv_config *config, const sv_values *defaults) {
+    const sv_method *method = sv_method_of(config->method);
+    if (method->takes_sums && config->prefilter == SV_PREFILTER_NONE && config->reduction == 1) return SV_OK;
     const sv_config small = {.width = WIDTH,
                              .height = HEIGHT,
                              .slices = SLICES,
@@ -144,6 +122,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program 
                              .row_pitch = WIDTH,
                              .carrier = SV_CARRIER_HOST,
                              .padding = config->padding >= 0 ? 7 : SV_NO_PADDING,
+                             .ranged = config->ranged,
                              .substeps = config->substeps,
                              .strategy = config->strategy,
                              .method = config->method,
@@ -152,15 +131,19 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, sv_program 
                              .half_sums = config->half_sums,
                              .reduction = config->reduction,
                              .merge_grid = MERGE};
+    sv_values values = *defaults;
+    values.of[SV_PARAM_KERNEL] = KERNEL;
+    values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
+    values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
     bench *b = calloc(1, sizeof *b);
     if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
-    fill(b, config->method);
+    fill(b, method->definition->takes_volume);
     sv_pipeline pipeline;
     sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
-    if (status == SV_OK) status = compute(&pipeline, b);
-    if (status == SV_OK && !expect(b, &small))
+    if (status == SV_OK) status = compute(&pipeline, b, &values);
+    if (status == SV_OK && !expect(b, method->definition, &small, &values))
         status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
-    if (status == SV_OK) status = compare(diag, b, bound_of(sv_chain_map(&pipeline)));
+    if (status == SV_OK) status = compare(diag, b, method->bound(sv_chain_map(&pipeline.chain)));
     sv_pipeline_destroy(&pipeline);
     free(b);
     return status;

@@ -4,9 +4,12 @@
  * is the surface (docs/cost_volume.md). It asks for no initial points; it takes the slabs themselves, as bins
  * along the rays.
  */
-#include "device/launch.h"
+#include "method/method_cost.h"
+
+#include "cost_layout.h"
+#include "device/buffer.h"
 #include "kernels_cost.h"
-#include "ref/sv_ref_cost.h"
+#include "ref/ref_cost_surface.h"
 
 #include <math.h>
 
@@ -53,20 +56,14 @@ static uint32_t commands(const sv_config *c) {
     return c->slices + K_LEAVE;
 }
 
-static sv_ref_cost_layout layout_of(const sv_config *c) {
-    return sv_ref_cost_layout_of(c->width, c->height, c->slices);
+static sv_cost_layout layout_of(const sv_map *m) {
+    return sv_cost_layout_of(m->width, m->height, m->config->slices);
 }
 
-/* Rays of a row in the bins. */
-static uint32_t padded_columns(const sv_ref_cost_layout *l) {
-    return (l->columns + SV_LANES - 1) / SV_LANES * SV_LANES;
-}
-
-static sv_status create(sv_pipeline *p, sv_method_state *s) {
-    const sv_config *c = &p->config;
-    const sv_ref_cost_layout l = layout_of(c);
-    const size_t plane = (size_t)p->padded_width * c->height, cells = (size_t)l.cells_x * l.cells_y;
-    const size_t bins = (size_t)l.labels * padded_columns(&l) * l.rows;
+static sv_status buffers(const sv_map *m, sv_method_state *s) {
+    const sv_cost_layout l = layout_of(m);
+    const size_t plane = (size_t)m->padded_width * m->height, cells = (size_t)l.cells_x * l.cells_y;
+    const size_t bins = (size_t)l.labels * l.padded_columns * l.rows;
     const size_t bytes[] = {[BINS] = bins,
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
                             [SUMS] = bins * sizeof(cl_ushort),
@@ -80,30 +77,22 @@ static sv_status create(sv_pipeline *p, sv_method_state *s) {
                             [BLURRED] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [PREVIOUS] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [MINIMA] = cells * 4 * sizeof(cl_float),
-                            [CONFIDENCE] = (size_t)c->width * c->height * sizeof(cl_float)};
+                            [CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
     sv_status status = SV_OK;
     for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
-        s->buffer[i] = sv_clx_buffer(p->diag, p->device, bytes[i], NULL, &status);
+        s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
     return status;
 }
 
-/* The layout as the kernels see it: cost_layout in cl/cost/cost.clh. */
-static void layout_arg(sv_launch *launch, const sv_pipeline *p) {
-    const sv_ref_cost_layout l = layout_of(&p->config);
-    const struct {
-        cl_uint width, height, slices, shrink, columns, rows, padded_columns, per, labels, block, cells_x,
-            cells_y;
-        cl_uint thin, gap, solid, contact, split, dilate, beside;
-        cl_float scale;
-    } layout = {l.width, l.height,  l.slices, l.shrink,  l.columns, l.rows,        padded_columns(&l),
-                l.per,   l.labels,  l.block,  l.cells_x, l.cells_y, l.thin,        l.gap,
-                l.solid, l.contact, l.split,  l.dilate,  l.beside,  (float)l.scale};
+static void layout_arg(sv_launch *launch, const sv_map *m) {
+    const sv_cost_layout layout = layout_of(m);
     sv_launch_arg(launch, sizeof layout, &layout);
 }
 
 /* The lateral Gaussian at 0 .. SV_COST_REACH cells. */
-static void weights_arg(sv_launch *launch, const sv_pipeline *p) {
-    const double sigma = layout_of(&p->config).sigma;
+static void weights_arg(sv_launch *launch, const sv_map *m) {
+    const sv_cost_layout layout = layout_of(m);
+    const double sigma = sv_cost_sigma(&layout);
     cl_float8 weight = {{0}};
     for (int i = 0; i <= SV_COST_REACH; i++) weight.s[i] = (float)exp(-0.5 * i * i / (sigma * sigma));
     sv_launch_arg(launch, sizeof weight, &weight);
@@ -114,20 +103,22 @@ static void buffer_args(sv_launch *launch, const sv_method_state *s, const int *
     for (; *indices >= 0; indices++) sv_launch_buffer(launch, s->buffer[*indices]);
 }
 
-static sv_status slab(sv_pipeline *p, sv_method_state *s, cl_mem buffer, uint64_t offset,
-                      uint32_t slice_count) {
-    const sv_config *c = &p->config;
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_BINS], kernels[K_BINS]);
-    const cl_ulong first_byte = offset;
-    sv_launch_buffer(&l, buffer);
+static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
+    const sv_config *c = m->config;
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_BINS], kernels[K_BINS]);
+    const cl_ulong first_byte = from->offset;
+    sv_launch_buffer(&l, from->buffer);
     sv_launch_arg(&l, sizeof first_byte, &first_byte);
     const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
-    const uint32_t numbers[] = {c->row_pitch,  c->tiles_x,  c->tile_w, c->tile_h,
-                                p->next_slice, slice_count, padding};
+    const uint32_t numbers[] = {c->row_pitch,      c->tiles_x,        c->tile_w, c->tile_h,
+                                from->first_slice, from->slice_count, padding};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
-    layout_arg(&l, p);
+    sv_launch_uint(&l, c->ranged);
+    sv_launch_uint(&l, m->padded_width);
+    sv_launch_buffer(&l, c->ranged ? m->scanned : s->buffer[PARTIAL]); /* without ranges it is not read */
+    layout_arg(&l, m);
     buffer_args(&l, s, (const int[]){PARTIAL, BINS, -1});
-    return sv_launch_items(&l, layout_of(c).rows, SV_STAGE_PROFILE);
+    return sv_launch_items(&l, layout_of(m).rows, SV_STAGE_PROFILE);
 }
 
 typedef enum { ONCE, LABELS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
@@ -160,55 +151,60 @@ static const struct {
     {K_LEAVE, MAP_WIDTH | SURFACES, ROWS_OF_PIXELS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, CONFIDENCE, -1}},
 };
 
-static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
+static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
-    const sv_ref_cost_layout layout = layout_of(&p->config);
+    const sv_cost_layout layout = layout_of(m);
     const size_t count[] = {[ONCE] = 1,
                             [LABELS] = layout.labels,
                             [ROWS_OF_CELLS] = layout.cells_y,
                             [ROWS_OF_PIXELS] = layout.height};
-    const cl_float memory = (cl_float)p->values.of[SV_PARAM_MEMORY];
+    const cl_float memory = m->continues ? (cl_float)m->values.of[SV_PARAM_MEMORY] : 0.0f;
     sv_status status = SV_OK;
     for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
         const int kernel = launches[i].kernel, takes = launches[i].takes;
-        sv_launch l = sv_launch_begin(p, s->kernels.kernel[kernel], kernels[kernel]);
-        layout_arg(&l, p);
-        if (takes & WEIGHTS) weights_arg(&l, p);
+        sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[kernel], kernels[kernel]);
+        layout_arg(&l, m);
+        if (takes & WEIGHTS) weights_arg(&l, m);
         if (takes & REMEMBERED) sv_launch_arg(&l, sizeof memory, &memory);
-        if (takes & MAP_WIDTH) sv_launch_uint(&l, p->padded_width);
+        if (takes & MAP_WIDTH) sv_launch_uint(&l, m->padded_width);
         buffer_args(&l, s, launches[i].buffers);
-        if (takes & RECORD) sv_launch_buffer(&l, p->buffers.record);
-        if (takes & SURFACES) sv_launch_buffer(&l, p->buffers.surfaces);
+        if (takes & RECORD) sv_launch_buffer(&l, m->record);
+        if (takes & SURFACES) sv_launch_buffer(&l, m->surfaces);
         status = sv_launch_items(&l, count[launches[i].items], launches[i].stage);
     }
     return status;
 }
 
-sv_status sv_cost_read(sv_pipeline *p, float *confidence, uint32_t *info) {
-    const cl_command_queue queue = p->device->queue;
-    const sv_method_state *s = &p->chain.state;
-    const size_t bytes = (size_t)p->config.width * p->config.height * sizeof *confidence;
-    sv_status status = SV_OK;
-    if (confidence)
-        status = sv_clx_check(
-            p->diag,
-            clEnqueueReadBuffer(queue, s->buffer[CONFIDENCE], CL_TRUE, 0, bytes, confidence, 0, NULL, NULL),
-            "confidence: clEnqueueReadBuffer");
-    if (status != SV_OK) return status;
-    return sv_clx_check(p->diag,
-                        clEnqueueReadBuffer(queue, s->buffer[INFO], CL_TRUE, 0,
-                                            SV_COST_INFO_WORDS * sizeof *info, info, 0, NULL, NULL),
-                        "confidence: clEnqueueReadBuffer");
+static cl_mem confidence(const sv_method_state *s) {
+    return s->buffer[CONFIDENCE];
 }
 
-cl_mem sv_cost_confidence(const sv_pipeline *p) {
-    return p->chain.state.buffer[CONFIDENCE];
+static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv_confidence_report *out) {
+    cl_uint info[SV_COST_INFO_WORDS];
+    const cl_int code = clEnqueueReadBuffer(m->queue->device->queue, s->buffer[INFO], CL_TRUE, 0, sizeof info,
+                                            info, 0, NULL, NULL);
+    if (code != CL_SUCCESS) return sv_clx_check(m->queue->diag, code, "confidence: clEnqueueReadBuffer");
+    out->fluid_threshold = (float)info[SV_COST_INFO_LEVEL] / 255.0f;
+    out->rays = info[SV_COST_INFO_RAYS];
+    out->open_rays = info[SV_COST_INFO_OPEN];
+    return SV_OK;
 }
 
-const sv_method sv_method_cost = {.linear = true,
+/* Float32 sums of costs: where two labels are as good as equal, either is right, and the definition says
+ * where. */
+static double bound(const sv_map *m) {
+    return m->doubles ? 1e-3 : 1e-2;
+}
+
+const sv_method sv_method_cost = {.definition = &sv_ref_method_cost,
+                                  .bound = bound,
+                                  .parameters = SV_USES(MEMORY),
+                                  .linear = true,
                                   .kernels = kernels,
                                   .source = source,
                                   .commands = commands,
-                                  .create = create,
+                                  .buffers = buffers,
                                   .slab = slab,
-                                  .run = run};
+                                  .run = run,
+                                  .confidence = confidence,
+                                  .confidence_report = confidence_report};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_grid.h"
 
-#include "device/launch.h"
+#include "device/buffer.h"
+#include "grid/grid_shared.h"
 #include "kernels_grid.h"
 
 #include <math.h>
@@ -35,28 +36,23 @@ enum { SCALAR_COUNT = 4 };
 
 /* What a solve hands down. */
 typedef struct {
-    sv_pipeline *p;
+    const sv_map *m;
     sv_method_state *s;
     uint32_t planes;
     const sv_grid_energy *energy;
 } solver;
 
-/* A level as the kernels see it. A grid that is twice as coarse bends a quarter as stiffly (the sum of
- * squared second differences falls by 16, and a pixel stands for 4). */
-typedef struct {
-    cl_uint width, height, offset, pixels;
-    cl_float tension, bending;
-} grid_level;
-
-static grid_level level_of(const solver *v, uint32_t n) {
+/* A grid that is twice as coarse bends a quarter as stiffly (the sum of squared second differences falls by
+ * 16, and a pixel stands for 4). */
+static sv_grid_level level_of(const solver *v, uint32_t n) {
     const sv_levels *l = &v->s->levels;
-    const float spacing = (float)v->p->spacing;
-    return (grid_level){.width = l->width[n],
-                        .height = l->height[n],
-                        .offset = l->offset[n],
-                        .pixels = l->pixels,
-                        .tension = v->energy->tension,
-                        .bending = ldexpf(v->energy->bending, -2 * (int)n) / (spacing * spacing)};
+    const float spacing = (float)v->m->spacing;
+    return (sv_grid_level){.width = l->width[n],
+                           .height = l->height[n],
+                           .offset = l->offset[n],
+                           .pixels = l->pixels,
+                           .tension = v->energy->tension,
+                           .bending = ldexpf(v->energy->bending, -2 * (int)n) / (spacing * spacing)};
 }
 
 sv_source sv_grid_source(void) {
@@ -68,9 +64,9 @@ uint32_t sv_grid_commands(const sv_config *config) {
     return (SV_MAX_SOLVER_STEPS + SV_MAX_LEVELS) * (8 + 7 * SV_MAX_LEVELS) + SV_MAX_LEVELS + 6;
 }
 
-sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
-    s->levels = sv_levels_make(p->config.width, p->config.height);
-    const size_t real = p->chain.doubles ? sizeof(cl_double) : sizeof(cl_float);
+sv_status sv_grid_buffers(const sv_map *m, sv_method_state *s) {
+    s->levels = sv_levels_make(m->width, m->height);
+    const size_t real = m->doubles ? sizeof(cl_double) : sizeof(cl_float);
     const size_t all = (size_t)s->levels.pixels * real;
     const size_t bytes[] = {[WEIGHTS] = all,
                             [Z] = 2 * all,
@@ -78,30 +74,29 @@ sv_status sv_grid_create(sv_pipeline *p, sv_method_state *s) {
                             [R] = 2 * all,
                             [DIRECTION] = 2 * all,
                             [SOLUTION] = 2 * all,
-                            [PARTIAL] = 3 * (size_t)p->config.height * real,
+                            [PARTIAL] = 3 * (size_t)m->height * real,
                             [SCALARS] = (size_t)2 * SCALAR_COUNT * real};
     sv_status status = SV_OK;
-    for (int i = 0; i <= SCALARS; i++)
-        s->buffer[i] = sv_clx_buffer(p->diag, p->device, bytes[i], NULL, &status);
+    for (int i = 0; i <= SCALARS; i++) s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
     return status;
 }
 
 static sv_launch begin(const solver *v, int kernel, uint32_t level) {
-    sv_launch l = sv_launch_begin(v->p, v->s->kernels.kernel[kernel], sv_grid_kernels[kernel]);
-    const grid_level g = level_of(v, level);
+    sv_launch l = sv_launch_begin(v->m->queue, v->s->kernels.kernel[kernel], sv_grid_kernels[kernel]);
+    const sv_grid_level g = level_of(v, level);
     sv_launch_arg(&l, sizeof g, &g);
     return l;
 }
 
 /* The last argument of every kernel, and the launch over a level's pixels. */
 static sv_status over_pixels(const solver *v, sv_launch *l, uint32_t level) {
-    sv_launch_buffer(l, v->p->buffers.record);
+    sv_launch_buffer(l, v->m->record);
     return sv_launch_pixels(l, v->s->levels.width[level], v->s->levels.height[level], SV_STAGE_RECONSTRUCT);
 }
 
 /* The same, 8 pixels of a row per work item. */
 static sv_status over_rows(const solver *v, sv_launch *l, uint32_t level) {
-    sv_launch_buffer(l, v->p->buffers.record);
+    sv_launch_buffer(l, v->m->record);
     return sv_launch_grid(l, (v->s->levels.width[level] + 7) / 8, v->s->levels.height[level],
                           SV_STAGE_RECONSTRUCT);
 }
@@ -112,33 +107,33 @@ static void buffers(const solver *v, sv_launch *l, const int *which) {
 #define BUFFERS(v, l, ...) buffers(v, l, (const int[]){__VA_ARGS__, -1})
 
 static void second_level(const solver *v, sv_launch *l, uint32_t level) {
-    const grid_level g = level_of(v, level);
+    const sv_grid_level g = level_of(v, level);
     sv_launch_arg(l, sizeof g, &g);
 }
 
 /* The mean depth of the points. */
 static sv_status means(const solver *v) {
     sv_launch l = begin(v, K_SUMS, 0);
-    sv_launch_uint(&l, v->p->padded_width);
-    sv_launch_buffer(&l, v->p->chain.maps);
+    sv_launch_uint(&l, v->m->padded_width);
+    sv_launch_buffer(&l, v->m->points);
     BUFFERS(v, &l, PARTIAL);
-    sv_launch_buffer(&l, v->p->buffers.record);
-    const sv_status status = sv_launch_items(&l, v->p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, v->m->record);
+    const sv_status status = sv_launch_items(&l, v->m->height, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
     l = begin(v, K_MEANS, 0);
     BUFFERS(v, &l, PARTIAL, SCALARS);
-    sv_launch_buffer(&l, v->p->buffers.record);
+    sv_launch_buffer(&l, v->m->record);
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
 /* Data weights and right-hand sides on all levels. */
 static sv_status enter(const solver *v) {
-    const float weight = (float)v->p->values.of[SV_PARAM_DATA_WEIGHT];
+    const float weight = (float)v->m->values.of[SV_PARAM_DATA_WEIGHT];
     sv_launch l = begin(v, K_ENTER, 0);
-    sv_launch_uint(&l, v->p->padded_width);
+    sv_launch_uint(&l, v->m->padded_width);
     sv_launch_arg(&l, sizeof weight, &weight);
     sv_launch_uint(&l, v->planes);
-    sv_launch_buffer(&l, v->p->chain.maps);
+    sv_launch_buffer(&l, v->m->points);
     BUFFERS(v, &l, SCALARS, WEIGHTS, DIRECTION);
     sv_status status = over_pixels(v, &l, 0);
     for (uint32_t n = 0; status == SV_OK && n + 1 < v->s->levels.count; n++) {
@@ -234,14 +229,14 @@ static sv_status scalar(const solver *v, uint32_t beta, int a, int b) {
     sv_launch l = begin(v, K_DOT, 0);
     sv_launch_uint(&l, v->planes);
     BUFFERS(v, &l, a, b, PARTIAL);
-    sv_launch_buffer(&l, v->p->buffers.record);
-    const sv_status status = sv_launch_items(&l, v->p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, v->m->record);
+    const sv_status status = sv_launch_items(&l, v->m->height, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
     l = begin(v, K_SCALAR, 0);
     sv_launch_uint(&l, v->planes);
     sv_launch_uint(&l, beta);
     BUFFERS(v, &l, PARTIAL, SCALARS);
-    sv_launch_buffer(&l, v->p->buffers.record);
+    sv_launch_buffer(&l, v->m->record);
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
@@ -267,10 +262,20 @@ static sv_status advance(const solver *v) {
     return over_pixels(v, &l, 0);
 }
 
-sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, const sv_grid_energy *energy) {
-    const solver v = {p, s, planes, energy};
-    const uint32_t wanted = (uint32_t)p->values.of[SV_PARAM_SOLVER_STEPS];
-    const uint32_t steps = wanted ? wanted : energy->steps;
+uint32_t sv_grid_steps(const sv_map *m, const sv_grid_energy *energy) {
+    const uint32_t wanted = (uint32_t)m->values.of[SV_PARAM_SOLVER_STEPS];
+    return wanted ? wanted : energy->steps;
+}
+
+/* Conjugate gradients to the steps' end: float64 within a thousandth of a slice, float32 within a hundredth.
+ */
+double sv_grid_bound(const sv_map *m) {
+    return m->doubles ? 1e-3 : 1e-2;
+}
+
+sv_status sv_grid_solve(const sv_map *m, sv_method_state *s, uint32_t planes, const sv_grid_energy *energy) {
+    const solver v = {m, s, planes, energy};
+    const uint32_t steps = sv_grid_steps(m, energy);
     sv_status status = means(&v);
     if (status == SV_OK) status = enter(&v);
     if (status == SV_OK) status = start(&v);
@@ -280,10 +285,9 @@ sv_status sv_grid_solve(sv_pipeline *p, sv_method_state *s, uint32_t planes, con
     }
     if (status != SV_OK) return status;
     sv_launch l = begin(&v, K_LEAVE, 0);
-    sv_launch_uint(&l, p->padded_width);
+    sv_launch_uint(&l, m->padded_width);
     sv_launch_uint(&l, planes);
     BUFFERS(&v, &l, SCALARS, SOLUTION);
-    sv_launch_buffer(&l, p->buffers.surfaces);
-    status = over_pixels(&v, &l, 0);
-    return status == SV_OK ? sv_chain_done(p, steps) : status;
+    sv_launch_buffer(&l, m->surfaces);
+    return over_pixels(&v, &l, 0);
 }

@@ -14,11 +14,18 @@ typedef struct {
     uint32_t steps;
 } sv_grid_energy;
 
+/* What both tables are made of. */
 extern const char *const sv_grid_kernels[];
 sv_source sv_grid_source(void);
-uint32_t sv_grid_commands(const struct sv_config *config);
-sv_status sv_grid_create(struct sv_pipeline *pipeline, sv_method_state *state);
-sv_status sv_grid_solve(struct sv_pipeline *pipeline, sv_method_state *state, uint32_t planes,
+uint32_t sv_grid_commands(const sv_config *config);
+double sv_grid_bound(const sv_map *map);
+sv_status sv_grid_buffers(const sv_map *map, sv_method_state *state);
+sv_status sv_grid_solve(const sv_map *map, sv_method_state *state, uint32_t planes,
                         const sv_grid_energy *energy);
+
+/* Steps of a frame: those that were asked for, or the energy's own. */
+uint32_t sv_grid_steps(const sv_map *map, const sv_grid_energy *energy);
+
+#define SV_GRID_PARAMETERS (SV_USES(DATA_WEIGHT) | SV_USES(SOLVER_STEPS) | SV_USES(PRECISION))
 
 #endif

@@ -3,8 +3,14 @@
  * Method mean: passes of a k x k window mean until no pixel is empty (cl/mean/mean.clh). On its own it starts
  * from the sums that the points stage wrote; behind a pre-filter from the maps.
  */
-#include "device/launch.h"
+#include "method/method_mean.h"
+
+#include "device/buffer.h"
 #include "kernels_mean_maps.h"
+#include "mean/mean_shared.h"
+#include "ref/ref_mean.h"
+
+#include <math.h>
 
 enum { K_ENTER, K_LEAVE };
 static const char *const kernels[] = {"mean_enter", "mean_leave", NULL};
@@ -18,83 +24,104 @@ static uint32_t commands(const sv_config *c) {
     return 4; /* its passes are counted for every instance */
 }
 
-static sv_status create(sv_pipeline *p, sv_method_state *s) {
-    (void)p;
-    (void)s;
-    return SV_OK; /* the pipeline holds its buffers */
+/* The second planes that passes alternate with, and the bands' scratch rows. */
+enum { SUMS_B, SCRATCH };
+
+static sv_status buffers(const sv_map *m, sv_method_state *s) {
+    const size_t plane = (size_t)m->padded_width * m->height;
+    const size_t row = (size_t)m->padded_width + SV_ROW_SLACK;
+    sv_status status = SV_OK;
+    s->buffer[SUMS_B] = sv_buffer_make(m->queue, SV_SUM_PLANES * plane * m->sum_bytes, &status);
+    s->buffer[SCRATCH] =
+        sv_buffer_make(m->queue, m->bands * (size_t)SV_SCRATCH_ROWS * row * m->sum_bytes, &status);
+    return status;
 }
 
 /* Points and all passes in one launch, by one work item. */
-sv_status sv_mean_single(sv_pipeline *p) {
-    const sv_buffers *b = &p->buffers;
-    sv_launch l = SV_LAUNCH_JOB(p, frame_end);
-    const cl_mem buffers[] = {b->state8, b->state16, b->histogram, b->status, b->sums_a,
-                              b->sums_b, b->scratch, b->surfaces,  b->record};
-    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) sv_launch_buffer(&l, buffers[i]);
+static sv_status single(const sv_map *m, sv_method_state *s, const sv_ray_states *rays) {
+    sv_launch l = SV_LAUNCH_JOB(m, frame_end);
+    const cl_mem buffers_of_it[] = {rays->state8,       rays->state16, rays->histogram,
+                                    m->status,          m->sums,       s->buffer[SUMS_B],
+                                    s->buffer[SCRATCH], m->surfaces,   m->record};
+    for (size_t i = 0; i < sizeof buffers_of_it / sizeof *buffers_of_it; i++)
+        sv_launch_buffer(&l, buffers_of_it[i]);
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status band_pass(sv_pipeline *p, uint32_t pass) {
-    const sv_buffers *b = &p->buffers;
-    sv_launch l = SV_LAUNCH_JOB(p, band_mean);
+static sv_status band_pass(const sv_map *m, const sv_method_state *s, uint32_t pass) {
+    sv_launch l = SV_LAUNCH_JOB(m, band_mean);
     sv_launch_uint(&l, pass);
-    sv_launch_buffer(&l, pass % 2 ? b->sums_b : b->sums_a);
-    sv_launch_buffer(&l, pass % 2 ? b->sums_a : b->sums_b);
-    sv_launch_buffer(&l, b->surfaces);
-    sv_launch_buffer(&l, b->status);
-    sv_launch_buffer(&l, b->scratch);
-    sv_launch_buffer(&l, b->record);
-    return sv_launch_items(&l, p->bands, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, pass % 2 ? s->buffer[SUMS_B] : m->sums);
+    sv_launch_buffer(&l, pass % 2 ? m->sums : s->buffer[SUMS_B]);
+    sv_launch_buffer(&l, m->surfaces);
+    sv_launch_buffer(&l, m->status);
+    sv_launch_buffer(&l, s->buffer[SCRATCH]);
+    sv_launch_buffer(&l, m->record);
+    return sv_launch_items(&l, m->bands, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status rays_pass(sv_pipeline *p, uint32_t pass) {
-    const sv_buffers *b = &p->buffers;
-    sv_launch l = SV_LAUNCH_JOB(p, rays_columns);
+static sv_status rays_pass(const sv_map *m, const sv_method_state *s, uint32_t pass) {
+    sv_launch l = SV_LAUNCH_JOB(m, rays_columns);
     sv_launch_uint(&l, pass);
-    sv_launch_buffer(&l, b->sums_a);
-    sv_launch_buffer(&l, b->sums_b);
-    sv_launch_buffer(&l, b->record);
-    const sv_status status = sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, m->sums);
+    sv_launch_buffer(&l, s->buffer[SUMS_B]);
+    sv_launch_buffer(&l, m->record);
+    const sv_status status = sv_launch_pixels(&l, m->width, m->height, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = SV_LAUNCH_JOB(p, rays_means);
+    l = SV_LAUNCH_JOB(m, rays_means);
     sv_launch_uint(&l, pass);
-    sv_launch_buffer(&l, b->sums_b);
-    sv_launch_buffer(&l, b->sums_a);
-    sv_launch_buffer(&l, b->surfaces);
-    sv_launch_buffer(&l, b->status);
-    sv_launch_buffer(&l, b->record);
-    return sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, s->buffer[SUMS_B]);
+    sv_launch_buffer(&l, m->sums);
+    sv_launch_buffer(&l, m->surfaces);
+    sv_launch_buffer(&l, m->status);
+    sv_launch_buffer(&l, m->record);
+    return sv_launch_pixels(&l, m->width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
 /* Maps to sums. The sums have no sign, so that of S(q) the first plane takes depths above 0 and the second
  * those below, negated; their difference is the mean of both. */
-static sv_status enter(sv_pipeline *p, const sv_method_state *s, uint32_t planes) {
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_ENTER], "mean_enter");
-    sv_launch_arg(&l, sizeof p->job, &p->job);
-    sv_launch_uint(&l, p->config.half_sums ? 16 : p->program == p->wide ? 64 : 32);
+static sv_status enter(const sv_map *m, const sv_method_state *s, uint32_t planes) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_ENTER], "mean_enter");
+    sv_launch_arg(&l, sizeof m->job, &m->job);
+    sv_launch_uint(&l, m->config->half_sums ? 16 : m->program == m->wide ? 64 : 32);
     sv_launch_uint(&l, planes);
-    sv_launch_buffer(&l, p->chain.maps);
-    for (int type = 0; type < 3; type++) sv_launch_buffer(&l, p->buffers.sums_a);
-    return sv_launch_pixels(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, m->points);
+    for (int type = 0; type < 3; type++) sv_launch_buffer(&l, m->sums);
+    return sv_launch_pixels(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status leave(sv_pipeline *p, const sv_method_state *s) {
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_LEAVE], "mean_leave");
-    sv_launch_uint(&l, p->padded_width);
-    sv_launch_uint(&l, p->config.height);
-    sv_launch_buffer(&l, p->buffers.surfaces);
-    return sv_launch_vectors(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
+static sv_status leave(const sv_map *m, const sv_method_state *s) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LEAVE], "mean_leave");
+    sv_launch_uint(&l, m->padded_width);
+    sv_launch_uint(&l, m->height);
+    sv_launch_buffer(&l, m->surfaces);
+    return sv_launch_vectors(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
-    const bool rays = p->config.strategy == SV_STRATEGY_RAYS;
-    const bool from_maps = !p->chain.plain_mean;
-    sv_status status = from_maps ? enter(p, s, planes) : SV_OK;
-    for (uint32_t pass = 0; status == SV_OK && pass < p->job.pass_limit; pass++)
-        status = rays ? rays_pass(p, pass) : band_pass(p, pass);
-    if (status == SV_OK) status = sv_chain_done_passes(p);
-    return status == SV_OK && from_maps && planes == 1 ? leave(p, s) : status;
+static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
+    const bool rays = m->config->strategy == SV_STRATEGY_RAYS;
+    const bool from_maps = m->points != NULL;
+    sv_status status = from_maps ? enter(m, s, planes) : SV_OK;
+    for (uint32_t pass = 0; status == SV_OK && pass < m->job.pass_limit; pass++)
+        status = rays ? rays_pass(m, s, pass) : band_pass(m, s, pass);
+    if (status == SV_OK) status = sv_map_done_passes(m);
+    return status == SV_OK && from_maps && planes == 1 ? leave(m, s) : status;
 }
 
-const sv_method sv_method_mean = {
-    .linear = true, .kernels = kernels, .source = source, .commands = commands, .create = create, .run = run};
+/* int16: half a step a pass, in each of the two planes. Else what the format promises. */
+static double bound(const sv_map *m) {
+    if (m->config->half_sums) return 1e-3 + 2.0 * m->job.pass_limit * ldexp(0.5, -(int)m->job.fraction);
+    return m->doubles ? 1e-3 : 1e-2;
+}
+
+const sv_method sv_method_mean = {.definition = &sv_ref_method_mean,
+                                  .bound = bound,
+                                  .parameters = SV_USES(KERNEL) | SV_USES(FILL_WEIGHT) | SV_USES(PRECISION),
+                                  .linear = true,
+                                  .takes_sums = true,
+                                  .kernels = kernels,
+                                  .source = source,
+                                  .commands = commands,
+                                  .buffers = buffers,
+                                  .run = run,
+                                  .single = single};

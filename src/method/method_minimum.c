@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Method minimum: passes of a minimum filter until no pixel is empty; and the same filter, a given number of
  * passes, before another method. */
-#include "device/launch.h"
+#include "method/method_minimum.h"
+
+#include "device/buffer.h"
 #include "kernels_minimum.h"
+#include "minimum/minimum_shared.h"
+#include "ref/ref_minimum.h"
 
 enum { K_CLEAR, K_ENTER, K_COLUMNS, K_ROWS, K_LEAVE };
 static const char *const kernels[] = {"minimum_clear", "minimum_enter", "minimum_columns",
                                       "minimum_rows",  "minimum_leave", NULL};
 enum { MAP_A, MAP_B };
-enum { MARGIN = 32 };                          /* SV_MIN_MARGIN of the kernels */
 static const uint32_t EVERY_PASS = UINT32_MAX; /* no counting, no early end */
 
 static sv_source source(void) {
@@ -19,73 +22,87 @@ static uint32_t commands(const sv_config *c) {
     return 2 * (c->width > c->height ? c->width : c->height) + 32;
 }
 
-static sv_status create(sv_pipeline *p, sv_method_state *s) {
+static sv_status buffers(const sv_map *m, sv_method_state *s) {
     sv_status status = SV_OK;
-    const size_t bytes = (p->padded_width + (size_t)2 * MARGIN) * p->config.height * sizeof(cl_float);
-    s->buffer[MAP_A] = sv_clx_buffer(p->diag, p->device, bytes, NULL, &status);
-    s->buffer[MAP_B] = sv_clx_buffer(p->diag, p->device, bytes, NULL, &status);
-    if (status != SV_OK) return status;
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_CLEAR], "minimum_clear");
-    sv_launch_uint(&l, p->padded_width);
+    const size_t bytes = (m->padded_width + (size_t)2 * SV_MIN_MARGIN) * m->height * sizeof(cl_float);
+    s->buffer[MAP_A] = sv_buffer_make(m->queue, bytes, &status);
+    s->buffer[MAP_B] = sv_buffer_make(m->queue, bytes, &status);
+    return status;
+}
+
+/* The margins stay empty from here on. */
+static sv_status prepare(const sv_map *m, sv_method_state *s) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_CLEAR], "minimum_clear");
+    sv_launch_uint(&l, m->padded_width);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
     sv_launch_buffer(&l, s->buffer[MAP_B]);
-    return sv_launch_items(&l, p->config.height, SV_STAGE_RECONSTRUCT);
+    return sv_launch_items(&l, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status enter(sv_pipeline *p, sv_method_state *s) {
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_ENTER], "minimum_enter");
-    sv_launch_uint(&l, p->padded_width);
-    sv_launch_buffer(&l, p->chain.maps);
+static sv_status enter(const sv_map *m, sv_method_state *s) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_ENTER], "minimum_enter");
+    sv_launch_uint(&l, m->padded_width);
+    sv_launch_buffer(&l, m->points);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
-    return sv_launch_vectors(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
+    return sv_launch_vectors(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status pass(sv_pipeline *p, sv_method_state *s, uint32_t k, uint32_t number) {
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_COLUMNS], "minimum_columns");
-    const uint32_t columns[] = {p->padded_width, p->config.height, k, number};
+static sv_status pass(const sv_map *m, sv_method_state *s, uint32_t k, uint32_t number) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_COLUMNS], "minimum_columns");
+    const uint32_t columns[] = {m->padded_width, m->height, k, number};
     for (size_t i = 0; i < 4; i++) sv_launch_uint(&l, columns[i]);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
     sv_launch_buffer(&l, s->buffer[MAP_B]);
-    sv_launch_buffer(&l, p->buffers.record);
-    const sv_status status = sv_launch_vectors(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, m->record);
+    const sv_status status = sv_launch_vectors(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = sv_launch_begin(p, s->kernels.kernel[K_ROWS], "minimum_rows");
-    const uint32_t rows[] = {p->config.width, p->padded_width, k, number};
+    l = sv_launch_begin(m->queue, s->kernels.kernel[K_ROWS], "minimum_rows");
+    const uint32_t rows[] = {m->width, m->padded_width, k, number};
     for (size_t i = 0; i < 4; i++) sv_launch_uint(&l, rows[i]);
     sv_launch_buffer(&l, s->buffer[MAP_B]);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
-    sv_launch_buffer(&l, p->buffers.record);
-    return sv_launch_vectors(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, m->record);
+    return sv_launch_vectors(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status leave(sv_pipeline *p, sv_method_state *s, bool to_maps) {
-    sv_launch l = sv_launch_begin(p, s->kernels.kernel[K_LEAVE], "minimum_leave");
-    sv_launch_uint(&l, p->padded_width);
+static sv_status leave(const sv_map *m, sv_method_state *s, bool to_maps) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LEAVE], "minimum_leave");
+    sv_launch_uint(&l, m->padded_width);
     sv_launch_uint(&l, to_maps);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
-    sv_launch_buffer(&l, p->buffers.status);
-    sv_launch_buffer(&l, to_maps ? p->chain.maps : p->buffers.surfaces);
-    sv_launch_buffer(&l, p->buffers.record);
-    return sv_launch_vectors(&l, p->padded_width, p->config.height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, m->status);
+    sv_launch_buffer(&l, to_maps ? m->points : m->surfaces);
+    sv_launch_buffer(&l, m->record);
+    return sv_launch_vectors(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-sv_status sv_minimum_prefilter(sv_pipeline *p, sv_method_state *s, uint32_t k, uint32_t passes) {
-    sv_status status = enter(p, s);
-    for (uint32_t n = 0; status == SV_OK && n < passes; n++) status = pass(p, s, k, EVERY_PASS);
-    return status == SV_OK ? leave(p, s, true) : status;
+sv_status sv_minimum_prefilter(const sv_map *m, sv_method_state *s, uint32_t k, uint32_t passes) {
+    sv_status status = enter(m, s);
+    for (uint32_t n = 0; status == SV_OK && n < passes; n++) status = pass(m, s, k, EVERY_PASS);
+    return status == SV_OK ? leave(m, s, true) : status;
 }
 
-static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
+static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* never linear: one plane */
-    sv_status status = enter(p, s);
-    for (uint32_t n = 0; status == SV_OK && n < p->job.pass_limit; n++) status = pass(p, s, p->job.k, n);
-    if (status == SV_OK) status = leave(p, s, false);
-    return status == SV_OK ? sv_chain_done_passes(p) : status;
+    sv_status status = enter(m, s);
+    for (uint32_t n = 0; status == SV_OK && n < m->job.pass_limit; n++) status = pass(m, s, m->job.k, n);
+    if (status == SV_OK) status = leave(m, s, false);
+    return status == SV_OK ? sv_map_done_passes(m) : status;
 }
 
-const sv_method sv_method_minimum = {.linear = false,
+/* Minima round nothing; what rounds is S(q) in float32, and the interpolation between the cells of a reduced
+ * map. */
+static double bound(const sv_map *m) {
+    return m->doubles ? 1e-3 : 1e-2;
+}
+
+const sv_method sv_method_minimum = {.definition = &sv_ref_method_minimum,
+                                     .bound = bound,
+                                     .parameters = SV_USES(KERNEL),
+                                     .linear = false,
                                      .kernels = kernels,
                                      .source = source,
                                      .commands = commands,
-                                     .create = create,
+                                     .buffers = buffers,
+                                     .prepare = prepare,
                                      .run = run};

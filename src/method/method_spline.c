@@ -4,8 +4,12 @@
  * known to the device only, so the commands are those of the most that can come; a kernel with nothing to do
  * returns at once. More points than the solver takes are merged.
  */
-#include "device/launch.h"
+#include "method/method_spline.h"
+
+#include "device/buffer.h"
 #include "kernels_spline.h"
+#include "ref/ref_spline_surface.h"
+#include "spline/spline_shared.h"
 
 enum {
     K_CELLS,
@@ -30,8 +34,6 @@ static const char *const kernels[] = {"spline_cells",    "spline_list",    "spli
                                       "spline_nodes",    "spline_between", "spline_report",   NULL};
 
 enum { CELLS, VECTORS, FRAME, INFO, MATRIX, PANEL, NODES, REPORT };
-/* As in cl/spline/spline.clh. */
-enum { PANEL_COLUMNS = 32, TILE = 8, SPAN = 64, VECTOR_COUNT = 16, FRAME_WORDS = 40, INFO_WORDS = 8 };
 /* Points that float32 can solve for, and the grid that leaves no more. */
 enum { FLOAT_POINTS = 64, FLOAT_GRID = 8 };
 
@@ -41,7 +43,7 @@ static sv_source source(void) {
 
 static uint32_t commands(const sv_config *c) {
     (void)c;
-    return 3 * (SV_SPLINE_MAX_POINTS / PANEL_COLUMNS + 1) + 16;
+    return 3 * (SV_SPLINE_MAX_POINTS / SV_SPLINE_PANEL + 1) + 16;
 }
 
 static uint32_t smaller(uint32_t a, uint32_t b) {
@@ -49,52 +51,50 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 }
 
 /* Cells per side of the merging grid: the one that was asked for, or the finest that always fits. */
-static uint32_t merge_cells(const sv_pipeline *p) {
-    const uint32_t most = p->chain.doubles ? SV_SPLINE_MAX_GRID : FLOAT_GRID;
-    return p->config.merge_grid ? smaller(p->config.merge_grid, most) : most;
+static uint32_t merge_cells(const sv_map *m) {
+    const uint32_t most = m->doubles ? SV_SPLINE_MAX_GRID : FLOAT_GRID;
+    return m->config->merge_grid ? smaller(m->config->merge_grid, most) : most;
 }
 
-static uint32_t most_points(const sv_pipeline *p) {
-    const sv_config *c = &p->config;
-    const uint32_t cells = merge_cells(p) * merge_cells(p);
-    const uint32_t most = p->chain.doubles ? SV_SPLINE_MAX_POINTS : FLOAT_POINTS;
-    const uint64_t pixels = (uint64_t)c->width * c->height;
-    const uint32_t wanted = c->merge_grid ? cells : most;
+static uint32_t most_points(const sv_map *m) {
+    const uint32_t cells = merge_cells(m) * merge_cells(m);
+    const uint32_t most = m->doubles ? SV_SPLINE_MAX_POINTS : FLOAT_POINTS;
+    const uint64_t pixels = (uint64_t)m->width * m->height;
+    const uint32_t wanted = m->config->merge_grid ? cells : most;
     return pixels < wanted ? (uint32_t)pixels : wanted;
 }
 
 /* From one point's value to the next plane of a vector, and from one row of the matrix to the next. */
 static uint32_t stride_of(const sv_method_state *s) {
-    return (s->capacity + 2 + TILE + 7) / 8 * 8 + 8;
+    return (s->capacity + 2 + SV_SPLINE_TILE + 7) / 8 * 8 + 8;
 }
 
 /* True if the coarse grid has fewer nodes than the map has pixels. */
-static bool coarse(const sv_config *c) {
-    const uint64_t nodes = (uint64_t)(c->spline_grid + 1) * (c->spline_grid + 1);
-    return c->spline_grid > 0 && nodes < (uint64_t)c->width * c->height;
+static bool coarse(const sv_map *m) {
+    const uint64_t side = (uint64_t)m->config->spline_grid + 1;
+    return side > 1 && side * side < (uint64_t)m->width * m->height;
 }
 
-static sv_status create(sv_pipeline *p, sv_method_state *s) {
-    s->capacity = most_points(p);
-    const size_t real = p->chain.doubles ? sizeof(cl_double) : sizeof(cl_float);
-    const size_t stride = stride_of(s), cells = merge_cells(p);
-    const size_t nodes = coarse(&p->config) ? (size_t)p->config.spline_grid + 1 : 0;
+static sv_status make_buffers(const sv_map *m, sv_method_state *s) {
+    s->capacity = most_points(m);
+    const size_t real = m->doubles ? sizeof(cl_double) : sizeof(cl_float);
+    const size_t stride = stride_of(s), cells = merge_cells(m);
+    const size_t nodes = coarse(m) ? (size_t)m->config->spline_grid + 1 : 0;
     const size_t bytes[] = {[CELLS] = 5 * cells * cells * real,
-                            [VECTORS] = VECTOR_COUNT * stride * real,
-                            [FRAME] = FRAME_WORDS * real,
-                            [INFO] = INFO_WORDS * sizeof(cl_uint),
+                            [VECTORS] = SV_SPLINE_VECTORS * stride * real,
+                            [FRAME] = SV_SPLINE_FRAME_WORDS * real,
+                            [INFO] = SV_SPLINE_INFO_WORDS * sizeof(cl_uint),
                             [MATRIX] = stride * stride * real,
-                            [PANEL] = PANEL_COLUMNS * stride * real,
+                            [PANEL] = SV_SPLINE_PANEL * stride * real,
                             [NODES] = 2 * nodes * nodes * sizeof(cl_float),
                             [REPORT] = SV_SPLINE_REPORT_WORDS * sizeof(cl_float)};
     sv_status status = SV_OK;
-    for (int i = 0; i <= REPORT; i++)
-        s->buffer[i] = sv_clx_buffer(p->diag, p->device, bytes[i], NULL, &status);
+    for (int i = 0; i <= REPORT; i++) s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
     return status;
 }
 
-static sv_launch begin(sv_pipeline *p, const sv_method_state *s, int kernel) {
-    return sv_launch_begin(p, s->kernels.kernel[kernel], kernels[kernel]);
+static sv_launch begin(const sv_map *m, const sv_method_state *s, int kernel) {
+    return sv_launch_begin(m->queue, s->kernels.kernel[kernel], kernels[kernel]);
 }
 
 static void buffers(sv_launch *l, const sv_method_state *s, const int *which) {
@@ -103,93 +103,92 @@ static void buffers(sv_launch *l, const sv_method_state *s, const int *which) {
 #define BUFFERS(l, s, ...) buffers(l, s, (const int[]){__VA_ARGS__, -1})
 
 /* The list of points, and the reflections that span the null space. */
-static sv_status list_points(sv_pipeline *p, sv_method_state *s) {
-    const sv_config *c = &p->config;
-    const uint32_t cells = merge_cells(p);
-    sv_launch l = begin(p, s, K_CELLS);
-    const uint32_t map[] = {c->width, p->padded_width, c->height, cells};
+static sv_status list_points(const sv_map *m, sv_method_state *s) {
+    const uint32_t cells = merge_cells(m);
+    sv_launch l = begin(m, s, K_CELLS);
+    const uint32_t map[] = {m->width, m->padded_width, m->height, cells};
     for (size_t i = 0; i < 4; i++) sv_launch_uint(&l, map[i]);
-    sv_launch_buffer(&l, p->chain.maps);
+    sv_launch_buffer(&l, m->points);
     BUFFERS(&l, s, CELLS);
-    sv_launch_buffer(&l, p->buffers.record);
+    sv_launch_buffer(&l, m->record);
     sv_status status = sv_launch_items(&l, (size_t)cells * cells, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = begin(p, s, K_LIST);
-    const uint32_t list[] = {c->width, p->padded_width, c->height,   c->merge_grid,
+    l = begin(m, s, K_LIST);
+    const uint32_t list[] = {m->width, m->padded_width, m->height,   m->config->merge_grid,
                              cells,    s->capacity,     stride_of(s)};
     for (size_t i = 0; i < 7; i++) sv_launch_uint(&l, list[i]);
-    sv_launch_buffer(&l, p->chain.maps);
+    sv_launch_buffer(&l, m->points);
     BUFFERS(&l, s, CELLS, VECTORS, INFO);
-    sv_launch_buffer(&l, p->buffers.record);
+    sv_launch_buffer(&l, m->record);
     status = sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = begin(p, s, K_FRAME);
+    l = begin(m, s, K_FRAME);
     sv_launch_uint(&l, stride_of(s));
     BUFFERS(&l, s, VECTORS, FRAME, INFO);
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
 /* A kernel with the arguments stride, lambda (if it has it) and buffers. */
-static sv_status step(sv_pipeline *p, sv_method_state *s, int kernel, bool lambda, const int *which,
+static sv_status step(const sv_map *m, sv_method_state *s, int kernel, bool lambda, const int *which,
                       size_t items) {
-    const float value = (float)p->values.of[SV_PARAM_LAMBDA];
-    sv_launch l = begin(p, s, kernel);
+    const float value = (float)m->values.of[SV_PARAM_LAMBDA];
+    sv_launch l = begin(m, s, kernel);
     sv_launch_uint(&l, stride_of(s));
     if (lambda) sv_launch_arg(&l, sizeof value, &value);
     buffers(&l, s, which);
     return sv_launch_items(&l, items, SV_STAGE_RECONSTRUCT);
 }
-#define STEP(kernel, lambda, items, ...) step(p, s, kernel, lambda, (const int[]){__VA_ARGS__, -1}, items)
+#define STEP(kernel, lambda, items, ...) step(m, s, kernel, lambda, (const int[]){__VA_ARGS__, -1}, items)
 
 /* One panel of the factorisation. */
-static sv_status factor_panel(sv_pipeline *p, sv_method_state *s, uint32_t number) {
-    const uint32_t first = number * PANEL_COLUMNS;
+static sv_status factor_panel(const sv_map *m, sv_method_state *s, uint32_t number) {
+    const uint32_t first = number * SV_SPLINE_PANEL;
     const size_t below = s->capacity + 2 - (first < s->capacity ? first : s->capacity);
-    sv_launch l = begin(p, s, K_DIAGONAL);
+    sv_launch l = begin(m, s, K_DIAGONAL);
     sv_launch_uint(&l, stride_of(s));
     sv_launch_uint(&l, number);
     BUFFERS(&l, s, MATRIX, FRAME, INFO);
     sv_status status = sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = begin(p, s, K_BELOW);
+    l = begin(m, s, K_BELOW);
     sv_launch_uint(&l, stride_of(s));
     sv_launch_uint(&l, number);
     BUFFERS(&l, s, MATRIX, PANEL, INFO);
     status = sv_launch_items(&l, below, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK) return status;
-    l = begin(p, s, K_TRAILING);
+    l = begin(m, s, K_TRAILING);
     sv_launch_uint(&l, stride_of(s));
     sv_launch_uint(&l, number);
     BUFFERS(&l, s, MATRIX, PANEL, INFO);
-    return sv_launch_grid(&l, (below + SPAN - 1) / SPAN, (below + TILE - 1) / TILE, SV_STAGE_RECONSTRUCT);
+    return sv_launch_grid(&l, (below + SV_SPLINE_SPAN - 1) / SV_SPLINE_SPAN,
+                          (below + SV_SPLINE_TILE - 1) / SV_SPLINE_TILE, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status solve(sv_pipeline *p, sv_method_state *s) {
+static sv_status solve(const sv_map *m, sv_method_state *s) {
     sv_status status = STEP(K_KVT, true, s->capacity, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_MIDDLE, false, 1, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_MATRIX, true, s->capacity + 2, VECTORS, FRAME, MATRIX, INFO);
-    for (uint32_t n = 0; status == SV_OK && n * PANEL_COLUMNS < s->capacity; n++)
-        status = factor_panel(p, s, n);
+    for (uint32_t n = 0; status == SV_OK && n * SV_SPLINE_PANEL < s->capacity; n++)
+        status = factor_panel(m, s, n);
     if (status == SV_OK) status = STEP(K_BACK, false, 2, MATRIX, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_REST, true, s->capacity, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_PLANE, false, 1, VECTORS, FRAME, INFO);
     if (status != SV_OK) return status;
-    sv_launch l = begin(p, s, K_REPORT);
+    sv_launch l = begin(m, s, K_REPORT);
     BUFFERS(&l, s, FRAME, INFO, REPORT);
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
 /* Values at the nodes, `out` being the surfaces themselves if every pixel is one. */
-static sv_status evaluate(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
-    const sv_config *c = &p->config;
-    const bool grid = coarse(c);
-    const uint32_t nodes_x = grid ? c->spline_grid + 1 : c->width;
-    const uint32_t nodes_y = grid ? c->spline_grid + 1 : c->height;
-    const uint32_t pitch = grid ? nodes_x : p->padded_width;
+static sv_status evaluate(const sv_map *m, sv_method_state *s, uint32_t planes) {
+    const bool grid = coarse(m);
+    const uint32_t nodes_x = grid ? m->config->spline_grid + 1 : m->width;
+    const uint32_t nodes_y = grid ? m->config->spline_grid + 1 : m->height;
+    const uint32_t pitch = grid ? nodes_x : m->padded_width;
     const cl_ulong plane = (cl_ulong)pitch * nodes_y;
-    const float step_x = grid ? (float)(c->width - 1) / (float)c->spline_grid : 1.0f;
-    const float step_y = grid ? (float)(c->height - 1) / (float)c->spline_grid : 1.0f;
-    sv_launch l = begin(p, s, K_NODES);
+    const float step_x = grid ? (float)(m->width - 1) / (float)m->config->spline_grid : 1.0f;
+    const float step_y = grid ? (float)(m->height - 1) / (float)m->config->spline_grid : 1.0f;
+    sv_launch l = begin(m, s, K_NODES);
     sv_launch_uint(&l, stride_of(s));
     sv_launch_uint(&l, nodes_x);
     sv_launch_uint(&l, pitch);
@@ -198,31 +197,59 @@ static sv_status evaluate(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
     sv_launch_arg(&l, sizeof step_y, &step_y);
     BUFFERS(&l, s, VECTORS, FRAME, INFO);
     sv_launch_uint(&l, planes);
-    sv_launch_buffer(&l, grid ? s->buffer[NODES] : p->buffers.surfaces);
+    sv_launch_buffer(&l, grid ? s->buffer[NODES] : m->surfaces);
     const sv_status status = sv_launch_pixels(&l, nodes_x, nodes_y, SV_STAGE_RECONSTRUCT);
     if (status != SV_OK || !grid) return status;
-    l = begin(p, s, K_BETWEEN);
-    const uint32_t sizes[] = {c->width, p->padded_width, c->height, c->spline_grid, planes};
+    l = begin(m, s, K_BETWEEN);
+    const uint32_t sizes[] = {m->width, m->padded_width, m->height, m->config->spline_grid, planes};
     for (size_t i = 0; i < 5; i++) sv_launch_uint(&l, sizes[i]);
     BUFFERS(&l, s, NODES);
-    sv_launch_buffer(&l, p->buffers.surfaces);
-    sv_launch_buffer(&l, p->buffers.record);
-    return sv_launch_pixels(&l, c->width, c->height, SV_STAGE_RECONSTRUCT);
+    sv_launch_buffer(&l, m->surfaces);
+    sv_launch_buffer(&l, m->record);
+    return sv_launch_pixels(&l, m->width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status run(sv_pipeline *p, sv_method_state *s, uint32_t planes) {
-    sv_status status = list_points(p, s);
-    if (status == SV_OK) status = solve(p, s);
-    if (status == SV_OK) status = evaluate(p, s, planes);
-    return status == SV_OK ? sv_chain_done(p, 1) : status;
+static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
+    sv_status status = list_points(m, s);
+    if (status == SV_OK) status = solve(m, s);
+    return status == SV_OK ? evaluate(m, s, planes) : status;
 }
 
-sv_status sv_spline_read(sv_pipeline *p, float report[SV_SPLINE_REPORT_WORDS]) {
-    return sv_clx_check(p->diag,
-                        clEnqueueReadBuffer(p->device->queue, p->chain.state.buffer[REPORT], CL_TRUE, 0,
-                                            SV_SPLINE_REPORT_WORDS * sizeof *report, report, 0, NULL, NULL),
-                        "spline: clEnqueueReadBuffer");
+static uint32_t passes(const sv_map *m) {
+    (void)m;
+    return 1;
 }
 
-const sv_method sv_method_spline = {
-    .linear = true, .kernels = kernels, .source = source, .commands = commands, .create = create, .run = run};
+/* Words of the report, in this order: points, cells per side of the merging grid (0: not merged), rank of the
+ * plane, unknowns left out, condition estimate, residual in slices. */
+static sv_status spline_report(const sv_map *m, const sv_method_state *s, sv_spline_report *out) {
+    float r[SV_SPLINE_REPORT_WORDS];
+    const cl_int code = clEnqueueReadBuffer(m->queue->device->queue, s->buffer[REPORT], CL_TRUE, 0, sizeof r,
+                                            r, 0, NULL, NULL);
+    if (code != CL_SUCCESS) return sv_clx_check(m->queue->diag, code, "spline: clEnqueueReadBuffer");
+    out->points = (uint32_t)r[0];
+    out->merge_grid = (uint32_t)r[1];
+    out->rank = (uint32_t)r[2];
+    out->dropped = (uint32_t)r[3];
+    out->condition = r[4];
+    out->residual = r[5];
+    return SV_OK;
+}
+
+/* Float64 solves to far below a thousandth of a slice; float32, with at most 64 points, to a hundredth. */
+static double bound(const sv_map *m) {
+    return m->doubles ? 1e-3 : 1e-2;
+}
+
+const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
+                                    .bound = bound,
+                                    .parameters = SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
+                                                  SV_USES(SPLINE_GRID) | SV_USES(PRECISION),
+                                    .linear = true,
+                                    .kernels = kernels,
+                                    .source = source,
+                                    .commands = commands,
+                                    .buffers = make_buffers,
+                                    .run = run,
+                                    .passes = passes,
+                                    .spline_report = spline_report};

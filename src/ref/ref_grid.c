@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The surface of least energy: conjugate gradients in float64 on A S = b, with no preconditioner to be wrong
  * about. */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_grid.h"
 
 #include <math.h>
 #include <stdlib.h>

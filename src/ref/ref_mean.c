@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The mean filter in float64, by its definition: a window is summed pixel by pixel (Eq. 3.18-3.21,
  * Algorithm 4.3). */
-#include "ref/sv_ref.h"
+#include "ref/ref_mean.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -76,3 +76,13 @@ bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uin
     free(filled);
     return true;
 }
+
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    (void)either;
+    const sv_ref_map *m = &task->map;
+    sv_ref_fill fill;
+    return sv_ref_mean(m->status, m->depth, m->width, m->height, task->settings->kernel,
+                       task->settings->fill_weight, surface, &fill);
+}
+
+const sv_ref_method sv_ref_method_mean = {.name = "mean", .surface = of_task};

@@ -4,64 +4,10 @@
  * pixel. Equal to the kernels bit for bit where division is correctly rounded; within the bound of
  * docs/numerics.md of sv_ref_mean.
  */
-#include "ref/sv_ref.h"
+#include "ref/ref_mean_fixed.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-#define MAX_FRACTION 16 /* 32-bit sums: 1 / 65,536 slice */
-#define MIN_FRACTION 10 /* below this 32-bit sums are too coarse for the bound of 1e-3 slice */
-#define QUOTIENT_BITS                                                                                        \
-    23               /* 32-bit sums: fixed-point depths stay below 2^23, where a float32 still knows halves */
-#define PROMISE 1e-3 /* slices: the largest error against float64 */
-#define WIDE_FRACTION                                                                                        \
-    20 /* 64-bit sums: 13 bits of slices and 14 of weights leave room for more, float32 does not */
-
-void sv_ref_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled) {
-    uint32_t quarters = (uint32_t)(omega * 4.0 + 0.5), whole = 4;
-    while (whole > 1 && quarters % 2 == 0) {
-        quarters /= 2;
-        whole /= 2;
-    }
-    *weight_initial = whole;
-    *weight_filled = quarters;
-}
-
-static uint32_t smaller(uint32_t a, uint32_t b) {
-    return a < b ? a : b;
-}
-
-uint32_t sv_ref_pass_limit(uint32_t width, uint32_t height, uint32_t k) {
-    const uint32_t longest = width > height ? width : height;
-    const uint32_t limit = (longest - 1 + k / 2 - 1) / (k / 2);
-    return limit < 3 ? 3 : limit;
-}
-
-/* Every pass rounds to half a unit. Windows of 7 x 7 and more average that away; in smaller ones it was seen
- * to add up to an eighth of passes * half a unit (docs/numerics.md). */
-static bool drifts(uint32_t k, uint32_t passes, uint32_t fraction) {
-    return k < 7 && passes / 8.0 * 0.5 / (1u << fraction) > PROMISE;
-}
-
-sv_ref_fixed sv_ref_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint32_t k,
-                                 uint32_t weight_initial) {
-    const uint64_t depth = slices > 1 ? slices - 1 : 1;
-    const uint64_t window = (uint64_t)smaller(k, width) * smaller(k, height) * weight_initial;
-    uint32_t fraction = MAX_FRACTION;
-    while (fraction > 0 &&
-           (window * (depth << fraction) > UINT32_MAX || (depth << fraction) >= 1u << QUOTIENT_BITS))
-        fraction--;
-    if (fraction < MIN_FRACTION || drifts(k, sv_ref_pass_limit(width, height, k), fraction))
-        return (sv_ref_fixed){.fraction = WIDE_FRACTION, .wide = true};
-    return (sv_ref_fixed){.fraction = fraction};
-}
-
-sv_ref_fixed sv_ref_half_format(uint32_t slices, uint32_t weight_initial) {
-    const uint32_t depth = (slices > 1 ? slices - 1 : 1) * weight_initial;
-    uint32_t fraction = 0;
-    while (fraction < MAX_FRACTION && depth << (fraction + 1) <= UINT16_MAX) fraction++;
-    return (sv_ref_fixed){.fraction = fraction, .half = true};
-}
 
 typedef struct {
     uint64_t near_sum, far_sum, weight;
@@ -70,7 +16,7 @@ typedef struct {
 typedef struct {
     const uint8_t *initial;
     uint32_t width, height, k, weight_initial, weight_filled;
-    sv_ref_fixed format;
+    sv_fixed format;
 } filter;
 
 static sums window_sums(const filter *f, const sums *from, uint32_t x, uint32_t y) {
@@ -89,7 +35,7 @@ static sums window_sums(const filter *f, const sums *from, uint32_t x, uint32_t 
 }
 
 /* Mean of a window: its fixed-point value, rounded to nearest even, and in float32 slices. */
-static uint64_t mean_of(uint64_t sum, uint64_t weight, sv_ref_fixed format, float *slices) {
+static uint64_t mean_of(uint64_t sum, uint64_t weight, sv_fixed format, float *slices) {
     const uint64_t w = weight ? weight : 1;
     const float scale = 1.0f / (float)(1u << format.fraction);
     if (format.wide) {
@@ -125,10 +71,10 @@ static uint64_t to_fixed(uint32_t position, uint32_t substeps, uint32_t fraction
 
 bool sv_ref_mean_fixed(const uint8_t *status, const uint32_t *near_position, const uint32_t *far_position,
                        uint32_t width, uint32_t height, uint32_t k, double omega, uint32_t substeps,
-                       sv_ref_fixed format, float *near_surface, float *far_surface, sv_ref_fill *fill) {
+                       sv_fixed format, float *near_surface, float *far_surface, sv_ref_fill *fill) {
     const size_t count = (size_t)width * height;
     filter f = {.initial = status, .width = width, .height = height, .k = k, .format = format};
-    sv_ref_weights(omega, &f.weight_initial, &f.weight_filled);
+    sv_fill_weights(omega, &f.weight_initial, &f.weight_filled);
     sums *maps = calloc(2 * count, sizeof *maps);
     if (!maps) return false;
     uint32_t points = 0;

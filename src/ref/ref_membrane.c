@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The membrane's energy: the sum of (S_i - S_j)^2 over all pairs of pixels that share an edge. */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_membrane.h"
 
 void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, double spacing, double *out) {
     (void)spacing;
@@ -17,3 +17,10 @@ void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, do
             }
         }
 }
+
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    (void)either;
+    return sv_ref_least_energy(&task->map, sv_ref_membrane_energy, task->settings->data_weight, surface);
+}
+
+const sv_ref_method sv_ref_method_membrane = {.name = "membrane", .surface = of_task};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The minimum filter over sparse data, window by window (Algorithm 4.4 without its split into columns and
  * rows). */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_minimum.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,3 +57,11 @@ bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes
     sv_ref_fill fill;
     return minimum_passes(map, k, passes, filtered, &fill);
 }
+
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    (void)either;
+    sv_ref_fill fill;
+    return sv_ref_minimum(&task->map, task->settings->kernel, surface, &fill);
+}
+
+const sv_ref_method sv_ref_method_minimum = {.name = "minimum", .least = true, .surface = of_task};

@@ -4,7 +4,7 @@
  * where all their pixels exist, and a tension of a thousandth of the membrane's, which makes the surface
  * unique where the points do not: across collinear points, and for one or two.
  */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_plate.h"
 
 #include <stdlib.h>
 
@@ -47,3 +47,10 @@ void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, doubl
             if (y + 1 < height) add_slope(s, i, width, TENSION, out);
         }
 }
+
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    (void)either;
+    return sv_ref_least_energy(&task->map, sv_ref_plate_energy, task->settings->data_weight, surface);
+}
+
+const sv_ref_method sv_ref_method_plate = {.name = "plate", .surface = of_task};

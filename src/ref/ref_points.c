@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Bone threshold and initial points: Algorithm 4.1, lines 15-22, and the three threshold modes of spec 3. */
-#include "ref/sv_ref.h"
+#include "ref/ref_points.h"
+
+#include "quantise.h"
 
 #include <math.h>
-
-uint32_t sv_ref_wanted(double fraction, uint32_t rays) {
-    const double wanted = ceil(fraction * rays - SV_LEVEL_SLACK);
-    return wanted < 1.0 ? 1 : (uint32_t)wanted;
-}
 
 /* The largest level that at least `wanted` rays exceed. */
 static uint32_t level_of_fraction(const sv_ref_ray *rays, size_t count, uint32_t wanted) {
@@ -31,21 +28,17 @@ uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bo
     uint32_t level = 0;
     switch (bone->bone_mode) {
     case SV_REF_ABSOLUTE:
-        level = sv_ref_level(bone->bone_threshold, 1);
+        level = sv_grey_level(bone->bone_threshold, 1);
         break;
     case SV_REF_OFFSET:
         level = level_of_offset(rays, count, bone->bone_offset);
         break;
     default:
-        level = level_of_fraction(rays, count, sv_ref_wanted(bone->bone_fraction, (uint32_t)count));
+        level = level_of_fraction(rays, count, sv_rays_wanted(bone->bone_fraction, (uint32_t)count));
         break;
     }
-    const uint32_t fluid = sv_ref_level(bone->fluid_threshold, 1);
+    const uint32_t fluid = sv_grey_level(bone->fluid_threshold, 1);
     return level > fluid ? level : fluid; /* bone is tissue */
-}
-
-uint32_t sv_ref_gap_samples(double gap, uint32_t substeps) {
-    return (uint32_t)ceil(gap * substeps - SV_LEVEL_SLACK);
 }
 
 sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uint32_t level, double min_gap,
@@ -55,8 +48,7 @@ sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uin
         const double gap = rays[i].max_entry - rays[i].max_exit;
         const bool bone = rays[i].maximum > level;
         found.bone += bone;
-        found.sure +=
-            bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_ref_gap_samples(min_gap, substeps);
+        found.sure += bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_gap_samples(min_gap, substeps);
     }
     return found;
 }

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Ray profiles: Algorithm 4.1, lines 2-14, with the corrections of spec 3 and 9. */
-#include "ref/sv_ref.h"
+#include "ref/ref_profile.h"
+
+#include "quantise.h"
 
 #include <math.h>
-
-uint32_t sv_ref_level(double threshold, uint32_t substeps) {
-    const double level = floor(threshold * 255.0 * substeps + SV_LEVEL_SLACK);
-    if (level < 0.0) return 0;
-    return level > 255.0 * substeps ? 255 * substeps : (uint32_t)level;
-}
 
 /* The walk along one ray. */
 typedef struct {
@@ -40,7 +36,7 @@ static void walk_ray(const sv_ref_volume *v, size_t pixel, double threshold, uin
     int before = -1; /* voxel of the slice before, -1 if there is none or it was not scanned */
     for (uint32_t z = 0; z < v->slices; z++) {
         const int voxel = v->voxels[z * slice_size + pixel];
-        const bool scanned = voxel != v->padding;
+        const bool scanned = sv_ref_scanned(v, pixel, z);
         for (uint32_t j = 1; scanned && before >= 0 && j < substeps; j++) {
             /* One division of whole numbers: on a plateau the sample must equal the voxels, or a rounding
              * error would make it a new maximum. */

@@ -7,7 +7,7 @@
  * is linear between its pixels' centres: 3/4 of the parent and 1/4 of the parent's neighbour on the near
  * side, each way
  */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_pushpull.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -84,3 +84,10 @@ bool sv_ref_pushpull(const sv_ref_map *map, double *surface) {
     free(weight);
     return ok;
 }
+
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    (void)either;
+    return sv_ref_pushpull(&task->map, surface);
+}
+
+const sv_ref_method sv_ref_method_pushpull = {.name = "pushpull", .surface = of_task};

@@ -4,19 +4,12 @@
  * smaller map, a method works on that, and its surface is read bilinearly between the cells' centres. Cells
  * at the right and lower border may hold fewer pixels; their centre stays where a whole cell's is.
  */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_reduce.h"
+
+#include "quantise.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-uint32_t sv_ref_reduced_side(uint32_t side, uint32_t reduction) {
-    return (side + reduction - 1) / reduction;
-}
-
-uint32_t sv_ref_reduced_kernel(uint32_t k, uint32_t reduction) {
-    const uint32_t reach = k / (2 * reduction); /* 2 * reach + 1 is the odd number nearest to k / reduction */
-    return reach < 1 ? 3 : 2 * reach + 1;
-}
 
 /* The points of cell (u, v). */
 static void merge_cell(const sv_ref_map *map, uint32_t reduction, bool least, uint32_t u, uint32_t v,
@@ -37,8 +30,8 @@ static void merge_cell(const sv_ref_map *map, uint32_t reduction, bool least, ui
 }
 
 bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref_reduced *out) {
-    const uint32_t width = sv_ref_reduced_side(map->width, reduction);
-    const uint32_t height = sv_ref_reduced_side(map->height, reduction);
+    const uint32_t width = sv_reduced_side(map->width, reduction);
+    const uint32_t height = sv_reduced_side(map->height, reduction);
     const size_t count = (size_t)width * height;
     *out = (sv_ref_reduced){.status = calloc(count, 1), .depth = calloc(2 * count, sizeof *out->depth)};
     if (!out->status || !out->depth) {
@@ -68,8 +61,8 @@ static double between(uint32_t x, uint32_t cells, uint32_t reduction, uint32_t *
 
 void sv_ref_spread(const double *cells, uint32_t width, uint32_t height, uint32_t reduction,
                    double *surface) {
-    const uint32_t across = sv_ref_reduced_side(width, reduction);
-    const uint32_t down = sv_ref_reduced_side(height, reduction);
+    const uint32_t across = sv_reduced_side(width, reduction);
+    const uint32_t down = sv_reduced_side(height, reduction);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
             uint32_t u0, u1, v0, v1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A small dense solver: LU with partial pivoting, and Hager's estimate of the inverse's norm. */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_solve.h"
 
 #include <float.h>
 #include <math.h>

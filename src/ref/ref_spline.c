@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The thin-plate spline as the thesis writes it (Eq. 3.8): the whole matrix, Gaussian elimination with
  * pivoting. */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_spline.h"
+
+#include "ref/ref_solve.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Around the spline: merging of points (Algorithm 4.2), and the surface from a coarse grid or pixel by pixel.
  */
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_spline_surface.h"
 
+#include "spline/spline_shared.h"
+
+#include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 
 uint32_t sv_ref_merge(const sv_ref_map *map, uint32_t grid, double *x, double *y, double *z) {
     const uint32_t cells_x = grid ? grid : map->width, cells_y = grid ? grid : map->height;
@@ -53,3 +57,30 @@ void sv_ref_spline_surface(const sv_ref_spline *s, uint32_t width, uint32_t heig
                                              : cells == 0  ? sv_ref_spline_at(s, x, y)
                                                            : between_nodes(s, width, height, cells, x, y);
 }
+
+/* More points than the solver takes are merged, even where no merging was asked for. */
+static uint32_t merge_for(const sv_ref_task *task, double *x, double *y, double *z) {
+    const uint32_t n = sv_ref_merge(&task->map, task->settings->merge_grid, x, y, z);
+    if (task->settings->merge_grid > 0 || n <= SV_SPLINE_MAX_POINTS) return n;
+    return sv_ref_merge(&task->map, SV_SPLINE_MAX_GRID, x, y, z);
+}
+
+static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
+    (void)either;
+    const size_t count = (size_t)task->map.width * task->map.height;
+    double *x = malloc(3 * count * sizeof *x), *y = x + count, *z = y + count;
+    if (!x) return false;
+    sv_ref_spline spline;
+    const uint32_t n = merge_for(task, x, y, z);
+    const bool ok = sv_ref_spline_solve(x, y, z, n, task->settings->lambda, &spline);
+    if (ok) {
+        assert(!spline.singular);
+        sv_ref_spline_surface(&spline, task->map.width, task->map.height, task->settings->spline_grid,
+                              surface);
+        sv_ref_spline_free(&spline);
+    }
+    free(x);
+    return ok;
+}
+
+const sv_ref_method sv_ref_method_spline = {.name = "spline", .surface = of_task};

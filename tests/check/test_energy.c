@@ -7,6 +7,9 @@
 #include "support/energy.h"
 #include "support/surfaces.h"
 
+#include "ref/ref_membrane.h"
+#include "ref/ref_plate.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -36,7 +36,7 @@ static void compare_kinds(rig *r, const rig_format *f, const rig_settings *s, ui
                           const char *where, compare_summary *summary) {
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
         uint8_t *volume = rig_volume(kind, f->width, f->height, f->slices, seed);
-        const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding};
+        const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding, NULL};
         rig_textures *t = rig_textures_make(r, f, volume);
         if (kind == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
         compare_frame(r, t, &v, s, where, summary);
@@ -53,8 +53,8 @@ static void every_kernel(void **state) {
     compare_summary all = {0};
     for (uint32_t n = 0; n < 3 * 3 * 4 * 3; n++) {
         const uint32_t substeps = 1 + n / 9 % 4;
-        /* Each build takes a second: padding with every width and with every number of samples, not with
-         * both. */
+        /* Each build takes a second: padding with every width and with every
+         * number of samples, not with both. */
         if (n >= 36 && substeps > 1 && n % 3 != substeps % 3) continue;
         rig_format f = layout(*state, 1 + n / 3 % 3, substeps);
         f.width = widths[n % 3];
@@ -182,11 +182,11 @@ static void long_slabs(void **state) {
     compare_print("long slabs", &all);
 }
 
-/* 700 slices under a window of 63 x 48: the sums need 64 bits; under 3 x 3 the same instance uses 32 again.
- */
+/* 700 slices under a window of 63 x 48: the sums need 64 bits; under 3 x 3 the
+ * same instance uses 32 again. */
 static void sums_of_64_bits(void **state) {
-    assert_true(sv_ref_fixed_format(64, 48, 700, 63, 2).wide);
-    assert_false(sv_ref_fixed_format(64, 48, 700, 3, 2).wide);
+    assert_true(sv_fixed_format(64, 48, 700, 63, 2).wide);
+    assert_false(sv_fixed_format(64, 48, 700, 3, 2).wide);
     compare_summary all = {0};
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         rig_format f = layout(*state, strategy, 1);
@@ -197,7 +197,7 @@ static void sums_of_64_bits(void **state) {
         rig_settings s = settings_of(1, 63);
         compare_kinds(*state, &f, &s, strategy, "sums of 64 bits", &all);
         uint8_t *volume = rig_volume(RIG_LAYERS, f.width, f.height, f.slices, 1);
-        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding};
+        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding, NULL};
         rig_textures *t = rig_textures_make(*state, &f, volume);
         rig *r = *state;
         assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);

@@ -64,7 +64,7 @@ static void one_value_everywhere(void **state) {
         rig_settings s = rig_default_settings();
         s.fluid_threshold = table[n].fluid;
         uint8_t *volume = constant_volume(&f, table[n].value);
-        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding};
+        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding, NULL};
         rig_expected e = rig_expect(&v, &s, false);
         if (e.outcome != table[n].outcome) fail_msg("'%s': outcome %d", table[n].name, e.outcome);
         for (uint32_t i = 0; i < f.width * f.height; i++) assert_true(e.depth[i] == 0.0f); /* clips nothing */
@@ -87,7 +87,7 @@ static void no_surface_after_a_surface(void **state) {
         for (int n = 0; n < 4; n++) {
             rig_textures *t = rig_textures_make(r, &layout, volumes[n]);
             if (n == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
-            const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING};
+            const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING, NULL};
             compare_frame(r, t, &v, &s, "no surface after a surface", NULL);
             rig_textures_free(t);
         }
@@ -175,8 +175,8 @@ static void hard_maps(void **state) {
     compare_print("hard maps", &all);
 }
 
-/* The longest volume, 8192 slices: positions of 16 bits with four samples a slice, depths near 10^4 with
- * detail. */
+/* The longest volume, 8192 slices: positions of 16 bits with four samples a slice,
+ * depths near 10^4 with detail. */
 static void longest_volume(void **state) {
     compare_summary all = {0};
     for (uint32_t substeps = 1; substeps <= 4; substeps += 3) {
@@ -196,8 +196,8 @@ static void longest_volume(void **state) {
     compare_print("longest volume", &all);
 }
 
-/* Running float32 sums and summed-area tables are off by 1 to 3 slices here: 512 x 512, k = 3, deep values.
- */
+/* Running float32 sums and summed-area tables are off by 1 to 3 slices here:
+ * 512 x 512, k = 3, deep values. */
 static void float_sums_would_drift(void **state) {
     enum { SIDE = 512, SLICES = 256, RAYS = SIDE * SIDE };
     int32_t *ends = calloc(2 * RAYS, sizeof *ends);

@@ -8,6 +8,8 @@
 #include "support/surfaces.h"
 
 #include "common/sv_shared.h"
+#include "mean/mean_shared.h"
+#include "ref/ref_mean.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -105,11 +107,11 @@ static void make(filter *f, rig *r, const float *depth, const uint8_t *status, u
     const size_t stride = SIDE + SV_ROW_SLACK, real = sizeof(cl_ulong);
     *f = (filter){.r = r, .points = points};
     f->job = (sv_job){.width = SIDE, .padded_width = SIDE, .height = SIDE, .k = K};
-    sv_ref_weights(0.5, &f->job.weight_initial, &f->job.weight_filled);
-    const sv_ref_fixed format = sv_ref_fixed_format(SIDE, SIDE, SLICES, K, f->job.weight_initial);
+    sv_fill_weights(0.5, &f->job.weight_initial, &f->job.weight_filled);
+    const sv_fixed format = sv_fixed_format(SIDE, SIDE, SLICES, K, f->job.weight_initial);
     assert_true(format.wide); /* 32-bit sums are left out of such depths */
     f->job.fraction = format.fraction;
-    f->job.pass_limit = sv_ref_pass_limit(SIDE, SIDE, K);
+    f->job.pass_limit = sv_pass_limit(SIDE, SIDE, K);
     uint32_t *record = calloc(SV_REC_PASS0 + f->job.pass_limit, sizeof *record);
     assert_non_null(record);
     record[SV_REC_POINTS] = points;

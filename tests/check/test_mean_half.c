@@ -85,7 +85,7 @@ static void test_format(void **state) {
     (void)state;
     for (uint32_t slices = 1; slices <= 8192; slices++)
         for (uint32_t weight = 1; weight <= 4; weight++) {
-            const sv_ref_fixed format = sv_ref_half_format(slices, weight);
+            const sv_fixed format = sv_half_format(slices, weight);
             const uint64_t largest = (uint64_t)(slices > 1 ? slices - 1 : 1) * weight << format.fraction;
             assert_true(largest <= UINT16_MAX);
             assert_true(format.fraction >= 1);
@@ -109,7 +109,7 @@ static void test_error(void **state) {
             print_message(
                 "int16, k = %-2u %-9s 171 x 171, 60 slices: error %.1e slices, bound %.1e, %u passes\n", k,
                 set ? "patches" : "scattered", error, bound, out.points.passes);
-            assert_int_equal(sv_ref_half_format(60, 2).fraction, 9);
+            assert_int_equal(sv_half_format(60, 2).fraction, 9);
             assert_true(error <= bound);
             free(expected);
             rig_result_free(&out);

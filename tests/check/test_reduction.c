@@ -6,6 +6,11 @@
  */
 #include "support/surfaces.h"
 
+#include "ref/ref_mean.h"
+#include "ref/ref_minimum.h"
+#include "ref/ref_pushpull.h"
+#include "ref/ref_reduce.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -153,7 +158,7 @@ static bool filter(int method, const sv_ref_map *map, uint32_t k, double *surfac
 static uint32_t both_surfaces(int method, const sv_ref_map *map, uint32_t reduction, double *full) {
     enum { K = 7 };
     const size_t count = (size_t)map->width * map->height;
-    const uint32_t k_cells = sv_ref_reduced_kernel(K, reduction);
+    const uint32_t k_cells = sv_reduced_kernel(K, reduction);
     double *less = full + count, *cells = less + count;
     sv_ref_reduced reduced;
     sv_ref_fill fill, fill_cells;
@@ -246,11 +251,11 @@ static void test_dense(void **state) {
 }
 
 /*
- * What a host gives up on points of a smooth layer, as a share of their range of depths: every method, points
- * scattered over 3 % of the pixels, and in patches. The largest differences stand where a step between two
- * patches, or a cell's worth of slope at the border, lands a few pixels aside. A minimum may pick another
- * point altogether, so its bound is the range; the plate carries slopes on from patches that are few cells
- * wide.
+ * What a host gives up on points of a smooth layer, as a share of their range of depths: every method,
+ * points scattered over 3 % of the pixels, and in patches. The largest differences stand where a step
+ * between two patches, or a cell's worth of slope at the border, lands a few pixels aside. A minimum
+ * may pick another point altogether, so its bound is the range; the plate carries slopes on from
+ * patches that are few cells wide.
  */
 static void test_given_up(void **state) {
     (void)state;

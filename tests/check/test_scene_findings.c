@@ -7,7 +7,8 @@
  */
 #include "support/scene_fixture.h"
 
-#include "ref/sv_ref.h"
+#include "ref/ref_mean.h"
+#include "ref/ref_points.h"
 
 enum { SIZE = 192, LOW = SIZE / 3, PIXELS = LOW * LOW };
 
@@ -78,8 +79,8 @@ static double mean_error(const hs_scene_data *d, const double *surface) {
     return sum / (double)count;
 }
 
-/* What section 5.3 says of a case: where occluders are left (positive error) and where the fetus is cut
- * (negative). */
+/* What section 5.3 says of a case: where occluders are left (positive error) and where
+ * the fetus is cut (negative). */
 enum { LEFT = 1, CUT = -1 };
 typedef struct {
     const char *name, *where;
@@ -107,8 +108,8 @@ static const statement statements[] = {
     {"D02", "back", LEFT, 0.38, 0.50, 0.52, 0.70},
 };
 
-/* A statement holds if at least a twentieth of its region is wrong by three slices or more in its direction.
- */
+/* A statement holds if at least a twentieth of its region is wrong by three
+ * slices or more in its direction. */
 static void check_statements(const char *name) {
     for (size_t i = 0; i < sizeof statements / sizeof statements[0]; i++) {
         const statement *s = &statements[i];
@@ -182,7 +183,7 @@ static void findings_of_the_thesis(void **state) {
         make_scene(scene_cases[c], SIZE, 2, 0, 0, &d, NULL);
         check_histogram(scene_cases[c], &d.full);
         reduce(&d.full, low);
-        const sv_ref_volume volume = {low, LOW, LOW, LOW, 0};
+        const sv_ref_volume volume = {low, LOW, LOW, LOW, 0, NULL};
         sv_ref_profile(&volume, fluid_threshold, 1, rays);
         finding high = find(&d, rays, 0.06), found = find(&d, rays, 0.24);
         printf("%s: maximum %u, points %.1f %% (%.0f %% right), error %.2f; T_B high: points %.2f %%, error "

@@ -10,15 +10,14 @@
 
 #include <cmocka.h>
 
-double compare_bound(const sv_ref_volume *volume, const rig_settings *s, sv_ref_fixed format,
-                     uint32_t passes) {
+double compare_bound(const sv_ref_volume *volume, const rig_settings *s, sv_fixed format, uint32_t passes) {
     const double depth =
         volume->slices - 1.0; /* no interval end lies deeper, and a mean never leaves its inputs */
     const double fixed_step = ldexp(0.5, -(int)format.fraction);
-    /* A mean is a convex combination: it passes errors on, but never enlarges them, so each pass adds its
-     * own. That is half a fixed-point step for the rounding to one, and float32's rounding of sum and
-     * quotient. Thirds of a slice cost another half step at the start, and so do quarters where a step is
-     * coarser. */
+    /* A mean is a convex combination: it passes errors on, but never enlarges them, so each pass
+     * adds its own. That is half a fixed-point step for the rounding to one, and float32's rounding
+     * of sum and quotient. Thirds of a slice cost another half step at the start, and so do
+     * quarters where a step is coarser. */
     const bool rounded = s->substeps == 3 || (s->substeps == 4 && format.fraction < 2);
     const double surface = (passes + rounded) * fixed_step + passes * depth * ldexp(1.0, -23);
     const double q = (double)s->q;
@@ -117,7 +116,8 @@ void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_s
     rig_textures *t = rig_textures_make(r, f, volume);
     const sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) fail_msg("%s: activate is %d: %s", where, status, r->last_log);
-    const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding};
+    const sv_ref_volume v = {volume,    f->width,   f->height,
+                             f->slices, f->padding, (const sv_ref_range *)f->scanned};
     compare_frame(r, t, &v, s, where, summary);
     r->plugin->deactivate(r->plugin);
     rig_textures_free(t);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/energy.h"
 
+#include "ref/ref_grid.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

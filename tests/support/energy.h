@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The surface of least energy for maps on which plain conjugate gradients (sv_ref_least_energy) take too
- * long. */
+/* The surface of least energy for maps on which plain conjugate gradients
+ * (sv_ref_least_energy) take too long. */
 #ifndef SV_ENERGY_H
 #define SV_ENERGY_H
 
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_grid.h"
+#include "ref/ref_map.h"
 
 /*
  * The same equations and the same answer: float64, conjugate gradients until the error in the energy has

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the scalar definition says of a frame, and the volumes it is asked about. */
-#include "support/rig.h"
+#include "support/rig_expect.h"
+
+#include "ref/ref_mean.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -64,9 +65,9 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
         e.empty_points += e.status[i] == SV_POINT_EMPTY;
     }
     uint32_t weight_initial, weight_filled;
-    sv_ref_weights(s->omega, &weight_initial, &weight_filled);
-    e.format = sv_ref_fixed_format(width, height, volume->slices, s->k, weight_initial);
-    if (s->half) e.format = sv_ref_half_format(volume->slices, weight_initial);
+    sv_fill_weights(s->omega, &weight_initial, &weight_filled);
+    e.format = sv_fixed_format(width, height, volume->slices, s->k, weight_initial);
+    if (s->half) e.format = sv_half_format(volume->slices, weight_initial);
     const bool ok = sv_ref_mean_fixed(e.status, positions, positions + count, width, height, s->k, s->omega,
                                       s->substeps, e.format, surfaces, surfaces + count, &e.fill);
     assert(ok);

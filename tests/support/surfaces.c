@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
+#include "quantise.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -157,69 +159,32 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
     return status;
 }
 
-static bool expect_spline(const sv_ref_map *map, const surface_chain *chain, double *surface) {
-    const size_t count = (size_t)map->width * map->height;
-    double *x = must(malloc(3 * count * sizeof *x)), *y = x + count, *z = y + count;
-    const double spacing = map->spacing ? map->spacing : 1.0;
-    uint32_t n = sv_ref_merge(map, chain->merge_grid, x, y, z);
-    if (chain->merge_grid == 0 && n > 1400) n = sv_ref_merge(map, 37, x, y, z); /* what the solver takes */
-    sv_ref_spline spline;
-    const bool ok = sv_ref_spline_solve(x, y, z, n, chain->lambda / (spacing * spacing), &spline);
-    if (ok && spline.singular) abort();
-    if (ok) sv_ref_spline_surface(&spline, map->width, map->height, chain->spline_grid, surface);
-    if (ok) sv_ref_spline_free(&spline);
-    free(x);
-    return ok;
-}
-
-/* The chain on a map, without the reduction. */
-static bool expect_on(sv_ref_map map, const surface_chain *chain, double *surface) {
-    const uint32_t reduction = map.spacing ? map.spacing : 1;
-    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
-    const uint32_t prefilter_k =
-        sv_ref_reduced_kernel(chain->prefilter_k ? chain->prefilter_k : 5, reduction);
-    const double weight = chain->data_weight > 0.0 ? chain->data_weight : 1.0;
-    double *filtered = must(malloc((size_t)map.width * map.height * sizeof *filtered));
-    bool ok = true;
-    if (chain->prefilter_passes > 0) {
-        ok = sv_ref_minimum_prefilter(&map, prefilter_k, chain->prefilter_passes, filtered);
-        map.depth = filtered;
-    }
-    sv_ref_fill fill;
-    if (chain->method == MEAN)
-        ok = ok && sv_ref_mean(map.status, map.depth, map.width, map.height, k, 0.5, surface, &fill);
-    if (chain->method == MINIMUM) ok = ok && sv_ref_minimum(&map, k, surface, &fill);
-    if (chain->method == SPLINE) ok = ok && expect_spline(&map, chain, surface);
-    if (chain->method == PUSHPULL) ok = ok && sv_ref_pushpull(&map, surface);
-    if (chain->method == MEMBRANE)
-        ok = ok && sv_ref_least_energy(&map, sv_ref_membrane_energy, weight, surface);
-    if (chain->method == PLATE) ok = ok && sv_ref_least_energy(&map, sv_ref_plate_energy, weight, surface);
-    free(filtered);
-    return ok;
+static sv_ref_settings settings_of(const surface_chain *chain) {
+    sv_ref_settings s = sv_ref_default_settings;
+    if (chain->k) s.kernel = chain->k;
+    if (chain->prefilter_k) s.prefilter_kernel = chain->prefilter_k;
+    if (chain->data_weight > 0.0) s.data_weight = chain->data_weight;
+    if (chain->reduction) s.reduction = chain->reduction;
+    s.prefilter_passes = chain->prefilter_passes;
+    s.lambda = chain->lambda;
+    s.merge_grid = chain->merge_grid;
+    s.spline_grid = chain->spline_grid;
+    return s;
 }
 
 double *surface_expect(const surface_points *points, const surface_chain *chain) {
     const size_t count = (size_t)points->width * points->height;
-    const uint32_t reduction = chain->reduction ? chain->reduction : 1;
-    const bool least = chain->method == MINIMUM || chain->prefilter_passes > 0;
-    double *depth = must(malloc(count * sizeof *depth)), *on_cells = must(malloc(count * sizeof *on_cells));
-    double *surface = must(malloc(count * sizeof *surface));
+    double *depth = must(malloc(count * sizeof *depth)), *surface = must(malloc(count * sizeof *surface));
     for (size_t i = 0; i < count; i++) { /* in float32, as the minimum filter gets them: it must be exact */
         const float near_end = (float)points->near_end[i], far_end = (float)points->far_end[i];
         depth[i] = (double)(far_end + chain->q * (near_end - far_end));
     }
-    const sv_ref_map map = {
-        .status = points->status, .depth = depth, .width = points->width, .height = points->height};
-    sv_ref_reduced cells;
-    if (reduction == 1) {
-        if (!expect_on(map, chain, surface)) abort();
-    } else {
-        if (!sv_ref_reduce(&map, reduction, least, &cells) || !expect_on(cells.map, chain, on_cells)) abort();
-        sv_ref_spread(on_cells, map.width, map.height, reduction, surface);
-        sv_ref_reduced_free(&cells);
-    }
+    const sv_ref_settings settings = settings_of(chain);
+    const sv_ref_task task = {
+        .map = {.status = points->status, .depth = depth, .width = points->width, .height = points->height},
+        .settings = &settings};
+    if (!sv_ref_chain(sv_ref_method_of((uint32_t)chain->method), &task, surface, NULL)) abort();
     free(depth);
-    free(on_cells);
     return surface;
 }
 
@@ -236,10 +201,10 @@ double surface_error(const rig_result *out, const double *expected, size_t count
  * and half a step for merged points, which are no whole samples. */
 static double half_bound(const surface_chain *chain, const surface_points *p) {
     const uint32_t reduction = chain->reduction ? chain->reduction : 1;
-    const uint32_t k = sv_ref_reduced_kernel(chain->k ? chain->k : 23, reduction);
-    const uint32_t passes = sv_ref_pass_limit(sv_ref_reduced_side(p->width, reduction),
-                                              sv_ref_reduced_side(p->height, reduction), k);
-    const sv_ref_fixed format = sv_ref_half_format(p->slices, 2);
+    const uint32_t k = sv_reduced_kernel(chain->k ? chain->k : 23, reduction);
+    const uint32_t passes =
+        sv_pass_limit(sv_reduced_side(p->width, reduction), sv_reduced_side(p->height, reduction), k);
+    const sv_fixed format = sv_half_format(p->slices, 2);
     return (2.0 + fabs((double)chain->q)) * (passes + 1) *
            (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-23);
 }

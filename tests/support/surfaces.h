@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition
- * says. */
+/* Reconstruction methods under test: point sets as volumes, frames with a method,
+ * and what the definition says. */
 #ifndef SV_SURFACES_H
 #define SV_SURFACES_H
 
 #include "support/rig.h"
 
-#include "ref/sv_ref_methods.h"
+#include "ref/ref_method.h"
 
 enum { MEAN, MINIMUM, SPLINE, PUSHPULL, MEMBRANE, PLATE, METHODS };
 extern const char *const surface_names[METHODS];

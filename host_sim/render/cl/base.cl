@@ -12,7 +12,7 @@
 #define LANES 1 /* 16 on CPU devices, else 1 */
 #endif
 #ifndef BRICK_SHIFT
-#define BRICK_SHIFT 3 /* log2 of the brick edge; the host's HS_BRICK_SHIFT */
+#define BRICK_SHIFT 3 /* log2 of the brick edge; the host's BRICK_EDGE (device_volume.c) */
 #endif
 
 /* clang splits 16 lanes in two on some CPUs unless told that they are meant. */

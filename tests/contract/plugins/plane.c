@@ -7,6 +7,8 @@
  *   TP_ENTRY_SIZE    the entry's size
  *   TP_CREATE        what create returns
  *   TP_SLAB          the instance's slab
+ *   TP_BEGIN         what begin returns: a note changes nothing
+ *   TP_PARTIAL       the right half of the map has no surface: SV_PARTIAL
  *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
  */
 #include "smartvis/author.h"
@@ -26,6 +28,14 @@
 #endif
 #ifndef TP_SLAB
 #define TP_SLAB sva_slab
+#endif
+#ifndef TP_BEGIN
+#define TP_BEGIN SV_OK
+#endif
+#ifdef TP_PARTIAL
+enum { HALF = 2, FOUND = SV_PARTIAL };
+#else
+enum { HALF = 1, FOUND = SV_OK };
 #endif
 
 enum { PARAM_DEPTH = 1, PARAM_SHAPE, PARAM_FAIL, PARAM_EVERY, PARAM_NOTE, PARAM_COUNT = 5 };
@@ -111,26 +121,33 @@ static void plane_deactivate(sva *a) {
 }
 
 static sv_status plane_begin(sva *a) {
-    return fail_here(a, FAIL_BEGIN);
+    const sv_status status = fail_here(a, FAIL_BEGIN);
+    return status != SV_OK ? status : TP_BEGIN;
 }
 
 static sv_status plane_slab(sva *a, const sv_slab *slab) {
     return slab->first_slice > 0 ? fail_here(a, FAIL_SLAB) : SV_OK;
 }
 
+/* Columns of the map that have a surface: all, or the left half. */
+static uint32_t columns(const sva *a) {
+    return a->format.width / HALF;
+}
+
 static sv_status plane_finish(sva *a, float *depth) {
     const plane *p = a->own;
     const float slope = sva_value(a, PARAM_SHAPE) != 0 ? 1.0f : 0.0f;
     (void)depth;
-    for (size_t i = 0; i < sva_rays(a); i++)
-        p->map[i] = (float)sva_value(a, PARAM_DEPTH) + slope * (float)(i % a->format.width);
+    for (uint32_t y = 0; y < a->format.height; y++)
+        for (uint32_t x = 0; x < columns(a); x++)
+            p->map[(size_t)y * a->format.width + x] = (float)sva_value(a, PARAM_DEPTH) + slope * (float)x;
     return fail_here(a, FAIL_END);
 }
 
 static sv_status plane_output(sva *a, const sv_result *result) {
     const plane *p = a->own;
     const size_t rays = sva_rays(a);
-    const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : SV_OK;
+    const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : FOUND;
     if (result->depth) memcpy(result->depth, p->map, rays * sizeof(float));
     if (result->depth_object &&
         clEnqueueWriteBuffer(a->format.queue, result->depth_object, CL_FALSE, result->depth_offset,
@@ -139,8 +156,11 @@ static sv_status plane_output(sva *a, const sv_result *result) {
     if (result->status) memset(result->status, SV_POINT_INITIAL, rays);
     if (result->stats) {
         const uint32_t size = result->stats->size;
-        const sv_stats stats = {
-            .size = size, .outcome = outcome, .rays = (uint32_t)rays, .points = (uint32_t)rays};
+        const sv_stats stats = {.size = size,
+                                .outcome = outcome,
+                                .rays = (uint32_t)rays,
+                                .points = (uint32_t)rays,
+                                .unfilled = (uint32_t)rays - columns(a) * a->format.height};
         *result->stats = stats;
     }
     return a->format.queue ? SV_OK : outcome;

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/host_launch.h"
+
+#include <stdio.h>
+
+hs_launch hs_launch_begin(const hs_cl *cl, cl_kernel kernel, const char *name) {
+    return (hs_launch){.cl = cl, .kernel = kernel, .name = name, .code = CL_SUCCESS};
+}
+
+void hs_launch_arg(hs_launch *launch, size_t bytes, const void *value) {
+    if (launch->code == CL_SUCCESS)
+        launch->code = clSetKernelArg(launch->kernel, launch->next++, bytes, value);
+}
+
+void hs_launch_buffer(hs_launch *launch, cl_mem buffer) {
+    hs_launch_arg(launch, sizeof buffer, buffer ? &buffer : NULL);
+}
+
+bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *global, const size_t *local,
+                   cl_event *event, hs_error *err) {
+    const char *call = "clSetKernelArg";
+    cl_int code = launch->code;
+    if (code == CL_SUCCESS) {
+        call = "clEnqueueNDRangeKernel";
+        code = clEnqueueNDRangeKernel(launch->cl->queue, launch->kernel, dimensions, NULL, global, local, 0,
+                                      NULL, event);
+    }
+    char what[128];
+    (void)snprintf(what, sizeof what, "%s(%s)", call, launch->name);
+    return hs_cl_check(code, what, err);
+}

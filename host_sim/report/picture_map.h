@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Maps in colour with a legend beside them: depth, initial points, signed values, shares, labels. Maps are
+ * row-major, rows top to bottom, as the camera sees them. Every function allocates *out (hs_picture_free it);
+ * on failure it is zeroed. Any thread, on different pictures at once.
+ */
+#ifndef HS_PICTURE_MAP_H
+#define HS_PICTURE_MAP_H
+
+#include "picture/picture_panel.h"
+
+#define HS_COLOUR_NOTHING_A 0x6a6d72u /* "clips nothing": a hatch of two greys */
+#define HS_COLOUR_NOTHING_B 0x4b4e53u
+#define HS_COLOUR_EMPTY     0xff4b3eu /* an initial point with an empty interval */
+
+/* Colour of a label of the label map (0 neither, 1 sac only, 2 fetus); HS_COLOUR_INVALID for any other. */
+uint32_t hs_colour_label(uint8_t label);
+
+/* The ends of a depth colour bar in slices. low >= high: the smallest and the largest drawn depth. */
+typedef struct {
+    float low, high;
+} hs_range;
+
+/* A depthmap (width * height float32, slices) in viridis with a colour bar. A depth <= 0 clips nothing: grey
+ * hatch, its share in the legend. NaN and infinities are drawn in HS_COLOUR_INVALID and counted. */
+bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height, hs_range range,
+                         const hs_caption *caption, hs_error *err);
+
+/* Initial points over the MIP. `mip` is scaled to the map; `status` (SV_POINT_*) and `depth` (slices) are
+ * width * height: a point in an interval has the colour of its depth, one with an empty interval
+ * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of `low`. */
+bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
+                       uint32_t width, uint32_t height, hs_range range, const hs_caption *caption,
+                       hs_error *err);
+
+/* Words of a signed map's legend. */
+typedef struct {
+    const char *quantity; /* "error" */
+    const char *unit;     /* "steps" */
+    const char *positive; /* what red means: "occluder left" */
+    const char *negative; /* what blue means: "fetus cut" */
+} hs_signed_words;
+
+/* A signed map, blue - white - red over -limit .. limit (limit <= 0: its largest absolute value). NaN: no
+ * value, drawn in HS_COLOUR_NO_VALUE. */
+bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint32_t height, float limit,
+                       const hs_signed_words *words, const hs_caption *caption, hs_error *err);
+
+/* Words of a share's legend. */
+typedef struct {
+    const char *quantity;   /* "confidence" */
+    const char *high, *low; /* what 1 and 0 mean: "sure", "unsure" */
+} hs_share_words;
+
+/* A map of shares, 0 .. 1 in viridis. What is not in 0 .. 1 is drawn in HS_COLOUR_INVALID and counted. The
+ * mean stands in the legend. */
+bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
+                      const hs_share_words *words, const hs_caption *caption, hs_error *err);
+
+/* A label map (0 neither, 1 sac only, 2 fetus) with the share of each label. */
+bool hs_picture_labels(hs_picture *out, const uint8_t *label, uint32_t width, uint32_t height,
+                       const hs_caption *caption, hs_error *err);
+
+#endif

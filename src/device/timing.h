@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* Where a frame's time went: the event of every command, by stage (extension smartvis.stats/1). */
+#ifndef SV_TIMING_H
+#define SV_TIMING_H
+
+#include "device/clx.h"
+#include "smartvis/timing.h"
+
+#include <stdbool.h>
+
+typedef enum {
+    SV_STAGE_TRANSFER,
+    SV_STAGE_PROFILE,
+    SV_STAGE_THRESHOLD,
+    SV_STAGE_RECONSTRUCT,
+    SV_STAGE_OUTPUT,
+    SV_STAGE_COUNT
+} sv_stage;
+
+typedef struct {
+    bool enabled;
+    bool complete; /* the events are those of a frame whose end succeeded */
+    uint32_t count, capacity;
+    struct {
+        cl_event event;
+        sv_stage stage;
+    } * commands; /* allocated by sv_timing_create */
+} sv_timing;
+
+sv_status sv_timing_create(sv_timing *timing, sv_diag *diag, uint32_t capacity);
+void sv_timing_destroy(sv_timing *timing);
+
+/* Forgets the events of the frame before. */
+void sv_timing_reset(sv_timing *timing);
+
+/* Where an enqueue call shall put its event, or NULL while timing is off. */
+cl_event *sv_timing_slot(sv_timing *timing, sv_stage stage);
+
+/* Sums the stages of the last frame. */
+sv_status sv_timing_read(const sv_timing *timing, sv_diag *diag, sv_stage_times *out);
+
+#endif

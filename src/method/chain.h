@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The chain from the initial points to the surfaces:
+ *
+ *     ray states -> chain_gather -> points -> [minimum filter, n passes] -> points -> method -> surfaces ->
+ * S(q)
+ *
+ * At a reduced resolution chain_cells takes the place of chain_gather, the method works on a map of cells,
+ * and chain_spread brings its surfaces back to the pixels.
+ */
+#ifndef SV_CHAIN_H
+#define SV_CHAIN_H
+
+#include "method/method.h"
+
+typedef struct {
+    const sv_method *method;
+    bool direct;   /* the method takes the sums of the points stage: nothing is gathered */
+    bool linear;   /* in the depths: one run serves every q */
+    bool filtered; /* the minimum filter comes first */
+    bool reduced;  /* the method works on `cells` */
+    sv_map *frame; /* the frame's own map */
+    sv_map cells;
+    sv_method_state state, filter; /* of the method, of the pre-filter */
+    sv_kernel_set gather;
+} sv_chain;
+
+/* Most commands that one frame enqueues between points and surfaces. */
+uint32_t sv_chain_commands(const sv_config *config);
+
+/* Decides what the chain consists of. `frame` was initialised and must outlive the chain. Makes nothing. */
+void sv_chain_init(sv_chain *chain, sv_map *frame);
+
+/* Makes the buffers; the frame's map has its own. Then the kernels, and what they need once. */
+sv_status sv_chain_buffers(sv_chain *chain);
+sv_status sv_chain_build(sv_chain *chain);
+
+/* Safe on a zeroed struct. */
+void sv_chain_destroy(sv_chain *chain);
+
+/* The map that the method works on. */
+sv_map *sv_chain_map(sv_chain *chain);
+
+/* A frame begins: the frame's map has its job. */
+void sv_chain_begin(sv_chain *chain);
+
+/* Enqueues what the method wants of a slab, if it wants any. */
+sv_status sv_chain_slab(sv_chain *chain, const sv_placed_slab *slab);
+
+/* Enqueues everything from the points to the surfaces. `state16`: ray states. `q` counts if the chain is not
+ * linear. */
+sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q);
+
+#endif

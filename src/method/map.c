@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+#include "method/map.h"
+
+#include "device/buffer.h"
+#include "mean/mean_shared.h"
+#include "quantise.h"
+
+enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };
+
+/* A frame's fixed-point format on a map of these sides. */
+static sv_fixed format_of(const sv_config *c, uint32_t width, uint32_t height, uint32_t k,
+                          uint32_t weight_initial) {
+    return c->half_sums ? sv_half_format(c->slices, weight_initial)
+                        : sv_fixed_format(width, height, c->slices, k, weight_initial);
+}
+
+bool sv_map_needs_wide(const sv_config *c) {
+    for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
+        if (format_of(c, c->width, c->height, k, 4).wide) return true;
+    return false;
+}
+
+static uint32_t band_count(const sv_device *device, uint32_t strategy, uint32_t height) {
+    if (strategy != SV_STRATEGY_BANDS) return 1;
+    const uint32_t wanted = device->compute_units * BANDS_PER_UNIT;
+    const uint32_t most = (height + BAND_MIN_ROWS - 1) / BAND_MIN_ROWS;
+    return wanted < most ? wanted : most;
+}
+
+void sv_map_init(sv_map *m, const sv_queue *queue, const sv_config *c, uint32_t spacing, bool wide_sums) {
+    *m = (sv_map){.queue = queue, .config = c, .spacing = spacing};
+    m->width = sv_reduced_side(c->width, spacing);
+    m->height = sv_reduced_side(c->height, spacing);
+    m->padded_width = (m->width + SV_LANES - 1) / SV_LANES * SV_LANES;
+    m->bands = band_count(queue->device, c->strategy, m->height);
+    m->sum_bytes = wide_sums ? sizeof(cl_ulong) : sizeof(cl_uint);
+    m->doubles = queue->device->has_doubles && !c->float32;
+}
+
+static size_t plane_of(const sv_map *m) {
+    return (size_t)m->padded_width * m->height;
+}
+
+sv_status sv_map_buffers(sv_map *m, bool with_sums, cl_mem record) {
+    sv_status status = SV_OK;
+    m->record = record;
+    m->status = sv_buffer_make(m->queue, plane_of(m), &status);
+    if (with_sums) m->sums = sv_buffer_make(m->queue, SV_SUM_PLANES * plane_of(m) * m->sum_bytes, &status);
+    m->surfaces = sv_buffer_make(m->queue, 2 * plane_of(m) * sizeof(cl_float), &status);
+    return status;
+}
+
+sv_status sv_map_point_buffers(sv_map *m) {
+    sv_status status = SV_OK;
+    m->points = sv_buffer_make(m->queue, 3 * plane_of(m) * sizeof(cl_float), &status);
+    return status;
+}
+
+sv_status sv_map_prepare(const sv_map *m) {
+    const cl_float one = 1.0f;
+    const size_t plane = plane_of(m) * sizeof(cl_float);
+    return sv_clx_check(m->queue->diag,
+                        clEnqueueFillBuffer(m->queue->device->queue, m->points, &one, sizeof one, 2 * plane,
+                                            plane, 0, NULL, NULL),
+                        "clEnqueueFillBuffer");
+}
+
+void sv_map_release(sv_map *m) {
+    cl_mem *const own[] = {&m->status, &m->points, &m->sums, &m->surfaces};
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++) sv_buffer_release(own[i]);
+    m->record = NULL;
+}
+
+static void choose_format(sv_map *m) {
+    sv_job *j = &m->job;
+    j->width = m->width;
+    j->padded_width = m->padded_width;
+    j->height = m->height;
+    j->pass_limit = sv_pass_limit(m->width, m->height, j->k);
+    const sv_fixed format = format_of(m->config, m->width, m->height, j->k, j->weight_initial);
+    j->fraction = format.fraction;
+    m->program = format.wide ? m->wide : m->narrow;
+}
+
+void sv_map_begin(sv_map *m, const sv_job *job, const sv_values *values) {
+    m->job = *job;
+    m->values = *values;
+    choose_format(m);
+}
+
+void sv_map_begin_reduced(sv_map *m, const sv_map *frame) {
+    double *v = m->values.of;
+    m->job = frame->job;
+    m->values = frame->values;
+    m->job.k = sv_reduced_kernel(frame->job.k, m->spacing);
+    choose_format(m);
+    v[SV_PARAM_PREFILTER_KERNEL] = sv_reduced_kernel((uint32_t)v[SV_PARAM_PREFILTER_KERNEL], m->spacing);
+    v[SV_PARAM_LAMBDA] /= (double)m->spacing * m->spacing;
+}
+
+sv_status sv_map_done_passes(const sv_map *m) {
+    sv_launch l = SV_LAUNCH(m, band_record);
+    sv_launch_uint(&l, m->job.pass_limit);
+    sv_launch_buffer(&l, m->record);
+    return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The place a method works on: the frame's own pixels, or the cells of a reduced resolution. A method sees a
+ * map and nothing else of the frame; lengths, windows and weights in `job` and `values` are in the map's own
+ * pixels.
+ */
+#ifndef SV_MAP_H
+#define SV_MAP_H
+
+#include "common/sv_shared.h"
+#include "device/launch.h"
+#include "device/program.h"
+#include "method/config.h"
+#include "method/values.h"
+
+typedef struct {
+    const sv_queue *queue;
+    const sv_program *narrow, *wide; /* kernels with 32-bit sums, with 64-bit sums (NULL: never needed) */
+    const sv_config *config;         /* of the frame; its sizes are not the map's */
+    uint32_t width, height;
+    uint32_t padded_width; /* of the rows of every buffer: a multiple of SV_LANES */
+    uint32_t bands;        /* bands of rows that work items share, strategy bands */
+    uint32_t spacing;      /* pixels of the frame from one pixel of this map to the next */
+    uint32_t sum_bytes;    /* of a value in the mean filter's planes: 4, or 8 if a frame can need wide sums */
+    bool doubles;          /* the solvers compute in float64 */
+
+    /* Rows of padded_width. The map owns them, except for the record, which is the frame's. */
+    cl_mem status; /* 8 bits a pixel: SV_STATUS_* */
+    cl_mem points; /* near and far plane: float32 depth at initial points, INFINITY elsewhere; and a plane of
+                      how many points a point stands for: 1, or those of a cell. NULL if the method takes the
+                      sums. */
+    cl_mem
+        sums; /* the mean filter's first planes, where the points stage or the method writes them; or NULL */
+    cl_mem surfaces; /* near, far: float32 slices */
+    cl_mem
+        scanned;   /* planes SV_SCANNED_*, 16 bits; NULL unless config->ranged. The frame's, as the record. */
+    cl_mem record; /* SV_REC_* */
+
+    /* the frame under way, or the last one */
+    bool continues; /* the volume before is of the same scene: what it taught still holds */
+    sv_values values;
+    sv_job job;
+    const sv_program *program; /* narrow or wide */
+} sv_map;
+
+/* True if some frame with this format can need 64-bit sums. */
+bool sv_map_needs_wide(const sv_config *config);
+
+/* Sizes of a map whose pixels lie `spacing` pixels of the frame apart. Makes no buffer. `wide_sums`: planes
+ * of sums leave room for 64 bits. The pointed-to objects must outlive the map. */
+void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, uint32_t spacing,
+                 bool wide_sums);
+
+/* The buffers that every method needs, and (with_sums) the mean filter's first planes. */
+sv_status sv_map_buffers(sv_map *map, bool with_sums, cl_mem record);
+
+/* The maps of the points; sv_map_prepare then says that each point stands for one. */
+sv_status sv_map_point_buffers(sv_map *map);
+sv_status sv_map_prepare(const sv_map *map);
+void sv_map_release(sv_map *map);
+
+/* Takes a frame's job and values, and chooses what depends on the map's size: passes, and the format of the
+ * sums. */
+void sv_map_begin(sv_map *map, const sv_job *job, const sv_values *values);
+
+/* The same for a map of cells, whose frame is `frame`: lengths become its own. Lambda is an area
+ * (docs/algorithm.md). */
+void sv_map_begin_reduced(sv_map *map, const sv_map *frame);
+
+/* The map's record: every pixel has a surface after so many passes; or what the passes themselves counted. */
+sv_status sv_map_done_passes(const sv_map *map);
+
+/* A launch of one of the frame's kernels, by its name; with the map's job as the first argument. */
+#define SV_LAUNCH(map, name)     sv_launch_begin((map)->queue, (map)->program->name, #name)
+#define SV_LAUNCH_JOB(map, name) sv_launch_job((map)->queue, (map)->program->name, #name, &(map)->job)
+
+#endif

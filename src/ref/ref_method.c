@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+#include "ref/ref_method.h"
+
+#include "method_list.h"
+#include "quantise.h"
+#include "ref/ref_minimum.h"
+#include "ref/ref_reduce.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SV_REF_METHOD_TABLE(NAME, value, key) extern const sv_ref_method sv_ref_method_##key;
+SV_METHODS(SV_REF_METHOD_TABLE)
+#undef SV_REF_METHOD_TABLE
+
+#define SV_REF_METHOD_ENTRY(NAME, value, key) [value] = &sv_ref_method_##key,
+static const sv_ref_method *const methods[] = {SV_METHODS(SV_REF_METHOD_ENTRY)};
+#undef SV_REF_METHOD_ENTRY
+
+const sv_ref_settings sv_ref_default_settings = {
+    .kernel = 23, .fill_weight = 0.5, .data_weight = 1.0, .reduction = 1, .prefilter_kernel = 5};
+
+const sv_ref_method *sv_ref_method_of(uint32_t method) {
+    return method < sizeof methods / sizeof *methods ? methods[method] : NULL;
+}
+
+/* Pre-filter and method on a map whose settings are in its own pixels. */
+static bool filter_and_solve(const sv_ref_method *method, sv_ref_task task, double *surface,
+                             uint8_t *either) {
+    const sv_ref_settings *s = task.settings;
+    if (s->prefilter_passes == 0) return method->surface(&task, surface, either);
+    double *filtered = malloc((size_t)task.map.width * task.map.height * sizeof *filtered);
+    bool ok =
+        filtered && sv_ref_minimum_prefilter(&task.map, s->prefilter_kernel, s->prefilter_passes, filtered);
+    task.map.depth = filtered;
+    ok = ok && method->surface(&task, surface, either);
+    free(filtered);
+    return ok;
+}
+
+/* The same on cells. */
+static bool on_cells(const sv_ref_method *method, const sv_ref_task *task, double *surface) {
+    sv_ref_settings s = *task->settings;
+    const bool least = method->least || s.prefilter_passes > 0;
+    sv_ref_reduced cells;
+    if (!sv_ref_reduce(&task->map, s.reduction, least, &cells)) return false;
+    s.kernel = sv_reduced_kernel(s.kernel, s.reduction);
+    s.prefilter_kernel = sv_reduced_kernel(s.prefilter_kernel, s.reduction);
+    s.lambda /= (double)s.reduction * s.reduction; /* an area */
+    double *small = malloc((size_t)cells.map.width * cells.map.height * sizeof *small);
+    const sv_ref_task inner = {.map = cells.map, .settings = &s};
+    const bool ok = small && filter_and_solve(method, inner, small, NULL);
+    if (ok) sv_ref_spread(small, task->map.width, task->map.height, s.reduction, surface);
+    free(small);
+    sv_ref_reduced_free(&cells);
+    return ok;
+}
+
+bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either) {
+    if (either) memset(either, 0, (size_t)task->map.width * task->map.height);
+    if (method->takes_volume) return method->surface(task, surface, either);
+    if (task->settings->reduction > 1) return on_cells(method, task, surface);
+    return filter_and_solve(method, *task, surface, either);
+}

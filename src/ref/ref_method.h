@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The scalar definition of every method behind one signature, and of the chain around it: pre-filter, reduced
+ * resolution. Tests and benchmark hold the kernels to it, and the plugin's self-test asks the device for an
+ * answer computed here.
+ */
+#ifndef SV_REF_METHOD_H
+#define SV_REF_METHOD_H
+
+#include "ref/ref_map.h"
+#include "ref/ref_volume.h"
+
+/* The plugin's parameters of these names; lengths in pixels of the frame. */
+typedef struct {
+    uint32_t kernel;    /* odd */
+    double fill_weight; /* 0..1 */
+    double lambda;
+    uint32_t merge_grid, spline_grid;
+    double data_weight;
+    uint32_t reduction;                          /* 1: pixels */
+    uint32_t prefilter_passes, prefilter_kernel; /* passes 0: no pre-filter */
+} sv_ref_settings;
+
+/* What the plugin takes for them by default, at every pixel and without merging. */
+extern const sv_ref_settings sv_ref_default_settings;
+
+/* What a method works on. `map`: the points, with depths S(q); its spacing tells pixels of the frame from
+ * cells. `volume` and `q`: for a method that takes the volume; else they may be left out. */
+typedef struct {
+    sv_ref_map map;
+    const sv_ref_volume *volume;
+    double q;
+    const sv_ref_settings *settings;
+} sv_ref_task;
+
+typedef struct {
+    const char *name;  /* of the plugin's parameter value */
+    bool takes_volume; /* the volume, not the points: no pre-filter and no reduction */
+    bool least; /* a cell of a reduced map stands for the least depth of its points, not for their mean */
+
+    /* The surface at every pixel of task->map, in slices. `either` (may be NULL): 1 at pixels where two
+     * answers are right. False if memory runs out. */
+    bool (*surface)(const sv_ref_task *task, double *surface, uint8_t *either);
+} sv_ref_method;
+
+/* The definition of method SV_METHOD_* (method_list.h), or NULL if there is none. */
+const sv_ref_method *sv_ref_method_of(uint32_t method);
+
+/* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those of
+ * the frame. */
+bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either);
+
+#endif

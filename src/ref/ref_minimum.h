@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/* The minimum filter (thesis 3.3, Algorithm 4.4). */
+#ifndef SV_REF_MINIMUM_H
+#define SV_REF_MINIMUM_H
+
+#include "ref/ref_method.h"
+
+/* Passes of a k x k minimum until no pixel is empty. Minima round nothing, so this is exact. */
+bool sv_ref_minimum(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill);
+
+/* The pre-filter: `passes` passes, then initial points only. `filtered` holds their new depths. */
+bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes, double *filtered);
+
+/* The plugin's method. */
+extern const sv_ref_method sv_ref_method_minimum;
+
+#endif
