@@ -109,6 +109,11 @@
 #define SV_STATE_MAX_EXIT  3 /* exit that was current when the maximum was met */
 #define SV_STATE16_PLANES  4
 
+/* Planes of the scanned ranges: a ray's slices first .. end - 1 were scanned. */
+#define SV_SCANNED_FIRST  0
+#define SV_SCANNED_END    1
+#define SV_SCANNED_PLANES 2
+
 /* Planes of the reconstruction: weight * near end, weight * far end (fixed point), weight. */
 #define SV_SUM_NEAR   0
 #define SV_SUM_FAR    1

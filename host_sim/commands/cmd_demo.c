@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "base/paths.h"
 #include "commands/run_print.h"
+#include "loop/clipper.h"
 #include "picture/page_html.h"
 #include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
@@ -183,7 +184,7 @@ static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *fol
     if (ok) {
         hs_page_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
         hs_page_text(&d->report, what_it_is(run));
-        show_pictures(d, run, folder, run->results[HS_SETTING_SMARTVIS].outcome == SV_OK);
+        show_pictures(d, run, folder, hs_outcome_clips(run->results[HS_SETTING_SMARTVIS].outcome));
         hs_page_folded(&d->report, "Times and statistics", numbers ? numbers : "");
     }
     free(numbers);

@@ -70,7 +70,7 @@ void hs_eval_case_release(hs_eval_case *c);
 bool hs_eval_case_replace(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin,
                           const hs_eval_values *fixed, hs_error *err);
 
-/* Measures one setting for every position of the knob. What the plugin does not clip (any status but SV_OK)
+/* Measures one setting for every position of the knob. What the plugin does not clip (hs_outcome_clips)
  * is measured unclipped, as the host renders it. *outcome is the plugin's for the first position. */
 bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob,
                           hs_measures *out, sv_status *outcome, hs_error *err);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_compare.h"
 
+#include "loop/clipper.h"
 #include "plugin/loader.h"
 
 #include <math.h>
@@ -52,7 +53,7 @@ static bool measure(hs_eval_method *m, hs_eval_case *c, uint32_t index, uint32_t
     here.count = 1;
     here.value[0] = here.exists ? knob_position(m) : 0;
     if (!hs_eval_case_measure(c, &m->values, &here, at, &outcome, err)) return false;
-    m->no_surface += outcome != SV_OK;
+    m->no_surface += !hs_outcome_clips(outcome);
     m->of[HS_METHOD_ABS][index][seed] = at[0].of[HS_MEASURE_ABS];
     m->of[HS_METHOD_CUT][index][seed] = at[0].of[HS_MEASURE_FETUS_CUT];
     m->of[HS_METHOD_LEFT][index][seed] = at[0].of[HS_MEASURE_OCCLUDER_LEFT];

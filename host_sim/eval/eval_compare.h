@@ -28,7 +28,7 @@ typedef struct {
     hs_plugin plugin;
     hs_eval_values values;
     hs_eval_knob knob;
-    uint32_t no_surface; /* frames without SV_OK, of cases * seeds */
+    uint32_t no_surface; /* frames that were not clipped, of cases * seeds */
     float of[HS_METHOD_COUNT][HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS]; /* by case and seed */
 } hs_eval_method;
 

@@ -132,6 +132,10 @@ bool hs_clipper_wants_confidence(const hs_clipper *clipper) {
 
 /* ---------------------------------------------------------------------------------------------- frame -- */
 
+bool hs_outcome_clips(sv_status outcome) {
+    return outcome == SV_OK || outcome == SV_PARTIAL;
+}
+
 /* Where the plugin shall write; the statistics are emptied. */
 static sv_result make_result(hs_clipper *clipper) {
     clipper->stats = (sv_stats){.size = sizeof clipper->stats};
@@ -142,7 +146,8 @@ static sv_result make_result(hs_clipper *clipper) {
                        .stats = &clipper->stats};
 }
 
-/* begin, every slab, end. Returns the first status that is not SV_OK; *call names the call it came from. */
+/* begin, every slab, end. A note (a positive status) of begin or slab changes nothing: the outcome is that of
+ * end. Returns it, or the first error; *call names the call it came from. */
 static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **call) {
     const sv_plugin *instance = clipper->plugin->instance;
     const sv_frame frame = {.size = sizeof frame,
@@ -151,13 +156,13 @@ static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **ca
                             .value_count = clipper->value_count};
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);
-    for (uint32_t i = 0; status == SV_OK && i < hs_slabs_count(clipper->slabs); i++) {
+    for (uint32_t i = 0; status >= SV_OK && i < hs_slabs_count(clipper->slabs); i++) {
         sv_slab slab;
         *call = "slab";
         hs_slabs_describe(clipper->slabs, i, &slab);
         status = instance->slab(instance, &slab);
     }
-    if (status != SV_OK) return status;
+    if (status < SV_OK) return status;
     *call = "end";
     const sv_result result = make_result(clipper);
     return instance->end(instance, &result);
@@ -177,7 +182,7 @@ static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
 static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_clip *clip, hs_error *err) {
     *clip = (hs_clip){.outcome = status};
     if (status >= SV_OK) hs_plugin_points(clipper->plugin->instance, &clipper->points);
-    if (status == SV_OK && !enqueue_maps(clipper, err)) return false;
+    if (hs_outcome_clips(status) && !enqueue_maps(clipper, err)) return false;
     /* Waiting here costs some 30 us and settles two things: the statistics are valid, and the host knows the
      * outcome before it renders. After a failure the plugin's commands may still be under way, too. */
     if (!hs_cl_check(clFinish(clipper->cl->queue), "clFinish (plugin)", err)) return false;
@@ -189,7 +194,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     clip->points = clipper->points;
     /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
     if (status == SV_OK) clip->outcome = clipper->stats.outcome;
-    clip->clipped = clip->outcome == SV_OK;
+    clip->clipped = hs_outcome_clips(clip->outcome);
     clip->sure = clip->clipped && hs_confidence_map_settle(clipper->confidence);
     return true;
 }

@@ -18,9 +18,13 @@ typedef struct {
     uint32_t value_count;
 } hs_clipper_options;
 
+/* True if a frame that came to this has a map to draw: SV_OK, or SV_PARTIAL, whose pixels without a surface
+ * are 0 and clip nothing. */
+bool hs_outcome_clips(sv_status outcome);
+
 /* What a call of the plugin came to. */
 typedef struct {
-    bool clipped;            /* the map may be used: the outcome is SV_OK */
+    bool clipped;            /* the map may be used: hs_outcome_clips */
     bool sure;               /* and so may its confidence */
     sv_status outcome;       /* the plugin's; SV_ERR_STATE if it is not there or not active */
     sv_stats stats;          /* the plugin's; zeros if it failed */

@@ -17,7 +17,7 @@
 /* What one frame came to. */
 typedef struct {
     double ms[HS_STAGE_COUNT];
-    bool clipped;            /* the picture was rendered with the plugin's map: its status was SV_OK */
+    bool clipped;            /* the picture was rendered with the plugin's map (hs_outcome_clips) */
     bool sure;               /* and its ghosting with the plugin's confidence */
     sv_status outcome;       /* the plugin's, SV_OK if it was not asked */
     sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */

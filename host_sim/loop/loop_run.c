@@ -28,6 +28,7 @@ static void count_outcome(hs_loop_result *result, const hs_frame *frame) {
         result->note_frames++;
     else
         result->failed_frames++;
+    result->partial_frames += frame->clipped && frame->outcome == SV_PARTIAL;
     result->outcome = frame->outcome;
     result->stats = frame->stats;
     result->points = frame->points;

@@ -16,7 +16,8 @@ typedef struct {
     hs_setting setting;
     uint32_t frames;
     uint32_t clipped_frames; /* rendered with the plugin's map */
-    uint32_t note_frames;    /* the plugin gave a positive status: rendered unclipped */
+    uint32_t partial_frames; /* those of them whose map has pixels without a surface (SV_PARTIAL) */
+    uint32_t note_frames;    /* the plugin found no surface: rendered unclipped */
     uint32_t failed_frames;  /* the plugin failed or was not there: rendered unclipped */
     hs_timing stage[HS_STAGE_COUNT];
     double volumes_per_second; /* 1000 / median of the whole loop */

@@ -12,11 +12,15 @@
  *   depthmap.png                      the clipping depthmap in false colour, with a legend
  *   points.png                        initial points over the maximum intensity projection
  *   confidence.png                    the plugin's confidence, if it gave one
- * `title` names source and plugin. `note` (may be NULL) says why the result is unclipped; `cell` is the width
+ * `title` names source and plugin. `note` (may be NULL) is what hs_frame_note says; `cell` is the width
  * of a picture in panel.png in pixels, 0: 512.
  */
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err);
+
+/* What a person must know of a frame beside its picture: that it is unclipped and why (`failure`, what the
+ * plugin failed with), or how many pixels have no surface. NULL if there is nothing to say, else `out`. */
+const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);
 
 #define HS_ORBIT_VIEWS 6u
 

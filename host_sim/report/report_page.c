@@ -3,6 +3,7 @@
 
 #include "base/paths.h"
 #include "eval/eval_thesis.h"
+#include "loop/clipper.h"
 #include "report/report_page_beside.h"
 #include "report/report_page_figures.h"
 #include "report/report_page_parts.h"
@@ -56,7 +57,7 @@ static void put_intro(hs_page *report, const hs_eval_study *study) {
 }
 
 static void put_pictures(hs_page *report, const hs_eval_study *study, uint32_t index) {
-    const bool clipped = study->result[index].shown_outcome == SV_OK;
+    const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
     hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");

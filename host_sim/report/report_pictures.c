@@ -107,12 +107,14 @@ static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case 
 static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
                  const char *folder, hs_error *err) {
     hs_view view;
+    char note[160];
     const hs_eval_drawing drawing = drawing_of(study, c, values, HS_EVAL_PICTURE);
     hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
+        const char *said = hs_frame_note(&view.frame, "the plugin failed", note, sizeof note);
         ok = hs_loop_write_pictures(&view, folder, study->space[index].name,
-                                    view.frame.clipped ? NULL : "Unclipped", HS_EVAL_PICTURE, err);
+                                    view.frame.clipped ? said : "Unclipped", HS_EVAL_PICTURE, err);
         clipped = view.frame.clipped;
         hs_view_free(&view);
     }
