@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
-#include "base/cli.h"
 #include "frame/bench_cli.h"
 #include "frame/bench_files.h"
 #include "frame/bench_method.h"
@@ -179,7 +178,7 @@ static bool set_option(void *all, int option, hs_error *err) {
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
     *o =
         (options){.frames = 100, .host_frames = 20, .host_size = 400, .plugin_part = true, .host_part = true};
-    hs_cli_default_plugin(o->plugin, sizeof o->plugin);
+    hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     fill_defaults(o);
     return true;

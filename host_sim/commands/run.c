@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands/run.h"
 
-#include "base/cli.h"
 #include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "report/loop_knob.h"
@@ -25,7 +24,7 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     if (r->plugin_path)
         (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", r->plugin_path);
     else
-        hs_cli_default_plugin(run->plugin_path, sizeof run->plugin_path);
+        hs_plugin_default_path(run->plugin_path, sizeof run->plugin_path);
     run->has_plugin =
         hs_plugin_open(&run->plugin, run->plugin_path, r->plugin_id, r->log_level, &run->earlier_error);
     if (!run->has_plugin) return true;
