@@ -4,7 +4,7 @@
 #define BENCH_HOST_H
 
 #include "frame/bench_times.h"
-#include "loop/loop.h"
+#include "loop/loop_run.h"
 
 typedef struct {
     const hs_plugin *plugin;

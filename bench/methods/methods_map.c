@@ -34,7 +34,7 @@ void methods_map_free(methods_map *map) {
 /* Status and ends of the volume's rays, by the definition of the ray profile with the plugin's defaults. */
 static bool find_points(methods_map *map, hs_error *err) {
     const size_t rays = (size_t)map->n * map->n;
-    const sv_ref_volume volume = {map->voxels, map->n, map->n, METHODS_SLICES, NO_SCAN_PADDING};
+    const sv_ref_volume volume = {map->voxels, map->n, map->n, METHODS_SLICES, NO_SCAN_PADDING, NULL};
     const sv_ref_bone bone = {.fluid_threshold = (BENCH_FLUID_LEVEL + 0.5) / 255.0,
                               .bone_mode = SV_REF_OFFSET,
                               .bone_offset = 0.24};

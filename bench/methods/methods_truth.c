@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "methods/methods_truth.h"
 
-#include "loop/loop.h"
+#include "loop/view.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -84,7 +84,7 @@ static bool score(const surf_case *c, int i, uint8_t *voxels, double *maps, floa
     const size_t pixels = (size_t)c->n * c->n;
     const sv_ref_cost_layout l = changed_layout(c->n, i);
     amplify(c->voxels, pixels * c->n, changes[i].gain > 0.0 ? changes[i].gain : 1.0, voxels);
-    const sv_ref_volume v = {voxels, c->n, c->n, c->n, 0};
+    const sv_ref_volume v = {voxels, c->n, c->n, c->n, 0, NULL};
     if (!sv_ref_cost_surface_with(&v, &l, maps, maps + pixels, maps + 2 * pixels, NULL, NULL))
         return hs_fail(err, HS_ERR_MEMORY, "no memory for the cost volume");
     for (size_t p = 0; p < pixels; p++) depth[p] = (float)(0.5 * (maps[p] + maps[pixels + p]));

@@ -39,6 +39,11 @@
 #define SV_STATE_MAX_EXIT  3 /* exit that was current when the maximum was met */
 #define SV_STATE16_PLANES  4
 
+/* Planes of the scanned ranges: a ray's slices first .. end - 1 were scanned. */
+#define SV_SCANNED_FIRST  0
+#define SV_SCANNED_END    1
+#define SV_SCANNED_PLANES 2
+
 /* Words of the frame's record on the device. The first are sv_stats of the ABI, word for word (`size`
  * unused), and those from SV_REC_EMPTY on sv_points_report, so that a read of the record is the host's
  * struct. */

@@ -13,17 +13,22 @@
 #define MOST_SHRINK (8192 / SV_COST_RAYS)
 #define MOST_PER    ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
 
-/* A slab as it lies in its texture, and the grey level that was not scanned (above 255: none). */
+/* A slab as it lies in its texture, and what of it was not scanned: a grey level (above 255: none), and what
+ * lies outside the rays' scanned ranges (profile/scanned.cl), if there are any. */
 typedef struct {
     __global const uchar *texture;
     uint row_pitch, tiles_x, tile_w, tile_h;
     uint padding;
+    bool ranged;
+    __global const ushort *first, *end;
+    uint padded_width; /* of their rows */
 } slab_t;
 
 /* Slices of a slab that belong to one bin. */
 typedef struct {
     uint bin, count;
     bool begun, ends; /* the bin began in a slab before; it ends with these slices */
+    uint first;       /* number of the first of them in the volume */
     __global const uchar *slice[MOST_PER];
 } piece_t;
 
@@ -49,9 +54,16 @@ static uchar16 load_voxels(__global const uchar *row, uint x, uint width) {
     return lanes[0];
 }
 
-/* 255 where a voxel was scanned. */
-static uchar16 scanned_of(uchar16 v, uint padding) {
-    return padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)padding));
+/* 255 where a voxel of slice `slice`, pixels x to x + 15 of row y, was scanned. */
+static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y) {
+    uchar16 scanned = s->padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)s->padding));
+    if (s->ranged) {
+        const size_t at = (size_t)y * s->padded_width + x;
+        const short16 inside = vload16(0, s->first + at) <= (ushort16)((ushort)slice) &
+                               vload16(0, s->end + at) > (ushort16)((ushort)slice);
+        scanned &= as_uchar16(convert_char16(inside));
+    }
+    return scanned;
 }
 
 /* A row of rays whose bins are single voxels. */
@@ -64,7 +76,7 @@ static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice,
         __global uchar16 *to = bins + ((size_t)(first_slice + i) * l->rows + y) * vectors;
         for (uint x = 0; x < vectors; x++) {
             const uchar16 v = load_voxels(row, x * SV_LANES, l->width);
-            to[x] = max(v, (uchar16)(1)) & scanned_of(v, s->padding);
+            to[x] = max(v, (uchar16)(1)) & scanned_of(s, v, first_slice + i, x * SV_LANES, y);
         }
         to[vectors - 1] &= inside;
     }
@@ -98,7 +110,7 @@ static void add_piece(const slab_t *s, const sv_cost_layout *l, const piece_t *p
         }
         for (uint i = 0; i < piece->count; i++) {
             const uchar16 v = load_voxels(piece->slice[i] + at, x, l->width);
-            const uchar16 scanned = scanned_of(v, s->padding) & inside;
+            const uchar16 scanned = scanned_of(s, v, piece->first + i, x, y) & inside;
             some += convert_ushort16(v & scanned);
             number -= scanned;
         }
@@ -146,14 +158,26 @@ static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *pie
     }
 }
 
-/* One work item per row of rays. `padding` above 255: every voxel was scanned. `partial`: sums, then numbers
- * of scanned voxels, of the pixels of the bin that a slab left unfinished; unused where bins are voxels. */
+/* One work item per row of rays. `padding` above 255: no grey level means "not scanned"; `ranged`: `scanned`
+ * tells what was. `partial`: sums, then numbers of scanned voxels, of the pixels of the bin that a slab left
+ * unfinished; unused where bins are voxels. */
 __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
                         uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
+                        uint ranged, uint padded_width, __global const ushort *restrict scanned,
                         sv_cost_layout l, __global ushort16 *restrict partial,
                         __global uchar16 *restrict bins) {
     const uint row = (uint)get_global_id(0);
-    const slab_t s = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h, padding};
+    const size_t plane = (size_t)padded_width * l.height;
+    const slab_t s = {.texture = slab + slab_offset,
+                      .row_pitch = row_pitch,
+                      .tiles_x = tiles_x,
+                      .tile_w = tile_w,
+                      .tile_h = tile_h,
+                      .padding = padding,
+                      .ranged = ranged != 0,
+                      .first = scanned + SV_SCANNED_FIRST * plane,
+                      .end = scanned + SV_SCANNED_END * plane,
+                      .padded_width = padded_width};
     if (l.shrink == 1 && l.bin_slices == 1) {
         copy_row(&s, &l, first_slice, slice_count, row, bins);
         return;
@@ -166,6 +190,7 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
         piece.count = min(end - slice, slice_count - first);
         piece.begun = slice > piece.bin * l.bin_slices;
         piece.ends = slice + piece.count == end;
+        piece.first = slice;
         for (uint i = 0; i < piece.count; i++) piece.slice[i] = slice_at(&s, first + i);
         add_row(&s, &l, &piece, row, partial, bins);
     }

@@ -14,12 +14,26 @@
 #define SV_PADDED 0
 #endif
 
-static bool not_scanned(uint v, uint padding) {
-#if SV_PADDED
-    return v == padding;
-#else
-    return false;
+/* 1: every ray has a range of scanned slices, in two planes (profile/scanned.cl). */
+#ifndef SV_RANGED
+#define SV_RANGED 0
 #endif
+
+/* What slices are compared with: grey levels, and the ray's scanned slices. */
+typedef struct {
+    uint level, level_n, padding;
+    uint first, end;
+} ray_limits_t;
+
+static bool not_scanned(uint v, uint slice, const ray_limits_t *l) {
+    bool none = false;
+#if SV_PADDED
+    none = v == l->padding;
+#endif
+#if SV_RANGED
+    none = none || slice < l->first || slice >= l->end;
+#endif
+    return none;
 }
 
 /* What a ray remembers; positions in samples from the start of the volume. */
@@ -38,17 +52,17 @@ static uint ray_crossing_step(uint a, uint b, bool b_is_tissue, uint level_n) {
     return step;
 }
 
-static void ray_slice(ray_t *r, uint v, uint slice, uint level, uint level_n, uint padding) {
-    if (not_scanned(v, padding)) {
+static void ray_slice(ray_t *r, uint v, uint slice, const ray_limits_t *l) {
+    if (not_scanned(v, slice, l)) {
         r->last = v;
         return;
     }
-    const bool tissue = v > level;
-    const bool follows = slice > 0 && !not_scanned(r->last, padding);
+    const bool tissue = v > l->level;
+    const bool follows = slice > 0 && !not_scanned(r->last, slice - 1, l);
     /* Computed for every slice and selected afterwards, as profile_strip.cl does. Computed in a branch, it
      * stops PoCL 6.0: the compiler moves the read of r->last into the branch, needs a second round to settle,
      * allows itself only one, and aborts the process. */
-    const uint crossing = ray_crossing_step(r->last, v, tissue, level_n);
+    const uint crossing = ray_crossing_step(r->last, v, tissue, l->level_n);
     const uint step = follows ? crossing : SV_SUBSTEPS;
     const uint position = slice * SV_SUBSTEPS - SV_SUBSTEPS + step;
     if (tissue && !r->tissue) r->entry = position;
@@ -64,14 +78,19 @@ static void ray_slice(ray_t *r, uint v, uint slice, uint level, uint level_n, ui
 
 __kernel void profile_rays(__global const uchar *restrict slabs, sv_batch batch, uint row_pitch, uint tiles_x,
                            uint tile_w, uint tile_h, uint width, uint padded_width, uint height, uint level,
-                           uint level_n, uint padding, __global uchar *restrict state8,
-                           __global ushort *restrict state16) {
+                           uint level_n, uint padding, __global const ushort *restrict scanned,
+                           __global uchar *restrict state8, __global ushort *restrict state16) {
     const uint x = (uint)get_global_id(0);
     const uint y = (uint)get_global_id(1);
     if (x >= width) return;
     const size_t plane_size = (size_t)padded_width * height;
     __global uchar *s8 = state8 + (size_t)y * padded_width + x;
     __global ushort *s16 = state16 + (size_t)y * padded_width + x;
+    ray_limits_t limits = {level, level_n, padding, 0, 0};
+#if SV_RANGED
+    limits.first = scanned[SV_SCANNED_FIRST * plane_size + (size_t)y * padded_width + x];
+    limits.end = scanned[SV_SCANNED_END * plane_size + (size_t)y * padded_width + x];
+#endif
     ray_t r = {0, 1, 0, 0, 0, 0, 0};
     uint slice = batch.first_slice;
     if (slice > 0) {
@@ -87,7 +106,7 @@ __kernel void profile_rays(__global const uchar *restrict slabs, sv_batch batch,
         for (uint i = 0; i < batch.slices[n]; i++, slice++) {
             const size_t row = (size_t)(i / tiles_x) * tile_h + y;
             const uint v = slabs[batch.offset[n] + row * row_pitch + (size_t)(i % tiles_x) * tile_w + x];
-            ray_slice(&r, v, slice, level, level_n, padding);
+            ray_slice(&r, v, slice, &limits);
         }
     s8[SV_STATE_MAX * plane_size] = (uchar)r.maximum;
     s8[SV_STATE_TISSUE * plane_size] = r.tissue ? (uchar)255 : (uchar)0;

@@ -30,6 +30,11 @@
 #define SV_PADDED 0
 #endif
 
+/* 1: every ray has a range of scanned slices, in two planes (profile/scanned.cl). Structure, as SV_PADDED. */
+#ifndef SV_RANGED
+#define SV_RANGED 0
+#endif
+
 /* Slices whose relative positions fit eight bits. */
 #define STRIP_CHUNK (254 / SV_SUBSTEPS)
 
@@ -39,6 +44,10 @@ typedef struct {
     u8v tissue;
     u8v last;
     u8v entry, exit, max_entry, max_exit; /* relative position; 0: not in this chunk */
+#if SV_RANGED
+    u8v opens; /* relative position of the ray's first scanned slice; 0: it lies before this chunk */
+    u8v ends;  /* relative position of its last one; 0: it lies before this chunk */
+#endif
 } strip_t;
 
 /* Grey levels as the slices are compared with them; `level_n` is T_L in units of 1 / SV_SUBSTEPS level. */
@@ -70,8 +79,14 @@ static u8v crossing_step(u8v a, u8v b, u8v b_is_tissue, ushort level_n) {
 static void strip_slice(strip_t *s, u8v v, uint slice, bool alone, strip_levels_t levels) {
     u8v tissue = AS_U8V(v > U8V(levels.level));
     u8v value = v;
+#if SV_PADDED || SV_RANGED
+    u8v unscanned = U8V(0);
 #if SV_PADDED
-    const u8v unscanned = AS_U8V(v == U8V(levels.padding));
+    unscanned = AS_U8V(v == U8V(levels.padding));
+#endif
+#if SV_RANGED
+    unscanned |= AS_U8V(U8V(slice + 1) < s->opens) | AS_U8V(U8V(slice + 1) > s->ends);
+#endif
     tissue = (tissue & ~unscanned) | (s->tissue & unscanned);
     value = v & ~unscanned;
 #endif
@@ -79,6 +94,9 @@ static void strip_slice(strip_t *s, u8v v, uint slice, bool alone, strip_levels_
     u8v step = crossing_step(s->last, v, tissue, levels.level_n);
 #if SV_PADDED
     step = s->last == U8V(levels.padding) ? U8V(SV_SUBSTEPS) : step;
+#endif
+#if SV_RANGED
+    step = s->opens == U8V(slice + 1) ? U8V(SV_SUBSTEPS) : step;
 #endif
     const u8v position = (alone ? U8V(SV_SUBSTEPS) : step) + U8V(slice * SV_SUBSTEPS);
     s->last = v;
@@ -184,9 +202,22 @@ static void strip_merge(const strip_t *s, u8v old_maximum, __global uchar *state
 /* What a work item needs to know of the map and of the state. */
 typedef struct {
     uint y, width, padded_width, height;
+    __global const ushort *scanned;
     __global uchar *state8;
     __global ushort *state16;
 } strip_row_t;
+
+#if SV_RANGED
+/* Slices to positions relative to a chunk that begins at slice `before`, of which 0 lies before the chunk and
+ * 255 behind any: `first` is its own slice's position, `end` that of the slice before it. */
+static void strip_range(strip_t *s, u16v first, u16v end, uint before) {
+    const u16v base = U16V(before);
+    const u16v opens = first < base ? U16V(0) : first - base + U16V(1);
+    const u16v ends = end < base ? U16V(0) : end - base;
+    s->opens = NARROW_U(opens > U16V(255) ? U16V(255) : opens);
+    s->ends = NARROW_U(ends > U16V(255) ? U16V(255) : ends);
+}
+#endif
 
 /* Slices done .. done + count - 1 of a slab (no more than fit a chunk) for every vector of a row. `texture`
  * is the slab's texture at this row, `before` the slices of the volume that came before slice `done`. */
@@ -211,6 +242,10 @@ static void strip_row(const strip_row_t *r, __global const uchar *texture, strip
         if (!first) s.last = U8V_LOAD(STATE_AT(state8, SV_STATE_LAST));
 #endif
         s.entry = s.exit = s.max_entry = s.max_exit = U8V(0);
+#if SV_RANGED
+        strip_range(&s, U16V_LOAD(r->scanned + SV_SCANNED_FIRST * plane_size + offset),
+                    U16V_LOAD(r->scanned + SV_SCANNED_END * plane_size + offset), before);
+#endif
         const u8v old_maximum = s.maximum;
         if (clip)
             strip_chunk(&s, texture, t, x, r->width, done, count, first, levels, true);
@@ -223,8 +258,9 @@ static void strip_row(const strip_row_t *r, __global const uchar *texture, strip
 __kernel void profile_strip(__global const uchar *restrict slabs, sv_batch batch, uint row_pitch,
                             uint tiles_x, uint tile_w, uint tile_h, uint width, uint padded_width,
                             uint height, uint level, uint level_n, uint padding,
-                            __global uchar *restrict state8, __global ushort *restrict state16) {
-    const strip_row_t row = {(uint)get_global_id(0), width, padded_width, height, state8, state16};
+                            __global const ushort *restrict scanned, __global uchar *restrict state8,
+                            __global ushort *restrict state16) {
+    const strip_row_t row = {(uint)get_global_id(0), width, padded_width, height, scanned, state8, state16};
     const strip_texture_t t = {row_pitch, tiles_x, tile_w, tile_h};
     const strip_levels_t levels = {(uchar)level, (ushort)level_n, (uchar)padding};
     uint before = batch.first_slice;

@@ -8,14 +8,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The subcommands. Each gets its own name as argv[0] and returns the exit code (hs_code). */
-int hs_cmd_run(int argc, char **argv);
-int hs_cmd_demo(int argc, char **argv);
-int hs_cmd_list(int argc, char **argv);
-int hs_cmd_info(int argc, char **argv);
-int hs_cmd_scene(int argc, char **argv);
-int hs_cmd_report(int argc, char **argv);
-
 /* The exit codes, for the end of every --help. */
 extern const char hs_exit_codes_help[];
 

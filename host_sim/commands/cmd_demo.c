@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
+#include "commands/cmd_demo.h"
+
 #include "base/cli.h"
-#include "commands/run.h"
+#include "commands/run_print.h"
+#include "loop/clipper.h"
 #include "picture/page_html.h"
 #include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
@@ -181,7 +183,7 @@ static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *fol
     if (ok) {
         hs_report_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
         hs_report_text(&d->report, what_it_is(run));
-        show_pictures(d, run, folder, run->results[HS_SETTING_SMARTVIS].outcome == SV_OK);
+        show_pictures(d, run, folder, hs_outcome_clips(run->results[HS_SETTING_SMARTVIS].outcome));
         hs_report_folded(&d->report, "Times and statistics", numbers ? numbers : "");
     }
     free(numbers);
@@ -218,10 +220,9 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
 static void write_intro(demo *d) {
     hs_report_text(&d->report,
                    "In 3D ultrasound tissue, cord and particles often hide the fetus. For every viewing ray "
-                   "the plugin finds a "
-                   "depth in the amniotic fluid between them and the fetus; the renderer starts its rays "
-                   "there. Each case below "
-                   "shows the full volume, the result, and for synthetic scenes the ground truth.");
+                   "the plugin finds a depth in the amniotic fluid between them and the fetus; the renderer "
+                   "starts its rays there. Each case below shows the full volume, the result, and for "
+                   "synthetic scenes the ground truth.");
 }
 
 static void write_table(demo *d) {
@@ -232,8 +233,7 @@ static void write_table(demo *d) {
     hs_report_text(
         &d->report,
         "Volumes a second from the median of the whole loop, in the three settings of the thesis' Figure "
-        "5.21: "
-        "DVR alone and DVR with scan conversion render the full volume, unclipped; with the plugin the "
+        "5.21: DVR alone and DVR with scan conversion render the full volume, unclipped; with the plugin the "
         "rays start at its depthmap. The plugin's share is that of a whole frame.");
     hs_report_table_begin(&d->report);
     hs_report_table_row(&d->report, names, COLUMNS);

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim info: what a MetaImage volume is, as the simulator sees it. */
+#include "commands/cmd_info.h"
+
 #include "base/cli.h"
 #include "commands/run.h"
 
 #include <getopt.h>
+#include <stdio.h>
 #include <string.h>
 
 #define BINS      16 /* of 16 grey levels each */

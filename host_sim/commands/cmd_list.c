@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim list: what a plugin library holds and which parameters its plugins have, from the ABI alone. */
+#include "commands/cmd_list.h"
+
 #include "base/cli.h"
-#include "plugin/loader.h"
+#include "plugin/loader_param.h"
 
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
+
+#define MAX_NAMES 64u /* of an enum; one with more is shown as a range */
 
 static const char help_text[] =
     "Usage: host_sim list [--plugin PATH]\n"
@@ -39,27 +42,29 @@ static void value_text(const sv_plugin *p, const sv_param_info *info, double val
 }
 
 /* "0 .. 1.5" or, for an enum, all its names. */
-static void range_text(const sv_plugin *p, const sv_param_info *info, char *out, size_t bytes) {
-    char low[64], high[64];
+static void range_text(const hs_plugin *plugin, const sv_param_info *info, char *out, size_t bytes) {
+    const uint32_t names = hs_plugin_enum_count(info);
+    char low[HS_ENUM_NAME], high[HS_ENUM_NAME];
+    double value;
     size_t used = 0;
-    const double step = info->step > 0 ? info->step : 1;
-    if (info->type == SV_PARAM_ENUM && (info->max_value - info->min_value) / step < 64) {
-        for (double v = info->min_value; v <= info->max_value && used < bytes; v += step) {
-            value_text(p, info, v, low, sizeof low);
-            used += (size_t)snprintf(out + used, bytes - used, "%s%s", used ? " | " : "", low);
-        }
+    if (names == 0 || names > MAX_NAMES) {
+        value_text(plugin->instance, info, info->min_value, low, sizeof low);
+        value_text(plugin->instance, info, info->max_value, high, sizeof high);
+        (void)snprintf(out, bytes, "%s .. %s", low, high);
         return;
     }
-    value_text(p, info, info->min_value, low, sizeof low);
-    value_text(p, info, info->max_value, high, sizeof high);
-    (void)snprintf(out, bytes, "%s .. %s", low, high);
+    for (uint32_t i = 0; i < names && used < bytes; i++) {
+        if (!hs_plugin_enum_at(plugin, info, i, &value, low, sizeof low))
+            (void)snprintf(low, sizeof low, "%g", value);
+        used += (size_t)snprintf(out + used, bytes - used, "%s%s", used ? " | " : "", low);
+    }
 }
 
-static void print_parameter(const sv_plugin *p, const sv_param_info *info) {
+static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) {
     char flags[64], range[256], value[64];
     flag_names(info->flags, flags, sizeof flags);
-    range_text(p, info, range, sizeof range);
-    value_text(p, info, info->default_value, value, sizeof value);
+    range_text(plugin, info, range, sizeof range);
+    value_text(plugin->instance, info, info->default_value, value, sizeof value);
     (void)printf("  %-16s %s%s%s%s\n", info->key, info->label, flags[0] ? " (" : "", flags,
                  flags[0] ? ")" : "");
     (void)printf("  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
@@ -80,7 +85,7 @@ static bool print_plugin(const char *path, const sv_descriptor *d, hs_error *err
         ok = hs_plugin_check(&plugin, p->param_info(p, i, &info), "param_info", err);
         if (ok && (!info.key || !info.label || !info.unit || !info.help))
             ok = hs_fail(err, HS_ERR_PLUGIN, "%s: parameter %u: key, label, unit or help is NULL", path, i);
-        if (ok) print_parameter(p, &info);
+        if (ok) print_parameter(&plugin, &info);
     }
     (void)printf("\n");
     hs_plugin_close(&plugin);

@@ -1,182 +1,64 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim report: quality and speed of a plugin over all cases and its whole parameter space, with a page.
- */
+#include "commands/cmd_report.h"
+
 #include "base/cli.h"
+#include "commands/report_line.h"
 #include "eval/eval_compare.h"
 #include "eval/eval_study.h"
+#include "report/report_page.h"
+#include "report/report_page_compare.h"
+#include "report/report_pictures.h"
+#include "report/report_pictures_compare.h"
+#include "report/report_rows.h"
+#include "report/report_rows_compare.h"
+#include "report/space_csv.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define CHECK_TOLERANCE 1e-3 /* steps */
 
-static const char help_text[] =
-    "Usage: host_sim report [options]\n"
-    "Measures a plugin over the nine cases and its whole parameter space (thesis, chapter 5), and writes\n"
-    "CSV files, pictures and one page, index.html. A run that was ended goes on where it stopped.\n"
-    "\n"
-    "  --out DIR        folder for everything [out/report]\n"
-    "  --case NAME      a built-in scene, a scene file, or three MetaImage files FULL,TRUTH,LABEL; "
-    "repeatable\n"
-    "                   [E01 .. E04, M01 .. M03, D01, D02]\n"
-    "  --real FILE      the scene 'real' as a case: synthetic occluders before the volume in FILE\n"
-    "  --size N         voxels per axis of the scenes, 32 .. 512 [384]\n"
-    "  --lowres N       pixels per axis of the depthmap [a third of the size: 128]\n"
-    "  --seed N         seed of the scenes; 0 is their own [0]\n"
-    "  --plugin PATH    library to measure [smartvis.so beside host_sim]\n"
-    "  --set KEY=VALUE  a plugin parameter; repeatable; see 'host_sim list'\n"
-    "  --beside 'KEY=VALUE ...'  another setting of the plugin that is set beside the studied one, or none\n"
-    "                   [method=cost, if the plugin has it and --set names no method]\n"
-    "  --coarse         every fifth position on every axis of the parameter space\n"
-    "  --quick          small scenes (96), --coarse, few frames: to see what the page looks like\n"
-    "  --frames N       frames of a measurement of speed; 0 measures none [20]\n"
-    "  --check N        measures N settings the direct way, too; exit code 1 if they differ by 0.001 steps\n"
-    "  --shard I/N      computes only every N-th setting, from the I-th (1 .. N) on; writes no page\n"
-    "  --merge          computes nothing: puts the CSV files of all shards in --out together\n"
-    "Comparison, instead of the parameter space:\n"
-    "  --compare 'PATH [KEY=VALUE]...'  a plugin with its settings; repeatable; '-' is the default plugin\n"
-    "  --seeds N        seeds of every scene, for the spread of the differences [3]\n"
-    "  --help           this text\n"
-    "\n";
+/* ------------------------------------------------------------------------------ the parameter space -- */
 
-static const char *const all_cases[] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
-
-enum {
-    OPT_OUT = 256,
-    OPT_CASE,
-    OPT_REAL,
-    OPT_SIZE,
-    OPT_LOWRES,
-    OPT_SEED,
-    OPT_PLUGIN,
-    OPT_SET,
-    OPT_BESIDE,
-    OPT_COARSE,
-    OPT_QUICK,
-    OPT_FRAMES,
-    OPT_CHECK,
-    OPT_SHARD,
-    OPT_MERGE,
-    OPT_COMPARE,
-    OPT_SEEDS,
-    OPT_HELP
-};
-
-static const struct option options[] = {{"out", required_argument, NULL, OPT_OUT},
-                                        {"case", required_argument, NULL, OPT_CASE},
-                                        {"real", required_argument, NULL, OPT_REAL},
-                                        {"size", required_argument, NULL, OPT_SIZE},
-                                        {"lowres", required_argument, NULL, OPT_LOWRES},
-                                        {"seed", required_argument, NULL, OPT_SEED},
-                                        {"plugin", required_argument, NULL, OPT_PLUGIN},
-                                        {"set", required_argument, NULL, OPT_SET},
-                                        {"beside", required_argument, NULL, OPT_BESIDE},
-                                        {"coarse", no_argument, NULL, OPT_COARSE},
-                                        {"quick", no_argument, NULL, OPT_QUICK},
-                                        {"frames", required_argument, NULL, OPT_FRAMES},
-                                        {"check", required_argument, NULL, OPT_CHECK},
-                                        {"shard", required_argument, NULL, OPT_SHARD},
-                                        {"merge", no_argument, NULL, OPT_MERGE},
-                                        {"compare", required_argument, NULL, OPT_COMPARE},
-                                        {"seeds", required_argument, NULL, OPT_SEEDS},
-                                        {"help", no_argument, NULL, OPT_HELP},
-                                        {0}};
-
-static bool integer(const char *option, const char *text, uint64_t low, uint64_t high, uint32_t *out,
-                    hs_error *err) {
-    uint64_t value;
-    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
+/* --merge computes nothing, so all results must be there. */
+static bool load_whole(hs_eval_space *space, const char *folder, hs_error *err) {
+    if (!hs_eval_csv_load(space, folder, err)) return false;
+    return space->done_count == space->items ||
+           hs_fail(err, HS_ERR_INPUT, "%s: %u of %u settings of %s are there: a shard is missing", folder,
+                   space->done_count, space->items, space->name);
 }
 
-static bool append(const char *option, const char *text, const char **list, uint32_t *count, hs_error *err) {
-    if (*count >= HS_EVAL_MAX_CASES)
-        return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, HS_EVAL_MAX_CASES);
-    list[(*count)++] = text;
-    return true;
+/* The space of an open case, from the folder's files and what they lack. */
+static bool fill_space(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
+    const hs_eval_options *o = study->options;
+    hs_eval_space *space = &study->space[index];
+    hs_progress progress;
+    if (o->merge && !load_whole(space, o->out, err)) return false;
+    hs_progress_begin(&progress, space->name, space->items);
+    const bool ok = hs_eval_csv_run(space, c, o->out, o->shard, &progress, err);
+    hs_progress_end(&progress);
+    return ok;
 }
 
-/* "2/4": the second of four. */
-static bool parse_shard(const char *text, hs_eval_shard *shard, hs_error *err) {
-    unsigned index = 0, count = 0;
-    int length = 0;
-    if (sscanf(text, "%5u/%5u%n", &index, &count, &length) != 2 || text[length] != '\0' || index < 1 ||
-        index > count)
-        return hs_fail(err, HS_ERR_USAGE, "--shard: '%s' is not I/N with 1 <= I <= N", text);
-    *shard = (hs_eval_shard){index - 1, count};
-    return true;
-}
-
-static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
-    switch (option) {
-    case OPT_OUT:
-        o->out = optarg;
-        return true;
-    case OPT_CASE:
-        return append("--case", optarg, o->cases, &o->case_count, err);
-    case OPT_REAL:
-        o->real = optarg;
-        return append("--real", "real", o->cases, &o->case_count, err);
-    case OPT_SIZE:
-        return integer("--size", optarg, 32, 512, &o->size, err);
-    case OPT_LOWRES:
-        return integer("--lowres", optarg, 1, 512, &o->lowres, err);
-    case OPT_SEED:
-        return hs_cli_integer("--seed", optarg, 0, UINT64_MAX, &o->seed, err);
-    case OPT_PLUGIN:
-        o->plugin = optarg;
-        return true;
-    case OPT_SET:
-        return append("--set", optarg, o->sets, &o->set_count, err);
-    case OPT_BESIDE:
-        o->beside = optarg;
-        return true;
-    case OPT_COARSE:
-        o->coarse = true;
-        return true;
-    case OPT_QUICK:
-        o->coarse = true;
-        o->size = 96;
-        o->frames = 3;
-        return true;
-    case OPT_FRAMES:
-        return integer("--frames", optarg, 0, 10000, &o->frames, err);
-    case OPT_CHECK:
-        return integer("--check", optarg, 0, 1000000, &o->check, err);
-    case OPT_SHARD:
-        return parse_shard(optarg, &o->shard, err);
-    case OPT_MERGE:
-        o->merge = true;
-        return true;
-    case OPT_COMPARE:
-        return append("--compare", optarg, o->compare, &o->compare_count, err);
-    case OPT_SEEDS:
-        return integer("--seeds", optarg, 1, 100, &o->seeds, err);
-    default:
-        *help = true;
-        return true;
+/* The spaces of all cases (of this shard), with a line on stderr per case. */
+static bool run_cases(hs_eval_study *study, hs_error *err) {
+    const uint32_t cases = study->options->case_count;
+    const double start = hs_now();
+    for (uint32_t i = 0; i < cases; i++) {
+        hs_eval_case c;
+        if (!hs_eval_study_begin(study, i, &c, err)) return false;
+        const bool ok = fill_space(study, i, &c, err) && hs_eval_study_finish(study, i, &c, err);
+        hs_eval_case_close(&c);
+        if (!ok) return false;
+        const double so_far = hs_now() - start;
+        const hs_eval_space *space = &study->space[i];
+        (void)fprintf(
+            stderr,
+            "host_sim report: %s: %u of %u settings x %u (%u of %u cases, %.0f s, about %.0f s left)\n",
+            space->name, space->done_count, space->items, study->plan.knob.count, i + 1, cases, so_far,
+            so_far / (i + 1) * (cases - i - 1));
     }
-}
-
-static bool parse(int argc, char **argv, hs_eval_options *o, bool *help, hs_error *err) {
-    optind = 1;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == ':' || option == '?')
-            return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
-                           option == ':' ? "needs a value" : "not an option of this command");
-        if (!take(option, o, help, err)) return false;
-        if (*help) return true;
-    }
-    for (size_t i = 0; o->case_count == 0 && i < sizeof all_cases / sizeof all_cases[0]; i++)
-        o->cases[i] = all_cases[i];
-    if (o->case_count == 0) o->case_count = sizeof all_cases / sizeof all_cases[0];
-    if (o->merge && o->shard.count > 1)
-        return hs_fail(err, HS_ERR_USAGE, "--merge and --shard: the shards are computed first, then merged");
-    return hs_cli_no_more(argc, argv, optind, err);
+    return true;
 }
 
 static void print_check(const hs_eval_study *study) {
@@ -212,7 +94,7 @@ static bool run_study(const hs_eval_options *o, hs_error *err) {
     if (!study) return hs_fail(err, HS_ERR_MEMORY, "no memory");
     bool ok = hs_eval_study_open(study, o, err);
     if (ok) {
-        ok = hs_eval_study_run(study, err);
+        ok = run_cases(study, err);
         if (ok && o->check) {
             print_check(study);
             ok = check_held(study, err);
@@ -231,16 +113,54 @@ static bool run_study(const hs_eval_options *o, hs_error *err) {
     return ok;
 }
 
+/* ------------------------------------------------------------------------------------- the comparison -- */
+
+/* Every case at every seed; the pictures are those of the first. */
+static bool compare_case(hs_eval_comparison *x, uint32_t index, hs_error *err) {
+    for (uint32_t seed = 0; seed < x->seeds; seed++) {
+        hs_eval_case c;
+        if (!hs_eval_compare_measure(x, index, seed, &c, err)) return false;
+        const bool ok = seed > 0 || hs_eval_compare_pictures(x, index, &c, err);
+        hs_eval_case_close(&c);
+        if (!ok) return false;
+    }
+    (void)fprintf(stderr, "host_sim report: %s: %u methods, %u seeds\n", x->name[index], x->count, x->seeds);
+    return true;
+}
+
+static bool compare(hs_eval_comparison *x, hs_error *err) {
+    const char *out = x->options->out;
+    for (uint32_t i = 0; i < x->options->case_count; i++)
+        if (!compare_case(x, i, err)) return false;
+    hs_eval_compare_rank(x);
+    hs_eval_compare_print(x, stdout);
+    if (!hs_eval_compare_table(x, err) || !hs_eval_compare_page(x, err)) return false;
+    (void)printf("Results are in %s, the page is %s/index.html\n", out, out);
+    return true;
+}
+
+static bool run_comparison(const hs_eval_options *o, hs_error *err) {
+    hs_eval_comparison *x = calloc(1, sizeof *x);
+    if (!x) return hs_fail(err, HS_ERR_MEMORY, "comparison: no memory");
+    bool ok = hs_eval_compare_open(x, o, err);
+    if (ok) {
+        ok = compare(x, err);
+        hs_eval_compare_close(x);
+    }
+    free(x);
+    return ok;
+}
+
 int hs_cmd_report(int argc, char **argv) {
+    hs_eval_options o;
     hs_error err = {0};
-    bool help = false;
-    hs_eval_options o = {.out = "out/report", .size = 384, .shard = {0, 1}, .frames = 20, .seeds = 3};
-    if (!parse(argc, argv, &o, &help, &err)) return hs_cli_fail("report", &err);
+    bool help;
+    if (!hs_report_line_parse(argc, argv, &o, &help, &err)) return hs_cli_fail("report", &err);
     if (help) {
-        (void)printf("%s%s", help_text, hs_exit_codes_help);
+        hs_report_line_help();
         return HS_OK;
     }
-    const bool ok = hs_cli_make_folder(o.out, &err) &&
-                    (o.compare_count ? hs_eval_compare(&o, &err) : run_study(&o, &err));
+    const bool ok =
+        hs_cli_make_folder(o.out, &err) && (o.compare_count ? run_comparison(&o, &err) : run_study(&o, &err));
     return ok ? HS_OK : hs_cli_fail("report", &err);
 }

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim run: the scan loop on a volume or a scene, with a table of times and pictures. */
+#include "commands/cmd_run.h"
+
 #include "base/cli.h"
 #include "base/output_file.h"
+#include "commands/run_json.h"
 #include "commands/run_line.h"
+#include "commands/run_print.h"
 
 /* Before the work starts: all of it would be lost. */
 static bool can_write(const hs_run_line *line, hs_error *err) {

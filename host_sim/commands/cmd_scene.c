@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* host_sim scenes: lists, generates, exports and shows the synthetic scenes. */
+#include "commands/cmd_scene.h"
+
 #include "base/cli.h"
 #include "report/scene_sheet.h"
 #include "scene/scene.h"
@@ -141,9 +142,8 @@ static void print_facts(const char *name, const hs_scene_data *data, const hs_sc
     size_t labels[3] = {0}, pixels = (size_t)data->full.nx * data->full.ny;
     for (size_t i = 0; i < pixels; i++) labels[data->label[i]]++;
     double found = points->right + points->wrong, rays = (double)points->width * points->height;
-    printf("%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%; initial points on %.1f %% "
-           "of the rays, "
-           "%.0f %% of them right\n",
+    printf("%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%; "
+           "initial points on %.1f %% of the rays, %.0f %% of them right\n",
            name, data->full.nx, data->full.ny, data->full.nz, times->total_ms,
            100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels,
            rays > 0.0 ? 100.0 * found / rays : 0.0, found > 0.0 ? 100.0 * points->right / found : 0.0);

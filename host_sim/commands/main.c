@@ -1,7 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
+#include "commands/cmd_demo.h"
+#include "commands/cmd_info.h"
+#include "commands/cmd_list.h"
+#include "commands/cmd_report.h"
+#include "commands/cmd_run.h"
+#include "commands/cmd_scene.h"
 #include "picture/picture_text.h"
+#include "smartvis_plugin.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -28,9 +35,14 @@ static void print_help(FILE *out) {
         (void)fprintf(out, "  %-8s %s\n", commands[i].name, commands[i].what);
     (void)fprintf(
         out,
-        "\n'host_sim COMMAND --help' tells all options of a command.\n"
+        "\n'host_sim COMMAND --help' tells all options of a command, 'host_sim --version' the versions.\n"
         "SMARTVIS_DEVICE=cpu or gpu in the environment narrows the choice of the OpenCL device.\n\n%s",
         hs_exit_codes_help);
+}
+
+static void print_version(void) {
+    (void)printf("host_sim %s, SmartVis plugin ABI %u.%u\n", HS_VERSION, (unsigned)SV_ABI_MAJOR,
+                 (unsigned)SV_ABI_MINOR);
 }
 
 int main(int argc, char **argv) {
@@ -40,6 +52,10 @@ int main(int argc, char **argv) {
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_help(stdout);
+        return HS_OK;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        print_version();
         return HS_OK;
     }
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)

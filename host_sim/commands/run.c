@@ -2,17 +2,20 @@
 #include "commands/run.h"
 
 #include "base/cli.h"
+#include "loop/view.h"
 #include "plugin/loader_param.h"
+#include "report/loop_knob.h"
 #include "report/loop_pictures.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 void hs_run_defaults(hs_run_request *request) {
     *request = (hs_run_request){.log_level = SV_LOG_WARNING, .scene = {.size = 256, .volumes = 1}};
     hs_loop_defaults(&request->loop);
-    request->loop.dvr.exposure =
-        1.5f; /* tissue has half the intensity of bone: without it pictures are dim */
+    /* Tissue has half the intensity of bone: without it pictures are dim. */
+    request->loop.dvr.exposure = 1.5f;
     for (int s = 0; s < HS_SETTING_COUNT; s++) request->settings[s] = true;
 }
 
@@ -109,17 +112,6 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {
     (void)snprintf(out, bytes, "%s %s", d->id, d->version);
 }
 
-/* Why a view is unclipped, for its captions; NULL if it is clipped. */
-static const char *unclipped_note(const hs_run *run, const hs_view *view, char *text, size_t bytes) {
-    if (view->frame.clipped) return NULL;
-    if (view->frame.outcome > SV_OK)
-        (void)snprintf(text, bytes, "Unclipped: the plugin says %s%s.", hs_status_name(view->frame.outcome),
-                       view->frame.outcome == SV_NO_SURFACE ? ", nothing is sure" : "");
-    else
-        (void)snprintf(text, bytes, "Unclipped: %s", hs_run_plugin_error(run)->text);
-    return text;
-}
-
 static void picture_title(const hs_run *run, char *out, size_t bytes) {
     char plugin[200];
     hs_run_plugin_name(run, plugin, sizeof plugin);
@@ -139,7 +131,8 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
     const uint32_t middle = run->request.loop.frames / 2;
     if (!hs_loop_view(run->loop, middle, &view, err)) return false;
     const bool ok =
-        hs_loop_write_pictures(&view, folder, title, unclipped_note(run, &view, note, sizeof note),
+        hs_loop_write_pictures(&view, folder, title,
+                               hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),
                                run->request.panel_cell, err) &&
         hs_loop_write_knob(run->loop, run->has_plugin ? &run->plugin : NULL, &run->request.loop, middle,
                            folder, title, err) &&

@@ -3,9 +3,8 @@
 #ifndef HS_RUN_H
 #define HS_RUN_H
 
-#include "loop/loop.h"
-
-#include <stdio.h>
+#include "loop/loop_run.h"
+#include "loop/source.h"
 
 /* What to run. Strings and arrays are borrowed and must outlive the run. */
 typedef struct {
@@ -79,11 +78,5 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes);
 
 /* Share of voxels of a volume that were not scanned, 0 .. 1. */
 double hs_unscanned_share(const hs_volume *volume);
-
-/* The facts and the table of times, shares and statistics, as in the thesis' Figure 5.21 and Table 5.4. */
-void hs_run_print(const hs_run *run, FILE *out);
-
-/* The same as JSON. HS_ERR_OUTPUT, HS_ERR_MEMORY. */
-bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A run's results as JSON. */
-#include "commands/run.h"
+#include "commands/run_json.h"
 
 #include "base/output_file.h"
 
@@ -39,10 +38,11 @@ static json_t *stage_times(const hs_run *run, const hs_loop_result *r, bool *ok)
 
 static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
     const sv_stats *s = &r->stats;
-    json_t *part = json_pack("{s:f, s:i, s:i, s:i, s:i, s:s}", "share", r->plugin_share, "clipped_frames",
-                             (int)r->clipped_frames, "note_frames", (int)r->note_frames, "failed_frames",
-                             (int)r->failed_frames, "outcome", (int)r->outcome, "outcome_name",
-                             hs_status_name(r->outcome));
+    json_t *part =
+        json_pack("{s:f, s:i, s:i, s:i, s:i, s:i, s:s}", "share", r->plugin_share, "clipped_frames",
+                  (int)r->clipped_frames, "partial_frames", (int)r->partial_frames, "note_frames",
+                  (int)r->note_frames, "failed_frames", (int)r->failed_frames, "outcome", (int)r->outcome,
+                  "outcome_name", hs_status_name(r->outcome));
     put(part, "stats",
         json_pack("{s:I, s:I, s:I}", "rays", (json_int_t)s->rays, "points", (json_int_t)s->points, "unfilled",
                   (json_int_t)s->unfilled),

@@ -5,6 +5,7 @@
 #include "base/cli.h"
 
 #include <getopt.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,10 +18,10 @@ static const char help_head[] =
     "\n"
     "Source:\n"
     "  --volume FILE         MetaImage (.mha, .mhd); given several times: a sequence, one a frame\n"
-    "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all "
-    "[auto]\n"
-    "  --window LOW,HIGH     source values that become 0 and 255 [the file's own range; 8-bit files as they "
-    "are]\n"
+    "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
+    " [auto]\n"
+    "  --window LOW,HIGH     source values that become 0 and 255"
+    " [the file's own range; 8-bit files as they are]\n"
     "  --scene NAME|FILE     a built-in scene (see 'host_sim scenes') or a scene file\n"
     "  --size N              voxels per axis of a scene, 32 .. 512 [256]\n"
     "  --seed N              seed of a scene; 0 is its own [0]\n"

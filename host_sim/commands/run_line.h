@@ -17,8 +17,7 @@ typedef struct {
     bool carrier_given, help;
 } hs_run_line;
 
-/* Reads the options. HS_ERR_USAGE names option, value and what is allowed. With --help the rest is not read.
- */
+/* Reads the options. HS_ERR_USAGE names option, value and what is allowed. Nothing is read after --help. */
 bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err);
 
 /* Prints all options and the exit codes. */

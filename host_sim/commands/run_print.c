@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A run's results as text. */
-#include "commands/run.h"
+#include "commands/run_print.h"
 
 #include <unistd.h>
 
@@ -78,25 +77,26 @@ static void print_times(const hs_run *run, FILE *out) {
 static void print_plugin(const hs_loop_result *r, FILE *out) {
     const sv_stage_times *t = &r->plugin_stages;
     if (r->has_plugin_stages)
-        (void)fprintf(
-            out,
-            "Plugin by its own clock [ms]: transfer %.3f, ray profiles %.3f, threshold %.3f, surface %.3f, "
-            "output %.3f\n",
-            t->transfer_ms, t->profile_ms, t->threshold_ms, t->reconstruct_ms, t->output_ms);
-    (void)fprintf(out, "Frames: %u clipped; rendered unclipped: %u by the plugin's note, %u by its failure\n",
-                  r->clipped_frames, r->note_frames, r->failed_frames);
+        (void)fprintf(out,
+                      "Plugin by its own clock [ms]: "
+                      "transfer %.3f, ray profiles %.3f, threshold %.3f, surface %.3f, output %.3f\n",
+                      t->transfer_ms, t->profile_ms, t->threshold_ms, t->reconstruct_ms, t->output_ms);
+    (void)fprintf(out, "Frames: %u clipped", r->clipped_frames);
+    if (r->partial_frames > 0) (void)fprintf(out, ", %u of them in part", r->partial_frames);
+    (void)fprintf(out, "; rendered unclipped: %u by the plugin's note, %u by its failure\n", r->note_frames,
+                  r->failed_frames);
     const sv_stats *s = &r->stats;
     (void)fprintf(out, "Last frame: %s", hs_status_name(r->outcome));
     const sv_points_report *p = &r->points;
     if (s->rays > 0)
-        (void)fprintf(out, "; %u rays gave a point (%.1f %% of %u), %u pixels unfilled", s->points,
+        (void)fprintf(out, "; %u rays gave a point (%.1f %% of %u), %u pixels without a surface", s->points,
                       100.0 * s->points / s->rays, s->rays, s->unfilled);
     if (p->size > 0)
-        (void)fprintf(
-            out,
-            "; %u points with an empty interval, %u surely in fluid; T_B %.3f, volume maximum %.3f; %u "
-            "passes",
-            p->empty_points, p->sure_points, (double)p->bone_threshold, (double)p->volume_max, p->passes);
+        (void)fprintf(out,
+                      "; %u points with an empty interval, %u surely in fluid; "
+                      "T_B %.3f, volume maximum %.3f; %u passes",
+                      p->empty_points, p->sure_points, (double)p->bone_threshold, (double)p->volume_max,
+                      p->passes);
     (void)fprintf(out, "\n");
 }
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_beside.h"
 
-#include "eval/eval_study.h"
 #include "plugin/loader_param.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,36 +43,35 @@ static void name_method(const hs_plugin *plugin, const hs_eval_values *values, c
 }
 
 /* What the user set, and any evidence, as in the parameter space. */
-static bool take_base(hs_eval_study *study, hs_eval_values *values, hs_error *err) {
+static bool take_base(hs_eval_values *values, const hs_plugin *plugin, const hs_eval_options *o,
+                      hs_error *err) {
     sv_param_info info;
-    const hs_eval_options *o = study->options;
-    if (hs_plugin_find_param(&study->plugin, "evidence", &info) &&
-        !hs_eval_values_add(values, info.id, 0.0, err))
+    if (hs_plugin_find_param(plugin, "evidence", &info) && !hs_eval_values_add(values, info.id, 0.0, err))
         return false;
-    return hs_eval_values_parse(values, &study->plugin, o->sets, o->set_count, err);
+    return hs_eval_values_parse(values, plugin, o->sets, o->set_count, err);
 }
 
-bool hs_eval_beside_open(hs_eval_study *study, hs_error *err) {
-    hs_eval_beside *b = &study->beside;
-    const char *wanted = study->options->beside;
+bool hs_eval_beside_open(hs_eval_beside *b, const hs_cl *cl, const hs_plugin *plugin,
+                         const hs_eval_options *options, hs_error *err) {
+    const char *wanted = options->beside;
     hs_error ignored = {0};
+    *b = (hs_eval_beside){.cl = cl, .plugin = plugin};
     if (wanted && strcmp(wanted, "none") == 0) return true;
-    if (!wanted && names_a_method(study->options)) return true;
-    if (!take_base(study, &b->first, err)) return false;
+    if (!wanted && names_a_method(options)) return true;
+    if (!take_base(&b->first, plugin, options, err)) return false;
     b->other = b->first;
-    if (!wanted && !parse(&b->other, &study->plugin, USUAL, &ignored)) return true;
-    if (wanted && !parse(&b->other, &study->plugin, wanted, err)) return false;
-    name_method(&study->plugin, &b->first, "as set", b->first_name, sizeof b->first_name);
-    name_method(&study->plugin, &b->other, wanted ? wanted : USUAL, b->other_name, sizeof b->other_name);
+    if (!wanted && !parse(&b->other, plugin, USUAL, &ignored)) return true;
+    if (wanted && !parse(&b->other, plugin, wanted, err)) return false;
+    name_method(plugin, &b->first, "as set", b->first_name, sizeof b->first_name);
+    name_method(plugin, &b->other, wanted ? wanted : USUAL, b->other_name, sizeof b->other_name);
     if (strcmp(b->first_name, b->other_name) == 0)
         (void)snprintf(b->other_name, sizeof b->other_name, "%.63s", wanted ? wanted : USUAL);
-    hs_eval_knob_spread(&b->knob, &study->plugin, POSITIONS);
+    hs_eval_knob_spread(&b->knob, plugin, POSITIONS);
     b->exists = true;
     return true;
 }
 
-/* ----------------------------------------------------------------------------------------------- measure --
- */
+/* -------------------------------------------------------------------------------------------- measure -- */
 
 static hs_measures unknown(void) {
     hs_measures m;
@@ -109,8 +108,7 @@ static bool measure_plain(hs_eval_case *c, const hs_eval_values *values, hs_meas
     return hs_eval_case_measure(c, values, &none, out, &outcome, err);
 }
 
-bool hs_eval_beside_measure(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
-    hs_eval_beside *b = &study->beside;
+bool hs_eval_beside_measure(hs_eval_beside *b, uint32_t index, hs_eval_case *c, hs_error *err) {
     sv_status outcome;
     if (!b->exists) return true;
     hs_measures *of = b->of[index];
@@ -119,43 +117,40 @@ bool hs_eval_beside_measure(hs_eval_study *study, uint32_t index, hs_eval_case *
         return false;
     c->way = HS_KNOB_UNKNOWN;
     return hs_eval_case_measure(c, &b->first, &b->knob, b->line[index], &outcome, err) &&
-           hs_eval_case_replace(c, &study->cl, &study->plugin, &b->other, err) &&
+           hs_eval_case_replace(c, b->cl, b->plugin, &b->other, err) &&
            measure_plain(c, &b->other, &of[HS_BESIDE_OTHER], err);
 }
 
-/* ---------------------------------------------------------------------------------------------- conclude --
- */
+/* ------------------------------------------------------------------------------------------- conclude -- */
 
 /* The whole space's common setting with one knob for all; unknown if the cases have none. */
-static hs_measures tuned(const hs_eval_study *study, uint32_t index) {
-    const hs_eval_mean *mean = &study->mean;
+static hs_measures tuned(const hs_eval_mean *mean, const hs_eval_space *space) {
     hs_eval_pick pick = {0, mean->best_kernel, mean->best_knob};
-    if (mean->deltas == 0 ||
-        !hs_eval_threshold_at(&study->space[index], mean->delta[mean->best], &pick.threshold))
+    if (mean->deltas == 0 || !hs_eval_threshold_at(space, mean->delta[mean->best], &pick.threshold))
         return unknown();
-    return *hs_eval_at(&study->space[index], pick);
+    return *hs_eval_at(space, pick);
 }
 
-void hs_eval_beside_conclude(hs_eval_study *study) {
-    hs_eval_beside *b = &study->beside;
+void hs_eval_beside_conclude(hs_eval_beside *b, const hs_eval_mean *mean, const hs_eval_space *spaces,
+                             uint32_t count) {
     double lowest = INFINITY;
     if (!b->exists) return;
     for (uint32_t k = 0; k < b->knob.count; k++) {
         double sum = 0;
-        for (uint32_t i = 0; i < study->count; i++) sum += (double)b->line[i][k].of[HS_MEASURE_ABS];
+        for (uint32_t i = 0; i < count; i++) sum += (double)b->line[i][k].of[HS_MEASURE_ABS];
         if (sum >= lowest) continue;
         lowest = sum;
         b->best = k;
     }
-    for (uint32_t i = 0; i < study->count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         b->of[i][HS_BESIDE_KNOB] = b->line[i][b->best];
-        b->of[i][HS_BESIDE_TUNED] = tuned(study, i);
+        b->of[i][HS_BESIDE_TUNED] = tuned(mean, &spaces[i]);
     }
 }
 
-double hs_eval_beside_mean(const hs_eval_study *study, hs_beside_way way, hs_measure measure) {
+double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
+                           hs_measure measure) {
     double sum = 0;
-    for (uint32_t i = 0; i < study->count; i++)
-        sum += (double)study->beside.of[i][way].of[measure] / study->count;
+    for (uint32_t i = 0; i < count; i++) sum += (double)beside->of[i][way].of[measure] / count;
     return sum;
 }

@@ -6,11 +6,8 @@
 #ifndef HS_EVAL_BESIDE_H
 #define HS_EVAL_BESIDE_H
 
-#include "eval/eval_case.h"
-
-#include <stdio.h>
-
-#define HS_BESIDE_MAX_CASES 32u
+#include "eval/eval_best.h"
+#include "eval/eval_options.h"
 
 /* The columns: one setting for all cases each. */
 typedef enum {
@@ -22,47 +19,35 @@ typedef enum {
     HS_BESIDE_COUNT
 } hs_beside_way;
 
+/* Owned by the caller. */
 typedef struct {
     bool exists;
-    char first_name[64], other_name[64];                     /* "mean", "cost" */
-    hs_eval_values first, other;                             /* without the knob */
-    hs_eval_knob knob;                                       /* of the studied method */
-    uint32_t best;                                           /* HS_BESIDE_KNOB's position */
-    hs_measures line[HS_BESIDE_MAX_CASES][HS_EVAL_MAX_LINE]; /* over the knob */
-    hs_measures of[HS_BESIDE_MAX_CASES][HS_BESIDE_COUNT];    /* NAN: not known */
-    bool has_confidence[HS_BESIDE_MAX_CASES]; /* the other method gave one, and its picture is there */
+    const hs_cl *cl;
+    const hs_plugin *plugin;
+    char first_name[64], other_name[64];                   /* "mean", "cost" */
+    hs_eval_values first, other;                           /* without the knob */
+    hs_eval_knob knob;                                     /* of the studied method */
+    uint32_t best;                                         /* HS_BESIDE_KNOB's position */
+    hs_measures line[HS_EVAL_MAX_CASES][HS_EVAL_MAX_LINE]; /* over the knob */
+    hs_measures of[HS_EVAL_MAX_CASES][HS_BESIDE_COUNT];    /* NAN: not known */
+    bool has_confidence[HS_EVAL_MAX_CASES]; /* the other method gave one, and its picture is there */
 } hs_eval_beside;
 
-struct hs_eval_study;
-
 /* Decides whether there is another method: options->beside as "KEY=VALUE[ KEY=VALUE]...", or "none"; NULL:
- * "method=cost", if the plugin has it and --set names no method. HS_ERR_USAGE for settings the plugin does
- * not take. */
-bool hs_eval_beside_open(struct hs_eval_study *study, hs_error *err);
+ * "method=cost", if the plugin has it and options->sets name no method. `cl` and `plugin` must outlive it.
+ * HS_ERR_USAGE for settings the plugin does not take. */
+bool hs_eval_beside_open(hs_eval_beside *beside, const hs_cl *cl, const hs_plugin *plugin,
+                         const hs_eval_options *options, hs_error *err);
 
 /* Measures an open case, of which only hs_eval_case_close may follow. Nothing if there is no other method. */
-bool hs_eval_beside_measure(struct hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
+bool hs_eval_beside_measure(hs_eval_beside *beside, uint32_t index, hs_eval_case *c, hs_error *err);
 
-/* The best knob, when all cases are measured and the study's mean is there. */
-void hs_eval_beside_conclude(struct hs_eval_study *study);
+/* The best knob, when all `count` cases are measured and the mean of their spaces is there. */
+void hs_eval_beside_conclude(hs_eval_beside *beside, const hs_eval_mean *mean, const hs_eval_space *spaces,
+                             uint32_t count);
 
-/* Mean over the cases; NAN if one is not known. */
-double hs_eval_beside_mean(const struct hs_eval_study *study, hs_beside_way way, hs_measure measure);
-
-/* "beside_knob.png", "beside_other.png" and their errors, "beside_confidence.png" in the case's folder
- * (host_sim/report/report_pictures_beside.c). The case's loop is replaced. */
-bool hs_eval_beside_pictures(struct hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
-                             hs_error *err);
-
-#define HS_BESIDE_CELLS 14u
-#define HS_BESIDE_CELL  48u /* bytes */
-
-/* The table as cells of text: row 0 is the head, 1 .. count the cases, count + 1 the means. */
-void hs_eval_beside_row(const struct hs_eval_study *study, uint32_t row,
-                        char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL]);
-
-/* To a terminal, and as "beside.csv". Nothing if there is no other method. */
-void hs_eval_beside_print(const struct hs_eval_study *study, FILE *out);
-bool hs_eval_beside_table(const struct hs_eval_study *study, hs_error *err);
+/* Mean over the first `count` cases; NAN if one is not known. */
+double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
+                           hs_measure measure);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_case.h"
 
-#include "loop/loop_parts.h"
+#include "base/progress.h"
+#include "loop/loop_stages.h"
 #include "plugin/loader_param.h"
 
 #include <assert.h>
@@ -79,17 +80,11 @@ static bool allocate(hs_eval_case *c, hs_error *err) {
            hs_fail(err, HS_ERR_MEMORY, "evaluation: no memory for %zu pixels", pixels);
 }
 
-/* The slabs stay on the device: every later frame uses them. */
-static bool convert(hs_eval_case *c, hs_error *err) {
-    hs_camera camera;
-    hs_loop_camera(c->loop, 0, &camera);
-    return hs_slabs_convert(&c->loop->slabs, c->loop->cl, c->loop->converter, c->loop->volume, &camera, err);
-}
-
-static bool run_frame(hs_eval_case *c, const hs_eval_values *values, hs_frame *frame, hs_error *err) {
-    *frame = (hs_frame){.outcome = SV_OK};
+/* The plugin on the slabs, which stay on the device; `map` may be NULL. */
+static bool run_frame(hs_eval_case *c, const hs_eval_values *values, hs_frame *frame, float *map,
+                      hs_error *err) {
     hs_loop_set_values(c->loop, values->at, values->count);
-    const bool ok = hs_clipper_frame(&c->loop->clipper, (uint32_t)c->frame++, frame, err);
+    const bool ok = hs_loop_clip(c->loop, (uint32_t)c->frame++, frame, map, err);
     hs_loop_set_values(c->loop, NULL, 0); /* the caller's list does not outlive the frame */
     return ok;
 }
@@ -101,7 +96,7 @@ bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin
     bool ok = hs_eval_source_open(&c->from, request, err) && make_loop(c, cl, fixed, request->lowres, err) &&
               hs_eval_table_build(&c->table, c->loop, hs_source_volume(&c->from.source, 0),
                                   hs_source_truth(&c->from.source, 0), c->from.label, err) &&
-              allocate(c, err) && convert(c, err) && run_frame(c, fixed, &frame, err);
+              allocate(c, err) && hs_loop_convert(c->loop, 0, err) && run_frame(c, fixed, &frame, NULL, err);
     if (ok) {
         c->volume_max = (double)frame.points.volume_max;
         c->volume_crc = volume_crc(hs_source_volume(&c->from.source, 0), hs_source_truth(&c->from.source, 0));
@@ -111,13 +106,17 @@ bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin
     return ok;
 }
 
-bool hs_eval_case_replace(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin,
-                          const hs_eval_values *fixed, hs_error *err) {
+void hs_eval_case_release(hs_eval_case *c) {
     hs_loop_destroy(c->loop);
     c->loop = NULL;
+}
+
+bool hs_eval_case_replace(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin,
+                          const hs_eval_values *fixed, hs_error *err) {
+    hs_eval_case_release(c);
     c->plugin = plugin;
     c->way = HS_KNOB_UNKNOWN;
-    return make_loop(c, cl, fixed, c->table.width, err) && convert(c, err);
+    return make_loop(c, cl, fixed, c->table.width, err) && hs_loop_convert(c->loop, 0, err);
 }
 
 void hs_eval_case_close(hs_eval_case *c) {
@@ -131,24 +130,12 @@ void hs_eval_case_close(hs_eval_case *c) {
 
 /* ------------------------------------------------------------------------------------------- measure -- */
 
-/* The depthmap of the last call to the host; zeros, which clip nothing, if it may not be used. */
-static bool read_map(hs_eval_case *c, const hs_frame *frame, float *map, hs_error *err) {
-    const size_t bytes = (size_t)c->table.width * c->table.height * sizeof(float);
-    if (!frame->clipped) {
-        memset(map, 0, bytes);
-        return true;
-    }
-    return hs_cl_check(clEnqueueReadBuffer(c->loop->cl->queue, c->loop->clipper.depth, CL_TRUE, 0, bytes, map,
-                                           0, NULL, NULL),
-                       "clEnqueueReadBuffer (depthmap)", err);
-}
-
 /* The knob at `position` of the frame that was just run, without a new frame. */
 static bool adjusted_map(hs_eval_case *c, const hs_eval_knob *knob, double position, float *map,
                          hs_error *err) {
-    hs_frame frame = {0};
+    hs_frame frame;
     const sv_param_value value = {.id = knob->info.id, .value = position};
-    return hs_clipper_adjust(&c->loop->clipper, value, &frame, err) && read_map(c, &frame, map, err);
+    return hs_loop_adjust(c->loop, value, &frame, map, err);
 }
 
 /* The second of the two maps: one unit away, q = 1 for the mean filter, or at the end of a shorter range. */
@@ -202,7 +189,7 @@ static bool frame_at(hs_eval_case *c, const hs_eval_values *values, const hs_eva
                      hs_frame *frame, hs_error *err) {
     hs_eval_values all = *values;
     return (!knob->exists || hs_eval_values_add(&all, knob->info.id, knob->value[i], err)) &&
-           run_frame(c, &all, frame, err) && read_map(c, frame, c->map[0], err);
+           run_frame(c, &all, frame, c->map[0], err);
 }
 
 bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob,
@@ -235,7 +222,7 @@ bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t r
     assert(repeats >= 1 && repeats <= MAX_REPEATS);
     for (uint32_t i = 0; i < repeats; i++) {
         const double start = hs_now();
-        if (!run_frame(c, values, &frame, err)) return false;
+        if (!run_frame(c, values, &frame, NULL, err)) return false;
         times[i] = (hs_now() - start) * 1e3;
     }
     qsort(times, repeats, sizeof times[0], ascending);
@@ -246,15 +233,8 @@ bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t r
 bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, sv_status *outcome,
                          hs_error *err) {
     hs_frame frame;
-    hs_camera camera;
-    hs_loop_camera(c->loop, 0, &camera);
-    const size_t bytes = (size_t)c->table.width * c->table.height * sizeof(float);
-    if (!run_frame(c, values, &frame, err) ||
-        !hs_loop_render(c->loop, c->loop->volume, &camera, &frame, true, err) ||
-        !read_map(c, &frame, c->map[0], err) ||
-        !hs_cl_check(clEnqueueReadBuffer(c->loop->cl->queue, c->loop->termination, CL_TRUE, 0, bytes,
-                                         c->termination, 0, NULL, NULL),
-                     "clEnqueueReadBuffer (termination depths)", err))
+    if (!run_frame(c, values, &frame, c->map[0], err) ||
+        !hs_loop_ray_ends(c->loop, 0, &frame, c->termination, err))
         return false;
     *outcome = frame.outcome;
     hs_eval_measure_picture(&c->table, c->termination, out);

@@ -5,6 +5,7 @@
 
 #include "eval/eval_measure.h"
 #include "eval/eval_source.h"
+#include "plugin/loader.h"
 
 #define HS_EVAL_MAX_VALUES 64u /* parameter values of a frame */
 
@@ -60,12 +61,16 @@ bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin
                        const hs_eval_request *request, hs_error *err);
 void hs_eval_case_close(hs_eval_case *c);
 
+/* Ends the loop, so that another may use the plugin's instance, which serves one at a time. Then only
+ * hs_eval_case_replace and hs_eval_case_close may follow; volume and table stay. */
+void hs_eval_case_release(hs_eval_case *c);
+
 /* Puts another plugin on the same volume; the table stays. HS_ERR_PLUGIN if it cannot be activated: then only
  * hs_eval_case_close may follow. */
 bool hs_eval_case_replace(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin,
                           const hs_eval_values *fixed, hs_error *err);
 
-/* Measures one setting for every position of the knob. What the plugin does not clip (any status but SV_OK)
+/* Measures one setting for every position of the knob. What the plugin does not clip (hs_outcome_clips)
  * is measured unclipped, as the host renders it. *outcome is the plugin's for the first position. */
 bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob,
                           hs_measures *out, sv_status *outcome, hs_error *err);
@@ -75,8 +80,8 @@ bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const h
 bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, sv_status *outcome,
                          hs_error *err);
 
-/* Milliseconds of begin, slabs and end until the device has finished: the median of `repeats` (1 .. 15)
- * frames. */
+/* Milliseconds from begin until the device has finished after end: the median of `repeats` frames, 1 .. 15.
+ */
 bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t repeats, double *ms,
                        hs_error *err);
 

@@ -2,12 +2,10 @@
 #include "eval/eval_compare.h"
 
 #include "base/cli.h"
-#include "base/output_file.h"
+#include "loop/clipper.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 /* "PATH [KEY=VALUE]...", parted by blanks. */
@@ -55,7 +53,7 @@ static bool measure(hs_eval_method *m, hs_eval_case *c, uint32_t index, uint32_t
     here.count = 1;
     here.value[0] = here.exists ? knob_position(m) : 0;
     if (!hs_eval_case_measure(c, &m->values, &here, at, &outcome, err)) return false;
-    m->no_surface += outcome != SV_OK;
+    m->no_surface += !hs_outcome_clips(outcome);
     m->of[HS_METHOD_ABS][index][seed] = at[0].of[HS_MEASURE_ABS];
     m->of[HS_METHOD_CUT][index][seed] = at[0].of[HS_MEASURE_FETUS_CUT];
     m->of[HS_METHOD_LEFT][index][seed] = at[0].of[HS_MEASURE_OCCLUDER_LEFT];
@@ -69,27 +67,26 @@ static bool measure(hs_eval_method *m, hs_eval_case *c, uint32_t index, uint32_t
     return failure->code == HS_OK || hs_fail(err, failure->code, "%s", failure->text);
 }
 
-/* All methods on one volume, which is made once. */
-static bool run_volume(hs_eval_comparison *x, uint32_t index, uint32_t seed, hs_error *err) {
+bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t seed, hs_eval_case *c,
+                             hs_error *err) {
     const hs_eval_options *o = x->options;
     const hs_eval_request request = {.name = o->cases[index],
                                      .size = o->size,
                                      .lowres = o->lowres,
                                      .seed = seed ? o->seed + seed : o->seed,
                                      .real = o->real};
-    hs_eval_case c;
-    if (!hs_eval_case_open(&c, &x->cl, &x->method[0].plugin, &x->method[0].values, &request, err))
+    if (!hs_eval_case_open(c, &x->cl, &x->method[0].plugin, &x->method[0].values, &request, err))
         return false;
     hs_measures unclipped;
-    hs_eval_measure_map(&c.table, NULL, &unclipped);
+    hs_eval_measure_map(&c->table, NULL, &unclipped);
     x->unclipped[index][seed] = unclipped.of[HS_MEASURE_ABS];
-    (void)snprintf(x->name[index], sizeof x->name[index], "%.63s", hs_source_volume(&c.from.source, 0)->name);
+    (void)snprintf(x->name[index], sizeof x->name[index], "%.63s",
+                   hs_source_volume(&c->from.source, 0)->name);
     bool ok = true;
     for (uint32_t m = 0; ok && m < x->count; m++)
-        ok = (m == 0 || hs_eval_case_replace(&c, &x->cl, &x->method[m].plugin, &x->method[m].values, err)) &&
-             measure(&x->method[m], &c, index, seed, err);
-    if (ok && seed == 0) ok = hs_eval_compare_pictures(x, index, &c, err);
-    hs_eval_case_close(&c);
+        ok = (m == 0 || hs_eval_case_replace(c, &x->cl, &x->method[m].plugin, &x->method[m].values, err)) &&
+             measure(&x->method[m], c, index, seed, err);
+    if (!ok) hs_eval_case_close(c);
     return ok;
 }
 
@@ -118,7 +115,7 @@ hs_eval_difference hs_eval_compare_case(const hs_eval_comparison *x, uint32_t me
 }
 
 /* Insertion: equal ones keep the order in which they were given. */
-static void rank(hs_eval_comparison *x) {
+void hs_eval_compare_rank(hs_eval_comparison *x) {
     for (uint32_t i = 0; i < x->count; i++) {
         uint32_t at = i;
         const double mean = hs_eval_method_mean(x, i, HS_METHOD_ABS);
@@ -128,68 +125,24 @@ static void rank(hs_eval_comparison *x) {
     }
 }
 
-static bool write_csv(const hs_eval_comparison *x, hs_error *err) {
-    char path[PATH_MAX];
-    hs_output_file output = {0};
-    if (!hs_cli_join(x->options->out, "compare.csv", path, sizeof path, err) ||
-        !hs_output_open(&output, path, err))
-        return false;
-    (void)fprintf(output.file,
-                  "rank,method,case,seed,e_abs,e_abs_best_knob,fetus_cut,occluder_left,e_abs_unclipped\n");
-    for (uint32_t r = 0; r < x->count; r++) {
-        const hs_eval_method *m = &x->method[x->rank[r]];
-        for (uint32_t i = 0; i < x->options->case_count; i++)
-            for (uint32_t s = 0; s < x->seeds; s++)
-                (void)fprintf(output.file, "%u,%u,%s,%u,%.6g,%.6g,%.6g,%.6g,%.6g\n", r + 1, x->rank[r] + 1,
-                              x->name[i], s, (double)m->of[HS_METHOD_ABS][i][s],
-                              (double)m->of[HS_METHOD_BEST][i][s], (double)m->of[HS_METHOD_CUT][i][s],
-                              (double)m->of[HS_METHOD_LEFT][i][s], (double)x->unclipped[i][s]);
-    }
-    if (!ferror(output.file)) return hs_output_commit(&output, err);
-    hs_output_discard(&output);
-    return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
-}
-
-static void print(const hs_eval_comparison *x) {
-    (void)printf("%4s %8s %10s %14s %18s  method\n", "rank", "e_abs", "best knob", "fetus cut [%]",
-                 "occluder left [%]");
-    for (uint32_t r = 0; r < x->count; r++) {
-        const uint32_t m = x->rank[r];
-        (void)printf("%4u %8.2f %10.2f %14.2f %18.2f  %s\n", r + 1, hs_eval_method_mean(x, m, HS_METHOD_ABS),
-                     hs_eval_method_mean(x, m, HS_METHOD_BEST),
-                     100 * hs_eval_method_mean(x, m, HS_METHOD_CUT),
-                     100 * hs_eval_method_mean(x, m, HS_METHOD_LEFT), x->method[m].label);
-    }
-}
-
-static bool run(hs_eval_comparison *x, hs_error *err) {
+static bool open_all(hs_eval_comparison *x, hs_error *err) {
     const hs_eval_options *o = x->options;
     for (; x->count < o->compare_count; x->count++)
         if (!open_method(&x->method[x->count], o->compare[x->count], err)) return false;
-    if (!hs_cl_open(&x->cl, err)) return false;
-    for (uint32_t i = 0; i < o->case_count; i++) {
-        for (uint32_t s = 0; s < x->seeds; s++)
-            if (!run_volume(x, i, s, err)) return false;
-        (void)fprintf(stderr, "host_sim report: %s: %u methods, %u seeds\n", x->name[i], x->count, x->seeds);
-    }
-    rank(x);
-    print(x);
-    if (!write_csv(x, err) || !hs_eval_compare_page(x, err)) return false;
-    (void)printf("Results are in %s, the page is %s/index.html\n", o->out, o->out);
-    return true;
+    return hs_cl_open(&x->cl, err);
 }
 
-bool hs_eval_compare(const hs_eval_options *options, hs_error *err) {
+bool hs_eval_compare_open(hs_eval_comparison *x, const hs_eval_options *options, hs_error *err) {
+    *x = (hs_eval_comparison){.options = options, .seeds = options->seeds};
     if (options->compare_count > HS_EVAL_MAX_METHODS)
         return hs_fail(err, HS_ERR_USAGE, "--compare: given more than %u times", HS_EVAL_MAX_METHODS);
-    hs_eval_comparison *x = calloc(1, sizeof *x);
-    if (!x) return hs_fail(err, HS_ERR_MEMORY, "comparison: no memory");
-    x->options = options;
-    x->seeds = options->seeds;
-    const bool ok = run(x, err);
+    if (open_all(x, err)) return true;
+    hs_eval_compare_close(x);
+    return false;
+}
+
+void hs_eval_compare_close(hs_eval_comparison *x) {
     for (uint32_t m = 0; m < HS_EVAL_MAX_METHODS; m++)
         if (x->method[m].plugin.instance) hs_plugin_close(&x->method[m].plugin);
     hs_cl_close(&x->cl);
-    free(x);
-    return ok;
 }

@@ -3,7 +3,8 @@
 #ifndef HS_EVAL_COMPARE_H
 #define HS_EVAL_COMPARE_H
 
-#include "eval/eval_study.h"
+#include "eval/eval_case.h"
+#include "eval/eval_options.h"
 
 #define HS_EVAL_MAX_METHODS 16u
 #define HS_EVAL_MAX_SEEDS   100u
@@ -27,10 +28,11 @@ typedef struct {
     hs_plugin plugin;
     hs_eval_values values;
     hs_eval_knob knob;
-    uint32_t no_surface; /* frames without SV_OK, of cases * seeds */
+    uint32_t no_surface; /* frames that were not clipped, of cases * seeds */
     float of[HS_METHOD_COUNT][HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS]; /* by case and seed */
 } hs_eval_method;
 
+/* Owned by the caller; must not move while open. */
 typedef struct {
     const hs_eval_options *options;
     hs_cl cl;
@@ -41,33 +43,31 @@ typedef struct {
     float unclipped[HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS];
 } hs_eval_comparison;
 
+/* Opens the device and every method of options->compare; `options` must outlive it. HS_ERR_USAGE for a text
+ * that is no method, HS_ERR_PLUGIN, HS_ERR_DEVICE. On failure everything is freed. */
+bool hs_eval_compare_open(hs_eval_comparison *x, const hs_eval_options *options, hs_error *err);
+void hs_eval_compare_close(hs_eval_comparison *x);
+
+/* Makes the volume of case `index` with seed `seed` (0 .. x->seeds - 1: options->seed and those that follow
+ * it) and measures every method on it. Then `c` is open, for pictures, and the caller closes it
+ * (hs_eval_case_close); on failure it is closed. */
+bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t seed, hs_eval_case *c,
+                             hs_error *err);
+
+/* Fills x->rank, when all volumes are measured. */
+void hs_eval_compare_rank(hs_eval_comparison *x);
+
 /* Mean over cases and seeds. */
 double hs_eval_method_mean(const hs_eval_comparison *x, uint32_t method, hs_method_measure measure);
 
 /* e_abs of a method minus that of another on one case: the mean over the seeds, and the sample standard
- * deviation of the seeds' differences (NAN for one seed). The difference exceeds the spread if |mean| >
- * spread. */
+ * deviation of the seeds' differences (NAN for one seed). The difference exceeds the spread if
+ * |mean| > spread. */
 typedef struct {
     double mean, spread;
     bool exceeds;
 } hs_eval_difference;
 hs_eval_difference hs_eval_compare_case(const hs_eval_comparison *x, uint32_t method, uint32_t against,
                                         uint32_t index);
-
-/* Runs options->compare and writes compare.csv and index.html. Seed 0 of a case is options->seed, the others
- * follow. */
-bool hs_eval_compare(const hs_eval_options *options, hs_error *err);
-
-/* Renderings of an open case by all methods, with what the first of them is drawn from
- * (host_sim/report/report_pictures_compare.c). The case's loop is gone afterwards. */
-bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err);
-
-/* The folder of a case's pictures, and a method's picture in it. */
-bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
-                            hs_error *err);
-void hs_eval_compare_file(uint32_t method, char *out, size_t bytes);
-
-/* The page (host_sim/report/report_page_compare.c). */
-bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err);
 
 #endif

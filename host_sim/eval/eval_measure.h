@@ -5,7 +5,7 @@
 
 #include "eval/eval_table.h"
 
-/* Mean errors are in DVR steps; e > 0: the ray ends too early, an occluder is left; e < 0: the fetus is cut.
+/* Mean errors are in DVR steps. e > 0: the ray ends too early, an occluder is left. e < 0: the fetus is cut.
  */
 typedef enum {
     HS_MEASURE_ABS, /* Eq. 4.6, over labels 1 and 2 */
@@ -47,7 +47,7 @@ void hs_eval_measure_picture(const hs_eval_table *table, const float *terminatio
 /* Error e per pixel of such a picture, steps; NAN where the label is 0. */
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out);
 
-/* Looks the termination depths of a depthmap up, for every pixel of labels 1 and 2; others get those of the
+/* Looks up the termination depths of a depthmap for every pixel of labels 1 and 2. Others get those of the
  * ground truth. */
 void hs_eval_look_up(const hs_eval_table *table, const float *map, float *termination);
 

@@ -4,7 +4,7 @@
 #include "base/cli.h"
 
 #include <math.h>
-#include <string.h>
+#include <stdio.h>
 
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err) {
     char beside[1024];
@@ -15,7 +15,7 @@ bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs
     if (hs_cl_open(&study->cl, err) &&
         hs_eval_plan_make(&study->plan, &study->plugin, options->sets, options->set_count, options->coarse,
                           err) &&
-        hs_eval_beside_open(study, err))
+        hs_eval_beside_open(&study->beside, &study->cl, &study->plugin, options, err))
         return true;
     hs_eval_study_close(study);
     return false;
@@ -43,7 +43,7 @@ bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, h
 bool hs_eval_study_values(const hs_eval_study *study, hs_eval_pick pick, hs_eval_values *values,
                           hs_error *err) {
     const hs_eval_plan *plan = &study->plan;
-    return hs_eval_space_values(plan, pick.threshold * plan->kernel.count + pick.kernel, values, err) &&
+    return hs_eval_plan_values(plan, pick.threshold * plan->kernel.count + pick.kernel, values, err) &&
            (!plan->knob.exists ||
             hs_eval_values_add(values, plan->knob.info.id, plan->knob.value[pick.knob], err));
 }
@@ -93,49 +93,26 @@ static bool check_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs
 
 /* ---------------------------------------------------------------------------------------------- run -- */
 
-static bool run_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
-    const hs_eval_options *o = study->options;
+bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
     const hs_eval_request request = request_of(study, index);
-    hs_eval_space *space = &study->space[index];
-    if (!hs_eval_space_open(space, &study->plan, c, &request, err)) return false;
-    study->count = index + 1;
-    hs_eval_measure_map(&c->table, NULL, &study->result[index].unclipped);
-    (void)snprintf(study->result[index].title, sizeof study->result[index].title, "%s", c->from.source.title);
-    if (o->merge) {
-        if (!hs_eval_csv_load(space, o->out, err)) return false;
-        if (space->done_count < space->items)
-            return hs_fail(err, HS_ERR_INPUT, "%s: %u of %u settings of %s are there: a shard is missing",
-                           o->out, space->done_count, space->items, space->name);
+    hs_eval_result *result = &study->result[index];
+    if (!hs_eval_study_case(study, index, c, err)) return false;
+    if (!hs_eval_space_open(&study->space[index], &study->plan, c, &request, err)) {
+        hs_eval_case_close(c);
+        return false;
     }
-    hs_progress progress;
-    hs_progress_begin(&progress, space->name, space->items);
-    const bool ok = hs_eval_space_run(space, c, o->out, o->shard, &progress, err);
-    hs_progress_end(&progress);
-    if (ok && !check_case(study, index, c, err)) return false;
-    const hs_error *failure = hs_loop_plugin_error(c->loop);
-    if (failure->code != HS_OK) (void)hs_fail(&study->plugin_error, failure->code, "%s", failure->text);
-    /* A shard makes no page. */
-    return ok && (o->shard.count > 1 || hs_eval_beside_measure(study, index, c, err));
+    study->count = index + 1;
+    hs_eval_measure_map(&c->table, NULL, &result->unclipped);
+    (void)snprintf(result->title, sizeof result->title, "%s", c->from.source.title);
+    return true;
 }
 
-bool hs_eval_study_run(hs_eval_study *study, hs_error *err) {
-    const uint32_t cases = study->options->case_count;
-    const double start = hs_now();
-    for (uint32_t i = 0; i < cases; i++) {
-        hs_eval_case c;
-        if (!hs_eval_study_case(study, i, &c, err)) return false;
-        const bool ok = run_case(study, i, &c, err);
-        hs_eval_case_close(&c);
-        if (!ok) return false;
-        const double so_far = hs_now() - start;
-        const hs_eval_space *space = &study->space[i];
-        (void)fprintf(
-            stderr,
-            "host_sim report: %s: %u of %u settings x %u (%u of %u cases, %.0f s, about %.0f s left)\n",
-            space->name, space->done_count, space->items, study->plan.knob.count, i + 1, cases, so_far,
-            so_far / (i + 1) * (cases - i - 1));
-    }
-    return true;
+bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
+    if (!check_case(study, index, c, err)) return false;
+    const hs_error *failure = hs_loop_plugin_error(c->loop);
+    if (failure->code != HS_OK) (void)hs_fail(&study->plugin_error, failure->code, "%s", failure->text);
+    /* A shard is only a part of what the methods are compared by. */
+    return study->options->shard.count > 1 || hs_eval_beside_measure(&study->beside, index, c, err);
 }
 
 bool hs_eval_study_whole(const hs_eval_study *study) {
@@ -146,7 +123,7 @@ bool hs_eval_study_whole(const hs_eval_study *study) {
 
 bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err) {
     if (!hs_eval_mean_make(&study->mean, study->space, study->count, err)) return false;
-    hs_eval_beside_conclude(study);
+    hs_eval_beside_conclude(&study->beside, &study->mean, study->space, study->count);
     for (uint32_t i = 0; i < study->count; i++) {
         const hs_eval_space *space = &study->space[i];
         hs_eval_result *r = &study->result[i];

@@ -5,33 +5,11 @@
 
 #include "eval/eval_beside.h"
 #include "eval/eval_best.h"
+#include "eval/eval_options.h"
+#include "loop/loop_run.h"
 
-#define HS_EVAL_MAX_CASES HS_BESIDE_MAX_CASES
-#define HS_EVAL_MAX_SETS  32u
-#define HS_EVAL_TURNS     7u /* positions of the slider */
-#define HS_EVAL_CURVES    5u /* thresholds of Figure 5.20 */
-
-/* What the command line asks for. Strings are borrowed. */
-typedef struct {
-    const char *out;    /* folder */
-    const char *plugin; /* NULL: smartvis.so beside the executable */
-    const char *cases[HS_EVAL_MAX_CASES];
-    uint32_t case_count;
-    const char *sets[HS_EVAL_MAX_SETS]; /* key=value */
-    uint32_t set_count;
-    uint32_t size, lowres;
-    uint64_t seed;
-    const char *real;   /* the volume of the scene "real"; NULL: none */
-    const char *beside; /* see hs_eval_beside_open */
-    bool coarse;        /* a fifth of the positions on every axis */
-    bool merge;         /* computes nothing: the shards' files must make the spaces whole */
-    hs_eval_shard shard;
-    uint32_t check;                         /* settings to measure the direct way, too */
-    uint32_t frames;                        /* of a measurement of speed; 0: none */
-    const char *compare[HS_EVAL_MAX_CASES]; /* "library[ key=value]..." */
-    uint32_t compare_count;
-    uint32_t seeds; /* of a comparison */
-} hs_eval_options;
+#define HS_EVAL_TURNS  7u /* positions of the slider */
+#define HS_EVAL_CURVES 5u /* thresholds of Figure 5.20 */
 
 /* What is known of a case when its space is whole, and its page's pictures are made. */
 typedef struct {
@@ -72,33 +50,27 @@ typedef struct hs_eval_study {
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err);
 void hs_eval_study_close(hs_eval_study *study);
 
-/* The spaces of all cases (of this shard), with a line on stderr per case, and the direct check. */
-bool hs_eval_study_run(hs_eval_study *study, hs_error *err);
+/* Opens case `index` with its plugin, for measures and pictures: HS_ERR_INPUT, HS_ERR_PLUGIN, HS_ERR_DEVICE
+ * or HS_ERR_MEMORY. End it with hs_eval_case_close. */
+bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
+
+/*
+ * Cases are measured in their order, each in three steps. Begin opens the case, and its space without
+ * results. Then the caller fills the space: from files, by hs_eval_space_run, or both. Finish measures this
+ * case's share of options->check the direct way, keeps the plugin's first failure, and measures the other
+ * method unless this is a shard; only hs_eval_case_close may follow. If begin fails the case is closed.
+ */
+bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
+bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
 
 /* All settings of all cases are there. */
 bool hs_eval_study_whole(const hs_eval_study *study);
 
-/* Best and common settings; the spaces must be whole. */
+/* Best and common settings; the spaces must be whole. HS_ERR_MEMORY. */
 bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err);
-
-/* Opens case `index` again, for its pictures. */
-bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
 
 /* The values of a setting, the knob included. */
 bool hs_eval_study_values(const hs_eval_study *study, hs_eval_pick pick, hs_eval_values *values,
                           hs_error *err);
-
-/* Pictures, speeds and the direct measures of case `index` into "<out>/<case>/"
- * (host_sim/report/report_pictures.c). */
-bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err);
-
-/* Tables 5.2 and 5.3 as text. */
-void hs_eval_study_print(const hs_eval_study *study, FILE *out);
-
-/* The same as "best.csv" and "common.csv" in the folder. */
-bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
-
-/* The page "<out>/index.html" (hs_eval_page*.c). */
-bool hs_eval_study_page(const hs_eval_study *study, hs_error *err);
 
 #endif

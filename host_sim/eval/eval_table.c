@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_table.h"
 
-#include "loop/loop_parts.h"
+#include "loop/loop_stages.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,21 +14,6 @@ uint32_t hs_eval_start_step(const hs_eval_table *table, float depth) {
     const float first = (depth + 0.5f) * table->steps_per_slice - 0.5f - HARD_CUT_MARGIN;
     if (first >= (float)table->steps) return table->steps;
     return first > 0.0f ? (uint32_t)ceilf(first) : 0;
-}
-
-static bool read_termination(const hs_loop *loop, float *out, size_t pixels, hs_error *err) {
-    return hs_cl_check(clEnqueueReadBuffer(loop->cl->queue, loop->termination, CL_TRUE, 0,
-                                           pixels * sizeof(float), out, 0, NULL, NULL),
-                       "clEnqueueReadBuffer (termination depths)", err);
-}
-
-static bool render_truth(hs_eval_table *t, hs_loop *loop, const hs_volume *truth, const hs_camera *camera,
-                         hs_error *err) {
-    hs_device_volume *volume = hs_device_volume_create(loop->cl, truth, err);
-    const bool ok = volume && hs_loop_render(loop, volume, camera, NULL, true, err) &&
-                    read_termination(loop, t->truth, (size_t)t->width * t->height, err);
-    hs_device_volume_destroy(volume);
-    return ok;
 }
 
 /* The label of the source column in which each pixel's centre lies. */
@@ -74,23 +59,12 @@ static void mark_occluded(hs_eval_table *t) {
 }
 
 /* Starting at step 0 is the full volume; at `steps` nothing is left to draw. */
-static bool fill(hs_eval_table *t, hs_loop *loop, const hs_camera *camera, cl_mem constant, float *picture,
-                 hs_error *err) {
+static bool fill(hs_eval_table *t, hs_loop *loop, float *picture, hs_error *err) {
     const size_t pixels = (size_t)t->width * t->height;
-    /* As many slices as steps: the map's depth then is the step (host_sim/render/dvr.h). */
-    const hs_start_depths start = {.depth = constant, .width = 1, .height = 1, .slices = t->steps};
-    if (!hs_loop_render(loop, loop->volume, camera, NULL, true, err) ||
-        !read_termination(loop, t->full, pixels, err))
-        return false;
+    if (!hs_loop_ray_ends(loop, 0, NULL, t->full, err)) return false;
     store_column(t, 0, t->full);
     for (uint32_t step = 1; step < t->steps; step++) {
-        const float depth = (float)step;
-        if (!hs_cl_check(clEnqueueFillBuffer(loop->cl->queue, constant, &depth, sizeof depth, 0, sizeof depth,
-                                             0, NULL, NULL),
-                         "clEnqueueFillBuffer (start depth)", err) ||
-            !hs_dvr_render(loop->dvr, loop->volume, camera, &start, NULL, loop->termination, NULL, err) ||
-            !read_termination(loop, picture, pixels, err))
-            return false;
+        if (!hs_loop_ray_ends_from(loop, 0, step, picture, err)) return false;
         store_column(t, step, picture);
     }
     for (size_t i = 0; i < pixels; i++) picture[i] = (float)t->steps;
@@ -118,50 +92,49 @@ static bool allocate_rows(hs_eval_table *t, hs_error *err) {
 }
 
 static bool check_loop(const hs_loop *loop, uint32_t steps, hs_error *err) {
-    const hs_dvr_settings *dvr = &loop->options.dvr;
+    const hs_dvr_settings *dvr = &hs_loop_get_options(loop)->dvr;
     const hs_slab_layout *layout = hs_loop_layout(loop);
     if (dvr->width != layout->width || dvr->height != layout->height || dvr->step != 1.0f ||
         dvr->ghost_width != 0.0f || dvr->ghost_offset != 0.0f)
-        return hs_fail(
-            err, HS_ERR_USAGE,
-            "evaluation: picture %u x %u, step %g, ghost %g + %g; expected the map's %u x %u, step "
-            "1, no ghost",
-            dvr->width, dvr->height, (double)dvr->step, (double)dvr->ghost_offset, (double)dvr->ghost_width,
-            layout->width, layout->height);
+        return hs_fail(err, HS_ERR_USAGE,
+                       "evaluation: picture %u x %u, step %g, ghost %g + %g; expected the map's %u x %u, "
+                       "step 1, no ghost",
+                       dvr->width, dvr->height, (double)dvr->step, (double)dvr->ghost_offset,
+                       (double)dvr->ghost_width, layout->width, layout->height);
     if (steps > HS_EVAL_MAX_STEPS)
         return hs_fail(err, HS_ERR_USAGE, "evaluation: %u DVR steps, allowed are 1 .. %u", steps,
                        HS_EVAL_MAX_STEPS);
     return true;
 }
 
+/* The rays to look at, by the labels that frame 0's camera sees. */
+static bool find_rays(hs_eval_table *t, const hs_loop *loop, const hs_volume *full, const uint8_t *label,
+                      hs_error *err) {
+    hs_camera camera;
+    hs_loop_camera(loop, 0, &camera);
+    sample_labels(t, full, label, &camera);
+    list_rays(t);
+    return t->count > 0 ||
+           hs_fail(err, HS_ERR_INPUT,
+                   "%s: its label map has no ray of the sac or the fetus: there is nothing to "
+                   "evaluate",
+                   full->name);
+}
+
 bool hs_eval_table_build(hs_eval_table *table, hs_loop *loop, const hs_volume *full, const hs_volume *truth,
                          const uint8_t *label, hs_error *err) {
     const hs_slab_layout *layout = hs_loop_layout(loop);
-    hs_camera camera;
-    hs_loop_camera(loop, 0, &camera);
-    const uint32_t steps = hs_dvr_steps(&loop->options.dvr, loop->volume, &camera);
+    const uint32_t steps = hs_loop_ray_steps(loop, 0);
     *table = (hs_eval_table){.width = layout->width,
                              .height = layout->height,
                              .steps = steps,
                              .steps_per_slice = (float)((double)steps / layout->slices)};
     if (!check_loop(loop, steps, err)) return false;
-    cl_mem constant = NULL;
     float *picture = calloc((size_t)layout->width * layout->height, sizeof *picture);
     bool ok = picture || hs_fail(err, HS_ERR_MEMORY, "evaluation: no memory for a picture");
-    ok = ok && allocate_maps(table, err) && render_truth(table, loop, truth, &camera, err);
-    if (ok) {
-        sample_labels(table, full, label, &camera);
-        list_rays(table);
-        cl_int code = CL_SUCCESS;
-        ok = table->count > 0 || hs_fail(err, HS_ERR_INPUT,
-                                         "%s: its label map has no ray of the sac or the "
-                                         "fetus: there is nothing to evaluate",
-                                         full->name);
-        constant = clCreateBuffer(loop->cl->context, CL_MEM_READ_WRITE, sizeof(float), NULL, &code);
-        ok = ok && hs_cl_check(code, "clCreateBuffer (start depth)", err) && allocate_rows(table, err) &&
-             fill(table, loop, &camera, constant, picture, err);
-    }
-    if (constant) clReleaseMemObject(constant);
+    ok = ok && allocate_maps(table, err) && hs_loop_ray_ends_in(loop, 0, truth, table->truth, err) &&
+         find_rays(table, loop, full, label, err) && allocate_rows(table, err) &&
+         fill(table, loop, picture, err);
     free(picture);
     if (!ok) hs_eval_table_free(table);
     return ok;

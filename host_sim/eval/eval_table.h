@@ -30,13 +30,13 @@ typedef struct {
     uint32_t occluded;    /* rays whose occluder is in the way: full volume's e > HS_EVAL_TOLERANCE */
     uint32_t *pixel;      /* count: y * width + x */
     uint8_t *is_occluded; /* count: 0 or 1 */
-    int16_t *error; /* count rows of steps + 1: e = g - d (Eq. 4.5) of the ray that starts at that step */
+    int16_t *error;       /* count rows of steps + 1: e = g - d (Eq. 4.5) of the ray that starts there */
 } hs_eval_table;
 
 /* Builds the table for frame 0 of the loop, whose picture must be as large as its map, with step 1 and no
  * ghost. `truth` is the ground truth on the same grid as `full`; `label` has full->nx * full->ny pixels.
- * HS_ERR_USAGE, HS_ERR_INPUT (no pixel of labels
- * 1 and 2), HS_ERR_MEMORY or HS_ERR_DEVICE; the table is zeroed then. */
+ * HS_ERR_USAGE, HS_ERR_INPUT (no pixel of labels 1 and 2), HS_ERR_MEMORY or HS_ERR_DEVICE; the table is
+ * zeroed then. */
 bool hs_eval_table_build(hs_eval_table *table, hs_loop *loop, const hs_volume *full, const hs_volume *truth,
                          const uint8_t *label, hs_error *err);
 void hs_eval_table_free(hs_eval_table *table);

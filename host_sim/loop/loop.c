@@ -1,39 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Building the scan loop, and one frame of it. */
-#include "loop/loop_parts.h"
+#include "loop/loop.h"
+
+#include "base/progress.h"
+#include "loop/loop_state.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis: "about a third" (thesis 5.4) */
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
-
-const char *hs_setting_key(hs_setting setting) {
-    static const char *const keys[HS_SETTING_COUNT] = {"dvr", "convert", "smartvis"};
-    return keys[setting];
-}
-
-const char *hs_setting_label(hs_setting setting) {
-    static const char *const labels[HS_SETTING_COUNT] = {"DVR", "DVR + scan conversion",
-                                                         "DVR + scan conversion + plugin"};
-    return labels[setting];
-}
-
-const char *hs_stage_label(hs_stage stage) {
-    static const char *const labels[HS_STAGE_COUNT] = {"upload", "scan conversion", "plugin", "DVR",
-                                                       "whole loop"};
-    return labels[stage];
-}
-
-void hs_loop_defaults(hs_loop_options *options) {
-    *options = (hs_loop_options){.frames = 100, .slab_slices = 16, .carrier = SV_CARRIER_BUFFER};
-    hs_dvr_defaults(&options->dvr);
-}
-
-double hs_loop_yaw(const hs_loop_options *options, uint32_t index) {
-    if (options->frames < 2) return options->yaw;
-    return options->yaw + options->orbit * ((double)index / (options->frames - 1) - 0.5);
-}
 
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
     hs_camera_look(camera, hs_source_volume(loop->source, 0), hs_loop_yaw(&loop->options, index),
@@ -77,51 +52,23 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     return true;
 }
 
-static bool check_options(const hs_loop_options *o, hs_error *err) {
-    if (o->frames < 1) return hs_fail(err, HS_ERR_USAGE, "frames: 0, expected 1 or more");
-    if (o->slab_slices < 1) return hs_fail(err, HS_ERR_USAGE, "slab: 0 slices, expected 1 or more");
-    if (o->carrier < SV_CARRIER_HOST || o->carrier > SV_CARRIER_IMAGE)
-        return hs_fail(err, HS_ERR_USAGE, "carrier: %u is none of 1 (host), 2 (buffer), 3 (image)",
-                       o->carrier);
-    if (o->own_queue && o->carrier != SV_CARRIER_HOST)
-        return hs_fail(err, HS_ERR_USAGE, "own queue: needs carrier host, got %s",
-                       o->carrier == SV_CARRIER_BUFFER ? "buffer" : "image");
-    if (!isfinite(o->yaw) || !isfinite(o->pitch) || !isfinite(o->orbit))
-        return hs_fail(err, HS_ERR_USAGE, "camera: yaw %g, pitch %g, orbit %g must be finite", o->yaw,
-                       o->pitch, o->orbit);
-    return true;
-}
-
-static bool create_pictures(hs_loop *loop, hs_error *err) {
-    const size_t pixels = (size_t)loop->options.dvr.width * loop->options.dvr.height;
-    cl_int code;
-    loop->rgba = clCreateBuffer(loop->cl->context, CL_MEM_READ_WRITE, pixels * 4, NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (picture)", err)) return false;
-    loop->termination =
-        clCreateBuffer(loop->cl->context, CL_MEM_READ_WRITE, pixels * sizeof(float), NULL, &code);
-    return hs_cl_check(code, "clCreateBuffer (termination depths)", err);
-}
-
 static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
+    const hs_loop_options *o = &loop->options;
+    const hs_clipper_options asked = {.own_queue = o->own_queue,
+                                      .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
+                                      .values = o->values,
+                                      .value_count = o->value_count};
     hs_slab_layout layout;
     find_box(loop);
-    loop->times = calloc((size_t)HS_STAGE_COUNT * loop->options.frames, sizeof(double));
-    if (!loop->times)
-        return hs_fail(err, HS_ERR_MEMORY, "times: no memory for %u frames", loop->options.frames);
-    if (!make_layout(loop, &layout, err)) return false;
-    loop->dvr = hs_dvr_create(loop->cl, &loop->options.dvr, err);
-    if (!loop->dvr || !create_pictures(loop, err)) return false;
-    loop->volume = hs_device_volume_create(loop->cl, hs_source_volume(loop->source, 0), err);
-    if (!loop->volume) return false;
-    loop->converter = hs_scan_converter_create(loop->cl, &layout, err);
-    if (!loop->converter || !hs_slabs_create(&loop->slabs, loop->cl, &layout, loop->options.carrier, err))
-        return false;
-    return hs_clipper_create(&loop->clipper, loop->cl, &loop->slabs, plugin, &loop->options, err);
+    return make_layout(loop, &layout, err) && (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
+           (loop->volume = hs_device_volume_create(loop->cl, hs_source_volume(loop->source, 0), err)) &&
+           (loop->slabs = hs_slabs_create(loop->cl, &layout, o->carrier, err)) &&
+           (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 
 hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
                         const hs_loop_options *options, hs_error *err) {
-    if (!check_options(options, err)) return NULL;
+    if (!hs_loop_check_options(options, err)) return NULL;
     hs_loop *loop = calloc(1, sizeof *loop);
     if (!loop) {
         (void)hs_fail(err, HS_ERR_MEMORY, "scan loop: no memory");
@@ -138,46 +85,34 @@ hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugi
 void hs_loop_destroy(hs_loop *loop) {
     if (!loop) return;
     (void)clFinish(loop->cl->queue); /* nothing may run on what goes now */
-    hs_clipper_destroy(&loop->clipper);
-    hs_slabs_destroy(&loop->slabs);
-    hs_scan_converter_destroy(loop->converter);
+    hs_clipper_destroy(loop->clipper);
+    hs_slabs_destroy(loop->slabs);
     hs_device_volume_destroy(loop->volume);
-    hs_dvr_destroy(loop->dvr);
-    if (loop->rgba) clReleaseMemObject(loop->rgba);
-    if (loop->termination) clReleaseMemObject(loop->termination);
-    free(loop->times);
+    hs_screen_destroy(loop->screen);
     free(loop);
 }
 
+const hs_loop_options *hs_loop_get_options(const hs_loop *loop) {
+    return &loop->options;
+}
+
 const hs_slab_layout *hs_loop_layout(const hs_loop *loop) {
-    return &loop->slabs.layout;
+    return hs_slabs_layout(loop->slabs);
 }
 
 void hs_loop_set_values(hs_loop *loop, const sv_param_value *values, uint32_t count) {
-    loop->clipper.values = values;
-    loop->clipper.value_count = count;
+    hs_clipper_set_values(loop->clipper, values, count);
 }
 
 const hs_error *hs_loop_plugin_error(const hs_loop *loop) {
-    return &loop->clipper.error;
+    return hs_clipper_error(loop->clipper);
 }
 
 const hs_error *hs_loop_confidence_error(const hs_loop *loop) {
-    return &loop->clipper.sure_error;
+    return hs_clipper_confidence_error(loop->clipper);
 }
 
-bool hs_loop_render(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
-                    const hs_frame *frame, bool with_termination, hs_error *err) {
-    const hs_slab_layout *layout = &loop->slabs.layout;
-    const bool clipped = frame && frame->clipped;
-    const hs_start_depths start = {.depth = clipped ? loop->clipper.depth : NULL,
-                                   .confidence = clipped && frame->sure ? loop->clipper.sure : NULL,
-                                   .width = layout->width,
-                                   .height = layout->height,
-                                   .slices = layout->slices};
-    return hs_dvr_render(loop->dvr, volume, camera, clipped ? &start : NULL, loop->rgba,
-                         with_termination ? loop->termination : NULL, NULL, err);
-}
+/* ---------------------------------------------------------------------------------------------- frame -- */
 
 /* The volume of frame `index` on the device: a sequence's or a live scan's arrives anew. */
 static bool bring_volume(hs_loop *loop, uint32_t index, hs_error *err) {
@@ -191,6 +126,23 @@ static bool wait_for(const hs_loop *loop, const char *stage, hs_error *err) {
     return hs_cl_check(clFinish(loop->cl->queue), stage, err);
 }
 
+static bool render(hs_loop *loop, const hs_camera *camera, const hs_frame *frame, hs_error *err) {
+    hs_start_depths start;
+    return hs_screen_render(loop->screen, loop->volume, camera,
+                            hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &start), false, err);
+}
+
+static bool ask_plugin(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
+    hs_clip clip;
+    if (!hs_clipper_frame(loop->clipper, index, &clip, err)) return false;
+    frame->clipped = clip.clipped;
+    frame->sure = clip.sure;
+    frame->outcome = clip.outcome;
+    frame->stats = clip.stats;
+    frame->points = clip.points;
+    return true;
+}
+
 bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
     *frame = (hs_frame){.outcome = SV_OK};
     hs_camera camera;
@@ -198,16 +150,13 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
     hs_loop_camera(loop, index, &camera);
     if (!bring_volume(loop, index, err) || !wait_for(loop, "clFinish (upload)", err)) return false;
     const double uploaded = hs_now();
-    if (setting != HS_SETTING_DVR &&
-        (!hs_slabs_convert(&loop->slabs, loop->cl, loop->converter, loop->volume, &camera, err) ||
-         !wait_for(loop, "clFinish (scan conversion)", err)))
+    if (setting != HS_SETTING_DVR && (!hs_slabs_convert(loop->slabs, loop->volume, &camera, err) ||
+                                      !wait_for(loop, "clFinish (scan conversion)", err)))
         return false;
     const double converted = hs_now();
-    if (setting == HS_SETTING_SMARTVIS && !hs_clipper_frame(&loop->clipper, index, frame, err)) return false;
+    if (setting == HS_SETTING_SMARTVIS && !ask_plugin(loop, index, frame, err)) return false;
     const double clipped = hs_now();
-    if (!hs_loop_render(loop, loop->volume, &camera, frame, false, err) ||
-        !wait_for(loop, "clFinish (DVR)", err))
-        return false;
+    if (!render(loop, &camera, frame, err) || !wait_for(loop, "clFinish (DVR)", err)) return false;
     const double end = hs_now();
     frame->ms[HS_STAGE_UPLOAD] = (uploaded - start) * 1e3;
     frame->ms[HS_STAGE_CONVERT] = (converted - uploaded) * 1e3;

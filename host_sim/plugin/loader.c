@@ -157,7 +157,7 @@ static bool create_instance(hs_plugin *plugin, const char *id, hs_error *err) {
                              .abi_minor = SV_ABI_MINOR,
                              .host_data = plugin,
                              .name = "host_sim",
-                             .version = "0.1.0",
+                             .version = HS_VERSION,
                              .log = print_log,
                              .get_extension = no_extension};
     sv_status status = plugin->entry->create(&plugin->host, descriptor->id, &plugin->instance);

@@ -41,30 +41,37 @@ static bool unknown_key(const hs_plugin *plugin, const char *key, hs_error *err)
     return hs_fail(err, HS_ERR_USAGE, "%s: no parameter '%s' (there are: %s)", plugin->path, key, known);
 }
 
-static uint32_t enum_value_count(const sv_param_info *info) {
-    double step = info->step > 0 ? info->step : 1.0;
-    double count = floor((info->max_value - info->min_value) / step + 0.5) + 1.0;
-    return count >= 1 && count <= MAX_ENUM_VALUES ? (uint32_t)count : 0;
+uint32_t hs_plugin_enum_count(const sv_param_info *info) {
+    const double step = info->step > 0 ? info->step : 1.0;
+    const double count = floor((info->max_value - info->min_value) / step + 0.5) + 1.0;
+    return info->type == SV_PARAM_ENUM && count >= 1 && count <= MAX_ENUM_VALUES ? (uint32_t)count : 0;
 }
 
-/* Matches an enum's value text; fails with the names there are. */
-static bool parse_enum(const hs_plugin *plugin, const sv_param_info *info, const char *text, double *out,
-                       hs_error *err) {
-    char known[512] = "";
-    size_t used = 0;
-    double step = info->step > 0 ? info->step : 1.0;
-    for (uint32_t i = 0; i < enum_value_count(info) && used < sizeof known; i++) {
-        char name[64] = "";
-        double value = info->min_value + i * step;
-        if (plugin->instance->param_text(plugin->instance, info->id, value, name, sizeof name) != SV_OK)
-            continue;
-        if (strcmp(name, text) == 0) {
-            *out = value;
+bool hs_plugin_enum_at(const hs_plugin *plugin, const sv_param_info *info, uint32_t index, double *value,
+                       char *name, uint32_t bytes) {
+    *value = info->min_value + index * (info->step > 0 ? info->step : 1.0);
+    return plugin->instance->param_text(plugin->instance, info->id, *value, name, bytes) == SV_OK;
+}
+
+bool hs_plugin_find_enum(const hs_plugin *plugin, const sv_param_info *info, const char *name,
+                         double *value) {
+    char known[HS_ENUM_NAME];
+    for (uint32_t i = 0; i < hs_plugin_enum_count(info); i++)
+        if (hs_plugin_enum_at(plugin, info, i, value, known, sizeof known) && strcmp(known, name) == 0)
             return true;
-        }
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", name);
-    }
-    return hs_fail(err, HS_ERR_USAGE, "parameter %s: '%s' is not one of %s", info->key, text, known);
+    return false;
+}
+
+/* Fails with the names there are. */
+static bool unknown_enum(const hs_plugin *plugin, const sv_param_info *info, const char *name,
+                         hs_error *err) {
+    char known[512] = "", one[HS_ENUM_NAME];
+    double value;
+    size_t used = 0;
+    for (uint32_t i = 0; i < hs_plugin_enum_count(info) && used < sizeof known; i++)
+        if (hs_plugin_enum_at(plugin, info, i, &value, one, sizeof one))
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", one);
+    return hs_fail(err, HS_ERR_USAGE, "parameter %s: '%s' is not one of %s", info->key, name, known);
 }
 
 static bool parse_number(const sv_param_info *info, const char *text, double *out, hs_error *err) {
@@ -96,7 +103,9 @@ bool hs_plugin_parse_param(const hs_plugin *plugin, const char *text, sv_param_v
     if (!hs_plugin_find_param(plugin, key, &info)) return unknown_key(plugin, key, err);
     const char *value = equals + 1;
     *out = (sv_param_value){.id = info.id};
-    if (info.type == SV_PARAM_ENUM) return parse_enum(plugin, &info, value, &out->value, err);
+    if (info.type == SV_PARAM_ENUM)
+        return hs_plugin_find_enum(plugin, &info, value, &out->value) ||
+               unknown_enum(plugin, &info, value, err);
     if (info.type == SV_PARAM_BOOL && (strcmp(value, "true") == 0 || strcmp(value, "false") == 0)) {
         out->value = strcmp(value, "true") == 0;
         return true;

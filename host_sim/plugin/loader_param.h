@@ -11,6 +11,17 @@ bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_inf
 /* Finds the one knob a user sees (SV_PARAM_PRIMARY). False if the plugin has none. */
 bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info);
 
+#define HS_ENUM_NAME 64u /* bytes that hold the name of an enum's value; a longer one is no name */
+
+/* The values of an enum: how many there are (0 if it is no enum, or claims more than 256), and the value of
+ * position `index` with its name. False if the plugin has no name for it, or none that fits. */
+uint32_t hs_plugin_enum_count(const sv_param_info *info);
+bool hs_plugin_enum_at(const hs_plugin *plugin, const sv_param_info *info, uint32_t index, double *value,
+                       char *name, uint32_t bytes);
+
+/* The value of an enum by its name. False if it has none of that name; *value means nothing then. */
+bool hs_plugin_find_enum(const hs_plugin *plugin, const sv_param_info *info, const char *name, double *value);
+
 /* Parses "key=value" (a number, true/false, or an enum's value text) into *out; errors name key, value and
  * the allowed range or names. */
 bool hs_plugin_parse_param(const hs_plugin *plugin, const char *text, sv_param_value *out, hs_error *err);

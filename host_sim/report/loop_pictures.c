@@ -12,6 +12,21 @@
 
 #define ORBIT_CELL 256u /* pixels */
 
+const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes) {
+    const char *status = hs_status_name(frame->outcome);
+    if (frame->clipped && frame->outcome == SV_OK) return NULL;
+    if (frame->clipped)
+        (void)snprintf(out, bytes,
+                       "In part: the plugin says %s, %u of %u pixels have no surface and clip nothing.",
+                       status, frame->stats.unfilled, frame->stats.rays);
+    else if (frame->outcome > SV_OK)
+        (void)snprintf(out, bytes, "Unclipped: the plugin says %s%s.", status,
+                       frame->outcome == SV_NO_SURFACE ? ", nothing is sure" : "");
+    else
+        (void)snprintf(out, bytes, "Unclipped: %s", failure);
+    return out;
+}
+
 /* Saves and frees; `made` tells whether the picture is there. */
 static bool save(bool made, hs_picture *picture, const char *folder, const char *name, hs_error *err) {
     char path[PATH_MAX];

@@ -3,7 +3,7 @@
 #ifndef HS_LOOP_PICTURES_H
 #define HS_LOOP_PICTURES_H
 
-#include "loop/loop.h"
+#include "loop/view.h"
 
 /*
  * Writes, from one view:
@@ -12,23 +12,20 @@
  *   depthmap.png                      the clipping depthmap in false colour, with a legend
  *   points.png                        initial points over the maximum intensity projection
  *   confidence.png                    the plugin's confidence, if it gave one
- * `title` names source and plugin. `note` (may be NULL) says why the result is unclipped; `cell` is the width
+ * `title` names source and plugin. `note` (may be NULL) is what hs_frame_note says; `cell` is the width
  * of a picture in panel.png in pixels, 0: 512.
  */
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err);
+
+/* What a person must know of a frame beside its picture: that it is unclipped and why (`failure`, what the
+ * plugin failed with), or how many pixels have no surface. NULL if there is nothing to say, else `out`. */
+const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);
 
 #define HS_ORBIT_VIEWS 6u
 
 /* Writes orbit.png: six views of the loop's orbit, full volume above, result below. */
 bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
                          hs_error *err);
-
-/*
- * Writes knob.png: the result of frame `index` for six positions of the plugin's primary parameter, from one
- * end of its display range to the other. Writes nothing if the plugin has no such parameter.
- */
-bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
-                        uint32_t index, const char *folder, const char *title, hs_error *err);
 
 #endif

@@ -24,8 +24,8 @@ enum {
 };
 
 uint32_t hs_colour_label(uint8_t label) {
-    /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): told apart by colour-blind
-     * readers. */
+    /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): colour-blind readers can
+     * tell them apart. */
     static const uint32_t colours[] = {HS_COLOUR_NO_VALUE, 0x56b4e9, 0xe69f00};
     return label < sizeof colours / sizeof *colours ? colours[label] : HS_COLOUR_INVALID;
 }
@@ -115,8 +115,8 @@ static double percent(size_t part, size_t whole) {
     return 100.0 * (double)part / (double)whole;
 }
 
-/* The range of the colour bar: the given one, or that of the depths which `status` (may be NULL) has as
- * points. */
+/* The range of the colour bar: the given one, or that of the depths that are points in `status` (may be
+ * NULL: all are). */
 static hs_range find_range(hs_range range, const float *depth, const uint8_t *status, size_t count) {
     if (range.low < range.high) return range;
     range = (hs_range){INFINITY, -INFINITY};
@@ -133,8 +133,7 @@ static uint32_t depth_colour(float depth, hs_range range) {
     return hs_colour_viridis(span > 0.0 ? ((double)depth - range.low) / span : 1.0);
 }
 
-/* Places the bar in the legend's column above `rows` entries and draws it. Returns where the first entry
- * starts. */
+/* Draws the bar in the legend's column above `rows` entries. Returns where the first entry starts. */
 static double draw_bar(cairo_t *cr, const layout *l, hs_colour_bar *bar, uint32_t rows) {
     const double room = (double)l->legend_bottom - l->y - rows * (double)ROW_STEP - 2.0 * BAR_MARGIN;
     bar->x = l->legend_x;

@@ -16,8 +16,7 @@
 /* Colour of a label of the label map (0 neither, 1 sac only, 2 fetus); HS_COLOUR_INVALID for any other. */
 uint32_t hs_colour_label(uint8_t label);
 
-/* What the ends of a depth colour bar are, in slices; low >= high: the smallest and largest of the drawn
- * depths. */
+/* The ends of a depth colour bar in slices. low >= high: the smallest and the largest drawn depth. */
 typedef struct {
     float low, high;
 } hs_range;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What the pictures of a case share; for hs_eval_pictures*.c and the page. */
+/* What the pictures of a case are drawn with: loops over its volume, and files in its folder. */
 #ifndef HS_REPORT_DRAW_H
 #define HS_REPORT_DRAW_H
 
-#include "eval/eval_study.h"
+#include "eval/eval_case.h"
+#include "loop/view.h"
 #include "picture/picture.h"
 
 #define HS_EVAL_PICTURE      256u  /* pixels per side on the page */

@@ -3,11 +3,15 @@
 
 #include "base/cli.h"
 #include "eval/eval_thesis.h"
+#include "loop/clipper.h"
+#include "report/report_page_beside.h"
+#include "report/report_page_figures.h"
+#include "report/report_page_parts.h"
+#include "report/report_page_speed.h"
 #include "report/report_rows.h"
 
 #include <limits.h>
 #include <math.h>
-#include <string.h>
 
 static void put_table(hs_report *report, const hs_eval_study *study, hs_eval_table_kind kind) {
     char caption[300];
@@ -52,18 +56,8 @@ static void put_intro(hs_report *report, const hs_eval_study *study) {
     if (study->plugin_error.code != HS_OK) hs_report_text(report, study->plugin_error.text);
 }
 
-void hs_eval_page_show(hs_report *report, const hs_eval_study *study, uint32_t index, const char *name,
-                       const char *alt, const char *caption) {
-    const bool drawn = strstr(name, "error") || strstr(name, "confidence") || strstr(name, "depthmap");
-    char folder[PATH_MAX], path[PATH_MAX], full_alt[256];
-    (void)snprintf(full_alt, sizeof full_alt, "%s: %s", study->space[index].name, alt);
-    if (hs_cli_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
-        hs_cli_join(folder, name, path, sizeof path, &report->error))
-        (drawn ? hs_report_picture : hs_report_photo)(report, path, full_alt, caption);
-}
-
 static void put_pictures(hs_report *report, const hs_eval_study *study, uint32_t index) {
-    const bool clipped = study->result[index].shown_outcome == SV_OK;
+    const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
     hs_report_row_begin(report);
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The page's section of two methods beside each other: table, legends, and every case in pictures. */
+#include "report/report_page_beside.h"
+
 #include "picture/picture_colour.h"
 #include "report/report_draw.h"
-#include "report/report_page.h"
+#include "report/report_page_parts.h"
+#include "report/report_rows_beside.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The page of a comparison. */
+#include "report/report_page_compare.h"
+
 #include "base/cli.h"
-#include "eval/eval_compare.h"
 #include "picture/plot.h"
-#include "report/report_page.h"
+#include "report/report_page_parts.h"
+#include "report/report_pictures_compare.h"
 
 #include <limits.h>
 #include <math.h>

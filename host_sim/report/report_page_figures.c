@@ -1,22 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Figures 5.7 and 5.8 of the thesis, for our cases. */
+#include "report/report_page_figures.h"
+
 #include "picture/plot.h"
-#include "report/report_page.h"
+#include "report/report_page_parts.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-void hs_eval_figure_put(hs_report *report, hs_eval_figure_fn write, const void *plot) {
-    char *markup = NULL;
-    size_t bytes = 0;
-    FILE *stream = open_memstream(&markup, &bytes);
-    if (stream) write(stream, plot);
-    if (stream && fclose(stream) == 0)
-        hs_report_markup(report, markup);
-    else
-        (void)hs_fail(&report->error, HS_ERR_MEMORY, "page: no memory for a figure");
-    free(markup);
-}
 
 static void write_heat(FILE *out, const void *plot) {
     hs_plot_heat_write(out, plot);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Table 5.4 and Figures 5.19, 5.20 and 5.21 of the thesis, for our cases on this machine. */
+#include "report/report_page_speed.h"
+
 #include "eval/eval_thesis.h"
 #include "picture/plot.h"
-#include "report/report_page.h"
+#include "report/report_page_parts.h"
 
 #include <math.h>
 

@@ -1,44 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
+#include "report/report_pictures.h"
+
 #include "base/cli.h"
-#include "picture/picture_colour.h"
 #include "report/loop_pictures.h"
 #include "report/picture_map.h"
 #include "report/report_draw.h"
+#include "report/report_pictures_beside.h"
 
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define PICTURE      HS_EVAL_PICTURE
-#define TURNED       192u /* of the slider's pictures: there are many */
-#define TIMED        512u /* pixels per side where speed is measured (spec 5) */
-#define ERROR_LIMIT  HS_EVAL_ERROR_LIMIT
+#define TURNED       192u  /* of the slider's pictures: there are many */
+#define TIMED        512u  /* pixels per side where speed is measured (spec 5) */
 #define CURVE_CASE   "E04" /* of the thesis' Figure 5.20 */
 #define CURVE_FRAMES 3u
-#define EXPOSURE     1.5f /* as in host_sim run: without it pictures are dim */
-
-bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name, hs_error *err) {
-    char path[PATH_MAX];
-    return hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
-}
-
-bool hs_eval_save_errors(const float *error, uint32_t width, uint32_t height, const char *folder,
-                         const char *name, hs_error *err) {
-    hs_picture picture;
-    if (!hs_picture_init(&picture, PICTURE, PICTURE, HS_COLOUR_NO_VALUE, err)) return false;
-    for (uint32_t y = 0; y < PICTURE; y++) {
-        for (uint32_t x = 0; x < PICTURE; x++) {
-            const float e = error[(size_t)(y * height / PICTURE) * width + x * width / PICTURE];
-            if (!isnan(e))
-                picture.pixels[(size_t)y * PICTURE + x] = hs_colour_diverging((double)(e / ERROR_LIMIT));
-        }
-    }
-    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
-    hs_picture_free(&picture);
-    return ok;
-}
 
 static bool save_error(const hs_eval_case *c, const char *folder, const char *name, hs_error *err) {
     static const hs_signed_words words = {
@@ -51,7 +29,7 @@ static bool save_error(const hs_eval_case *c, const char *folder, const char *na
     const hs_caption caption = {.title = title,
                                 .footer = "Termination depth of the ground truth minus that of the result"};
     hs_picture picture;
-    bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, ERROR_LIMIT, &words,
+    bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, HS_EVAL_ERROR_LIMIT, &words,
                                 &caption, err);
     if (ok) {
         ok = hs_eval_save_picture(&picture, folder, "error.png", err);
@@ -83,17 +61,6 @@ static bool time_curves(hs_eval_study *study, const hs_eval_space *space, hs_eva
     return true;
 }
 
-bool hs_eval_save_rgba(const uint8_t *rgba, uint32_t side, const char *folder, const char *name,
-                       hs_error *err) {
-    const hs_image image = {.data = rgba, .width = side, .height = side, .channels = 4};
-    hs_picture picture;
-    if (!hs_picture_init(&picture, side, side, 0, err)) return false;
-    hs_picture_blit(&picture, 0, 0, side, side, &image, HS_SCALE_NEAREST);
-    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
-    hs_picture_free(&picture);
-    return ok;
-}
-
 /* The slider's pictures, from one frame. */
 static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result *r, const char *folder,
                        hs_error *err) {
@@ -115,34 +82,6 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
     }
     r->turns = ok ? knob.count : 0;
     free(rgba);
-    return ok;
-}
-
-hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
-    hs_loop_options options;
-    hs_loop_defaults(&options);
-    options.frames = d->frames ? d->frames : 1;
-    options.lowres = d->c->table.width;
-    options.dvr.width = options.dvr.height = d->pixels;
-    options.dvr.exposure = EXPOSURE;
-    options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
-    options.values = d->values->at;
-    options.value_count = d->values->count;
-    return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
-}
-
-bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name, hs_view *view,
-                         hs_error *err) {
-    hs_view own;
-    hs_loop *loop = hs_eval_draw_loop(drawing, err);
-    bool ok = loop && hs_loop_view(loop, 0, &own, err);
-    hs_loop_destroy(loop);
-    if (!ok) return false;
-    ok = hs_eval_save_rgba(own.result, drawing->pixels, folder, name, err);
-    if (ok && view)
-        *view = own;
-    else
-        hs_view_free(&own);
     return ok;
 }
 
@@ -168,12 +107,14 @@ static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case 
 static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
                  const char *folder, hs_error *err) {
     hs_view view;
-    const hs_eval_drawing drawing = drawing_of(study, c, values, PICTURE);
+    char note[160];
+    const hs_eval_drawing drawing = drawing_of(study, c, values, HS_EVAL_PICTURE);
     hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
+        const char *said = hs_frame_note(&view.frame, "the plugin failed", note, sizeof note);
         ok = hs_loop_write_pictures(&view, folder, study->space[index].name,
-                                    view.frame.clipped ? NULL : "Unclipped", PICTURE, err);
+                                    view.frame.clipped ? said : "Unclipped", HS_EVAL_PICTURE, err);
         clipped = view.frame.clipped;
         hs_view_free(&view);
     }
@@ -207,8 +148,7 @@ static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const ch
         (curve && study->options->frames && !time_curves(study, space, c, err)))
         return false;
     /* A plugin's instance serves one loop at a time. */
-    hs_loop_destroy(c->loop);
-    c->loop = NULL;
+    hs_eval_case_release(c);
     return draw(study, index, c, &values, folder, err) && time_settings(study, index, c, &values, err) &&
            hs_eval_beside_pictures(study, index, c, folder, err);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of both methods of one case, each at its one setting for all cases. */
+#include "report/report_pictures_beside.h"
+
 #include "picture/picture_colour.h"
 #include "report/report_draw.h"
 
@@ -19,8 +20,7 @@ static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const hs_eval_val
         ok = hs_eval_save_errors(error, c->table.width, c->table.height, folder, name, err);
     }
     free(error);
-    hs_loop_destroy(c->loop);
-    c->loop = NULL;
+    hs_eval_case_release(c);
     return ok;
 }
 
@@ -39,8 +39,7 @@ static bool save_confidence(const hs_view *view, const char *folder, hs_error *e
     return ok;
 }
 
-/* The other method: the rendering, and where it gives a confidence, that and a rendering whose ghosting heeds
- * it. */
+/* The other method: its rendering and, where it gives a confidence, that and a rendering ghosted by it. */
 static bool draw_other(hs_eval_study *study, uint32_t index, hs_eval_drawing *drawing, const char *folder,
                        hs_error *err) {
     hs_view view;

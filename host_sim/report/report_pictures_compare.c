@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A comparison's renderings: every case at its first seed, by every method. */
+#include "report/report_pictures_compare.h"
+
 #include "base/cli.h"
-#include "eval/eval_compare.h"
 #include "report/report_draw.h"
 
 #include <ctype.h>
 #include <limits.h>
+#include <stdio.h>
 
 bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
                             hs_error *err) {
@@ -40,8 +41,7 @@ static bool draw_method(const hs_eval_comparison *x, uint32_t method, const hs_e
 
 bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err) {
     char folder[PATH_MAX];
-    hs_loop_destroy(c->loop);
-    c->loop = NULL;
+    hs_eval_case_release(c);
     bool ok = hs_eval_compare_folder(x, index, folder, sizeof folder, err) && hs_cli_make_folder(folder, err);
     for (uint32_t m = 0; ok && m < x->count; m++) ok = draw_method(x, m, c, folder, err);
     return ok;

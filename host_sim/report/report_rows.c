@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "base/output_file.h"
 #include "eval/eval_thesis.h"
+#include "report/report_rows_beside.h"
 
 #include <errno.h>
 #include <limits.h>

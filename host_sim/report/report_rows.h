@@ -5,6 +5,8 @@
 
 #include "eval/eval_study.h"
 
+#include <stdio.h>
+
 #define HS_EVAL_CELLS 13u /* columns */
 #define HS_EVAL_CELL  32u /* bytes of a cell */
 
@@ -25,5 +27,12 @@ void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint3
 
 /* One sentence: what the table shows. */
 void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes);
+
+/* Both tables, and that of two methods beside each other, to a terminal. */
+void hs_eval_study_print(const hs_eval_study *study, FILE *out);
+
+/* The same as "best.csv", "common.csv" and "beside.csv" in the study's folder. HS_ERR_OUTPUT names the file.
+ */
+bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of two methods beside each other, for the terminal, the CSV file and the page alike. */
+#include "report/report_rows_beside.h"
+
 #include "base/cli.h"
 #include "base/output_file.h"
-#include "eval/eval_study.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -60,7 +60,7 @@ static void put_head(const hs_eval_study *study, char cell[HS_BESIDE_CELLS][HS_B
 }
 
 static double value_of(const hs_eval_study *study, uint32_t index, hs_beside_way way, hs_measure measure) {
-    if (index >= study->count) return hs_eval_beside_mean(study, way, measure);
+    if (index >= study->count) return hs_eval_beside_mean(&study->beside, study->count, way, measure);
     return (double)study->beside.of[index][way].of[measure];
 }
 

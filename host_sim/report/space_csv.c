@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Results of a parameter space as CSV: one row per setting; docs/evaluation.md lists the columns. */
-#include "eval/eval_space.h"
+#include "report/space_csv.h"
 
 #include "base/cli.h"
 #include "base/output_file.h"
@@ -22,7 +21,8 @@ static void write_head(const hs_eval_space *space, FILE *file) {
     (void)fprintf(file, "\n");
 }
 
-bool hs_eval_csv_append(const hs_eval_space *space, uint32_t item, FILE *file) {
+/* The rows of one item. */
+static bool append(const hs_eval_space *space, uint32_t item, FILE *file) {
     const hs_eval_plan *plan = space->plan;
     const uint32_t t = item / plan->kernel.count, k = item % plan->kernel.count;
     for (uint32_t q = 0; q < plan->knob.count; q++) {
@@ -42,12 +42,13 @@ bool hs_eval_csv_append(const hs_eval_space *space, uint32_t item, FILE *file) {
     return fflush(file) == 0 && !ferror(file);
 }
 
-bool hs_eval_csv_write(const hs_eval_space *space, const char *path, hs_error *err) {
+/* All results so far; the file appears whole. */
+static bool write_all(const hs_eval_space *space, const char *path, hs_error *err) {
     hs_output_file output = {0};
     if (!hs_output_open(&output, path, err)) return false;
     write_head(space, output.file);
     for (uint32_t item = 0; item < space->items; item++)
-        if (hs_eval_space_done(space, item)) (void)hs_eval_csv_append(space, item, output.file);
+        if (hs_eval_space_done(space, item)) (void)append(space, item, output.file);
     if (!ferror(output.file)) return hs_output_commit(&output, err);
     hs_output_discard(&output);
     return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
@@ -94,15 +95,13 @@ static bool take_row(hs_eval_space *space, char *line) {
         !number(field[OUTCOME], &value) || !(fabs(value) < 1000))
         return false;
     const uint32_t item = t * plan->kernel.count + k;
-    const bool before = hs_eval_space_done(space, item);
-    space->outcome[item] = (sv_status)value;
-    hs_measures *m = &space->at[(size_t)item * plan->knob.count + q];
+    const sv_status outcome = (sv_status)value;
+    hs_measures m;
     for (int i = 0; i < HS_MEASURE_COUNT; i++) {
         if (!number(field[FIRST_MEASURE + i], &value)) return false;
-        m->of[i] = (float)value;
+        m.of[i] = (float)value;
     }
-    space->seen[item] |= UINT64_C(1) << q;
-    if (!before && hs_eval_space_done(space, item)) space->done_count++;
+    hs_eval_space_put(space, item, q, outcome, &m);
     return true;
 }
 
@@ -167,7 +166,8 @@ bool hs_eval_csv_load(hs_eval_space *space, const char *folder, hs_error *err) {
     return ok;
 }
 
-void hs_eval_csv_remove_parts(const hs_eval_space *space, const char *folder) {
+/* Their results are in "space_<case>.csv" now. */
+static void remove_parts(const hs_eval_space *space, const char *folder) {
     char path[PATH_MAX];
     hs_error ignored = {0};
     DIR *dir = opendir(folder);
@@ -176,4 +176,46 @@ void hs_eval_csv_remove_parts(const hs_eval_space *space, const char *folder) {
         if (is_part(space, entry->d_name) && hs_cli_join(folder, entry->d_name, path, sizeof path, &ignored))
             (void)unlink(path);
     (void)closedir(dir);
+}
+
+/* ------------------------------------------------------------------------------------------------ run -- */
+
+/* The file that an item's rows are appended to. */
+typedef struct {
+    FILE *file;
+    const char *path;
+} part;
+
+static bool keep(void *context, const hs_eval_space *space, uint32_t item, hs_error *err) {
+    const part *p = context;
+    return append(space, item, p->file) ||
+           hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", p->path, strerror(errno));
+}
+
+/* What is known already goes into the shard's file first: it holds whatever this folder has. */
+static bool run_shard(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_eval_shard shard,
+                      hs_progress *progress, hs_error *err) {
+    char name[128], path[PATH_MAX];
+    (void)snprintf(name, sizeof name, "space_%s.part%uof%u.csv", space->name, shard.index + 1, shard.count);
+    if (!hs_cli_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
+    part p = {.file = fopen(path, "a"), .path = path};
+    if (!p.file) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    const bool ok = hs_eval_space_run(space, c, shard, keep, &p, progress, err);
+    if (fclose(p.file) != 0 && ok)
+        return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    return ok;
+}
+
+bool hs_eval_csv_run(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_eval_shard shard,
+                     hs_progress *progress, hs_error *err) {
+    char name[128], path[PATH_MAX];
+    if (!hs_eval_csv_load(space, folder, err)) return false;
+    if (space->done_count < space->items && shard.index < space->items &&
+        !run_shard(space, c, folder, shard, progress, err))
+        return false;
+    if (space->done_count < space->items) return true;
+    (void)snprintf(name, sizeof name, "space_%s.csv", space->name);
+    if (!hs_cli_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
+    remove_parts(space, folder);
+    return true;
 }

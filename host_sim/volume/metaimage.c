@@ -159,6 +159,24 @@ static bool make_volume(const reader *r) {
     return true;
 }
 
+/* Room, header and stream of r->path; reader_close frees them, whatever came of it. */
+static bool reader_open(reader *r) {
+    hs_met_header *header = malloc(sizeof *header);
+    r->header = header;
+    r->chunk = malloc(sizeof *r->chunk);
+    if (!header || !r->chunk)
+        return hs_fail(r->err, HS_ERR_MEMORY, "%s: no memory to read the file", r->path);
+    if (!hs_met_header_read(r->path, header, r->err)) return false;
+    r->data = hs_met_data_open(r->path, header, r->err);
+    return r->data != NULL;
+}
+
+static void reader_close(reader *r) {
+    hs_met_data_close(r->data);
+    free(r->chunk);
+    free((void *)r->header);
+}
+
 bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err) {
     memset(out, 0, sizeof *out);
     const hs_metaimage_options defaults = {0};
@@ -168,17 +186,28 @@ bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_vol
     if (opt->has_window && !is_window)
         return hs_fail(err, HS_ERR_USAGE, "%s: window is %g .. %g, expected two finite numbers, low < high",
                        path, opt->window_low, opt->window_high);
-    hs_met_header *header = malloc(sizeof *header);
-    chunk *room = malloc(sizeof *room);
-    reader r = {.path = path, .header = header, .chunk = room, .volume = out, .err = err};
-    bool ok = header && room;
-    if (!ok) hs_fail(err, HS_ERR_MEMORY, "%s: no memory to read the file", path);
-    ok = ok && hs_met_header_read(path, header, err);
-    if (ok) r.data = hs_met_data_open(path, header, err);
-    ok = r.data && make_volume(&r) && read_voxels(&r, opt) && apply_padding(out, opt->padding, err);
+    reader r = {.path = path, .volume = out, .err = err};
+    const bool ok =
+        reader_open(&r) && make_volume(&r) && read_voxels(&r, opt) && apply_padding(out, opt->padding, err);
     if (!ok) hs_volume_free(out);
-    hs_met_data_close(r.data);
-    free(room);
-    free(header);
+    reader_close(&r);
+    return ok;
+}
+
+bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err) {
+    reader r = {.path = path, .err = err};
+    bool ok = reader_open(&r);
+    const hs_met_header *h = r.header;
+    if (ok && (h->size[0] != nx || h->size[1] != ny || h->size[2] != 1))
+        ok = hs_fail(err, HS_ERR_INPUT, "%s:%u: DimSize is %u x %u x %u, expected %u x %u x 1", path,
+                     h->dim_line, h->size[0], h->size[1], h->size[2], nx, ny);
+    const size_t count = (size_t)nx * ny;
+    for (size_t first = 0; ok && first < count; first += CHUNK_VOXELS) {
+        const size_t n = count - first < CHUNK_VOXELS ? count - first : CHUNK_VOXELS;
+        ok = read_chunk(&r, first, n);
+        if (ok) memcpy(values + first, r.chunk->value, n * sizeof *values);
+    }
+    ok = ok && hs_met_data_finish(r.data, err);
+    reader_close(&r);
     return ok;
 }

@@ -30,4 +30,8 @@ typedef struct {
  */
 bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err);
 
+/* Reads a map of nx x ny pixels (a file of nx x ny x 1) as it stands, row by row, into `values`, the
+ * caller's. HS_ERR_INPUT as above, and if the size is another one; HS_ERR_MEMORY. Any thread. */
+bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err);
+
 #endif

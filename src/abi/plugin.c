@@ -18,7 +18,7 @@ static const sv_descriptor descriptor = {
     .carriers = SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER) | SV_BIT(SV_CARRIER_IMAGE),
     .voxel_types = SV_BIT(SV_VOXEL_U8),
     .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
-    .features = SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
+    .features = SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
     .extensions = sv_extension_ids,
     .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
 };
@@ -74,6 +74,12 @@ static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
     if (status != SV_OK) return status;
     in->frame = values;
     sv_pipeline_begin(&in->pipeline, &in->frame);
+    in->pipeline.map.continues = !(frame->flags & SV_FRAME_DISCONTINUITY);
+    if (in->pipeline.config.ranged) {
+        status =
+            sv_pipeline_scanned(&in->pipeline, frame->scanned, frame->scanned_object, frame->scanned_offset);
+        if (status != SV_OK) return let_go(in, status);
+    }
     in->state = SV_STATE_SLABS;
     return SV_OK;
 }

@@ -3,6 +3,7 @@
 
 #include "quantise.h"
 
+#include <math.h>
 #include <stdio.h>
 
 enum { MAX_SIDE = 8192 };
@@ -27,6 +28,17 @@ static sv_status check_texture(sv_diag *diag, const sv_format *f) {
         BLAME(diag, SV_ERR_FORMAT, "activate: row_pitch is %u bytes, a row of %u tiles of %u needs %llu",
               f->row_pitch, f->tiles_x, f->tile_w, (unsigned long long)f->tiles_x * f->tile_w);
     return SV_OK;
+}
+
+static sv_status check_spacing(sv_diag *diag, const sv_format *f) {
+    const float *mm = f->spacing_mm;
+    const bool unknown = mm[0] == 0.0f && mm[1] == 0.0f && mm[2] == 0.0f;
+    const bool known =
+        isfinite(mm[0]) && isfinite(mm[1]) && isfinite(mm[2]) && mm[0] > 0.0f && mm[1] > 0.0f && mm[2] > 0.0f;
+    if (unknown || known) return SV_OK;
+    BLAME(diag, SV_ERR_FORMAT,
+          "activate: spacing_mm is %g, %g, %g, expected finite numbers, all above 0 or all 0 (unknown)",
+          (double)mm[0], (double)mm[1], (double)mm[2]);
 }
 
 static sv_status check_objects(sv_diag *diag, const sv_format *f) {
@@ -60,30 +72,12 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
     if (f->padding_value < SV_NO_PADDING || f->padding_value > 255)
         BLAME(diag, SV_ERR_FORMAT, "activate: padding_value is %d, expected -1 (none) or 0 to 255",
               f->padding_value);
-    status = check_objects(diag, f);
+    if (f->flags & ~(uint32_t)SV_FORMAT_SCANNED)
+        BLAME(diag, SV_ERR_ARGUMENT, "activate: flags is 0x%x, only 0x%x (SV_FORMAT_SCANNED) is known",
+              f->flags, (unsigned)SV_FORMAT_SCANNED);
+    status = check_spacing(diag, f);
+    if (status == SV_OK) status = check_objects(diag, f);
     return status == SV_OK ? check_texture(diag, f) : status;
-}
-
-sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *p, const sv_frame *f) {
-    (void)p;
-    if (!f) BLAME(diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
-    if (f->size < sizeof *f)
-        BLAME(diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", f->size, sizeof *f);
-    if (f->flags & ~(uint32_t)SV_FRAME_DISCONTINUITY)
-        BLAME(diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only 0x%x (SV_FRAME_DISCONTINUITY) is known",
-              f->flags, (unsigned)SV_FRAME_DISCONTINUITY);
-    return SV_OK;
-}
-
-sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *p, const sv_values *values) {
-    uint32_t weight_initial, weight_filled;
-    sv_fill_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
-    if (!p->chain.reduced || !sv_method_uses(p->chain.method, SV_PARAM_FILL_WEIGHT) || weight_filled > 0)
-        return SV_OK;
-    BLAME(diag, SV_ERR_PARAM_RANGE,
-          "begin: fill_weight is %g, which leaves pixels empty; with reduction = %u, whose surface is "
-          "interpolated, expected at least 0.125",
-          values->of[SV_PARAM_FILL_WEIGHT], p->config.reduction);
 }
 
 /* SV_OK if `object` is a memory object of this type. An image, too, has a size, and a kernel would take it
@@ -96,6 +90,58 @@ static sv_status check_type(sv_diag *diag, const char *field, cl_mem object, cl_
     if (code != CL_SUCCESS) BLAME(diag, status, "%s is no %s: %s (%d)", field, name, sv_clx_name(code), code);
     if (type != wanted) BLAME(diag, status, "%s is no %s: its type is 0x%x", field, name, type);
     return SV_OK;
+}
+
+/* SV_OK if `object` is a buffer that holds `needed` bytes from `offset` on. */
+static sv_status check_ranges_object(sv_diag *diag, const sv_frame *f, uint64_t needed) {
+    size_t bytes = 0;
+    const sv_status status =
+        check_type(diag, "begin: scanned_object", f->scanned_object, CL_MEM_OBJECT_BUFFER, SV_ERR_ARGUMENT);
+    if (status != SV_OK) return status;
+    const cl_int code = clGetMemObjectInfo(f->scanned_object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    if (code != CL_SUCCESS)
+        BLAME(diag, SV_ERR_ARGUMENT, "begin: clGetMemObjectInfo: %s (%d)", sv_clx_name(code), code);
+    if (f->scanned_offset % 4 || f->scanned_offset > bytes || needed > bytes - f->scanned_offset)
+        BLAME(diag, SV_ERR_ARGUMENT,
+              "begin: scanned_offset is %llu, the ranges need %llu of the buffer's %zu bytes, from a "
+              "multiple of 4 on",
+              (unsigned long long)f->scanned_offset, (unsigned long long)needed, bytes);
+    return SV_OK;
+}
+
+static sv_status check_ranges(sv_diag *diag, const sv_pipeline *p, const sv_frame *f) {
+    const sv_config *c = &p->config;
+    const int given = (f->scanned != NULL) + (f->scanned_object != NULL);
+    if (given != (c->ranged ? 1 : 0))
+        BLAME(diag, SV_ERR_ARGUMENT, "begin: %d of scanned and scanned_object given, expected %s", given,
+              c->ranged ? "exactly one: the format has SV_FORMAT_SCANNED"
+                        : "none: the format is without SV_FORMAT_SCANNED");
+    if (!f->scanned_object) return SV_OK;
+    if (p->queue.device->owned)
+        BLAME(diag, SV_ERR_ARGUMENT,
+              "begin: scanned_object needs the host's context, and activate was given none");
+    return check_ranges_object(diag, f, (uint64_t)c->width * c->height * sizeof(sv_scanned));
+}
+
+sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *p, const sv_frame *f) {
+    if (!f) BLAME(diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
+    if (f->size < sizeof *f)
+        BLAME(diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", f->size, sizeof *f);
+    if (f->flags & ~(uint32_t)SV_FRAME_DISCONTINUITY)
+        BLAME(diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only 0x%x (SV_FRAME_DISCONTINUITY) is known",
+              f->flags, (unsigned)SV_FRAME_DISCONTINUITY);
+    return check_ranges(diag, p, f);
+}
+
+sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *p, const sv_values *values) {
+    uint32_t weight_initial, weight_filled;
+    sv_fill_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
+    if (!p->chain.reduced || !sv_method_uses(p->chain.method, SV_PARAM_FILL_WEIGHT) || weight_filled > 0)
+        return SV_OK;
+    BLAME(diag, SV_ERR_PARAM_RANGE,
+          "begin: fill_weight is %g, which leaves pixels empty; with reduction = %u, whose surface is "
+          "interpolated, expected at least 0.125",
+          values->of[SV_PARAM_FILL_WEIGHT], p->config.reduction);
 }
 
 static sv_status check_image(sv_diag *diag, const sv_pipeline *p, const sv_slab *slab) {

@@ -62,10 +62,10 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
     *out = (sv_program){0};
     char options[128];
     (void)snprintf(options, sizeof options,
-                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_WIDE_SUMS=%d "
+                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_WIDE_SUMS=%d "
                    "-DSV_HALF_SUMS=%d -DSV_FETCH_AHEAD=%d",
-                   structure->substeps, structure->strip, structure->padded, structure->wide_sums,
-                   structure->half_sums, structure->fetch_ahead);
+                   structure->substeps, structure->strip, structure->padded, structure->ranged,
+                   structure->wide_sums, structure->half_sums, structure->fetch_ahead);
     sv_status status = compile(diag, device, sv_kernels_frame, sv_kernels_frame_size, options, &out->program);
     if (status == SV_OK) status = create_kernels(diag, out);
     if (status != SV_OK) sv_program_release(out);

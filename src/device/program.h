@@ -8,6 +8,7 @@
 
 /* Every kernel by its name in cl/. */
 #define SV_KERNELS(X)                                                                                        \
+    X(scanned_planes)                                                                                        \
     X(profile_strip)                                                                                         \
     X(profile_rays)                                                                                          \
     X(frame_end)                                                                                             \
@@ -50,6 +51,7 @@ typedef struct {
     uint32_t substeps; /* SV_SUBSTEPS */
     uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
     bool padded;       /* SV_PADDED */
+    bool ranged;       /* SV_RANGED */
     bool wide_sums;    /* SV_WIDE_SUMS */
     bool half_sums;    /* SV_HALF_SUMS */
     bool fetch_ahead;  /* SV_FETCH_AHEAD */

@@ -15,6 +15,14 @@ sv_instance *sv_instance_enter(const sv_plugin *plugin) {
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
 enum { FETCH_AHEAD_BYTES = 16 << 20 };
 
+/* Unknown spacing: cubes, and the longest side as long as the header says (SV_ASSUMED_EXTENT_MM). */
+static void find_spacing(const sv_format *f, float spacing[3]) {
+    const uint32_t side = f->width > f->height ? f->width : f->height;
+    const float assumed = SV_ASSUMED_EXTENT_MM / (float)(side > f->slices ? side : f->slices);
+    for (int axis = 0; axis < 3; axis++)
+        spacing[axis] = f->spacing_mm[axis] > 0.0f ? f->spacing_mm[axis] : assumed;
+}
+
 static sv_config config_of(const sv_format *f, const sv_values *values) {
     sv_config c = {.width = f->width,
                    .height = f->height,
@@ -26,6 +34,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
                    .carrier = f->carrier,
                    .padding = f->padding_value,
+                   .ranged = (f->flags & SV_FORMAT_SCANNED) != 0,
                    .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
                    .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
                    .method = (uint32_t)values->of[SV_PARAM_METHOD],
@@ -38,6 +47,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                    .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
                    .host_memory = f->host_memory,
                    .host_memory_bytes = f->host_memory_bytes};
+    find_spacing(f, c.spacing);
     return c;
 }
 
@@ -46,6 +56,7 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
     sv_structure structure = {.substeps = config->substeps,
                               .strip = strip,
                               .padded = config->padding >= 0,
+                              .ranged = config->ranged,
                               .half_sums = config->half_sums,
                               .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
                                              FETCH_AHEAD_BYTES};

@@ -55,6 +55,11 @@ static sv_status make_buffers(sv_pipeline *p) {
     b->histogram = sv_buffer_make(q, 256 * sizeof(cl_uint), &status);
     b->record = sv_buffer_make(q, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint), &status);
     b->depth = sv_buffer_make(q, (size_t)c->width * c->height * sizeof(cl_float), &status);
+    if (c->ranged) {
+        b->ranges = sv_buffer_make(q, (size_t)c->width * c->height * sizeof(sv_scanned), &status);
+        b->scanned = sv_buffer_make(q, plane * SV_SCANNED_PLANES * sizeof(cl_ushort), &status);
+        p->map.scanned = b->scanned;
+    }
     if (status == SV_OK) status = sv_map_buffers(&p->map, true, b->record);
     return status == SV_OK ? sv_chain_buffers(&p->chain) : status;
 }
@@ -128,8 +133,8 @@ void sv_pipeline_destroy(sv_pipeline *p) {
     sv_chain_destroy(&p->chain);
     sv_map_release(&p->map);
     sv_buffers *b = &p->buffers;
-    cl_mem *const all[] = {&b->slab,   &b->host_slabs, &b->state8, &b->state16,
-                           &b->survey, &b->histogram,  &b->record, &b->depth};
+    cl_mem *const all[] = {&b->slab,      &b->host_slabs, &b->state8, &b->state16, &b->survey,
+                           &b->histogram, &b->record,     &b->ranges, &b->scanned, &b->depth};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) sv_buffer_release(all[i]);
 }
 
@@ -156,6 +161,28 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     p->next_slice = 0;
     p->batch = (sv_batch){0};
     if (p->queue.timing) sv_timing_reset(p->queue.timing);
+}
+
+sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem object, uint64_t offset) {
+    const sv_config *c = &p->config;
+    const size_t bytes = (size_t)c->width * c->height * sizeof *ranges;
+    if (!object) {
+        const cl_int code =
+            clEnqueueWriteBuffer(p->queue.device->queue, p->buffers.ranges, CL_FALSE, 0, bytes, ranges, 0,
+                                 NULL, sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER));
+        const sv_status status = sv_clx_check(p->queue.diag, code, "begin: clEnqueueWriteBuffer of scanned");
+        if (status != SV_OK) return status;
+    }
+    const cl_ulong first = offset / sizeof(cl_ushort);
+    sv_launch l = SV_LAUNCH(&p->map, scanned_planes);
+    sv_launch_buffer(&l, object ? object : p->buffers.ranges);
+    sv_launch_arg(&l, sizeof first, &first);
+    sv_launch_uint(&l, c->width);
+    sv_launch_uint(&l, p->map.padded_width);
+    sv_launch_uint(&l, c->height);
+    sv_launch_uint(&l, c->slices);
+    sv_launch_buffer(&l, p->buffers.scanned);
+    return sv_launch_items(&l, c->height, SV_STAGE_TRANSFER);
 }
 
 /* Brings a slab where the kernels can read it: the buffer and the offset of its first byte. Copied slabs get
@@ -206,6 +233,8 @@ static sv_status launch_profile(sv_pipeline *p) {
                                 c->height,    p->map.job.fluid_level,
                                 p->level_n,   (uint32_t)c->padding & 255u};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
+    /* Without ranges the kernel reads none: any buffer will do. */
+    sv_launch_buffer(&l, c->ranged ? p->buffers.scanned : p->buffers.state16);
     sv_launch_buffer(&l, p->buffers.state8);
     sv_launch_buffer(&l, p->buffers.state16);
     p->batch = (sv_batch){.first_slice = p->next_slice};

@@ -17,6 +17,8 @@ typedef struct {
     cl_mem survey;    /* bands: 257 words each */
     cl_mem histogram; /* 256 words */
     cl_mem record;    /* SV_REC_* */
+    cl_mem ranges;    /* the host's scanned ranges, where they come in its memory; NULL unless ranged */
+    cl_mem scanned;   /* the same as planes; see sv_map */
     cl_mem depth;     /* the depthmap, where the host wants it in its memory */
 } sv_buffers;
 
@@ -56,6 +58,10 @@ void sv_pipeline_destroy(sv_pipeline *pipeline);
 
 /* Enqueues a frame's stages. The caller has validated everything. */
 void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values);
+/* After begin, if the format says that frames bring ranges: from host memory, or from `object` from byte
+ * `offset` on. Memory must stay until the queue has run. */
+sv_status sv_pipeline_scanned(sv_pipeline *pipeline, const sv_scanned *ranges, cl_mem object,
+                              uint64_t offset);
 sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);
 
 #endif

@@ -21,6 +21,7 @@ static const double Q = 0.25;
 typedef struct {
     uint8_t volume[PIXELS * SLICES];
     uint8_t slab[SLAB_BYTES];
+    sv_ref_range ranges[PIXELS];
     uint8_t status[PIXELS], expected_status[PIXELS];
     float depth[PIXELS], expected_depth[PIXELS], near_surface[PIXELS], far_surface[PIXELS];
     sv_ref_ray rays[PIXELS];
@@ -43,6 +44,14 @@ static void fill_volume(bench *b, int32_t padding) {
         }
 }
 
+/* Rays that begin and end everywhere, beyond the volume, too; and some of which nothing was scanned. */
+static void fill_ranges(bench *b) {
+    for (size_t i = 0; i < PIXELS; i++) {
+        b->ranges[i].first = (uint16_t)(i % 17 == 3 ? 30 : i * 5 % 11);
+        b->ranges[i].end = (uint16_t)(i % 19 == 7 ? 4 : SLICES + 3 - i * 3 % 13);
+    }
+}
+
 static void fill_slab(bench *b, uint32_t first, uint32_t count) {
     for (uint32_t s = 0; s < count; s++)
         for (size_t y = 0; y < HEIGHT; y++) {
@@ -54,7 +63,12 @@ static void fill_slab(bench *b, uint32_t first, uint32_t count) {
 
 static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, bool wide) {
     const double fluid = v->of[SV_PARAM_FLUID_THRESHOLD];
-    const sv_ref_volume volume = {b->volume, WIDTH, HEIGHT, SLICES, c->padding};
+    const sv_ref_volume volume = {.voxels = b->volume,
+                                  .width = WIDTH,
+                                  .height = HEIGHT,
+                                  .slices = SLICES,
+                                  .padding = c->padding,
+                                  .scanned = c->ranged ? b->ranges : NULL};
     const sv_ref_bone bone = {
         .fluid_threshold = fluid, .bone_mode = SV_REF_OFFSET, .bone_offset = v->of[SV_PARAM_BONE_OFFSET]};
     sv_ref_profile(&volume, fluid, c->substeps, b->rays);
@@ -80,6 +94,8 @@ static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v,
     sv_pipeline_begin(p, v);
     if (wide) p->map.program = p->map.wide;
     sv_status status = SV_OK;
+    _Static_assert(sizeof(sv_scanned) == sizeof(sv_ref_range), "ranges are the ABI's, word for word");
+    if (p->config.ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
     for (uint32_t first = 0; status == SV_OK && first < SLICES; first += SLAB) {
         const uint32_t count = SLICES - first < SLAB ? SLICES - first : SLAB;
         fill_slab(b, first, count);
@@ -127,6 +143,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
                        .row_pitch = TILES_X * WIDTH,
                        .carrier = SV_CARRIER_HOST,
                        .padding = config->padding,
+                       .ranged = config->ranged,
                        .substeps = config->substeps,
                        .strategy = config->strategy,
                        .half_sums = config->half_sums,
@@ -137,6 +154,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
     values.of[SV_PARAM_KERNEL] = 11.0;  /* small enough that the small map needs several passes */
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     fill_volume(b, config->padding);
+    fill_ranges(b);
     sv_pipeline pipeline;
     sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
     for (int set = 0; status == SV_OK && set < (wide ? 2 : 1); set++) {

@@ -17,6 +17,7 @@ typedef struct {
     uint8_t volume[PIXELS * SLICES], status[PIXELS], expected_status[PIXELS];
     uint8_t either[PIXELS]; /* pixels where two answers are right */
     float depth[PIXELS];
+    sv_ref_range ranges[PIXELS];
     sv_ref_ray rays[PIXELS];
     double near_end[PIXELS], far_end[PIXELS], points[PIXELS], expected[PIXELS];
 } bench;
@@ -29,6 +30,7 @@ static void fill(bench *b, bool for_volume) {
     const uint8_t tissue = for_volume ? 180 : 100;
     for (uint32_t i = 0; i < PIXELS; i++) {
         const uint32_t near_end = 1 + i * 7 % 5, far_end = 8 + i * 11 % 13;
+        b->ranges[i] = (sv_ref_range){(uint16_t)(i % 2), (uint16_t)(SLICES - i % 3)};
         for (uint32_t z = 0; z < SLICES; z++)
             b->volume[z * PIXELS + i] =
                 i % stride != 4 % stride || z < near_end ? tissue : (uint8_t)(z < far_end ? 0 : 255);
@@ -53,7 +55,12 @@ static void expect_points(bench *b, const sv_ref_volume *volume, uint32_t subste
 static bool expect(bench *b, const sv_ref_method *definition, const sv_config *c, const sv_values *values) {
     const double *v = values->of;
     const bool filtered = c->prefilter == SV_PREFILTER_MINIMUM;
-    const sv_ref_volume volume = {b->volume, WIDTH, HEIGHT, SLICES, c->padding};
+    const sv_ref_volume volume = {.voxels = b->volume,
+                                  .width = WIDTH,
+                                  .height = HEIGHT,
+                                  .slices = SLICES,
+                                  .padding = c->padding,
+                                  .scanned = c->ranged ? b->ranges : NULL};
     const sv_ref_settings settings = {
         .kernel = (uint32_t)v[SV_PARAM_KERNEL],
         .fill_weight = v[SV_PARAM_FILL_WEIGHT],
@@ -77,7 +84,9 @@ static sv_status compute(sv_pipeline *p, bench *b, const sv_values *values) {
     sv_pipeline_begin(p, values);
     const sv_slab slab = {
         .size = sizeof slab, .slice_count = SLICES, .memory = b->volume, .bytes = sizeof b->volume};
-    sv_status status = sv_pipeline_slab(p, &slab);
+    sv_status status = SV_OK;
+    if (p->config.ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
+    if (status == SV_OK) status = sv_pipeline_slab(p, &slab);
     if (status == SV_OK) status = sv_pipeline_end(p, Q);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
     if (status == SV_OK) status = sv_pipeline_output(p, Q, &result);
@@ -113,6 +122,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
                              .row_pitch = WIDTH,
                              .carrier = SV_CARRIER_HOST,
                              .padding = config->padding >= 0 ? 7 : SV_NO_PADDING,
+                             .ranged = config->ranged,
                              .substeps = config->substeps,
                              .strategy = config->strategy,
                              .method = config->method,

@@ -10,7 +10,9 @@ typedef struct {
     uint32_t width, height, slices, max_slab_slices;
     uint32_t tiles_x, tile_w, tile_h, row_pitch; /* row_pitch of the texture as the kernels read it */
     uint32_t carrier;
-    int32_t padding; /* SV_NO_PADDING: none */
+    int32_t padding;  /* SV_NO_PADDING: none */
+    bool ranged;      /* every frame brings the scanned range of every ray */
+    float spacing[3]; /* mm between voxels; never 0: where the host does not know it, assumed */
     uint32_t substeps;
     uint32_t strategy;          /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
     uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */

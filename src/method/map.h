@@ -32,9 +32,12 @@ typedef struct {
     cl_mem
         sums; /* the mean filter's first planes, where the points stage or the method writes them; or NULL */
     cl_mem surfaces; /* near, far: float32 slices */
-    cl_mem record;   /* SV_REC_* */
+    cl_mem
+        scanned;   /* planes SV_SCANNED_*, 16 bits; NULL unless config->ranged. The frame's, as the record. */
+    cl_mem record; /* SV_REC_* */
 
     /* the frame under way, or the last one */
+    bool continues; /* the volume before is of the same scene: what it taught still holds */
     sv_values values;
     sv_job job;
     const sv_program *program; /* narrow or wide */

@@ -113,6 +113,9 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     const uint32_t numbers[] = {c->row_pitch,      c->tiles_x,        c->tile_w, c->tile_h,
                                 from->first_slice, from->slice_count, padding};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
+    sv_launch_uint(&l, c->ranged);
+    sv_launch_uint(&l, m->padded_width);
+    sv_launch_buffer(&l, c->ranged ? m->scanned : s->buffer[PARTIAL]); /* without ranges it is not read */
     layout_arg(&l, m);
     buffer_args(&l, s, (const int[]){PARTIAL, BINS, -1});
     return sv_launch_items(&l, layout_of(m).rows, SV_STAGE_PROFILE);
@@ -155,7 +158,7 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
                             [LABELS] = layout.labels,
                             [ROWS_OF_CELLS] = layout.cells_y,
                             [ROWS_OF_PIXELS] = layout.height};
-    const cl_float memory = (cl_float)m->values.of[SV_PARAM_MEMORY];
+    const cl_float memory = m->continues ? (cl_float)m->values.of[SV_PARAM_MEMORY] : 0.0f;
     sv_status status = SV_OK;
     for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
         const int kernel = launches[i].kernel, takes = launches[i].takes;

@@ -34,8 +34,9 @@ static uint8_t bin_mean(const sv_ref_volume *v, const sv_ref_cost_layout *l, uin
         for (uint32_t y = row * l->sizes.shrink; y < (row + 1) * l->sizes.shrink && y < v->height; y++)
             for (uint32_t x = column * l->sizes.shrink; x < (column + 1) * l->sizes.shrink && x < v->width;
                  x++) {
-                const uint32_t voxel = v->voxels[((size_t)z * v->height + y) * v->width + x];
-                if ((int32_t)voxel == v->padding) continue;
+                const size_t pixel = (size_t)y * v->width + x;
+                if (!sv_ref_scanned(v, pixel, z)) continue;
+                const uint32_t voxel = v->voxels[(size_t)z * v->width * v->height + pixel];
                 sum += voxel;
                 count++;
             }

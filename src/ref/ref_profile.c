@@ -36,7 +36,7 @@ static void walk_ray(const sv_ref_volume *v, size_t pixel, double threshold, uin
     int before = -1; /* voxel of the slice before, -1 if there is none or it was not scanned */
     for (uint32_t z = 0; z < v->slices; z++) {
         const int voxel = v->voxels[z * slice_size + pixel];
-        const bool scanned = voxel != v->padding;
+        const bool scanned = sv_ref_scanned(v, pixel, z);
         for (uint32_t j = 1; scanned && before >= 0 && j < substeps; j++) {
             /* One division of whole numbers: on a plateau the sample must equal the voxels, or a rounding
              * error would make it a new maximum. */

@@ -54,8 +54,7 @@ static void use(const sv_entry *entry) {
         const sv_status described = plugin->param_info(plugin, 0, info);
         printf("status %d %d %d", (int)begun, (int)ended, (int)described);
         if (begun == SV_OK && ended == SV_OK && described == SV_OK) {
-            printf(" gain %u rays %u id %u service %.0f", stats->points, stats->rays, info->id,
-                   info->step);
+            printf(" gain %u rays %u id %u service %.0f", stats->points, stats->rays, info->id, info->step);
 #if SV_ABI_MINOR >= 1
             printf(" count %u group %s call %u", stats->added_count,
                    info->added_group ? info->added_group : "none",

@@ -56,7 +56,7 @@ static sv_status run(rig *r, const shape *s, const uint8_t *volume, float q, dou
 /* Largest error over the pixels that no tie reaches; prints what docs/cost_volume.md quotes. */
 static void compare(rig *r, const shape *s, const uint8_t *volume, float q, const char *what) {
     const size_t count = (size_t)s->width * s->height;
-    const sv_ref_volume v = {volume, s->width, s->height, s->slices, s->padding};
+    const sv_ref_volume v = {volume, s->width, s->height, s->slices, s->padding, NULL};
     double *maps = calloc(3 * count, sizeof *maps);
     uint8_t *tie = calloc(count, 1);
     rig_result out = rig_result_make(s->width, s->height);
@@ -146,7 +146,7 @@ static void test_confidence(void **state) {
     static double maps[3][COUNT];
     static uint8_t tie[COUNT];
     static float map[COUNT];
-    const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0};
+    const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0, NULL};
     sv_ref_cost_facts facts;
     assert_true(sv_ref_cost_surface(&v, maps[0], maps[1], maps[2], tie, &facts));
     const rig_format f = cube_of(r, SIDE);
@@ -187,7 +187,7 @@ static void test_memory(void **state) {
         hs_scene_data data;
         hs_error err = {0};
         assert_true(hs_scene_generate(names[step], SIDE, 5 + (uint64_t)step, &data, &err));
-        const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0};
+        const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0, NULL};
         assert_true(sv_ref_cost_surface_with(&v, &l, maps[0], maps[1], maps[2], tie, NULL));
         rig_textures *t = rig_textures_make(r, &f, data.full.voxels);
         if (step == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
@@ -249,7 +249,7 @@ static void test_gain(void **state) {
             const double voxel = data.full.voxels[i] * gains[g] + 0.5;
             louder[i] = data.full.voxels[i] ? (uint8_t)fmin(fmax(voxel, 1.0), 255.0) : 0;
         }
-        const sv_ref_volume v = {louder, SIDE, SIDE, SIDE, 0};
+        const sv_ref_volume v = {louder, SIDE, SIDE, SIDE, 0, NULL};
         sv_ref_cost_facts facts;
         assert_true(sv_ref_cost_surface(&v, maps[g][0], maps[g][1], maps[g][2], NULL, &facts));
         double change = 0.0;

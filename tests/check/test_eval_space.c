@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parameter space: the quick way against the direct one, resuming, shards, files that do not fit. */
 #include "eval/eval_best.h"
+#include "report/space_csv.h"
 #include "support/host_fixture.h"
 
 #include <math.h>
@@ -70,7 +71,7 @@ static hs_eval_space make_space(rig *r) {
 static void run(rig *r, hs_eval_space *space, uint32_t index, uint32_t count) {
     hs_error err = {0};
     const hs_eval_shard shard = {index, count};
-    if (!hs_eval_space_run(space, &r->c, r->folder, shard, NULL, &err)) fail_msg("%s", err.text);
+    if (!hs_eval_csv_run(space, &r->c, r->folder, shard, NULL, &err)) fail_msg("%s", err.text);
 }
 
 /* Table 5.1 as it stands, and a fifth of it. */
@@ -106,7 +107,7 @@ static void quick_way_is_the_direct_one(void **state) {
         hs_measures direct;
         sv_status outcome;
         hs_error err = {0};
-        assert_true(hs_eval_space_values(&r->plan, item, &values, &err));
+        assert_true(hs_eval_plan_values(&r->plan, item, &values, &err));
         assert_true(hs_eval_values_add(&values, r->plan.knob.info.id, r->plan.knob.value[q], &err));
         if (!hs_eval_case_direct(&r->c, &values, &direct, &outcome, &err)) fail_msg("%s", err.text);
         assert_int_equal(outcome, space.outcome[item]);

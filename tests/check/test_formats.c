@@ -36,7 +36,7 @@ static void compare_kinds(rig *r, const rig_format *f, const rig_settings *s, ui
                           const char *where, compare_summary *summary) {
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
         uint8_t *volume = rig_volume(kind, f->width, f->height, f->slices, seed);
-        const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding};
+        const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding, NULL};
         rig_textures *t = rig_textures_make(r, f, volume);
         if (kind == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
         compare_frame(r, t, &v, s, where, summary);
@@ -197,7 +197,7 @@ static void sums_of_64_bits(void **state) {
         rig_settings s = settings_of(1, 63);
         compare_kinds(*state, &f, &s, strategy, "sums of 64 bits", &all);
         uint8_t *volume = rig_volume(RIG_LAYERS, f.width, f.height, f.slices, 1);
-        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding};
+        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding, NULL};
         rig_textures *t = rig_textures_make(*state, &f, volume);
         rig *r = *state;
         assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);

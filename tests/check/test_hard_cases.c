@@ -64,7 +64,7 @@ static void one_value_everywhere(void **state) {
         rig_settings s = rig_default_settings();
         s.fluid_threshold = table[n].fluid;
         uint8_t *volume = constant_volume(&f, table[n].value);
-        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding};
+        const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding, NULL};
         rig_expected e = rig_expect(&v, &s, false);
         if (e.outcome != table[n].outcome) fail_msg("'%s': outcome %d", table[n].name, e.outcome);
         for (uint32_t i = 0; i < f.width * f.height; i++) assert_true(e.depth[i] == 0.0f); /* clips nothing */
@@ -87,7 +87,7 @@ static void no_surface_after_a_surface(void **state) {
         for (int n = 0; n < 4; n++) {
             rig_textures *t = rig_textures_make(r, &layout, volumes[n]);
             if (n == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
-            const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING};
+            const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING, NULL};
             compare_frame(r, t, &v, &s, "no surface after a surface", NULL);
             rig_textures_free(t);
         }

@@ -183,7 +183,7 @@ static void findings_of_the_thesis(void **state) {
         make_scene(scene_cases[c], SIZE, 2, 0, 0, &d, NULL);
         check_histogram(scene_cases[c], &d.full);
         reduce(&d.full, low);
-        const sv_ref_volume volume = {low, LOW, LOW, LOW, 0};
+        const sv_ref_volume volume = {low, LOW, LOW, LOW, 0, NULL};
         sv_ref_profile(&volume, fluid_threshold, 1, rays);
         finding high = find(&d, rays, 0.06), found = find(&d, rays, 0.24);
         printf("%s: maximum %u, points %.1f %% (%.0f %% right), error %.2f; T_B high: points %.2f %%, error "

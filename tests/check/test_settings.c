@@ -49,7 +49,7 @@ static void close_bench(bench *b) {
 
 static void compare_on(const bench *b, uint32_t kind, const rig_settings *s, const char *where,
                        compare_summary *summary) {
-    const sv_ref_volume v = {b->volumes[kind], WIDTH, HEIGHT, SLICES, SV_NO_PADDING};
+    const sv_ref_volume v = {b->volumes[kind], WIDTH, HEIGHT, SLICES, SV_NO_PADDING, NULL};
     compare_frame(b->r, b->textures[kind], &v, s, where, summary);
 }
 
@@ -162,8 +162,8 @@ static void adjust_equals_a_new_frame(void **state) {
             assert_int_equal(r->plugin->adjust(r->plugin, &q, 1, &result), SV_OK);
             assert_int_equal(clFinish(r->queue), CL_SUCCESS);
             s.q = (float)list[i];
-            rig_expected expected =
-                rig_expect(&(sv_ref_volume){b.volumes[RIG_LAYERS], WIDTH, HEIGHT, SLICES, -1}, &s, false);
+            rig_expected expected = rig_expect(
+                &(sv_ref_volume){b.volumes[RIG_LAYERS], WIDTH, HEIGHT, SLICES, -1, NULL}, &s, false);
             s.q = 0.77f;
             assert_memory_equal(adjusted.depth, expected.depth, RAYS * sizeof(float));
             rig_expected_free(&expected);

@@ -136,6 +136,30 @@ static void values_of_every_type_are_read(void **state) {
     }
 }
 
+/* In one place, for command lines and for hosts that know a value's name only. */
+static void enum_values_are_found_by_their_name(void **state) {
+    const hs_plugin *plugin = *state;
+    static const char *const calls[] = {"none", "activate", "begin", "slab", "end"};
+    sv_param_info info;
+    char name[HS_ENUM_NAME];
+    double value;
+    assert_true(hs_plugin_find_param(plugin, "fail", &info));
+    assert_int_equal(hs_plugin_enum_count(&info), 5);
+    for (uint32_t i = 0; i < 5; i++) {
+        assert_true(hs_plugin_enum_at(plugin, &info, i, &value, name, sizeof name));
+        assert_true(value == i);
+        assert_string_equal(name, calls[i]);
+        value = -1;
+        assert_true(hs_plugin_find_enum(plugin, &info, calls[i], &value) && value == i);
+    }
+    assert_false(hs_plugin_enum_at(plugin, &info, 5, &value, name, sizeof name));
+    assert_false(hs_plugin_find_enum(plugin, &info, "begi", &value));
+    assert_false(hs_plugin_find_enum(plugin, &info, "", &value));
+    assert_true(hs_plugin_find_param(plugin, "every", &info)); /* no enum: has no names */
+    assert_int_equal(hs_plugin_enum_count(&info), 0);
+    assert_false(hs_plugin_find_enum(plugin, &info, "1", &value));
+}
+
 static void wrong_values_are_refused_with_what_is_allowed(void **state) {
     const hs_plugin *plugin = *state;
     static const struct {
@@ -196,6 +220,7 @@ int main(void) {
         cmocka_unit_test(entries_that_break_the_abi_are_refused),
         cmocka_unit_test_setup_teardown(parameters_are_found_by_key, open_plane, close_plane),
         cmocka_unit_test_setup_teardown(values_of_every_type_are_read, open_plane, close_plane),
+        cmocka_unit_test_setup_teardown(enum_values_are_found_by_their_name, open_plane, close_plane),
         cmocka_unit_test_setup_teardown(wrong_values_are_refused_with_what_is_allowed, open_plane,
                                         close_plane),
         cmocka_unit_test_setup_teardown(a_failed_call_is_told_with_path_call_status_and_reason, open_plane,

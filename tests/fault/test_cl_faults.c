@@ -90,7 +90,7 @@ static void activate_with_wide_vectors(void **state) {
     const rig_format f = {.width = 70, .height = 9, .slices = 6, .padding = SV_NO_PADDING};
     const rig_settings s = rig_default_settings();
     uint8_t *volume = rig_volume(RIG_LAYERS, 70, 9, 6, 1);
-    const sv_ref_volume v = {volume, 70, 9, 6, SV_NO_PADDING};
+    const sv_ref_volume v = {volume, 70, 9, 6, SV_NO_PADDING, NULL};
     rig_textures *t = rig_textures_make(r, &f, volume);
     spy_watch(r->entry);
     uint32_t fell_back = 0;

@@ -107,14 +107,30 @@ unclipped "instance.slab is NULL" "${good[@]}" --plugin "$plugins/no_slab.so"
 unclipped "no plugin with id 'a.b'" "${good[@]}" --plugin "$plugins/plane.so" --id a.b
 for call in activate begin slab end; do
     unclipped "$call: SV_ERR_INTERNAL (-1): fails in $call on purpose" "${good[@]}" --slab 2 \
-        --plugin "$plugins/plane.so" --set fail=$call --set depth=3
+        --plugin "$plugins/plane.so" --set fail=$call --set depth=100
 done
 expect 4 "no_such.so" list --plugin no_such.so
 
-# A positive status is no failure, but unclipped all the same.
+# SV_NO_SURFACE is no failure, but unclipped all the same.
 rm -rf out
-expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=3
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=100
 holds cmp out/result.png full.png
+# So deep a plane leaves nothing to see: these comparisons would notice a picture that is clipped.
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set depth=100
+holds [ "$(cmp -s out/result.png full.png; echo $?)" = 1 ]
+
+# A map with holes is drawn, and the summary tells how many: of a test plugin, and of the mean filter that fills nothing.
+rm -rf out
+expect 0 "" "${good[@]}" --plugin "$plugins/partial.so" --set depth=100
+holds [ "$(cmp -s out/result.png full.png; echo $?)" = 1 ]
+holds grep -q "^Frames: 1 clipped, 1 of them in part; rendered unclipped: 0 by" stdout
+holds grep -q "SV_PARTIAL; 25 rays gave a point (100.0 % of 25), 15 pixels without a surface" stdout
+for queue in "" --own-queue; do
+    expect 0 "" "${run[@]}" --scene E04 --size 64 $queue --set kernel=3 --set evidence=0 --set fill_weight=0
+    holds grep -q "^Frames: 1 clipped, 1 of them in part;" stdout
+    holds grep -qE "^Last frame: SV_PARTIAL; .* [1-9][0-9]* pixels without a surface" stdout
+    holds [ "$(cmp -s out/result.png out/full.png; echo $?)" = 1 ]
+done
 
 # A confidence that is none: said once, and the picture is the one without it.
 ghost=(--set depth=3 --ghost-offset 8 --ghost-width 8)
@@ -148,6 +164,13 @@ for command in run demo list info; do
     holds grep -q "^Exit codes:" stdout
 done
 expect 0 "" --help
+holds grep -q -- "--version" stdout
+# The versions are those of the project and of the header.
+expect 0 "" --version
+version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
+abi() { sed -n "s/^#define SV_ABI_$1 *\([0-9]*\)u.*/\1/p" "$source/include/smartvis_plugin.h"; }
+holds [ -n "$version" ]
+holds [ "$(cat stdout)" = "host_sim $version, SmartVis plugin ABI $(abi MAJOR).$(abi MINOR)" ]
 expect 0 "" info good.mha "$work/other_size.mha"
 holds grep -q "16 x 16 x 8 voxels" stdout
 # No OpenCL device is needed to describe a plugin.
@@ -158,6 +181,11 @@ unset OCL_ICD_VENDORS
 expect 0 "" "${good[@]}" --json "$work/result.json"
 holds grep -q '"volumes_per_second"' result.json
 holds [ "$(tail -n 1 stdout)" = "Pictures are in $work/out" ]
+# One volume is uploaded once, unless it comes live.
+holds [ "$(grep -c '"upload"' result.json)" = 0 ]
+expect 0 "" "${good[@]}" --live --json "$work/result.json"
+holds [ "$(grep -c '"upload"' result.json)" = 3 ]
+holds grep -q "^upload " stdout
 for picture in result full panel depthmap points; do holds [ -s "out/$picture.png" ]; done
 holds [ -z "$(find "$work" -name '*.tmp*' -o -name '.host_sim_*')" ]
 # Colours and progress are for terminals.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The scan loop: pictures and depths that can be computed by hand, and frames that create nothing. */
+#include "report/loop_pictures.h"
 #include "support/loop_fixture.h"
 
 #include <dlfcn.h>
@@ -115,6 +116,65 @@ static void every_carrier_and_queue_gives_the_picture_of_a_tilted_plane(void **s
     }
 }
 
+/* The left half of the map is a plane, the right half has no surface: the host draws the one and does not
+ * clip the other. Between the middle pixels of the map a picture interpolates. */
+static void a_partial_map_clips_where_it_has_a_surface(void **state) {
+    const fixture *f = *state;
+    hs_plugin partial;
+    open_plugin(&partial, "partial");
+    for (int own = 0; own < 2; own++) {
+        const sv_param_value value = {.id = DEPTH, .value = 5};
+        hs_loop_options o = options_with(&value, 1);
+        o.own_queue = own;
+        o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+        hs_loop *loop = make_loop_of(f, &partial, &o);
+        hs_view view = view_of(loop, 0);
+        char note[160];
+        assert_true(view.frame.clipped);
+        assert_int_equal(view.frame.outcome, SV_PARTIAL);
+        assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
+        assert_string_equal(
+            hs_frame_note(&view.frame, "", note, sizeof note),
+            "In part: the plugin says SV_PARTIAL, 128 of 256 pixels have no surface and clip nothing.");
+        for (int y = 0; y < LOW; y++)
+            for (int x = 0; x < LOW; x++) assert_true(view.depth[y * LOW + x] == (x < LOW / 2 ? 5 : 0));
+        for (int y = 0; y < PICTURE; y++)
+            for (int x = 0; x < PICTURE; x++) {
+                const float at = ((float)x + 0.5f) * LOW / PICTURE - 0.5f,
+                            end = view.termination[y * PICTURE + x];
+                if (at <= LOW / 2 - 1) assert_true(end == FETUS);
+                if (at >= LOW / 2) assert_true(end == OCCLUDER);
+            }
+        hs_loop_result r;
+        hs_error err = {0};
+        assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
+        assert_int_equal(r.clipped_frames, FRAMES);
+        assert_int_equal(r.partial_frames, FRAMES);
+        assert_int_equal(r.note_frames + r.failed_frames, 0);
+        hs_view_free(&view);
+        hs_loop_destroy(loop);
+    }
+    hs_plugin_close(&partial);
+}
+
+/* A positive status of begin is a success: what counts is the outcome of end. */
+static void a_note_of_begin_changes_nothing(void **state) {
+    const fixture *f = *state;
+    const sv_param_value value = {.id = DEPTH, .value = 5};
+    const hs_loop_options o = options_with(&value, 1);
+    hs_plugin noting;
+    char note[160];
+    open_plugin(&noting, "note_early");
+    hs_loop *loop = make_loop_of(f, &noting, &o);
+    hs_view view = view_of(loop, 0);
+    assert_int_equal(view.frame.outcome, SV_OK);
+    assert_null(hs_frame_note(&view.frame, "", note, sizeof note));
+    assert_true(view.frame.clipped && view.termination[0] == FETUS);
+    hs_view_free(&view);
+    hs_loop_destroy(loop);
+    hs_plugin_close(&noting);
+}
+
 /* ------------------------------------------------------------------------------ the loop -- */
 
 static void frames_create_and_compile_nothing(void **state) {
@@ -178,6 +238,33 @@ static void a_sequence_shows_its_volumes_in_turn(void **state) {
     hs_loop_destroy(loop);
 }
 
+/* A scan writes its next volume where the last one was. What was transparent everywhere becomes tissue:
+ * neither the voxels nor the renderer's grid of maxima may be those of the frame before. */
+static void a_live_scan_is_uploaded_anew(void **state) {
+    const fixture *f = *state;
+    hs_volume scan = make_layers(false);
+    const hs_volume *volumes[1] = {&scan};
+    fixture g = *f;
+    g.source = (hs_source){.volumes = volumes, .count = 1};
+    hs_loop_options o = options_with(NULL, 0);
+    o.live = true;
+    hs_error err = {0};
+    memset(scan.voxels, 10, hs_volume_count(&scan));
+    hs_loop *loop = hs_loop_create(&g.cl, &g.source, NULL, &o, &err);
+    if (!loop) fail_msg("%s", err.text);
+    static const uint8_t levels[3] = {10, 255, 10};
+    for (uint32_t i = 0; i < 3; i++) {
+        memset(scan.voxels, levels[i], hs_volume_count(&scan));
+        hs_view view = view_of(loop, i);
+        assert_true(view.termination[0] == (levels[i] == 255 ? 0 : N));
+        assert_int_equal(view.result[0], levels[i] == 255 ? red_at(FETUS, &o.dvr) : 0);
+        assert_true(view.frame.ms[HS_STAGE_UPLOAD] > 0);
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+    hs_volume_free(&scan);
+}
+
 static void an_orbit_keeps_one_box_and_lies_around_its_yaw(void **state) {
     const fixture *f = *state;
     hs_loop_options o = options_with(NULL, 0);
@@ -223,9 +310,12 @@ int main(void) {
         cmocka_unit_test(the_format_is_a_third_and_covers_the_volume),
         cmocka_unit_test(a_flat_plane_clips_where_it_lies),
         cmocka_unit_test(every_carrier_and_queue_gives_the_picture_of_a_tilted_plane),
+        cmocka_unit_test(a_partial_map_clips_where_it_has_a_surface),
+        cmocka_unit_test(a_note_of_begin_changes_nothing),
         cmocka_unit_test(frames_create_and_compile_nothing),
         cmocka_unit_test(results_add_up),
         cmocka_unit_test(a_sequence_shows_its_volumes_in_turn),
+        cmocka_unit_test(a_live_scan_is_uploaded_anew),
         cmocka_unit_test(an_orbit_keeps_one_box_and_lies_around_its_yaw),
         cmocka_unit_test(the_ground_truth_is_rendered_with_the_same_camera),
     };

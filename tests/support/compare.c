@@ -116,7 +116,8 @@ void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_s
     rig_textures *t = rig_textures_make(r, f, volume);
     const sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) fail_msg("%s: activate is %d: %s", where, status, r->last_log);
-    const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding};
+    const sv_ref_volume v = {volume,    f->width,   f->height,
+                             f->slices, f->padding, (const sv_ref_range *)f->scanned};
     compare_frame(r, t, &v, s, where, summary);
     r->plugin->deactivate(r->plugin);
     rig_textures_free(t);

@@ -19,7 +19,8 @@ int fixture_setup(void **state) {
     rig_settings settings = rig_default_settings();
     settings.evidence = rig_param_default(&f->r, "evidence");
     settings.q = (float)rig_param_default(&f->r, "q");
-    const sv_ref_volume volume = {f->volume, FIXTURE_WIDTH, FIXTURE_HEIGHT, FIXTURE_SLICES, SV_NO_PADDING};
+    const sv_ref_volume volume = {f->volume,      FIXTURE_WIDTH, FIXTURE_HEIGHT,
+                                  FIXTURE_SLICES, SV_NO_PADDING, NULL};
     rig_expected e = rig_expect(&volume, &settings, false);
     memcpy(f->good.depth, e.depth, FIXTURE_RAYS * sizeof(float));
     memcpy(f->good.status, e.status, FIXTURE_RAYS);

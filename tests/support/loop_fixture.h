@@ -10,7 +10,8 @@
 #ifndef LOOP_FIXTURE_H
 #define LOOP_FIXTURE_H
 
-#include "loop/loop.h"
+#include "loop/loop_run.h"
+#include "loop/view.h"
 #include "support/host_fixture.h"
 
 #include <math.h>

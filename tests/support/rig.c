@@ -3,7 +3,9 @@
 
 #include "programs/shared_programs.h"
 
+#include "smartvis/lookup.h"
 #include <dlfcn.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,6 +112,13 @@ double rig_param_default(const rig *r, const char *key) {
     return info_of(r, key).default_value;
 }
 
+double rig_enum(const rig *r, const char *key, const char *name) {
+    const sv_param_info info = info_of(r, key);
+    double value = 0.0;
+    if (!sv_lookup_value(r->plugin, &info, name, &value)) fail("no value of an enum", name);
+    return value;
+}
+
 uint32_t rig_values(const rig *r, const rig_settings *s, sv_param_value *values) {
     const struct {
         const char *key;
@@ -184,6 +193,23 @@ static void make_objects(rig_textures *t, const rig *r) {
     }
 }
 
+/* Ranges in a buffer begin SCANNED_OFFSET bytes behind its start. */
+enum { SCANNED_OFFSET = 12 };
+static void hand_over_ranges(rig_textures *t, const rig *r, const rig_format *f) {
+    const size_t bytes = (size_t)f->width * f->height * sizeof *f->scanned;
+    cl_int code = CL_SUCCESS;
+    t->format.flags |= SV_FORMAT_SCANNED;
+    if (!f->scanned_in_buffer) {
+        t->scanned = f->scanned;
+        return;
+    }
+    t->scanned_buffer = clCreateBuffer(r->context, CL_MEM_READ_ONLY, bytes + SCANNED_OFFSET, NULL, &code);
+    if (code == CL_SUCCESS)
+        code = clEnqueueWriteBuffer(r->queue, t->scanned_buffer, CL_TRUE, SCANNED_OFFSET, bytes, f->scanned,
+                                    0, NULL, NULL);
+    if (code != CL_SUCCESS) fail("OpenCL", "buffer of scanned ranges");
+}
+
 rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume) {
     rig_textures *t = calloc(1, sizeof *t);
     if (!t) fail("memory", "textures");
@@ -206,6 +232,7 @@ rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t
         m->device = r->device;
         m->queue = r->queue;
     }
+    if (f->scanned) hand_over_ranges(t, r, f);
     split(t, f);
     fill_textures(t, f, volume);
     if (f->in_place) {
@@ -219,6 +246,7 @@ rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t
 void rig_textures_free(rig_textures *t) {
     for (uint32_t n = 0; n < t->slab_count; n++)
         if (t->objects[n]) (void)clReleaseMemObject(t->objects[n]);
+    if (t->scanned_buffer) (void)clReleaseMemObject(t->scanned_buffer);
     free(t->memory);
     free(t);
 }
@@ -234,10 +262,20 @@ sv_slab rig_slab(const rig_textures *t, uint32_t n) {
                      .bytes = t->texture_bytes};
 }
 
+sv_frame rig_begin(const rig_textures *t, const sv_param_value *values, uint32_t count) {
+    return (sv_frame){.size = sizeof(sv_frame),
+                      .flags = t->frame_flags,
+                      .values = values,
+                      .value_count = count,
+                      .scanned = t->scanned,
+                      .scanned_object = t->scanned_buffer,
+                      .scanned_offset = t->scanned_buffer ? SCANNED_OFFSET : 0};
+}
+
 sv_status rig_frame(rig *r, const rig_textures *t, const sv_param_value *values, uint32_t count,
                     rig_result *out) {
     const sv_plugin *p = r->plugin;
-    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count};
+    const sv_frame frame = rig_begin(t, values, count);
     sv_status status = p->begin(p, &frame);
     for (uint32_t n = 0; status == SV_OK && n < t->slab_count; n++) {
         const sv_slab slab = rig_slab(t, n);

@@ -35,6 +35,8 @@ typedef struct {
     bool own_queue;                         /* the plugin picks its device */
     bool in_place;                          /* register the slab memory at activation */
     int32_t padding;                        /* 0 is a value: SV_NO_PADDING for none */
+    const sv_scanned *scanned;              /* of every ray; NULL: the frames bring none */
+    bool scanned_in_buffer;                 /* hands them over in an OpenCL buffer */
     sv_param_value fixed[4];                /* parameters for activate */
     uint32_t fixed_count;
 } rig_format;
@@ -69,6 +71,9 @@ typedef struct {
     uint32_t slab_count;
     uint32_t first[RIG_MAX_SLABS], length[RIG_MAX_SLABS];
     cl_mem objects[RIG_MAX_SLABS]; /* buffer or image of a slab; NULL with SV_CARRIER_HOST */
+    const sv_scanned *scanned;     /* rig_format's, unless they lie in the buffer: */
+    cl_mem scanned_buffer;
+    uint32_t frame_flags; /* SV_FRAME_* of the frames to come */
 } rig_textures;
 
 /* Everything that is padding (of tiles, of the pitch, unused tiles) holds 255, the worst it could. Owned by
@@ -76,6 +81,9 @@ typedef struct {
 rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume);
 void rig_textures_free(rig_textures *t);
 sv_slab rig_slab(const rig_textures *t, uint32_t n);
+
+/* The frame for begin: parameter values (borrowed), and the scanned ranges of the format. */
+sv_frame rig_begin(const rig_textures *t, const sv_param_value *values, uint32_t count);
 
 /* begin, all slabs, end and, with the host's queue, clFinish. Returns the first status that is not SV_OK,
  * else the outcome in the statistics. The instance must be active with this format. */
@@ -120,6 +128,9 @@ uint32_t rig_param(const rig *r, const char *key);
 double rig_param_default(const rig *r, const char *key);
 
 /* A seeded volume of the given kind. */
+/* The value of an enum parameter by its name. Fails the test program if there is none. */
+double rig_enum(const rig *r, const char *key, const char *name);
+
 typedef enum {
     RIG_NOISE,    /* any value anywhere */
     RIG_EXTREMES, /* values at 0, 255 and within one level of T_L */

@@ -7,6 +7,8 @@
  *   TP_ENTRY_SIZE    the entry's size
  *   TP_CREATE        what create returns
  *   TP_SLAB          the instance's slab
+ *   TP_BEGIN         what begin returns: a note changes nothing
+ *   TP_PARTIAL       the right half of the map has no surface: SV_PARTIAL
  *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
  */
 #include "smartvis/confidence.h"
@@ -29,6 +31,15 @@
 #endif
 #ifndef TP_SLAB
 #define TP_SLAB plane_slab
+#endif
+
+#ifndef TP_BEGIN
+#define TP_BEGIN SV_OK
+#endif
+#ifdef TP_PARTIAL
+enum { HALF = 2, FOUND = SV_PARTIAL };
+#else
+enum { HALF = 1, FOUND = SV_OK };
 #endif
 
 enum { PARAM_DEPTH = 1, PARAM_SHAPE, PARAM_FAIL, PARAM_EVERY, PARAM_NOTE, PARAM_COUNT = 5 };
@@ -162,7 +173,8 @@ static sv_status plane_begin(const sv_plugin *plugin, const sv_frame *frame) {
     sv_status status = take_values(p, p->values, frame->values, frame->value_count);
     p->frame = frame->index;
     p->next_slice = 0;
-    return status != SV_OK ? status : fail_here(p, FAIL_BEGIN, "begin");
+    if (status == SV_OK) status = fail_here(p, FAIL_BEGIN, "begin");
+    return status != SV_OK ? status : TP_BEGIN;
 }
 
 #ifndef TP_NO_SLAB
@@ -178,10 +190,15 @@ static sv_status plane_slab(const sv_plugin *plugin, const sv_slab *slab) {
 }
 #endif
 
+/* Columns of the map that have a surface: all, or the left half. */
+static uint32_t columns(const plane *p) {
+    return p->format.width / HALF;
+}
+
 static void draw_plane(plane *p) {
     const float slope = p->fixed[PARAM_SHAPE] != 0 ? 1.0f : 0.0f;
     for (uint32_t y = 0; y < p->format.height; y++)
-        for (uint32_t x = 0; x < p->format.width; x++)
+        for (uint32_t x = 0; x < columns(p); x++)
             p->map[(size_t)y * p->format.width + x] = (float)p->values[PARAM_DEPTH] + slope * (float)x;
 }
 
@@ -194,7 +211,7 @@ static sv_status plane_end(const sv_plugin *plugin, const sv_result *result) {
         return SV_ERR_SLAB_MISSING;
     }
     const uint32_t rays = p->format.width * p->format.height;
-    const sv_status outcome = p->values[PARAM_NOTE] != 0 ? SV_NO_SURFACE : SV_OK;
+    const sv_status outcome = p->values[PARAM_NOTE] != 0 ? SV_NO_SURFACE : FOUND;
     draw_plane(p);
     if (result->depth) memcpy(result->depth, p->map, rays * sizeof(float));
     if (result->depth_object &&
@@ -204,7 +221,11 @@ static sv_status plane_end(const sv_plugin *plugin, const sv_result *result) {
     if (result->status) memset(result->status, SV_POINT_INITIAL, rays);
     if (result->stats) {
         const uint32_t size = result->stats->size;
-        const sv_stats stats = {.size = size, .outcome = outcome, .rays = rays, .points = rays};
+        const sv_stats stats = {.size = size,
+                                .outcome = outcome,
+                                .rays = rays,
+                                .points = rays,
+                                .unfilled = rays - columns(p) * p->format.height};
         memcpy(result->stats, &stats, size < sizeof stats ? size : sizeof stats);
     }
     return p->format.queue ? SV_OK : outcome;

@@ -1,10 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* Slabs in the three carriers. Scan conversion writes a device buffer; host memory and images are filled from
- * it. */
-#include "loop/loop_parts.h"
+#include "loop/slabs.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+#define ALIGN 4096u /* bytes: a page, so that a plugin may read host memory in place */
+
+struct hs_slabs {
+    const hs_cl *cl;
+    hs_scan_converter *converter;
+    hs_slab_layout layout;
+    uint32_t carrier;    /* SV_CARRIER_* */
+    uint32_t count;      /* slabs */
+    size_t stride;       /* bytes from one slab to the next, a multiple of ALIGN */
+    cl_mem buffer;       /* device, all slabs: what scan conversion writes */
+    cl_mem *images;      /* SV_CARRIER_IMAGE: one 2D image a slab */
+    uint8_t *memory;     /* SV_CARRIER_HOST: a copy of `buffer`, aligned to ALIGN */
+    size_t memory_bytes; /* count * stride */
+};
 
 /* Texture rows of a slab of `slices` slices. */
 static size_t texture_rows(const hs_slab_layout *layout, uint32_t slices) {
@@ -25,20 +38,20 @@ static bool image_limits(const hs_cl *cl, size_t limits[2], hs_error *err) {
     return hs_cl_check(code, "clGetDeviceInfo (images)", err);
 }
 
-static bool check_image_size(const hs_slabs *slabs, const hs_cl *cl, hs_error *err) {
+static bool check_image_size(const hs_slabs *slabs, hs_error *err) {
     const size_t width = (size_t)slabs->layout.tiles_x * slabs->layout.tile_w;
     const size_t height = texture_rows(&slabs->layout, slabs->layout.slab_slices);
     size_t limits[2];
-    if (!image_limits(cl, limits, err)) return false;
+    if (!image_limits(slabs->cl, limits, err)) return false;
     if (limits[0] == 0)
-        return hs_fail(err, HS_ERR_DEVICE, "carrier image: %s has no images", cl->device_name);
+        return hs_fail(err, HS_ERR_DEVICE, "carrier image: %s has no images", slabs->cl->device_name);
     return (width <= limits[0] && height <= limits[1]) ||
            hs_fail(err, HS_ERR_USAGE,
                    "carrier image: a slab's texture is %zu x %zu pixels, the device allows %zu x %zu", width,
                    height, limits[0], limits[1]);
 }
 
-static bool create_images(hs_slabs *slabs, const hs_cl *cl, hs_error *err) {
+static bool create_images(hs_slabs *slabs, hs_error *err) {
     const cl_image_format format = {.image_channel_order = CL_R, .image_channel_data_type = CL_UNORM_INT8};
     slabs->images = calloc(slabs->count, sizeof(cl_mem));
     if (!slabs->images)
@@ -48,49 +61,76 @@ static bool create_images(hs_slabs *slabs, const hs_cl *cl, hs_error *err) {
                                     .image_width = (size_t)slabs->layout.tiles_x * slabs->layout.tile_w,
                                     .image_height = texture_rows(&slabs->layout, slabs->layout.slab_slices)};
         cl_int code;
-        slabs->images[i] = clCreateImage(cl->context, CL_MEM_READ_WRITE, &format, &desc, NULL, &code);
+        slabs->images[i] = clCreateImage(slabs->cl->context, CL_MEM_READ_WRITE, &format, &desc, NULL, &code);
         if (!hs_cl_check(code, "clCreateImage (slab)", err)) return false;
     }
     return true;
 }
 
-bool hs_slabs_create(hs_slabs *slabs, const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier,
-                     hs_error *err) {
-    *slabs = (hs_slabs){.layout = *layout, .carrier = carrier, .count = hs_slab_count(layout)};
-    size_t bytes = hs_slab_bytes(layout, layout->slab_slices);
-    slabs->stride = (bytes + HS_SLAB_ALIGN - 1) / HS_SLAB_ALIGN * HS_SLAB_ALIGN;
-    slabs->memory_bytes = slabs->stride * slabs->count;
+static bool check_buffer_size(const hs_slabs *slabs, hs_error *err) {
+    const hs_slab_layout *layout = &slabs->layout;
     cl_ulong limit = 0;
-    cl_int code = clGetDeviceInfo(cl->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof limit, &limit, NULL);
+    const cl_int code =
+        clGetDeviceInfo(slabs->cl->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof limit, &limit, NULL);
     if (!hs_cl_check(code, "clGetDeviceInfo (CL_DEVICE_MAX_MEM_ALLOC_SIZE)", err)) return false;
-    if (slabs->memory_bytes > limit)
-        return hs_fail(err, HS_ERR_USAGE,
-                       "low-resolution volume %u x %u x %u: %zu bytes of slabs, the device allows %llu",
-                       layout->width, layout->height, layout->slices, slabs->memory_bytes,
-                       (unsigned long long)limit);
-    if (carrier == SV_CARRIER_IMAGE && !check_image_size(slabs, cl, err)) return false;
-    slabs->buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, slabs->memory_bytes, NULL, &code);
+    return slabs->memory_bytes <= limit ||
+           hs_fail(err, HS_ERR_USAGE,
+                   "low-resolution volume %u x %u x %u: %zu bytes of slabs, the device allows %llu",
+                   layout->width, layout->height, layout->slices, slabs->memory_bytes,
+                   (unsigned long long)limit);
+}
+
+/* The device's buffer, and what the carrier needs beside it. */
+static bool create_memory(hs_slabs *slabs, hs_error *err) {
+    cl_int code;
+    if (!check_buffer_size(slabs, err)) return false;
+    if (slabs->carrier == SV_CARRIER_IMAGE && !check_image_size(slabs, err)) return false;
+    slabs->buffer = clCreateBuffer(slabs->cl->context, CL_MEM_READ_WRITE, slabs->memory_bytes, NULL, &code);
     if (!hs_cl_check(code, "clCreateBuffer (slabs)", err)) return false;
-    if (carrier == SV_CARRIER_HOST) {
-        slabs->memory = aligned_alloc(HS_SLAB_ALIGN, slabs->memory_bytes);
+    if (slabs->carrier == SV_CARRIER_HOST) {
+        slabs->memory = aligned_alloc(ALIGN, slabs->memory_bytes);
         if (!slabs->memory)
             return hs_fail(err, HS_ERR_MEMORY, "slabs: no memory for %zu bytes", slabs->memory_bytes);
         memset(slabs->memory, 0, slabs->memory_bytes); /* touches the pages now, not in the first frame */
     }
-    return carrier != SV_CARRIER_IMAGE || create_images(slabs, cl, err);
+    return slabs->carrier != SV_CARRIER_IMAGE || create_images(slabs, err);
+}
+
+hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_error *err) {
+    hs_slabs *slabs = calloc(1, sizeof *slabs);
+    if (!slabs) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "slabs: no memory");
+        return NULL;
+    }
+    slabs->cl = cl;
+    slabs->layout = *layout;
+    slabs->carrier = carrier;
+    slabs->converter = hs_scan_converter_create(cl, layout, err);
+    if (slabs->converter) {
+        const size_t bytes = hs_slab_bytes(layout, layout->slab_slices);
+        slabs->count = hs_slab_count(layout);
+        slabs->stride = (bytes + ALIGN - 1) / ALIGN * ALIGN;
+        slabs->memory_bytes = slabs->stride * slabs->count;
+        if (create_memory(slabs, err)) return slabs;
+    }
+    hs_slabs_destroy(slabs);
+    return NULL;
 }
 
 void hs_slabs_destroy(hs_slabs *slabs) {
+    if (!slabs) return;
     for (uint32_t i = 0; slabs->images && i < slabs->count; i++)
         if (slabs->images[i]) clReleaseMemObject(slabs->images[i]);
     free(slabs->images);
     if (slabs->buffer) clReleaseMemObject(slabs->buffer);
     free(slabs->memory);
-    *slabs = (hs_slabs){0};
+    hs_scan_converter_destroy(slabs->converter);
+    free(slabs);
 }
 
 /* A finished slab from the device buffer into the carrier, in the order of the queue. */
-static bool fill_carrier(const hs_slabs *slabs, const hs_cl *cl, uint32_t index, hs_error *err) {
+static bool fill_carrier(const hs_slabs *slabs, uint32_t index, hs_error *err) {
+    const hs_cl *cl = slabs->cl;
     const uint32_t slices = hs_slab_length(&slabs->layout, index);
     const size_t offset = index * slabs->stride;
     if (slabs->carrier == SV_CARRIER_HOST) {
@@ -110,15 +150,22 @@ static bool fill_carrier(const hs_slabs *slabs, const hs_cl *cl, uint32_t index,
     return true;
 }
 
-bool hs_slabs_convert(const hs_slabs *slabs, const hs_cl *cl, hs_scan_converter *converter,
-                      const hs_device_volume *source, const hs_camera *camera, hs_error *err) {
-    for (uint32_t i = 0; i < slabs->count; i++) {
-        if (!hs_scan_convert_slab(converter, source, camera, i, slabs->buffer, i * slabs->stride, NULL,
+bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
+                      hs_error *err) {
+    for (uint32_t i = 0; i < slabs->count; i++)
+        if (!hs_scan_convert_slab(slabs->converter, source, camera, i, slabs->buffer, i * slabs->stride, NULL,
                                   err) ||
-            !fill_carrier(slabs, cl, i, err))
+            !fill_carrier(slabs, i, err))
             return false;
-    }
     return true;
+}
+
+const hs_slab_layout *hs_slabs_layout(const hs_slabs *slabs) {
+    return &slabs->layout;
+}
+
+uint32_t hs_slabs_count(const hs_slabs *slabs) {
+    return slabs->count;
 }
 
 void hs_slabs_describe(const hs_slabs *slabs, uint32_t index, sv_slab *out) {
@@ -140,4 +187,22 @@ void hs_slabs_describe(const hs_slabs *slabs, uint32_t index, sv_slab *out) {
         out->object = slabs->images[index];
         break;
     }
+}
+
+void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format) {
+    const hs_slab_layout *layout = &slabs->layout;
+    format->width = layout->width;
+    format->height = layout->height;
+    format->slices = layout->slices;
+    format->max_slab_slices = layout->slab_slices;
+    format->voxel_type = SV_VOXEL_U8;
+    format->carrier = slabs->carrier;
+    format->padding_value = 0;
+    format->tiles_x = layout->tiles_x;
+    format->tile_w = layout->tile_w;
+    format->tile_h = layout->tile_h;
+    format->row_pitch = layout->row_pitch;
+    if (slabs->carrier != SV_CARRIER_HOST) return;
+    format->host_memory = slabs->memory;
+    format->host_memory_bytes = slabs->memory_bytes;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The picture of the one knob a user turns: the same frame for several positions of it. */
-#include "report/loop_pictures.h"
+#include "report/loop_knob.h"
 
 #include "base/cli.h"
+#include "loop/view.h"
 #include "picture/picture_panel.h"
 #include "plugin/loader_param.h"
 

@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Everything the pictures of one frame are made of, read back to the host. Not on the frame path. */
-#include "loop/loop_parts.h"
+#include "loop/view.h"
+
+#include "loop/loop_stages.h"
+#include "loop/loop_state.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static bool read_back(const hs_loop *loop, cl_mem from, size_t bytes, void *to, const char *what,
-                      hs_error *err) {
-    return hs_cl_check(clEnqueueReadBuffer(loop->cl->queue, from, CL_TRUE, 0, bytes, to, 0, NULL, NULL), what,
-                       err);
-}
-
 static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
-    const hs_slab_layout *layout = &loop->slabs.layout;
+    const hs_slab_layout *layout = hs_loop_layout(loop);
     view->width = loop->options.dvr.width;
     view->height = loop->options.dvr.height;
     view->map_width = layout->width;
@@ -37,11 +33,12 @@ static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
 /* A picture and, unless NULL, its termination depths. */
 static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
                       const hs_frame *frame, uint8_t *rgba, float *termination, hs_error *err) {
-    const size_t pixels = (size_t)loop->options.dvr.width * loop->options.dvr.height;
-    return hs_loop_render(loop, volume, camera, frame, termination != NULL, err) &&
-           read_back(loop, loop->rgba, pixels * 4, rgba, "clEnqueueReadBuffer (picture)", err) &&
-           (!termination || read_back(loop, loop->termination, pixels * sizeof(float), termination,
-                                      "clEnqueueReadBuffer (termination depths)", err));
+    hs_start_depths depths;
+    const hs_start_depths *start =
+        frame ? hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &depths) : NULL;
+    return hs_screen_render(loop->screen, volume, camera, start, termination != NULL, err) &&
+           hs_screen_read(loop->screen, rgba, err) &&
+           (!termination || hs_screen_read_termination(loop->screen, termination, err));
 }
 
 static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
@@ -51,51 +48,43 @@ static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error 
     return ok;
 }
 
-/* The maximum projection goes through the picture's buffer: it needs a quarter of it. */
-static bool project(hs_loop *loop, hs_view *view, hs_error *err) {
-    return hs_dvr_mip(loop->dvr, loop->volume, &view->camera, loop->rgba, NULL, err) &&
-           read_back(loop, loop->rgba, (size_t)view->width * view->height, view->mip,
-                     "clEnqueueReadBuffer (MIP)", err);
-}
-
 static bool read_confidence(const hs_loop *loop, size_t rays, hs_view *view, hs_error *err) {
     view->sure = malloc(rays * sizeof(float));
     if (!view->sure) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
-    return read_back(loop, loop->clipper.sure, rays * sizeof(float), view->sure,
-                     "clEnqueueReadBuffer (confidence)", err);
+    return hs_clipper_read_confidence(loop->clipper, view->sure, err);
+}
+
+/* The frame with every map the plugin has. A map that was not used is not shown either, since it may be an
+ * earlier frame's. */
+static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
+    const size_t rays = (size_t)view->map_width * view->map_height;
+    const bool wanted = hs_clipper_wants_confidence(loop->clipper);
+    hs_clipper_want(loop->clipper, true, true);
+    bool ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &view->frame, err);
+    hs_clipper_want(loop->clipper, false, wanted);
+    if (ok && view->frame.clipped) ok = hs_clipper_read_depth(loop->clipper, view->depth, err);
+    if (ok && view->frame.sure) ok = read_confidence(loop, rays, view, err);
+    if (ok && view->frame.outcome >= SV_OK) memcpy(view->status, hs_clipper_status(loop->clipper), rays);
+    return ok;
 }
 
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     *view = (hs_view){0};
-    bool ok = allocate(loop, view, err);
-    if (ok) {
-        const size_t rays = (size_t)view->map_width * view->map_height;
-        hs_loop_camera(loop, index, &view->camera);
-        const bool wanted = loop->clipper.want_confidence;
-        loop->clipper.want_status = loop->clipper.want_confidence = true;
-        ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &view->frame, err);
-        loop->clipper.want_status = false;
-        loop->clipper.want_confidence = wanted;
-        /* A map that was not used is not shown either: it may be an earlier frame's. */
-        if (ok && view->frame.clipped)
-            ok = read_back(loop, loop->clipper.depth, rays * sizeof(float), view->depth,
-                           "clEnqueueReadBuffer (depthmap)", err);
-        if (ok && view->frame.sure) ok = read_confidence(loop, rays, view, err);
-        if (ok && view->frame.outcome >= SV_OK) memcpy(view->status, loop->clipper.status, rays);
-    }
-    ok = ok &&
-         render_to(loop, loop->volume, &view->camera, &view->frame, view->result, view->termination, err) &&
-         render_to(loop, loop->volume, &view->camera, NULL, view->full, view->full_termination, err) &&
-         (!view->truth || render_truth(loop, index, view, err)) && project(loop, view, err);
+    hs_loop_camera(loop, index, &view->camera);
+    const bool ok =
+        allocate(loop, view, err) && run_frame(loop, index, view, err) &&
+        render_to(loop, loop->volume, &view->camera, &view->frame, view->result, view->termination, err) &&
+        render_to(loop, loop->volume, &view->camera, NULL, view->full, view->full_termination, err) &&
+        (!view->truth || render_truth(loop, index, view, err)) &&
+        hs_screen_project(loop->screen, loop->volume, &view->camera, view->mip, err);
     if (!ok) hs_view_free(view);
     return ok;
 }
 
 /* A whole frame with one more value, which comes last and so counts. */
 static bool frame_with(hs_loop *loop, uint32_t index, sv_param_value value, hs_frame *frame, hs_error *err) {
-    hs_clipper *clipper = &loop->clipper;
-    const sv_param_value *before = clipper->values;
-    const uint32_t count = clipper->value_count;
+    uint32_t count;
+    const sv_param_value *before = hs_clipper_values(loop->clipper, &count);
     sv_param_value *values = calloc(count + 1u, sizeof *values);
     if (!values) return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", count + 1u);
     if (count) memcpy(values, before, count * sizeof *values);
@@ -110,10 +99,10 @@ static bool frame_with(hs_loop *loop, uint32_t index, sv_param_value value, hs_f
 bool hs_loop_turn(hs_loop *loop, uint32_t index, const sv_param_info *primary, double value, uint8_t *rgba,
                   hs_error *err) {
     const sv_param_value turned = {.id = primary->id, .value = value};
-    hs_frame frame = {0};
+    hs_frame frame;
     hs_camera camera;
     hs_loop_camera(loop, index, &camera);
-    const bool ok = primary->flags & SV_PARAM_ADJUST ? hs_clipper_adjust(&loop->clipper, turned, &frame, err)
+    const bool ok = primary->flags & SV_PARAM_ADJUST ? hs_loop_adjust(loop, turned, &frame, NULL, err)
                                                      : frame_with(loop, index, turned, &frame, err);
     return ok && render_to(loop, loop->volume, &camera, &frame, rgba, NULL, err);
 }

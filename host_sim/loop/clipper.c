@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+#include "loop/clipper.h"
+
+#include "loop/confidence_map.h"
+
+#include <stdlib.h>
+
+struct hs_clipper {
+    const hs_plugin *plugin; /* NULL: none */
+    const hs_cl *cl;
+    const hs_slabs *slabs;
+    bool own_queue, active;
+    bool want_status, want_confidence;
+    const sv_param_value *values;
+    uint32_t value_count;
+    size_t pixels;     /* of the depthmap */
+    cl_mem depth;      /* device, float32: what the renderer reads */
+    float *host_depth; /* own queue: where the plugin writes */
+    uint8_t *status;   /* SV_POINT_* */
+    hs_confidence_map *confidence;
+    sv_stats stats;          /* written by the queue; valid when it has run */
+    sv_points_report points; /* the same; size is 0 if the plugin does not have the extension */
+    hs_error error;          /* the plugin's first failure */
+};
+
+/* The values of parameters that only activate reads. Others in the format would be refused or ignored. */
+static bool pick_reactivate_values(const hs_clipper *clipper, sv_param_value *out, uint32_t *count) {
+    const sv_plugin *instance = clipper->plugin->instance;
+    *count = 0;
+    for (uint32_t i = 0; i < instance->param_count(instance); i++) {
+        sv_param_info info = {.size = sizeof info};
+        if (instance->param_info(instance, i, &info) != SV_OK) return false;
+        if (!(info.flags & SV_PARAM_REACTIVATE)) continue;
+        for (uint32_t v = 0; v < clipper->value_count; v++)
+            if (clipper->values[v].id == info.id) out[(*count)++] = clipper->values[v];
+    }
+    return true;
+}
+
+static sv_format make_format(const hs_clipper *clipper) {
+    sv_format format = {.size = sizeof format};
+    hs_slabs_describe_format(clipper->slabs, &format);
+    if (!clipper->own_queue) {
+        format.context = clipper->cl->context;
+        format.device = clipper->cl->device;
+        format.queue = clipper->cl->queue;
+    }
+    return format;
+}
+
+/* A failure here is the plugin's: it stays inactive, and the host goes on without it. */
+static bool activate(hs_clipper *clipper, hs_error *err) {
+    sv_param_value *fixed = calloc(clipper->value_count + 1u, sizeof *fixed);
+    if (!fixed)
+        return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", clipper->value_count);
+    sv_format format = make_format(clipper);
+    const sv_plugin *instance = clipper->plugin->instance;
+    if (!pick_reactivate_values(clipper, fixed, &format.value_count)) {
+        (void)hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: param_info fails for an index below param_count",
+                      clipper->plugin->path);
+    } else {
+        format.values = format.value_count ? fixed : NULL;
+        sv_status status = instance->activate(instance, &format);
+        clipper->active = hs_plugin_check(clipper->plugin, status, "activate", &clipper->error);
+    }
+    free(fixed);
+    return true;
+}
+
+static bool create_memory(hs_clipper *clipper, hs_error *err) {
+    cl_int code;
+    clipper->depth =
+        clCreateBuffer(clipper->cl->context, CL_MEM_READ_WRITE, clipper->pixels * sizeof(float), NULL, &code);
+    if (!hs_cl_check(code, "clCreateBuffer (depthmap)", err)) return false;
+    clipper->host_depth = calloc(clipper->pixels, sizeof(float));
+    clipper->status = calloc(clipper->pixels, 1);
+    return (clipper->host_depth && clipper->status) ||
+           hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu pixels", clipper->pixels);
+}
+
+hs_clipper *hs_clipper_create(const hs_cl *cl, const hs_slabs *slabs, const hs_plugin *plugin,
+                              const hs_clipper_options *options, hs_error *err) {
+    const hs_slab_layout *layout = hs_slabs_layout(slabs);
+    hs_clipper *clipper = calloc(1, sizeof *clipper);
+    if (!clipper) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory");
+        return NULL;
+    }
+    clipper->plugin = plugin;
+    clipper->cl = cl;
+    clipper->slabs = slabs;
+    clipper->own_queue = options->own_queue;
+    clipper->want_confidence = options->want_confidence;
+    hs_clipper_set_values(clipper, options->values, options->value_count);
+    clipper->pixels = (size_t)layout->width * layout->height;
+    if (create_memory(clipper, err) && (!plugin || activate(clipper, err)) &&
+        (clipper->confidence = hs_confidence_map_create(cl, clipper->active ? plugin : NULL, layout->width,
+                                                        layout->height, options->own_queue, err)) != NULL)
+        return clipper;
+    hs_clipper_destroy(clipper);
+    return NULL;
+}
+
+void hs_clipper_destroy(hs_clipper *clipper) {
+    if (!clipper) return;
+    if (clipper->active) clipper->plugin->instance->deactivate(clipper->plugin->instance);
+    hs_confidence_map_destroy(clipper->confidence);
+    if (clipper->depth) clReleaseMemObject(clipper->depth);
+    free(clipper->host_depth);
+    free(clipper->status);
+    free(clipper);
+}
+
+void hs_clipper_set_values(hs_clipper *clipper, const sv_param_value *values, uint32_t count) {
+    clipper->values = values;
+    clipper->value_count = count;
+}
+
+const sv_param_value *hs_clipper_values(const hs_clipper *clipper, uint32_t *count) {
+    *count = clipper->value_count;
+    return clipper->values;
+}
+
+void hs_clipper_want(hs_clipper *clipper, bool status, bool confidence) {
+    clipper->want_status = status;
+    clipper->want_confidence = confidence;
+}
+
+bool hs_clipper_wants_confidence(const hs_clipper *clipper) {
+    return clipper->want_confidence;
+}
+
+/* ---------------------------------------------------------------------------------------------- frame -- */
+
+bool hs_outcome_clips(sv_status outcome) {
+    return outcome == SV_OK || outcome == SV_PARTIAL;
+}
+
+/* Where the plugin shall write; the statistics are emptied. */
+static sv_result make_result(hs_clipper *clipper) {
+    clipper->stats = (sv_stats){.size = sizeof clipper->stats};
+    return (sv_result){.size = sizeof(sv_result),
+                       .depth = clipper->own_queue ? clipper->host_depth : NULL,
+                       .depth_object = clipper->own_queue ? NULL : clipper->depth,
+                       .status = clipper->want_status ? clipper->status : NULL,
+                       .stats = &clipper->stats};
+}
+
+/* begin, every slab, end. A note (a positive status) of begin or slab changes nothing: the outcome is that of
+ * end. Returns it, or the first error; *call names the call it came from. */
+static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **call) {
+    const sv_plugin *instance = clipper->plugin->instance;
+    const sv_frame frame = {.size = sizeof frame,
+                            .index = index,
+                            .values = clipper->value_count ? clipper->values : NULL,
+                            .value_count = clipper->value_count};
+    *call = "begin";
+    sv_status status = instance->begin(instance, &frame);
+    for (uint32_t i = 0; status >= SV_OK && i < hs_slabs_count(clipper->slabs); i++) {
+        sv_slab slab;
+        *call = "slab";
+        hs_slabs_describe(clipper->slabs, i, &slab);
+        status = instance->slab(instance, &slab);
+    }
+    if (status < SV_OK) return status;
+    *call = "end";
+    const sv_result result = make_result(clipper);
+    return instance->end(instance, &result);
+}
+
+/* After the plugin's last call, behind its commands: the confidence, and a depthmap of its own queue. */
+static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
+    if (!hs_confidence_map_ask(clipper->confidence, clipper->want_confidence, err)) return false;
+    if (!clipper->own_queue) return true;
+    const cl_int code =
+        clEnqueueWriteBuffer(clipper->cl->queue, clipper->depth, CL_FALSE, 0, clipper->pixels * sizeof(float),
+                             clipper->host_depth, 0, NULL, NULL);
+    return hs_cl_check(code, "clEnqueueWriteBuffer (depthmap)", err);
+}
+
+/* The depthmap is on the device, the queue has run, and the outcome is known. */
+static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_clip *clip, hs_error *err) {
+    *clip = (hs_clip){.outcome = status};
+    if (status >= SV_OK) hs_plugin_points(clipper->plugin->instance, &clipper->points);
+    if (hs_outcome_clips(status) && !enqueue_maps(clipper, err)) return false;
+    /* Waiting here costs some 30 us and settles two things: the statistics are valid, and the host knows the
+     * outcome before it renders. After a failure the plugin's commands may still be under way, too. */
+    if (!hs_cl_check(clFinish(clipper->cl->queue), "clFinish (plugin)", err)) return false;
+    if (status < SV_OK) {
+        (void)hs_plugin_check(clipper->plugin, status, call, &clipper->error);
+        return true;
+    }
+    clip->stats = clipper->stats;
+    clip->points = clipper->points;
+    /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
+    if (status == SV_OK) clip->outcome = clipper->stats.outcome;
+    clip->clipped = hs_outcome_clips(clip->outcome);
+    clip->sure = clip->clipped && hs_confidence_map_settle(clipper->confidence);
+    return true;
+}
+
+bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_clip *clip, hs_error *err) {
+    *clip = (hs_clip){.outcome = SV_ERR_STATE};
+    if (!clipper->active) return true;
+    const char *call;
+    const sv_status status = ask_plugin(clipper, index, &call);
+    return settle(clipper, status, call, clip, err);
+}
+
+bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip, hs_error *err) {
+    *clip = (hs_clip){.outcome = SV_ERR_STATE};
+    if (!clipper->active) return true;
+    const sv_plugin *instance = clipper->plugin->instance;
+    const sv_result result = make_result(clipper);
+    return settle(clipper, instance->adjust(instance, &value, 1, &result), "adjust", clip, err);
+}
+
+/* --------------------------------------------------------------------------------------- what it left -- */
+
+const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped, bool sure,
+                                        hs_start_depths *out) {
+    const hs_slab_layout *layout = hs_slabs_layout(clipper->slabs);
+    if (!clipped) return NULL;
+    *out = (hs_start_depths){.depth = clipper->depth,
+                             .confidence = sure ? hs_confidence_map_values(clipper->confidence) : NULL,
+                             .width = layout->width,
+                             .height = layout->height,
+                             .slices = layout->slices};
+    return out;
+}
+
+static bool read_map(const hs_clipper *clipper, cl_mem from, float *to, const char *what, hs_error *err) {
+    const size_t bytes = clipper->pixels * sizeof(float);
+    return hs_cl_check(clEnqueueReadBuffer(clipper->cl->queue, from, CL_TRUE, 0, bytes, to, 0, NULL, NULL),
+                       what, err);
+}
+
+bool hs_clipper_read_depth(const hs_clipper *clipper, float *depth, hs_error *err) {
+    return read_map(clipper, clipper->depth, depth, "clEnqueueReadBuffer (depthmap)", err);
+}
+
+bool hs_clipper_read_confidence(const hs_clipper *clipper, float *confidence, hs_error *err) {
+    return read_map(clipper, hs_confidence_map_values(clipper->confidence), confidence,
+                    "clEnqueueReadBuffer (confidence)", err);
+}
+
+const uint8_t *hs_clipper_status(const hs_clipper *clipper) {
+    return clipper->status;
+}
+
+const hs_error *hs_clipper_error(const hs_clipper *clipper) {
+    return &clipper->error;
+}
+
+const hs_error *hs_clipper_confidence_error(const hs_clipper *clipper) {
+    return hs_confidence_map_error(clipper->confidence);
+}
+
+static const sv_ext_timing *timing_of(const hs_clipper *clipper) {
+    return clipper->active ? hs_plugin_timing(clipper->plugin->instance) : NULL;
+}
+
+bool hs_clipper_time_stages(const hs_clipper *clipper, bool on) {
+    const sv_ext_timing *ext = timing_of(clipper);
+    return ext && ext->enable(clipper->plugin->instance, on) == SV_OK;
+}
+
+bool hs_clipper_stage_times(const hs_clipper *clipper, sv_stage_times *times) {
+    const sv_ext_timing *ext = timing_of(clipper);
+    *times = (sv_stage_times){.size = sizeof *times};
+    return ext && ext->stage_times(clipper->plugin->instance, times) == SV_OK;
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+#include "loop/confidence_map.h"
+
+#include "plugin/plugin_ext.h"
+#include "render/host_launch.h"
+
+#include <stdlib.h>
+
+struct hs_confidence_map {
+    const hs_cl *cl;
+    const hs_plugin *plugin;
+    const sv_ext_confidence *ext; /* NULL: the plugin gives none */
+    bool own_queue, asked;
+    uint32_t width;
+    size_t rows, pixels;
+    cl_mem values;      /* device, float32: for the renderer */
+    float *host_values; /* own queue: where the plugin writes */
+    cl_kernel check;    /* counts values that are out of range, into `wrong` */
+    cl_mem wrong;
+    cl_int wrong_count; /* of the last frame; valid when the queue has run */
+    hs_error error;
+};
+
+static const sv_ext_confidence *find(const hs_plugin *plugin) {
+    if (!plugin) return NULL;
+    const sv_ext_confidence *ext = hs_plugin_confidence(plugin->instance);
+    return ext && ext->offered(plugin->instance) ? ext : NULL;
+}
+
+static bool create_memory(hs_confidence_map *map, hs_error *err) {
+    const cl_context context = map->cl->context;
+    cl_int code;
+    map->values = clCreateBuffer(context, CL_MEM_READ_WRITE, map->pixels * sizeof(float), NULL, &code);
+    if (!hs_cl_check(code, "clCreateBuffer (confidence)", err)) return false;
+    map->wrong = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof(cl_int), NULL, &code);
+    if (!hs_cl_check(code, "clCreateBuffer (confidence's check)", err)) return false;
+    map->check = clCreateKernel(map->cl->program, "check_confidence", &code);
+    if (!hs_cl_check(code, "clCreateKernel(check_confidence)", err)) return false;
+    map->host_values = calloc(map->pixels, sizeof(float));
+    return map->host_values ||
+           hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", map->pixels);
+}
+
+hs_confidence_map *hs_confidence_map_create(const hs_cl *cl, const hs_plugin *plugin, uint32_t width,
+                                            uint32_t height, bool own_queue, hs_error *err) {
+    hs_confidence_map *map = calloc(1, sizeof *map);
+    if (!map) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "confidence: no memory");
+        return NULL;
+    }
+    map->cl = cl;
+    map->plugin = plugin;
+    map->ext = find(plugin);
+    map->own_queue = own_queue;
+    map->width = width;
+    map->rows = height;
+    map->pixels = (size_t)width * height;
+    if (!map->ext || create_memory(map, err)) return map;
+    hs_confidence_map_destroy(map);
+    return NULL;
+}
+
+void hs_confidence_map_destroy(hs_confidence_map *map) {
+    if (!map) return;
+    if (map->check) clReleaseKernel(map->check);
+    if (map->wrong) clReleaseMemObject(map->wrong);
+    if (map->values) clReleaseMemObject(map->values);
+    free(map->host_values);
+    free(map);
+}
+
+/* Counts the values that are no confidence, in the order of the queue. */
+static bool enqueue_check(hs_confidence_map *map, hs_error *err) {
+    static const cl_int none = 0;
+    const cl_command_queue queue = map->cl->queue;
+    const cl_int width = (cl_int)map->width;
+    cl_int code = clEnqueueFillBuffer(queue, map->wrong, &none, sizeof none, 0, sizeof none, 0, NULL, NULL);
+    if (!hs_cl_check(code, "clEnqueueFillBuffer (confidence)", err)) return false;
+    hs_launch launch = hs_launch_begin(map->cl, map->check, "check_confidence");
+    hs_launch_buffer(&launch, map->values);
+    hs_launch_arg(&launch, sizeof width, &width);
+    hs_launch_buffer(&launch, map->wrong);
+    if (!hs_launch_run(&launch, 1, &map->rows, NULL, NULL, err)) return false;
+    code = clEnqueueReadBuffer(queue, map->wrong, CL_FALSE, 0, sizeof map->wrong_count, &map->wrong_count, 0,
+                               NULL, NULL);
+    return hs_cl_check(code, "clEnqueueReadBuffer (confidence)", err);
+}
+
+bool hs_confidence_map_ask(hs_confidence_map *map, bool wanted, hs_error *err) {
+    map->asked = false;
+    if (!wanted || !map->ext) return true;
+    const sv_plugin *instance = map->plugin->instance;
+    const sv_status status = map->ext->write(instance, map->own_queue ? map->host_values : NULL,
+                                             map->own_queue ? NULL : map->values, 0);
+    if (status != SV_OK) {
+        const char *reason = instance->last_error(instance);
+        (void)hs_fail(&map->error, HS_ERR_PLUGIN, "%s: confidence: %s (%d): %s", map->plugin->path,
+                      hs_status_name(status), status,
+                      reason && reason[0] ? reason : "the plugin gave no reason");
+        return true;
+    }
+    if (map->own_queue) {
+        const cl_int code =
+            clEnqueueWriteBuffer(map->cl->queue, map->values, CL_FALSE, 0, map->pixels * sizeof(float),
+                                 map->host_values, 0, NULL, NULL);
+        if (!hs_cl_check(code, "clEnqueueWriteBuffer (confidence)", err)) return false;
+    }
+    map->asked = enqueue_check(map, err);
+    return map->asked;
+}
+
+bool hs_confidence_map_settle(hs_confidence_map *map) {
+    if (!map->asked || map->wrong_count == 0) return map->asked;
+    return hs_fail(&map->error, HS_ERR_PLUGIN, "%s: confidence: %d of %zu values are not in 0 .. 1",
+                   map->plugin->path, (int)map->wrong_count, map->pixels);
+}
+
+cl_mem hs_confidence_map_values(const hs_confidence_map *map) {
+    return map->values;
+}
+
+const hs_error *hs_confidence_map_error(const hs_confidence_map *map) {
+    return &map->error;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* What a scan loop runs, and how: its settings, its stages and its options. */
+#ifndef HS_LOOP_OPTIONS_H
+#define HS_LOOP_OPTIONS_H
+
+#include "render/dvr.h"
+#include "smartvis_plugin.h"
+
+/* What a frame consists of (thesis, Figure 5.21). Only the last clips: the others render the full volume. */
+typedef enum {
+    HS_SETTING_DVR,      /* DVR alone */
+    HS_SETTING_CONVERT,  /* scan conversion, DVR */
+    HS_SETTING_SMARTVIS, /* scan conversion, plugin, DVR started at the depthmap */
+    HS_SETTING_COUNT
+} hs_setting;
+
+/* "dvr", "convert", "smartvis": for command lines and files. */
+const char *hs_setting_key(hs_setting setting);
+/* "DVR", "DVR + scan conversion", "DVR + scan conversion + plugin": for a person. */
+const char *hs_setting_label(hs_setting setting);
+
+typedef struct {
+    double yaw, pitch; /* degrees; 0, 0 looks from the probe */
+    /* Degrees of yaw from the first to the last frame, half to either side of `yaw`; 0: still. */
+    double orbit;
+    uint32_t frames;      /* volumes a run takes, >= 1 */
+    uint32_t lowres;      /* pixels across the low-resolution volume; 0: a third of the source's resolution */
+    uint32_t slab_slices; /* slices of a full slab, >= 1; more than the volume has: one slab */
+    uint32_t carrier;     /* SV_CARRIER_* */
+    bool own_queue;       /* the plugin picks its own device and queue (SV_CARRIER_HOST only) */
+    bool live; /* uploads every frame's volume anew, as a scan does; always so for several volumes */
+    /* The renderer, the picture's size included. With a ghost (width and doubt above 0) the plugin's
+     * confidence widens it, if the plugin has any. */
+    hs_dvr_settings dvr;
+    const sv_param_value *values; /* plugin parameters; must outlive the loop */
+    uint32_t value_count;
+} hs_loop_options;
+
+/* Still camera at 0, 0; 100 frames; a third; slabs of 16; the host's queue with buffers; hs_dvr_defaults. */
+void hs_loop_defaults(hs_loop_options *options);
+
+/* HS_ERR_USAGE names the option that is out of range, and its value. hs_dvr_create checks the renderer's. */
+bool hs_loop_check_options(const hs_loop_options *options, hs_error *err);
+
+/* Yaw of frame `index` in degrees: the orbit lies half to either side of options->yaw. */
+double hs_loop_yaw(const hs_loop_options *options, uint32_t index);
+
+/* The stages of a frame. Each is timed by the wall clock, from the host's enqueue to the device's end. */
+typedef enum {
+    HS_STAGE_UPLOAD,  /* a new volume to the device, with the renderer's grid of maxima; 0 if it stays */
+    HS_STAGE_CONVERT, /* scan conversion of all slabs into the plugin's carrier */
+    HS_STAGE_PLUGIN,  /* begin, slab x n, end, and the depthmap on its way to the renderer */
+    HS_STAGE_DVR,     /* the picture */
+    HS_STAGE_LOOP,    /* the whole frame */
+    HS_STAGE_COUNT
+} hs_stage;
+
+/* "upload", "scan conversion", ...: for a person. */
+const char *hs_stage_label(hs_stage stage);
+
+#endif

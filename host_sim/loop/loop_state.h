@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* What a loop is made of: for the sources of this folder that work on it. */
+#ifndef HS_LOOP_STATE_H
+#define HS_LOOP_STATE_H
+
+#include "loop/clipper.h"
+#include "loop/loop_options.h"
+#include "loop/screen.h"
+#include "loop/slabs.h"
+#include "loop/source.h"
+
+struct hs_loop {
+    const hs_cl *cl;
+    const hs_source *source;
+    hs_loop_options options;
+    hs_camera box; /* one box for the whole run: the format is fixed at activation */
+    hs_slabs *slabs;
+    hs_clipper *clipper;
+    hs_screen *screen;
+    hs_device_volume *volume;
+    uint32_t resident; /* index into source->volumes of the volume on the device */
+};
+
+#endif

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+#include "loop/screen.h"
+
+#include <stdlib.h>
+
+struct hs_screen {
+    const hs_cl *cl;
+    hs_dvr_settings settings;
+    hs_dvr *dvr;
+    size_t pixels;
+    cl_mem rgba;        /* the picture; a maximum projection needs a quarter of it */
+    cl_mem termination; /* float32 steps */
+    cl_mem start;       /* one float32: a depthmap of one pixel */
+};
+
+static bool create_buffer(const hs_screen *screen, cl_mem *buffer, size_t bytes, const char *call,
+                          hs_error *err) {
+    cl_int code;
+    *buffer = clCreateBuffer(screen->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    return hs_cl_check(code, call, err);
+}
+
+hs_screen *hs_screen_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
+    hs_screen *screen = calloc(1, sizeof *screen);
+    if (!screen) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "picture: no memory");
+        return NULL;
+    }
+    screen->cl = cl;
+    screen->settings = *settings;
+    screen->pixels = (size_t)settings->width * settings->height;
+    screen->dvr = hs_dvr_create(cl, settings, err);
+    if (screen->dvr &&
+        create_buffer(screen, &screen->rgba, screen->pixels * 4, "clCreateBuffer (picture)", err) &&
+        create_buffer(screen, &screen->termination, screen->pixels * sizeof(float),
+                      "clCreateBuffer (termination depths)", err) &&
+        create_buffer(screen, &screen->start, sizeof(float), "clCreateBuffer (start depth)", err))
+        return screen;
+    hs_screen_destroy(screen);
+    return NULL;
+}
+
+void hs_screen_destroy(hs_screen *screen) {
+    if (!screen) return;
+    hs_dvr_destroy(screen->dvr);
+    if (screen->rgba) clReleaseMemObject(screen->rgba);
+    if (screen->termination) clReleaseMemObject(screen->termination);
+    if (screen->start) clReleaseMemObject(screen->start);
+    free(screen);
+}
+
+bool hs_screen_render(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
+                      const hs_start_depths *start, bool with_termination, hs_error *err) {
+    return hs_dvr_render(screen->dvr, volume, camera, start, screen->rgba,
+                         with_termination ? screen->termination : NULL, NULL, err);
+}
+
+bool hs_screen_render_from(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
+                           uint32_t step, hs_error *err) {
+    const float depth = (float)step;
+    /* As many slices as steps: the map's depth then is the step (host_sim/render/dvr.h). */
+    const hs_start_depths start = {
+        .depth = screen->start, .width = 1, .height = 1, .slices = hs_screen_steps(screen, volume, camera)};
+    return hs_cl_check(clEnqueueFillBuffer(screen->cl->queue, screen->start, &depth, sizeof depth, 0,
+                                           sizeof depth, 0, NULL, NULL),
+                       "clEnqueueFillBuffer (start depth)", err) &&
+           hs_dvr_render(screen->dvr, volume, camera, &start, NULL, screen->termination, NULL, err);
+}
+
+static bool read_back(const hs_screen *screen, cl_mem from, size_t bytes, void *to, const char *call,
+                      hs_error *err) {
+    return hs_cl_check(clEnqueueReadBuffer(screen->cl->queue, from, CL_TRUE, 0, bytes, to, 0, NULL, NULL),
+                       call, err);
+}
+
+bool hs_screen_read(const hs_screen *screen, uint8_t *rgba, hs_error *err) {
+    return read_back(screen, screen->rgba, screen->pixels * 4, rgba, "clEnqueueReadBuffer (picture)", err);
+}
+
+bool hs_screen_read_termination(const hs_screen *screen, float *termination, hs_error *err) {
+    return read_back(screen, screen->termination, screen->pixels * sizeof(float), termination,
+                     "clEnqueueReadBuffer (termination depths)", err);
+}
+
+bool hs_screen_project(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
+                       uint8_t *mip, hs_error *err) {
+    return hs_dvr_mip(screen->dvr, volume, camera, screen->rgba, NULL, err) &&
+           read_back(screen, screen->rgba, screen->pixels, mip, "clEnqueueReadBuffer (MIP)", err);
+}
+
+uint32_t hs_screen_steps(const hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera) {
+    return hs_dvr_steps(&screen->settings, volume, camera);
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* A low-resolution volume as slabs, in the carrier in which the plugin gets them. */
+#ifndef HS_SLABS_H
+#define HS_SLABS_H
+
+#include "render/scan_convert.h"
+#include "smartvis_plugin.h"
+
+/* All slabs of a volume, each in memory of its own: the ABI wants a slab unchanged until the frame's commands
+ * have run. All functions are called from one thread. */
+typedef struct hs_slabs hs_slabs;
+
+/* Makes the scan converter and the memory of all slabs for `carrier` (SV_CARRIER_*). `cl` must outlive it.
+ * NULL with HS_ERR_USAGE (a layout or a size that the device does not take), HS_ERR_DEVICE or HS_ERR_MEMORY.
+ */
+hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_error *err);
+void hs_slabs_destroy(hs_slabs *slabs);
+
+/* Enqueues the conversion of every slab and its way into the carrier; does not wait. HS_ERR_DEVICE. */
+bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
+                      hs_error *err);
+
+/* How they lie; owned by the slabs. */
+const hs_slab_layout *hs_slabs_layout(const hs_slabs *slabs);
+uint32_t hs_slabs_count(const hs_slabs *slabs);
+
+/* Slab `index` (0 .. count - 1) as the plugin gets it. Its memory or object is owned by the slabs. */
+void hs_slabs_describe(const hs_slabs *slabs, uint32_t index, sv_slab *out);
+
+/* Fills in the fields of a format that tell how slabs come: size, layout, carrier, and for SV_CARRIER_HOST
+ * the memory they lie in. */
+void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format);
+
+#endif

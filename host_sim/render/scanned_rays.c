@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/scanned_rays.h"
+
+#include "render/host_launch.h"
+
+bool hs_scanned_rays_create(hs_scanned_rays *rays, const hs_cl *cl, const hs_slab_layout *layout,
+                            hs_error *err) {
+    const size_t bytes = (size_t)layout->width * layout->height * sizeof(cl_ushort2);
+    cl_int code;
+    *rays = (hs_scanned_rays){.cl = cl};
+    rays->ranges = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    if (!hs_cl_check(code, "clCreateBuffer (scanned ranges)", err)) return false;
+    rays->kernel = clCreateKernel(cl->program, "scanned_rays", &code);
+    return hs_cl_check(code, "clCreateKernel(scanned_rays)", err);
+}
+
+void hs_scanned_rays_destroy(hs_scanned_rays *rays) {
+    if (rays->kernel) clReleaseKernel(rays->kernel);
+    if (rays->ranges) clReleaseMemObject(rays->ranges);
+    *rays = (hs_scanned_rays){0};
+}
+
+bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *layout, cl_mem slabs,
+                          size_t stride, hs_error *err) {
+    const cl_int4 texture = {
+        {(cl_int)layout->tiles_x, (cl_int)layout->tile_w, (cl_int)layout->tile_h, (cl_int)layout->row_pitch}};
+    const cl_int4 size = {{(cl_int)layout->width, (cl_int)layout->slices, (cl_int)layout->slab_slices, 0}};
+    const cl_ulong bytes = stride;
+    const size_t rows = layout->height;
+    hs_launch l = hs_launch_begin(rays->cl, rays->kernel, "scanned_rays");
+    hs_launch_buffer(&l, slabs);
+    hs_launch_arg(&l, sizeof texture, &texture);
+    hs_launch_arg(&l, sizeof size, &size);
+    hs_launch_arg(&l, sizeof bytes, &bytes);
+    hs_launch_buffer(&l, rays->ranges);
+    return hs_launch_run(&l, 1, &rows, NULL, NULL, err);
+}

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Scanned ranges (sv_frame.scanned): the device against the definition for every layout of work, sampling and
+ * way of handing them over; ranges and padding value, the same where both are right; and what begin refuses.
+ */
+#include "support/compare.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Wider than a vector of 64 rays and no multiple; deeper than a chunk of 254 / substeps slices. */
+enum { WIDTH = 85, HEIGHT = 7, SLICES = 300, RAYS = WIDTH * HEIGHT };
+
+typedef struct {
+    rig r;
+    uint8_t volume[RAYS * SLICES];
+    sv_scanned ranges[RAYS];
+} scene;
+
+static uint32_t noise(uint32_t *random) {
+    *random = *random * 1664525u + 1013904223u;
+    return *random >> 24;
+}
+
+/* Layers, with bone; ranges of every kind: whole, late, early, one slice, none, empty, and beyond the volume.
+ */
+static int setup(void **state) {
+    scene *s = calloc(1, sizeof *s);
+    if (!s) return -1;
+    rig_open(&s->r, NULL);
+    uint32_t random = 4711;
+    for (size_t z = 0; z < SLICES; z++)
+        for (size_t i = 0; i < RAYS; i++)
+            s->volume[z * RAYS + i] = (uint8_t)((z + i) % 23 < 9     ? noise(&random) % 45
+                                                : noise(&random) % 9 ? 30 + noise(&random) % 150
+                                                                     : 250);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t first = noise(&random) * SLICES / 300, end = first + 1 + noise(&random);
+        const sv_scanned kinds[] = {{0, SLICES},
+                                    {(uint16_t)first, SLICES},
+                                    {(uint16_t)first, (uint16_t)end},
+                                    {(uint16_t)first, (uint16_t)(first + 1)},
+                                    {40, 40},
+                                    {200, 100},
+                                    {253, 65535},
+                                    {(uint16_t)(254 + i % 3), (uint16_t)(256 + i % 5)}};
+        s->ranges[i] = kinds[i % (sizeof kinds / sizeof *kinds)];
+    }
+    *state = s;
+    return 0;
+}
+
+static int teardown(void **state) {
+    scene *s = *state;
+    rig_close(&s->r);
+    free(s);
+    return 0;
+}
+
+static rig_format format_of(const scene *s) {
+    return (rig_format){.width = WIDTH,
+                        .height = HEIGHT,
+                        .slices = SLICES,
+                        .slab_slices = 77,
+                        .padding = SV_NO_PADDING,
+                        .scanned = s->ranges};
+}
+
+static rig_settings settings_of(uint32_t substeps) {
+    rig_settings s = rig_default_settings();
+    s.substeps = substeps;
+    s.evidence = 0.0;
+    return s;
+}
+
+static void device_is_definition(void **state) {
+    scene *s = *state;
+    compare_summary summary = {0};
+    for (uint32_t n = 0; n < 6; n++) {
+        rig_format f = format_of(s);
+        const uint32_t strategy = 1 + n % 3, substeps = n / 3 % 2 ? 3 : 1;
+        f.padding = n % 4 < 2 ? 30 : SV_NO_PADDING;
+        f.fixed[0] = (sv_param_value){rig_param(&s->r, "strategy"), 0, strategy};
+        f.fixed[1] = (sv_param_value){rig_param(&s->r, "substeps"), 0, substeps};
+        f.fixed_count = 2;
+        const rig_settings settings = settings_of(substeps);
+        compare_run(&s->r, &f, s->volume, &settings, "ranges in memory", &summary);
+        f.scanned_in_buffer = true;
+        f.carrier = n % 2 ? SV_CARRIER_BUFFER : SV_CARRIER_IMAGE;
+        compare_run(&s->r, &f, s->volume, &settings, "ranges in a buffer", &summary);
+        if (n > 0) continue;
+        f.scanned_in_buffer = false;
+        f.carrier = SV_CARRIER_HOST;
+        f.own_queue = true;
+        compare_run(&s->r, &f, s->volume, &settings, "ranges, own queue", &summary);
+    }
+    compare_print("scanned ranges", &summary);
+}
+
+/* A volume whose unscanned voxels, and only those, hold 0: ranges, padding value and both give the same bits.
+ */
+static void ranges_are_padding(void **state) {
+    scene *s = *state;
+    for (size_t i = 0; i < RAYS; i++)
+        for (uint32_t z = 0; z < SLICES; z++) {
+            uint8_t *v = &s->volume[z * RAYS + i];
+            const bool scanned = z >= s->ranges[i].first && z < s->ranges[i].end;
+            *v = scanned ? (uint8_t)(*v | 1) : 0;
+        }
+    static const char *const methods[] = {"mean", "cost"};
+    for (uint32_t m = 0; m < 2; m++) {
+        rig_result out[3];
+        for (uint32_t n = 0; n < 3; n++) {
+            rig_format f = format_of(s);
+            if (n == 0) f.scanned = NULL;
+            f.padding = n == 1 ? SV_NO_PADDING : 0;
+            f.fixed[0] =
+                (sv_param_value){rig_param(&s->r, "method"), 0, rig_enum(&s->r, "method", methods[m])};
+            f.fixed_count = 1;
+            const sv_param_value value = {rig_param(&s->r, "evidence"), 0, 0.0};
+            out[n] = rig_result_make(WIDTH, HEIGHT);
+            assert_int_equal(rig_run(&s->r, &f, s->volume, &value, 1, &out[n]), SV_OK);
+            assert_memory_equal(out[n].depth, out[0].depth, RAYS * sizeof(float));
+            assert_memory_equal(out[n].status, out[0].status, RAYS);
+        }
+        for (uint32_t n = 0; n < 3; n++) rig_result_free(&out[n]);
+    }
+}
+
+/* What begin says to a frame whose ranges are not as the format has it; the instance goes on. */
+static void wrong_ranges(void **state) {
+    scene *s = *state;
+    const sv_plugin *p = s->r.plugin;
+    const rig_format f = format_of(s);
+    rig_textures *t = rig_textures_make(&s->r, &f, s->volume);
+    assert_int_equal(p->activate(p, &t->format), SV_OK);
+    cl_int code = CL_SUCCESS;
+    const cl_mem small = clCreateBuffer(s->r.context, CL_MEM_READ_WRITE, RAYS * 4 - 1, NULL, &code);
+    const struct {
+        const char *part;
+        const sv_scanned *scanned;
+        cl_mem object;
+        uint64_t offset;
+    } wrong[] = {
+        {"0 of scanned and scanned_object given, expected exactly one", NULL, NULL, 0},
+        {"2 of scanned and scanned_object given, expected exactly one", s->ranges, small, 0},
+        {"scanned_offset is 0, the ranges need 2380 of the buffer's 2379 bytes", NULL, small, 0},
+        {"scanned_offset is 2, the ranges need 2380", NULL, small, 2},
+        {"scanned_offset is 18446744073709551612, the ranges need 2380", NULL, small, UINT64_MAX - 3}};
+    for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
+        sv_frame frame = rig_begin(t, NULL, 0);
+        frame.scanned = wrong[n].scanned;
+        frame.scanned_object = wrong[n].object;
+        frame.scanned_offset = wrong[n].offset;
+        assert_int_equal(p->begin(p, &frame), SV_ERR_ARGUMENT);
+        if (!strstr(p->last_error(p), wrong[n].part))
+            fail_msg("'%s' in '%s'", wrong[n].part, p->last_error(p));
+    }
+    rig_result out = rig_result_make(WIDTH, HEIGHT);
+    assert_true(rig_frame(&s->r, t, NULL, 0, &out) >= SV_OK);
+    p->deactivate(p);
+
+    t->format.flags = 0;
+    assert_int_equal(p->activate(p, &t->format), SV_OK);
+    const sv_frame unasked = rig_begin(t, NULL, 0);
+    assert_int_equal(p->begin(p, &unasked), SV_ERR_ARGUMENT);
+    assert_non_null(strstr(p->last_error(p), "expected none: the format is without SV_FORMAT_SCANNED"));
+    p->deactivate(p);
+    t->format.flags = 2;
+    assert_int_equal(p->activate(p, &t->format), SV_ERR_ARGUMENT);
+    assert_non_null(strstr(p->last_error(p), "flags is 0x2"));
+    rig_result_free(&out);
+    rig_textures_free(t);
+    (void)clReleaseMemObject(small);
+}
+
+static void wrong_spacing(void **state) {
+    scene *s = *state;
+    const sv_plugin *p = s->r.plugin;
+    const rig_format f = format_of(s);
+    rig_textures *t = rig_textures_make(&s->r, &f, s->volume);
+    static const float wrong[][3] = {
+        {0.5f, 0.5f, 0.0f}, {-1.0f, 1.0f, 1.0f}, {1.0f, 1.0f / 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f / 0.0f}};
+    for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
+        memcpy(t->format.spacing_mm, wrong[n], sizeof wrong[n]);
+        assert_int_equal(p->activate(p, &t->format), SV_ERR_FORMAT);
+        assert_non_null(strstr(p->last_error(p), "spacing_mm is "));
+    }
+    static const float right[3] = {0.5f, 0.25f, 1.0f};
+    memcpy(t->format.spacing_mm, right, sizeof right);
+    assert_int_equal(p->activate(p, &t->format), SV_OK);
+    p->deactivate(p);
+    rig_textures_free(t);
+}
+
+/* Method cost with memory: a frame remembers the one before, unless it is flagged as a discontinuity. */
+static void discontinuity_forgets(void **state) {
+    scene *s = *state;
+    const sv_plugin *p = s->r.plugin;
+    rig_format f = format_of(s);
+    f.fixed[0] = (sv_param_value){rig_param(&s->r, "method"), 0, rig_enum(&s->r, "method", "cost")};
+    f.fixed_count = 1;
+    const sv_param_value values[] = {{rig_param(&s->r, "memory"), 0, 0.9},
+                                     {rig_param(&s->r, "evidence"), 0, 0.0}};
+    rig_textures *before = rig_textures_make(&s->r, &f, s->volume);
+    for (size_t i = 0; i < sizeof s->volume; i += 41) s->volume[i] = 200; /* the next volume, much like it */
+    rig_textures *t = rig_textures_make(&s->r, &f, s->volume);
+    rig_result first = rig_result_make(WIDTH, HEIGHT), second = rig_result_make(WIDTH, HEIGHT);
+    for (uint32_t flagged = 0; flagged < 2; flagged++) {
+        assert_int_equal(p->activate(p, &t->format), SV_OK);
+        assert_int_equal(rig_frame(&s->r, before, values, 2, &first), SV_OK);
+        t->frame_flags = flagged ? SV_FRAME_DISCONTINUITY : 0;
+        assert_int_equal(rig_frame(&s->r, t, values, 2, &second), SV_OK);
+        p->deactivate(p);
+        t->frame_flags = 0;
+        assert_int_equal(p->activate(p, &t->format), SV_OK);
+        assert_int_equal(rig_frame(&s->r, t, values, 2, &first), SV_OK); /* nothing to remember */
+        p->deactivate(p);
+        const bool same = memcmp(first.depth, second.depth, RAYS * sizeof(float)) == 0;
+        assert_int_equal(same, flagged);
+    }
+    rig_result_free(&first);
+    rig_result_free(&second);
+    rig_textures_free(before);
+    rig_textures_free(t);
+}
+
+int main(void) {
+#define SCENE_TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
+    const struct CMUnitTest tests[] = {SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
+                                       SCENE_TEST(wrong_ranges), SCENE_TEST(wrong_spacing),
+                                       SCENE_TEST(discontinuity_forgets)};
+    return cmocka_run_group_tests_name("scanned ranges", tests, NULL, NULL);
+}
