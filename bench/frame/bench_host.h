@@ -30,8 +30,8 @@ typedef struct {
     bench_times grid; /* a volume to the device, with the renderer's grid of maxima */
 } bench_host_result;
 
-/* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface for are counted in the results.
- */
+/* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface
+ * for are counted in the results. */
 bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs_error *err);
 
 #endif

@@ -47,8 +47,7 @@ void bench_print_method(const bench_report *report, const char *method) {
         if (strcmp(report->plugin[i].method, method) != 0) continue;
         if (!any) {
             printf("\nFrame with method %s, milliseconds (medians unless named); as multiples of the profile "
-                   "stage of "
-                   "the mean filter and of its own\n",
+                   "stage of the mean filter and of its own\n",
                    method);
             printf("%4s %-34s %4s | %7s %7s %7s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of", "frame",
                    "min", "p95", "profile", "threshold", "reconstruct", "/mean's", "/own", "limit");

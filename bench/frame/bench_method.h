@@ -5,16 +5,16 @@
 
 #include "frame/bench_results.h"
 
-/* The frames of method `cost` (issue "cost volume"): milliseconds at 128^3 and 171^3. 0: no limit for this
- * size. */
+/* The frames of method `cost` (issue "cost volume"): milliseconds at 128^3 and
+ * 171^3. 0: no limit for this size. */
 double bench_cost_limit_ms(uint32_t n);
 
 /* The result of the same size, slabs and route with another method; NULL if it was not measured. */
 const bench_plugin_result *bench_find(const bench_report *report, const bench_plugin_result *like,
                                       const char *method);
 
-/* Milliseconds of a frame as multiples of a ray profile: of the mean filter's, and of its own. NAN: not
- * known. */
+/* Milliseconds of a frame as multiples of a ray profile: of the mean filter's,
+ * and of its own. NAN: not known. */
 typedef struct {
     double mean, own;
 } bench_profile_ratio;

@@ -61,8 +61,8 @@ typedef struct {
     uint32_t frames;
     const sv_param_value *values; /* for activate and for each frame, beside the benchmark's own */
     uint32_t value_count;
-    const char
-        *method; /* the value of the parameter "method"; NULL: as the plugin stands, compared with plain C */
+    /* The value of the parameter "method"; NULL: as the plugin stands, and compared with plain C. */
+    const char *method;
 } bench_plugin_setup;
 
 /* Whether the plugin has the method at all. */

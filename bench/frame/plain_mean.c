@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mean filter in plain C: running column sums down the rows, then windows along the row. Sums are
- * unsigned 32-bit fixed point; a difference of running sums is exact even where the sums themselves wrap
- * around.
+ * The mean filter in plain C: running column sums down the rows, then windows along the row.
+ * Sums are unsigned 32-bit fixed point; a difference of running sums is exact even where the
+ * sums themselves wrap around.
  */
 #include "frame/plain_mean.h"
 

@@ -147,8 +147,8 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
            hs_fail(err, HS_ERR_USAGE, "--points: needs one --size, got %d", sizes);
 }
 
-/* A run's own. `reference` is the last definition that was computed: variants that share it stand together.
- */
+/* A run's own. `reference` is the last definition that was computed: variants
+ * that share it stand together. */
 typedef struct {
     options o;
     hs_cl cl;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Initial points for the reconstruction methods: a shallow volume, and the points that the definition finds.
- */
+/* Initial points for the reconstruction methods: a shallow volume, and the
+ * points that the definition finds. */
 #ifndef METHODS_MAP_H
 #define METHODS_MAP_H
 

@@ -103,8 +103,8 @@ static void draw_shape(FILE *file, double x, double y, int size, const char *col
     (void)fprintf(file, "<title>%s</title></%s>\n", tip, size == 0 ? "circle" : "path");
 }
 
-/* A name below its mark and to the left; a line lower for every mark of the front that stands as high and
- * further left. */
+/* A name below its mark and to the left; a line lower for every mark of the front that
+ * stands as high and further left. */
 static void draw_name(const panel *p, const double *x, const double *y, const bool *best, uint32_t count,
                       uint32_t own, const char *name) {
     int below = 14;

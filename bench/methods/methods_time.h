@@ -20,8 +20,7 @@ typedef struct {
 typedef struct {
     bench_times end;         /* wall clock of the plugin's `end`, all events off */
     bench_times reconstruct; /* its stage by smartvis.timing/1, in the frames between; zero without it */
-    bench_times memory;      /* two float32 maps read and one written once, two threads: its minimum
-                                is the limit */
+    bench_times memory;      /* two float32 maps read, one written, two threads; its minimum is the limit */
     bench_times plain;       /* mean filter: the same in plain C, two threads */
     uint32_t frames, passes;
     uint32_t control_points; /* splines: after merging, by smartvis.spline/1 */

@@ -23,10 +23,10 @@ bool methods_scene_open(methods_scene *scene, const hs_cl *cl, const char *name,
 void methods_scene_close(methods_scene *scene);
 
 /*
- * One frame of the host's scan loop with the variant: the mean of |termination depth - that of the truth|
- * over the rays that cross the sac or meet the fetus (labels 1 and 2), slices. Seen from the probe, with as
- * many map and picture pixels as the volume has. A variant that finds no surface clips nothing: *clipped is
- * false.
+ * One frame of the host's scan loop with the variant: the mean of |termination depth - that of the
+ * truth| over the rays that cross the sac or meet the fetus (labels 1 and 2), slices. Seen from the
+ * probe, with as many map and picture pixels as the volume has. A variant that finds no surface
+ * clips nothing: *clipped is false.
  */
 bool methods_scene_difference(const methods_scene *scene, const hs_cl *cl, const hs_plugin *plugin,
                               const methods_variant *variant, double *slices, bool *clipped, hs_error *err);

@@ -5,8 +5,8 @@
 
 #include "quality/surf_case.h"
 
-/* Prints the mean e_abs and cut share over the nine cases of a tuned and of an untuned set for every change.
- */
+/* Prints the mean e_abs and cut share over the nine cases of a tuned and of an
+ * untuned set for every change. */
 bool surf_ablation(const char *const *names, uint32_t count, uint32_t n, hs_error *err);
 
 #endif

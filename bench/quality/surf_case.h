@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes to judge surfaces on: nine cases, each in its own pose or in a shifted one, with their ground truth.
- */
+/* Scenes to judge surfaces on: nine cases, each in its own pose or in a shifted
+ * one, with their ground truth. */
 #ifndef SURF_CASE_H
 #define SURF_CASE_H
 

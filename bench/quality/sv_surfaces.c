@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth; their flicker and
- * their time. */
+/* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth;
+ * their flicker and their time. */
 #include "plugin/loader.h"
 #include "plugin/loader_param.h"
 #include "plugin/plugin_ext.h"
@@ -164,8 +164,8 @@ static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose
 
 enum { STILL = 8, MOVING = 8 };
 
-/* One unmoved scene with other speckle in every frame: mean absolute change of the map over the fetus and the
- * sac. */
+/* One unmoved scene with other speckle in every frame: mean absolute change of the
+ * map over the fetus and the sac. */
 static bool flicker(session *s, const char *scene, float q, double memory, double *change, hs_error *err) {
     static float before[PIXELS];
     uint32_t counted = 0;

@@ -22,8 +22,8 @@ int hs_cli_fail(const char *command, const hs_error *err);
 /* Fails if arguments are left after the options. */
 bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err);
 
-/* Makes the folder (and its parents) and proves that a file can be written there. HS_ERR_OUTPUT names the
- * path. */
+/* Makes the folder (and its parents) and proves that a file can be written there.
+ * HS_ERR_OUTPUT names the path. */
 bool hs_cli_make_folder(const char *path, hs_error *err);
 
 /* Writes "<folder>/<name>" to out; HS_ERR_OUTPUT if it is longer than `bytes`. */

@@ -44,7 +44,7 @@ typedef struct {
     bool quick, help;
     demo_case cases[MAX_CASES];
     uint32_t case_count;
-    hs_report report;
+    hs_page report;
     char rows[MAX_CASES][COLUMNS][CELL]; /* the table at the end of the page */
     uint32_t row_count;
     hs_error plugin_error; /* the first one */
@@ -98,35 +98,35 @@ static void show(demo *d, const char *folder, const char *name, const char *alt,
     char path[PATH_MAX];
     if (!hs_cli_join(folder, name, path, sizeof path, &d->report.error)) return;
     /* Renderings, and what is drawn over one, are photos; a map in false colour is small as it is. */
-    (strcmp(name, "depthmap.png") == 0 ? hs_report_picture : hs_report_photo)(&d->report, path, alt, caption);
+    (strcmp(name, "depthmap.png") == 0 ? hs_page_picture : hs_page_photo)(&d->report, path, alt, caption);
 }
 
 static void show_pictures(demo *d, const hs_run *run, const char *folder, bool clipped) {
-    hs_report_row_begin(&d->report);
+    hs_page_row_begin(&d->report);
     show(d, folder, "full.png", "Rendering of the full volume", "Full volume: what the probe delivers");
     show(d, folder, "result.png",
          clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, unclipped",
          clipped ? "Result: rays start at the plugin's clipping depthmap" : "Result: rendered unclipped");
-    if (run->source.truths)
+    if (hs_source_truth(&run->source, 0))
         show(d, folder, "truth.png", "Rendering of the ground truth",
              "Ground truth: the scene without what hides the fetus");
-    hs_report_row_end(&d->report);
-    hs_report_row_begin(&d->report);
+    hs_page_row_end(&d->report);
+    hs_page_row_begin(&d->report);
     show(d, folder, "depthmap.png", "The clipping depthmap in false colour",
          "Clipping depthmap: where the rays start, in low-resolution slices; hatched clips nothing");
     show(d, folder, "points.png", "Initial points over the maximum intensity projection",
          "Initial points over the maximum intensity projection");
-    hs_report_row_end(&d->report);
-    hs_report_row_begin(&d->report);
+    hs_page_row_end(&d->report);
+    hs_page_row_begin(&d->report);
     sv_param_info knob;
     if (run->has_plugin && hs_plugin_find_primary(&run->plugin, &knob))
         show(d, folder, "knob.png", "The result for six positions of the knob",
              "The knob: the result for six positions of the plugin's primary parameter");
-    hs_report_row_end(&d->report);
-    hs_report_row_begin(&d->report);
+    hs_page_row_end(&d->report);
+    hs_page_row_begin(&d->report);
     show(d, folder, "orbit.png", "Six views of an orbit, the full volume above and the result below",
          "Six views of an orbit: full volume above, result below");
-    hs_report_row_end(&d->report);
+    hs_page_row_end(&d->report);
 }
 
 /* The run's table as printed; NULL if memory runs out. */
@@ -181,10 +181,10 @@ static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *fol
     orbit.orbit = ORBIT_TOTAL;
     const bool ok = hs_run_replace_loop(run, &orbit, err) && hs_run_orbit_picture(run, folder, err);
     if (ok) {
-        hs_report_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
-        hs_report_text(&d->report, what_it_is(run));
+        hs_page_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
+        hs_page_text(&d->report, what_it_is(run));
         show_pictures(d, run, folder, hs_outcome_clips(run->results[HS_SETTING_SMARTVIS].outcome));
-        hs_report_folded(&d->report, "Times and statistics", numbers ? numbers : "");
+        hs_page_folded(&d->report, "Times and statistics", numbers ? numbers : "");
     }
     free(numbers);
     return ok;
@@ -218,31 +218,31 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
 }
 
 static void write_intro(demo *d) {
-    hs_report_text(&d->report,
-                   "In 3D ultrasound tissue, cord and particles often hide the fetus. For every viewing ray "
-                   "the plugin finds a depth in the amniotic fluid between them and the fetus; the renderer "
-                   "starts its rays there. Each case below shows the full volume, the result, and for "
-                   "synthetic scenes the ground truth.");
+    hs_page_text(&d->report,
+                 "In 3D ultrasound tissue, cord and particles often hide the fetus. For every viewing ray "
+                 "the plugin finds a depth in the amniotic fluid between them and the fetus; the renderer "
+                 "starts its rays there. Each case below shows the full volume, the result, and for "
+                 "synthetic scenes the ground truth.");
 }
 
 static void write_table(demo *d) {
     static const char *const names[COLUMNS] = {"Case",           "DVR [1/s]",   "+ scan conversion [1/s]",
                                                "+ plugin [1/s]", "plugin [ms]", "plugin's share",
                                                "initial points", "outcome"};
-    hs_report_heading(&d->report, 2, "Speed");
-    hs_report_text(
+    hs_page_heading(&d->report, 2, "Speed");
+    hs_page_text(
         &d->report,
         "Volumes a second from the median of the whole loop, in the three settings of the thesis' Figure "
         "5.21: DVR alone and DVR with scan conversion render the full volume, unclipped; with the plugin the "
         "rays start at its depthmap. The plugin's share is that of a whole frame.");
-    hs_report_table_begin(&d->report);
-    hs_report_table_row(&d->report, names, COLUMNS);
+    hs_page_table_begin(&d->report);
+    hs_page_table_row(&d->report, names, COLUMNS);
     for (uint32_t i = 0; i < d->row_count; i++) {
         const char *cells[COLUMNS];
         for (uint32_t c = 0; c < COLUMNS; c++) cells[c] = d->rows[i][c];
-        hs_report_table_row(&d->report, cells, COLUMNS);
+        hs_page_table_row(&d->report, cells, COLUMNS);
     }
-    hs_report_table_end(&d->report);
+    hs_page_table_end(&d->report);
 }
 
 static bool run_demo(demo *d, hs_error *err) {
@@ -251,15 +251,15 @@ static bool run_demo(demo *d, hs_error *err) {
         return false;
     add_scenes(d);
     if (!add_volumes(d, err)) return false;
-    hs_report_open(&d->report, page, "SmartVis: the scan loop");
+    hs_page_open(&d->report, page, "SmartVis: the scan loop");
     write_intro(d);
     bool ok = true;
     for (uint32_t i = 0; ok && i < d->case_count; i++) ok = run_case(d, &d->cases[i], err);
     write_table(d);
-    if (d->plugin_error.code != HS_OK) hs_report_text(&d->report, d->plugin_error.text);
+    if (d->plugin_error.code != HS_OK) hs_page_text(&d->report, d->plugin_error.text);
     /* A page that misses a case would look complete. */
     if (!ok) (void)hs_fail(&d->report.error, err->code, "%s", err->text);
-    if (!hs_report_close(&d->report, ok ? err : &d->report.error) || !ok) return false;
+    if (!hs_page_close(&d->report, ok ? err : &d->report.error) || !ok) return false;
     (void)printf("Pictures are in %s, the page is %s\n", d->out, page);
     return true;
 }

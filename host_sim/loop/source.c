@@ -86,3 +86,16 @@ const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {
     return source->truths ? source->truths[index % source->count] : NULL;
 }
+
+const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index) {
+    return source->scenes ? &source->scenes[index % source->count] : NULL;
+}
+
+bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err) {
+    const hs_volume **truths = calloc(source->count, sizeof *truths);
+    if (!truths) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for its place in a sequence", truth->name);
+    truths[0] = truth;
+    free(source->truths);
+    source->truths = truths;
+    return true;
+}

@@ -41,4 +41,12 @@ void hs_source_close(hs_source *source);
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
 
+/* What the scene of frame `index` consists of, its label map and clipping surface included; NULL for files.
+ * Owned by the source. */
+const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index);
+
+/* Gives a source of one file a ground truth of the same size. It is borrowed and must outlive the source.
+ * HS_ERR_MEMORY. */
+bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err);
+
 #endif

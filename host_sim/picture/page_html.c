@@ -39,65 +39,65 @@ static const char head[] =
     "</style>\n<title>";
 
 /* Writes unless something failed before. */
-static void put_bytes(hs_report *report, const void *data, size_t bytes) {
-    if (report->error.code == HS_OK) (void)hs_output_write(&report->output, data, bytes, &report->error);
+static void put_bytes(hs_page *page, const void *data, size_t bytes) {
+    if (page->error.code == HS_OK) (void)hs_output_write(&page->output, data, bytes, &page->error);
 }
 
-static void put(hs_report *report, const char *markup) {
-    put_bytes(report, markup, strlen(markup));
+static void put(hs_page *page, const char *markup) {
+    put_bytes(page, markup, strlen(markup));
 }
 
 /* Text with the characters that HTML reads as markup replaced. */
-static void put_text(hs_report *report, const char *text) {
+static void put_text(hs_page *page, const char *text) {
     for (const char *c = text; *c; c++) {
         switch (*c) {
         case '&':
-            put(report, "&amp;");
+            put(page, "&amp;");
             break;
         case '<':
-            put(report, "&lt;");
+            put(page, "&lt;");
             break;
         case '>':
-            put(report, "&gt;");
+            put(page, "&gt;");
             break;
         case '"':
-            put(report, "&quot;");
+            put(page, "&quot;");
             break;
         default:
-            put_bytes(report, c, 1);
+            put_bytes(page, c, 1);
             break;
         }
     }
 }
 
-void hs_report_open(hs_report *report, const char *path, const char *title) {
-    *report = (hs_report){0};
-    if (!hs_output_open(&report->output, path, &report->error)) return;
-    put(report, head);
-    put_text(report, title);
-    put(report, "</title>\n</head>\n<body>\n<h1>");
-    put_text(report, title);
-    put(report, "</h1>\n");
+void hs_page_open(hs_page *page, const char *path, const char *title) {
+    *page = (hs_page){0};
+    if (!hs_output_open(&page->output, path, &page->error)) return;
+    put(page, head);
+    put_text(page, title);
+    put(page, "</title>\n</head>\n<body>\n<h1>");
+    put_text(page, title);
+    put(page, "</h1>\n");
 }
 
-void hs_report_heading(hs_report *report, int level, const char *text) {
-    put(report, level == 2 ? "<h2>" : "<h3>");
-    put_text(report, text);
-    put(report, level == 2 ? "</h2>\n" : "</h3>\n");
+void hs_page_heading(hs_page *page, int level, const char *text) {
+    put(page, level == 2 ? "<h2>" : "<h3>");
+    put_text(page, text);
+    put(page, level == 2 ? "</h2>\n" : "</h3>\n");
 }
 
-void hs_report_text(hs_report *report, const char *text) {
-    put(report, "<p>");
-    put_text(report, text);
-    put(report, "</p>\n");
+void hs_page_text(hs_page *page, const char *text) {
+    put(page, "<p>");
+    put_text(page, text);
+    put(page, "</p>\n");
 }
 
-void hs_report_row_begin(hs_report *report) {
-    put(report, "<div class=\"row\">\n");
+void hs_page_row_begin(hs_page *page) {
+    put(page, "<div class=\"row\">\n");
 }
 
-void hs_report_row_end(hs_report *report) {
-    put(report, "</div>\n");
+void hs_page_row_end(hs_page *page) {
+    put(page, "</div>\n");
 }
 
 /* One group of 1 to 3 bytes as four characters (RFC 4648, section 4). */
@@ -112,106 +112,104 @@ static void base64_group(const unsigned char *bytes, size_t count, char out[4]) 
 }
 
 /* Bytes as base64, in blocks of whole groups: only the last group may be short. */
-static void put_base64(hs_report *report, const unsigned char *bytes, size_t count) {
+static void put_base64(hs_page *page, const unsigned char *bytes, size_t count) {
     char text[BLOCK / 3 * 4];
     while (count > 0) {
         const size_t block = count < BLOCK ? count : BLOCK;
         size_t length = 0;
         for (size_t i = 0; i < block; i += 3, length += 4)
             base64_group(bytes + i, block - i < 3 ? block - i : 3, text + length);
-        put_bytes(report, text, length);
+        put_bytes(page, text, length);
         bytes += block;
         count -= block;
     }
 }
 
 /* A file as base64, in blocks whose size is a multiple of three so that only the last is padded. */
-static void put_file(hs_report *report, const char *path) {
+static void put_file(hs_page *page, const char *path) {
     unsigned char block[BLOCK];
     FILE *file = fopen(path, "rb");
     if (!file) {
-        (void)hs_fail(&report->error, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, strerror(errno));
+        (void)hs_fail(&page->error, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, strerror(errno));
         return;
     }
-    for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;) put_base64(report, block, got);
-    if (ferror(file)) (void)hs_fail(&report->error, HS_ERR_INPUT, "%s: reading the picture failed", path);
+    for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;) put_base64(page, block, got);
+    if (ferror(file)) (void)hs_fail(&page->error, HS_ERR_INPUT, "%s: reading the picture failed", path);
     (void)fclose(file);
 }
 
 /* A PNG file's picture as JPEG and base64. */
-static void put_jpeg(hs_report *report, const char *path) {
+static void put_jpeg(hs_page *page, const char *path) {
     hs_picture picture;
     uint8_t *data = NULL;
     size_t bytes = 0;
-    if (!hs_picture_load(&picture, path, &report->error)) return;
-    if (hs_picture_jpeg(&picture, PHOTO_QUALITY, &data, &bytes, &report->error))
-        put_base64(report, data, bytes);
+    if (!hs_picture_load(&picture, path, &page->error)) return;
+    if (hs_picture_jpeg(&picture, PHOTO_QUALITY, &data, &bytes, &page->error)) put_base64(page, data, bytes);
     free(data);
     hs_picture_free(&picture);
 }
 
-static void put_figure(hs_report *report, const char *path, const char *alt, const char *caption,
-                       bool photo) {
-    put(report, "<figure><img alt=\"");
-    put_text(report, alt);
-    put(report, photo ? "\" src=\"data:image/jpeg;base64," : "\" src=\"data:image/png;base64,");
-    if (report->error.code == HS_OK) (photo ? put_jpeg : put_file)(report, path);
-    put(report, "\"><figcaption>");
-    put_text(report, caption);
-    put(report, "</figcaption></figure>\n");
+static void put_figure(hs_page *page, const char *path, const char *alt, const char *caption, bool photo) {
+    put(page, "<figure><img alt=\"");
+    put_text(page, alt);
+    put(page, photo ? "\" src=\"data:image/jpeg;base64," : "\" src=\"data:image/png;base64,");
+    if (page->error.code == HS_OK) (photo ? put_jpeg : put_file)(page, path);
+    put(page, "\"><figcaption>");
+    put_text(page, caption);
+    put(page, "</figcaption></figure>\n");
 }
 
-void hs_report_picture(hs_report *report, const char *path, const char *alt, const char *caption) {
-    put_figure(report, path, alt, caption, false);
+void hs_page_picture(hs_page *page, const char *path, const char *alt, const char *caption) {
+    put_figure(page, path, alt, caption, false);
 }
 
-void hs_report_photo(hs_report *report, const char *path, const char *alt, const char *caption) {
-    put_figure(report, path, alt, caption, true);
+void hs_page_photo(hs_page *page, const char *path, const char *alt, const char *caption) {
+    put_figure(page, path, alt, caption, true);
 }
 
-void hs_report_table_begin(hs_report *report) {
-    put(report, "<div class=\"wide\"><table>\n");
+void hs_page_table_begin(hs_page *page) {
+    put(page, "<div class=\"wide\"><table>\n");
 }
 
-void hs_report_table_row(hs_report *report, const char *const *cells, unsigned count) {
-    put(report, "<tr>");
+void hs_page_table_row(hs_page *page, const char *const *cells, unsigned count) {
+    put(page, "<tr>");
     for (unsigned i = 0; i < count; i++) {
-        put(report, i ? "<td>" : "<th>");
-        put_text(report, cells[i]);
-        put(report, i ? "</td>" : "</th>");
+        put(page, i ? "<td>" : "<th>");
+        put_text(page, cells[i]);
+        put(page, i ? "</td>" : "</th>");
     }
-    put(report, "</tr>\n");
+    put(page, "</tr>\n");
 }
 
-void hs_report_table_end(hs_report *report) {
-    put(report, "</table></div>\n");
+void hs_page_table_end(hs_page *page) {
+    put(page, "</table></div>\n");
 }
 
-void hs_report_markup(hs_report *report, const char *markup) {
-    put(report, markup);
+void hs_page_markup(hs_page *page, const char *markup) {
+    put(page, markup);
 }
 
-void hs_report_slider_begin(hs_report *report, const char *label, unsigned count, unsigned shown) {
+void hs_page_slider_begin(hs_page *page, const char *label, unsigned count, unsigned shown) {
     char range[96];
-    report->has_slider = true;
-    put(report, "<div class=\"slider\"><label>");
-    put_text(report, label);
+    page->has_slider = true;
+    put(page, "<div class=\"slider\"><label>");
+    put_text(page, label);
     (void)snprintf(range, sizeof range,
                    " <input type=\"range\" min=\"0\" max=\"%u\" step=\"1\" value=\"%u\">", count - 1, shown);
-    put(report, range);
-    put(report, "</label>\n");
+    put(page, range);
+    put(page, "</label>\n");
 }
 
-void hs_report_slider_end(hs_report *report) {
-    put(report, "</div>\n");
+void hs_page_slider_end(hs_page *page) {
+    put(page, "</div>\n");
 }
 
-void hs_report_folded(hs_report *report, const char *summary, const char *text) {
-    put(report, "<details><summary>");
-    put_text(report, summary);
-    put(report, "</summary><pre>");
-    put_text(report, text);
-    put(report, "</pre></details>\n");
+void hs_page_folded(hs_page *page, const char *summary, const char *text) {
+    put(page, "<details><summary>");
+    put_text(page, summary);
+    put(page, "</summary><pre>");
+    put_text(page, text);
+    put(page, "</pre></details>\n");
 }
 
 /* Shows the slider's picture and hides the others; the caption is what a screen reader says of the value. */
@@ -228,10 +226,10 @@ static const char slider_script[] =
     "});\n"
     "</script>\n";
 
-bool hs_report_close(hs_report *report, hs_error *err) {
-    if (report->has_slider) put(report, slider_script);
-    put(report, "</body>\n</html>\n");
-    if (report->error.code == HS_OK) return hs_output_commit(&report->output, err);
-    hs_output_discard(&report->output);
-    return hs_fail(err, report->error.code, "%s", report->error.text);
+bool hs_page_close(hs_page *page, hs_error *err) {
+    if (page->has_slider) put(page, slider_script);
+    put(page, "</body>\n</html>\n");
+    if (page->error.code == HS_OK) return hs_output_commit(&page->output, err);
+    hs_output_discard(&page->output);
+    return hs_fail(err, page->error.code, "%s", page->error.text);
 }

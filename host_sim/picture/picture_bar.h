@@ -18,8 +18,8 @@ typedef struct {
 } hs_colour_bar;
 void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar);
 
-/* A step between ticks of 1, 2 or 5 times a power of ten that gives at most `most` (>= 1) steps over `range`
- * (> 0). */
+/* A step between ticks of 1, 2 or 5 times a power of ten that gives at most `most`
+ * (>= 1) steps over `range` (> 0). */
 double hs_tick_step(double range, unsigned most);
 
 #endif

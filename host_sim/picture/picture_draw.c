@@ -8,16 +8,16 @@
 enum { TEXT_BYTES = 1024 };
 
 cairo_t *hs_draw_begin(hs_picture *picture) {
-    /* CAIRO_FORMAT_RGB24 is 0x00RRGGBB in the host's byte order, rows of width * 4 bytes: the picture's own
-     * format. */
+    /* CAIRO_FORMAT_RGB24 is 0x00RRGGBB in the host's byte order, rows of width * 4
+     * bytes: the picture's own format. */
     cairo_surface_t *surface = cairo_image_surface_create_for_data(
         (unsigned char *)picture->pixels, CAIRO_FORMAT_RGB24, (int)picture->width, (int)picture->height,
         (int)picture->width * 4);
     cairo_t *cr = cairo_create(surface);
     cairo_surface_destroy(surface); /* the context keeps it */
     cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    /* Unhinted advances, so that a text's width goes with its size; gray edges, so that letters have no
-     * colour. */
+    /* Unhinted advances, so that a text's width goes with its size; gray edges, so
+     * that letters have no colour. */
     cairo_font_options_t *options = cairo_font_options_create();
     cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
     cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);

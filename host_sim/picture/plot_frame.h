@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What the figures share: the frame, its axes and their labels. Included by hs_plot*.c only. */
+/* What the figures share: the frame, its axes and their labels. */
 #ifndef HS_PLOT_FRAME_H
 #define HS_PLOT_FRAME_H
 
-#include "picture/plot.h"
+#include <stdint.h>
+#include <stdio.h>
 
 enum {
     HS_PLOT_WIDTH = 720,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the library is trusted unchecked.
- */
+/* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the
+ * library is trusted unchecked. */
 #include "plugin/loader.h"
 
 #include <dlfcn.h>

@@ -22,8 +22,8 @@ typedef struct {
 bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);
 
-/* True on SV_OK and on positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status name> (<number>):
- * <last_error>". */
+/* True on SV_OK and on positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status
+ * name> (<number>): <last_error>". */
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err);
 
 /* A status's name, e.g. "SV_ERR_SLAB_ORDER"; "unknown status" for others. */

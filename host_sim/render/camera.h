@@ -18,10 +18,10 @@ typedef struct {
     double depth_extent; /* mm, depth of the box */
 } hs_camera;
 
-/* Camera rotated by yaw (about y) then pitch (about its own x), in degrees; 0, 0 looks along +z from the
- * probe. It looks along (sin yaw cos pitch, -sin pitch, cos yaw cos pitch): yaw > 0 turns the view to +x,
- * pitch > 0 to -y. Multiples of 90 degrees are exact. The box is the smallest that holds the volume seen from
- * here. */
+/* Camera rotated by yaw (about y) then pitch (about its own x), in degrees; 0, 0 looks along +z
+ * from the probe. It looks along (sin yaw cos pitch, -sin pitch, cos yaw cos pitch): yaw > 0 turns
+ * the view to +x, pitch > 0 to -y. Multiples of 90 degrees are exact. The box is the smallest that
+ * holds the volume seen from here. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 
 /* Enlarges the box of `camera` so that it holds the box of `other` (an orbit uses one box for all views). */

@@ -16,9 +16,9 @@ typedef struct hs_device_volume hs_device_volume;
  */
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err);
 
-/* Takes another volume of the same size (a live sequence); does not wait. No memory for voxels is allocated;
- * on a CPU device, host buffers that come again (up to 8 in turn) create no OpenCL object either. The spacing
- * may differ. */
+/* Takes another volume of the same size (a live sequence); does not wait. No memory for voxels is
+ * allocated; on a CPU device, host buffers that come again (up to 8 in turn) create no OpenCL object
+ * either. The spacing may differ. */
 bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_error *err);
 void hs_device_volume_destroy(hs_device_volume *dv);
 

@@ -128,8 +128,8 @@ static cl_float4 scaled(const double v[3], double factor) {
     return out;
 }
 
-/* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
- * 0. */
+/* Bricks up to this value are transparent; -1: none is. A brick of zeros always
+ * is: its samples are exactly 0. */
 static cl_int transparent_level(const hs_dvr_settings *s) {
     if (!s->skip_empty) return -1;
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);

@@ -47,14 +47,14 @@ typedef struct {
     uint32_t width, height; /* pixels of the picture, e.g. 512 x 512 */
     float threshold_low;    /* T_L, 0..1: opacity 0 here and below */
     float threshold_high;   /* T_H, 0..1, > T_L: opacity 1 here and above, linear in between */
-    float step;         /* sampling step in source slices (box depth / round(depth_extent / min spacing)) */
-    float termination;  /* stop a ray when its opacity reaches this, 0.001..1 (0.95); above 1: never */
-    float ghost_offset; /* s, in steps: opacity factor 0 up to d_p - s ... */
-    float ghost_width;  /* w, in steps: ... rising linearly to 1 at d_p - s + w; 0: a hard cut */
-    float ghost_doubt; /* g, 0..HS_DVR_MAX_DOUBT: how much longer the window is where nothing is sure, in w */
-    float skin[3];     /* colour of intensity 1 */
-    float exposure;    /* gain of the finished colour, 0.1..10, saturating; 1 is the formula as it stands */
-    bool skip_empty;   /* leap over transparent bricks: the same picture, sooner; off for measurements only */
+    float step;             /* from sample to sample, in source slices as above */
+    float termination;      /* stop a ray when its opacity reaches this, 0.001..1 (0.95); above 1: never */
+    float ghost_offset;     /* s, in steps: opacity factor 0 up to d_p - s ... */
+    float ghost_width;      /* w, in steps: ... rising linearly to 1 at d_p - s + w; 0: a hard cut */
+    float ghost_doubt;      /* g, 0..HS_DVR_MAX_DOUBT: where nothing is sure the window is longer by g w */
+    float skin[3];          /* colour of intensity 1 */
+    float exposure;         /* gain of the finished colour, 0.1..10, saturating; 1 is the formula itself */
+    bool skip_empty;        /* leap over transparent bricks: the same picture, sooner; off to measure only */
 } hs_dvr_settings;
 
 #define HS_DVR_MAX_DOUBT 16.0f
@@ -71,10 +71,10 @@ typedef struct hs_dvr hs_dvr;
 hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err);
 void hs_dvr_destroy(hs_dvr *dvr);
 
-/* Start depths for the rays: a low-resolution depthmap of width x height float32 in low-resolution slices of
- * a volume of `slices` slices, bilinearly interpolated between pixel centres; <= 0 starts at the front of the
- * box. `depth` NULL renders the full volume. `confidence`, of the same shape, 0 .. 1, may be NULL: all is
- * sure. */
+/* Start depths for the rays: a low-resolution depthmap of width x height float32 in low-resolution
+ * slices of a volume of `slices` slices, bilinearly interpolated between pixel centres; <= 0 starts
+ * at the front of the box. `depth` NULL renders the full volume. `confidence`, of the same shape,
+ * 0 .. 1, may be NULL: all is sure. */
 typedef struct {
     cl_mem depth, confidence;
     uint32_t width, height, slices;
@@ -90,8 +90,8 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
                    const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                    hs_error *err);
 
-/* Enqueues a maximum intensity projection of the same samples, unclipped, into `gray` (width * height bytes).
- */
+/* Enqueues a maximum intensity projection of the same samples, unclipped, into
+ * `gray` (width * height bytes). */
 bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera, cl_mem gray,
                 cl_event *event, hs_error *err);
 

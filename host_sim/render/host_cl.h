@@ -18,14 +18,14 @@ typedef struct {
     bool is_cpu; /* the device is a CPU: it shares the host's memory */
 } hs_cl;
 
-/* Opens the first GPU, else the first CPU, else any device, and builds the host's embedded kernels for it.
- * The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows the choice. False with HS_ERR_DEVICE and
- * what to do about it; where the kernels do not build, the first lines of the build log. `cl` is all zero
- * then. */
+/* Opens the first GPU, else the first CPU, else any device, and builds the host's embedded kernels
+ * for it. The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows the choice. False with
+ * HS_ERR_DEVICE and what to do about it; where the kernels do not build, the first lines of the
+ * build log. `cl` is all zero then. */
 bool hs_cl_open(hs_cl *cl, hs_error *err);
 
-/* The same with `lanes` 1 or 16 whatever the device: a CPU can run, and test, the kernels of a GPU. 0: as
- * fits. */
+/* The same with `lanes` 1 or 16 whatever the device: a CPU can run, and test, the
+ * kernels of a GPU. 0: as fits. */
 bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err);
 
 /* Waits for the queue and releases everything. Safe on a zeroed struct. */

@@ -24,9 +24,9 @@ void hs_launch_arg(hs_launch *launch, size_t bytes, const void *value);
 /* Sets the next argument to a buffer; NULL gives the kernel a null pointer. */
 void hs_launch_buffer(hs_launch *launch, cl_mem buffer);
 
-/* Enqueues the kernel over `dimensions` sizes; does not wait. `local` NULL lets OpenCL choose. `event` (may
- * be NULL) receives the command's event. False with HS_ERR_DEVICE, which names the call that failed first and
- * the kernel. */
+/* Enqueues the kernel over `dimensions` sizes; does not wait. `local` NULL lets OpenCL choose. `event`
+ * (may be NULL) receives the command's event. False with HS_ERR_DEVICE, which names the call that
+ * failed first and the kernel. */
 bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *global, const size_t *local,
                    cl_event *event, hs_error *err);
 

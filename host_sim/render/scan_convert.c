@@ -10,7 +10,7 @@
 #define SAMPLE_SPACING       1.5        /* finest source voxels from one sample to the next, about */
 #define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
 #define MAX_SAMPLES_PER_AXIS 8
-#define NEAREST_MIN_SPAN     2.0 /* source voxels a box spans in every direction to be a mean of nearest ones */
+#define NEAREST_MIN_SPAN     2.0  /* source voxels a box spans each way for a mean of nearest ones */
 #define NEAREST_MIN_BITS     12   /* fraction bits a fixed-point position must have */
 #define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
 
@@ -99,8 +99,8 @@ void hs_scan_converter_destroy(hs_scan_converter *converter) {
     free(converter);
 }
 
-/* The most fraction bits with which every position a packet may meet fits an int, the parts of its sum too.
- */
+/* The most fraction bits with which every position a packet may meet fits an
+ * int, the parts of its sum too. */
 static int position_bits(const sampling *s, const hs_slab_layout *layout) {
     /* Packets may overhang the picture. */
     const uint32_t size[3] = {layout->width + 4, layout->height + 4, layout->slices};

@@ -13,23 +13,23 @@
 #include <limits.h>
 #include <math.h>
 
-static void put_table(hs_report *report, const hs_eval_study *study, hs_eval_table_kind kind) {
+static void put_table(hs_page *report, const hs_eval_study *study, hs_eval_table_kind kind) {
     char caption[300];
     hs_eval_row row;
     hs_eval_row_caption(study, kind, caption, sizeof caption);
-    hs_report_heading(report, 3, caption);
-    hs_report_table_begin(report);
-    hs_report_table_row(report, hs_eval_row_head(study), HS_EVAL_CELLS);
+    hs_page_heading(report, 3, caption);
+    hs_page_table_begin(report);
+    hs_page_table_row(report, hs_eval_row_head(study), HS_EVAL_CELLS);
     for (uint32_t r = 0; r <= study->count; r++) {
         const char *cells[HS_EVAL_CELLS];
         hs_eval_row_make(study, kind, r, &row);
         for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) cells[i] = row.cell[i];
-        hs_report_table_row(report, cells, HS_EVAL_CELLS);
+        hs_page_table_row(report, cells, HS_EVAL_CELLS);
     }
-    hs_report_table_end(report);
+    hs_page_table_end(report);
 }
 
-static void put_intro(hs_report *report, const hs_eval_study *study) {
+static void put_intro(hs_page *report, const hs_eval_study *study) {
     char text[600];
     const sv_descriptor *d = study->plugin.instance->descriptor;
     (void)snprintf(text, sizeof text,
@@ -37,7 +37,7 @@ static void put_intro(hs_report *report, const hs_eval_study *study) {
                    "truth minus that in the result, in DVR steps (one slice of the source volume), over the "
                    "fetus and the amniotic sac. Positive: an occluder is left. Negative: the fetus is cut.",
                    d->id, d->version, study->count);
-    hs_report_text(report, text);
+    hs_page_text(report, text);
     (void)snprintf(text, sizeof text,
                    "Parameter space: %u thresholds x %u kernels x %u knob positions a case; volumes of %u "
                    "voxels per axis, depthmaps of %u x %u pixels.",
@@ -45,20 +45,20 @@ static void put_intro(hs_report *report, const hs_eval_study *study) {
                    study->options->size,
                    study->options->lowres ? study->options->lowres : (study->options->size + 1) / 3,
                    study->options->lowres ? study->options->lowres : (study->options->size + 1) / 3);
-    hs_report_text(report, text);
+    hs_page_text(report, text);
     if (study->checked) {
         (void)snprintf(
             text, sizeof text,
             "%u settings were measured the direct way, too: the largest difference of e_abs is %g steps.",
             study->checked, study->check_worst[0]);
-        hs_report_text(report, text);
+        hs_page_text(report, text);
     }
-    if (study->plugin_error.code != HS_OK) hs_report_text(report, study->plugin_error.text);
+    if (study->plugin_error.code != HS_OK) hs_page_text(report, study->plugin_error.text);
 }
 
-static void put_pictures(hs_report *report, const hs_eval_study *study, uint32_t index) {
+static void put_pictures(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
-    hs_report_row_begin(report);
+    hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
     hs_eval_page_show(report, study, index, "result.png",
@@ -69,26 +69,26 @@ static void put_pictures(hs_report *report, const hs_eval_study *study, uint32_t
         report, study, index, "error_rays.png",
         "error per ray, blue where the fetus is cut, red where an occluder is left",
         "Error, from -40 to 40 steps: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
-    hs_report_row_end(report);
+    hs_page_row_end(report);
 }
 
-static void put_slider(hs_report *report, const hs_eval_study *study, uint32_t index) {
+static void put_slider(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const hs_eval_result *r = &study->result[index];
     const sv_param_info *info = &study->plan.knob.info;
     char label[128];
     if (r->turns == 0) return;
     (void)snprintf(label, sizeof label, "%.64s (%.32s)", info->label, info->key);
-    hs_report_slider_begin(report, label, r->turns, r->turned);
+    hs_page_slider_begin(report, label, r->turns, r->turned);
     for (uint32_t i = 0; i < r->turns; i++) {
         char name[32], caption[64];
         (void)snprintf(name, sizeof name, "knob_%u.png", i);
         (void)snprintf(caption, sizeof caption, "%.32s = %.4g", info->key, r->turn[i]);
         hs_eval_page_show(report, study, index, name, caption, caption);
     }
-    hs_report_slider_end(report);
+    hs_page_slider_end(report);
 }
 
-static void number_row(hs_report *report, const char *name, const hs_measures *m) {
+static void number_row(hs_page *report, const char *name, const hs_measures *m) {
     char text[HS_MEASURE_COUNT][32];
     const char *cells[HS_MEASURE_COUNT + 1] = {name};
     for (int i = 0; i < HS_MEASURE_COUNT; i++) {
@@ -96,52 +96,52 @@ static void number_row(hs_report *report, const char *name, const hs_measures *m
         (void)snprintf(text[i], sizeof text[i], isnan(value) ? "-" : "%.2f", value);
         cells[i + 1] = text[i];
     }
-    hs_report_table_row(report, cells, HS_MEASURE_COUNT + 1);
+    hs_page_table_row(report, cells, HS_MEASURE_COUNT + 1);
 }
 
-static void put_numbers(hs_report *report, const hs_eval_study *study, uint32_t index) {
+static void put_numbers(hs_page *report, const hs_eval_study *study, uint32_t index) {
     static const char *const head[HS_MEASURE_COUNT + 1] = {
         "setting",   "e_abs",       "e_pos",       "e_neg",       "sac e_abs", "sac e_pos",
         "sac e_neg", "fetus e_abs", "fetus e_pos", "fetus e_neg", "cut [%]",   "left [%]"};
     const hs_eval_result *r = &study->result[index];
-    hs_report_table_begin(report);
-    hs_report_table_row(report, head, HS_MEASURE_COUNT + 1);
+    hs_page_table_begin(report);
+    hs_page_table_row(report, head, HS_MEASURE_COUNT + 1);
     number_row(report, "unclipped", &r->unclipped);
     number_row(report, "common setting", &r->shown);
     number_row(report, "best setting", hs_eval_at(&study->space[index], r->best));
-    hs_report_table_end(report);
+    hs_page_table_end(report);
 }
 
-static void put_case(hs_report *report, const hs_eval_study *study, uint32_t index) {
-    hs_report_heading(report, 2, study->space[index].name);
-    hs_report_text(report, study->result[index].title);
+static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
+    hs_page_heading(report, 2, study->space[index].name);
+    hs_page_text(report, study->result[index].title);
     put_pictures(report, study, index);
-    hs_report_row_begin(report);
+    hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
                       "Clipping depthmap: where the rays start, in low-resolution slices");
     put_slider(report, study, index);
-    hs_report_row_end(report);
+    hs_page_row_end(report);
     put_numbers(report, study, index);
     hs_eval_figure_space(report, study, index);
 }
 
 bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
     char path[PATH_MAX];
-    hs_report report;
+    hs_page report;
     if (!hs_cli_join(study->options->out, "index.html", path, sizeof path, err)) return false;
-    hs_report_open(&report, path, "SmartVis: evaluation");
+    hs_page_open(&report, path, "SmartVis: evaluation");
     put_intro(&report, study);
-    hs_report_heading(&report, 2, "All cases");
+    hs_page_heading(&report, 2, "All cases");
     put_table(&report, study, HS_TABLE_BEST);
     put_table(&report, study, HS_TABLE_COMMON);
-    hs_report_text(
+    hs_page_text(
         &report,
         "cut: share of the fetus' rays that are cut by more than two steps. left: share of the rays "
         "whose occluder is still there by more than two steps. unclipped: e_abs of the full volume.");
-    hs_report_text(&report, hs_eval_thesis_note);
+    hs_page_text(&report, hs_eval_thesis_note);
     hs_eval_figure_mean(&report, study);
     hs_eval_page_beside(&report, study);
     for (uint32_t i = 0; i < study->count; i++) put_case(&report, study, i);
     hs_eval_figure_speed(&report, study);
-    return hs_report_close(&report, err);
+    return hs_page_close(&report, err);
 }

@@ -11,16 +11,16 @@
 
 #define LEGEND_STOPS 41u
 
-static void put_table(hs_report *report, const hs_eval_study *study) {
+static void put_table(hs_page *report, const hs_eval_study *study) {
     char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
     const char *cells[HS_BESIDE_CELLS];
     for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) cells[i] = cell[i];
-    hs_report_table_begin(report);
+    hs_page_table_begin(report);
     for (uint32_t r = 0; r <= study->count + 1; r++) {
         hs_eval_beside_row(study, r, cell);
-        hs_report_table_row(report, cells, HS_BESIDE_CELLS);
+        hs_page_table_row(report, cells, HS_BESIDE_CELLS);
     }
-    hs_report_table_end(report);
+    hs_page_table_end(report);
 }
 
 /* A bar in the colours of a map, with the words of its ends and its middle. */
@@ -49,7 +49,7 @@ static void write_legend(FILE *out, const void *of) {
                   l->left, l->middle, l->right);
 }
 
-static void put_legends(hs_report *report, bool with_confidence) {
+static void put_legends(hs_page *report, bool with_confidence) {
     char left[64], right[64];
     (void)snprintf(left, sizeof left, "-%.0f steps: fetus cut", (double)HS_EVAL_ERROR_LIMIT);
     (void)snprintf(right, sizeof right, "+%.0f steps: occluder left", (double)HS_EVAL_ERROR_LIMIT);
@@ -65,10 +65,10 @@ static void put_legends(hs_report *report, bool with_confidence) {
                                .middle = "0.5",
                                .right = "1: sure"};
     hs_eval_figure_put(report, write_legend, &errors);
-    hs_report_text(report, "Dark grey is outside the sac and not evaluated.");
+    hs_page_text(report, "Dark grey is outside the sac and not evaluated.");
     if (!with_confidence) return;
     hs_eval_figure_put(report, write_legend, &confidence);
-    hs_report_text(
+    hs_page_text(
         report,
         "The last picture of a case is not cut off at the surface but ghosted: opacity rises over a window "
         "before it, of ten low-resolution slices where the method is sure and up to thirty where it is "
@@ -90,21 +90,21 @@ static void caption_of(const hs_eval_study *study, uint32_t index, hs_beside_way
                    100 * (double)m->of[HS_MEASURE_FETUS_CUT], 100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT]);
 }
 
-static void put_case(hs_report *report, const hs_eval_study *study, uint32_t index) {
+static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const hs_eval_beside *b = &study->beside;
     char first[256], other[256], error[2][128];
     caption_of(study, index, HS_BESIDE_KNOB, first, sizeof first);
     caption_of(study, index, HS_BESIDE_OTHER, other, sizeof other);
     (void)snprintf(error[0], sizeof error[0], "Error of %.60s", b->first_name);
     (void)snprintf(error[1], sizeof error[1], "Error of %.60s", b->other_name);
-    hs_report_heading(report, 3, study->space[index].name);
-    hs_report_row_begin(report);
+    hs_page_heading(report, 3, study->space[index].name);
+    hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
     hs_eval_page_show(report, study, index, "beside_knob.png", first, first);
     hs_eval_page_show(report, study, index, "beside_other.png", other, other);
-    hs_report_row_end(report);
-    hs_report_row_begin(report);
+    hs_page_row_end(report);
+    hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "beside_knob_error.png", error[0], error[0]);
     hs_eval_page_show(report, study, index, "beside_other_error.png", error[1], error[1]);
     if (b->has_confidence[index]) {
@@ -113,30 +113,30 @@ static void put_case(hs_report *report, const hs_eval_study *study, uint32_t ind
         (void)snprintf(other, sizeof other, "%.60s, ghosted; wider where it is not sure", b->other_name);
         hs_eval_page_show(report, study, index, "beside_ghost.png", other, other);
     }
-    hs_report_row_end(report);
+    hs_page_row_end(report);
 }
 
-void hs_eval_page_beside(hs_report *report, const hs_eval_study *study) {
+void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
     const hs_eval_beside *b = &study->beside;
     char text[900];
     bool confidence = false;
     if (!b->exists) return;
     (void)snprintf(text, sizeof text, "%.60s beside %.60s", b->other_name, b->first_name);
-    hs_report_heading(report, 2, text);
+    hs_page_heading(report, 2, text);
     (void)snprintf(
         text, sizeof text,
         "Each method at one setting for all cases: %.60s at its defaults, %.60s with its knob where the "
         "mean e_abs over these cases is lowest. \"tuned\" is %.60s at the best setting of the whole "
         "parameter space, found on these very volumes.",
         b->other_name, b->first_name, b->first_name);
-    hs_report_text(report, text);
+    hs_page_text(report, text);
     (void)snprintf(
         text, sizeof text,
         "e_abs in DVR steps; cut: share of the fetus that is cut by more than two steps; left: share of the "
         "occluded rays whose occluder is still there. ratio: e_abs of %.60s to that of %.60s at its best "
         "knob. true surface: what is left with the scene's own clipping surface as the depthmap.",
         b->other_name, b->first_name);
-    hs_report_text(report, text);
+    hs_page_text(report, text);
     put_table(report, study);
     for (uint32_t i = 0; i < study->count; i++) confidence = confidence || b->has_confidence[i];
     put_legends(report, confidence);

@@ -7,6 +7,6 @@
 #include "picture/page_html.h"
 
 /* Nothing if there is no other method. Errors are kept in the page. */
-void hs_eval_page_beside(hs_report *report, const hs_eval_study *study);
+void hs_eval_page_beside(hs_page *report, const hs_eval_study *study);
 
 #endif

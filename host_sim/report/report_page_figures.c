@@ -14,7 +14,7 @@ static float lowest_over_knob(const hs_eval_space *space, uint32_t threshold, ui
     return hs_eval_at(space, hs_eval_best_knob(space, threshold, kernel))->of[HS_MEASURE_ABS];
 }
 
-void hs_eval_figure_space(hs_report *report, const hs_eval_study *study, uint32_t index) {
+void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const hs_eval_plan *plan = &study->plan;
     const hs_eval_space *space = &study->space[index];
     const uint32_t kernels = plan->kernel.count;
@@ -45,7 +45,7 @@ void hs_eval_figure_space(hs_report *report, const hs_eval_study *study, uint32_
     if (plot.columns > 0) hs_eval_figure_put(report, write_heat, &plot);
 }
 
-void hs_eval_figure_mean(hs_report *report, const hs_eval_study *study) {
+void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
     const hs_eval_plan *plan = &study->plan;
     const hs_eval_mean *mean = &study->mean;
     float value[HS_EVAL_MAX_LINE * HS_EVAL_MAX_LINE];

@@ -8,11 +8,11 @@
 
 /* A picture of the case's folder; renderings as photos. `alt` is said for the picture after the case's name.
  * Errors are kept in the page. */
-void hs_eval_page_show(hs_report *report, const hs_eval_study *study, uint32_t index, const char *name,
+void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
                        const char *alt, const char *caption);
 
 /* Writes a figure (host_sim/picture/plot.h) into the page. */
 typedef void (*hs_eval_figure_fn)(FILE *out, const void *plot);
-void hs_eval_figure_put(hs_report *report, hs_eval_figure_fn write, const void *plot);
+void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *plot);
 
 #endif

@@ -29,7 +29,7 @@ static void write_lines(FILE *out, const void *plot) {
 }
 
 /* Figure 5.19: the height of a bar is the plugin's frame rate, its parts are the stages' shares. */
-static void put_stages(hs_report *report, const hs_eval_study *study, const char *const *names) {
+static void put_stages(hs_page *report, const hs_eval_study *study, const char *const *names) {
     double value[HS_EVAL_MAX_CASES * STAGES];
     for (uint32_t i = 0; i < study->count; i++) {
         const hs_loop_result *r = &study->result[i].speed[HS_SETTING_SMARTVIS];
@@ -52,7 +52,7 @@ static void put_stages(hs_report *report, const hs_eval_study *study, const char
 }
 
 /* Figure 5.21. */
-static void put_settings(hs_report *report, const hs_eval_study *study, const char *const *names) {
+static void put_settings(hs_page *report, const hs_eval_study *study, const char *const *names) {
     static const char *const labels[HS_SETTING_COUNT] = {"DVR", "+ conversion", "+ plugin"};
     double value[HS_EVAL_MAX_CASES * HS_SETTING_COUNT];
     for (uint32_t i = 0; i < study->count; i++)
@@ -69,7 +69,7 @@ static void put_settings(hs_report *report, const hs_eval_study *study, const ch
 }
 
 /* Figure 5.20. */
-static void put_curves(hs_report *report, const hs_eval_study *study) {
+static void put_curves(hs_page *report, const hs_eval_study *study) {
     char names[HS_EVAL_CURVES][32], title[128];
     const char *name[HS_EVAL_CURVES];
     if (study->curves == 0) return;
@@ -92,7 +92,7 @@ static void put_curves(hs_report *report, const hs_eval_study *study) {
 }
 
 /* Table 5.4: the average over the cases. */
-static void put_table(hs_report *report, const hs_eval_study *study) {
+static void put_table(hs_page *report, const hs_eval_study *study) {
     static const char *const head[3] = {"stage", "here [ms]", "thesis, Table 5.4 [ms]"};
     double mean[STAGES] = {0}, dvr = 0, loop = 0;
     char text[2][32];
@@ -117,19 +117,19 @@ static void put_table(hs_report *report, const hs_eval_study *study) {
                 {"output", known ? mean[4] : NAN, -1},
                 {"render", dvr, 3},
                 {"whole frame", loop, 4}};
-    hs_report_table_begin(report);
-    hs_report_table_row(report, head, 3);
+    hs_page_table_begin(report);
+    hs_page_table_row(report, head, 3);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         (void)snprintf(text[0], sizeof text[0], isnan(rows[i].ms) ? "-" : "%.3f", rows[i].ms);
         (void)snprintf(text[1], sizeof text[1], rows[i].thesis < 0 ? "-" : "%.3f",
                        rows[i].thesis < 0 ? 0.0 : hs_eval_thesis_stages[rows[i].thesis].ms);
         const char *cells[3] = {rows[i].name, text[0], text[1]};
-        hs_report_table_row(report, cells, 3);
+        hs_page_table_row(report, cells, 3);
     }
-    hs_report_table_end(report);
+    hs_page_table_end(report);
 }
 
-void hs_eval_figure_speed(hs_report *report, const hs_eval_study *study) {
+void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
     const char *names[HS_EVAL_MAX_CASES];
     char text[800];
     double lost = 0;
@@ -140,7 +140,7 @@ void hs_eval_figure_speed(hs_report *report, const hs_eval_study *study) {
                  study->result[i].speed[HS_SETTING_SMARTVIS].volumes_per_second) /
                 study->count;
     }
-    hs_report_heading(report, 2, "Speed");
+    hs_page_heading(report, 2, "Speed");
     (void)snprintf(
         text, sizeof text,
         "Medians of %u frames on %s, pictures of 512 x 512. With the plugin a volume shows %.1f "
@@ -149,11 +149,11 @@ void hs_eval_figure_speed(hs_report *report, const hs_eval_study *study) {
         "skip what is cut away.",
         study->options->frames, study->cl.device_name, fabs(lost), lost >= 0 ? "fewer" : "more",
         HS_EVAL_THESIS_LOST_FPS);
-    hs_report_text(report, text);
+    hs_page_text(report, text);
     put_settings(report, study, names);
     put_stages(report, study, names);
     put_curves(report, study);
     put_table(report, study);
-    hs_report_text(report, "The thesis' setup is the preparation of a frame, ours the copy of the slabs; its "
-                           "mean filter worked on 512 x 512 pixels.");
+    hs_page_text(report, "The thesis' setup is the preparation of a frame, ours the copy of the slabs; its "
+                         "mean filter worked on 512 x 512 pixels.");
 }

@@ -7,6 +7,6 @@
 #include "picture/page_html.h"
 
 /* Nothing if no speed was measured. */
-void hs_eval_figure_speed(hs_report *report, const hs_eval_study *study);
+void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study);
 
 #endif

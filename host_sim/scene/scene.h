@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Synthetic scenes with a ground truth that is exact by construction (spec 6). docs/scenes.md has the file
- * format. */
+/* Synthetic scenes with a ground truth that is exact by construction (spec 6).
+ * docs/scenes.md has the file format. */
 #ifndef HS_SCENE_H
 #define HS_SCENE_H
 
@@ -35,8 +35,8 @@ const char *hs_scene_builtin(uint32_t index);
 /* A scene that was read from its file. Read-only after that: any number of threads may generate from it. */
 typedef struct hs_scene hs_scene;
 
-/* `name_or_path` is a built-in case ("E01" .. "D02") or the path of a scene file. Errors name file, line and
- * field. */
+/* `name_or_path` is a built-in case ("E01" .. "D02") or the path of a scene file.
+ * Errors name file, line and field. */
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
 void hs_scene_close(hs_scene *scene);
 const char *hs_scene_name(const hs_scene *scene);
@@ -58,13 +58,13 @@ typedef struct {
     const char *real;
 } hs_scene_options;
 
-/* One frame of a scene with its truth. `times` may be NULL. On failure *out is zeroed. Same arguments, same
- * bytes. */
+/* One frame of a scene with its truth. `times` may be NULL. On failure *out is
+ * zeroed. Same arguments, same bytes. */
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
                     hs_scene_times *times, hs_error *err);
 
-/* Opens, makes frame 0 and closes. `size` is the number of voxels per axis (32 .. 512); seed 0 takes the
- * scene's own. */
+/* Opens, makes frame 0 and closes. `size` is the number of voxels per axis (32 .. 512);
+ * seed 0 takes the scene's own. */
 bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
                        hs_error *err);
 

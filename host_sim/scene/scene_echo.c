@@ -8,8 +8,8 @@
  *
  *     L = specular_db + 20 log10(R cos^p t)
  *
- * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
- * fluid.
+ * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's
+ * side holds nothing but fluid.
  */
 #include "scene/scene_echo.h"
 

@@ -25,8 +25,8 @@ typedef struct {
     uint32_t bricks[3];
 } raster;
 
-/* Indices of the solids a brick (or a row of bricks) has to look at; first[part] .. first[part + 1] are of
- * one part. */
+/* Indices of the solids a brick (or a row of bricks) has to look at;
+ * first[part] .. first[part + 1] are of one part. */
 typedef struct {
     uint16_t item[HS_SCENE_MAX_SOLIDS];
     uint32_t first[HS_PART_COUNT + 1];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Solids as signed distances, from which the voxels of a scene are made. All lengths in millimetres of the
- * scene. */
+/* Solids as signed distances, from which the voxels of a scene are made. All lengths
+ * in millimetres of the scene. */
 #ifndef HS_SCENE_SOLID_H
 #define HS_SCENE_SOLID_H
 
@@ -69,8 +69,8 @@ void hs_rotation(const float deg[3], float axis[9]);
 /* A point or a direction of the frame in the scene. */
 void hs_frame_point(const hs_solid_frame *frame, const float p[3], float out[3]);
 
-/* Adds a solid described in `frame`: NULL memory is noted in the list. Returns it for further fields, or
- * NULL. */
+/* Adds a solid described in `frame`: NULL memory is noted in the list. Returns it
+ * for further fields, or NULL. */
 hs_solid *hs_solid_ellipsoid(hs_solid_list *list, const hs_solid_frame *frame, hs_solid_part part,
                              hs_tissue tissue, float blend, const float centre[3], const float radii[3]);
 hs_solid *hs_solid_cone(hs_solid_list *list, const hs_solid_frame *frame, hs_solid_part part,

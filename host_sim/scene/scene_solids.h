@@ -6,8 +6,8 @@
 #include "scene/scene_solid.h"
 #include "scene/scene_spec.h"
 
-/* Adds the solids of all structures but sac and layers. The places of particles come from `seed`.
- * HS_ERR_MEMORY. */
+/* Adds the solids of all structures but sac and layers. The places of particles
+ * come from `seed`. HS_ERR_MEMORY. */
 bool hs_scene_solids(const hs_scene_spec *spec, uint64_t seed, hs_solid_list *list, hs_error *err);
 
 #endif

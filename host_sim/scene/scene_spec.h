@@ -25,8 +25,8 @@ typedef struct {
     float thickness_mm[HS_SCENE_MAX_LAYERS];
     uint32_t count;
     float undulation_mm;
-    float boundary_db; /* <= 0: the layers interleave, so their boundaries echo that much less than smooth
-                          ones */
+    /* <= 0: the layers interleave, so their boundaries echo that much less than smooth ones. */
+    float boundary_db;
 } hs_layers_spec;
 
 typedef enum {

@@ -101,9 +101,9 @@ bool hs_scene_spread(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
 }
 
 /*
- * The clipping surface: the middle of the interval, but no nearer than where the occluders of the
- * neighbourhood end: the point spread makes them visible beside themselves. It never leaves the pixel's own
- * interval.
+ * The clipping surface: the middle of the interval, but no nearer than where the occluders of
+ * the neighbourhood end: the point spread makes them visible beside themselves. It never
+ * leaves the pixel's own interval.
  */
 static void clip_row(void *context, uint32_t y) {
     const truth *t = context;

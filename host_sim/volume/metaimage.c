@@ -69,8 +69,8 @@ static void decode(hs_met_type type, const uint8_t *raw, size_t count, double *v
     }
 }
 
-/* Reads voxels first .. first + count - 1, which must be the next ones, into chunk->value; all of them
- * finite. */
+/* Reads voxels first .. first + count - 1, which must be the next ones, into
+ * chunk->value; all of them finite. */
 static bool read_chunk(reader *r, size_t first, size_t count) {
     const hs_met_header *h = r->header;
     if (!hs_met_data_read(r->data, r->chunk->raw, count * h->element_bytes, r->err)) return false;

@@ -112,8 +112,8 @@ static bool write_data(hs_output_file *out, const plan *p, uint64_t *written, hs
     return hs_output_write(out, p->array->data, (size_t)p->data_bytes, err);
 }
 
-/* Writes the text. Its length does not depend on `compressed`, so that it can be written again when that is
- * known. */
+/* Writes the text. Its length does not depend on `compressed`, so that it can be
+ * written again when that is known. */
 static bool write_header(hs_output_file *out, const plan *p, uint64_t compressed, hs_error *err) {
     const hs_metaimage_array *a = p->array;
     const bool volume = a->dims == 3;

@@ -117,8 +117,8 @@ static void flood_seed(flood *f, const hs_volume *volume) {
     }
 }
 
-/* Spreads the bits of `reached` through neighbouring bits of `zero`, to both sides (a fill by doubling
- * steps). */
+/* Spreads the bits of `reached` through neighbouring bits of `zero`, to both
+ * sides (a fill by doubling steps). */
 static uint64_t spread_in_word(uint64_t reached, uint64_t zero) {
     uint64_t up = zero, down = zero;
     for (unsigned step = 1; step < 64; step *= 2) {
@@ -129,8 +129,8 @@ static uint64_t spread_in_word(uint64_t reached, uint64_t zero) {
     return reached;
 }
 
-/* Takes over what the four neighbouring rows reached, spreads it along the row. True if the row gained a bit.
- */
+/* Takes over what the four neighbouring rows reached, spreads it along the row.
+ * True if the row gained a bit. */
 static bool flood_row(flood *f, size_t row) {
     const size_t y = row % f->rows_y, z = row / f->rows_y, n = f->words;
     const uint64_t *zero = f->zero + row * n;

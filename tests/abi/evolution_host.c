@@ -14,8 +14,8 @@
 
 static const char *shortened = "";
 
-/* A zeroed struct of `bytes` bytes with its size field set. A shortened one lacks its last four bytes of
- * version 1.0. */
+/* A zeroed struct of `bytes` bytes with its size field set. A shortened one lacks its
+ * last four bytes of version 1.0. */
 static void *make(const char *name, size_t bytes, size_t first_version) {
     if (strcmp(shortened, name) == 0) bytes = first_version - 4;
     uint32_t *object = calloc(1, bytes);

@@ -19,8 +19,8 @@
 static float gain; /* this plugin is a test's own: one instance, so a global will do */
 static uint32_t service;
 
-/* Copies `from`, whose own size is its sizeof, into the host's struct: no further than the host's size, which
- * stays. */
+/* Copies `from`, whose own size is its sizeof, into the host's struct: no further than
+ * the host's size, which stays. */
 static void fill(void *to, uint32_t to_size, const void *from, uint32_t from_size) {
     const uint32_t bytes = to_size < from_size ? to_size : from_size;
     memcpy((char *)to + sizeof(uint32_t), (const char *)from + sizeof(uint32_t), bytes - sizeof(uint32_t));

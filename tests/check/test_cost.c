@@ -207,8 +207,8 @@ static void test_memory(void **state) {
     free(l.previous);
 }
 
-/* The same seed twice: what a frame comes to does not depend on the frame before unless memory is asked for.
- */
+/* The same seed twice: what a frame comes to does not depend on the frame
+ * before unless memory is asked for. */
 static void test_no_memory(void **state) {
     rig *r = *state;
     enum { SIDE = 48, COUNT = SIDE * SIDE };

@@ -2,9 +2,11 @@
 /* The renderer's kernels against the scalar definition (ref_dvr.h), and skipping against not skipping. */
 #include "support/dvr_fixture.h"
 
+#include <math.h>
+
 static void test_matches_definition(void **state) {
     for (size_t scene = 0; scene < SCENES; scene++) {
-        for (size_t view = 0; view < VIEWS; view++) check_case(*state, scene, view, 2.0f, false);
+        for (size_t view = 0; view < VIEWS; view++) dvr_check_case(*state, scene, view, 2.0f, false);
     }
 }
 
@@ -13,60 +15,60 @@ static void test_skipping_changes_nothing(void **state) {
     for (size_t scene = 0; scene < SCENES; scene++) {
         for (size_t view = 0; view < VIEWS; view++) {
             test_random random = {(uint32_t)(77 + scene * 31 + view)};
-            hs_volume volume =
-                test_volume(&random, scenes[scene].pattern, scenes[scene].size, scenes[scene].spacing);
+            hs_volume volume = test_volume(&random, dvr_scenes[scene].pattern, dvr_scenes[scene].size,
+                                           dvr_scenes[scene].spacing);
             hs_camera camera;
-            hs_camera_look(&camera, &volume, scenes[scene].yaw, scenes[scene].pitch);
-            hs_dvr_settings s = settings_of(&views[view]);
+            hs_camera_look(&camera, &volume, dvr_scenes[scene].yaw, dvr_scenes[scene].pitch);
+            hs_dvr_settings s = dvr_settings_of(&dvr_views[view]);
             float map[MAP_W * MAP_H];
-            fill_map(&random, views[view].map, map);
-            const float *used = views[view].map == MAP_NONE ? NULL : map;
-            picture with = render(*state, &volume, &camera, &s, used, NULL);
+            dvr_fill_map(&random, dvr_views[view].map, map);
+            const float *used = dvr_views[view].map == MAP_NONE ? NULL : map;
+            dvr_picture with = dvr_render(*state, &volume, &camera, &s, used, NULL);
             s.skip_empty = false;
-            picture without = render(*state, &volume, &camera, &s, used, NULL);
-            assert_same(&with, &without, (size_t)s.width * s.height, scene, view);
-            free_picture(&with);
-            free_picture(&without);
+            dvr_picture without = dvr_render(*state, &volume, &camera, &s, used, NULL);
+            dvr_assert_same(&with, &without, (size_t)s.width * s.height, scene, view);
+            dvr_free(&with);
+            dvr_free(&without);
             hs_volume_free(&volume);
         }
     }
 }
 
-/* Depths of 0 and below clip nothing, ghosting or not: the very picture without a map. */
+/* Depths of 0 and below clip nothing, ghosting or not: the very dvr_picture without a map. */
 static void test_nothing_to_clip(void **state) {
     for (int kind = MAP_ZERO; kind <= MAP_NEGATIVE; kind++) {
         test_random random = {5};
-        hs_volume volume = test_volume(&random, TEST_NOISE, scenes[0].size, scenes[0].spacing);
+        hs_volume volume = test_volume(&random, TEST_NOISE, dvr_scenes[0].size, dvr_scenes[0].spacing);
         hs_camera camera;
         hs_camera_look(&camera, &volume, 20.0, -10.0);
-        hs_dvr_settings s = settings_of(&views[3]);
+        hs_dvr_settings s = dvr_settings_of(&dvr_views[3]);
         float map[MAP_W * MAP_H];
-        fill_map(&random, kind, map);
-        picture with = render(*state, &volume, &camera, &s, map, NULL),
-                full = render(*state, &volume, &camera, &s, NULL, NULL);
-        assert_same(&with, &full, (size_t)s.width * s.height, 0, 3);
-        free_picture(&with);
-        free_picture(&full);
+        dvr_fill_map(&random, kind, map);
+        dvr_picture with = dvr_render(*state, &volume, &camera, &s, map, NULL),
+                    full = dvr_render(*state, &volume, &camera, &s, NULL, NULL);
+        dvr_assert_same(&with, &full, (size_t)s.width * s.height, 0, 3);
+        dvr_free(&with);
+        dvr_free(&full);
         hs_volume_free(&volume);
     }
 }
 
-/* A solid cube seen straight on, so that everything can be worked out by hand: step n is slice n, and so is
- * depth n. */
-static picture render_solid(const hs_cl *cl, float termination, float depth, float offset, float width) {
+/* A solid cube seen straight on, so that everything can be worked out by hand: step n
+ * is slice n, and so is depth n. */
+static dvr_picture render_solid(const hs_cl *cl, float termination, float depth, float offset, float width) {
     enum { EDGE = MAP_S };
     const uint32_t size[3] = {EDGE, EDGE, EDGE};
     test_random random = {1};
-    hs_volume volume = test_volume(&random, TEST_FULL, size, scenes[0].spacing);
+    hs_volume volume = test_volume(&random, TEST_FULL, size, dvr_scenes[0].spacing);
     hs_camera camera;
     hs_camera_look(&camera, &volume, 0.0, 0.0);
-    hs_dvr_settings s = settings_of(&views[7]); /* 16 x 16, step 1 */
+    hs_dvr_settings s = dvr_settings_of(&dvr_views[7]); /* 16 x 16, step 1 */
     s.termination = termination;
     s.ghost_offset = offset;
     s.ghost_width = width;
     float map[MAP_W * MAP_H];
     for (uint32_t i = 0; i < MAP_W * MAP_H; i++) map[i] = depth;
-    picture p = render(cl, &volume, &camera, &s, map, NULL);
+    dvr_picture p = dvr_render(cl, &volume, &camera, &s, map, NULL);
     hs_volume_free(&volume);
     return p;
 }
@@ -90,7 +92,7 @@ static void test_known_answers(void **state) {
         {0.95f, 10.0f, 0.0f, 0.0f, 10.0f, 255}, /* the last slice */
     };
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-        picture p =
+        dvr_picture p =
             render_solid(*state, cases[c].termination, cases[c].depth, cases[c].offset, cases[c].width);
         for (size_t i = 0; i < 256; i++) {
             if (p.termination[i] != cases[c].end || p.rgba[i * 4] != cases[c].channel) {
@@ -98,7 +100,7 @@ static void test_known_answers(void **state) {
                          p.rgba[i * 4]);
             }
         }
-        free_picture(&p);
+        dvr_free(&p);
     }
 }
 
@@ -129,10 +131,10 @@ static void test_small_buffers_are_refused(void **state) {
     const hs_cl *cl = *state;
     test_random random = {5};
     hs_error err = {HS_OK, ""};
-    hs_volume volume = test_volume(&random, TEST_NOISE, scenes[0].size, scenes[0].spacing);
+    hs_volume volume = test_volume(&random, TEST_NOISE, dvr_scenes[0].size, dvr_scenes[0].spacing);
     hs_camera camera;
     hs_camera_look(&camera, &volume, 0.0, 0.0);
-    hs_dvr_settings s = settings_of(&views[7]); /* 16 x 16 */
+    hs_dvr_settings s = dvr_settings_of(&dvr_views[7]); /* 16 x 16 */
     hs_device_volume *source = hs_device_volume_create(cl, &volume, &err);
     hs_dvr *dvr = hs_dvr_create(cl, &s, &err);
     cl_mem small = test_buffer(cl, 255, NULL), full = test_buffer(cl, 1024, NULL);

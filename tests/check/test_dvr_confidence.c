@@ -11,17 +11,19 @@ static void matches_definition(void **state) {
     static const float doubts[] = {0.5f, 2.0f, HS_DVR_MAX_DOUBT};
     for (size_t scene = 0; scene < SCENES; scene++)
         for (size_t view = 0; view < VIEWS; view++)
-            check_case(*state, scene, view, doubts[(scene + view) % 3], true);
+            dvr_check_case(*state, scene, view, doubts[(scene + view) % 3], true);
 }
 
 /* A picture of one scene and view with the given confidence. */
-static picture picture_of(const hs_cl *cl, size_t scene, size_t view, float doubt, const float *confidence) {
+static dvr_picture picture_of(const hs_cl *cl, size_t scene, size_t view, float doubt,
+                              const float *confidence) {
     test_random random = {(uint32_t)(40 + scene * 17 + view)};
     hs_camera camera;
     hs_dvr_settings s;
     float map[ENTRIES];
-    hs_volume volume = lay_out(&random, scene, view, doubt, &camera, &s, map);
-    picture p = render(cl, &volume, &camera, &s, views[view].map == MAP_NONE ? NULL : map, confidence);
+    hs_volume volume = dvr_lay_out(&random, scene, view, doubt, &camera, &s, map);
+    dvr_picture p =
+        dvr_render(cl, &volume, &camera, &s, dvr_views[view].map == MAP_NONE ? NULL : map, confidence);
     hs_volume_free(&volume);
     return p;
 }
@@ -30,16 +32,16 @@ static void fill(float *confidence, float value) {
     for (uint32_t i = 0; i < ENTRIES; i++) confidence[i] = value;
 }
 
-/* The picture with a confidence of `value` and a growth of `doubt` is that without any, bit for bit. */
+/* The dvr_picture with a confidence of `value` and a growth of `doubt` is that without any, bit for bit. */
 static void assert_as_without(const hs_cl *cl, size_t view, float doubt, float value) {
     float confidence[ENTRIES];
     fill(confidence, value);
     for (size_t scene = 0; scene < SCENES; scene++) {
-        picture with = picture_of(cl, scene, view, doubt, confidence);
-        picture without = picture_of(cl, scene, view, 2.0f, NULL);
-        assert_same(&with, &without, (size_t)views[view].width * views[view].height, scene, view);
-        free_picture(&with);
-        free_picture(&without);
+        dvr_picture with = picture_of(cl, scene, view, doubt, confidence);
+        dvr_picture without = picture_of(cl, scene, view, 2.0f, NULL);
+        dvr_assert_same(&with, &without, (size_t)dvr_views[view].width * dvr_views[view].height, scene, view);
+        dvr_free(&with);
+        dvr_free(&without);
     }
 }
 
@@ -47,7 +49,7 @@ static void what_is_sure_is_drawn_as_ever(void **state) {
     for (size_t view = 0; view < VIEWS; view++) {
         assert_as_without(*state, view, 2.0f, 1.0f);
         assert_as_without(*state, view, 0.0f, 0.25f); /* the host does not want it */
-        if (views[view].ghost == 0.0f) assert_as_without(*state, view, 2.0f, 0.25f); /* a hard cut */
+        if (dvr_views[view].ghost == 0.0f) assert_as_without(*state, view, 2.0f, 0.25f); /* a hard cut */
     }
 }
 
@@ -56,22 +58,22 @@ static void less_is_clipped_where_less_is_sure(void **state) {
     static const float steps[] = {1.0f, 0.7f, 0.3f, 0.0f};
     uint32_t sooner = 0;
     for (size_t view = 0; view < VIEWS; view++) {
-        const size_t pixels = (size_t)views[view].width * views[view].height;
-        if (views[view].ghost == 0.0f) continue;
+        const size_t pixels = (size_t)dvr_views[view].width * dvr_views[view].height;
+        if (dvr_views[view].ghost == 0.0f) continue;
         float confidence[ENTRIES];
         fill(confidence, steps[0]);
-        picture before = picture_of(*state, 0, view, 2.0f, confidence);
+        dvr_picture before = picture_of(*state, 0, view, 2.0f, confidence);
         for (int i = 1; i < 4; i++) {
             fill(confidence, steps[i]);
-            picture now = picture_of(*state, 0, view, 2.0f, confidence);
+            dvr_picture now = picture_of(*state, 0, view, 2.0f, confidence);
             for (size_t p = 0; p < pixels; p++) {
                 assert_true(now.termination[p] <= before.termination[p]);
                 sooner += now.termination[p] < before.termination[p];
             }
-            free_picture(&before);
+            dvr_free(&before);
             before = now;
         }
-        free_picture(&before);
+        dvr_free(&before);
     }
     assert_true(sooner > 100);
 }
@@ -90,23 +92,23 @@ static void known_answers(void **state) {
     };
     const uint32_t size[3] = {MAP_S, MAP_S, MAP_S};
     test_random random = {1};
-    hs_volume volume = test_volume(&random, TEST_FULL, size, scenes[0].spacing);
+    hs_volume volume = test_volume(&random, TEST_FULL, size, dvr_scenes[0].spacing);
     hs_camera camera;
     hs_camera_look(&camera, &volume, 0.0, 0.0);
     float map[ENTRIES], confidence[ENTRIES];
     fill(map, 8.0f);
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-        hs_dvr_settings s = settings_of(&views[7]); /* 16 x 16, step 1 */
+        hs_dvr_settings s = dvr_settings_of(&dvr_views[7]); /* 16 x 16, step 1 */
         s.termination = cases[c].termination;
         s.ghost_width = 2.0f;
         s.ghost_doubt = 2.0f;
         fill(confidence, cases[c].confidence);
-        picture p = render(*state, &volume, &camera, &s, map, confidence);
+        dvr_picture p = dvr_render(*state, &volume, &camera, &s, map, confidence);
         for (size_t i = 0; i < 256; i++)
             if (p.termination[i] != cases[c].end || p.rgba[i * 4] != cases[c].red)
                 fail_msg("case %zu, pixel %zu: ends at %.2f with red %d", c, i, (double)p.termination[i],
                          p.rgba[i * 4]);
-        free_picture(&p);
+        dvr_free(&p);
     }
     hs_volume_free(&volume);
 }

@@ -3,6 +3,8 @@
 #include "eval/eval_measure.h"
 #include "support/loop_fixture.h"
 
+#include <math.h>
+
 /* The layers of loop_fixture.h; in the ground truth the occluder is fluid, so a ray ends at step FETUS. */
 typedef struct {
     fixture *f;

@@ -175,8 +175,8 @@ static void hard_maps(void **state) {
     compare_print("hard maps", &all);
 }
 
-/* The longest volume, 8192 slices: positions of 16 bits with four samples a slice, depths near 10^4 with
- * detail. */
+/* The longest volume, 8192 slices: positions of 16 bits with four samples a slice,
+ * depths near 10^4 with detail. */
 static void longest_volume(void **state) {
     compare_summary all = {0};
     for (uint32_t substeps = 1; substeps <= 4; substeps += 3) {
@@ -196,8 +196,8 @@ static void longest_volume(void **state) {
     compare_print("longest volume", &all);
 }
 
-/* Running float32 sums and summed-area tables are off by 1 to 3 slices here: 512 x 512, k = 3, deep values.
- */
+/* Running float32 sums and summed-area tables are off by 1 to 3 slices here:
+ * 512 x 512, k = 3, deep values. */
 static void float_sums_would_drift(void **state) {
     enum { SIDE = 512, SLICES = 256, RAYS = SIDE * SIDE };
     int32_t *ends = calloc(2 * RAYS, sizeof *ends);

@@ -115,8 +115,8 @@ static void lines(void **state) {
         /* Pass 1: 10 10 _ 20 20. Pass 2: the middle is (.5 10 + .5 20) / 1. */
         {"a gap of three", 0.5, 5, 2, {10, NONE, NONE, NONE, 20}, {10, 10, 15, 20, 20}},
         {"a gap of five", 0.5, 7, 3, {10, NONE, NONE, NONE, NONE, NONE, 26}, {10, 10, 10, 18, 26, 26, 26}},
-        /* Pass 1: 15 15 20 _. Pass 2: (15 + 15) / 2, (15 + 15 + w 20) / (2 + w), (15 + w 20) / (1 + w), 20.
-         */
+        /* Pass 1: 15 15 20 _.
+         * Pass 2: (15 + 15) / 2, (15 + 15 + w 20) / (2 + w), (15 + w 20) / (1 + w), 20. */
         {"weight 1/2", 0.5, 4, 2, {10, 20, NONE, NONE}, {15, 16, 50 / 3.0, 20}},
         {"weight 1", 1.0, 4, 2, {10, 20, NONE, NONE}, {15, 50 / 3.0, 17.5, 20}},
         {"weight 1/4", 0.25, 4, 2, {10, 20, NONE, NONE}, {15, 140 / 9.0, 16, 20}},
@@ -208,8 +208,8 @@ static void weight_zero(void **state) {
     free(m);
 }
 
-/* S(q) = S_f + q (S_n - S_f) with S_f = 30, S_n = 10 or 2: 1.5 goes beyond the occluder, below 0 even,
- * unclamped. */
+/* S(q) = S_f + q (S_n - S_f) with S_f = 30, S_n = 10 or 2: 1.5 goes beyond the
+ * occluder, below 0 even, unclamped. */
 static void knob(void **state) {
     static const struct {
         float q;

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* MetaImage files that are right: every voxel type, byte order and carrier, the mapping to 8 bit, the text's
- * liberties. */
+/* MetaImage files that are right: every voxel type, byte order and carrier, the mapping to
+ * 8 bit, the text's liberties. */
 #include "support/metaimage_files.h"
 #include "volume/metaimage_write.h"
 
+#include <limits.h>
 #include <math.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 enum { NX = 5, NY = 4, NZ = 3, COUNT = NX * NY * NZ };
 
@@ -31,8 +33,8 @@ static const struct {
     {"MET_DOUBLE", FLOAT, 8, -1.7e308, 1.7e308}, /* the difference is above the largest double */
 };
 
-/* Voxel i of the test volume, as the type holds it. 7 is coprime to 60: all of the range, in no simple order.
- */
+/* Voxel i of the test volume, as the type holds it. 7 is coprime to 60: all of
+ * the range, in no simple order. */
 static double voxel_value(size_t t, size_t i) {
     const double f = (double)(i * 7 % COUNT) / (COUNT - 1);
     const double v = types[t].low * (1.0 - f) + types[t].high * f;
@@ -267,8 +269,8 @@ static void large_volumes_cross_the_readers_buffers(void **state) {
     free(values);
 }
 
-/* The real scans, where they are at hand: sizes as their headers say, bytes as an independent zlib (Python's)
- * has them. */
+/* The real scans, where they are at hand: sizes as their headers say, bytes as an
+ * independent zlib (Python's) has them. */
 static void real_volumes(void **state) {
     (void)state;
     static const struct {

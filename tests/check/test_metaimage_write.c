@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* hs_metaimage_write: files that read back, texts as 3D Slicer needs them, and failures that leave nothing
- * behind. */
+/* hs_metaimage_write: files that read back, texts as 3D Slicer needs them, and
+ * failures that leave nothing behind. */
 #include "support/metaimage_files.h"
 #include "volume/metaimage_write.h"
 
@@ -34,8 +34,8 @@ static void write_ok(const char *name, const hs_metaimage_array *array) {
     if (!hs_metaimage_write(files_path(name), array, &err)) fail_msg("%s", err.text);
 }
 
-/* Read with a window that makes the 8-bit value known: u8 as it is, u16 by 256 levels of 257, floats by their
- * step. */
+/* Read with a window that makes the 8-bit value known: u8 as it is, u16 by 256 levels
+ * of 257, floats by their step. */
 static void arrays_read_back(void **state) {
     (void)state;
     static const hs_metaimage_options options[] = {{HS_PADDING_ALL, false, 0, 0},

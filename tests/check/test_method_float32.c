@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The solvers in float32 (parameter precision; the only way on devices without float64): the spline merges to
- * 64 points, the membrane and the plate iterate in float32. What is left of their accuracy, against the same
- * definitions.
+ * The solvers in float32 (parameter precision; the only way on devices without float64): the spline
+ * merges to 64 points, the membrane and the plate iterate in float32. What is left of their accuracy,
+ * against the same definitions.
  */
 #include "support/surfaces.h"
 

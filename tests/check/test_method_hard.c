@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The hard cases (spec 8) over every method, alone and behind the pre-filter: the result lies within the
- * method's bound of its float64 definition, or the frame ends with a clear status; never a NaN, a hang or a
- * crash.
+ * The hard cases (spec 8) over every method, alone and behind the pre-filter: the result lies
+ * within the method's bound of its float64 definition, or the frame ends with a clear status;
+ * never a NaN, a hang or a crash.
  */
 #include "support/surfaces.h"
 

@@ -251,11 +251,11 @@ static void test_dense(void **state) {
 }
 
 /*
- * What a host gives up on points of a smooth layer, as a share of their range of depths: every method, points
- * scattered over 3 % of the pixels, and in patches. The largest differences stand where a step between two
- * patches, or a cell's worth of slope at the border, lands a few pixels aside. A minimum may pick another
- * point altogether, so its bound is the range; the plate carries slopes on from patches that are few cells
- * wide.
+ * What a host gives up on points of a smooth layer, as a share of their range of depths: every method,
+ * points scattered over 3 % of the pixels, and in patches. The largest differences stand where a step
+ * between two patches, or a cell's worth of slope at the border, lands a few pixels aside. A minimum
+ * may pick another point altogether, so its bound is the range; the plate carries slopes on from
+ * patches that are few cells wide.
  */
 static void test_given_up(void **state) {
     (void)state;

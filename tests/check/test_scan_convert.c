@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Scan conversion against its scalar definition, and its slabs: any split, tiling, pitch and offset. */
 #include "support/host_fixture.h"
-
+#include "support/ref_dvr.h"
 #include "support/ref_scan_convert.h"
+
+#include <math.h>
 
 #define GUARD 0xA5
 
@@ -14,8 +16,8 @@ typedef struct {
     uint32_t lowres[3];
 } convert_case;
 
-/* Edges of about 3, 2, 2.6, 1, 0.4 and 9 source voxels; cameras still, turned and on quarter turns; odd
- * shapes. */
+/* Edges of about 3, 2, 2.6, 1, 0.4 and 9 source voxels; cameras still, turned and
+ * on quarter turns; odd shapes. */
 static const convert_case cases[] = {
     {{60, 60, 60}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_NOISE, {20, 20, 20}},
     {{61, 50, 47}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_SPARSE, {20, 20, 15}},
@@ -39,8 +41,8 @@ static hs_slab_layout plain_layout(const uint32_t lowres[3]) {
     return layout;
 }
 
-/* Converts all slabs into memory filled with GUARD, and returns it: count slabs, `stride` bytes apart from
- * `offset`. */
+/* Converts all slabs into memory filled with GUARD, and returns it: count slabs,
+ * `stride` bytes apart from `offset`. */
 static uint8_t *convert(const hs_cl *cl, const hs_volume *volume, const hs_camera *camera,
                         const hs_slab_layout *layout, size_t offset, size_t stride) {
     hs_error err = {HS_OK, ""};
@@ -155,9 +157,9 @@ static void test_linear_field_keeps_its_place(void **state) {
             bool well_inside = true;
             for (int k = 0; k < 3; k++) well_inside = well_inside && p[k] > 4.0 && p[k] < 55.0;
             if (!well_inside) continue;
-            /* Straight, samples are voxel centres: exact. Turned, each is off by up to half a voxel per axis,
-             * 2 levels of gradient at most, averaged over 27: below 0.75 level, and half a level of
-             * rounding. */
+            /* Straight, samples are voxel centres: exact. Turned, each is off by up to half a
+             * voxel per axis, 2 levels of gradient at most, averaged over 27: below 0.75 level,
+             * and half a level of rounding. */
             double bound = view == 0 ? 0.5 : 1.25, expected = 10.0 + p[0] + 2.0 * p[1] + p[2];
             if (fabs(out[i] - expected) > bound)
                 fail_msg("view %d, voxel %u: %d, expected %.3f", view, i, out[i], expected);
@@ -243,8 +245,8 @@ static void test_impossible_layouts_are_refused(void **state) {
     assert_refused(*state, (hs_slab_layout){8, 8, 8, 8, 2, 8, 8, 15}, "row_pitch");
 }
 
-/* A replaced volume gives what a fresh one gives, host buffers that come again and ones that push others out
- * too. */
+/* A replaced volume gives what a fresh one gives, host buffers that come again and
+ * ones that push others out too. */
 static void test_replace(void **state) {
     enum { VOLUMES = 11 };
     const convert_case *c = &cases[2];

@@ -79,8 +79,8 @@ static double mean_error(const hs_scene_data *d, const double *surface) {
     return sum / (double)count;
 }
 
-/* What section 5.3 says of a case: where occluders are left (positive error) and where the fetus is cut
- * (negative). */
+/* What section 5.3 says of a case: where occluders are left (positive error) and where
+ * the fetus is cut (negative). */
 enum { LEFT = 1, CUT = -1 };
 typedef struct {
     const char *name, *where;
@@ -108,8 +108,8 @@ static const statement statements[] = {
     {"D02", "back", LEFT, 0.38, 0.50, 0.52, 0.70},
 };
 
-/* A statement holds if at least a twentieth of its region is wrong by three slices or more in its direction.
- */
+/* A statement holds if at least a twentieth of its region is wrong by three
+ * slices or more in its direction. */
 static void check_statements(const char *name) {
     for (size_t i = 0; i < sizeof statements / sizeof statements[0]; i++) {
         const statement *s = &statements[i];

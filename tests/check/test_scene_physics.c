@@ -12,8 +12,8 @@
 
 enum { N = 64 };
 
-/* A slab of `tissue` in slices first .. last - 1 across all columns, with the distances an interface needs.
- */
+/* A slab of `tissue` in slices first .. last - 1 across all columns, with the
+ * distances an interface needs. */
 static void put_slab(hs_field *f, hs_tissue tissue, uint32_t first, uint32_t last) {
     for (uint32_t z = 0; z < N; z++) {
         float outside = fmaxf((float)first - ((float)z + 0.5f), (float)z + 0.5f - (float)last);
@@ -86,8 +86,8 @@ static void fluid_brightens(void **state) {
     hs_field_free(&f);
 }
 
-/* An interface's level: specular_db + 20 log10 R at normal incidence. Fluid to soft tissue: R = 0.0415,
- * -27.63 dB. */
+/* An interface's level: specular_db + 20 log10 R at normal incidence. Fluid to soft
+ * tissue: R = 0.0415, -27.63 dB. */
 static void interfaces_follow_impedance(void **state) {
     (void)state;
     hs_scene_spec spec;
@@ -163,9 +163,9 @@ static void bands_stand_at_multiples(void **state) {
     hs_field_free(&f);
 }
 
-/* A whole slice of interface at 0 dB: far from the border the blur changes nothing, so the haze is level_db;
- * the next slice has none. A single line of it is spread over width_mm: peak 1 / 9 of it (two boxes of 9
- * voxels). */
+/* A whole slice of interface at 0 dB: far from the border the blur changes nothing, so the haze
+ * is level_db; the next slice has none. A single line of it is spread over width_mm: peak 1 / 9
+ * of it (two boxes of 9 voxels). */
 static void haze_has_its_level(void **state) {
     (void)state;
     hs_scene_spec spec;
@@ -206,8 +206,8 @@ static void noise_has_its_power(void **state) {
     hs_field_free(&f);
 }
 
-/* Straight ahead all depths to depth_mm; at the surface z = 0 half a width of r tan(angle / 2); nothing
- * outside. */
+/* Straight ahead all depths to depth_mm; at the surface z = 0 half a width of r
+ * tan(angle / 2); nothing outside. */
 static void fan_has_its_borders(void **state) {
     (void)state;
     hs_scene_spec spec;
@@ -229,8 +229,8 @@ static void fan_has_its_borders(void **state) {
     hs_field_free(&f);
 }
 
-/* grey = 255 (1 + (L + gain) / range): -24 dB with 60 dB of range is 153, all below the range is 1, above it
- * 255. */
+/* grey = 255 (1 + (L + gain) / range): -24 dB with 60 dB of range is 153, all below
+ * the range is 1, above it 255. */
 static void compresses_as_stated(void **state) {
     (void)state;
     hs_scene_spec spec;

@@ -12,8 +12,8 @@ static uint8_t at(const uint8_t *voxels, const hs_volume *v, size_t pixel, long 
     return voxels[(size_t)z * v->nx * v->ny + pixel];
 }
 
-/* One pixel against the rule, looked at from the tissues again: backwards from the end, where the scene goes
- * forwards. */
+/* One pixel against the rule, looked at from the tissues again: backwards from the end,
+ * where the scene goes forwards. */
 static void check_pixel(const hs_scene_data *d, size_t pixel) {
     const hs_volume *v = &d->full;
     long fetus = -1;
@@ -129,8 +129,8 @@ static void sizes_are_free(void **state) {
     }
 }
 
-/* Frame 0 is the scene itself; a later frame has moved, has speckle of its own, and its truth is again exact.
- */
+/* Frame 0 is the scene itself; a later frame has moved, has speckle of its own,
+ * and its truth is again exact. */
 static void frames_move_and_keep_their_truth(void **state) {
     (void)state;
     hs_scene_data still, frame;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The spline solver: against LAPACK (dgesv on the whole matrix of Eq. 3.8) up to the most points it takes,
- * and on the sets that defeat LU without pivoting (thesis 5.2: clusters, collinear and nearly coincident
- * points).
+ * The spline solver: against LAPACK (dgesv on the whole matrix of Eq. 3.8) up to the most
+ * points it takes, and on the sets that defeat LU without pivoting (thesis 5.2: clusters,
+ * collinear and nearly coincident points).
  */
 #include "support/surfaces.h"
 

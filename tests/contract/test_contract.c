@@ -13,8 +13,7 @@
 
 #include <cmocka.h>
 
-/* ---- states
- * ------------------------------------------------------------------------------------------------- */
+/* ---- states ---- */
 
 typedef enum {
     INACTIVE,
@@ -35,8 +34,7 @@ static const char *const call_names[] = {"activate", "begin",  "slab",       "en
 
 /* What each call returns in each state. The slab is the first one: too late in midway and complete. */
 static const sv_status expected[STATES][CALLS] = {
-    /*              activate      begin         slab          end            adjust        enable stage_times
-     */
+    /* activate, begin, slab, end, adjust, enable, stage_times */
     [INACTIVE] = {SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE},
     [IDLE] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
     [BEGUN] = {SV_ERR_STATE, SV_OK, SV_OK, SV_ERR_SLAB_MISSING, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
@@ -142,8 +140,7 @@ static void deactivate_when_inactive(void **state) {
     assert_string_equal(f->r.plugin->last_error(f->r.plugin), "");
 }
 
-/* ---- NULL
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- NULL ---- */
 
 static void null_arguments(void **state) {
     fixture *f = *state;
@@ -186,8 +183,7 @@ static void a_host_without_services(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* ---- sizes, ids, flags
- * ----------------------------------------------------------------------------------------- */
+/* ---- sizes, ids, flags ---- */
 
 static void structs_too_short(void **state) {
     fixture *f = *state;

@@ -197,8 +197,7 @@ static void timed_frames(void **state) {
         }
 }
 
-/* ---- the spy itself: a spy that sees nothing would pass every test above
- * ---------------------------------------- */
+/* ---- the spy itself: a spy that sees nothing would pass every test above ---- */
 
 static void the_spy_sees_activation(void **state) {
     fixture *f = *state;

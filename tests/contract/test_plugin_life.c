@@ -81,9 +81,9 @@ static size_t heap_in_use(void) {
     return info.uordblks + info.hblkhd;
 }
 
-/* After a warm-up the heap must not grow by as much as one activation holds: its timing events alone are 2
- * KiB, its objects in OpenCL far more. (Under the sanitizers their leak check says the same of every byte.)
- */
+/* After a warm-up the heap must not grow by as much as one activation holds: its timing
+ * events alone are 2 KiB, its objects in OpenCL far more. (Under the sanitizers their leak
+ * check says the same of every byte.) */
 static void a_hundred_activations(void **state) {
     fixture *f = *state;
     enum { WARM = 10, TIMES = 100 };
@@ -116,8 +116,8 @@ static void destroyed_while_active(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* Formats one after the other in one instance: nothing of the larger one is left in the smaller one's maps.
- */
+/* Formats one after the other in one instance: nothing of the larger one is
+ * left in the smaller one's maps. */
 static void another_format_after_another(void **state) {
     fixture *f = *state;
     static const rig_format ways[] = {{.tiles_x = 1},
@@ -139,13 +139,12 @@ static void another_format_after_another(void **state) {
     }
 }
 
-/* ---- no device, no kernels
- * --------------------------------------------------------------------------------------- */
+/* ---- no device, no kernels ---- */
 
 static const char *self; /* this program's path */
 
-/* Own-queue activation in a child in which no OpenCL driver is installed. Exit code 0: refused as it should
- * be. */
+/* Own-queue activation in a child in which no OpenCL driver is installed. Exit
+ * code 0: refused as it should be. */
 static int child_without_device(void) {
     rig r;
     rig_open_library(&r, NULL);
@@ -211,8 +210,8 @@ static sv_status activate_with(fixture *f, const char *option) {
     return status;
 }
 
-/* Kernels that do not build: the log reaches the host, the instance stays inactive, and can be activated
- * later. */
+/* Kernels that do not build: the log reaches the host, the instance stays
+ * inactive, and can be activated later. */
 static void kernels_that_do_not_build(void **state) {
     fixture *f = *state;
     fixture_refused(f, activate_with(f, "-D__kernel=banana"), SV_ERR_BUILD,
@@ -225,8 +224,8 @@ static void kernels_that_do_not_build(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* A compiler that gets it wrong (here: kernels built for another structure): the self-test must not let it
- * pass. */
+/* A compiler that gets it wrong (here: kernels built for another structure): the
+ * self-test must not let it pass. */
 static void kernels_that_compute_wrongly(void **state) {
     static const char *const wrong[] = {"-DSV_PADDED=1", "-DSV_SUBSTEPS=2"};
     fixture *f = *state;

@@ -62,8 +62,8 @@ static void slab_shape(void **state) {
     slab = rig_slab(f->textures, 0);
     slab.bytes = 0;
     refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "bytes is 0, 6 slices need ");
-    /* 6 slices, 4 to a row of 84 bytes: the last voxel is that of slice 5, in the second tile of the second
-     * row. */
+    /* 6 slices, 4 to a row of 84 bytes: the last voxel is that of slice 5, in the
+     * second tile of the second row. */
     slab.bytes = 84 * (18 + 17) + 42 - 1;
     refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "bytes is 2981, 6 slices need 2982");
     fixture_frame_is_good(f);
@@ -179,8 +179,7 @@ static void wrong_images(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* ---- results
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- results ---- */
 
 static void refused_result(fixture *f, sv_result result, sv_status status, const char *text) {
     assert_int_equal(fixture_begin(f), SV_OK);

@@ -114,8 +114,7 @@ static void activate_with_wide_vectors(void **state) {
     free(volume);
 }
 
-/* ---- frames
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- frames ---- */
 
 typedef sv_status (*step)(fixture *f, const sv_result *result);
 

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plugin's confidence on its way to the ghosting: where it comes the picture is that of its formula;
- * where it does not come, or is none, the picture is the one without it, and the host says so once and goes
- * on.
+ * The plugin's confidence on its way to the ghosting: where it comes the picture is that of
+ * its formula; where it does not come, or is none, the picture is the one without it, and the
+ * host says so once and goes on.
  */
 #include "support/loop_fixture.h"
 
 #include "support/ref_dvr.h"
+
+#include <math.h>
 
 enum { PLANE = 8 }; /* slices: step 25, five before the fetus; the occluder ends 13 before it */
 

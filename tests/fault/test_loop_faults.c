@@ -2,6 +2,8 @@
 /* The scan loop with a plugin that fails, or is not there: every picture must be the unclipped one. */
 #include "support/loop_fixture.h"
 
+#include <math.h>
+
 /* ------------------------------------------------------------------------------- failing -- */
 
 /* The result must be the full volume's picture, whatever happened. */

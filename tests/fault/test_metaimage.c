@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* MetaImage files that are wrong: each is refused with file, field and value. Run under ASan, nothing may
- * leak. */
+/* MetaImage files that are wrong: each is refused with file, field and value. Run
+ * under ASan, nothing may leak. */
 #include "support/metaimage_files.h"
 
 #include <math.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define GOOD_TEXT                                                                                            \
     "ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 4 3 2\n"            \

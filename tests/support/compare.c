@@ -14,10 +14,10 @@ double compare_bound(const sv_ref_volume *volume, const rig_settings *s, sv_fixe
     const double depth =
         volume->slices - 1.0; /* no interval end lies deeper, and a mean never leaves its inputs */
     const double fixed_step = ldexp(0.5, -(int)format.fraction);
-    /* A mean is a convex combination: it passes errors on, but never enlarges them, so each pass adds its
-     * own. That is half a fixed-point step for the rounding to one, and float32's rounding of sum and
-     * quotient. Thirds of a slice cost another half step at the start, and so do quarters where a step is
-     * coarser. */
+    /* A mean is a convex combination: it passes errors on, but never enlarges them, so each pass
+     * adds its own. That is half a fixed-point step for the rounding to one, and float32's rounding
+     * of sum and quotient. Thirds of a slice cost another half step at the start, and so do
+     * quarters where a step is coarser. */
     const bool rounded = s->substeps == 3 || (s->substeps == 4 && format.fraction < 2);
     const double surface = (passes + rounded) * fixed_step + passes * depth * ldexp(1.0, -23);
     const double q = (double)s->q;

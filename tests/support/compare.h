@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One frame of the plugin held against the scalar definition: maps bit for bit, statistics number for number.
- */
+/* One frame of the plugin held against the scalar definition: maps bit for bit,
+ * statistics number for number. */
 #ifndef SV_COMPARE_H
 #define SV_COMPARE_H
 
@@ -21,9 +21,9 @@ double compare_bound(const sv_ref_volume *volume, const rig_settings *settings, 
 /* Promised of every frame, in slices (docs/numerics.md, issue 2). */
 #define COMPARE_PROMISE 1e-3
 
-/* Runs one frame of an active instance and compares; fails the test with every argument and the first pixel
- * that differs. `where` says what is being tested. With `summary`, the float64 definition is asked as well.
- */
+/* Runs one frame of an active instance and compares; fails the test with every argument and the
+ * first pixel that differs. `where` says what is being tested. With `summary`, the float64
+ * definition is asked as well. */
 void compare_frame(rig *r, const rig_textures *t, const sv_ref_volume *volume, const rig_settings *settings,
                    const char *where, compare_summary *summary);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The surface of least energy for maps on which plain conjugate gradients (sv_ref_least_energy) take too
- * long. */
+/* The surface of least energy for maps on which plain conjugate gradients
+ * (sv_ref_least_energy) take too long. */
 #ifndef SV_ENERGY_H
 #define SV_ENERGY_H
 

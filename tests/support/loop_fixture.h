@@ -14,15 +14,11 @@
 #include "loop/view.h"
 #include "support/host_fixture.h"
 
-#include <math.h>
-
 enum { N = 48, LOW = 16, PICTURE = 64, OCCLUDER = 4, FLUID = 12, FETUS = 30, FRAMES = 10 };
 
 /* The plane plugin's parameters (tests/contract/plugins/plane.c). */
 enum { DEPTH = 1, SHAPE = 2, FAIL = 3, EVERY = 4, NOTE = 5 };
 enum { FAIL_ACTIVATE = 1, FAIL_BEGIN = 2, FAIL_SLAB = 3, FAIL_END = 4 };
-
-/* --------------------------------------------------------------------------------- fixtures -- */
 
 typedef struct {
     hs_cl cl;
@@ -33,97 +29,31 @@ typedef struct {
     hs_source source; /* layers only */
 } fixture;
 
-static inline hs_volume make_layers(bool bright) {
-    hs_volume v;
-    hs_error err = {0};
-    assert_true(hs_volume_init(&v, N, N, N, &err));
-    for (size_t i = 0; i < hs_volume_count(&v); i++) {
-        const size_t z = i / (N * N);
-        v.voxels[i] = bright || z >= FETUS ? 255 : z >= OCCLUDER && z < FLUID ? 153 : 10;
-    }
-    return v;
-}
+/* One of the two volumes; hs_volume_free it. */
+hs_volume make_layers(bool bright);
 
-static inline int set_up(void **state) {
-    static fixture f;
-    char path[1024];
-    hs_error err = {0};
-    const char *build = getenv("SV_BUILD_DIR");
-    (void)snprintf(path, sizeof path, "%s/tests/plugins/plane.so", build ? build : ".");
-    if (!hs_cl_open(&f.cl, &err) || !hs_plugin_open(&f.plugin, path, NULL, SV_LOG_WARNING, &err)) {
-        print_error("%s\n", err.text);
-        return -1;
-    }
-    f.layers = make_layers(false);
-    f.bright = make_layers(true);
-    f.both[0] = &f.layers;
-    f.both[1] = &f.bright;
-    f.source = (hs_source){.volumes = f.both, .count = 1};
-    *state = &f;
-    return 0;
-}
+/* cmocka group fixtures: *state is a fixture. */
+int set_up(void **state);
+int tear_down(void **state);
 
-static inline int tear_down(void **state) {
-    fixture *f = *state;
-    hs_plugin_close(&f->plugin);
-    hs_cl_close(&f->cl);
-    hs_volume_free(&f->layers);
-    hs_volume_free(&f->bright);
-    return 0;
-}
-
-static inline hs_loop_options options_with(const sv_param_value *values, uint32_t count) {
-    hs_loop_options o;
-    hs_loop_defaults(&o);
-    o.frames = FRAMES;
-    o.slab_slices = 6; /* slabs of 6, 6 and 4 slices */
-    o.dvr.width = o.dvr.height = PICTURE;
-    o.values = values;
-    o.value_count = count;
-    return o;
-}
+/* FRAMES frames in slabs of 6, 6 and 4 slices; the values are borrowed. */
+hs_loop_options options_with(const sv_param_value *values, uint32_t count);
 
 /* A plugin of the tests' own; the fixture's is plane.so. */
-static inline void open_plugin(hs_plugin *plugin, const char *name) {
-    char path[1024];
-    hs_error err = {0};
-    const char *build = getenv("SV_BUILD_DIR");
-    (void)snprintf(path, sizeof path, "%s/tests/plugins/%s.so", build ? build : ".", name);
-    if (!hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
-}
+void open_plugin(hs_plugin *plugin, const char *name);
 
-static inline hs_loop *make_loop_of(const fixture *f, const hs_plugin *plugin,
-                                    const hs_loop_options *options) {
-    hs_error err = {0};
-    hs_loop *loop = hs_loop_create(&f->cl, &f->source, plugin, options, &err);
-    if (!loop) fail_msg("%s", err.text);
-    return loop;
-}
+/* A loop over the layers; the test fails if it cannot be made. hs_loop_destroy it. */
+hs_loop *make_loop_of(const fixture *f, const hs_plugin *plugin, const hs_loop_options *options);
+/* The same with the plane plugin. */
+hs_loop *make_loop(const fixture *f, const hs_loop_options *options);
 
-static inline hs_loop *make_loop(const fixture *f, const hs_loop_options *options) {
-    return make_loop_of(f, &f->plugin, options);
-}
-
-static inline hs_view view_of(hs_loop *loop, uint32_t index) {
-    hs_view view;
-    hs_error err = {0};
-    if (!hs_loop_view(loop, index, &view, &err)) fail_msg("%s", err.text);
-    return view;
-}
-
-/* ------------------------------------------------------------------------------ by hand -- */
+/* A frame, all of it on the host; hs_view_free it. */
+hs_view view_of(hs_loop *loop, uint32_t index);
 
 /* The step at which a ray ends that starts at depth d of the map. */
-static inline float end_of_ray(double d) {
-    const double start = d > 0 ? ceil(3 * (d + 0.5) - 0.5 - 1e-3) : 0;
-    if (start < FLUID) return (float)fmax(start, OCCLUDER);
-    return (float)fmin(fmax(start, FETUS), N);
-}
+float end_of_ray(double d);
 
 /* The picture's red for a ray that ends in voxel `end`. */
-static inline uint8_t red_at(float end, const hs_dvr_settings *dvr) {
-    const double intensity = end >= N ? 0 : end >= FETUS ? 255 : 153;
-    return (uint8_t)(intensity * (double)dvr->skin[0] + 0.5);
-}
+uint8_t red_at(float end, const hs_dvr_settings *dvr);
 
 #endif

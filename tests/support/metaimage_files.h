@@ -1,95 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes MetaImage files in a folder of their own, byte by byte and without the code under test. For its tests
- * only. */
+/* Makes MetaImage files in a folder of their own, byte by byte and without the code under test. */
 #ifndef METAIMAGE_FILES_H
 #define METAIMAGE_FILES_H
 
 #include "volume/metaimage.h"
 
-#include <dirent.h>
-#include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-#include <zlib.h>
 
 #include <cmocka.h>
 
-static char files_folder[64];
-
 /* cmocka group setup and teardown: a new folder, and all that is in it gone. */
-static inline int files_setup(void **state) {
-    (void)state;
-    (void)snprintf(files_folder, sizeof files_folder, "/tmp/sv_metaimage_XXXXXX");
-    return mkdtemp(files_folder) ? 0 : -1;
-}
+int files_setup(void **state);
+int files_teardown(void **state);
 
 /* Number of files in the folder. */
-static inline int files_count(void) {
-    DIR *folder = opendir(files_folder);
-    assert_non_null(folder);
-    int count = -2; /* "." and ".." */
-    while (readdir(folder)) count++;
-    (void)closedir(folder);
-    return count;
-}
+int files_count(void);
 
-static inline const char *files_path(const char *name) {
-    static char paths[4][PATH_MAX];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    (void)snprintf(path, PATH_MAX, "%s/%s", files_folder, name);
-    return path;
-}
+/* The path of a file in the folder. Good for three more calls. */
+const char *files_path(const char *name);
 
-static inline int files_teardown(void **state) {
-    (void)state;
-    DIR *folder = opendir(files_folder);
-    if (!folder) return -1;
-    for (struct dirent *entry; (entry = readdir(folder)) != NULL;) (void)unlink(files_path(entry->d_name));
-    (void)closedir(folder);
-    return rmdir(files_folder);
-}
-
-static inline void files_write(const char *name, const char *text, const void *data, size_t bytes) {
-    FILE *file = fopen(files_path(name), "wb");
-    assert_non_null(file);
-    if (text) assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
-    if (bytes) assert_int_equal(fwrite(data, 1, bytes, file), bytes);
-    assert_int_equal(fclose(file), 0);
-}
+/* A file of `text` (NULL for none) and `bytes` bytes of data behind it. */
+void files_write(const char *name, const char *text, const void *data, size_t bytes);
 
 /* zlib's one-call compression; the caller frees. */
-static inline uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed) {
-    uLongf room = compressBound((uLong)bytes);
-    uint8_t *out = malloc(room);
-    assert_non_null(out);
-    assert_int_equal(compress2(out, &room, data, (uLong)bytes, 9), Z_OK);
-    *compressed = room;
-    return out;
-}
+uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed);
 
 /* Reads and expects success. */
-static inline void files_read(const char *name, const hs_metaimage_options *opt, hs_volume *out) {
-    hs_error err = {0};
-    if (!hs_metaimage_read(files_path(name), opt, out, &err)) fail_msg("%s", err.text);
-    assert_int_equal(err.code, HS_OK);
-}
+void files_read(const char *name, const hs_metaimage_options *opt, hs_volume *out);
 
 /* Reads and expects HS_ERR_INPUT with the file's name and `told` (NULL for nothing more) in the message. */
-static inline void files_refused(const char *name, const char *told) {
-    hs_error err = {0};
-    hs_volume volume;
-    if (hs_metaimage_read(files_path(name), NULL, &volume, &err))
-        fail_msg("%s was read, expected '%s'", name, told);
-    assert_int_equal(err.code, HS_ERR_INPUT);
-    assert_null(volume.voxels);
-    assert_int_equal(volume.nx, 0);
-    if (!strstr(err.text, files_path(name))) fail_msg("'%s' does not name %s", err.text, name);
-    if (told && !strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
-}
+void files_refused(const char *name, const char *told);
 
 #endif

@@ -4,9 +4,8 @@
 #define SV_RIG_H
 
 #include "plugin/plugin_ext.h"
-#include "ref/ref_mean_fixed.h"
-#include "ref/ref_points.h"
 #include "smartvis_plugin.h"
+#include "support/rig_expect.h"
 
 #include <CL/cl.h>
 
@@ -48,8 +47,8 @@ typedef struct {
     sv_points_report points; /* size 0: the plugin does not tell */
 } rig_result;
 
-/* Loads SV_BUILD_DIR/smartvis.so (or `path`) and creates its first plugin. Fails the test program otherwise.
- */
+/* Loads SV_BUILD_DIR/smartvis.so (or `path`) and creates its first plugin. If it
+ * cannot, the test program fails. */
 void rig_open(rig *r, const char *path);
 void rig_close(rig *r);
 
@@ -97,29 +96,6 @@ sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_p
 rig_result rig_result_make(uint32_t width, uint32_t height);
 void rig_result_free(rig_result *out);
 
-/* The same frame by the scalar definition: fixed point (`bits`) or float64. Arrays of width * height. */
-typedef struct {
-    double fluid_threshold, omega;
-    sv_ref_bone bone;
-    uint32_t k, substeps;
-    bool half; /* precision int16; also a parameter of activate */
-    float q;
-    double evidence, min_gap; /* the default here is 0: a surface however little speaks for a gap */
-} rig_settings;
-rig_settings rig_default_settings(void);
-
-typedef struct {
-    uint8_t *status;
-    float *depth;         /* fixed point: what the kernels must give to the bit */
-    double *depth_double; /* float64 definition */
-    uint32_t points, empty_points, sure_points, level, maximum;
-    sv_ref_fill fill;
-    sv_status outcome;
-    sv_fixed format;
-} rig_expected;
-rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *settings, bool with_double);
-void rig_expected_free(rig_expected *e);
-
 /* Settings as parameter values for a frame (by key); returns their number (at most RIG_MAX_VALUES). */
 enum { RIG_MAX_VALUES = 12 };
 uint32_t rig_values(const rig *r, const rig_settings *settings, sv_param_value *values);
@@ -127,23 +103,7 @@ uint32_t rig_values(const rig *r, const rig_settings *settings, sv_param_value *
 uint32_t rig_param(const rig *r, const char *key);
 double rig_param_default(const rig *r, const char *key);
 
-/* A seeded volume of the given kind. */
 /* The value of an enum parameter by its name. Fails the test program if there is none. */
 double rig_enum(const rig *r, const char *key, const char *name);
-
-typedef enum {
-    RIG_NOISE,    /* any value anywhere */
-    RIG_EXTREMES, /* values at 0, 255 and within one level of T_L */
-    RIG_LAYERS,   /* tissue, fluid, bone: like a scan */
-    RIG_SPARSE,   /* mostly fluid, few bones: the filter needs many passes */
-    RIG_KIND_COUNT
-} rig_kind;
-uint8_t *rig_volume(rig_kind kind, uint32_t width, uint32_t height, uint32_t slices, uint32_t seed);
-
-/* A volume whose rays have the given fluid intervals, so that a test can state a map and not a volume: ray i
- * is tissue up to slice near_end[i], fluid up to far_end[i] and bone (255) there; far_end 0: bone at slice 0,
- * an empty interval; far_end < 0: fluid all along, no initial point. */
-uint8_t *rig_map_volume(const int32_t *near_end, const int32_t *far_end, uint32_t width, uint32_t height,
-                        uint32_t slices);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the scalar definition says of a frame, and the volumes it is asked about. */
-#include "support/rig.h"
+#include "support/rig_expect.h"
 
 #include "ref/ref_mean.h"
 

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/host_fixture.h"
+
+uint32_t test_next(test_random *random) {
+    random->state ^= random->state << 13;
+    random->state ^= random->state >> 17;
+    random->state ^= random->state << 5;
+    return random->state;
+}
+
+double test_uniform(test_random *random, double low, double high) {
+    return low + (high - low) * ((double)test_next(random) / 4294967295.0);
+}
+
+static uint8_t test_voxel(test_random *random, int pattern, uint32_t x, uint32_t y, uint32_t z) {
+    uint32_t noise = test_next(random);
+    switch (pattern) {
+    case TEST_NOISE:
+        return (uint8_t)(noise >> 24);
+    case TEST_SPARSE:
+        return ((x / 9) * 7 + (y / 9) * 3 + z / 9) % 5 == 0 ? (uint8_t)(noise >> 24) : 0;
+    case TEST_SMOOTH:
+        return (uint8_t)(20 + (x * 5 + y * 3 + z * 4) % 200);
+    case TEST_FULL:
+        return 255;
+    case TEST_DOTS:
+        return x % 8 == 0 && y % 8 == 0 && z % 8 == 0 && noise % 3 == 0 ? 255 : 0;
+    case TEST_CHECKER:
+        return (x + y + z) % 2 ? 255 : 0;
+    default:
+        return 0;
+    }
+}
+
+hs_volume test_volume(test_random *random, int pattern, const uint32_t size[3], const double spacing[3]) {
+    hs_error err = {HS_OK, ""};
+    hs_volume volume;
+    if (!hs_volume_init(&volume, size[0], size[1], size[2], &err)) fail_msg("%s", err.text);
+    memcpy(volume.spacing, spacing, sizeof volume.spacing);
+    uint8_t *voxel = volume.voxels;
+    for (uint32_t z = 0; z < size[2]; z++) {
+        for (uint32_t y = 0; y < size[1]; y++) {
+            for (uint32_t x = 0; x < size[0]; x++) *voxel++ = test_voxel(random, pattern, x, y, z);
+        }
+    }
+    return volume;
+}
+
+cl_mem test_buffer(const hs_cl *cl, size_t bytes, const void *contents) {
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    if (contents) {
+        code = clEnqueueWriteBuffer(cl->queue, buffer, CL_TRUE, 0, bytes, contents, 0, NULL, NULL);
+        assert_int_equal(code, CL_SUCCESS);
+    }
+    return buffer;
+}
+
+void test_read(const hs_cl *cl, cl_mem buffer, size_t bytes, void *out) {
+    assert_int_equal(clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, 0, bytes, out, 0, NULL, NULL),
+                     CL_SUCCESS);
+}
+
+static int test_open_lanes(void **state, uint32_t lanes) {
+    static hs_cl cl;
+    hs_error err = {HS_OK, ""};
+    if (!hs_cl_open_lanes(&cl, lanes, &err)) {
+        print_error("%s\n", err.text);
+        return -1;
+    }
+    *state = &cl;
+    return 0;
+}
+
+int test_open_device(void **state) {
+    return test_open_lanes(state, 0);
+}
+
+int test_open_single(void **state) {
+    return test_open_lanes(state, 1);
+}
+
+int test_close_device(void **state) {
+    hs_cl_close(*state);
+    return 0;
+}
