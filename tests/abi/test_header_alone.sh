@@ -29,7 +29,7 @@ headers=()
 for header in "$source_dir"/include/smartvis/*.h; do
     name=$(basename "$header" .h)
     : > "$name.c"
-    # These two say that they need OpenCL's header before them.
+    # These say that they need OpenCL's header before them.
     [[ $name != author_cl && $name != author_device && $name != author_rehearsal ]] ||
         printf '#define CL_TARGET_OPENCL_VERSION 120\n#include <CL/cl.h>\n' > "$name.c"
     printf '#include "smartvis/%s.h"\n#include "smartvis/%s.h"\nextern int %s_compiles;\n' "$name" "$name" "$name" >> "$name.c"
@@ -52,7 +52,7 @@ for compiler in gcc clang; do
     # c2x is what compilers of 2022 call C23.
     for standard in c99 gnu99 c11 c17 c2x; do
         for file in use "${headers[@]}"; do
-            compile $compiler "$file.c" -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
+            compile $compiler "$file.c" -fsyntax-only -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
         done
         tried=$((tried + 1))
     done
@@ -60,7 +60,7 @@ done
 for compiler in g++ clang++; do
     command -v $compiler > /dev/null || { echo "not installed, left out: $compiler"; continue; }
     for standard in c++11 c++14 c++17 c++20; do
-        for file in use "${headers[@]}"; do compile $compiler "$file.cpp" -std=$standard; done
+        for file in use "${headers[@]}"; do compile $compiler "$file.cpp" -fsyntax-only -std=$standard; done
         tried=$((tried + 1))
     done
 done
