@@ -3,18 +3,24 @@
 
 #include "base/cli.h"
 #include "plugin/loader_param.h"
+#include "smartvis/lookup.h"
 
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
+#define MAX_SETS  64u
 #define MAX_NAMES 64u /* of an enum; one with more is shown as a range */
 
 static const char help_text[] =
-    "Usage: host_sim list [--plugin PATH]\n"
-    "Prints every plugin of a library and its parameters; needs no OpenCL device.\n"
+    "Usage: host_sim list [--plugin PATH] [--set KEY=VALUE ...] [--all]\n"
+    "Prints every plugin of a library, what it can do, and its parameters by groups; needs no OpenCL "
+    "device.\n"
+    "Parameters that do not matter with the values of the others are left out.\n"
     "\n"
     "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
+    "  --set KEY=VALUE a parameter's value, for what depends on it; repeatable [the defaults]\n"
+    "  --all           all parameters\n"
     "  --help          this text\n"
     "\n"
     "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
@@ -60,6 +66,14 @@ static void range_text(const hs_plugin *plugin, const sv_param_info *info, char 
     }
 }
 
+/* What to print of a plugin. */
+typedef struct {
+    const char *path;
+    const char *sets[MAX_SETS];
+    uint32_t set_count;
+    bool all;
+} list_line;
+
 static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) {
     char flags[64], range[256], value[64];
     flag_names(info->flags, flags, sizeof flags);
@@ -72,44 +86,140 @@ static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) 
     (void)printf("  %-16s %s\n", "", info->help);
 }
 
-static bool print_plugin(const char *path, const sv_descriptor *d, hs_error *err) {
+static bool read_parameter(const hs_plugin *plugin, uint32_t index, sv_param_info *info, hs_error *err) {
+    const sv_plugin *p = plugin->instance;
+    *info = (sv_param_info){.size = sizeof *info};
+    if (!hs_plugin_check(plugin, p->param_info(p, index, info), "param_info", err)) return false;
+    return (info->key && info->label && info->unit && info->help && info->group) ||
+           hs_fail(err, HS_ERR_PLUGIN, "%s: parameter %u: key, label, unit, help or group is NULL",
+                   plugin->path, index);
+}
+
+/* The parameters of one group, in the plugin's order: those that matter with these values, or all of them. */
+static bool print_group(const hs_plugin *plugin, const char *group, const list_line *line,
+                        const sv_param_value *values, uint32_t *left_out, hs_error *err) {
+    const sv_plugin *p = plugin->instance;
+    bool headed = false;
+    for (uint32_t i = 0; i < p->param_count(p); i++) {
+        sv_param_info info;
+        if (!read_parameter(plugin, i, &info, err)) return false;
+        if (strcmp(info.group, group) != 0) continue;
+        if (!line->all && !sv_lookup_matters(p, &info, values, line->set_count)) {
+            ++*left_out;
+            continue;
+        }
+        if (!headed && group[0]) (void)printf("%s\n", group);
+        headed = true;
+        print_parameter(plugin, &info);
+    }
+    if (headed) (void)printf("\n");
+    return true;
+}
+
+/* True if no parameter before `index` is of this group. */
+static bool is_first_of(const sv_plugin *p, uint32_t index, const char *group) {
+    for (uint32_t i = 0; i < index; i++) {
+        sv_param_info info;
+        if (sv_lookup_index(p, i, &info) && info.group && strcmp(info.group, group) == 0) return false;
+    }
+    return true;
+}
+
+static void print_names(const char *what, uint32_t bits, uint32_t first, const char *const *names,
+                        uint32_t count) {
+    const char *between = " ";
+    (void)printf("  %-14s", what);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(bits >> (first + i) & 1u)) continue;
+        (void)printf("%s%s", between, names[i]);
+        between = ", ";
+    }
+    (void)printf("%s\n", bits ? "" : " none");
+}
+
+static void print_capabilities(const sv_descriptor *d) {
+    static const char *const carriers[] = {"host memory", "OpenCL buffer", "OpenCL image"};
+    static const char *const voxels[] = {"8 bits", "16 bits"};
+    static const char *const queues[] = {"its own", "the host's"};
+    static const char *const features[] = {"scanned ranges", "padding value", "adjust"};
+    print_names("slabs in", d->carriers, SV_CARRIER_HOST, carriers, 3);
+    print_names("voxels of", d->voxel_types, SV_VOXEL_U8, voxels, 2);
+    print_names("on a queue of", d->queues, 0, queues, 2);
+    print_names("makes use of", d->features, 0, features, 3);
+    (void)printf("  %-14s", "extensions");
+    for (uint32_t i = 0; d->extensions && d->extensions[i]; i++)
+        (void)printf("%s%s", i ? ", " : " ", d->extensions[i]);
+    (void)printf("%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
+}
+
+static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error *err) {
     hs_plugin plugin;
-    if (!hs_plugin_open(&plugin, path, d->id, SV_LOG_WARNING, err)) return false;
+    sv_param_value values[MAX_SETS];
+    if (!hs_plugin_open(&plugin, line->path, d->id, SV_LOG_WARNING, err)) return false;
     const sv_plugin *p = plugin.instance;
     const uint32_t count = p->param_count(p);
-    (void)printf("%s %s: %s\n  %s\n  vendor %s; %u parameters\n\n", d->id, d->version, d->name, d->summary,
-                 d->vendor, count);
     bool ok = true;
-    for (uint32_t i = 0; ok && i < count; i++) {
-        sv_param_info info = {.size = sizeof info};
-        ok = hs_plugin_check(&plugin, p->param_info(p, i, &info), "param_info", err);
-        if (ok && (!info.key || !info.label || !info.unit || !info.help))
-            ok = hs_fail(err, HS_ERR_PLUGIN, "%s: parameter %u: key, label, unit or help is NULL", path, i);
-        if (ok) print_parameter(&plugin, &info);
+    for (uint32_t i = 0; ok && i < line->set_count; i++)
+        ok = hs_plugin_parse_param(&plugin, line->sets[i], &values[i], err);
+    if (ok) {
+        (void)printf("%s %s: %s\n  %s\n  vendor %s; %u parameters\n", d->id, d->version, d->name, d->summary,
+                     d->vendor, count);
+        print_capabilities(d);
     }
-    (void)printf("\n");
+    uint32_t left_out = 0;
+    for (uint32_t i = 0; ok && i < count; i++) {
+        sv_param_info info;
+        ok = read_parameter(&plugin, i, &info, err) &&
+             (!is_first_of(p, i, info.group) ||
+              print_group(&plugin, info.group, line, values, &left_out, err));
+    }
+    if (ok && left_out > 0)
+        (void)printf("%u more parameters do not matter with these values; --all prints them.\n\n", left_out);
     hs_plugin_close(&plugin);
     return ok;
 }
 
-static bool print_library(const char *path, hs_error *err) {
+static bool print_library(const list_line *line, hs_error *err) {
     hs_plugin first;
-    if (!hs_plugin_open(&first, path, NULL, SV_LOG_WARNING, err)) return false;
+    if (!hs_plugin_open(&first, line->path, NULL, SV_LOG_WARNING, err)) return false;
     const sv_entry *entry = first.entry;
-    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", path, entry->abi_major, entry->abi_minor, entry->count,
-                 entry->count == 1 ? "" : "s");
+    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", line->path, entry->abi_major, entry->abi_minor,
+                 entry->count, entry->count == 1 ? "" : "s");
     bool ok = true;
-    for (uint32_t i = 0; ok && i < entry->count; i++) ok = print_plugin(path, entry->descriptor(i), err);
+    for (uint32_t i = 0; ok && i < entry->count; i++) ok = print_plugin(line, entry->descriptor(i), err);
     hs_plugin_close(&first);
     return ok;
 }
 
+static bool take_option(list_line *line, int option, const char *name, const char *text, hs_error *err) {
+    switch (option) {
+    case 'p':
+        line->path = text;
+        return true;
+    case 'a':
+        line->all = true;
+        return true;
+    case 's':
+        if (line->set_count == MAX_SETS)
+            return hs_fail(err, HS_ERR_USAGE, "--set: at most %u values", MAX_SETS);
+        line->sets[line->set_count++] = text;
+        return true;
+    default:
+        return hs_fail(err, HS_ERR_USAGE, "%s: %s", name,
+                       option == ':' ? "needs a value" : "not an option of this command");
+    }
+}
+
 int hs_cmd_list(int argc, char **argv) {
-    static const struct option options[] = {
-        {"plugin", required_argument, NULL, 'p'}, {"help", no_argument, NULL, 'h'}, {0}};
+    static const struct option options[] = {{"plugin", required_argument, NULL, 'p'},
+                                            {"set", required_argument, NULL, 's'},
+                                            {"all", no_argument, NULL, 'a'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     char path[1024];
     hs_error err = {0};
     hs_plugin_default_path(path, sizeof path);
+    list_line line = {.path = path};
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
@@ -117,14 +227,9 @@ int hs_cmd_list(int argc, char **argv) {
             (void)printf("%s%s", help_text, hs_exit_codes_help);
             return HS_OK;
         }
-        if (option != 'p') {
-            (void)hs_fail(&err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
-                          option == ':' ? "needs a value" : "not an option of this command");
-            return hs_cli_fail("list", &err);
-        }
-        (void)snprintf(path, sizeof path, "%s", optarg);
+        if (!take_option(&line, option, argv[optind - 1], optarg, &err)) return hs_cli_fail("list", &err);
     }
-    if (!hs_cli_no_more(argc, argv, optind, &err) || !print_library(path, &err))
+    if (!hs_cli_no_more(argc, argv, optind, &err) || !print_library(&line, &err))
         return hs_cli_fail("list", &err);
     return HS_OK;
 }

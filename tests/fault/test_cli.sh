@@ -74,7 +74,7 @@ expect 2 "24 is not 3 plus a multiple of 2" "${good[@]}" --set kernel=24
 expect 2 "'offest' is not one of absolute, offset, fraction" "${good[@]}" --set bone_mode=offest
 expect 2 "bytes of slabs, the device allows" "${good[@]}" --lowres 8192
 expect 2 "the device allows" "${good[@]}" --lowres 1200 --carrier image --slab 1200
-expect 2 "not an option" list --all
+expect 2 "not an option" list --everything
 expect 2 "no FILE given" info
 expect 2 "'x': unexpected argument" demo x
 
@@ -177,6 +177,14 @@ holds grep -q "16 x 16 x 8 voxels" stdout
 export OCL_ICD_VENDORS=$work/no_drivers
 expect 0 "" list
 holds grep -q "^  kernel .*Filter size k" stdout
+holds grep -q "more parameters do not matter with these values" stdout
+expect 2 "no parameter 'foo'" list --set foo=1
+expect 2 "needs a value" list --set
+# A handful matters to method cost; all are listed on demand.
+expect 0 "" list --set method=cost
+holds [ "$(grep -cE '^  [a-z_]+ +[A-Z]' stdout)" -le 5 ]
+expect 0 "" list --all
+holds [ "$(grep -cE '^  [a-z_]+ +[A-Z]' stdout)" -eq 25 ]
 unset OCL_ICD_VENDORS
 expect 0 "" "${good[@]}" --json "$work/result.json"
 holds grep -q '"volumes_per_second"' result.json
