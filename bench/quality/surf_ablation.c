@@ -9,7 +9,7 @@
 /* One thing changed. Numbers are factors; 0 in `gain` is 1. */
 static const struct {
     const char *what;
-    enum { NOTHING, CUT, LEFT, OTHER, THICK, DOUBT, TAU, SIGMA, SLACK, YIELD, SPLIT, CONTACT, MEDIAN } part;
+    enum { NOTHING, CUT, LEFT, OTHER, THICK, BEHIND, TAU, SIGMA, SLACK, SHIFT, SPLIT, CONTACT, MEDIAN } part;
     double factor;
     int level;   /* T_L; 0: from the histogram */
     double gain; /* of the grey levels */
@@ -21,7 +21,7 @@ static const struct {
     {"leaving occluders costs twice", LEFT, 2, 0, 0},
     {"no term for the longest interval", OTHER, 0, 0, 0},
     {"thickness is no evidence", THICK, 0, 0, 0},
-    {"no doubt by runs farther back", DOUBT, 0, 0, 0},
+    {"no doubt by runs farther back", BEHIND, 0, 0, 0},
     {"runs are not parted at bone", SPLIT, 0, 0, 0},
     {"what touches the wall is part of it", CONTACT, 0, 0, 0},
     {"fluid four times as near (tau / 4)", TAU, 0.25, 0, 0},
@@ -30,8 +30,8 @@ static const struct {
     {"lateral Gaussian x 1.4", SIGMA, 1.4, 0, 0},
     {"no median", MEDIAN, 0, 0, 0},
     {"sharper minimum (slack / 4)", SLACK, 0.25, 0, 0},
-    {"no yielding where unsure", YIELD, 0, 0, 0},
-    {"yielding three times as much", YIELD, 3, 0, 0},
+    {"no yielding where unsure", SHIFT, 0, 0, 0},
+    {"yielding three times as much", SHIFT, 3, 0, 0},
     {"T_L fixed at 25", NOTHING, 1, 25, 0},
     {"T_L fixed at 40", NOTHING, 1, 40, 0},
     {"T_L fixed at 60", NOTHING, 1, 60, 0},
@@ -43,9 +43,15 @@ enum { CHANGES = sizeof changes / sizeof *changes };
 
 static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
     sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n);
-    double *const parts[] = {
-        [CUT] = &l.cut, [LEFT] = &l.left,   [OTHER] = &l.other, [THICK] = &l.thick, [DOUBT] = &l.doubt,
-        [TAU] = &l.tau, [SIGMA] = &l.sigma, [SLACK] = &l.slack, [YIELD] = &l.yield};
+    double *const parts[] = {[CUT] = &l.cut,
+                             [LEFT] = &l.left,
+                             [OTHER] = &l.other,
+                             [THICK] = &l.thick,
+                             [BEHIND] = &l.behind_penalty,
+                             [TAU] = &l.tau,
+                             [SIGMA] = &l.sigma,
+                             [SLACK] = &l.slack,
+                             [SHIFT] = &l.viewer_shift};
     switch (changes[i].part) {
     case NOTHING:
         break;
@@ -53,7 +59,7 @@ static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
         l.bone_splits = false;
         break;
     case CONTACT:
-        l.contact = l.labels;
+        l.sizes.contact = l.sizes.labels;
         break;
     case MEDIAN:
         l.median = false;

@@ -10,8 +10,8 @@
 /* Vectors of a row of rays at most, rays to either side and bins before and behind that brightness is
  * looked for in at most. */
 #define MOST_VECTORS (2 * SV_COST_RAYS / SV_LANES)
-#define MOST_BESIDE  6
-#define MOST_DILATE  3
+#define MOST_LATERAL 6
+#define MOST_AXIAL   3
 
 /* Rows of rays begin where a vector may, in the buffers as well as here. */
 typedef ushort16 row_t[MOST_VECTORS];
@@ -24,18 +24,18 @@ static uchar16 counts_from(const uchar *p) {
     return ((const bytes_anywhere *)p)->v;
 }
 
-static __global const uchar16 *bins_of(__global const uchar *bins, const cost_layout *l, uint label,
+static __global const uchar16 *bins_of(__global const uchar *bins, const sv_cost_layout *l, uint label,
                                        uint row) {
     return (__global const uchar16 *)(bins + ((size_t)label * l->rows + row) * l->padded_columns);
 }
 
 /* All lanes but those behind the last ray. */
-static ushort16 rays_of(const cost_layout *l, uint vector) {
+static ushort16 rays_of(const sv_cost_layout *l, uint vector) {
     return as_ushort16(convert_short16(LANE_NUMBERS) < (short16)((short)(l->columns - vector * SV_LANES)));
 }
 
 /* The bins of one row, with those of the labels before and behind and those of the rays beside them. */
-static void sum_row(const cost_layout *l, __global const uchar *bins, uint label, uint row, ushort16 *to) {
+static void sum_row(const sv_cost_layout *l, __global const uchar *bins, uint label, uint row, ushort16 *to) {
     const uint vectors = l->padded_columns / SV_LANES;
     const bool first = label == 0, last = label + 1 == l->labels;
     __global const uchar16 *here = bins_of(bins, l, label, row);
@@ -60,7 +60,7 @@ static void sum_row(const cost_layout *l, __global const uchar *bins, uint label
 }
 
 /* One work item per label: sums over 3 x 3 x 3 bins, 0 beyond the volume. */
-__kernel void cost_sums(cost_layout l, __global const uchar *restrict bins,
+__kernel void cost_sums(sv_cost_layout l, __global const uchar *restrict bins,
                         __global ushort16 *restrict sums) {
     const uint label = (uint)get_global_id(0), vectors = l.padded_columns / SV_LANES;
     row_t rows[3];
@@ -78,21 +78,21 @@ __kernel void cost_sums(cost_layout l, __global const uchar *restrict bins,
 }
 
 /*
- * The largest sums of a row within `dilate` labels, then of those within `beside` rays of the row. `wide`:
+ * The largest sums of a row within `axial` labels, then of those within `lateral` rays of the row. `wide`:
  * room for a row between zeros. The cases fall through: loops of unknown length would take twice the time.
  */
-static void brightest_row(const cost_layout *l, __global const ushort16 *sums, uint label, uint row,
+static void brightest_row(const sv_cost_layout *l, __global const ushort16 *sums, uint label, uint row,
                           ushort16 *wide, ushort16 *to) {
     const uint vectors = l->padded_columns / SV_LANES;
-    __global const ushort16 *before[MOST_DILATE + 1], *behind[MOST_DILATE + 1];
-    for (uint k = 1; k <= MOST_DILATE; k++) {
+    __global const ushort16 *before[MOST_AXIAL + 1], *behind[MOST_AXIAL + 1];
+    for (uint k = 1; k <= MOST_AXIAL; k++) {
         before[k] = sums + ((size_t)(label - min(label, k)) * l->rows + row) * vectors;
         behind[k] = sums + ((size_t)min(label + k, l->labels - 1) * l->rows + row) * vectors;
     }
     sums += ((size_t)label * l->rows + row) * vectors;
     for (uint x = 0; x < vectors; x++) {
         ushort16 most = sums[x];
-        switch (l->dilate) {
+        switch (l->axial) {
         case 3:
             most = max(most, max(before[3][x], behind[3][x]));
         case 2:
@@ -105,7 +105,7 @@ static void brightest_row(const cost_layout *l, __global const ushort16 *sums, u
     for (uint x = 0; x < vectors; x++) {
         const ushort *rays = (const ushort *)(wide + x + 1);
         ushort16 most = wide[x + 1];
-        switch (l->beside) {
+        switch (l->lateral) {
         case 6:
             most = max(most, max(sums_from(rays - 6), sums_from(rays + 6)));
         case 5:
@@ -124,11 +124,11 @@ static void brightest_row(const cost_layout *l, __global const ushort16 *sums, u
     to[vectors - 1] &= rays_of(l, vectors - 1);
 }
 
-/* The largest of 2 * beside + 1 rows. */
-static void brightest_of_rows(const row_t *rows, uint beside, uint vectors, __global ushort16 *to) {
+/* The largest of 2 * lateral + 1 rows. */
+static void brightest_of_rows(const row_t *rows, uint lateral, uint vectors, __global ushort16 *to) {
     for (uint x = 0; x < vectors; x++) {
         ushort16 most = rows[0][x];
-        switch (beside) {
+        switch (lateral) {
         case 6:
             most = max(most, max(rows[11][x], rows[12][x]));
         case 5:
@@ -146,25 +146,25 @@ static void brightest_of_rows(const row_t *rows, uint beside, uint vectors, __gl
     }
 }
 
-/* One work item per label: the largest of the sums within `beside` rays and `dilate` bins. */
-__kernel void cost_nearby(cost_layout l, __global const ushort16 *restrict sums,
+/* One work item per label: the largest of the sums within `lateral` rays and `axial` bins. */
+__kernel void cost_nearby(sv_cost_layout l, __global const ushort16 *restrict sums,
                           __global ushort16 *restrict nearby) {
     const uint label = (uint)get_global_id(0), vectors = l.padded_columns / SV_LANES;
-    const uint span = 2 * l.beside + 1;
-    row_t rows[2 * MOST_BESIDE + 1]; /* around one; those beyond the volume are zeros */
+    const uint span = 2 * l.lateral + 1;
+    row_t rows[2 * MOST_LATERAL + 1]; /* around one; those beyond the volume are zeros */
     ushort16 wide[MOST_VECTORS + 2];
     for (uint x = 0; x < vectors + 2; x++) wide[x] = (ushort16)(0);
     for (uint k = 0; k < span; k++)
         for (uint x = 0; x < vectors; x++) rows[k][x] = (ushort16)(0);
     nearby += (size_t)label * l.rows * vectors;
-    for (uint y = 0; y < l.rows + l.beside; y++) {
+    for (uint y = 0; y < l.rows + l.lateral; y++) {
         ushort16 *newest = rows[y % span];
         if (y < l.rows)
             brightest_row(&l, sums, label, y, wide, newest);
         else
             for (uint x = 0; x < vectors; x++) newest[x] = (ushort16)(0);
-        if (y < l.beside) continue;
-        brightest_of_rows(rows, l.beside, vectors, nearby);
+        if (y < l.lateral) continue;
+        brightest_of_rows(rows, l.lateral, vectors, nearby);
         nearby += vectors;
     }
 }
@@ -201,7 +201,7 @@ static uchar16 cell_sums(const uchar16 *counts, uint block) {
     return sum;
 }
 
-static void walk_on(const cost_layout *l, uint bin, uchar16 scanned, uchar16 fluid, walk_t *walk) {
+static void walk_on(const sv_cost_layout *l, uint bin, uchar16 scanned, uchar16 fluid, walk_t *walk) {
     const walk_t w = *walk;
     const uchar16 none = (uchar16)((uchar)l->labels), solid = (uchar16)((uchar)l->solid);
     const uchar16 some = as_uchar16(scanned > (uchar16)(0));
@@ -218,7 +218,7 @@ static void walk_on(const cost_layout *l, uint bin, uchar16 scanned, uchar16 flu
 
 /* One work item per row of cells: the cells' own walls (labels: none), then their backs (0: none). A bin is
  * mostly fluid if at least half of a cell's scanned rays are fluid there. */
-__kernel void cost_walls_own(cost_layout l, __global const uchar *restrict bins,
+__kernel void cost_walls_own(sv_cost_layout l, __global const uchar *restrict bins,
                              __global const uint *restrict info, __global uchar *restrict own) {
     const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block;
     const uint rows = min(l.block, l.rows - y0), vectors = l.padded_columns / SV_LANES;
@@ -251,8 +251,8 @@ typedef struct {
 } ranks_t;
 
 /* Column x of the cells' rows y0 .. y1 - 1, but for the value `none`, enters the window or leaves it. */
-static void shift_ranks(const cost_layout *l, __global const uchar *own, uint x, uint y0, uint y1, uchar none,
-                        int change, ranks_t *ranks) {
+static void shift_ranks(const sv_cost_layout *l, __global const uchar *own, uint x, uint y0, uint y1,
+                        uchar none, int change, ranks_t *ranks) {
     for (uint y = y0; y < y1; y++) {
         const uchar value = own[y * l->cells_x + x];
         if (value == none) continue;
@@ -274,7 +274,7 @@ static uchar value_at(const ranks_t *ranks, uint below) {
 }
 
 /* A row of cells: of the values around each but `none`, the one with `rank` tenths of the others below it. */
-static void rank_row(const cost_layout *l, __global const uchar *own, uint cell_row, uchar none, uint rank,
+static void rank_row(const sv_cost_layout *l, __global const uchar *own, uint cell_row, uchar none, uint rank,
                      uchar otherwise, __global uchar *to) {
     const uint y0 = cell_row - min(cell_row, (uint)SV_COST_WINDOW);
     const uint y1 = min(cell_row + SV_COST_WINDOW + 1, l->cells_y);
@@ -293,7 +293,8 @@ static void rank_row(const cost_layout *l, __global const uchar *own, uint cell_
 }
 
 /* One work item per row of cells: the walls by rank (0 if there is none around), then the backs (labels). */
-__kernel void cost_walls(cost_layout l, __global const uchar *restrict own, __global uchar *restrict walls) {
+__kernel void cost_walls(sv_cost_layout l, __global const uchar *restrict own,
+                         __global uchar *restrict walls) {
     const uint cell_row = (uint)get_global_id(0), cells = l.cells_x * l.cells_y;
     const uchar none = (uchar)l.labels;
     rank_row(&l, own, cell_row, none, 2, 0, walls);

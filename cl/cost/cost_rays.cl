@@ -2,8 +2,8 @@
 /*
  * Cost volume, along the rays: voxels to bins while the slabs come, then the grey levels of fluid and tissue.
  *
- * Bins lie as label, row, column (rows padded to 16 by zeros), so that a vector is one label of 16
- * neighbouring rays.
+ * Bins lie as label, row, column (rows padded to 16 by zeros), so that a vector is one label of
+ * 16 neighbouring rays.
  */
 #ifndef SV_METHOD_COST_CLH
 #include "cost/cost.clh"
@@ -67,7 +67,7 @@ static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y
 }
 
 /* A row of rays whose bins are single voxels. */
-static void copy_row(const slab_t *s, const cost_layout *l, uint first_slice, uint slice_count, uint y,
+static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint slice_count, uint y,
                      __global uchar16 *bins) {
     const uint vectors = l->padded_columns / SV_LANES, last = l->padded_columns - SV_LANES;
     const uchar16 inside = pixels_of(last, l->width);
@@ -93,7 +93,7 @@ static uchar16 rounded_mean(uint16 sum, uint16 count) {
 
 /* Sums and numbers of the scanned voxels of 16 pixels from x on, a multiple of 16, for the pixel rows of a
  * row of rays. If the bin goes on in the next slab they wait in `partial`, a pixel row each. */
-static void add_piece(const slab_t *s, const cost_layout *l, const piece_t *piece, uint x, uint row,
+static void add_piece(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint x, uint row,
                       __global ushort16 *partial, uint16 *sum, uint16 *count) {
     const uint pitch = (l->width + SV_LANES - 1) / SV_LANES, y1 = min((row + 1) * l->shrink, l->height);
     const uchar16 inside = pixels_of(x, l->width);
@@ -143,7 +143,7 @@ static uint16 shrunk(uint16 *values, uint shrink) {
 }
 
 /* A row of rays: the slices of one bin. */
-static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece, uint row,
+static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint row,
                     __global ushort16 *partial, __global uchar16 *bins) {
     uint16 sums[MOST_SHRINK], counts[MOST_SHRINK]; /* of the pixels of 16 rays */
     const uint vectors = l->padded_columns / SV_LANES;
@@ -164,7 +164,8 @@ static void add_row(const slab_t *s, const cost_layout *l, const piece_t *piece,
 __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
                         uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
                         uint ranged, uint padded_width, __global const ushort *restrict scanned,
-                        cost_layout l, __global ushort16 *restrict partial, __global uchar16 *restrict bins) {
+                        sv_cost_layout l, __global ushort16 *restrict partial,
+                        __global uchar16 *restrict bins) {
     const uint row = (uint)get_global_id(0);
     const size_t plane = (size_t)padded_width * l.height;
     const slab_t s = {.texture = slab + slab_offset,
@@ -177,17 +178,17 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
                       .first = scanned + SV_SCANNED_FIRST * plane,
                       .end = scanned + SV_SCANNED_END * plane,
                       .padded_width = padded_width};
-    if (l.shrink == 1 && l.per == 1) {
+    if (l.shrink == 1 && l.bin_slices == 1) {
         copy_row(&s, &l, first_slice, slice_count, row, bins);
         return;
     }
     piece_t piece;
     for (uint first = 0; first < slice_count; first += piece.count) {
         const uint slice = first_slice + first;
-        piece.bin = slice / l.per;
-        const uint end = min((piece.bin + 1) * l.per, l.slices);
+        piece.bin = slice / l.bin_slices;
+        const uint end = min((piece.bin + 1) * l.bin_slices, l.slices);
         piece.count = min(end - slice, slice_count - first);
-        piece.begun = slice > piece.bin * l.per;
+        piece.begun = slice > piece.bin * l.bin_slices;
         piece.ends = slice + piece.count == end;
         piece.first = slice;
         for (uint i = 0; i < piece.count; i++) piece.slice[i] = slice_at(&s, first + i);
@@ -197,7 +198,7 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
 
 /* One work item per row of cells: the histogram of the bins on its middle row. Four counters take turns, as
  * neighbours are often alike, and a counter must be written before it is read again. */
-__kernel void cost_survey(cost_layout l, __global const uchar *restrict bins,
+__kernel void cost_survey(sv_cost_layout l, __global const uchar *restrict bins,
                           __global uint *restrict histograms) {
     const uint cell_row = (uint)get_global_id(0);
     __global const uchar *row = bins + (size_t)middle_row(&l, cell_row) * l.padded_columns;
@@ -217,9 +218,10 @@ __kernel void cost_survey(cost_layout l, __global const uchar *restrict bins,
         histograms[cell_row * 256 + i] = counts[0][i] + counts[1][i] + counts[2][i] + counts[3][i];
 }
 
-/* One work item: the level of fluid, a sixth of the way from the mean of the dark class to that of the bright
- * one, and the latter. */
-__kernel void cost_level(cost_layout l, __global const uint *restrict histograms,
+/* One work item: T_L by isodata thresholding (the threshold lies midway between the means of the dark and the
+ * bright class, and is moved until it stays), then a sixth of the way from the dark mean to the bright one;
+ * and the latter. */
+__kernel void cost_level(sv_cost_layout l, __global const uint *restrict histograms,
                          __global uint *restrict info) {
     uint counts[256];
     ulong all = 0, total = 0;
@@ -230,18 +232,18 @@ __kernel void cost_level(cost_layout l, __global const uint *restrict histograms
         all += counts[i];
         total += (ulong)i * counts[i];
     }
-    ulong split = all > 0 ? total / all : 0, dark = 0, bright = 0;
+    ulong threshold = all > 0 ? total / all : 0, dark = 0, bright = 0;
     for (uint turn = 0; turn < 32; turn++) {
         ulong count = 0, sum = 0;
-        for (uint i = 1; i <= split; i++) {
+        for (uint i = 1; i <= threshold; i++) {
             count += counts[i];
             sum += (ulong)i * counts[i];
         }
         dark = count > 0 ? sum / count : 0;
-        bright = all > count ? (total - sum) / (all - count) : split;
+        bright = all > count ? (total - sum) / (all - count) : threshold;
         const ulong next = (dark + bright) / 2;
-        if (next == split) break;
-        split = next;
+        if (next == threshold) break;
+        threshold = next;
     }
     const bool fluid = bright >= 2 * dark; /* else there is none */
     info[SV_COST_INFO_LEVEL] = fluid ? max((uint)(dark + (bright - dark) / 6), 1u) : 0;

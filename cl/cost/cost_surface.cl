@@ -70,7 +70,7 @@ static void remember(float *cell, int labels, float memory, __global float *prev
 }
 
 /* One work item per row of cells. */
-__kernel void cost_minimum(cost_layout l, float8 weight, float memory, __global const uint *restrict info,
+__kernel void cost_minimum(sv_cost_layout l, float8 weight, float memory, __global const uint *restrict info,
                            __global float *restrict blurred, __global float *restrict previous,
                            __global float *restrict minima) {
     const int y = (int)get_global_id(0);
@@ -94,7 +94,7 @@ __kernel void cost_minimum(cost_layout l, float8 weight, float memory, __global 
 
 /* One work item per row of cells: the median of the valid places of the 3 x 3 neighbourhood (of an even
  * number, the mean of the middle two), drawn towards the viewer where nothing is sure. */
-__kernel void cost_median(cost_layout l, __global const uint *restrict info,
+__kernel void cost_median(sv_cost_layout l, __global const uint *restrict info,
                           __global const float *restrict minima, __global float *restrict smooth) {
     const int y = (int)get_global_id(0), nx = (int)l.cells_x, ny = (int)l.cells_y;
     if (!info[SV_COST_INFO_WANTED]) return;
@@ -112,10 +112,10 @@ __kernel void cost_median(cost_layout l, __global const uint *restrict info,
             }
         if (cell.w != 0.0f) {
             const float middle = 0.5f * (sorted[count / 2] + sorted[(count - 1) / 2]);
-            const float yield = SV_COST_YIELD * l.scale * (1.0f - cell.z);
+            const float shift = SV_COST_VIEWER_SHIFT * l.scale * (1.0f - cell.z);
             /* From here on in slices: depth, half the way from q = 0 to q = 1, confidence. */
-            cell.x = (middle - yield + 0.5f) * (float)l.per - 0.5f;
-            cell.y *= SV_COST_SPREAD * (float)l.per;
+            cell.x = (middle - shift + 0.5f) * (float)l.bin_slices - 0.5f;
+            cell.y *= SV_COST_SPREAD * (float)l.bin_slices;
         }
         vstore4(cell, (size_t)y * l.cells_x + (uint)x, smooth);
     }
@@ -128,7 +128,7 @@ static float cell_place(uint pixel, uint block, uint cells) {
 }
 
 /* One work item per row of pixels: bilinear between the cells. Without a surface, zeros. */
-__kernel void cost_leave(cost_layout l, uint padded_width, __global const uint *restrict info,
+__kernel void cost_leave(sv_cost_layout l, uint padded_width, __global const uint *restrict info,
                          __global const float *restrict smooth, __global float *restrict confidence,
                          __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);

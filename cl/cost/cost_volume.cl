@@ -27,14 +27,17 @@ typedef struct {
 
 /* What is kept of every bin of 16 rays while they are walked. */
 typedef struct {
-    short16 fluid[SV_COST_LABELS]; /* length of fluid from here on; then: bin at which bone parts the run that
-                                      starts here */
-    short16
-        light[SV_COST_LABELS]; /* brightest nearby, of the run so far; then: distance to the fluid behind */
-    float16 sure[SV_COST_LABELS];   /* of the run that starts here, or whose fluid begins here: that it is the
-                                       fetus */
-    float16 parted[SV_COST_LABELS]; /* the same of its part behind the bone's front */
-    float16 cost[SV_COST_LABELS];   /* summed over the rays so far */
+    /* Length of the fluid from here on; then: bin at which bone parts the run that starts here. */
+    short16 fluid[SV_COST_LABELS];
+
+    /* Brightest nearby, of the run so far; then: distance to the fluid behind. */
+    short16 light[SV_COST_LABELS];
+
+    /* Probability that the run that starts here, or whose fluid begins here, is the fetus; and of its part
+     * behind the bone's front. */
+    float16 fetus[SV_COST_LABELS], parted[SV_COST_LABELS];
+
+    float16 cost[SV_COST_LABELS]; /* summed over the rays so far */
 } bins16_t;
 
 static short16 load_bin(const rays_t *r, uint bin) {
@@ -47,7 +50,7 @@ static short16 load_nearby(const rays_t *r, uint bin) {
 
 /* Length of the fluid that every bin begins or continues; scanned tissue thinner than `thin` counts as fluid.
  * Returns which rays were scanned. */
-static short16 walk_fluid(const cost_layout *l, const rays_t *r, short16 *fluid) {
+static short16 walk_fluid(const sv_cost_layout *l, const rays_t *r, short16 *fluid) {
     short16 run = (short16)(0), length = run, scanned = run;
     for (uint bin = 0; bin < l->labels; bin++) {
         const short16 v = load_bin(r, bin);
@@ -66,7 +69,7 @@ static short16 walk_fluid(const cost_layout *l, const rays_t *r, short16 *fluid)
 }
 
 /* The intervals: `fluid` becomes a mask, `light` the brightest nearby in the run of tissue so far. */
-static void walk_intervals(const cost_layout *l, rays_t *r, short16 *fluid, short16 *light) {
+static void walk_intervals(const sv_cost_layout *l, rays_t *r, short16 *fluid, short16 *light) {
     const short16 none = (short16)(0);
     const short16 from = select((short16)(FAR_AWAY), max(r->wall - (short)l->solid, none), r->wall > none);
     short16 before = none, inside = none, most = none, longest = none;
@@ -127,7 +130,7 @@ static void part_take(part_t *p, const part_t *other, short16 mask) {
 typedef struct {
     part_t all, front, rear; /* so far; before the foremost bone so far; from that on */
     short16 place;           /* of that bone; -1: none yet */
-    float16 behind, next;    /* surest run behind; the run whose fluid comes next */
+    float16 behind, next;    /* most probable run behind; the run whose fluid comes next */
 } runs_t;
 
 static void runs_add(runs_t *runs, short16 at, short16 tissue, short16 own, short16 nearby, short16 is_bone) {
@@ -143,25 +146,27 @@ static float16 logistic(float16 x) {
     return 1.0f / (1.0f + exp(-x));
 }
 
-/* How sure the parts are the fetus, 0 where `asked` is not set or the tissue is too thin. `behind`: the
- * surest farther back, which they join. */
-static float16 judge_part(const cost_layout *l, const part_t *p, float unit, short16 asked, short16 touching,
-                          float16 *behind) {
+/* Probability that the parts are the fetus, 0 where `asked` is not set or the tissue is too thin. `behind`:
+ * the largest farther back, which they join. */
+static float16 judge_part(const sv_cost_layout *l, const part_t *p, float unit, short16 asked,
+                          short16 touching, float16 *behind) {
     const float16 nearby = convert_float16(p->nearby) * unit, own = convert_float16(p->own) * unit;
-    const float slim = SV_COST_SLIM * l->scale, stout = SV_COST_STOUT * l->scale;
-    const float16 thick = clamp((convert_float16(p->tissue) - slim) / (stout - slim), 0.0f, 1.0f);
+    const float from = SV_COST_THICK_FROM * l->scale, full = SV_COST_THICK_FULL * l->scale;
+    const float16 thick = clamp((convert_float16(p->tissue) - from) / (full - from), 0.0f, 1.0f);
     const float16 plain = SV_COST_NEARBY * nearby + SV_COST_OWN * own + SV_COST_THICK * thick + SV_COST_BIAS;
     const float16 evidence =
         select(plain, SV_COST_WALL * nearby + SV_COST_WALL_BIAS, convert_int16(touching));
     const int16 counts = convert_int16(asked & (p->tissue >= (short16)((short)l->thin)));
-    const float16 sure = select((float16)(0.0f), logistic(evidence - SV_COST_DOUBT * *behind), counts);
+    const float16 fetus =
+        select((float16)(0.0f), logistic(evidence - SV_COST_BEHIND_PENALTY * *behind), counts);
     *behind = max(*behind, select((float16)(0.0f), logistic(evidence), counts));
-    return sure;
+    return fetus;
 }
 
-/* At the fronts of runs: how sure they are, and their parts behind the bone. Gives back the bins of those. */
-static short16 runs_judge(const cost_layout *l, rays_t *r, float unit, short16 at, short16 starts,
-                          runs_t *runs, float16 *sure, float16 *parted) {
+/* At the fronts of runs: their probability, and that of their parts behind the bone. Gives back the
+ * bins of those. */
+static short16 runs_judge(const sv_cost_layout *l, rays_t *r, float unit, short16 at, short16 starts,
+                          runs_t *runs, float16 *fetus, float16 *parted) {
     const short16 splits = starts & (runs->place >= at + (short)l->split);
     const short16 touches = r->touching & (at == r->wall);
     part_t one = runs->all;
@@ -172,13 +177,14 @@ static short16 runs_judge(const cost_layout *l, rays_t *r, float unit, short16 a
     r->weight = select(r->weight, r->weight * (2.0f * now - 1.0f) * (2.0f * now - 1.0f), votes);
     r->none *= (1.0f - *parted) * (1.0f - now);
     runs->next = select(runs->next, now, convert_int16(starts));
-    *sure = select(*sure, now, convert_int16(starts));
+    *fetus = select(*fetus, now, convert_int16(starts));
     return select((short16)(-1), runs->place, splits);
 }
 
-/* From the back: how sure every run is the fetus. `unit`: 1 over the sum that tissue of mean brightness has;
- * `bone`: a sum from which on tissue is bone. What lies behind the last interval is the back of the sac. */
-static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, bins16_t *w) {
+/* From the back: the probability that every run is the fetus. `unit`: 1 over the sum that tissue of mean
+ * brightness has; `bone`: a sum from which on tissue is bone. What lies behind the last interval is the back
+ * of the sac. */
+static void walk_runs(const sv_cost_layout *l, rays_t *r, float unit, short bone, bins16_t *w) {
     const short16 none = (short16)(0);
     const part_t empty = {none, none, none};
     runs_t runs = {empty, empty, empty, (short16)(-1), (float16)(0.0f), (float16)(0.0f)};
@@ -198,13 +204,14 @@ static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, b
 
         const short16 nearby = load_nearby(r, bin), tissue = in_run & (load_bin(r, bin) > r->level);
         const short16 own = convert_short16(vload16(0, r->sums + bin * r->plane));
-        const short16 is_bone =
-            tissue & (most >= (short16)(bone)) & (min(most - nearby, (short16)(1000)) * (short)9 <= nearby);
+        const short16 is_bone = tissue & (most >= (short16)(bone)) &
+                                (min(most - nearby, (short16)(1000)) * (short)SV_COST_FRONT <=
+                                 nearby * (short)(10 - SV_COST_FRONT));
         runs_add(&runs, at, tissue, own, nearby, is_bone);
-        w->sure[bin] = select((float16)(0.0f), runs.next, convert_int16(begins));
+        w->fetus[bin] = select((float16)(0.0f), runs.next, convert_int16(begins));
         w->parted[bin] = (float16)(0.0f);
         if (any(starts))
-            w->fluid[bin] = runs_judge(l, r, unit, at, starts, &runs, &w->sure[bin], &w->parted[bin]);
+            w->fluid[bin] = runs_judge(l, r, unit, at, starts, &runs, &w->fetus[bin], &w->parted[bin]);
         runs.next = select(runs.next, (float16)(0.0f), convert_int16(begins));
         part_keep(&runs.all, in_run & ~starts);
         part_keep(&runs.front, in_run & ~starts);
@@ -213,7 +220,7 @@ static void walk_runs(const cost_layout *l, rays_t *r, float unit, short bone, b
 }
 
 /* Adds the costs of 16 rays. */
-static void walk_costs(const cost_layout *l, const rays_t *r, bins16_t *w) {
+static void walk_costs(const sv_cost_layout *l, const rays_t *r, bins16_t *w) {
     const float16 per_bin = (float16)(1.0f / (SV_COST_TAU * l->scale));
     const int16 is_open = convert_int16(r->first != (short16)(FAR_AWAY));
     const float16 other = select((float16)(0.0f), SV_COST_OTHER * r->none, is_open);
@@ -223,7 +230,7 @@ static void walk_costs(const cost_layout *l, const rays_t *r, bins16_t *w) {
         const short16 at = (short16)((short)bin), before = inside;
         inside = w->light[bin] == (short16)(0);
         const int16 starts = convert_int16(before & ~inside), begins = convert_int16(inside & ~before);
-        const float16 here = none * w->sure[bin];
+        const float16 here = none * w->fetus[bin];
         passed += select((float16)(0.0f), here, begins);
         cut += select((float16)(0.0f), here, starts);
         none -= select((float16)(0.0f), here, starts);
@@ -246,14 +253,14 @@ static void walk_costs(const cost_layout *l, const rays_t *r, bins16_t *w) {
 }
 
 /* The wall or back of the cell that each of 16 rays is in. */
-static short16 cells_of(const cost_layout *l, __global const uchar *row, uint x) {
+static short16 cells_of(const sv_cost_layout *l, __global const uchar *row, uint x) {
     short16 lanes;
     for (uint i = 0; i < SV_LANES; i++) ((short *)&lanes)[i] = row[min((x + i) / l->block, l->cells_x - 1)];
     return lanes;
 }
 
 /* Hands lane i of `value` to the cell of ray x + i. */
-static void to_cells(const cost_layout *l, __global float *cells, uint slot, uint x, float16 value) {
+static void to_cells(const sv_cost_layout *l, __global float *cells, uint slot, uint x, float16 value) {
     const uint count = min((uint)SV_LANES, l->columns - x);
     const float *lanes = (const float *)&value;
     for (uint i = 0; i < count; i++) cells[(x + i) / l->block * SV_COST_VALUES + slot] += lanes[i];
@@ -268,13 +275,13 @@ static uint count_lanes(short16 mask, uint lanes) {
 
 /* One work item per row of cells. `walls`: wall, then back of every cell. `counts`: scanned rays and rays
  * with a fluid interval, per row of cells. */
-__kernel void cost_gather(cost_layout l, __global const uchar *restrict bins,
+__kernel void cost_gather(sv_cost_layout l, __global const uchar *restrict bins,
                           __global const ushort *restrict sums, __global const ushort *restrict nearby,
                           __global const uchar *restrict walls, __global const uint *restrict info,
                           __global float *restrict volume, __global uint *restrict counts) {
     const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block, y1 = min(y0 + l.block, l.rows);
     const float bright = (float)info[SV_COST_INFO_BRIGHT];
-    const short bone = (short)((81 * info[SV_COST_INFO_BRIGHT] + 1) / 2);
+    const short bone = (short)((SV_COST_BONE * SV_COST_NEIGHBOURS * info[SV_COST_INFO_BRIGHT] + 1) / 2);
     __global float *cells = cell_at(volume, &l, 0, cell_row);
     __global const uchar *wall = walls + (size_t)cell_row * l.cells_x,
                          *back = wall + (size_t)l.cells_x * l.cells_y;
@@ -298,7 +305,7 @@ __kernel void cost_gather(cost_layout l, __global const uchar *restrict bins,
             const short16 scanned = walk_fluid(&l, &r, w.fluid);
             r.weight = select((float16)(0.0f), (float16)(1.0f), convert_int16(scanned));
             walk_intervals(&l, &r, w.fluid, w.light);
-            walk_runs(&l, &r, 1.0f / (27.0f * bright), bone, &w);
+            walk_runs(&l, &r, 1.0f / ((float)SV_COST_NEIGHBOURS * bright), bone, &w);
             walk_costs(&l, &r, &w);
             const short16 opens = r.first != (short16)(FAR_AWAY);
             weight += r.weight;
@@ -315,8 +322,8 @@ __kernel void cost_gather(cost_layout l, __global const uchar *restrict bins,
 }
 
 /* One work item: whether the frame has a surface. */
-__kernel void cost_decide(cost_layout l, __global const uint *restrict counts, __global uint *restrict info,
-                          __global uint *restrict record) {
+__kernel void cost_decide(sv_cost_layout l, __global const uint *restrict counts,
+                          __global uint *restrict info, __global uint *restrict record) {
     uint scanned = 0, open = 0;
     for (uint row = 0; row < l.cells_y; row++) {
         scanned += counts[2 * row];
@@ -332,7 +339,7 @@ __kernel void cost_decide(cost_layout l, __global const uint *restrict counts, _
 }
 
 /* One work item per row of cells: the Gaussian along x. weight.s0 .. s4: at 0 .. 4 cells. */
-__kernel void cost_blur(cost_layout l, float8 weight, __global const uint *restrict info,
+__kernel void cost_blur(sv_cost_layout l, float8 weight, __global const uint *restrict info,
                         __global float *restrict volume, __global float *restrict blurred) {
     const uint y = (uint)get_global_id(0);
     if (!info[SV_COST_INFO_WANTED]) return;

@@ -25,7 +25,7 @@
     const size_t i = (level).offset + (size_t)y * (level).width + x
 
 /* One row per work item: count of its points and sums of their depths, 3 values a row. */
-__kernel void grid_sums(grid_level level, uint padded_width, __global const float *maps,
+__kernel void grid_sums(sv_grid_level level, uint padded_width, __global const float *maps,
                         __global real *partial, __global const uint *record) {
     if (!surface_wanted(record)) return;
     __global const float *near = maps + get_global_id(0) * padded_width;
@@ -44,7 +44,7 @@ __kernel void grid_sums(grid_level level, uint padded_width, __global const floa
 }
 
 /* One work item: the mean depths. */
-__kernel void grid_means(grid_level level, __global const real *partial, __global real *scalars,
+__kernel void grid_means(sv_grid_level level, __global const real *partial, __global real *scalars,
                          __global const uint *record) {
     if (!surface_wanted(record)) return;
     real sums[3] = {0, 0, 0};
@@ -55,7 +55,7 @@ __kernel void grid_means(grid_level level, __global const real *partial, __globa
 
 /* Data weights, and the right-hand side for depths less their mean: then rounding errors scale with how much
  * the depths differ, not with how deep they are. */
-__kernel void grid_enter(grid_level level, uint padded_width, float weight, uint planes,
+__kernel void grid_enter(sv_grid_level level, uint padded_width, float weight, uint planes,
                          __global const float *maps, __global const real *scalars, __global real *weights,
                          __global real *b, __global const uint *record) {
     GRID_PIXEL(level);
@@ -75,7 +75,7 @@ __kernel void grid_enter(grid_level level, uint padded_width, float weight, uint
  * this: the equations that are solved do not change.
  */
 #define GRID_MOST_WEIGHT 3
-__kernel void grid_weights(grid_level fine, grid_level coarse, uint planes, __global real *weights,
+__kernel void grid_weights(sv_grid_level fine, sv_grid_level coarse, uint planes, __global real *weights,
                            __global real *b, __global const uint *record) {
     GRID_PIXEL(coarse);
     const real most = GRID_MOST_WEIGHT * (4 * coarse.tension + 20 * coarse.bending);
@@ -88,8 +88,8 @@ __kernel void grid_weights(grid_level fine, grid_level coarse, uint planes, __gl
 }
 
 /* to = from + scale (b - A from), scale = omega / diagonal; for one pixel. */
-static real grid_relax(const grid_level *l, float omega, __global const real *weights, __global const real *b,
-                       __global const real *from, int x, int y, size_t i) {
+static real grid_relax(const sv_grid_level *l, float omega, __global const real *weights,
+                       __global const real *b, __global const real *from, int x, int y, size_t i) {
     const real scale = omega / (grid_diagonal(l, x, y) + weights[i]);
     const real applied = grid_apply(l, from + l->offset, x, y) + weights[i] * from[i];
     return from[i] + scale * (b[i] - applied);
@@ -99,9 +99,9 @@ static real grid_relax(const grid_level *l, float omega, __global const real *we
  * A smoothing step, 8 pixels of a row per work item: to = from + omega (b - A from) / diagonal. From 0
  * (`zero`) nothing need be applied.
  */
-__kernel void grid_smooth(grid_level level, uint planes, float omega, uint zero, __global const real *weights,
-                          __global const real *b, __global const real *from, __global real *to,
-                          __global const uint *record) {
+__kernel void grid_smooth(sv_grid_level level, uint planes, float omega, uint zero,
+                          __global const real *weights, __global const real *b, __global const real *from,
+                          __global real *to, __global const uint *record) {
     GRID_ROW8(level);
     const real inner = 4 * level.tension + 20 * level.bending;
     for (uint p = 0; p < planes; p++) {
@@ -125,7 +125,7 @@ __kernel void grid_smooth(grid_level level, uint planes, float omega, uint zero,
 }
 
 /* 8 pixels of a row per work item: to = b - A from; without `b`: to = A from. */
-__kernel void grid_residual(grid_level level, uint planes, uint with_b, __global const real *weights,
+__kernel void grid_residual(sv_grid_level level, uint planes, uint with_b, __global const real *weights,
                             __global const real *b, __global const real *from, __global real *to,
                             __global const uint *record) {
     GRID_ROW8(level);
@@ -145,8 +145,8 @@ __kernel void grid_residual(grid_level level, uint planes, uint with_b, __global
     }
 }
 
-__kernel void grid_restrict(grid_level fine, grid_level coarse, uint planes, __global const real *residual,
-                            __global real *b, __global const uint *record) {
+__kernel void grid_restrict(sv_grid_level fine, sv_grid_level coarse, uint planes,
+                            __global const real *residual, __global real *b, __global const uint *record) {
     GRID_PIXEL(coarse);
     for (uint p = 0; p < planes; p++) {
         const size_t at = p * (size_t)fine.pixels;
@@ -155,7 +155,7 @@ __kernel void grid_restrict(grid_level fine, grid_level coarse, uint planes, __g
 }
 
 /* The coarse level, linear between its pixels, in place of the fine one, or added to it. */
-__kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, uint add, __global real *s,
+__kernel void grid_prolong(sv_grid_level fine, sv_grid_level coarse, uint planes, uint add, __global real *s,
                            __global const uint *record) {
     GRID_PIXEL(fine);
     const uint u0 = x / 2, u1 = grid_parent(x, coarse.width);
@@ -171,7 +171,7 @@ __kernel void grid_prolong(grid_level fine, grid_level coarse, uint planes, uint
 }
 
 /* One row per work item: its part of a . b, per plane. */
-__kernel void grid_dot(grid_level level, uint planes, __global const real *a, __global const real *b,
+__kernel void grid_dot(sv_grid_level level, uint planes, __global const real *a, __global const real *b,
                        __global real *partial, __global const uint *record) {
     if (!surface_wanted(record)) return;
     const size_t row = get_global_id(0) * level.width;
@@ -183,9 +183,9 @@ __kernel void grid_dot(grid_level level, uint planes, __global const real *a, __
     }
 }
 
-/* One work item: the step length (alpha, from p . A p) or the new direction's share of the old (beta, from r
- * . z). */
-__kernel void grid_scalar(grid_level level, uint planes, uint beta, __global const real *partial,
+/* One work item: the step length (alpha, from p . A p) or the new direction's share of the old (beta, from
+ * r . z). */
+__kernel void grid_scalar(sv_grid_level level, uint planes, uint beta, __global const real *partial,
                           __global real *scalars, __global const uint *record) {
     if (!surface_wanted(record)) return;
     for (uint p = 0; p < planes; p++) {
@@ -203,7 +203,7 @@ __kernel void grid_scalar(grid_level level, uint planes, uint beta, __global con
 }
 
 /* S += alpha p, r -= alpha A p. */
-__kernel void grid_advance(grid_level level, uint planes, __global const real *scalars,
+__kernel void grid_advance(sv_grid_level level, uint planes, __global const real *scalars,
                            __global const real *direction, __global const real *applied,
                            __global real *solution, __global real *r, __global const uint *record) {
     GRID_PIXEL(level);
@@ -216,7 +216,7 @@ __kernel void grid_advance(grid_level level, uint planes, __global const real *s
 }
 
 /* S += z. */
-__kernel void grid_add(grid_level level, uint planes, __global const real *z, __global real *solution,
+__kernel void grid_add(sv_grid_level level, uint planes, __global const real *z, __global real *solution,
                        __global const uint *record) {
     GRID_PIXEL(level);
     for (uint p = 0; p < planes; p++)
@@ -224,8 +224,8 @@ __kernel void grid_add(grid_level level, uint planes, __global const real *z, __
 }
 
 /* p = z + beta p. */
-__kernel void grid_turn(grid_level level, uint planes, __global const real *scalars, __global const real *z,
-                        __global real *direction, __global const uint *record) {
+__kernel void grid_turn(sv_grid_level level, uint planes, __global const real *scalars,
+                        __global const real *z, __global real *direction, __global const uint *record) {
     GRID_PIXEL(level);
     for (uint p = 0; p < planes; p++) {
         const size_t at = p * (size_t)level.pixels + i;
@@ -234,7 +234,7 @@ __kernel void grid_turn(grid_level level, uint planes, __global const real *scal
     }
 }
 
-__kernel void grid_leave(grid_level level, uint padded_width, uint planes, __global const real *scalars,
+__kernel void grid_leave(sv_grid_level level, uint padded_width, uint planes, __global const real *scalars,
                          __global const real *solution, __global float *surfaces,
                          __global const uint *record) {
     GRID_PIXEL(level);

@@ -3,6 +3,9 @@
 #ifndef SV_METHOD_COMMON_CLH
 #include "common/method_common.clh"
 #endif
+#ifndef SV_MEAN_SHARED_H
+#include "mean/mean_shared.h"
+#endif
 
 /*
  * One pixel per work item, those of the rows' padding included: the sums of the initial points, of 16, 32 or

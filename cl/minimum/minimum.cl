@@ -8,9 +8,11 @@
 #ifndef SV_METHOD_COMMON_CLH
 #include "common/method_common.clh"
 #endif
+#ifndef SV_MINIMUM_SHARED_H
+#include "minimum/minimum_shared.h"
+#endif
 
-#define SV_MIN_MARGIN 32 /* at least SV_MAX_K / 2 */
-#define EVERY_PASS    0xffffffffu
+#define EVERY_PASS 0xffffffffu
 
 static size_t margin_stride(uint padded_width) {
     return (size_t)padded_width + 2 * SV_MIN_MARGIN;

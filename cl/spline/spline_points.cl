@@ -138,7 +138,7 @@ __kernel void spline_frame(uint stride, __global real *restrict vectors, __globa
                            __global uint *restrict info) {
     const uint n = info[INFO_POINTS];
     if (n == 0) return;
-    for (uint i = 0; i < FRAME_WORDS; i++) frame[i] = 0;
+    for (uint i = 0; i < SV_SPLINE_FRAME_WORDS; i++) frame[i] = 0;
     spline_centre(vectors, stride, n, frame);
     __global real *v = vectors + VECTOR_V * stride;
     for (uint c = 0; c < 3; c++)

@@ -99,12 +99,12 @@ __kernel void spline_matrix(uint stride, float lambda, __global const real *rest
     out[row] += lambda;
 }
 
-/* One work item: the factor of panel `number`'s diagonal block. A pivot that is too small leaves its unknown
- * out. */
+/* One work item: the factor of panel `number`'s diagonal block. A pivot that is too small leaves
+ * its unknown out. */
 __kernel void spline_diagonal(uint stride, uint number, __global real *restrict matrix,
                               __global real *restrict frame, __global uint *restrict info) {
     const uint size = info[INFO_POINTS] - info[INFO_RANK];
-    const uint first = number * SPLINE_PANEL, end = min(first + SPLINE_PANEL, size);
+    const uint first = number * SV_SPLINE_PANEL, end = min(first + SV_SPLINE_PANEL, size);
     __global real *pivots = frame + FRAME_PIVOTS;
     if (info[INFO_POINTS] == 0 || first >= size) return;
     if (number == 0) {
@@ -136,7 +136,7 @@ __kernel void spline_diagonal(uint stride, uint number, __global real *restrict 
 __kernel void spline_below(uint stride, uint number, __global real *restrict matrix,
                            __global real *restrict panel, __global const uint *restrict info) {
     const uint size = info[INFO_POINTS] - info[INFO_RANK];
-    const uint first = number * SPLINE_PANEL, end = min(first + SPLINE_PANEL, size);
+    const uint first = number * SV_SPLINE_PANEL, end = min(first + SV_SPLINE_PANEL, size);
     const uint row = end + (uint)get_global_id(0);
     if (info[INFO_POINTS] == 0 || first >= size || row >= size + 2) return;
     __global real *mine = matrix + (size_t)row * stride;
@@ -149,20 +149,21 @@ __kernel void spline_below(uint stride, uint number, __global real *restrict mat
     }
 }
 
-/* SPLINE_TILE rows by SPLINE_SPAN columns behind the panel per work item: minus panel times its transpose. */
+/* SV_SPLINE_TILE rows by SV_SPLINE_SPAN columns behind the panel per work item: minus panel
+ * times its transpose. */
 __kernel void spline_trailing(uint stride, uint number, __global real *restrict matrix,
                               __global const real *restrict panel, __global const uint *restrict info) {
     const uint size = info[INFO_POINTS] - info[INFO_RANK];
-    const uint first = (number + 1) * SPLINE_PANEL;
-    const uint row = first + (uint)get_global_id(1) * SPLINE_TILE;
-    const uint left = first + (uint)get_global_id(0) * SPLINE_SPAN;
-    const uint right = min(left + SPLINE_SPAN, min(row + SPLINE_TILE, size));
+    const uint first = (number + 1) * SV_SPLINE_PANEL;
+    const uint row = first + (uint)get_global_id(1) * SV_SPLINE_TILE;
+    const uint left = first + (uint)get_global_id(0) * SV_SPLINE_SPAN;
+    const uint right = min(left + SV_SPLINE_SPAN, min(row + SV_SPLINE_TILE, size));
     if (info[INFO_POINTS] == 0 || first >= size || row >= size + 2) return;
     for (uint column = left; column < right; column += 8) {
-        real8 sums[SPLINE_TILE];
-        for (uint r = 0; r < SPLINE_TILE; r++)
+        real8 sums[SV_SPLINE_TILE];
+        for (uint r = 0; r < SV_SPLINE_TILE; r++)
             sums[r] = vload8(0, matrix + (size_t)(row + r) * stride + column);
-        for (uint k = 0; k < SPLINE_PANEL; k++) {
+        for (uint k = 0; k < SV_SPLINE_PANEL; k++) {
             const real8 across = vload8(0, panel + (size_t)k * stride + column);
             const real8 down = -vload8(0, panel + (size_t)k * stride + row);
             sums[0] = fma((real8)(down.s0), across, sums[0]);
@@ -174,7 +175,7 @@ __kernel void spline_trailing(uint stride, uint number, __global real *restrict 
             sums[6] = fma((real8)(down.s6), across, sums[6]);
             sums[7] = fma((real8)(down.s7), across, sums[7]);
         }
-        for (uint r = 0; r < SPLINE_TILE; r++)
+        for (uint r = 0; r < SV_SPLINE_TILE; r++)
             vstore8(sums[r], 0, matrix + (size_t)(row + r) * stride + column);
     }
 }

@@ -108,7 +108,7 @@ static void show_pictures(demo *d, const hs_run *run, const char *folder, bool c
     show(d, folder, "result.png",
          clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, unclipped",
          clipped ? "Result: rays start at the plugin's clipping depthmap" : "Result: rendered unclipped");
-    if (run->source.truths)
+    if (hs_source_truth(&run->source, 0))
         show(d, folder, "truth.png", "Rendering of the ground truth",
              "Ground truth: the scene without what hides the fetus");
     hs_page_row_end(&d->report);

@@ -40,7 +40,7 @@ static bool open_plugin(hs_run *run, hs_error *err) {
 static bool open_source(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
     if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
-    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->read, err);
+    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->read, &r->scanned, err);
 }
 
 bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {

@@ -83,9 +83,10 @@ static hs_measures unknown(void) {
 static bool measure_truth(const hs_eval_case *c, hs_measures *out, hs_error *err) {
     const hs_eval_table *t = &c->table;
     *out = unknown();
-    if (!c->from.source.scenes) return true;
+    const hs_scene_data *scene = hs_source_scene_data(&c->from.source, 0);
+    if (!scene) return true;
     const hs_volume *full = hs_source_volume(&c->from.source, 0);
-    const float *clip = c->from.source.scenes[0].clip;
+    const float *clip = scene->clip;
     float *map = calloc((size_t)t->width * t->height, sizeof *map);
     if (!map) return hs_fail(err, HS_ERR_MEMORY, "true surface: no memory for a map");
     for (uint32_t y = 0; y < t->height; y++)

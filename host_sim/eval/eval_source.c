@@ -48,18 +48,15 @@ static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
     if (!split(names, part))
         return hs_fail(err, HS_ERR_USAGE, "'%s': expected three files, FULL,TRUTH,LABEL", names);
     const char *const full = part[0];
-    if (!hs_source_open_files(&s->source, &full, 1, NULL, err)) return false;
+    if (!hs_source_open_files(&s->source, &full, 1, NULL, NULL, err)) return false;
     const hs_volume *volume = hs_source_volume(&s->source, 0);
     if (!hs_metaimage_read(part[1], NULL, &s->given_truth, err) ||
         !check_truth(volume, &s->given_truth, part[1], err) ||
         !hs_metaimage_read(part[2], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[2], err))
         return false;
-    s->source.truths = calloc(1, sizeof *s->source.truths);
-    if (!s->source.truths) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory", part[1]);
-    s->source.truths[0] = &s->given_truth;
     s->label = s->given_label.voxels;
-    return true;
+    return hs_source_set_truth(&s->source, &s->given_truth, err);
 }
 
 static bool open_scene(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {
@@ -69,7 +66,7 @@ static bool open_scene(hs_eval_source *s, const hs_eval_request *request, hs_err
                                    .volumes = 1,
                                    .real = strcmp(request->name, "real") == 0 ? request->real : NULL};
     if (!hs_source_open_scene(&s->source, &scene, err)) return false;
-    s->label = s->source.scenes[0].label;
+    s->label = hs_source_scene_data(&s->source, 0)->label;
     return true;
 }
 

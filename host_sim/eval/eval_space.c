@@ -60,14 +60,10 @@ static bool run_item(hs_eval_space *space, hs_eval_case *c, uint32_t item, hs_er
 }
 
 bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shard, hs_eval_keep_fn keep,
-                       void *context, hs_progress *progress, hs_error *err) {
-    const uint32_t mine = (space->items - shard.index + shard.count - 1) / shard.count;
-    uint32_t number = 0;
-    for (uint32_t item = shard.index; item < space->items; item += shard.count) {
-        number++;
-        if (hs_eval_space_done(space, item)) continue;
-        if (!run_item(space, c, item, err) || !keep(context, space, item, err)) return false;
-        if (progress) hs_progress_step(progress, (uint64_t)number * progress->total / mine);
-    }
+                       void *context, hs_error *err) {
+    for (uint32_t item = shard.index; item < space->items; item += shard.count)
+        if (!hs_eval_space_done(space, item) &&
+            (!run_item(space, c, item, err) || !keep(context, space, item, err)))
+            return false;
     return true;
 }

@@ -3,7 +3,6 @@
 #ifndef HS_EVAL_SPACE_H
 #define HS_EVAL_SPACE_H
 
-#include "base/progress.h"
 #include "eval/eval_options.h"
 #include "eval/eval_plan.h"
 
@@ -32,8 +31,8 @@ void hs_eval_space_put(hs_eval_space *space, uint32_t item, uint32_t knob, sv_st
 /* Told of every item as soon as its results are there; false, with an error, ends the run. */
 typedef bool (*hs_eval_keep_fn)(void *context, const hs_eval_space *space, uint32_t item, hs_error *err);
 
-/* Runs the shard's items that are not done yet. `progress` may be NULL. */
+/* Runs the shard's items that are not done yet, in their order. */
 bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shard, hs_eval_keep_fn keep,
-                       void *context, hs_progress *progress, hs_error *err);
+                       void *context, hs_error *err);
 
 #endif

@@ -17,10 +17,18 @@ typedef struct {
     hs_volume *files;          /* ... or volumes read from files */
 } hs_source;
 
-/* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read. HS_ERR_INPUT if one cannot
- * be read, or differs from the first in size or spacing: the message names both. */
+/* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
+ * the scan. */
+typedef struct {
+    const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
+} hs_source_scanned;
+
+/* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read; `scanned` (or NULL) holds
+ * for all of them. HS_ERR_INPUT if one cannot be read, or differs from the first in size or spacing: the
+ * message names both. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
-                          const hs_metaimage_options *options, hs_error *err);
+                          const hs_metaimage_options *options, const hs_source_scanned *scanned,
+                          hs_error *err);
 
 /* Which scene, and how much of it. */
 typedef struct {
@@ -40,5 +48,13 @@ void hs_source_close(hs_source *source);
 /* The volume of frame `index`, and its ground truth or NULL. */
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
+
+/* What the scene of frame `index` consists of, its label map and clipping surface included; NULL for files.
+ * Owned by the source. */
+const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index);
+
+/* Gives a source of one file a ground truth of the same size. It is borrowed and must outlive the source.
+ * HS_ERR_MEMORY. */
+bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err);
 
 #endif

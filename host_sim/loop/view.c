@@ -25,7 +25,7 @@ static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
     view->status = calloc(rays, 1);
     bool ok = view->result && view->full && view->mip && view->termination && view->full_termination &&
               view->depth && view->status;
-    if (ok && loop->source->truths) ok = (view->truth = malloc(pixels * 4)) != NULL;
+    if (ok && hs_source_truth(loop->source, 0)) ok = (view->truth = malloc(pixels * 4)) != NULL;
     return ok ||
            hs_fail(err, HS_ERR_MEMORY, "pictures: no memory for %u x %u pixels", view->width, view->height);
 }

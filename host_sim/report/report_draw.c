@@ -45,7 +45,7 @@ bool hs_eval_save_rgba(const uint8_t *rgba, uint32_t side, const char *folder, c
 hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
     hs_loop_options options;
     hs_loop_defaults(&options);
-    options.frames = d->frames ? d->frames : 1;
+    options.frames = 1;
     options.lowres = d->c->table.width;
     options.dvr.width = options.dvr.height = d->pixels;
     options.dvr.exposure = EXPOSURE;

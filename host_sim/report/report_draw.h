@@ -17,7 +17,6 @@ typedef struct {
     const hs_plugin *plugin;
     const hs_eval_case *c;
     const hs_eval_values *values;
-    uint32_t frames; /* 0: one */
     uint32_t pixels; /* of the picture's sides */
     float ghost;     /* steps before the surface that are ghosted (s = w); 0: a hard cut */
 } hs_eval_drawing;

@@ -2,6 +2,7 @@
 #include "report/report_pictures.h"
 
 #include "base/paths.h"
+#include "eval/eval_speed.h"
 #include "report/loop_pictures.h"
 #include "report/picture_map.h"
 #include "report/report_draw.h"
@@ -11,12 +12,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#define TURNED       192u  /* of the slider's pictures: there are many */
-#define TIMED        512u  /* pixels per side where speed is measured (spec 5) */
-#define CURVE_CASE   "E04" /* of the thesis' Figure 5.20 */
-#define CURVE_FRAMES 3u
+#define TURNED 192u /* of the slider's pictures: there are many */
 
 static bool save_error(const hs_eval_case *c, const char *folder, const char *name, hs_error *err) {
     static const hs_signed_words words = {
@@ -38,27 +35,6 @@ static bool save_error(const hs_eval_case *c, const char *folder, const char *na
     ok = ok && hs_eval_save_errors(error, c->table.width, c->table.height, folder, "error_rays.png", err);
     free(error);
     return ok;
-}
-
-/* Figure 5.20: frames of the plugin a second over kernel, for some thresholds. */
-static bool time_curves(hs_eval_study *study, const hs_eval_space *space, hs_eval_case *c, hs_error *err) {
-    const hs_eval_plan *plan = &study->plan;
-    if (!plan->threshold.exists || !plan->kernel.exists) return true;
-    (void)snprintf(study->curve_case, sizeof study->curve_case, "%s", space->name);
-    for (uint32_t i = 0; i < HS_EVAL_CURVES; i++) {
-        const uint32_t t = plan->threshold.count * i / HS_EVAL_CURVES;
-        study->curve_threshold[i] = plan->threshold.value[t];
-        for (uint32_t k = 0; k < plan->kernel.count; k++) {
-            hs_eval_values values;
-            double ms;
-            if (!hs_eval_study_values(study, (hs_eval_pick){t, k, 0}, &values, err) ||
-                !hs_eval_case_time(c, &values, CURVE_FRAMES, &ms, err))
-                return false;
-            study->curve_fps[i][k] = 1e3 / ms;
-        }
-    }
-    study->curves = HS_EVAL_CURVES;
-    return true;
 }
 
 /* The slider's pictures, from one frame. */
@@ -87,12 +63,8 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
 
 static hs_eval_drawing drawing_of(const hs_eval_study *study, const hs_eval_case *c,
                                   const hs_eval_values *values, uint32_t pixels) {
-    return (hs_eval_drawing){.cl = &study->cl,
-                             .plugin = &study->plugin,
-                             .c = c,
-                             .values = values,
-                             .frames = study->options->frames,
-                             .pixels = pixels};
+    return (hs_eval_drawing){
+        .cl = &study->cl, .plugin = &study->plugin, .c = c, .values = values, .pixels = pixels};
 }
 
 static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
@@ -123,33 +95,16 @@ static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, co
     return ok && (!clipped || draw_turns(study, index, c, values, folder, err));
 }
 
-static bool time_settings(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
-                          const hs_eval_values *values, hs_error *err) {
-    hs_eval_result *r = &study->result[index];
-    if (study->options->frames == 0) return true;
-    const hs_eval_drawing drawing = drawing_of(study, c, values, TIMED);
-    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
-    bool ok = loop != NULL;
-    for (int s = 0; ok && s < HS_SETTING_COUNT; s++)
-        ok = hs_loop_run(loop, (hs_setting)s, NULL, &r->speed[s], err);
-    r->has_speed = ok;
-    hs_loop_destroy(loop);
-    return ok;
-}
-
 static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder, hs_error *err) {
     hs_eval_result *r = &study->result[index];
-    const hs_eval_space *space = &study->space[index];
-    const bool curve = strcmp(space->name, CURVE_CASE) == 0 || (index + 1 == study->count && !study->curves);
     hs_eval_values values;
     if (!hs_eval_study_values(study, r->common, &values, err) ||
         !hs_eval_case_direct(c, &values, &r->shown, &r->shown_outcome, err) ||
-        !save_error(c, folder, space->name, err) ||
-        (curve && study->options->frames && !time_curves(study, space, c, err)))
+        !save_error(c, folder, study->space[index].name, err) || !hs_eval_speed_curves(study, index, c, err))
         return false;
-    /* A plugin's instance serves one loop at a time. */
-    hs_eval_case_release(c);
-    return draw(study, index, c, &values, folder, err) && time_settings(study, index, c, &values, err) &&
+    hs_eval_case_release(c); /* a plugin's instance serves one loop at a time */
+    return draw(study, index, c, &values, folder, err) &&
+           hs_eval_speed_settings(study, index, c, &values, err) &&
            hs_eval_beside_pictures(study, index, c, folder, err);
 }
 

@@ -180,16 +180,22 @@ static void remove_parts(const hs_eval_space *space, const char *folder) {
 
 /* ------------------------------------------------------------------------------------------------ run -- */
 
-/* The file that an item's rows are appended to. */
+/* The file that an item's rows are appended to, and whom to tell. */
 typedef struct {
     FILE *file;
     const char *path;
+    hs_eval_shard shard;
+    hs_progress *progress; /* may be NULL; its total is all of the space, whatever the shard's part is */
 } part;
 
 static bool keep(void *context, const hs_eval_space *space, uint32_t item, hs_error *err) {
     const part *p = context;
-    return append(space, item, p->file) ||
-           hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", p->path, strerror(errno));
+    const uint32_t mine = (space->items - p->shard.index + p->shard.count - 1) / p->shard.count;
+    const uint64_t done = (item - p->shard.index) / p->shard.count + 1;
+    if (!append(space, item, p->file))
+        return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", p->path, strerror(errno));
+    if (p->progress) hs_progress_step(p->progress, done * p->progress->total / mine);
+    return true;
 }
 
 /* What is known already goes into the shard's file first: it holds whatever this folder has. */
@@ -198,9 +204,9 @@ static bool run_shard(hs_eval_space *space, hs_eval_case *c, const char *folder,
     char name[128], path[PATH_MAX];
     (void)snprintf(name, sizeof name, "space_%s.part%uof%u.csv", space->name, shard.index + 1, shard.count);
     if (!hs_path_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
-    part p = {.file = fopen(path, "a"), .path = path};
+    part p = {.file = fopen(path, "a"), .path = path, .shard = shard, .progress = progress};
     if (!p.file) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
-    const bool ok = hs_eval_space_run(space, c, shard, keep, &p, progress, err);
+    const bool ok = hs_eval_space_run(space, c, shard, keep, &p, err);
     if (fclose(p.file) != 0 && ok)
         return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
     return ok;

@@ -4,6 +4,7 @@
 #ifndef HS_SPACE_CSV_H
 #define HS_SPACE_CSV_H
 
+#include "base/progress.h"
 #include "eval/eval_space.h"
 
 /* Reads every "space_<case>*.csv" of the folder. A last line that is cut off does not count. HS_ERR_INPUT: a

@@ -3,9 +3,9 @@
 
 #include "kernels_frame.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The build log goes to the host's log whole; the error keeps its beginning. */
 static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program program, cl_int code) {
@@ -38,21 +38,17 @@ static sv_status create_kernels(sv_diag *diag, sv_program *p) {
     return SV_OK;
 }
 
-/* Compiles one source with the options every program has, then `own`, then those of the environment. */
+/* Compiles one source with the options every program has, then `own`. */
 static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
                          const char *own, cl_program *out) {
     bool exactly = false;
     const sv_status status = divides_exactly(diag, device, &exactly);
     if (status != SV_OK) return status;
-    /* For those who debug kernels, and for the test of a build that fails. */
-    const char *more = getenv("SMARTVIS_BUILD_OPTIONS");
-    char options[512];
-    const int wanted =
-        snprintf(options, sizeof options, "-cl-std=CL1.2%s %s %s",
-                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own, more ? more : "");
-    if (wanted < 0 || (size_t)wanted >= sizeof options)
-        return sv_fail(diag, SV_ERR_BUILD, "SMARTVIS_BUILD_OPTIONS is too long (%zu characters)",
-                       more ? strlen(more) : 0);
+    char options[256];
+    const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2%s %s",
+                                exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own);
+    assert(wanted > 0 && (size_t)wanted < sizeof options);
+    (void)wanted;
     const char *text = (const char *)source;
     cl_int code = CL_SUCCESS;
     *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);

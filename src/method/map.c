@@ -2,6 +2,7 @@
 #include "method/map.h"
 
 #include "device/buffer.h"
+#include "mean/mean_shared.h"
 #include "quantise.h"
 
 enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };

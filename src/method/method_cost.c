@@ -6,6 +6,7 @@
  */
 #include "method/method_cost.h"
 
+#include "cost_layout.h"
 #include "device/buffer.h"
 #include "kernels_cost.h"
 #include "ref/ref_cost_surface.h"
@@ -55,19 +56,14 @@ static uint32_t commands(const sv_config *c) {
     return c->slices + K_LEAVE;
 }
 
-static sv_ref_cost_layout layout_of(const sv_map *m) {
-    return sv_ref_cost_layout_of(m->width, m->height, m->config->slices);
-}
-
-/* Rays of a row in the bins. */
-static uint32_t padded_columns(const sv_ref_cost_layout *l) {
-    return (l->columns + SV_LANES - 1) / SV_LANES * SV_LANES;
+static sv_cost_layout layout_of(const sv_map *m) {
+    return sv_cost_layout_of(m->width, m->height, m->config->slices);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
-    const sv_ref_cost_layout l = layout_of(m);
+    const sv_cost_layout l = layout_of(m);
     const size_t plane = (size_t)m->padded_width * m->height, cells = (size_t)l.cells_x * l.cells_y;
-    const size_t bins = (size_t)l.labels * padded_columns(&l) * l.rows;
+    const size_t bins = (size_t)l.labels * l.padded_columns * l.rows;
     const size_t bytes[] = {[BINS] = bins,
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
                             [SUMS] = bins * sizeof(cl_ushort),
@@ -88,23 +84,15 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     return status;
 }
 
-/* The layout as the kernels see it: cost_layout in cl/cost/cost.clh. */
 static void layout_arg(sv_launch *launch, const sv_map *m) {
-    const sv_ref_cost_layout l = layout_of(m);
-    const struct {
-        cl_uint width, height, slices, shrink, columns, rows, padded_columns, per, labels, block, cells_x,
-            cells_y;
-        cl_uint thin, gap, solid, contact, split, dilate, beside;
-        cl_float scale;
-    } layout = {l.width, l.height,  l.slices, l.shrink,  l.columns, l.rows,        padded_columns(&l),
-                l.per,   l.labels,  l.block,  l.cells_x, l.cells_y, l.thin,        l.gap,
-                l.solid, l.contact, l.split,  l.dilate,  l.beside,  (float)l.scale};
+    const sv_cost_layout layout = layout_of(m);
     sv_launch_arg(launch, sizeof layout, &layout);
 }
 
 /* The lateral Gaussian at 0 .. SV_COST_REACH cells. */
 static void weights_arg(sv_launch *launch, const sv_map *m) {
-    const double sigma = layout_of(m).sigma;
+    const sv_cost_layout layout = layout_of(m);
+    const double sigma = sv_cost_sigma(&layout);
     cl_float8 weight = {{0}};
     for (int i = 0; i <= SV_COST_REACH; i++) weight.s[i] = (float)exp(-0.5 * i * i / (sigma * sigma));
     sv_launch_arg(launch, sizeof weight, &weight);
@@ -165,7 +153,7 @@ static const struct {
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
-    const sv_ref_cost_layout layout = layout_of(m);
+    const sv_cost_layout layout = layout_of(m);
     const size_t count[] = {[ONCE] = 1,
                             [LABELS] = layout.labels,
                             [ROWS_OF_CELLS] = layout.cells_y,
@@ -202,8 +190,8 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-/* Float32 sums of costs: where two labels are as good as equal, either is right, and the definition says
- * where. */
+/* Float32 sums of costs: where two labels are as good as equal, either is right, and the
+ * definition says where. */
 static double bound(const sv_map *m) {
     return m->doubles ? 1e-3 : 1e-2;
 }

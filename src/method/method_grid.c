@@ -2,6 +2,7 @@
 #include "method/method_grid.h"
 
 #include "device/buffer.h"
+#include "grid/grid_shared.h"
 #include "kernels_grid.h"
 
 #include <math.h>
@@ -41,22 +42,17 @@ typedef struct {
     const sv_grid_energy *energy;
 } solver;
 
-/* A level as the kernels see it. A grid that is twice as coarse bends a quarter as stiffly (the sum of
- * squared second differences falls by 16, and a pixel stands for 4). */
-typedef struct {
-    cl_uint width, height, offset, pixels;
-    cl_float tension, bending;
-} grid_level;
-
-static grid_level level_of(const solver *v, uint32_t n) {
+/* A grid that is twice as coarse bends a quarter as stiffly (the sum of squared second differences falls by
+ * 16, and a pixel stands for 4). */
+static sv_grid_level level_of(const solver *v, uint32_t n) {
     const sv_levels *l = &v->s->levels;
     const float spacing = (float)v->m->spacing;
-    return (grid_level){.width = l->width[n],
-                        .height = l->height[n],
-                        .offset = l->offset[n],
-                        .pixels = l->pixels,
-                        .tension = v->energy->tension,
-                        .bending = ldexpf(v->energy->bending, -2 * (int)n) / (spacing * spacing)};
+    return (sv_grid_level){.width = l->width[n],
+                           .height = l->height[n],
+                           .offset = l->offset[n],
+                           .pixels = l->pixels,
+                           .tension = v->energy->tension,
+                           .bending = ldexpf(v->energy->bending, -2 * (int)n) / (spacing * spacing)};
 }
 
 sv_source sv_grid_source(void) {
@@ -87,7 +83,7 @@ sv_status sv_grid_buffers(const sv_map *m, sv_method_state *s) {
 
 static sv_launch begin(const solver *v, int kernel, uint32_t level) {
     sv_launch l = sv_launch_begin(v->m->queue, v->s->kernels.kernel[kernel], sv_grid_kernels[kernel]);
-    const grid_level g = level_of(v, level);
+    const sv_grid_level g = level_of(v, level);
     sv_launch_arg(&l, sizeof g, &g);
     return l;
 }
@@ -111,7 +107,7 @@ static void buffers(const solver *v, sv_launch *l, const int *which) {
 #define BUFFERS(v, l, ...) buffers(v, l, (const int[]){__VA_ARGS__, -1})
 
 static void second_level(const solver *v, sv_launch *l, uint32_t level) {
-    const grid_level g = level_of(v, level);
+    const sv_grid_level g = level_of(v, level);
     sv_launch_arg(l, sizeof g, &g);
 }
 
@@ -271,8 +267,8 @@ uint32_t sv_grid_steps(const sv_map *m, const sv_grid_energy *energy) {
     return wanted ? wanted : energy->steps;
 }
 
-/* Conjugate gradients to the steps' end: float64 within a thousandth of a slice, float32 within a hundredth.
- */
+/* Conjugate gradients to the steps' end: float64 within a thousandth of a slice, float32
+ * within a hundredth. */
 double sv_grid_bound(const sv_map *m) {
     return m->doubles ? 1e-3 : 1e-2;
 }

@@ -5,13 +5,13 @@
 
 #include "device/buffer.h"
 #include "kernels_minimum.h"
+#include "minimum/minimum_shared.h"
 #include "ref/ref_minimum.h"
 
 enum { K_CLEAR, K_ENTER, K_COLUMNS, K_ROWS, K_LEAVE };
 static const char *const kernels[] = {"minimum_clear", "minimum_enter", "minimum_columns",
                                       "minimum_rows",  "minimum_leave", NULL};
 enum { MAP_A, MAP_B };
-enum { MARGIN = 32 };                          /* SV_MIN_MARGIN of the kernels */
 static const uint32_t EVERY_PASS = UINT32_MAX; /* no counting, no early end */
 
 static sv_source source(void) {
@@ -24,7 +24,7 @@ static uint32_t commands(const sv_config *c) {
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     sv_status status = SV_OK;
-    const size_t bytes = (m->padded_width + (size_t)2 * MARGIN) * m->height * sizeof(cl_float);
+    const size_t bytes = (m->padded_width + (size_t)2 * SV_MIN_MARGIN) * m->height * sizeof(cl_float);
     s->buffer[MAP_A] = sv_buffer_make(m->queue, bytes, &status);
     s->buffer[MAP_B] = sv_buffer_make(m->queue, bytes, &status);
     return status;
@@ -90,15 +90,15 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     return status == SV_OK ? sv_map_done_passes(m) : status;
 }
 
-/* Minima round nothing; what rounds is S(q) in float32, and the interpolation between the cells of a reduced
- * map. */
+/* Minima round nothing; what rounds is S(q) in float32, and the interpolation between the cells of
+ * a reduced map. */
 static double bound(const sv_map *m) {
     return m->doubles ? 1e-3 : 1e-2;
 }
 
 const sv_method sv_method_minimum = {.definition = &sv_ref_method_minimum,
                                      .bound = bound,
-                                     .parameters = SV_USES(KERNEL),
+                                     .parameters = SV_USES_POINTS | SV_USES(KERNEL),
                                      .linear = false,
                                      .kernels = kernels,
                                      .source = source,

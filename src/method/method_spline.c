@@ -9,6 +9,7 @@
 #include "device/buffer.h"
 #include "kernels_spline.h"
 #include "ref/ref_spline_surface.h"
+#include "spline/spline_shared.h"
 
 enum {
     K_CELLS,
@@ -33,16 +34,6 @@ static const char *const kernels[] = {"spline_cells",    "spline_list",    "spli
                                       "spline_nodes",    "spline_between", "spline_report",   NULL};
 
 enum { CELLS, VECTORS, FRAME, INFO, MATRIX, PANEL, NODES, REPORT };
-/* As in cl/spline/spline.clh. */
-enum {
-    PANEL_COLUMNS = 32,
-    TILE = 8,
-    SPAN = 64,
-    VECTOR_COUNT = 16,
-    FRAME_WORDS = 40,
-    INFO_WORDS = 8,
-    REPORT_WORDS = 6
-};
 /* Points that float32 can solve for, and the grid that leaves no more. */
 enum { FLOAT_POINTS = 64, FLOAT_GRID = 8 };
 
@@ -52,7 +43,7 @@ static sv_source source(void) {
 
 static uint32_t commands(const sv_config *c) {
     (void)c;
-    return 3 * (SV_SPLINE_MAX_POINTS / PANEL_COLUMNS + 1) + 16;
+    return 3 * (SV_SPLINE_MAX_POINTS / SV_SPLINE_PANEL + 1) + 16;
 }
 
 static uint32_t smaller(uint32_t a, uint32_t b) {
@@ -75,7 +66,7 @@ static uint32_t most_points(const sv_map *m) {
 
 /* From one point's value to the next plane of a vector, and from one row of the matrix to the next. */
 static uint32_t stride_of(const sv_method_state *s) {
-    return (s->capacity + 2 + TILE + 7) / 8 * 8 + 8;
+    return (s->capacity + 2 + SV_SPLINE_TILE + 7) / 8 * 8 + 8;
 }
 
 /* True if the coarse grid has fewer nodes than the map has pixels. */
@@ -90,13 +81,13 @@ static sv_status make_buffers(const sv_map *m, sv_method_state *s) {
     const size_t stride = stride_of(s), cells = merge_cells(m);
     const size_t nodes = coarse(m) ? (size_t)m->config->spline_grid + 1 : 0;
     const size_t bytes[] = {[CELLS] = 5 * cells * cells * real,
-                            [VECTORS] = VECTOR_COUNT * stride * real,
-                            [FRAME] = FRAME_WORDS * real,
-                            [INFO] = INFO_WORDS * sizeof(cl_uint),
+                            [VECTORS] = SV_SPLINE_VECTORS * stride * real,
+                            [FRAME] = SV_SPLINE_FRAME_WORDS * real,
+                            [INFO] = SV_SPLINE_INFO_WORDS * sizeof(cl_uint),
                             [MATRIX] = stride * stride * real,
-                            [PANEL] = PANEL_COLUMNS * stride * real,
+                            [PANEL] = SV_SPLINE_PANEL * stride * real,
                             [NODES] = 2 * nodes * nodes * sizeof(cl_float),
-                            [REPORT] = REPORT_WORDS * sizeof(cl_float)};
+                            [REPORT] = SV_SPLINE_REPORT_WORDS * sizeof(cl_float)};
     sv_status status = SV_OK;
     for (int i = 0; i <= REPORT; i++) s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
     return status;
@@ -151,7 +142,7 @@ static sv_status step(const sv_map *m, sv_method_state *s, int kernel, bool lamb
 
 /* One panel of the factorisation. */
 static sv_status factor_panel(const sv_map *m, sv_method_state *s, uint32_t number) {
-    const uint32_t first = number * PANEL_COLUMNS;
+    const uint32_t first = number * SV_SPLINE_PANEL;
     const size_t below = s->capacity + 2 - (first < s->capacity ? first : s->capacity);
     sv_launch l = begin(m, s, K_DIAGONAL);
     sv_launch_uint(&l, stride_of(s));
@@ -169,14 +160,15 @@ static sv_status factor_panel(const sv_map *m, sv_method_state *s, uint32_t numb
     sv_launch_uint(&l, stride_of(s));
     sv_launch_uint(&l, number);
     BUFFERS(&l, s, MATRIX, PANEL, INFO);
-    return sv_launch_grid(&l, (below + SPAN - 1) / SPAN, (below + TILE - 1) / TILE, SV_STAGE_RECONSTRUCT);
+    return sv_launch_grid(&l, (below + SV_SPLINE_SPAN - 1) / SV_SPLINE_SPAN,
+                          (below + SV_SPLINE_TILE - 1) / SV_SPLINE_TILE, SV_STAGE_RECONSTRUCT);
 }
 
 static sv_status solve(const sv_map *m, sv_method_state *s) {
     sv_status status = STEP(K_KVT, true, s->capacity, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_MIDDLE, false, 1, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_MATRIX, true, s->capacity + 2, VECTORS, FRAME, MATRIX, INFO);
-    for (uint32_t n = 0; status == SV_OK && n * PANEL_COLUMNS < s->capacity; n++)
+    for (uint32_t n = 0; status == SV_OK && n * SV_SPLINE_PANEL < s->capacity; n++)
         status = factor_panel(m, s, n);
     if (status == SV_OK) status = STEP(K_BACK, false, 2, MATRIX, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_REST, true, s->capacity, VECTORS, FRAME, INFO);
@@ -231,7 +223,7 @@ static uint32_t passes(const sv_map *m) {
 /* Words of the report, in this order: points, cells per side of the merging grid (0: not merged), rank of the
  * plane, unknowns left out, condition estimate, residual in slices. */
 static sv_status spline_report(const sv_map *m, const sv_method_state *s, sv_spline_report *out) {
-    float r[REPORT_WORDS];
+    float r[SV_SPLINE_REPORT_WORDS];
     const cl_int code = clEnqueueReadBuffer(m->queue->device->queue, s->buffer[REPORT], CL_TRUE, 0, sizeof r,
                                             r, 0, NULL, NULL);
     if (code != CL_SUCCESS) return sv_clx_check(m->queue->diag, code, "spline: clEnqueueReadBuffer");
@@ -251,7 +243,7 @@ static double bound(const sv_map *m) {
 
 const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
                                     .bound = bound,
-                                    .parameters = SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
+                                    .parameters = SV_USES_POINTS | SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
                                                   SV_USES(SPLINE_GRID) | SV_USES(PRECISION),
                                     .linear = true,
                                     .kernels = kernels,

@@ -2,8 +2,6 @@
 /* Cost volume: sizes, bins of a ray, grey levels, brightness, and where wall and back of the sac lie. */
 #include "ref/ref_cost.h"
 
-#include "common/sv_shared.h"
-
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,40 +9,20 @@ static uint32_t larger(uint32_t a, uint32_t b) {
     return a > b ? a : b;
 }
 
-static uint32_t shares(uint32_t whole, uint32_t part) {
-    return (whole + part - 1) / part;
-}
-
 sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices) {
-    sv_ref_cost_layout l = {.width = width, .height = height, .slices = slices};
-    l.shrink = larger(larger(width, height) / SV_COST_RAYS, 1);
-    l.columns = shares(width, l.shrink);
-    l.rows = shares(height, l.shrink);
-    l.per = shares(slices, SV_COST_LABELS);
-    l.labels = shares(slices, l.per);
-    const uint32_t side = larger(l.columns, l.rows);
-    l.block = larger((side + SV_COST_CELLS / 2) / SV_COST_CELLS, 1);
-    l.cells_x = shares(l.columns, l.block);
-    l.cells_y = shares(l.rows, l.block);
-    l.beside = larger((3 * l.block + 2) / 4, 1);
-    l.scale = l.labels / SV_COST_UNIT;
-    l.thin = larger((uint32_t)(SV_COST_THIN * l.scale + 0.5), 1);
-    l.gap = larger((uint32_t)(SV_COST_GAP * l.scale + 0.5), 1);
-    l.solid = larger((uint32_t)(SV_COST_SOLID * l.scale + 0.5), 1);
-    l.contact = larger((uint32_t)(SV_COST_CONTACT * l.scale + 0.5), 1);
-    l.split = larger((uint32_t)(SV_COST_SPLIT * l.scale + 0.5), 1);
-    l.dilate = larger((uint32_t)(SV_COST_DILATE * l.scale + 0.5), 1);
-    l.slim = SV_COST_SLIM * l.scale;
-    l.stout = SV_COST_STOUT * l.scale;
-    l.sigma = SV_COST_SIGMA * (double)side / (SV_COST_CELLS * l.block);
-    l.tau = SV_COST_TAU * l.scale;
+    sv_ref_cost_layout l = {.sizes = sv_cost_layout_of(width, height, slices)};
+    const double scale = (double)l.sizes.scale;
+    l.sigma = sv_cost_sigma(&l.sizes);
+    l.thick_from = SV_COST_THICK_FROM * scale;
+    l.thick_full = SV_COST_THICK_FULL * scale;
+    l.tau = SV_COST_TAU * scale;
     l.cut = SV_COST_CUT;
     l.left = SV_COST_LEFT;
     l.other = SV_COST_OTHER;
     l.thick = SV_COST_THICK;
-    l.doubt = SV_COST_DOUBT;
+    l.behind_penalty = SV_COST_BEHIND_PENALTY;
     l.slack = SV_COST_SLACK;
-    l.yield = SV_COST_YIELD * l.scale;
+    l.viewer_shift = SV_COST_VIEWER_SHIFT * scale;
     l.bone_splits = l.median = true;
     return l;
 }
@@ -52,9 +30,10 @@ sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32
 static uint8_t bin_mean(const sv_ref_volume *v, const sv_ref_cost_layout *l, uint32_t column, uint32_t row,
                         uint32_t bin) {
     uint32_t sum = 0, count = 0;
-    for (uint32_t z = bin * l->per; z < (bin + 1) * l->per && z < v->slices; z++)
-        for (uint32_t y = row * l->shrink; y < (row + 1) * l->shrink && y < v->height; y++)
-            for (uint32_t x = column * l->shrink; x < (column + 1) * l->shrink && x < v->width; x++) {
+    for (uint32_t z = bin * l->sizes.bin_slices; z < (bin + 1) * l->sizes.bin_slices && z < v->slices; z++)
+        for (uint32_t y = row * l->sizes.shrink; y < (row + 1) * l->sizes.shrink && y < v->height; y++)
+            for (uint32_t x = column * l->sizes.shrink; x < (column + 1) * l->sizes.shrink && x < v->width;
+                 x++) {
                 const size_t pixel = (size_t)y * v->width + x;
                 if (!sv_ref_scanned(v, pixel, z)) continue;
                 const uint32_t voxel = v->voxels[(size_t)z * v->width * v->height + pixel];
@@ -66,37 +45,38 @@ static uint8_t bin_mean(const sv_ref_volume *v, const sv_ref_cost_layout *l, uin
 }
 
 void sv_ref_cost_bins(const sv_ref_volume *v, const sv_ref_cost_layout *l, uint8_t *bins) {
-    for (uint32_t bin = 0; bin < l->labels; bin++)
-        for (uint32_t row = 0; row < l->rows; row++)
-            for (uint32_t column = 0; column < l->columns; column++)
+    for (uint32_t bin = 0; bin < l->sizes.labels; bin++)
+        for (uint32_t row = 0; row < l->sizes.rows; row++)
+            for (uint32_t column = 0; column < l->sizes.columns; column++)
                 *bins++ = bin_mean(v, l, column, row, bin);
 }
 
 sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_layout *l) {
-    const size_t plane = (size_t)l->columns * l->rows;
+    const size_t plane = (size_t)l->sizes.columns * l->sizes.rows;
     uint64_t histogram[256] = {0}, all = 0, total = 0;
-    for (uint32_t cell = 0; cell < l->cells_y; cell++) {
-        const uint32_t middle = cell * l->block + l->block / 2;
-        const size_t y = middle < l->rows ? middle : l->rows - 1;
-        for (uint32_t bin = 0; bin < l->labels; bin++)
-            for (uint32_t x = 0; x < l->columns; x++) histogram[bins[bin * plane + y * l->columns + x]]++;
+    for (uint32_t cell = 0; cell < l->sizes.cells_y; cell++) {
+        const uint32_t middle = cell * l->sizes.block + l->sizes.block / 2;
+        const size_t y = middle < l->sizes.rows ? middle : l->sizes.rows - 1;
+        for (uint32_t bin = 0; bin < l->sizes.labels; bin++)
+            for (uint32_t x = 0; x < l->sizes.columns; x++)
+                histogram[bins[bin * plane + y * l->sizes.columns + x]]++;
     }
     for (uint32_t i = 1; i < 256; i++) {
         all += histogram[i];
         total += i * histogram[i];
     }
-    uint64_t split = all ? total / all : 0, dark = 0, bright = 0;
+    uint64_t threshold = all ? total / all : 0, dark = 0, bright = 0;
     for (uint32_t turn = 0; turn < 32; turn++) {
         uint64_t count = 0, sum = 0;
-        for (uint32_t i = 1; i <= split; i++) {
+        for (uint32_t i = 1; i <= threshold; i++) {
             count += histogram[i];
             sum += i * histogram[i];
         }
         dark = count ? sum / count : 0;
-        bright = all > count ? (total - sum) / (all - count) : split;
+        bright = all > count ? (total - sum) / (all - count) : threshold;
         const uint64_t next = (dark + bright) / 2;
-        if (next == split) break;
-        split = next;
+        if (next == threshold) break;
+        threshold = next;
     }
     if (bright < 2 * dark) return (sv_ref_cost_levels){.fluid = 0, .bright = larger((uint32_t)bright, 1)};
     const uint32_t level = (uint32_t)(dark + (bright - dark) / 6);
@@ -123,17 +103,17 @@ static void along(const uint16_t *from, uint16_t *to, size_t blocks, size_t coun
 
 bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, uint16_t *sums,
                             uint16_t *nearby) {
-    const size_t plane = (size_t)l->columns * l->rows, rows = (size_t)l->rows * l->labels,
-                 all = plane * l->labels;
+    const size_t plane = (size_t)l->sizes.columns * l->sizes.rows,
+                 rows = (size_t)l->sizes.rows * l->sizes.labels, all = plane * l->sizes.labels;
     uint16_t *a = calloc(all, sizeof *a), *b = calloc(all, sizeof *b);
     if (a && b) {
         for (size_t i = 0; i < all; i++) a[i] = bins[i];
-        along(a, b, rows, l->columns, 1, 1, true);
-        along(b, a, l->labels, l->rows, l->columns, 1, true);
-        along(a, sums, 1, l->labels, plane, 1, true);
-        along(sums, a, rows, l->columns, 1, l->beside, false);
-        along(a, b, l->labels, l->rows, l->columns, l->beside, false);
-        along(b, nearby, 1, l->labels, plane, l->dilate, false);
+        along(a, b, rows, l->sizes.columns, 1, 1, true);
+        along(b, a, l->sizes.labels, l->sizes.rows, l->sizes.columns, 1, true);
+        along(a, sums, 1, l->sizes.labels, plane, 1, true);
+        along(sums, a, rows, l->sizes.columns, 1, l->sizes.lateral, false);
+        along(a, b, l->sizes.labels, l->sizes.rows, l->sizes.columns, l->sizes.lateral, false);
+        along(b, nearby, 1, l->sizes.labels, plane, l->sizes.axial, false);
     }
     const bool done = a && b;
     free(a);
@@ -145,25 +125,26 @@ bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, ui
  * least half of the cell's scanned rays are fluid there. */
 static void own_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, uint32_t cx,
                       uint32_t cy, uint8_t *wall, uint8_t *back) {
-    const uint32_t y1 = (cy + 1) * l->block < l->rows ? (cy + 1) * l->block : l->rows;
-    const uint32_t x1 = (cx + 1) * l->block < l->columns ? (cx + 1) * l->block : l->columns;
+    const uint32_t y1 = (cy + 1) * l->sizes.block < l->sizes.rows ? (cy + 1) * l->sizes.block : l->sizes.rows;
+    const uint32_t x1 =
+        (cx + 1) * l->sizes.block < l->sizes.columns ? (cx + 1) * l->sizes.block : l->sizes.columns;
     bool behind_tissue = false;
     uint32_t run = 0;
-    *wall = (uint8_t)l->labels;
+    *wall = (uint8_t)l->sizes.labels;
     *back = 0;
-    for (uint32_t bin = 0; bin < l->labels; bin++) {
+    for (uint32_t bin = 0; bin < l->sizes.labels; bin++) {
         uint32_t fluid = 0, scanned = 0;
-        for (uint32_t y = cy * l->block; y < y1; y++)
-            for (uint32_t x = cx * l->block; x < x1; x++) {
-                const uint8_t v = bins[((size_t)bin * l->rows + y) * l->columns + x];
+        for (uint32_t y = cy * l->sizes.block; y < y1; y++)
+            for (uint32_t x = cx * l->sizes.block; x < x1; x++) {
+                const uint8_t v = bins[((size_t)bin * l->sizes.rows + y) * l->sizes.columns + x];
                 scanned += v > 0;
                 fluid += v > 0 && v <= level;
             }
         if (scanned && 2 * fluid >= scanned) {
             run += behind_tissue;
-            if (run == l->solid && *wall == l->labels) *wall = (uint8_t)(bin + 1 - run);
+            if (run == l->sizes.solid && *wall == l->sizes.labels) *wall = (uint8_t)(bin + 1 - run);
         } else {
-            if (scanned && *wall < l->labels && run >= l->solid) *back = (uint8_t)bin;
+            if (scanned && *wall < l->sizes.labels && run >= l->sizes.solid) *back = (uint8_t)bin;
             behind_tissue = behind_tissue || scanned;
             run = 0;
         }
@@ -181,8 +162,8 @@ static uint8_t ranked(const uint8_t *own, const sv_ref_cost_layout *l, int x, in
     size_t count = 0;
     for (int v = y - SV_COST_WINDOW; v <= y + SV_COST_WINDOW; v++)
         for (int u = x - SV_COST_WINDOW; u <= x + SV_COST_WINDOW; u++) {
-            if (u < 0 || v < 0 || u >= (int)l->cells_x || v >= (int)l->cells_y) continue;
-            const uint8_t value = own[(size_t)v * l->cells_x + (size_t)u];
+            if (u < 0 || v < 0 || u >= (int)l->sizes.cells_x || v >= (int)l->sizes.cells_y) continue;
+            const uint8_t value = own[(size_t)v * l->sizes.cells_x + (size_t)u];
             if (value != none) values[count++] = value;
         }
     if (count == 0) return otherwise;
@@ -192,17 +173,17 @@ static uint8_t ranked(const uint8_t *own, const sv_ref_cost_layout *l, int x, in
 
 bool sv_ref_cost_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, uint8_t *wall,
                        uint8_t *back) {
-    const size_t cells = (size_t)l->cells_x * l->cells_y;
-    const uint8_t none = (uint8_t)l->labels;
+    const size_t cells = (size_t)l->sizes.cells_x * l->sizes.cells_y;
+    const uint8_t none = (uint8_t)l->sizes.labels;
     uint8_t *own = calloc(2 * cells, 1);
     if (!own) return false;
-    for (uint32_t y = 0; y < l->cells_y; y++)
-        for (uint32_t x = 0; x < l->cells_x; x++) {
-            const size_t cell = (size_t)y * l->cells_x + x;
+    for (uint32_t y = 0; y < l->sizes.cells_y; y++)
+        for (uint32_t x = 0; x < l->sizes.cells_x; x++) {
+            const size_t cell = (size_t)y * l->sizes.cells_x + x;
             own_walls(bins, l, level, x, y, own + cell, own + cells + cell);
         }
-    for (int y = 0; y < (int)l->cells_y; y++)
-        for (int x = 0; x < (int)l->cells_x; x++) {
+    for (int y = 0; y < (int)l->sizes.cells_y; y++)
+        for (int x = 0; x < (int)l->sizes.cells_x; x++) {
             *wall++ = ranked(own, l, x, y, none, 2, 0);
             *back++ = ranked(own + cells, l, x, y, 0, 1, none);
         }

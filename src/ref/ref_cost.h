@@ -6,41 +6,35 @@
 #ifndef SV_REF_COST_H
 #define SV_REF_COST_H
 
+#include "cost_layout.h"
 #include "ref/ref_volume.h"
 
 #include <stdbool.h>
 
-/* What a length along a ray becomes for a ray of `labels` bins, and all else that follows from the sizes. */
+/* The sizes, and what an experiment may change; lengths in bins. */
 typedef struct {
-    uint32_t width, height, slices;
-    uint32_t shrink;        /* pixels of the image along the side of a ray */
-    uint32_t columns, rows; /* rays */
-    uint32_t per, labels;   /* slices of a bin; bins of a ray */
-    uint32_t block;         /* rays along the side of a cell */
-    uint32_t cells_x, cells_y;
-    uint32_t thin, gap, solid, contact, split, dilate; /* bins */
-    uint32_t beside;    /* rays to either side where brightness is looked for */
-    double slim, stout; /* bins */
-    double scale;       /* labels / SV_COST_UNIT */
-    double sigma;       /* of the lateral Gaussian, in cells */
-    /* What sv_ref_cost_layout_of takes from SV_COST_*; an experiment may change them. */
-    double tau, cut, left, other, thick, doubt, slack, yield;
+    sv_cost_layout sizes;
+    double sigma;                  /* of the lateral Gaussian, in cells */
+    double thick_from, thick_full; /* thickness that begins to count, and that counts in full */
+    double tau, cut, left, other, thick, behind_penalty, slack, viewer_shift;
     bool bone_splits; /* false: runs stay whole */
     bool median;      /* false: the cells' minima as they are */
     int level;        /* T_L as a grey level; 0: from the histogram */
     double memory;    /* share of the frame before, 0 .. 1 */
-    double *previous; /* cells_x * cells_y * SV_COST_VALUES, zeros at first, kept by the caller; NULL: no
-                         memory */
+
+    /* cells_x * cells_y * SV_COST_VALUES, zeros at first, kept by the caller; NULL: no memory. */
+    double *previous;
 } sv_ref_cost_layout;
 
+/* The values that the plugin uses, SV_COST_*. */
 sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices);
 
 /* Bin l of a ray, at bins[(l * rows + row) * columns + column]: the mean of the scanned voxels among shrink *
- * shrink * per, rounded half up, at least 1; 0 if none was scanned. */
+ * shrink * bin_slices, rounded half up, at least 1; 0 if none was scanned. */
 void sv_ref_cost_bins(const sv_ref_volume *volume, const sv_ref_cost_layout *layout, uint8_t *bins);
 
-/* Grey levels of the bins. The classes are split half way between their means, which are looked up on the
- * middle row of every row of cells. */
+/* Grey levels of the bins. The threshold between the dark and the bright class lies midway between their
+ * means (isodata thresholding), over the bins of every row of cells' middle row of rays. */
 typedef struct {
     /* T_L: a sixth of the way from the mean of the dark class to that of the bright one; 0 if that is less
      * than twice as bright: then there is no fluid. */
@@ -49,7 +43,7 @@ typedef struct {
 } sv_ref_cost_levels;
 sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_layout *layout);
 
-/* Sums over 3 x 3 x 3 bins (0 beyond the volume), and the largest of those within `beside` rays and `dilate`
+/* Sums over 3 x 3 x 3 bins (0 beyond the volume), and the largest of those within `lateral` rays and `axial`
  * bins. Both as many as the bins. False: no memory. */
 bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *layout, uint16_t *sums,
                             uint16_t *nearby);

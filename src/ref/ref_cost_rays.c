@@ -2,8 +2,6 @@
 /* Cost volume: the runs of tissue along a ray, which of them may be the fetus, and what every label costs. */
 #include "ref/ref_cost_rays.h"
 
-#include "common/sv_shared.h"
-
 #include <math.h>
 
 /* Tissue from bin `start` on, and the fluid before it, bins fluid .. start - 1. A run that bone parts is two;
@@ -11,7 +9,7 @@
 typedef struct {
     uint32_t fluid, start, end;
     bool touching; /* it reaches from the wall on, where the fluid should begin */
-    double sure;   /* that it is the fetus, 0 .. 1; below 0: it is not asked */
+    double fetus;  /* probability that it is the fetus; below 0: it is not asked */
 } run_t;
 
 enum { MAX_RUNS = 2 * SV_COST_LABELS };
@@ -31,22 +29,23 @@ static bool is_tissue(const ray_t *r, uint32_t bin) {
 
 static bool read_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row, ray_t *r) {
     const sv_ref_cost_layout *l = scan->layout;
-    const size_t plane = (size_t)l->columns * l->rows, ray = (size_t)row * l->columns + column;
-    const size_t cell = (size_t)(row / l->block) * l->cells_x + column / l->block;
+    const size_t plane = (size_t)l->sizes.columns * l->sizes.rows,
+                 ray = (size_t)row * l->sizes.columns + column;
+    const size_t cell = (size_t)(row / l->sizes.block) * l->sizes.cells_x + column / l->sizes.block;
     bool scanned = false;
-    *r = (ray_t){.scan = scan, .labels = l->labels, .wall = scan->wall[cell], .back = scan->back[cell]};
-    for (uint32_t bin = 0; bin < l->labels; bin++) {
+    *r = (ray_t){.scan = scan, .labels = l->sizes.labels, .wall = scan->wall[cell], .back = scan->back[cell]};
+    for (uint32_t bin = 0; bin < l->sizes.labels; bin++) {
         r->value[bin] = scan->bins[bin * plane + ray];
         r->sum[bin] = scan->sums[bin * plane + ray];
         r->nearby[bin] = scan->nearby[bin * plane + ray];
         scanned = scanned || r->value[bin];
     }
-    for (uint32_t bin = 0; bin < l->labels;) {
+    for (uint32_t bin = 0; bin < l->sizes.labels;) {
         uint32_t end = bin;
-        while (end < l->labels && is_tissue(r, end)) end++;
-        const bool parts = end - bin >= l->thin;
+        while (end < l->sizes.labels && is_tissue(r, end)) end++;
+        const bool parts = end - bin >= l->sizes.thin;
         for (; bin < end; bin++) r->fluid[bin] = !parts;
-        if (bin < l->labels) {
+        if (bin < l->sizes.labels) {
             r->fluid[bin] = r->value[bin] > 0;
             bin++;
         }
@@ -54,16 +53,16 @@ static bool read_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row
     return scanned;
 }
 
-/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. No wall,
- * no interval. */
+/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. No
+ * wall, no interval. */
 static void find_runs(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
-    uint32_t bin = r->wall > l->solid ? r->wall - l->solid : 0;
+    uint32_t bin = r->wall > l->sizes.solid ? r->wall - l->sizes.solid : 0;
     while (r->wall > 0 && bin < r->labels) {
         uint32_t end = bin;
         while (end < r->labels && r->fluid[end]) end++;
-        if (end - bin >= (r->count ? 1 : l->gap)) {
-            if (r->count == 0 && bin > r->wall + l->contact)
+        if (end - bin >= (r->count ? 1 : l->sizes.gap)) {
+            if (r->count == 0 && bin > r->wall + l->sizes.contact)
                 r->run[r->count++] = (run_t){.fluid = r->wall - 1, .start = r->wall, .touching = true};
             if (r->count) r->run[r->count - 1].end = bin;
             r->run[r->count++] = (run_t){.fluid = bin, .start = end, .end = r->labels};
@@ -85,9 +84,9 @@ static void split_runs(ray_t *r) {
         uint32_t most = 0, bone = run.start;
         for (uint32_t bin = run.start; bin < run.end; bin++)
             if (is_tissue(r, bin) && r->nearby[bin] > most) most = r->nearby[bin];
-        if (2 * most < 3 * 27 * r->scan->levels.bright) continue;
-        while (!is_tissue(r, bone) || 10 * r->nearby[bone] < 9 * most) bone++;
-        if (bone - run.start < l->split) continue;
+        if (2 * most < SV_COST_BONE * SV_COST_NEIGHBOURS * r->scan->levels.bright) continue;
+        while (!is_tissue(r, bone) || 10 * r->nearby[bone] < SV_COST_FRONT * most) bone++;
+        if (bone - run.start < l->sizes.split) continue;
         parts[count - 1].end = bone;
         parts[count++] = (run_t){.fluid = bone, .start = bone, .end = run.end};
     }
@@ -99,11 +98,11 @@ static double logistic(double x) {
     return 1.0 / (1.0 + exp(-x));
 }
 
-/* How sure each run is the fetus: by how thick and how bright it is, less if a run behind it is sure. The
- * last one is the back of the sac. */
+/* The probability that each run is the fetus: by how thick and how bright it is, less if a run behind it is
+ * likely. The last one is the back of the sac. */
 static void judge_runs(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
-    const double unit = 27.0 * r->scan->levels.bright;
+    const double unit = (double)SV_COST_NEIGHBOURS * r->scan->levels.bright;
     double behind = 0.0;
     for (uint32_t j = r->count; j-- > 0;) {
         run_t *run = &r->run[j];
@@ -114,14 +113,15 @@ static void judge_runs(ray_t *r) {
             if (r->sum[bin] > own) own = r->sum[bin];
             if (r->nearby[bin] > nearby) nearby = r->nearby[bin];
         }
-        run->sure = -1.0;
-        if (j + 1 == r->count || tissue < l->thin) continue;
-        const double stout = fmin(fmax((tissue - l->slim) / (l->stout - l->slim), 0.0), 1.0);
-        const double evidence = run->touching
-                                    ? (double)SV_COST_WALL * nearby / unit + SV_COST_WALL_BIAS
-                                    : (double)SV_COST_NEARBY * nearby / unit +
-                                          (double)SV_COST_OWN * own / unit + l->thick * stout + SV_COST_BIAS;
-        run->sure = logistic(evidence - l->doubt * behind);
+        run->fetus = -1.0;
+        if (j + 1 == r->count || tissue < l->sizes.thin) continue;
+        const double thickness =
+            fmin(fmax((tissue - l->thick_from) / (l->thick_full - l->thick_from), 0.0), 1.0);
+        const double evidence = run->touching ? (double)SV_COST_WALL * nearby / unit + SV_COST_WALL_BIAS
+                                              : (double)SV_COST_NEARBY * nearby / unit +
+                                                    (double)SV_COST_OWN * own / unit + l->thick * thickness +
+                                                    SV_COST_BIAS;
+        run->fetus = logistic(evidence - l->behind_penalty * behind);
         behind = fmax(behind, logistic(evidence));
     }
 }
@@ -147,7 +147,7 @@ static const run_t *longest(const ray_t *r) {
     const run_t *best = &r->run[0];
     for (uint32_t j = 1; j < r->count; j++) {
         const run_t *run = &r->run[j];
-        if (run->fluid + r->scan->layout->solid >= r->back) break;
+        if (run->fluid + r->scan->layout->sizes.solid >= r->back) break;
         if (run->start - run->fluid > best->start - best->fluid) best = run;
     }
     return best;
@@ -166,10 +166,10 @@ bool sv_ref_cost_of_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t 
     double none = 1.0; /* probability that no run so far is the fetus */
     for (uint32_t j = 0; j < r.count; j++) {
         const run_t *run = &r.run[j];
-        if (run->sure < 0.0) continue;
-        const double here = none * run->sure;
-        none *= 1.0 - run->sure;
-        if (run->touching) out->weight = pow(2.0 * run->sure - 1.0, 2.0);
+        if (run->fetus < 0.0) continue;
+        const double here = none * run->fetus;
+        none *= 1.0 - run->fetus;
+        if (run->touching) out->weight = pow(2.0 * run->fetus - 1.0, 2.0);
         for (uint32_t bin = 0; bin < r.labels; bin++) {
             if (bin >= run->start) out->cost[bin] += l->cut * here;
             if (bin < run->fluid) out->cost[bin] += l->left * here;

@@ -3,7 +3,6 @@
 #ifndef SV_REF_COST_RAYS_H
 #define SV_REF_COST_RAYS_H
 
-#include "common/sv_shared.h"
 #include "ref/ref_cost.h"
 
 /* Everything that the costs of rays are taken from. */

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way back to
- * pixels. */
+/* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way
+ * back to pixels. */
 #include "ref/ref_cost_surface.h"
-
-#include "common/sv_shared.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,13 +13,14 @@
 static void gather_cell(const sv_ref_cost_scan *scan, uint32_t cx, uint32_t cy, double *cell,
                         sv_ref_cost_facts *facts) {
     const sv_ref_cost_layout *l = scan->layout;
-    const uint32_t x1 = (cx + 1) * l->block < l->columns ? (cx + 1) * l->block : l->columns;
-    const uint32_t y1 = (cy + 1) * l->block < l->rows ? (cy + 1) * l->block : l->rows;
-    for (uint32_t y = cy * l->block; y < y1; y++)
-        for (uint32_t x = cx * l->block; x < x1; x++) {
+    const uint32_t x1 =
+        (cx + 1) * l->sizes.block < l->sizes.columns ? (cx + 1) * l->sizes.block : l->sizes.columns;
+    const uint32_t y1 = (cy + 1) * l->sizes.block < l->sizes.rows ? (cy + 1) * l->sizes.block : l->sizes.rows;
+    for (uint32_t y = cy * l->sizes.block; y < y1; y++)
+        for (uint32_t x = cx * l->sizes.block; x < x1; x++) {
             sv_ref_cost_ray ray;
             if (!sv_ref_cost_of_ray(scan, x, y, &ray)) continue;
-            for (uint32_t i = 0; i < l->labels; i++) cell[i] += ray.weight * ray.cost[i];
+            for (uint32_t i = 0; i < l->sizes.labels; i++) cell[i] += ray.weight * ray.cost[i];
             cell[SV_COST_WEIGHT] += ray.weight;
             cell[SV_COST_OPEN] += ray.open ? ray.weight : 0.0;
             facts->rays++;
@@ -33,7 +32,7 @@ static void gather_cell(const sv_ref_cost_scan *scan, uint32_t cx, uint32_t cy, 
 static void blur(const double *from, double *to, const sv_ref_cost_layout *l, bool along_x) {
     double weight[SV_COST_REACH + 1];
     for (int i = 0; i <= SV_COST_REACH; i++) weight[i] = exp(-0.5 * i * i / (l->sigma * l->sigma));
-    const int nx = (int)l->cells_x, ny = (int)l->cells_y;
+    const int nx = (int)l->sizes.cells_x, ny = (int)l->sizes.cells_y;
     for (int y = 0; y < ny; y++)
         for (int x = 0; x < nx; x++)
             for (int v = 0; v < SV_COST_VALUES; v++) {
@@ -42,14 +41,15 @@ static void blur(const double *from, double *to, const sv_ref_cost_layout *l, bo
                     const int u = along_x ? x + i : x, w = along_x ? y : y + i;
                     if (u < 0 || u >= nx || w < 0 || w >= ny) continue;
                     sum += weight[abs(i)] *
-                           from[((size_t)w * l->cells_x + (size_t)u) * SV_COST_VALUES + (size_t)v];
+                           from[((size_t)w * l->sizes.cells_x + (size_t)u) * SV_COST_VALUES + (size_t)v];
                 }
-                to[((size_t)y * l->cells_x + (size_t)x) * SV_COST_VALUES + (size_t)v] = sum;
+                to[((size_t)y * l->sizes.cells_x + (size_t)x) * SV_COST_VALUES + (size_t)v] = sum;
             }
 }
 
 double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_ref_cost_facts *facts) {
-    const size_t all = (size_t)l->columns * l->rows * l->labels, cells = (size_t)l->cells_x * l->cells_y;
+    const size_t all = (size_t)l->sizes.columns * l->sizes.rows * l->sizes.labels,
+                 cells = (size_t)l->sizes.cells_x * l->sizes.cells_y;
     uint16_t *light = malloc(2 * all * sizeof *light);
     uint8_t *walls = malloc(2 * cells);
     double *volume = calloc(cells * SV_COST_VALUES, sizeof *volume);
@@ -65,9 +65,9 @@ double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_
         done = sv_ref_cost_brightness(bins, l, light, light + all) &&
                sv_ref_cost_walls(bins, l, scan.levels.fluid, walls, walls + cells);
     }
-    for (uint32_t y = 0; done && y < l->cells_y; y++)
-        for (uint32_t x = 0; x < l->cells_x; x++)
-            gather_cell(&scan, x, y, volume + ((size_t)y * l->cells_x + x) * SV_COST_VALUES, facts);
+    for (uint32_t y = 0; done && y < l->sizes.cells_y; y++)
+        for (uint32_t x = 0; x < l->sizes.cells_x; x++)
+            gather_cell(&scan, x, y, volume + ((size_t)y * l->sizes.cells_x + x) * SV_COST_VALUES, facts);
     if (done) {
         blur(volume, turn, l, true);
         blur(turn, volume, l, false);
@@ -92,7 +92,7 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     if (!m.valid) return m;
     double cost[SV_COST_LABELS] = {0}, least = INFINITY, second = INFINITY;
     int at = 0;
-    const int n = (int)l->labels;
+    const int n = (int)l->sizes.labels;
     for (int i = 0; i < n; i++) {
         cost[i] = cell[i] / cell[SV_COST_WEIGHT];
         if (cost[i] < least) {
@@ -132,8 +132,8 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     return m;
 }
 
-/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next. Costs per ray.
- */
+/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next.
+ * Costs per ray. */
 static void remember(double *cell, double *previous, const sv_ref_cost_layout *l, bool *tie) {
     const double rays = cell[SV_COST_WEIGHT];
     double change = 0.0;
@@ -142,7 +142,7 @@ static void remember(double *cell, double *previous, const sv_ref_cost_layout *l
         return;
     }
     for (uint32_t i = 0; i < SV_COST_VALUES; i++) cell[i] /= rays;
-    for (uint32_t i = 0; i < l->labels; i++) change += fabs(cell[i] - previous[i]) / l->labels;
+    for (uint32_t i = 0; i < l->sizes.labels; i++) change += fabs(cell[i] - previous[i]) / l->sizes.labels;
     *tie = fabs(change - SV_COST_CHANGE) < TIE;
     const bool keeps = previous[SV_COST_WEIGHT] > 0.0 && change < SV_COST_CHANGE;
     for (uint32_t i = 0; i < SV_COST_VALUES; i++) {
@@ -158,7 +158,7 @@ static int ascending(const void *a, const void *b) {
 
 /* The median of the valid cells of the 3 x 3 neighbourhood; of an even number, the mean of the middle two. */
 static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, int y) {
-    const int nx = (int)l->cells_x, ny = (int)l->cells_y;
+    const int nx = (int)l->sizes.cells_x, ny = (int)l->sizes.cells_y;
     minimum m = cells[y * nx + x];
     double place[9];
     size_t count = 0;
@@ -171,36 +171,36 @@ static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, 
     if (!m.valid) return m;
     qsort(place, count, sizeof *place, ascending);
     if (l->median) m.place = 0.5 * (place[count / 2] + place[(count - 1) / 2]);
-    m.place -= l->yield * (1.0 - m.confidence); /* in doubt it clips less */
+    m.place -= l->viewer_shift * (1.0 - m.confidence); /* in doubt it clips less */
     return m;
 }
 
 /* Bilinear between the centres of the cells; invalid cells are depth 0 with no spread and no confidence. */
 static void upsample(const minimum *cells, const sv_ref_cost_layout *l, double *near_surface,
                      double *far_surface, double *confidence, uint8_t *tie) {
-    const double side = (double)l->block * l->shrink; /* of a cell, in pixels */
-    for (uint32_t y = 0; y < l->height; y++)
-        for (uint32_t x = 0; x < l->width; x++) {
-            const double u = fmin(fmax((x + 0.5) / side - 0.5, 0.0), l->cells_x - 1.0);
-            const double v = fmin(fmax((y + 0.5) / side - 0.5, 0.0), l->cells_y - 1.0);
+    const double side = (double)l->sizes.block * l->sizes.shrink; /* of a cell, in pixels */
+    for (uint32_t y = 0; y < l->sizes.height; y++)
+        for (uint32_t x = 0; x < l->sizes.width; x++) {
+            const double u = fmin(fmax((x + 0.5) / side - 0.5, 0.0), l->sizes.cells_x - 1.0);
+            const double v = fmin(fmax((y + 0.5) / side - 0.5, 0.0), l->sizes.cells_y - 1.0);
             const uint32_t x0 = (uint32_t)u, y0 = (uint32_t)v;
-            double depth = 0.0, spread = 0.0, sure = 0.0;
+            double depth = 0.0, spread = 0.0, sum = 0.0;
             bool tied = false;
             for (uint32_t corner = 0; corner < 4; corner++) {
                 const uint32_t i = corner & 1, j = corner >> 1;
                 const double weight = (i ? u - x0 : 1.0 - (u - x0)) * (j ? v - y0 : 1.0 - (v - y0));
                 if (weight == 0.0) continue;
-                const minimum *m = &cells[(size_t)(y0 + j) * l->cells_x + x0 + i];
+                const minimum *m = &cells[(size_t)(y0 + j) * l->sizes.cells_x + x0 + i];
                 tied = tied || m->tie;
                 if (!m->valid) continue;
-                depth += weight * ((m->place + 0.5) * l->per - 0.5);
-                spread += weight * m->spread * SV_COST_SPREAD * l->per;
-                sure += weight * m->confidence;
+                depth += weight * ((m->place + 0.5) * l->sizes.bin_slices - 0.5);
+                spread += weight * m->spread * SV_COST_SPREAD * l->sizes.bin_slices;
+                sum += weight * m->confidence;
             }
-            const size_t pixel = (size_t)y * l->width + x;
+            const size_t pixel = (size_t)y * l->sizes.width + x;
             near_surface[pixel] = depth - spread;
             far_surface[pixel] = depth + spread;
-            confidence[pixel] = sure;
+            confidence[pixel] = sum;
             if (tie) tie[pixel] = tied;
         }
 }
@@ -208,9 +208,9 @@ static void upsample(const minimum *cells, const sv_ref_cost_layout *l, double *
 bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_layout *l, double *near_surface,
                               double *far_surface, double *confidence, uint8_t *tie,
                               sv_ref_cost_facts *facts) {
-    const size_t cells = (size_t)l->cells_x * l->cells_y;
+    const size_t cells = (size_t)l->sizes.cells_x * l->sizes.cells_y;
     sv_ref_cost_facts found = {0};
-    uint8_t *bins = malloc((size_t)l->labels * l->columns * l->rows);
+    uint8_t *bins = malloc((size_t)l->sizes.labels * l->sizes.columns * l->sizes.rows);
     minimum *raw = calloc(2 * cells, sizeof *raw), *smooth = raw ? raw + cells : NULL;
     double *costs = NULL;
     if (bins && raw) {
@@ -225,12 +225,13 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
             raw[i] = find_minimum(costs + i * SV_COST_VALUES, l);
             raw[i].tie = raw[i].tie || tie_here;
         }
-        for (int y = 0; y < (int)l->cells_y; y++)
-            for (int x = 0; x < (int)l->cells_x; x++) smooth[y * (int)l->cells_x + x] = median(raw, l, x, y);
+        for (int y = 0; y < (int)l->sizes.cells_y; y++)
+            for (int x = 0; x < (int)l->sizes.cells_x; x++)
+                smooth[y * (int)l->sizes.cells_x + x] = median(raw, l, x, y);
         upsample(smooth, l, near_surface, far_surface, confidence, tie);
     }
     const bool done = costs != NULL;
-    for (size_t i = 0; done && tie && i < (size_t)l->width * l->height; i++) found.ties += tie[i];
+    for (size_t i = 0; done && tie && i < (size_t)l->sizes.width * l->sizes.height; i++) found.ties += tie[i];
     if (facts) *facts = found;
     free(costs);
     free(raw);

@@ -176,7 +176,7 @@ static void test_memory(void **state) {
     static const char *const names[STEPS] = {"E01", "E01", "E01", "M03"};
     sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SIDE);
     l.memory = 0.75;
-    l.previous = calloc((size_t)l.cells_x * l.cells_y * SV_COST_VALUES, sizeof *l.previous);
+    l.previous = calloc((size_t)l.sizes.cells_x * l.sizes.cells_y * SV_COST_VALUES, sizeof *l.previous);
     assert_non_null(l.previous);
     static double maps[3][COUNT];
     static uint8_t tie[COUNT], tied[COUNT];

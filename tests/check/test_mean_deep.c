@@ -8,6 +8,7 @@
 #include "support/surfaces.h"
 
 #include "common/sv_shared.h"
+#include "mean/mean_shared.h"
 #include "ref/ref_mean.h"
 
 #include <math.h>

@@ -199,7 +199,7 @@ static void a_failed_call_is_told_with_path_call_status_and_reason(void **state)
     assert_false(hs_plugin_check(plugin, p->adjust(p, NULL, 0, &result), "adjust", &err));
     assert_int_equal(err.code, HS_ERR_PLUGIN);
     assert_non_null(
-        strstr(err.text, "plane.so: adjust: SV_ERR_PARAM_ID (-13): no parameter can be adjusted"));
+        strstr(err.text, "plane.so: adjust: SV_ERR_STATE (-20): adjust: the instance is inactive"));
 }
 
 static void every_status_has_its_name(void **state) {

@@ -3,6 +3,7 @@
  * Lives of instances: frames repeated, dropped, interleaved; activated a hundred times; destroyed while
  * active; on a machine without a device; with kernels that do not build.
  */
+#include "programs/shared_programs.h"
 #include "support/fixture.h"
 
 #include <malloc.h>
@@ -203,9 +204,9 @@ static void no_such_device(void **state) {
 
 /* activate while the kernels are compiled with one more option. */
 static sv_status activate_with(fixture *f, const char *option) {
-    assert_int_equal(setenv("SMARTVIS_BUILD_OPTIONS", option, 1), 0);
+    shared_programs_options(option);
     const sv_status status = fixture_activate(f);
-    assert_int_equal(unsetenv("SMARTVIS_BUILD_OPTIONS"), 0);
+    shared_programs_options(NULL);
     return status;
 }
 

@@ -67,7 +67,7 @@ static void a_value_the_plugin_refuses_names_it(void **state) {
     assert_unclipped(&view);
     assert_int_equal(view.frame.outcome, SV_ERR_PARAM_RANGE);
     assert_non_null(
-        strstr(hs_loop_plugin_error(loop)->text, "begin: SV_ERR_PARAM_RANGE (-14): depth is 12345"));
+        strstr(hs_loop_plugin_error(loop)->text, "begin: SV_ERR_PARAM_RANGE (-14): begin: depth is 12345"));
     hs_view_free(&view);
     hs_loop_destroy(loop);
 }

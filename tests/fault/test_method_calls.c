@@ -48,6 +48,8 @@ static void assert_good(fixture *f) {
 }
 
 static void assert_quiet(const char *method) {
+    if (spy_cold() > 0)
+        fail_msg("%s: %u kernels were never launched with their local size", method, spy_cold());
     const uint32_t made = spy_count(SPY_CREATE) + spy_count(SPY_BUILD) + spy_count(SPY_RELEASE);
     const uint32_t waited = spy_count(SPY_WAIT) + spy_blocking();
     if (made + waited + heap_spy_count() > 0)
@@ -154,8 +156,30 @@ static void allocations_fail(void **state) {
     }
 }
 
+/* A device whose answer to the self-test is wrong: whichever of the maps it is, the method is not activated.
+ */
+static void wrong_answers_are_noticed(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    for (int method = MEAN; method <= METHODS; method++) { /* the one behind the last: cost */
+        choose(f, method, method == MEAN, 1, 1);
+        uint32_t n = 1;
+        for (;; n++) {
+            spy_reset();
+            spy_spoil(n);
+            const sv_status status = fixture_activate(f);
+            if (!spy_spoiled()) break;
+            if (status != SV_ERR_SELF_TEST) fail_msg("method %d, read %u: status %d", method, n, status);
+            assert_int_equal(spy_live(), 0);
+        }
+        f->r.plugin->deactivate(f->r.plugin);
+        assert_int_equal(n - 1, 4); /* depth and status, of the frame's own self-test and of the method's */
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {FIXTURE_TEST(frames_are_quiet), FIXTURE_TEST(activations_fail),
-                                       FIXTURE_TEST(frames_fail), FIXTURE_TEST(allocations_fail)};
+                                       FIXTURE_TEST(wrong_answers_are_noticed), FIXTURE_TEST(frames_fail),
+                                       FIXTURE_TEST(allocations_fail)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
  * The plugin's own allocations fail, one by one: create, activate, and a failing build that needs memory for
  * its log. Not under AddressSanitizer, which owns the heap (spy/heap_spy.h).
  */
+#include "programs/shared_programs.h"
 #include "spy/cl_spy.h"
 #include "spy/heap_spy.h"
 #include "support/fixture.h"
@@ -70,11 +71,11 @@ static void build_log(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
     heap_spy_watch(f->r.entry);
-    assert_int_equal(setenv("SMARTVIS_BUILD_OPTIONS", "-D__kernel=banana", 1), 0);
+    shared_programs_options("-D__kernel=banana");
     heap_spy_fail(2); /* the first one is for timing events */
     const sv_status status = fixture_activate(f);
     assert_true(heap_spy_failed());
-    assert_int_equal(unsetenv("SMARTVIS_BUILD_OPTIONS"), 0);
+    shared_programs_options(NULL);
     fixture_refused(f, status, SV_ERR_BUILD, "the kernels do not build: CL_BUILD_PROGRAM_FAILURE (-11)");
     assert_int_equal(spy_live(), 0);
     assert_int_equal(heap_spy_live(), 0);

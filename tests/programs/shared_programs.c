@@ -2,6 +2,7 @@
 #include "programs/shared_programs.h"
 
 #include <dlfcn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +25,12 @@ static struct {
     alias aliases[MOST];
     size_t built_count, next_alias;
 } shared;
+
+static const char *more_options;
+
+void shared_programs_options(const char *options) {
+    more_options = options;
+}
 
 #define REAL(name)                                                                                           \
     static __typeof__(&name) real;                                                                           \
@@ -78,6 +85,12 @@ cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices
                       void(CL_CALLBACK *notify)(cl_program, void *), void *data) {
     REAL(clBuildProgram);
     const char *with = options ? options : "";
+    if (more_options) {
+        char both[1024];
+        const int length = snprintf(both, sizeof both, "%s %s", with, more_options);
+        if (length < 0 || (size_t)length >= sizeof both) abort();
+        return real(program, n, devices, both, notify, data);
+    }
     char *source = source_of(program);
     for (size_t i = 0; source && i < shared.built_count; i++)
         if (strcmp(shared.built[i].options, with) == 0 && strcmp(shared.built[i].source, source) == 0) {

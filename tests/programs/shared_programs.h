@@ -19,4 +19,8 @@ void shared_programs_begin(cl_context context);
 /* Releases what was kept. To be called before the context's last release; other contexts are ignored. */
 void shared_programs_end(cl_context context);
 
+/* From now on every program is compiled with these options, too, and such programs are not shared; NULL: no
+ * longer. The text must stay. For kernels that do not build, or compute wrongly. */
+void shared_programs_options(const char *options);
+
 #endif

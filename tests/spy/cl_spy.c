@@ -5,7 +5,10 @@
 
 #include <dlfcn.h>
 #include <link.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum { SPY_LAUNCHED = 1024 };
 
 static struct {
     library_range watched;
@@ -15,6 +18,15 @@ static struct {
     uint32_t fail_in; /* calls until the one that fails; 0: none */
     cl_int code;
     const char *failed;
+    uint64_t live_bytes, memory, largest_buffer;
+    uint32_t spoil_in; /* reads until the one that is spoiled; 0: none */
+    bool spoiled;
+    struct {
+        cl_kernel kernel;
+        size_t local[3];
+    } launched[SPY_LAUNCHED]; /* those of live kernels; the first `warm` ones before the last reset */
+    size_t launched_count, warm;
+    uint32_t cold;
 } spy;
 
 void spy_watch(const void *address) {
@@ -24,8 +36,10 @@ void spy_watch(const void *address) {
 
 void spy_reset(void) {
     memset(spy.counts, 0, sizeof spy.counts);
-    spy.blocking = spy.fail_in = 0;
+    spy.blocking = spy.fail_in = spy.spoil_in = spy.cold = 0;
     spy.failed = NULL;
+    spy.spoiled = false;
+    spy.warm = spy.launched_count;
 }
 
 uint32_t spy_count(spy_kind kind) {
@@ -42,6 +56,24 @@ bool spy_pending(void) {
 }
 const char *spy_failed(void) {
     return spy.failed;
+}
+
+uint64_t spy_live_bytes(void) {
+    return spy.live_bytes;
+}
+void spy_device_memory(uint64_t memory, uint64_t largest_buffer) {
+    spy.memory = memory;
+    spy.largest_buffer = largest_buffer;
+}
+uint32_t spy_cold(void) {
+    return spy.cold;
+}
+bool spy_spoiled(void) {
+    return spy.spoiled;
+}
+void spy_spoil(uint32_t nth) {
+    spy.spoil_in = nth;
+    spy.spoiled = false;
 }
 
 void spy_fail(uint32_t nth, cl_int code) {
@@ -115,8 +147,17 @@ CODE_CALL(clGetPlatformIDs, SPY_QUERY, (cl_uint n, cl_platform_id *out, cl_uint 
 CODE_CALL(clGetDeviceIDs, SPY_QUERY,
           (cl_platform_id platform, cl_device_type type, cl_uint n, cl_device_id *out, cl_uint *count),
           (platform, type, n, out, count))
-CODE_CALL(clGetDeviceInfo, SPY_QUERY,
-          (cl_device_id d, cl_device_info what, size_t n, void *out, size_t *size), (d, what, n, out, size))
+cl_int clGetDeviceInfo(cl_device_id d, cl_device_info what, size_t n, void *out, size_t *size) {
+    REAL(clGetDeviceInfo);
+    ENTER(clGetDeviceInfo, SPY_QUERY);
+    if (v.fails) return spy.code;
+    const cl_int code = real(d, what, n, out, size);
+    const uint64_t told = what == CL_DEVICE_GLOBAL_MEM_SIZE      ? spy.memory
+                          : what == CL_DEVICE_MAX_MEM_ALLOC_SIZE ? spy.largest_buffer
+                                                                 : 0;
+    if (v.ours && code == CL_SUCCESS && told > 0) *(cl_ulong *)out = told;
+    return code;
+}
 CODE_CALL(clGetCommandQueueInfo, SPY_QUERY,
           (cl_command_queue q, cl_command_queue_info what, size_t n, void *out, size_t *size),
           (q, what, n, out, size))
@@ -151,8 +192,40 @@ CREATE_CALL(cl_context, clCreateContext,
 CREATE_CALL(cl_command_queue, clCreateCommandQueue,
             (cl_context c, cl_device_id d, cl_command_queue_properties properties, cl_int *errcode),
             (c, d, properties, errcode))
-CREATE_CALL(cl_mem, clCreateBuffer, (cl_context c, cl_mem_flags flags, size_t n, void *host, cl_int *errcode),
-            (c, flags, n, host, errcode))
+/* Bytes that a buffer takes on the device. */
+static uint64_t bytes_of(cl_mem object) {
+    static __typeof__(&clGetMemObjectInfo) info;
+    if (!info) *(void **)(&info) = dlsym(RTLD_NEXT, "clGetMemObjectInfo");
+    size_t bytes = 0;
+    cl_mem_flags flags = 0;
+    if (info(object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL) != CL_SUCCESS) return 0;
+    if (info(object, CL_MEM_FLAGS, sizeof flags, &flags, NULL) != CL_SUCCESS) return 0;
+    return flags & CL_MEM_USE_HOST_PTR ? 0 : bytes;
+}
+
+cl_mem clCreateBuffer(cl_context c, cl_mem_flags flags, size_t n, void *host, cl_int *errcode) {
+    REAL(clCreateBuffer);
+    ENTER(clCreateBuffer, SPY_CREATE);
+    if (v.fails) {
+        if (errcode) *errcode = spy.code;
+        return NULL;
+    }
+    cl_mem object = real(c, flags, n, host, errcode);
+    if (v.ours && object) {
+        spy.live++;
+        spy.live_bytes += bytes_of(object);
+    }
+    return object;
+}
+
+cl_int clReleaseMemObject(cl_mem object) {
+    REAL(clReleaseMemObject);
+    ENTER(clReleaseMemObject, SPY_RELEASE);
+    spy.live -= v.ours;
+    if (v.ours) spy.live_bytes -= bytes_of(object);
+    return real(object);
+}
+
 CREATE_CALL(cl_program, clCreateProgramWithSource,
             (cl_context c, cl_uint n, const char **text, const size_t *lengths, cl_int *errcode),
             (c, n, text, lengths, errcode))
@@ -160,15 +233,66 @@ CREATE_CALL(cl_kernel, clCreateKernel, (cl_program p, const char *name, cl_int *
 
 RELEASE_CALL(clReleaseContext, cl_context)
 RELEASE_CALL(clReleaseCommandQueue, cl_command_queue)
-RELEASE_CALL(clReleaseMemObject, cl_mem)
 RELEASE_CALL(clReleaseProgram, cl_program)
-RELEASE_CALL(clReleaseKernel, cl_kernel)
 RELEASE_CALL(clReleaseEvent, cl_event)
 
-ENQUEUE_CALL(clEnqueueNDRangeKernel, false,
-             (cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset, const size_t *global,
-              const size_t *local, cl_uint n, const cl_event *wait, cl_event *event),
-             (q, k, dims, offset, global, local, n, wait, event))
+/* A kernel that is gone has been launched with nothing: another may come to lie at its address. */
+cl_int clReleaseKernel(cl_kernel kernel) {
+    REAL(clReleaseKernel);
+    ENTER(clReleaseKernel, SPY_RELEASE);
+    spy.live -= v.ours;
+    size_t kept = 0, warm = 0;
+    for (size_t i = 0; i < spy.launched_count; i++) {
+        if (spy.launched[i].kernel == kernel) continue;
+        warm += i < spy.warm;
+        spy.launched[kept++] = spy.launched[i];
+    }
+    spy.launched_count = kept;
+    spy.warm = warm;
+    return real(kernel);
+}
+
+static void note_launch(cl_kernel kernel, cl_uint dims, const size_t *local) {
+    size_t size[3] = {0};
+    memcpy(size, local, dims * sizeof *local);
+    for (size_t i = 0; i < spy.launched_count; i++) {
+        if (spy.launched[i].kernel != kernel || memcmp(spy.launched[i].local, size, sizeof size) != 0)
+            continue;
+        spy.cold += i >= spy.warm;
+        return;
+    }
+    if (spy.launched_count == SPY_LAUNCHED) abort();
+    spy.launched[spy.launched_count].kernel = kernel;
+    memcpy(spy.launched[spy.launched_count++].local, size, sizeof size);
+    spy.cold++;
+}
+
+cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset,
+                              const size_t *global, const size_t *local, cl_uint n, const cl_event *wait,
+                              cl_event *event) {
+    REAL(clEnqueueNDRangeKernel);
+    ENTER(clEnqueueNDRangeKernel, SPY_ENQUEUE);
+    if (v.fails) return spy.code;
+    const cl_int code = real(q, k, dims, offset, global, local, n, wait, event);
+    if (v.ours && code == CL_SUCCESS) {
+        spy.pending = true;
+        spy.live += event != NULL;
+        note_launch(k, dims, local);
+    }
+    return code;
+}
+
+/* After a read of `rows` rows: waits for it and changes every byte that it brought, if this is its turn. */
+static void spoil(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch) {
+    if (spy.spoil_in == 0 || --spy.spoil_in > 0) return;
+    static __typeof__(&clFinish) finish;
+    if (!finish) *(void **)(&finish) = dlsym(RTLD_NEXT, "clFinish");
+    if (finish(q) != CL_SUCCESS) abort();
+    for (size_t y = 0; y < rows; y++)
+        for (size_t x = 0; x < row_bytes; x++) ((unsigned char *)to)[y * pitch + x] ^= 0x40;
+    spy.spoiled = true;
+}
+
 ENQUEUE_CALL(clEnqueueFillBuffer, false,
              (cl_command_queue q, cl_mem m, const void *pattern, size_t bytes, size_t offset, size_t size,
               cl_uint n, const cl_event *wait, cl_event *event),
@@ -177,15 +301,37 @@ ENQUEUE_CALL(clEnqueueWriteBuffer, block,
              (cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, const void *from,
               cl_uint n, const cl_event *wait, cl_event *event),
              (q, m, block, offset, size, from, n, wait, event))
-ENQUEUE_CALL(clEnqueueReadBuffer, block,
-             (cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, void *to, cl_uint n,
-              const cl_event *wait, cl_event *event),
-             (q, m, block, offset, size, to, n, wait, event))
-ENQUEUE_CALL(clEnqueueReadBufferRect, block,
-             (cl_command_queue q, cl_mem m, cl_bool block, const size_t *from, const size_t *to,
-              const size_t *region, size_t row, size_t slice, size_t host_row, size_t host_slice, void *host,
-              cl_uint n, const cl_event *wait, cl_event *event),
-             (q, m, block, from, to, region, row, slice, host_row, host_slice, host, n, wait, event))
+cl_int clEnqueueReadBuffer(cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, void *to,
+                           cl_uint n, const cl_event *wait, cl_event *event) {
+    REAL(clEnqueueReadBuffer);
+    ENTER(clEnqueueReadBuffer, SPY_ENQUEUE);
+    if (v.ours && block) spy.blocking++;
+    if (v.fails) return spy.code;
+    const cl_int code = real(q, m, block, offset, size, to, n, wait, event);
+    if (v.ours && code == CL_SUCCESS) {
+        spy.pending = true;
+        spy.live += event != NULL;
+        spoil(q, to, size, 1, size);
+    }
+    return code;
+}
+cl_int clEnqueueReadBufferRect(cl_command_queue q, cl_mem m, cl_bool block, const size_t *from,
+                               const size_t *to, const size_t *region, size_t row, size_t slice,
+                               size_t host_row, size_t host_slice, void *host, cl_uint n,
+                               const cl_event *wait, cl_event *event) {
+    REAL(clEnqueueReadBufferRect);
+    ENTER(clEnqueueReadBufferRect, SPY_ENQUEUE);
+    if (v.ours && block) spy.blocking++;
+    if (v.fails) return spy.code;
+    const cl_int code =
+        real(q, m, block, from, to, region, row, slice, host_row, host_slice, host, n, wait, event);
+    if (v.ours && code == CL_SUCCESS) {
+        spy.pending = true;
+        spy.live += event != NULL;
+        spoil(q, host, region[0], region[1], host_row);
+    }
+    return code;
+}
 ENQUEUE_CALL(clEnqueueCopyBuffer, false,
              (cl_command_queue q, cl_mem from, cl_mem to, size_t at, size_t offset, size_t size, cl_uint n,
               const cl_event *wait, cl_event *event),

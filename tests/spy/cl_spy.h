@@ -42,4 +42,20 @@ const char *spy_failed(void); /* the call that was made to fail, or NULL */
  * NULL. `handle` is of dlopen. */
 const char *spy_unknown_import(void *handle);
 
+/* Launches of a kernel with a local size that it had not been launched with before the last spy_reset: PoCL
+ * compiles those at launch. */
+uint32_t spy_cold(void);
+
+/* The nth read from now on (1, 2, ...) brings other bytes than the device has; 0: none. spy_spoiled: it came
+ * to that. */
+void spy_spoil(uint32_t nth);
+bool spy_spoiled(void);
+
+/* Bytes of the buffers that the library has made and not yet released, those around the host's memory left
+ * out. */
+uint64_t spy_live_bytes(void);
+
+/* What the library hears of the device's memory and of the largest buffer; 0: the truth. */
+void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
+
 #endif

@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The twelve functions of a plugin and its creation, between the ABI and a method. A part of
+ * smartvis/author.h; a method does not call it.
+ */
+#ifndef SMARTVIS_AUTHOR_CALLS_H
+#define SMARTVIS_AUTHOR_CALLS_H
+
+#include "smartvis/author_checks.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+static inline sva *sva_enter(const sv_plugin *plugin) {
+    sva *a = (sva *)plugin->plugin_data;
+    a->reason[0] = '\0';
+    return a;
+}
+
+/* A method's status. An error without a reason gets one; success leaves none behind. */
+static inline sv_status sva_heed(sva *a, const char *call, sv_status status) {
+    if (status == SV_OK) a->reason[0] = '\0';
+    if (status >= 0 || a->reason[0] != '\0') return status;
+    return sva_error(a, status, "%s: the method returned %d without a reason", call, (int)status);
+}
+
+static inline sv_status sva_wrong_state(sva *a, const char *call) {
+    static const char *const names[] = {"inactive", "active, and no frame is under way",
+                                        "active, and slabs are awaited", "active, and a frame is finished"};
+    return sva_blame(a, SV_ERR_STATE, "%s: the instance is %s", call, names[a->state]);
+}
+
+/* ---------------------------------------------------------------------------------------------- control --
+ */
+
+static inline void sva_release(sva *a) {
+    if (a->method->deactivate) a->method->deactivate(a);
+    free((void *)a->slice);
+    free(a->depth);
+    free(a->points);
+    free(a->rays);
+    a->slice = NULL;
+    a->rays = NULL;
+    a->depth = NULL;
+    a->points = NULL;
+    a->scanned = NULL;
+    a->state = SVA_INACTIVE;
+}
+
+static inline void SV_CALL sva_deactivate(const sv_plugin *plugin) {
+    sva *a = sva_enter(plugin);
+    if (a->state == SVA_INACTIVE)
+        (void)sva_wrong_state(a, "deactivate");
+    else
+        sva_release(a);
+}
+
+static inline void SV_CALL sva_destroy(const sv_plugin *plugin) {
+    if (!plugin) return;
+    sva *a = sva_enter(plugin);
+    if (a->state != SVA_INACTIVE) {
+        (void)sva_wrong_state(a, "destroy");
+        sva_release(a);
+    }
+    free(a->own);
+    free(a->values);
+    free(a);
+}
+
+/* The format as the method sees it. */
+static inline void sva_keep_format(sva *a, const sv_format *format) {
+    sv_format *f = &a->format;
+    *f = *format;
+    f->values = NULL;
+    f->value_count = 0;
+    a->padding = a->method->descriptor->features & SV_FEATURE_PADDING ? f->padding_value : SV_NO_PADDING;
+    if (f->spacing_mm[2] > 0.0f) return;
+    uint32_t longest = f->width > f->height ? f->width : f->height;
+    if (f->slices > longest) longest = f->slices;
+    for (int i = 0; i < 3; i++) f->spacing_mm[i] = SV_ASSUMED_EXTENT_MM / (float)longest;
+}
+
+static inline sv_status sva_allocate(sva *a) {
+    const int maps = a->method->output == NULL;
+    if (a->format.carrier == SV_CARRIER_HOST)
+        a->slice = (const uint8_t **)calloc(a->format.slices, sizeof *a->slice);
+    if (maps) a->depth = (float *)calloc(sva_rays(a), sizeof *a->depth);
+    if (maps) a->points = (uint8_t *)calloc(sva_rays(a), 1);
+    if (maps) a->rays = calloc(sva_rays(a), a->method->ray_bytes + 1);
+    if ((maps && (!a->depth || !a->points || !a->rays)) ||
+        (a->format.carrier == SV_CARRIER_HOST && !a->slice))
+        return sva_error(a, SV_ERR_NO_MEMORY, "activate: no memory for maps of %u x %u",
+                         (unsigned)a->format.width, (unsigned)a->format.height);
+    return SV_OK;
+}
+
+static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_format *format) {
+    sva *a = sva_enter(plugin);
+    const uint32_t count = a->method->param_count;
+    if (a->state != SVA_INACTIVE) return sva_wrong_state(a, "activate");
+    sv_status status = sva_check_format(a, format);
+    if (status != SV_OK) return status;
+    for (uint32_t i = 0; i < count; i++) a->values[i] = a->method->params[i].default_value;
+    status = sva_take_values(a, "activate", format->values, format->value_count, SV_PARAM_REACTIVATE);
+    if (status != SV_OK) return status;
+    memcpy(a->fixed, a->values, count * sizeof *a->values);
+    sva_keep_format(a, format);
+    status = sva_allocate(a);
+    if (status == SV_OK && a->method->activate) status = sva_heed(a, "activate", a->method->activate(a));
+    if (status >= SV_OK)
+        a->state = SVA_IDLE;
+    else
+        sva_release(a);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------ frame --
+ */
+
+static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_frame *frame) {
+    sva *a = sva_enter(plugin);
+    if (a->state == SVA_INACTIVE) return sva_wrong_state(a, "begin");
+    a->state = SVA_IDLE;
+    sv_status status = sva_check_frame(a, frame);
+    if (status != SV_OK) return status;
+    memcpy(a->values, a->fixed, a->method->param_count * sizeof *a->values);
+    status = sva_take_values(a, "begin", frame->values, frame->value_count, 0);
+    if (status != SV_OK) return status;
+    memcpy(a->framed, a->values, a->method->param_count * sizeof *a->values);
+    a->frame = *frame;
+    a->frame.values = NULL;
+    a->frame.value_count = 0;
+    a->scanned = frame->scanned;
+    a->next_slice = 0;
+    if (a->rays) memset(a->rays, 0, sva_rays(a) * a->method->ray_bytes);
+    if (a->method->begin) status = sva_heed(a, "begin", a->method->begin(a));
+    if (status >= SV_OK) a->state = SVA_SLABS;
+    return status;
+}
+
+static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab *slab) {
+    sva *a = sva_enter(plugin);
+    if (a->state != SVA_SLABS) return sva_wrong_state(a, "slab");
+    a->state = SVA_IDLE; /* an error ends the frame */
+    sv_status status = sva_check_slab(a, slab);
+    if (status != SV_OK) return status;
+    for (uint32_t s = 0; a->slice && s < slab->slice_count; s++)
+        a->slice[slab->first_slice + s] = (const uint8_t *)slab->memory + sva_byte(&a->format, 0, 0, s);
+    a->next_slice += slab->slice_count;
+    if (a->method->slab) status = sva_heed(a, "slab", a->method->slab(a, slab));
+    if (status >= SV_OK) a->state = SVA_SLABS;
+    return status;
+}
+
+/* The map that a method has filled becomes one that may leave: finite, and 0 where there is no surface. Also
+ * the statistics. Returns the outcome. */
+static inline sv_status sva_settle(sva *a, const char *call, sv_status status) {
+    const size_t rays = sva_rays(a);
+    uint32_t unfilled = 0, points = 0;
+    if (status < 0) return sva_heed(a, call, status);
+    for (size_t i = 0; i < rays; i++) {
+        if (status == SV_NO_SURFACE || a->depth[i] == SVA_NO_DEPTH) {
+            a->depth[i] = 0.0f;
+            unfilled++;
+        } else if (!(a->depth[i] >= -FLT_MAX && a->depth[i] <= FLT_MAX)) {
+            (void)sva_error(a, SV_ERR_INTERNAL, "%s: the depth of ray (%u, %u) is %g", call,
+                            (unsigned)(i % a->format.width), (unsigned)(i / a->format.width),
+                            (double)a->depth[i]);
+            return SV_ERR_INTERNAL;
+        }
+        points += a->points[i] != SV_POINT_NONE;
+    }
+    a->stats.size = (uint32_t)sizeof a->stats;
+    a->stats.outcome = unfilled == 0 ? SV_OK : unfilled == rays ? SV_NO_SURFACE : SV_PARTIAL;
+    a->stats.rays = (uint32_t)rays;
+    a->stats.points = points;
+    a->stats.unfilled = unfilled;
+    return SV_OK;
+}
+
+/* The helper's maps and statistics into the host's memory. */
+static inline sv_status sva_give_out(sva *a, const char *call, const sv_result *r) {
+    const size_t width = a->format.width, row = width * sizeof(float);
+    const size_t pitch = r->depth_pitch ? r->depth_pitch : row;
+    for (size_t y = 0; y < a->format.height; y++)
+        memcpy((char *)r->depth + y * pitch, a->depth + y * width, row);
+    if (r->status) memcpy(r->status, a->points, sva_rays(a));
+    if (r->stats) {
+        const uint32_t size = r->stats->size;
+        *r->stats = a->stats;
+        r->stats->size = size;
+    }
+    if (a->stats.outcome == SV_OK) return SV_OK;
+    return sva_error(a, a->stats.outcome, "%s: %u of %u pixels are without a surface", call,
+                     (unsigned)a->stats.unfilled, (unsigned)a->stats.rays);
+}
+
+/* What finish and adjust have in common: from the method's status to the host's results. */
+static inline sv_status sva_deliver(sva *a, const char *call, sv_status status, const sv_result *result) {
+    if (a->method->output) {
+        status = sva_heed(a, call, status);
+        return status < 0 ? status : sva_heed(a, call, a->method->output(a, result));
+    }
+    status = sva_settle(a, call, status);
+    return status < 0 ? status : sva_give_out(a, call, result);
+}
+
+static inline sv_status SV_CALL sva_end(const sv_plugin *plugin, const sv_result *result) {
+    sva *a = sva_enter(plugin);
+    if (a->state != SVA_SLABS) return sva_wrong_state(a, "end");
+    a->state = SVA_IDLE;
+    if (a->next_slice < a->format.slices)
+        return sva_blame(a, SV_ERR_SLAB_MISSING, "end: %u of %u slices came", (unsigned)a->next_slice,
+                         (unsigned)a->format.slices);
+    sv_status status = sva_check_result(a, "end", result);
+    if (status != SV_OK) return status;
+    if (a->points) memset(a->points, SV_POINT_NONE, sva_rays(a));
+    status = sva_deliver(a, "end", a->method->finish(a, a->depth), result);
+    if (status >= 0) a->state = SVA_FINISHED;
+    return status;
+}
+
+static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_param_value *values,
+                                           uint32_t value_count, const sv_result *result) {
+    sva *a = sva_enter(plugin);
+    if (a->state != SVA_FINISHED) return sva_wrong_state(a, "adjust");
+    memcpy(a->values, a->framed, a->method->param_count * sizeof *a->values);
+    sv_status status = sva_take_values(a, "adjust", values, value_count, SV_PARAM_ADJUST);
+    if (status == SV_OK) status = sva_check_result(a, "adjust", result);
+    if (status != SV_OK) return status;
+    if (a->method->adjust) return sva_deliver(a, "adjust", a->method->adjust(a, a->depth), result);
+    return a->method->output ? sva_deliver(a, "adjust", SV_OK, result) : sva_give_out(a, "adjust", result);
+}
+
+/* -------------------------------------------------------------------------------------------------- any --
+ */
+
+static inline uint32_t SV_CALL sva_param_count(const sv_plugin *plugin) {
+    return ((const sva *)plugin->plugin_data)->method->param_count;
+}
+
+/* A call from any thread only logs. */
+static inline sv_status sva_tell(const sva *a, sv_status status, const char *text) {
+    sva_log(a, SV_LOG_HOST_MISBEHAVING, text);
+    return status;
+}
+
+static inline sv_status SV_CALL sva_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
+    const sva *a = (const sva *)plugin->plugin_data;
+    if (!out) return sva_tell(a, SV_ERR_ARGUMENT, "param_info: out is NULL");
+    if (out->size < sizeof *out) return sva_tell(a, SV_ERR_SIZE, "param_info: out.size is too small");
+    if (index >= a->method->param_count)
+        return sva_tell(a, SV_ERR_ARGUMENT, "param_info: index is not below param_count");
+    const sva_param *p = &a->method->params[index];
+    const int whole = p->display_min == 0.0 && p->display_max == 0.0;
+    out->id = p->id;
+    out->type = p->type;
+    out->flags = p->flags;
+    out->key = p->key;
+    out->label = p->label;
+    out->unit = p->unit;
+    out->help = p->help;
+    out->min_value = p->min_value;
+    out->max_value = p->max_value;
+    out->display_min = whole ? p->min_value : p->display_min;
+    out->display_max = whole ? p->max_value : p->display_max;
+    out->default_value = p->default_value;
+    out->step = sva_step(p);
+    out->group = p->group ? p->group : "";
+    out->depends_on = p->depends_on;
+    out->reserved = 0;
+    out->depends_values = p->depends_values;
+    return SV_OK;
+}
+
+static inline sv_status SV_CALL sva_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
+                                               uint32_t bytes) {
+    const sva *a = (const sva *)plugin->plugin_data;
+    const sva_param *p = sva_find(a, id);
+    if (!out || bytes == 0) return sva_tell(a, SV_ERR_ARGUMENT, "param_text: no room for text");
+    out[0] = '\0';
+    if (!p) return sva_tell(a, SV_ERR_PARAM_ID, "param_text: no parameter has this id");
+    if (!sva_value_fits(p, value)) return sva_tell(a, SV_ERR_PARAM_RANGE, "param_text: value out of range");
+    if (p->names)
+        (void)snprintf(out, bytes, "%s", p->names[(size_t)((value - p->min_value) / sva_step(p))]);
+    else if (p->type == SV_PARAM_BOOL)
+        (void)snprintf(out, bytes, "%s", value != 0.0 ? "true" : "false");
+    else
+        (void)snprintf(out, bytes, "%.6g", value);
+    return SV_OK;
+}
+
+static inline const char *SV_CALL sva_last_error(const sv_plugin *plugin) {
+    return ((const sva *)plugin->plugin_data)->reason;
+}
+
+static inline const void *SV_CALL sva_get_extension(const sv_plugin *plugin, const char *id) {
+    const sva *a = (const sva *)plugin->plugin_data;
+    return id && a->method->extension ? a->method->extension(a, id) : NULL;
+}
+
+/* --------------------------------------------------------------------------------------------- creation --
+ */
+
+/* What is wrong with the author's own tables, or NULL. */
+static inline const char *sva_fault(const sva_method *m) {
+    for (uint32_t i = 0; i < m->param_count; i++) {
+        const sva_param *p = &m->params[i];
+        if (p->id == 0 || !p->key || !p->label || !p->unit || !p->help) return "a parameter is incomplete";
+        if (!sva_value_fits(p, p->default_value)) return "a parameter's default is outside its range";
+        if ((p->flags & SV_PARAM_ADJUST) && (!m->adjust || !(m->descriptor->features & SV_FEATURE_ADJUST)))
+            return "SV_PARAM_ADJUST needs the function adjust and SV_FEATURE_ADJUST";
+        for (uint32_t n = 0; n < i; n++)
+            if (m->params[n].id == p->id) return "two parameters have the same id";
+    }
+    return m->finish ? NULL : "finish is NULL";
+}
+
+static inline void sva_fill_api(sva *a) {
+    sv_plugin *p = &a->api;
+    p->size = (uint32_t)sizeof *p;
+    p->descriptor = a->method->descriptor;
+    p->plugin_data = a;
+    p->destroy = sva_destroy;
+    p->activate = sva_activate;
+    p->deactivate = sva_deactivate;
+    p->begin = sva_begin;
+    p->slab = sva_slab;
+    p->end = sva_end;
+    p->adjust = sva_adjust;
+    p->param_count = sva_param_count;
+    p->param_info = sva_param_info;
+    p->param_text = sva_param_text;
+    p->last_error = sva_last_error;
+    p->get_extension = sva_get_extension;
+}
+
+/* sv_entry.create for a library whose only plugin is `method`. */
+static inline sv_status sva_create(const sva_method *method, const sv_host *host, const char *id,
+                                   const sv_plugin **out) {
+    if (!out) return SV_ERR_ARGUMENT;
+    *out = NULL;
+    if (!host || !id) return SV_ERR_ARGUMENT;
+    if (host->size < sizeof *host) return SV_ERR_SIZE;
+    const char *fault = sva_fault(method);
+    const int known = strcmp(id, method->descriptor->id) == 0;
+    if (fault && host->log) host->log(host, SV_LOG_PLUGIN_MISBEHAVING, fault);
+    if (!known && host->log) host->log(host, SV_LOG_HOST_MISBEHAVING, "create: no plugin with that id here");
+    if (fault || !known) return fault ? SV_ERR_INTERNAL : SV_ERR_UNKNOWN_ID;
+    sva *a = (sva *)calloc(1, sizeof *a);
+    double *values = (double *)calloc(3 * (size_t)method->param_count + 1, sizeof *values);
+    void *own = calloc(1, method->own_bytes + 1);
+    if (!a || !values || !own) {
+        free(a);
+        free(values);
+        free(own);
+        return SV_ERR_NO_MEMORY;
+    }
+    a->method = method;
+    a->host = host;
+    a->own = own;
+    a->values = values;
+    a->framed = values + method->param_count;
+    a->fixed = a->framed + method->param_count;
+    sva_fill_api(a);
+    *out = &a->api;
+    return SV_OK;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* The cost volume's sizes, for its definition and for the plugin (docs/cost_volume.md). */
+#ifndef SV_COST_LAYOUT_H
+#define SV_COST_LAYOUT_H
+
+#include "cost/cost_shared.h"
+
+#include <stdint.h>
+
+/* Rays, bins and cells of a volume with sides of 1 to 8192, and what every length becomes there. */
+sv_cost_layout sv_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices);
+
+/* Standard deviation of the lateral Gaussian, in cells. */
+double sv_cost_sigma(const sv_cost_layout *layout);
+
+#endif

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What author.h does for a method: a small plugin made here fails where it is told to, and has tables that
+ * are wrong on purpose.
+ */
+#include "smartvis/author.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 5, HEIGHT = 3, SLICES = 4, RAYS = WIDTH * HEIGHT };
+
+/* ---- a plugin that fails where it is told to */
+
+enum { WHERE = 1, SHADE, COLOUR };
+enum { NOWHERE, AT_ACTIVATE, AT_BEGIN, AT_SLAB, AT_FINISH, NOT_A_NUMBER, WITHOUT_REASON };
+static int deactivated; /* how often */
+
+static sv_status fail_at(sva *a, int where) {
+    return (int)sva_value(a, WHERE) == where ? sva_error(a, SV_ERR_INTERNAL, "fails at %d", where) : SV_OK;
+}
+static sv_status on_activate(sva *a) {
+    return fail_at(a, AT_ACTIVATE);
+}
+static sv_status on_begin(sva *a) {
+    return fail_at(a, AT_BEGIN);
+}
+static sv_status on_slab(sva *a, const sv_slab *slab) {
+    return slab->first_slice > 0 ? fail_at(a, AT_SLAB) : SV_OK;
+}
+static void on_deactivate(sva *a) {
+    (void)a;
+    deactivated++;
+}
+static sv_status on_finish(sva *a, float *depth) {
+    for (size_t i = 0; i < sva_rays(a); i++) depth[i] = 3.0f;
+    if ((int)sva_value(a, WHERE) == NOT_A_NUMBER) depth[5] = NAN;
+    if ((int)sva_value(a, WHERE) == WITHOUT_REASON) return SV_ERR_INTERNAL;
+    return fail_at(a, AT_FINISH);
+}
+
+static const char *const colours[] = {"red", "green"};
+static const char *const places[] = {"nowhere", "activate", "begin", "slab", "finish", "nan", "silent"};
+static const sva_param own_params[] = {
+    {.id = WHERE,
+     .type = SV_PARAM_ENUM,
+     .flags = SV_PARAM_REACTIVATE,
+     .key = "where",
+     .label = "Where",
+     .unit = "",
+     .help = "Where it fails.",
+     .max_value = WITHOUT_REASON,
+     .names = places},
+    {.id = SHADE,
+     .type = SV_PARAM_INT,
+     .key = "shade",
+     .label = "Shade",
+     .unit = "",
+     .help = "Nothing.",
+     .min_value = 1,
+     .max_value = 31,
+     .default_value = 3,
+     .step = 2,
+     .display_min = 1,
+     .display_max = 9,
+     .group = "Looks",
+     .depends_on = COLOUR,
+     .depends_values = 2},
+    {.id = COLOUR,
+     .type = SV_PARAM_ENUM,
+     .key = "colour",
+     .label = "Colour",
+     .unit = "",
+     .help = "Nothing.",
+     .max_value = 1,
+     .names = colours},
+};
+static const sv_descriptor own_descriptor = SVA_DESCRIPTOR("test.own", "Own", "Test", "1", "Fails.", 0);
+static const sva_method own_method = {.descriptor = &own_descriptor,
+                                      .params = own_params,
+                                      .param_count = 3,
+                                      .activate = on_activate,
+                                      .deactivate = on_deactivate,
+                                      .begin = on_begin,
+                                      .slab = on_slab,
+                                      .finish = on_finish};
+
+/* ---- a host */
+
+static char last_log[300];
+
+static void keep_log(const sv_host *host, int32_t severity, const char *text) {
+    (void)host;
+    (void)severity;
+    (void)snprintf(last_log, sizeof last_log, "%s", text);
+}
+
+static const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "test", "1", keep_log, NULL};
+static uint8_t volume[SLICES * RAYS];
+static float depth[RAYS];
+
+static sv_format small_format(void) {
+    return (sv_format){.size = sizeof(sv_format),
+                       .width = WIDTH,
+                       .height = HEIGHT,
+                       .slices = SLICES,
+                       .max_slab_slices = SLICES,
+                       .voxel_type = SV_VOXEL_U8,
+                       .carrier = SV_CARRIER_HOST,
+                       .padding_value = 9,
+                       .tiles_x = 2,
+                       .tile_w = WIDTH,
+                       .tile_h = HEIGHT,
+                       .row_pitch = 2 * WIDTH};
+}
+
+static const sv_plugin *make(const sva_method *method) {
+    const sv_plugin *p = NULL;
+    assert_int_equal(sva_create(method, &host, method->descriptor->id, &p), SV_OK);
+    deactivated = 0;
+    return p;
+}
+
+/* Activates with a place to fail at. */
+static sv_status activate_at(const sv_plugin *p, int where) {
+    const sv_param_value value = {WHERE, 0, where};
+    sv_format format = small_format();
+    format.values = &value;
+    format.value_count = 1;
+    return p->activate(p, &format);
+}
+
+static sv_status begin(const sv_plugin *p, const sv_param_value *values, uint32_t count) {
+    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count};
+    return p->begin(p, &frame);
+}
+
+/* A frame in two slabs, into `depth`, which is -77 before. */
+static sv_status frame(const sv_plugin *p) {
+    const sv_result result = {.size = sizeof result, .depth = depth};
+    sv_status status = begin(p, NULL, 0);
+    for (uint32_t z = 0; z < SLICES && status == SV_OK; z += 2) {
+        const sv_slab slab = {
+            .size = sizeof slab, .first_slice = z, .slice_count = 2, .memory = volume, .bytes = 2 * RAYS};
+        status = p->slab(p, &slab);
+    }
+    for (int i = 0; i < RAYS; i++) depth[i] = -77.0f;
+    return status == SV_OK ? p->end(p, &result) : status;
+}
+
+/* ---- tests */
+
+static void a_method_that_fails(void **state) {
+    (void)state;
+    const sv_plugin *p = make(&own_method);
+    assert_int_equal(activate_at(p, AT_ACTIVATE), SV_ERR_INTERNAL);
+    assert_string_equal(p->last_error(p), "fails at 1");
+    assert_int_equal(deactivated, 1); /* what activate made in part is freed */
+    assert_int_equal(begin(p, NULL, 0), SV_ERR_STATE);
+    static const char *const reasons[] = {"",
+                                          "",
+                                          "fails at 2",
+                                          "fails at 3",
+                                          "fails at 4",
+                                          "end: the depth of ray (0, 1) is nan",
+                                          "end: the method returned -1 without a reason"};
+    for (int where = AT_BEGIN; where <= WITHOUT_REASON; where++) {
+        assert_int_equal(activate_at(p, where), SV_OK);
+        assert_int_equal(frame(p), SV_ERR_INTERNAL);
+        assert_string_equal(p->last_error(p), reasons[where]);
+        assert_string_equal(last_log, reasons[where]);
+        for (int i = 0; i < RAYS; i++) assert_true(depth[i] == -77.0f);
+        const sv_result result = {.size = sizeof result, .depth = depth};
+        assert_int_equal(p->adjust(p, NULL, 0, &result), SV_ERR_STATE);
+        p->deactivate(p);
+        assert_int_equal(deactivated, where);
+    }
+    assert_int_equal(activate_at(p, NOWHERE), SV_OK);
+    assert_int_equal(frame(p), SV_OK);
+    for (int i = 0; i < RAYS; i++) assert_true(depth[i] == 3.0f);
+    p->destroy(p); /* an active one is deactivated, and the host is told */
+    assert_int_equal(deactivated, WITHOUT_REASON + 1);
+    assert_non_null(strstr(last_log, "destroy: "));
+}
+
+static void parameters(void **state) {
+    (void)state;
+    char text[16];
+    const sv_plugin *p = make(&own_method);
+    sv_param_info info = {.size = sizeof info};
+    assert_int_equal(p->param_count(p), 3);
+    assert_int_equal(p->param_info(p, 1, &info), SV_OK);
+    assert_string_equal(info.group, "Looks");
+    assert_int_equal(info.depends_on, COLOUR);
+    assert_int_equal(info.depends_values, 2);
+    assert_true(info.display_max == 9.0 && info.step == 2.0);
+    assert_int_equal(p->param_info(p, 2, &info), SV_OK);
+    assert_string_equal(info.group, "");
+    assert_true(info.display_max == 1.0 && info.step == 1.0);
+    assert_int_equal(p->param_text(p, COLOUR, 1.0, text, sizeof text), SV_OK);
+    assert_string_equal(text, "green");
+    assert_int_equal(p->param_text(p, COLOUR, 0.5, text, sizeof text), SV_ERR_PARAM_RANGE);
+    assert_int_equal(p->param_text(p, SHADE, 5.0, text, sizeof text), SV_OK);
+    assert_int_equal(activate_at(p, NOWHERE), SV_OK);
+    sv_param_value values[] = {{SHADE, 0, 4.0}, {WHERE, 0, NOWHERE}};
+    assert_int_equal(begin(p, values, 1), SV_ERR_PARAM_RANGE);
+    assert_string_equal(p->last_error(p), "begin: shade is 4, expected 1 to 31 in steps of 2");
+    values[0].value = 5.0;
+    assert_int_equal(begin(p, values, 2), SV_OK); /* the value of activate may be repeated */
+    assert_true(sva_value(p->plugin_data, SHADE) == 5.0);
+    values[1].value = AT_SLAB;
+    assert_int_equal(begin(p, values, 2), SV_ERR_PARAM_FIXED);
+    assert_string_equal(p->last_error(p), "begin: where is 3, activated with 0");
+    assert_int_equal(begin(p, NULL, 0), SV_OK);
+    assert_true(sva_value(p->plugin_data, SHADE) == 3.0); /* not listed: its default */
+    p->deactivate(p);
+    p->destroy(p);
+}
+
+/* Every voxel by the arithmetic drawn in the header, and what was scanned of it. */
+static void voxels_and_ranges(void **state) {
+    (void)state;
+    static const sv_descriptor descriptor =
+        SVA_DESCRIPTOR("test.own", "Own", "Test", "1", "Reads.", SV_FEATURE_SCANNED | SV_FEATURE_PADDING);
+    sva_method method = own_method;
+    method.descriptor = &descriptor;
+    const sv_plugin *p = make(&method);
+    sv_format format = small_format();
+    sv_scanned ranges[RAYS];
+    format.flags = SV_FORMAT_SCANNED;
+    for (uint32_t i = 0; i < RAYS; i++) ranges[i] = (sv_scanned){(uint16_t)(i % 3), (uint16_t)(i % 6)};
+    for (uint32_t i = 0; i < sizeof volume; i++) volume[i] = (uint8_t)(i % 17);
+    assert_int_equal(p->activate(p, &format), SV_OK);
+    const sva *a = p->plugin_data;
+    assert_true(a->format.spacing_mm[0] == 24.0f); /* unknown: cubes, and 120 mm for the 5 voxels of a row */
+    const sv_frame scan = {.size = sizeof scan, .scanned = ranges};
+    assert_int_equal(p->begin(p, &scan), SV_OK);
+    const sv_slab slab = {.size = sizeof slab, .slice_count = 4, .memory = volume, .bytes = sizeof volume};
+    assert_int_equal(p->slab(p, &slab), SV_OK);
+    for (uint32_t z = 0; z < SLICES; z++)
+        for (uint32_t i = 0; i < RAYS; i++) {
+            const uint32_t x = i % WIDTH, y = i / WIDTH;
+            const uint8_t voxel = volume[(z / 2 * HEIGHT + y) * 2 * WIDTH + z % 2 * WIDTH + x];
+            assert_int_equal(sva_voxel(a, x, y, z), voxel);
+            assert_int_equal(sva_scanned(a, x, y, z, voxel), z >= i % 3 && z < i % 6 && voxel != 9);
+        }
+    p->deactivate(p);
+    p->destroy(p);
+}
+
+/* A defect of the author's tables is found when the first instance is made. */
+static void wrong_tables(void **state) {
+    (void)state;
+    const sv_plugin *p = NULL;
+    sva_param bad[3];
+    sva_method method = own_method;
+    method.params = bad;
+    for (int n = 0; n < 5; n++) {
+        memcpy(bad, own_params, sizeof bad);
+        if (n == 1) bad[1].default_value = 32.0;
+        if (n == 2) bad[1].id = COLOUR;
+        if (n == 3) bad[1].label = NULL;
+        if (n == 4) bad[1].flags = SV_PARAM_ADJUST;
+        const sv_status expected = n == 0 ? SV_OK : SV_ERR_INTERNAL;
+        assert_int_equal(sva_create(&method, &host, "test.own", &p), expected);
+        if (n == 0) p->destroy(p);
+    }
+    method = own_method;
+    method.finish = NULL;
+    assert_int_equal(sva_create(&method, &host, "test.own", &p), SV_ERR_INTERNAL);
+    assert_string_equal(last_log, "finish is NULL");
+    assert_null(p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_method_that_fails),
+        cmocka_unit_test(parameters),
+        cmocka_unit_test(voxels_and_ranges),
+        cmocka_unit_test(wrong_tables),
+    };
+    return cmocka_run_group_tests_name("author's methods", tests, NULL, NULL);
+}

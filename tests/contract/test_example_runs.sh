@@ -1,0 +1,88 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# The examples as an author meets them: they are as short as promised, a copy of each folder builds alone, the host simulator
+# renders with their maps, which are close to the truth, and the small host tells what it did.
+set -u
+source_dir=$1
+build_dir=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+fail() {
+    echo "failed: $*"
+    failures=$((failures + 1))
+}
+
+# --- lines: in all, and without the method
+most() { # most FILE LINES
+    local lines
+    lines=$(wc -l < "$source_dir/examples/$1")
+    [ "$lines" -le "$2" ] || fail "$1 has $lines lines, at most $2"
+}
+beside_method() { # beside_method FILE LINES
+    local lines
+    lines=$(awk '/^\/\* ---- the method/ { method = 1 } /^\/\* ---- the plugin/ { method = 0 } !method { n++ } END { print n }' "$source_dir/examples/$1")
+    [ "$lines" -le "$2" ] || fail "$1 has $lines lines beside its method, at most $2"
+    [ "$(grep -c '^/\* ---- the \(method\|plugin\) \*/' "$source_dir/examples/$1")" = 2 ] || fail "$1: the method is not marked"
+}
+most first_edge/first_edge.c 80
+most small_host/small_host.c 90
+beside_method first_edge/first_edge.c 40
+beside_method kernel_edge/kernel_edge.c 60
+
+# --- copies build alone
+for name in first_edge kernel_edge small_host; do
+    cp -r "$source_dir/examples/$name" "$work/$name"
+    if ! { cmake -S "$work/$name" -B "$work/$name/build" -D SMARTVIS_INCLUDE="$source_dir/include" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror' &&
+        cmake --build "$work/$name/build"; } > "$work/log" 2>&1; then
+        tail -n 20 "$work/log"
+        fail "a copy of $name does not build"
+    fi
+done
+for name in first_edge kernel_edge; do
+    exported=$(nm -D --defined-only "$build_dir/examples/$name.so" | awk '{ print $3 }' | tr '\n' ' ')
+    [ -n "${SV_SANITIZE:-}" ] || [ "$exported" = "smartvis_plugin_entry " ] || fail "$name exports '$exported'"
+done
+
+# --- the small host; fluid of ray (4, 4) is in slices 8 .. 27, and q is 0.25: 27.5 - 0.25 * 20
+host() { # host CODE TEXT ARGUMENT...
+    local code=$1 text=$2
+    shift 2
+    "$build_dir/examples/small_host" "$@" > "$work/out" 2> "$work/err"
+    local found=$?
+    [ $found = "$code" ] || fail "small_host $*: exit code $found, expected $code"
+    grep -qF "$text" "$work/out" "$work/err" || fail "small_host $*: no '$text' in $(cat "$work/out" "$work/err")"
+}
+host 2 usage
+host 2 usage "$build_dir/tests/plugins/no_symbol.so"
+host 4 'another ABI: 2' "$build_dir/tests/plugins/other_major.so"
+host 4 "needs the host's queue" "$build_dir/tests/plugins/zeros.so"
+host 4 'rendered unclipped' "$build_dir/tests/plugins/create_fails.so"
+host 0 'rendered with the map' "$build_dir/smartvis.so"
+host 0 'rendered with the map' "$build_dir/examples/first_edge.so"
+grep -q '^ 22\.5 ' "$work/out" || fail "small_host, first_edge: $(sed -n 2p "$work/out")"
+tail -n +2 "$work/out" > "$work/first"
+host 0 'rendered with the map' "$build_dir/examples/kernel_edge.so"
+tail -n +2 "$work/out" | cmp - "$work/first" || fail "small_host: the two examples differ"
+
+# --- the host simulator
+simulate() { # simulate OPTION...
+    "$build_dir/host_sim" run --scene D01 --size 64 --setting smartvis --frames 2 --out "$work/run" "$@" > "$work/out" 2>&1 ||
+        { cat "$work/out"; fail "host_sim run $*"; }
+    grep -q 'Frames: 2 clipped' "$work/out" || fail "host_sim run $*: $(grep Frames: "$work/out")"
+}
+simulate --plugin "$build_dir/examples/first_edge.so" --own-queue
+simulate --plugin "$build_dir/examples/kernel_edge.so"
+simulate --plugin "$build_dir/examples/kernel_edge.so" --own-queue
+simulate --plugin "$build_dir/examples/kernel_edge.so" --carrier host --set q=0.5
+
+# --- against the truth: an error of less than a step, where the unclipped volume has more than fifty
+"$build_dir/host_sim" report --case D01 --size 128 --seeds 1 --frames 0 --out "$work/report" \
+    --compare "$build_dir/examples/kernel_edge.so" --compare "$build_dir/tests/plugins/zeros.so" > "$work/out" 2>&1 ||
+    { cat "$work/out"; fail "host_sim report"; }
+error() { awk -v name="$1" '$NF ~ name { print $2 }' "$work/out"; }
+awk -v found="$(error kernel_edge.so)" -v none="$(error zeros.so)" 'BEGIN { exit !(found != "" && found < 1 && none > 50) }' ||
+    fail "mean error: kernel_edge $(error kernel_edge.so), unclipped $(error zeros.so)"
+
+echo "$failures failures"
+[ $failures = 0 ]

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the example plugins compute: known volumes give known depths, the one with kernels equals the one on
+ * the CPU bit for bit over layouts, carriers, padding and scanned ranges, and adjust equals a new frame.
+ */
+#include "support/rig.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 19, HEIGHT = 13, SLICES = 22, RAYS = WIDTH * HEIGHT };
+
+typedef struct {
+    rig cpu, kernels;
+    rig_result a, b;
+} examples;
+
+static int open_examples(void **state) {
+    static examples e;
+    char path[1024];
+    const char *build = getenv("SV_BUILD_DIR");
+    (void)snprintf(path, sizeof path, "%s/examples/first_edge.so", build ? build : ".");
+    rig_open(&e.cpu, path);
+    (void)snprintf(path, sizeof path, "%s/examples/kernel_edge.so", build ? build : ".");
+    rig_open(&e.kernels, path);
+    e.a = rig_result_make(WIDTH, HEIGHT);
+    e.b = rig_result_make(WIDTH, HEIGHT);
+    *state = &e;
+    return 0;
+}
+
+static int close_examples(void **state) {
+    examples *e = *state;
+    rig_close(&e->cpu);
+    rig_close(&e->kernels);
+    rig_result_free(&e->a);
+    rig_result_free(&e->b);
+    return 0;
+}
+
+static rig_format plain(void) {
+    return (rig_format){.width = WIDTH,
+                        .height = HEIGHT,
+                        .slices = SLICES,
+                        .slab_slices = 5,
+                        .own_queue = true,
+                        .padding = SV_NO_PADDING};
+}
+
+/* Activates, runs one frame with ranges (NULL: without), and deactivates. The outcome. */
+static sv_status run(rig *r, const rig_format *f, const uint8_t *volume, const sv_scanned *ranges,
+                     const sv_param_value *values, uint32_t count, rig_result *out) {
+    const sv_plugin *p = r->plugin;
+    rig_textures *t = rig_textures_make(r, f, volume);
+    t->format.flags = ranges ? SV_FORMAT_SCANNED : 0;
+    for (int i = 0; i < 3; i++) t->format.spacing_mm[i] = 1.5f;
+    sv_status status = p->activate(p, &t->format);
+    if (status != SV_OK) fail_msg("activate: %d: %s", status, p->last_error(p));
+    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count, .scanned = ranges};
+    assert_int_equal(p->begin(p, &frame), SV_OK);
+    for (uint32_t n = 0; n < t->slab_count; n++) {
+        const sv_slab slab = rig_slab(t, n);
+        assert_int_equal(p->slab(p, &slab), SV_OK);
+    }
+    const sv_result result = {
+        .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
+    status = p->end(p, &result);
+    if (!f->own_queue) {
+        assert_int_equal(status, SV_OK);
+        assert_int_equal(clFinish(r->queue), CL_SUCCESS);
+    } else {
+        assert_int_equal(status, out->stats.outcome);
+    }
+    p->deactivate(p);
+    rig_textures_free(t);
+    return out->stats.outcome;
+}
+
+/* ---- known answers */
+
+static void assert_depth(const examples *e, uint32_t ray, double expected) {
+    if ((double)e->a.depth[ray] != expected)
+        fail_msg("ray %u: depth %g, expected %g", ray, (double)e->a.depth[ray], expected);
+}
+
+static uint8_t *layers(uint32_t near, uint32_t far) {
+    uint8_t *volume = malloc(SLICES * RAYS);
+    assert_non_null(volume);
+    for (uint32_t i = 0; i < SLICES * RAYS; i++) {
+        const uint32_t z = i / RAYS;
+        volume[i] = z < near || z >= far ? 150 : 10;
+    }
+    return volume;
+}
+
+static void set_ray(uint8_t *volume, uint32_t ray, uint8_t value) {
+    for (uint32_t z = 0; z < SLICES; z++) volume[z * RAYS + ray] = value;
+}
+
+/* Fluid in slices 6 .. 13: from its end (13.5) to its beginning (5.5). */
+static void depth_follows_q(void **state) {
+    examples *e = *state;
+    const rig_format f = plain();
+    uint8_t *volume = layers(6, 14);
+    static const double at[] = {0.0, 0.25, 0.5, 1.0};
+    for (size_t n = 0; n < sizeof at / sizeof *at; n++) {
+        const sv_param_value q = {rig_param(&e->cpu, "q"), 0, at[n]};
+        assert_int_equal(run(&e->cpu, &f, volume, NULL, &q, 1, &e->a), SV_OK);
+        for (uint32_t i = 0; i < RAYS; i++) {
+            assert_depth(e, i, 13.5 - 8.0 * at[n]);
+            assert_int_equal(e->a.status[i], SV_POINT_INITIAL);
+        }
+        assert_int_equal(e->a.stats.points, RAYS);
+        assert_int_equal(e->a.stats.rays, RAYS);
+    }
+    free(volume);
+}
+
+/* A ray alone with another depth, or without one, takes that of its neighbours. */
+static void outliers_and_holes(void **state) {
+    examples *e = *state;
+    const rig_format f = plain();
+    const sv_param_value q = {rig_param(&e->cpu, "q"), 0, 0.0};
+    uint8_t *volume = layers(6, 14);
+    const uint32_t hole = 5 * WIDTH + 7, outlier = 9 * WIDTH + 12;
+    set_ray(volume, hole, 10);
+    volume[18 * RAYS + outlier] = 150;
+    for (uint32_t z = 14; z < 18; z++) volume[z * RAYS + outlier] = 10;
+    assert_int_equal(run(&e->cpu, &f, volume, NULL, &q, 1, &e->a), SV_OK);
+    for (uint32_t i = 0; i < RAYS; i++) assert_depth(e, i, 13.5);
+    assert_int_equal(e->a.status[hole], SV_POINT_NONE);
+    assert_int_equal(e->a.status[outlier], SV_POINT_INITIAL);
+    assert_int_equal(e->a.stats.points, RAYS - 1);
+    free(volume);
+}
+
+/* Columns 0 .. 5 are fluid all along: pixels further than two columns from an edge have no surface. */
+static void a_part_without_surface(void **state) {
+    examples *e = *state;
+    const rig_format f = plain();
+    uint8_t *volume = layers(6, 14);
+    for (uint32_t i = 0; i < RAYS; i++)
+        if (i % WIDTH < 6) set_ray(volume, i, 10);
+    assert_int_equal(run(&e->cpu, &f, volume, NULL, NULL, 0, &e->a), SV_PARTIAL);
+    assert_int_equal(e->a.stats.unfilled, 4 * HEIGHT);
+    for (uint32_t i = 0; i < RAYS; i++) assert_depth(e, i, i % WIDTH < 4 ? 0.0 : 13.5 - 0.25 * 8.0);
+    memset(volume, 150, SLICES * RAYS);
+    assert_int_equal(run(&e->cpu, &f, volume, NULL, NULL, 0, &e->a), SV_NO_SURFACE);
+    assert_int_equal(e->a.stats.unfilled, RAYS);
+    for (uint32_t i = 0; i < RAYS; i++) assert_depth(e, i, 0.0);
+    free(volume);
+}
+
+/* The gap is in millimetres: 8 slices of 1.5 mm are fluid enough for 12 mm, and not for 12.5. */
+static void gap_in_millimetres(void **state) {
+    examples *e = *state;
+    const rig_format f = plain();
+    uint8_t *volume = layers(6, 14);
+    sv_param_value gap = {rig_param(&e->cpu, "gap"), 0, 12.0};
+    assert_int_equal(run(&e->cpu, &f, volume, NULL, &gap, 1, &e->a), SV_OK);
+    gap.value = 12.5;
+    assert_int_equal(run(&e->cpu, &f, volume, NULL, &gap, 1, &e->a), SV_NO_SURFACE);
+    free(volume);
+}
+
+/* What was not scanned is skipped: with ranges that begin in the fluid no ray has tissue before it, and black
+ * voxels of the padding value are no fluid. */
+static void only_what_was_scanned(void **state) {
+    examples *e = *state;
+    rig_format f = plain();
+    uint8_t *volume = layers(6, 14);
+    sv_scanned ranges[RAYS];
+    for (uint32_t i = 0; i < RAYS; i++) ranges[i] = (sv_scanned){0, 14};
+    assert_int_equal(run(&e->cpu, &f, volume, ranges, NULL, 0, &e->a), SV_NO_SURFACE);
+    for (uint32_t i = 0; i < RAYS; i++) ranges[i] = (sv_scanned){5, 65535};
+    assert_int_equal(run(&e->cpu, &f, volume, ranges, NULL, 0, &e->a), SV_OK);
+    for (uint32_t i = 0; i < RAYS; i++) ranges[i] = (sv_scanned){6, SLICES};
+    assert_int_equal(run(&e->cpu, &f, volume, ranges, NULL, 0, &e->a), SV_NO_SURFACE);
+    f.padding = 10;
+    assert_int_equal(run(&e->cpu, &f, volume, NULL, NULL, 0, &e->a), SV_NO_SURFACE);
+    free(volume);
+}
+
+/* ---- the two are equal */
+
+static void compare(examples *e, const rig_format *f, const uint8_t *volume, const sv_scanned *ranges,
+                    const sv_param_value *values, uint32_t count, const char *what) {
+    rig_format own = *f;
+    own.own_queue = true;
+    own.carrier = SV_CARRIER_HOST;
+    const sv_status expected = run(&e->cpu, &own, volume, ranges, values, count, &e->a);
+    memset(e->b.depth, 0x5a, RAYS * sizeof(float));
+    memset(e->b.status, 0x5a, RAYS);
+    const sv_status found = run(&e->kernels, f, volume, ranges, values, count, &e->b);
+    if (found != expected || memcmp(&e->a.stats, &e->b.stats, sizeof e->a.stats) != 0)
+        fail_msg("%s: outcome %d, expected %d", what, found, expected);
+    for (uint32_t i = 0; i < RAYS; i++)
+        if (e->a.depth[i] != e->b.depth[i] || e->a.status[i] != e->b.status[i])
+            fail_msg("%s: ray %u: depth %g, expected %g", what, i, (double)e->b.depth[i],
+                     (double)e->a.depth[i]);
+}
+
+static void kernels_equal_the_cpu(void **state) {
+    examples *e = *state;
+    static const uint32_t slabs[] = {1, 5, SLICES};
+    const uint32_t q = rig_param(&e->cpu, "q"), level = rig_param(&e->cpu, "level");
+    const uint32_t gap = rig_param(&e->cpu, "gap");
+    sv_scanned ranges[RAYS];
+    char what[80];
+    for (uint32_t n = 0; n < 24; n++) {
+        const uint32_t k = n % 6; /* layouts are few: each compiles its kernels anew */
+        uint8_t *volume = rig_volume((rig_kind)(n / 6 % RIG_KIND_COUNT), WIDTH, HEIGHT, SLICES, 100 + n);
+        const rig_format f = {.width = WIDTH,
+                              .height = HEIGHT,
+                              .slices = SLICES,
+                              .slab_slices = slabs[k % 3],
+                              .tiles_x = 1 + k % 3,
+                              .extra_w = k,
+                              .extra_h = k % 2,
+                              .extra_pitch = 7 - k,
+                              .own_queue = k < 2,
+                              .carrier = k > 3 ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
+                              .padding = k % 2 ? 0 : SV_NO_PADDING};
+        const sv_param_value values[] = {
+            {q, 0, (double)(n % 11) / 10.0}, {level, 0, (double)n / 24.0}, {gap, 0, (double)(n % 6)}};
+        for (uint32_t i = 0; i < RAYS; i++)
+            ranges[i] = (sv_scanned){(uint16_t)((i * 7 + n) % 5), (uint16_t)(SLICES - i * 3 % 9)};
+        (void)snprintf(what, sizeof what, "volume %u", n);
+        compare(e, &f, volume, n / 6 % 2 ? ranges : NULL, values, 3, what);
+        free(volume);
+    }
+}
+
+/* ---- adjust */
+
+static void adjust_equals_a_frame(void **state) {
+    examples *e = *state;
+    uint8_t *volume = rig_volume(RIG_LAYERS, WIDTH, HEIGHT, SLICES, 4);
+    rig *const rigs[] = {&e->cpu, &e->kernels};
+    for (int n = 0; n < 2; n++) {
+        rig *r = rigs[n];
+        const sv_plugin *p = r->plugin;
+        const rig_format f = plain();
+        rig_textures *t = rig_textures_make(r, &f, volume);
+        const sv_param_value q[] = {{rig_param(r, "q"), 0, 0.7}, {rig_param(r, "q"), 0, 0.9}};
+        const sv_param_value level = {rig_param(r, "level"), 0, 0.3};
+        const sv_result result = {.size = sizeof result, .depth = e->b.depth};
+        assert_int_equal(p->activate(p, &t->format), SV_OK);
+        assert_true(rig_frame(r, t, q, 2, &e->a) >= SV_OK); /* of a repeated id the last counts */
+        float expected[RAYS];
+        memcpy(expected, e->a.depth, sizeof expected);
+        assert_true(rig_frame(r, t, NULL, 0, &e->a) >= SV_OK);
+        memset(t->memory, 77, t->texture_bytes); /* after end the voxels may be gone */
+        assert_int_equal(p->adjust(p, &level, 1, &result), SV_ERR_PARAM_ID);
+        assert_non_null(strstr(p->last_error(p), "level"));
+        assert_true(p->adjust(p, q, 2, &result) >= SV_OK);
+        assert_memory_equal(e->b.depth, expected, sizeof expected);
+        assert_memory_not_equal(e->a.depth, expected, sizeof expected);
+        assert_true(p->adjust(p, NULL, 0, &result) >= SV_OK); /* what is not listed is as in the frame */
+        assert_memory_equal(e->b.depth, e->a.depth, sizeof expected);
+        p->deactivate(p);
+        rig_textures_free(t);
+    }
+    free(volume);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(depth_follows_q),        cmocka_unit_test(outliers_and_holes),
+        cmocka_unit_test(a_part_without_surface), cmocka_unit_test(gap_in_millimetres),
+        cmocka_unit_test(only_what_was_scanned),  cmocka_unit_test(kernels_equal_the_cpu),
+        cmocka_unit_test(adjust_equals_a_frame),
+    };
+    return cmocka_run_group_tests_name("examples", tests, open_examples, close_examples);
+}

@@ -1,0 +1,104 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# scripts/bare_root.sh: wrong calls are refused; targets run in a root with /proc; whatever happens, nothing is left mounted
+# and the root is gone. debootstrap and git are stand-ins here, so that this takes no network; the root holds a shell and a
+# "make" that does what its target says. Called with the source and the build folder. Skipped, but for the calls, where no
+# namespaces can be made.
+set -u
+script=$1/scripts/bare_root.sh
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+. "$1/tests/support/holds.sh"
+
+# ends CODE WORDS COMMAND...: the command ends with CODE and says WORDS.
+ends() {
+    local code=$1 words=$2 got=0
+    shift 2
+    checked=$((checked + 1))
+    "$@" > "$work/said" 2>&1 || got=$?
+    if [ $got -ne "$code" ] || ! grep -qF -- "$words" "$work/said"; then
+        echo "FAIL: $*: exit code $got, expected $code, saying '$words':"
+        cat "$work/said"
+        failed=$((failed + 1))
+    fi
+}
+
+ends 0 "Exit code:" bash "$script" --help
+ends 2 "no SUITE" bash "$script"
+ends 2 "no TARGET for 'trixie'" bash "$script" trixie
+ends 2 "no TARGET for 'trixie'" bash "$script" trixie JOBS=2
+ends 2 "unknown option '--twice'" bash "$script" --twice trixie test
+ends 2 "--dir has no value" bash "$script" --dir
+ends 2 "'Trixie!' is no name of a suite" bash "$script" 'Trixie!' test
+ends 2 "'-k' is neither a target" bash "$script" trixie test -k
+
+finish() {
+    echo "$checked checked, $failed failed"
+    [ $failed = 0 ] || exit 1
+    exit "$1"
+}
+if [ "$(id -u)" -ne 0 ]; then
+    ends 3 "not root" bash "$script" trixie test
+    finish 77
+fi
+# Read from stdin, because that user may not read this folder.
+ends 3 "not root (user id 65534)" setpriv --reuid 65534 --clear-groups bash -s -- trixie test < "$script"
+unshare --mount --pid --fork true 2> /dev/null || finish 77
+
+mkdir "$work/bin"
+export PATH=$work/bin:$PATH
+cat > "$work/bin/git" << 'END'
+#!/bin/bash
+if [ "$3" = status ]; then exit 0; fi
+mkdir "${@: -1}"
+END
+cat > "$work/bin/debootstrap" << 'END'
+#!/bin/bash
+root=$4 mirror=$5
+[ "$mirror" != http://broken.invalid ] || exit 1
+mkdir -p "$root"/{proc,sys,dev,bin,etc/apt/apt.conf.d}
+cp -L --parents /bin/bash $(ldd /bin/bash | grep -o '/[^ ]*') "$root"
+cat > "$root/bin/make" << 'MAKE'
+#!/bin/bash
+echo "make $* home $HOME kernel $(< /proc/sys/kernel/ostype)"
+[ -c /dev/null ] || exit 1
+case ${@: -1} in
+bad) exit 2 ;;
+hang) while :; do read -t 1 -r < <(:) || :; done ;;
+esac
+MAKE
+chmod +x "$root/bin/make"
+END
+chmod +x "$work/bin/git" "$work/bin/debootstrap"
+
+root=$work/root
+bare() { bash "$script" --dir "$root" --mirror http://stand.in.invalid "$@"; }
+nothing_left() { ! grep -qF " $root" /proc/self/mounts && [ ! -e "$root" ]; }
+
+ends 0 "make -C /smartvis JOBS=2 demo home /root kernel Linux" bare trixie JOBS=2 demo test
+holds grep -qF "trixie: make test: ok" "$work/said"
+holds nothing_left
+ends 1 "trixie: make bad: FAILED" bare trixie bad demo
+holds grep -qF "trixie: make demo: ok" "$work/said"
+holds nothing_left
+ends 4 "the root of trixie could not be made" bash "$script" --dir "$root" --mirror http://broken.invalid trixie demo
+holds nothing_left
+ends 0 "the root is $root" bare --keep trixie demo
+holds [ -d "$root/smartvis" ]
+holds [ -z "$(ls -A "$root/proc" "$root/dev" 2>&1 | grep -v ':$' | grep .)" ]
+ends 3 "--dir $root is not empty" bare trixie demo
+rm -rf "$root"
+
+# Ended from outside in the middle of a target.
+bash "$script" --dir "$root" --mirror http://stand.in.invalid trixie hang > "$work/hanging" 2>&1 &
+running=$!
+for _ in $(seq 100); do
+    ! grep -qF "smartvis hang" "$work/hanging" || break
+    sleep 0.1
+done
+holds grep -qF "smartvis hang" "$work/hanging"
+kill -TERM $running
+wait $running
+holds [ $? = 130 ]
+holds nothing_left
+finish 0
