@@ -103,7 +103,7 @@ function floor_of(path,    i, folder, pattern) {
         if (floor_name[i] == path || floor_name[i] == folder) return i
         pattern = floor_name[i]
         if (!gsub(/\*/, "[^/]*", pattern)) continue
-        if (folder ~ ("^" pattern "$") || path ~ ("^" pattern "$")) return i
+        if ((pattern ~ /\.h$/ ? path : folder) ~ ("^" pattern "$")) return i
     }
     return 0
 }

@@ -137,6 +137,7 @@ caught bench/methods/methods_main.c '#include "method/method.h"'
 caught examples/plane/plane.c '#include "base/error.h"'
 caught tests/check/test_any.c '#include "there_is_none.h"'
 caught corner/new.c '#include <stdint.h>'
+caught cl/new.cl '#include "common/sv_shared.h"'
 caught src/corner/new.c '#include <stdint.h>'
 # A header of its own.
 caught host_sim/base/files.c '#include "base/error.h"'
