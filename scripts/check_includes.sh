@@ -10,46 +10,43 @@
 set -eu
 cd "${1:-$(dirname "$0")/..}"
 
-# Floors that are not clean yet, parted by blanks: what they include is not complained of.
-pending=${CHECK_INCLUDES_PENDING-}
-
 # One line a floor: folder or file | what its "..." includes may name | which <...> groups it may use.
 #   FOLDER  a file directly in it        .         its own folder
 #   abi     include/, include/smartvis/  shared    cl/*/*_shared.h
 #   any     whatever is found            kernels   the embedded kernels that the build generates
-# The first line that fits a file counts; * is any one folder.
+# The first line that fits a file counts; * is any name, or a part of one.
 floors() {
     cat <<'TABLE'
-include/smartvis_plugin.h |                                                          | fixed
-include/smartvis/author.h | abi                                                      | fixed libc
-include/smartvis/author_*.h | abi                                                      | fixed libc opencl
-include/smartvis/lookup.h | abi                                                      | fixed libc
-include/smartvis          | abi                                                      | fixed
-cl/common                 | .                                                        |
-cl/*                      | cl/common .                                              |
-src                       | shared .                                                 | libc
-src/ref                   | shared src .                                             | libc
-src/device                | abi shared kernels .                                     | libc opencl
-src/method                | abi shared kernels src src/ref src/device .              | libc opencl
-src/frame                 | abi shared kernels src src/ref src/device src/method .   | libc opencl
-src/abi                   | abi shared src src/device src/method src/frame .         | libc opencl
-host_sim/base             | .                                                        | libc
-host_sim/volume           | host_sim/base .                                          | libc zlib
-host_sim/picture          | host_sim/base .                                          | libc drawing
-host_sim/plugin           | abi host_sim/base .                                      | libc
-host_sim/scene            | host_sim/base host_sim/volume .                          | libc json
-host_sim/render           | host_sim/base host_sim/volume kernels .                  | libc opencl
-host_sim/render/cl        | .                                                        |
-host_sim/loop             | abi MACHINE .                                            | libc opencl
-host_sim/eval             | abi MACHINE host_sim/loop .                              | libc opencl zlib
-host_sim/report           | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
-host_sim/commands         | abi HOST .                                               | libc opencl json
-bench/frame               | abi HOST .                                               | libc opencl json futex
-bench/methods             | abi HOST shared src src/ref bench/frame .                | libc opencl
-bench/quality             | abi HOST shared src src/ref .                            | libc opencl json
-examples/*                | abi .                                                    | libc opencl
-tests/*                   | any kernels                                              | any
-tests/*/*                 | any kernels                                              | any
+include/smartvis_plugin.h  |                                                            | fixed
+include/smartvis/author.h  | abi                                                        | fixed libc
+include/smartvis/author_*.h| abi                                                        | fixed libc opencl
+include/smartvis/lookup.h  | abi                                                        | fixed libc
+include/smartvis           | abi                                                        | fixed
+cl/common                  | .                                                          |
+cl/*                       | cl/common .                                                |
+src                        | shared .                                                   | libc
+src/ref                    | shared src .                                               | libc
+src/device                 | abi shared kernels .                                       | libc opencl
+src/method                 | abi shared kernels src src/ref src/device .                | libc opencl
+src/frame                  | abi shared kernels src src/ref src/device src/method .     | libc opencl
+src/abi                    | abi shared src src/device src/method src/frame .           | libc opencl
+host_sim/base              | .                                                          | libc
+host_sim/volume            | host_sim/base .                                            | libc zlib
+host_sim/picture           | host_sim/base .                                            | libc drawing
+host_sim/plugin            | abi host_sim/base .                                        | libc
+host_sim/scene             | host_sim/base host_sim/volume .                            | libc json
+host_sim/render            | host_sim/base host_sim/volume kernels .                    | libc opencl
+host_sim/render/cl         | .                                                          |
+host_sim/loop              | abi MACHINE .                                              | libc opencl
+host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
+host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
+host_sim/commands          | abi HOST .                                                 | libc opencl json
+bench/frame                | abi HOST .                                                 | libc opencl json futex
+bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
+bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
+examples/*                 | abi .                                                      | libc opencl
+tests/*                    | any kernels                                                | any
+tests/*/*                  | any kernels                                                | any
 TABLE
 }
 machine='host_sim/base host_sim/volume host_sim/plugin host_sim/scene host_sim/render' # MACHINE
@@ -92,10 +89,9 @@ find . \( -path './build*' -o -path ./out -o -path ./.git \) -prune -o \
 xargs grep -lE '^(int main\(|.*const sv_entry smartvis_plugin_entry = )' < "$work/sources" > "$work/mains" || true
 xargs grep -nHE '^[[:space:]]*(#|%:)[[:space:]]*(include|import|embed)' < "$work/sources" > "$work/lines" || true
 
-awk -v pending="$pending" -v edges="$work/edges" '
+awk -v edges="$work/edges" '
 function folder_of(path) { return match(path, /\/[^\/]*$/) ? substr(path, 1, RSTART - 1) : "." }
 function unit_of(path) { sub(/\.[a-z]+$/, "", path); return path }
-function is_pending(path) { return index(" " pending " ", " " folder_of(path) " ") > 0 }
 function complain(where, what) {
     print "include rule: " where ": " what
     failed = 1
@@ -107,7 +103,7 @@ function floor_of(path,    i, folder, pattern) {
         if (floor_name[i] == path || floor_name[i] == folder) return i
         pattern = floor_name[i]
         if (!gsub(/\*/, "[^/]*", pattern)) continue
-        if (folder ~ ("^" pattern "$") || path ~ ("^" pattern "$")) return i
+        if ((pattern ~ /\.h$/ ? path : folder) ~ ("^" pattern "$")) return i
     }
     return 0
 }
@@ -177,14 +173,14 @@ FILENAME ~ /\/mains$/ { begins[$0] = 1; next }
     if (text ~ /^[ \t]*#[ \t]*include[ \t]*<[^>]*>/) {
         sub(/^[^<]*</, "", text)
         sub(/>.*/, "", text)
-        if (!may_use(floor, text) && !is_pending(from)) complain(where, "<" text "> is not for " folder_of(from))
+        if (!may_use(floor, text)) complain(where, "<" text "> is not for " folder_of(from))
     } else if (text ~ /^[ \t]*#[ \t]*include[ \t]*"[^"]*"/) {
         sub(/^[^"]*"/, "", text)
         sub(/".*/, "", text)
         path = resolve(from, text)
-        if (!may_name(floor, from, text, path) && !is_pending(from))
+        if (!may_name(floor, from, text, path))
             complain(where, "\"" text "\" is not for " folder_of(from))
-        if (path != "" && unit_of(path) != unit_of(from) && !is_pending(from))
+        if (path != "" && unit_of(path) != unit_of(from))
             print unit_of(from), unit_of(path) > edges
     } else {
         complain(where, "include a file by its name: " text)
@@ -193,7 +189,7 @@ FILENAME ~ /\/mains$/ { begins[$0] = 1; next }
 END {
     for (path in known) {
         if (!floor_of(path)) complain(path ":1", "a source in a folder without a rule")
-        if (path !~ /^(src|host_sim|bench)\/.*\.c$/ || path in begins || is_pending(path)) continue
+        if (path !~ /^(src|host_sim|bench)\/.*\.c$/ || path in begins) continue
         if (!((unit_of(path) ".h") in known)) complain(path ":1", "a source without a header of its own")
     }
     exit failed

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which slices of every ray of the low-resolution volume were scanned: what a host tells its plugins in
- * sv_frame.scanned. */
+/* Which slices of every ray of the low-resolution volume were scanned: what a host tells its
+ * plugins in sv_frame.scanned. */
 #ifndef HS_SCANNED_RAYS_H
 #define HS_SCANNED_RAYS_H
 
