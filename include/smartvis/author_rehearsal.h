@@ -7,7 +7,7 @@
 #ifndef SMARTVIS_AUTHOR_REHEARSAL_H
 #define SMARTVIS_AUTHOR_REHEARSAL_H
 
-#include "smartvis/author_cl.h"
+#include "smartvis/author_device.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -29,8 +29,8 @@ headers=()
 for header in "$source_dir"/include/smartvis/*.h; do
     name=$(basename "$header" .h)
     : > "$name.c"
-    # These two say that they need OpenCL's header before them.
-    [[ $name != author_cl && $name != author_rehearsal ]] ||
+    # These say that they need OpenCL's header before them.
+    [[ ! $name =~ ^author_(cl|device|rehearsal)$ ]] ||
         printf '#define CL_TARGET_OPENCL_VERSION 120\n#include <CL/cl.h>\n' > "$name.c"
     printf '#include "smartvis/%s.h"\n#include "smartvis/%s.h"\nextern int %s_compiles;\n' "$name" "$name" "$name" >> "$name.c"
     cp "$name.c" "$name.cpp"

@@ -11,40 +11,19 @@ export CHECK_INCLUDES_PENDING=
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-<<<<<<< HEAD
-# fresh_tree: a small tree that keeps the rule.
-fresh_tree() {
-    rm -rf "$work/tree"
-    mkdir -p "$work"/tree/{include,cl/{common,profile},src/{abi,frame,device,ref},host_sim/{base,picture,render/cl},examples/first_edge,tests/check,bench}
-    cd "$work/tree"
-    printf '#include <stdint.h>\n#include <stddef.h>\n' > include/smartvis_plugin.h
-    printf '/* shared */\n' > cl/common/sv_shared.h
-    printf '#include "common/sv_shared.h"\n' > cl/profile/profile.cl
-    printf '#include "common/sv_shared.h"\n#include <math.h>\n' > src/ref/ref_mean.h
-    printf '#include "ref/ref_mean.h"\n#include "smartvis_plugin.h"\n' > src/ref/ref_mean.c
-    printf '#include <CL/cl.h>\n' > src/device/clx.h
-    printf '#include "device/clx.h"\n#include "kernels_frame.h"\n#include <sys/stat.h>\n' > src/device/program.c
-    printf '#include "device/clx.h"\n#include "ref/ref_mean.h"\n' > src/frame/pipeline.c
-    printf '#include <CL/cl.h>\n#include <png.h>\n#include "smartvis_plugin.h"\n' > host_sim/picture/png.c
-    printf '/* helper */\n' > host_sim/render/cl/sample.clh
-    printf '#include "sample.clh"\n' > host_sim/render/cl/dvr.cl
-    printf '#include "smartvis_plugin.h"\n#include <stdio.h>\n' > examples/first_edge/first_edge.c
-    printf '#include "../../src/device/clx.h"\n' > tests/check/test_any.c
-=======
 # put FILE LINE...: writes a file of the small tree.
 put() {
     local file=$work/tree/$1
     shift
     [ -d "${file%/*}" ] || mkdir -p "${file%/*}"
     printf '%s\n' "$@" > "$file"
->>>>>>> main
 }
 
 # A small tree that keeps the rule: each floor includes what it may.
 make_tree() {
     put include/smartvis_plugin.h '#include <stdint.h>' '#include <stddef.h>'
     put include/smartvis/stats.h '#include "smartvis_plugin.h"' '#include <stdint.h>'
-    put include/smartvis/author.h '#include "smartvis/stats.h"' '#include <string.h>'
+    put include/smartvis/author_method.h '#include "smartvis/stats.h"' '#include <string.h>'
     put cl/common/sv_shared.h '/* shared */'
     put cl/cost/cost_shared.h '#include "common/sv_shared.h"'
     put cl/cost/cost.clh '#include "cost/cost_shared.h"'
@@ -79,7 +58,7 @@ make_tree() {
     put bench/frame/times.h '#include "loop/loop.h"'
     put bench/methods/methods_main.c '#include "frame/times.h"' '#include "ref/ref_mean.h"' 'int main(void) {'
     put tests/check/test_any.c '#include "../../src/device/clx.h"' '#include <lapacke.h>'
-    put examples/plane.c '#include "smartvis/author.h"' '#include <CL/cl.h>'
+    put examples/plane.c '#include "smartvis/author_method.h"' '#include <CL/cl.h>'
 }
 
 make_tree
@@ -107,8 +86,8 @@ caught include/smartvis_plugin.h '#include <stdio.h>'
 caught include/smartvis_plugin.h '#include <CL/cl.h>'
 caught include/smartvis_plugin.h '#include "smartvis/stats.h"'
 caught include/smartvis/stats.h '#include <string.h>'
-caught include/smartvis/author.h '#include <CL/cl.h>'
-caught include/smartvis/author.h '#include "common/sv_shared.h"'
+caught include/smartvis/author_method.h '#include <CL/cl.h>'
+caught include/smartvis/author_method.h '#include "common/sv_shared.h"'
 caught cl/mean/mean.cl '#include "device/clx.h"'
 caught cl/mean/mean.cl '#include "cost/cost.clh"'
 caught cl/mean/mean.cl '#include "../../host_sim/render/cl/sample.clh"'
@@ -148,12 +127,6 @@ caught host_sim/render/dvr.h '#include "scene/scene.h"'
 caught host_sim/render/dvr.h '#include "device/clx.h"'
 caught host_sim/render/dvr.h '#include "../src/device/clx.h"'
 caught host_sim/render/cl/dvr.cl '#include "common/sv_shared.h"'
-<<<<<<< HEAD
-caught examples/first_edge/first_edge.c '#include "device/clx.h"'
-caught examples/first_edge/first_edge.c '#include <png.h>'
-caught examples/new/new.c '#include <stdio.h>'
-caught tools/new.c '#include "device/clx.h"'
-=======
 caught host_sim/loop/loop.h '#include "eval/measure.h"'
 caught host_sim/eval/measure.h '#include "picture/png.h"'
 caught host_sim/eval/measure.h '#include "report/page.h"'
@@ -189,5 +162,4 @@ circle host_sim/base/a.h '#include "base/b.h"' host_sim/base/b.h '#include "base
 # A source and its header are one: b.h needs a.h, and a.c needs b.h.
 circle host_sim/base/a.c '#include "base/b.h"' host_sim/base/b.h '#include "base/a.h"' host_sim/base/a.h '#include <stdint.h>'
 circle cl/mean/a.clh '#include "mean/b.clh"' cl/mean/b.clh '#include "mean/a.clh"'
->>>>>>> main
 [ $failures = 0 ]

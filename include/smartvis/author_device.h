@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Device, program, objects, slabs and results of a plugin with kernels. A part of smartvis/author_cl.h; it
+ * needs <CL/cl.h> before it.
+ */
+#ifndef SMARTVIS_AUTHOR_DEVICE_H
+#define SMARTVIS_AUTHOR_DEVICE_H
+
+#ifndef CL_VERSION_1_2
+#error "include <CL/cl.h> with CL_TARGET_OPENCL_VERSION 120 or later before this header"
+#endif
+
+#include "smartvis/author.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { SVA_CL_OBJECTS = 16 };
+
+typedef struct sva_cl {
+    cl_context context;
+    cl_device_id device;
+    cl_command_queue queue;
+    cl_program program;
+    cl_mem rays;   /* ray_bytes of every ray, all zero at begin */
+    cl_mem depth;  /* float32 of every ray; SVA_NO_DEPTH: without a surface */
+    cl_mem points; /* uchar of every ray: SV_POINT_* */
+
+    /* The helper's own. */
+    cl_mem staged_slab, staged_scanned, stats;
+    cl_mem scanned; /* of the frame, or NULL without ranges */
+    cl_ulong scanned_offset;
+    uint32_t settle; /* index of sva_settle; sva_outcome comes behind it */
+    cl_mem buffers[SVA_CL_OBJECTS];
+    cl_kernel kernels[SVA_CL_OBJECTS]; /* in the order of sva_cl_open */
+    uint32_t buffer_count, kernel_count;
+} sva_cl;
+
+/* An argument of a kernel: a variable's size and address. */
+typedef struct sva_cl_arg {
+    size_t size;
+    const void *value;
+} sva_cl_arg;
+/* clang-format off */
+#define SVA_ARG(variable) {sizeof(variable), &(variable)}
+/* clang-format on */
+
+/* Kernels as C text, without preprocessor lines, made into a string. */
+#define SVA_SOURCE(...) #__VA_ARGS__
+
+/* What kernels see before their own source: WIDTH and HEIGHT, and for a kernel of sva_cl_slab
+ *
+ *     kernel void name(SVA_SLAB, ...)                    with the slab's slices first .. first + count - 1
+ *     uchar voxel = SVA_VOXEL(x, y, s);                  s: 0 .. count - 1
+ *     if (SVA_SCANNED(x, y, s, voxel)) ...
+ */
+static const char sva_cl_prelude[] =
+    "#pragma OPENCL FP_CONTRACT OFF\n"
+    "#define SVA_NO_DEPTH (-FLT_MAX)\n"
+    "#define SVA_SLAB global const uchar *sva_slab, ulong sva_at, global const ushort2 *sva_ranges, "
+    "ulong sva_ranges_at, uint first, uint count\n"
+    "#define SVA_VOXEL(x, y, s) sva_slab[sva_at + (ulong)(((s) / TILES_X) * TILE_H + (y)) * ROW_PITCH + "
+    "((s) % TILES_X) * TILE_W + (x)]\n"
+    "#define SVA_SCANNED(x, y, s, voxel) "
+    "((voxel) != PADDING && sva_in(sva_ranges, sva_ranges_at, x, y, first + (s)))\n"
+    "bool sva_in(global const ushort2 *ranges, ulong offset, uint x, uint y, uint z) {\n"
+    "    if (!ranges) return true;\n"
+    "    const ushort2 range = ranges[offset / 4 + (ulong)y * WIDTH + x];\n"
+    "    return z >= range.x && z < range.y;\n"
+    "}\n"
+    /* stats: outcome, rays, points, unfilled, as in sv_stats */
+    "kernel void sva_settle(global float *depth, global const uchar *points, global uint *stats) {\n"
+    "    const size_t ray = get_global_id(1) * WIDTH + get_global_id(0);\n"
+    "    if (points[ray] != 0) atomic_inc(stats + 2);\n"
+    "    if (isfinite(depth[ray]) && depth[ray] != SVA_NO_DEPTH) return;\n"
+    "    depth[ray] = 0.0f;\n"
+    "    atomic_inc(stats + 3);\n"
+    "}\n"
+    "kernel void sva_outcome(global uint *stats) {\n"
+    "    stats[1] = WIDTH * HEIGHT;\n"
+    "    stats[0] = stats[3] == 0 ? 0 : stats[3] == stats[1] ? 1 : 2;\n"
+    "}\n"
+    "#line 1\n";
+
+/* SV_OK, or SV_ERR_OPENCL with the call's name and code. */
+static inline sv_status sva_cl_check(sva *a, cl_int code, const char *call) {
+    return code == CL_SUCCESS ? SV_OK : sva_error(a, SV_ERR_OPENCL, "%s: OpenCL error %d", call, (int)code);
+}
+
+/* ---------------------------------------------------------------------------------- activate, deactivate --
+ */
+
+/* [control] A buffer that sva_cl_close releases; at most SVA_CL_OBJECTS of them. */
+static inline sv_status sva_cl_buffer(sva *a, size_t bytes, cl_mem *out) {
+    sva_cl *cl = (sva_cl *)a->own;
+    cl_int code = CL_SUCCESS;
+    if (cl->buffer_count == SVA_CL_OBJECTS)
+        return sva_error(a, SV_ERR_INTERNAL, "activate: too many buffers");
+    *out = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    if (code == CL_SUCCESS) cl->buffers[cl->buffer_count++] = *out;
+    return sva_cl_check(a, code, "clCreateBuffer");
+}
+
+static inline sv_status sva_cl_kernel(sva *a, const char *name) {
+    sva_cl *cl = (sva_cl *)a->own;
+    cl_int code = CL_SUCCESS;
+    if (cl->kernel_count == SVA_CL_OBJECTS)
+        return sva_error(a, SV_ERR_INTERNAL, "activate: too many kernels");
+    cl_kernel kernel = clCreateKernel(cl->program, name, &code);
+    if (code != CL_SUCCESS) return sva_error(a, SV_ERR_OPENCL, "kernel %s: OpenCL error %d", name, (int)code);
+    cl->kernels[cl->kernel_count++] = kernel;
+    return SV_OK;
+}
+
+/* [control] Frees all that sva_cl_open, sva_cl_buffer and sva_cl_kernel made, whole or in part. */
+static inline void sva_cl_close(sva *a) {
+    sva_cl *cl = (sva_cl *)a->own;
+    if (cl->queue) (void)clFinish(cl->queue);
+    while (cl->buffer_count > 0) (void)clReleaseMemObject(cl->buffers[--cl->buffer_count]);
+    while (cl->kernel_count > 0) (void)clReleaseKernel(cl->kernels[--cl->kernel_count]);
+    if (cl->program) (void)clReleaseProgram(cl->program);
+    if (!a->format.queue && cl->queue) (void)clReleaseCommandQueue(cl->queue);
+    if (!a->format.queue && cl->context) (void)clReleaseContext(cl->context);
+    memset(cl, 0, sizeof *cl);
+}
+
+/* The host's device, or the first there is. */
+static inline sv_status sva_cl_find_device(sva *a) {
+    sva_cl *cl = (sva_cl *)a->own;
+    cl_platform_id platforms[8];
+    cl_uint count = 0;
+    cl_int code = CL_SUCCESS;
+    cl->context = a->format.context;
+    cl->device = a->format.device;
+    cl->queue = a->format.queue;
+    if (cl->queue) return SV_OK;
+    if (clGetPlatformIDs(8, platforms, &count) != CL_SUCCESS) count = 0;
+    for (cl_uint i = 0; i < count && i < 8 && !cl->device; i++)
+        if (clGetDeviceIDs(platforms[i], CL_DEVICE_TYPE_ALL, 1, &cl->device, NULL) != CL_SUCCESS)
+            cl->device = NULL;
+    if (!cl->device) return sva_error(a, SV_ERR_NO_DEVICE, "activate: no OpenCL device");
+    cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
+    if (code != CL_SUCCESS) return sva_cl_check(a, code, "clCreateContext");
+    cl->queue = clCreateCommandQueue(cl->context, cl->device, 0, &code);
+    return sva_cl_check(a, code, "clCreateCommandQueue");
+}
+
+/* On failure the build log goes to the host's log, cut to 4,000 characters. */
+static inline sv_status sva_cl_build(sva *a, const char *source) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const sv_format *f = &a->format;
+    const char *sources[] = {sva_cl_prelude, source};
+    char options[200], log[4000];
+    cl_int code = CL_SUCCESS;
+    (void)snprintf(options, sizeof options,
+                   "-D WIDTH=%uu -D HEIGHT=%uu -D TILES_X=%uu -D TILE_W=%uu -D TILE_H=%uu -D ROW_PITCH=%uu "
+                   "-D PADDING=%d",
+                   (unsigned)f->width, (unsigned)f->height, (unsigned)f->tiles_x, (unsigned)f->tile_w,
+                   (unsigned)f->tile_h, (unsigned)f->row_pitch, (int)a->padding);
+    cl->program = clCreateProgramWithSource(cl->context, 2, sources, NULL, &code);
+    if (code != CL_SUCCESS) return sva_cl_check(a, code, "clCreateProgramWithSource");
+    code = clBuildProgram(cl->program, 1, &cl->device, options, NULL, NULL);
+    if (code == CL_SUCCESS) return SV_OK;
+    memset(log, 0, sizeof log);
+    (void)clGetProgramBuildInfo(cl->program, cl->device, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
+    sva_log(a, SV_LOG_ERROR, log);
+    return sva_error(a, SV_ERR_BUILD, "clBuildProgram: OpenCL error %d", (int)code);
+}
+
+/* [control] The device, the program, its kernels by their names, and the helper's buffers. */
+static inline sv_status sva_cl_open(sva *a, const char *source, const char *const *kernels, uint32_t count) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const size_t rays = sva_rays(a);
+    sv_status s = sva_cl_find_device(a);
+    if (s == SV_OK) s = sva_cl_build(a, source);
+    for (uint32_t i = 0; i < count && s == SV_OK; i++) s = sva_cl_kernel(a, kernels[i]);
+    cl->settle = cl->kernel_count;
+    if (s == SV_OK) s = sva_cl_kernel(a, "sva_settle");
+    if (s == SV_OK) s = sva_cl_kernel(a, "sva_outcome");
+    if (s == SV_OK) s = sva_cl_buffer(a, rays * (a->method->ray_bytes + !a->method->ray_bytes), &cl->rays);
+    if (s == SV_OK) s = sva_cl_buffer(a, rays * sizeof(cl_float), &cl->depth);
+    if (s == SV_OK) s = sva_cl_buffer(a, rays, &cl->points);
+    if (s == SV_OK) s = sva_cl_buffer(a, 4 * sizeof(cl_uint), &cl->stats);
+    if (s == SV_OK && a->format.flags & SV_FORMAT_SCANNED)
+        s = sva_cl_buffer(a, rays * sizeof(sv_scanned), &cl->staged_scanned);
+    if (s == SV_OK && a->format.carrier == SV_CARRIER_HOST)
+        s = sva_cl_buffer(a, (size_t)sva_slab_bytes(&a->format, a->format.max_slab_slices), &cl->staged_slab);
+    return s;
+}
+
+/* -------------------------------------------------------------------------------------------- frame path --
+ */
+
+/* SV_OK if `object` is a buffer that holds `bytes` from `offset` on, else `status`. */
+static inline sv_status sva_cl_check_buffer(sva *a, const char *field, cl_mem object, uint64_t offset,
+                                            uint64_t bytes, sv_status status) {
+    cl_mem_object_type type = 0;
+    size_t size = 0;
+    if (clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL) != CL_SUCCESS ||
+        type != CL_MEM_OBJECT_BUFFER ||
+        clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof size, &size, NULL) != CL_SUCCESS)
+        return sva_blame(a, status, "%s is no buffer", field);
+    if (offset <= size && bytes <= size - offset) return SV_OK;
+    return sva_blame(a, status, "%s: %llu bytes from %llu on lie outside of its %llu", field,
+                     (unsigned long long)bytes, (unsigned long long)offset, (unsigned long long)size);
+}
+
+static inline sv_status sva_cl_zero(sva *a, cl_mem buffer, size_t bytes) {
+    const cl_uchar zero = 0;
+    cl_command_queue queue = ((sva_cl *)a->own)->queue;
+    return sva_cl_check(a, clEnqueueFillBuffer(queue, buffer, &zero, 1, 0, bytes, 0, NULL, NULL),
+                        "clEnqueueFillBuffer");
+}
+
+/* Host memory into a buffer. The host's queue does not wait; with an own queue the memory is free again. */
+static inline sv_status sva_cl_upload(sva *a, cl_mem to, const void *from, size_t bytes) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const cl_bool wait = a->format.queue ? CL_FALSE : CL_TRUE;
+    return sva_cl_check(a, clEnqueueWriteBuffer(cl->queue, to, wait, 0, bytes, from, 0, NULL, NULL),
+                        "clEnqueueWriteBuffer");
+}
+
+/* [frame] A method's begin: the frame's ranges to sva_cl.scanned, and sva_cl.rays is zeroed. */
+static inline sv_status sva_cl_begin(sva *a) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const size_t bytes = sva_rays(a) * sizeof(sv_scanned), rays = sva_rays(a) * a->method->ray_bytes;
+    cl->scanned = a->frame.scanned ? cl->staged_scanned : a->frame.scanned_object;
+    cl->scanned_offset = a->frame.scanned_object ? a->frame.scanned_offset : 0;
+    sv_status s = SV_OK;
+    if (a->frame.scanned)
+        s = sva_cl_upload(a, cl->scanned, a->frame.scanned, bytes);
+    else if (cl->scanned)
+        s = sva_cl_check_buffer(a, "begin: scanned_object", cl->scanned, cl->scanned_offset, bytes,
+                                SV_ERR_ARGUMENT);
+    return s == SV_OK && rays > 0 ? sva_cl_zero(a, cl->rays, rays) : s;
+}
+
+/* Sets arguments from number `at` on. */
+static inline sv_status sva_cl_set(sva *a, uint32_t kernel, uint32_t at, const sva_cl_arg *args,
+                                   uint32_t count) {
+    sva_cl *cl = (sva_cl *)a->own;
+    cl_int code = CL_SUCCESS;
+    for (uint32_t i = 0; i < count && code == CL_SUCCESS; i++)
+        code = clSetKernelArg(cl->kernels[kernel], at + i, args[i].size, args[i].value);
+    return sva_cl_check(a, code, "clSetKernelArg");
+}
+
+static inline sv_status sva_cl_enqueue(sva *a, uint32_t kernel) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const size_t all[2] = {a->format.width, a->format.height};
+    return sva_cl_check(
+        a, clEnqueueNDRangeKernel(cl->queue, cl->kernels[kernel], 2, NULL, all, NULL, 0, NULL, NULL),
+        "clEnqueueNDRangeKernel");
+}
+
+/* [frame] Launches a kernel on every ray, with these arguments. */
+static inline sv_status sva_cl_launch(sva *a, uint32_t kernel, const sva_cl_arg *args, uint32_t count) {
+    const sv_status s = sva_cl_set(a, kernel, 0, args, count);
+    return s == SV_OK ? sva_cl_enqueue(a, kernel) : s;
+}
+
+/* [frame] In slab: launches a kernel on every ray, with SVA_SLAB and these arguments behind it. */
+static inline sv_status sva_cl_slab(sva *a, const sv_slab *slab, uint32_t kernel, const sva_cl_arg *args,
+                                    uint32_t count) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const size_t bytes = (size_t)sva_slab_bytes(&a->format, slab->slice_count);
+    const cl_mem voxels = slab->memory ? cl->staged_slab : slab->object;
+    const cl_ulong offset = slab->memory ? 0 : slab->offset;
+    const sva_cl_arg first[] = {SVA_ARG(voxels),
+                                SVA_ARG(offset),
+                                SVA_ARG(cl->scanned),
+                                SVA_ARG(cl->scanned_offset),
+                                SVA_ARG(slab->first_slice),
+                                SVA_ARG(slab->slice_count)};
+    sv_status s = slab->memory ? sva_cl_upload(a, voxels, slab->memory, bytes)
+                               : sva_cl_check_buffer(a, "slab: object", voxels, slab->offset, slab->bytes,
+                                                     SV_ERR_SLAB_SHAPE);
+    if (s == SV_OK) s = sva_cl_set(a, kernel, 0, first, 6);
+    if (s == SV_OK) s = sva_cl_set(a, kernel, 6, args, count);
+    return s == SV_OK ? sva_cl_enqueue(a, kernel) : s;
+}
+
+/* sva_cl.depth and sva_cl.points become what may leave; counts them into sva_cl.stats. */
+static inline sv_status sva_cl_settle(sva *a) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const size_t one = 1;
+    const sva_cl_arg args[] = {SVA_ARG(cl->depth), SVA_ARG(cl->points), SVA_ARG(cl->stats)};
+    sv_status s = sva_cl_zero(a, cl->stats, 4 * sizeof(cl_uint));
+    if (s == SV_OK) s = sva_cl_launch(a, cl->settle, args, 3);
+    if (s != SV_OK) return s;
+    const cl_kernel outcome = cl->kernels[cl->settle + 1];
+    cl_int code = clSetKernelArg(outcome, 0, sizeof cl->stats, &cl->stats);
+    if (code == CL_SUCCESS)
+        code = clEnqueueNDRangeKernel(cl->queue, outcome, 1, NULL, &one, NULL, 0, NULL, NULL);
+    return sva_cl_check(a, code, "sva_outcome");
+}
+
+/* [frame] A method's `output`: settles and gives out. An own queue is waited for and tells the outcome. */
+static inline sv_status sva_cl_output(sva *a, const sv_result *r) {
+    sva_cl *cl = (sva_cl *)a->own;
+    const size_t zero[3] = {0, 0, 0}, row = a->format.width * sizeof(cl_float),
+                 bytes = row * a->format.height;
+    const size_t region[3] = {row, a->format.height, 1},
+                 stats = sizeof(sv_stats) - offsetof(sv_stats, outcome);
+    const size_t pitch = r->depth_pitch ? r->depth_pitch : row;
+    cl_int code = CL_SUCCESS;
+    sv_status s = SV_OK;
+    if (r->depth_object)
+        s = sva_cl_check_buffer(a, "depth_object", r->depth_object, r->depth_offset, bytes, SV_ERR_ARGUMENT);
+    if (s == SV_OK) s = sva_cl_settle(a);
+    if (s != SV_OK) return s;
+    if (r->depth)
+        code = clEnqueueReadBufferRect(cl->queue, cl->depth, CL_FALSE, zero, zero, region, row, 0, pitch, 0,
+                                       r->depth, 0, NULL, NULL);
+    else
+        code = clEnqueueCopyBuffer(cl->queue, cl->depth, r->depth_object, 0, (size_t)r->depth_offset, bytes,
+                                   0, NULL, NULL);
+    if (code == CL_SUCCESS && r->status)
+        code = clEnqueueReadBuffer(cl->queue, cl->points, CL_FALSE, 0, sva_rays(a), r->status, 0, NULL, NULL);
+    if (code == CL_SUCCESS && r->stats)
+        code =
+            clEnqueueReadBuffer(cl->queue, cl->stats, CL_FALSE, 0, stats, &r->stats->outcome, 0, NULL, NULL);
+    if (a->format.queue) return sva_cl_check(a, code, "results");
+    if (code == CL_SUCCESS)
+        code =
+            clEnqueueReadBuffer(cl->queue, cl->stats, CL_FALSE, 0, stats, &a->stats.outcome, 0, NULL, NULL);
+    /* After a failure, too: nothing may write to the host's memory when end has returned. */
+    const cl_int waited = clFinish(cl->queue);
+    if (code != CL_SUCCESS || waited != CL_SUCCESS) return sva_cl_check(a, code ? code : waited, "results");
+    if (a->stats.outcome == SV_OK) return SV_OK;
+    return sva_error(a, a->stats.outcome, "%u of %u pixels are without a surface",
+                     (unsigned)a->stats.unfilled, (unsigned)a->stats.rays);
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
