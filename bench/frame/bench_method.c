@@ -33,7 +33,7 @@ bench_profile_ratio bench_per_profile(const bench_report *report, const bench_pl
 static void print_line(const bench_report *report, const bench_plugin_result *r) {
     const bench_times *t = &r->times[BENCH_FRAME];
     const bench_profile_ratio ratio = bench_per_profile(report, r);
-    const double limit = bench_cost_limit_ms(r->variant.n);
+    const double limit = strcmp(r->method, "cost") == 0 ? bench_cost_limit_ms(r->variant.n) : 0.0;
     printf("%4u %-34s %4u | %7.3f %7.3f %7.3f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ", r->variant.n,
            bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min, t->p95,
            r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, ratio.mean, ratio.own);

@@ -27,7 +27,7 @@ typedef struct {
     uint8_t *status, *plain_status;
     sv_param_value *fixed, *values; /* for activate; for begin */
     uint32_t fixed_count, value_count;
-    uint32_t q_id;
+    uint32_t q_id; /* 0: the plugin has no such knob, and adjust is not timed */
     plain_frame *plain;
     bench_samples samples[BENCH_PARTS];
     sv_stats stats;
@@ -64,21 +64,35 @@ bool bench_plugin_has_method(const hs_plugin *plugin, const char *method) {
     return method_value(plugin, method, &value, &none);
 }
 
+bool bench_plugin_is_foreign(const hs_plugin *plugin) {
+    sv_param_info info = {.size = sizeof info};
+    return !hs_plugin_find_param(plugin, "q", &info) || !hs_plugin_find_param(plugin, "kernel", &info);
+}
+
+hs_handover bench_route_handover(bench_route route) {
+    return (hs_handover){route == BENCH_BUFFER_HOST ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
+                         !routes[route].host_queue};
+}
+
+/* The benchmark's own values, q and the window, where the plugin has such parameters. */
+static void own_values(bench *b) {
+    const hs_plugin *plugin = b->setup->plugin;
+    sv_param_info q = {.size = sizeof q}, kernel = {.size = sizeof kernel};
+    if (!hs_plugin_find_param(plugin, "q", &q) || !hs_plugin_find_param(plugin, "kernel", &kernel)) return;
+    b->q_id = q.id;
+    b->values[b->value_count++] = (sv_param_value){.id = q.id, .value = default_q};
+    b->values[b->value_count++] = (sv_param_value){.id = kernel.id, .value = b->variant->k};
+}
+
 /* Sorts the user's values and the benchmark's own into those of activate and those of begin. */
 static bool make_values(bench *b, hs_error *err) {
     const bench_plugin_setup *s = b->setup;
-    sv_param_info q = {.size = sizeof q}, kernel = {.size = sizeof kernel};
-    if (!hs_plugin_find_param(s->plugin, "q", &q) || !hs_plugin_find_param(s->plugin, "kernel", &kernel))
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: has no parameters 'q' and 'kernel', which the benchmark sets",
-                       s->plugin->path);
-    b->q_id = q.id;
     b->fixed = malloc((s->value_count + 2u) * sizeof *b->fixed);
     b->values = malloc((s->value_count + OWN_VALUES) * sizeof *b->values);
     if (!b->fixed || !b->values)
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u values", s->value_count);
-    b->values[b->value_count++] = (sv_param_value){.id = q.id, .value = default_q};
-    b->values[b->value_count++] = (sv_param_value){.id = kernel.id, .value = b->variant->k};
-    if (s->method) {
+    own_values(b);
+    if (s->method && strcmp(s->method, BENCH_OWN) != 0) {
         if (!method_value(s->plugin, s->method, &b->fixed[0], err)) return false;
         b->values[b->value_count++] = b->fixed[b->fixed_count++];
     }
@@ -267,7 +281,8 @@ static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
         double ms[BENCH_PARTS] = {0};
         ms[BENCH_READ] = time_read(b);
         if (!b->setup->method) ms[BENCH_PLAIN] = time_plain(b);
-        if (!plugin_frame(b, NULL, ms, err) || !plugin_adjust(b, &ms[BENCH_ADJUST], err)) return false;
+        if (!plugin_frame(b, NULL, ms, err) || (b->q_id && !plugin_adjust(b, &ms[BENCH_ADJUST], err)))
+            return false;
         for (int p = 0; i >= WARM_UP && p < BENCH_PARTS; p++) bench_samples_add(&b->samples[p], ms[p]);
         if (progress && i >= WARM_UP) hs_progress_step(progress, i + 1 - WARM_UP);
     }

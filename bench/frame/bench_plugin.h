@@ -7,6 +7,7 @@
 #include "frame/bench_slabs.h"
 #include "frame/bench_team.h"
 #include "frame/bench_times.h"
+#include "plugin/capabilities.h"
 #include "plugin/loader.h"
 #include "plugin/plugin_ext.h"
 
@@ -64,6 +65,15 @@ typedef struct {
     /* The value of the parameter "method"; NULL: as the plugin stands, and compared with plain C. */
     const char *method;
 } bench_plugin_setup;
+
+/* True if the plugin has no parameters 'q' and 'kernel': plain C's mean filter says nothing about its map. */
+bool bench_plugin_is_foreign(const hs_plugin *plugin);
+
+/* `method` of the setup for such a plugin: what it does of itself. */
+#define BENCH_OWN "own"
+
+/* How slabs go to the plugin on a route. */
+hs_handover bench_route_handover(bench_route route);
 
 /* Whether the plugin has the method at all. */
 bool bench_plugin_has_method(const hs_plugin *plugin, const char *method);

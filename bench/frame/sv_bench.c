@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
-#include "base/cli.h"
 #include "frame/bench_cli.h"
 #include "frame/bench_files.h"
 #include "frame/bench_method.h"
@@ -31,7 +30,9 @@ static const char help[] =
     "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
     "C,\n"
     "both on two threads; then its method cost, if it has one; then the host's scan loop around the plugin.\n"
-    "The plugin's map is compared with plain C's before anything is timed.\n\n"
+    "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
+    "and\n"
+    "kernel is timed as it is.\n\n"
     "  --plugin PATH      plugin library (default: smartvis.so beside this program)\n"
     "  --id ID            the library's plugin of that id (default: its first)\n"
     "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
@@ -177,7 +178,7 @@ static bool set_option(void *all, int option, hs_error *err) {
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
     *o =
         (options){.frames = 100, .host_frames = 20, .host_size = 400, .plugin_part = true, .host_part = true};
-    hs_cli_default_plugin(o->plugin, sizeof o->plugin);
+    hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     fill_defaults(o);
     return true;
@@ -209,6 +210,11 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const cha
     bool ok = true;
     for (int route = 0; ok && route < BENCH_ROUTES; route++) {
         if (!run->o.route[route]) continue;
+        if (!hs_plugin_takes(run->plugin.instance->descriptor, bench_route_handover((bench_route)route))) {
+            printf("%-34s %4u | left out: the plugin takes no such slabs\n",
+                   bench_route_label((bench_route)route), slabs.layout.slab_slices);
+            continue;
+        }
         const bench_variant variant = {bench_sizes[size], kernels[size], slabs.layout.slab_slices,
                                        (bench_route)route};
         bench_plugin_result *result = &run->results[run->report.plugin_count];
@@ -239,14 +245,16 @@ static bool run_cost(bench_run *run, hs_error *err) {
 }
 
 static bool run_plugin_part(bench_run *run, hs_error *err) {
+    const bool foreign = bench_plugin_is_foreign(&run->plugin);
     for (int size = 0; size < BENCH_SIZES; size++) {
         if (!run->o.size[size]) continue;
-        bench_print_plugin_head(bench_sizes[size], kernels[size]);
+        if (!foreign) bench_print_plugin_head(bench_sizes[size], kernels[size]);
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
             const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
-            if (!run_routes(run, size, slab, NULL, err)) return false;
+            if (!run_routes(run, size, slab, foreign ? BENCH_OWN : NULL, err)) return false;
         }
     }
+    if (foreign) bench_print_method(&run->report, BENCH_OWN);
     bench_print_stages(run->results, run->report.plugin_count);
     return run_cost(run, err);
 }

@@ -5,6 +5,7 @@
 #include "methods/methods_csv.h"
 #include "methods/methods_print.h"
 #include "methods/methods_svg.h"
+#include "plugin/loader.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -138,7 +139,7 @@ static bool set_option(void *all, int option, hs_error *err) {
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
     *o = (options){.frames = 30, .seconds = 2.0, .budget = 2e10, .truth = true, .fit = true};
-    hs_cli_default_plugin(o->plugin, sizeof o->plugin);
+    hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     if (*wants_help) return true;
     const int sizes = bench_choose_all_if_none(o->size, BENCH_SIZES);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "methods/methods_reference.h"
 
-#include "spline/spline_shared.h"
 #include "ref/ref_method.h"
+#include "spline/spline_shared.h"
 
 #include <math.h>
 #include <stdlib.h>

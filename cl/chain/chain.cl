@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What stands around a method (src/method/method.h): the depths of the initial points, and the frame's
- * record. */
+/* What stands around a method (src/method/method.h): the depths of the initial points, and
+ * the frame's record. */
 #ifndef SV_RECORD_CLH
 #include "common/record.clh"
 #endif

@@ -6,12 +6,12 @@
 #ifndef SV_SHARED_H
 #define SV_SHARED_H
 
-/* Rays a work item of the strip kernels holds in one vector. Rows of every per-ray map are padded to a
- * multiple. */
+/* Rays a work item of the strip kernels holds in one vector. Rows of every per-ray map are padded
+ * to a multiple. */
 #define SV_LANES 16
 
-/* Samples along a ray per slice (the inverse of the sampling step). Structure, not a tunable: it changes the
- * kernel. */
+/* Samples along a ray per slice (the inverse of the sampling step). Structure, not a tunable: it
+ * changes the kernel. */
 #ifndef SV_SUBSTEPS
 #define SV_SUBSTEPS 1
 #endif
@@ -44,9 +44,9 @@
 #define SV_SCANNED_END    1
 #define SV_SCANNED_PLANES 2
 
-/* Words of the frame's record on the device. The first are sv_stats of the ABI, word for word (`size`
- * unused), and those from SV_REC_EMPTY on sv_points_report, so that a read of the record is the host's
- * struct. */
+/* Words of the frame's record on the device. The first are sv_stats of the ABI, word for word
+ * (`size` unused), and those from SV_REC_EMPTY on sv_points_report, so that a read of the record is
+ * the host's struct. */
 #define SV_REC_OUTCOME     1
 #define SV_REC_RAYS        2
 #define SV_REC_POINTS      3
@@ -62,8 +62,8 @@
 #define SV_REC_EVIDENCE    12 /* sv_job.evidence */
 #define SV_REC_PASS0       13 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
 
-/* What a frame asks of the kernels; passed to them by value. 32-bit members only, so both compilers lay it
- * out alike. */
+/* What a frame asks of the kernels; passed to them by value. 32-bit members only, so both compilers lay
+ * it out alike. */
 typedef struct {
     unsigned int width, padded_width, height;
     unsigned int bone_mode;   /* SV_BONE_* */
@@ -73,16 +73,15 @@ typedef struct {
     unsigned int bone_wanted; /* fraction mode: rays that must qualify at least, >= 1 */
     unsigned int drop_empty;  /* 1: rays with an empty interval give no point */
     unsigned int min_gap;     /* samples: an interval at least this long is sure to be fluid */
-    unsigned int
-        evidence; /* 1/1000 of the bone rays that must have a sure interval, or there is no surface */
-    unsigned int fraction;                      /* fraction bits of a depth */
-    unsigned int k;                             /* mean filter: window, odd */
+    unsigned int evidence;    /* thousandths of the bone rays that must have a sure interval, or no surface */
+    unsigned int fraction;    /* fraction bits of a depth */
+    unsigned int k;           /* mean filter: window, odd */
     unsigned int weight_initial, weight_filled; /* mean filter: integer weights, their ratio is omega */
     unsigned int pass_limit;                    /* passes that are enough for any set of points */
 } sv_job;
 
-/* Slabs that one launch takes: a launch costs as much as a million voxels. They follow each other, in one
- * buffer. */
+/* Slabs that one launch takes: a launch costs as much as a million voxels. They follow each other,
+ * in one buffer. */
 #define SV_BATCH 8
 #ifdef __OPENCL_VERSION__
 typedef ulong sv_offset;

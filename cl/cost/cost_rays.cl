@@ -2,8 +2,8 @@
 /*
  * Cost volume, along the rays: voxels to bins while the slabs come, then the grey levels of fluid and tissue.
  *
- * Bins lie as label, row, column (rows padded to 16 by zeros), so that a vector is one label of 16
- * neighbouring rays.
+ * Bins lie as label, row, column (rows padded to 16 by zeros), so that a vector is one label of
+ * 16 neighbouring rays.
  */
 #ifndef SV_METHOD_COST_CLH
 #include "cost/cost.clh"

@@ -37,8 +37,8 @@
 #define SV_COST_LEFT  2.0f /* leaving what lies before the fetus' own fluid */
 #define SV_COST_OTHER 3.0f /* outside the longest interval, where there is no fetus */
 
-/* ---- evidence that a run is the fetus, before the logistic function; brightness relative to the mean of
- * tissue */
+/* ---- evidence that a run is the fetus, before the logistic function; brightness relative to the
+ * mean of tissue */
 #define SV_COST_NEARBY         10.0f /* times the brightest mean nearby */
 #define SV_COST_OWN            4.0f  /* times the brightest mean on the ray itself */
 #define SV_COST_THICK          2.0f  /* times how thick it is: */

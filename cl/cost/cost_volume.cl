@@ -27,14 +27,17 @@ typedef struct {
 
 /* What is kept of every bin of 16 rays while they are walked. */
 typedef struct {
-    short16 fluid[SV_COST_LABELS]; /* length of fluid from here on; then: bin at which bone parts the run that
-                                      starts here */
-    short16
-        light[SV_COST_LABELS]; /* brightest nearby, of the run so far; then: distance to the fluid behind */
-    float16 fetus[SV_COST_LABELS];  /* of the run that starts here, or whose fluid begins here: that it is the
-                                      fetus */
-    float16 parted[SV_COST_LABELS]; /* the same of its part behind the bone's front */
-    float16 cost[SV_COST_LABELS];   /* summed over the rays so far */
+    /* Length of the fluid from here on; then: bin at which bone parts the run that starts here. */
+    short16 fluid[SV_COST_LABELS];
+
+    /* Brightest nearby, of the run so far; then: distance to the fluid behind. */
+    short16 light[SV_COST_LABELS];
+
+    /* Probability that the run that starts here, or whose fluid begins here, is the fetus; and of its part
+     * behind the bone's front. */
+    float16 fetus[SV_COST_LABELS], parted[SV_COST_LABELS];
+
+    float16 cost[SV_COST_LABELS]; /* summed over the rays so far */
 } bins16_t;
 
 static short16 load_bin(const rays_t *r, uint bin) {
@@ -160,8 +163,8 @@ static float16 judge_part(const sv_cost_layout *l, const part_t *p, float unit, 
     return fetus;
 }
 
-/* At the fronts of runs: their probability, and that of their parts behind the bone. Gives back the bins of
- * those. */
+/* At the fronts of runs: their probability, and that of their parts behind the bone. Gives back the
+ * bins of those. */
 static short16 runs_judge(const sv_cost_layout *l, rays_t *r, float unit, short16 at, short16 starts,
                           runs_t *runs, float16 *fetus, float16 *parted) {
     const short16 splits = starts & (runs->place >= at + (short)l->split);

@@ -183,8 +183,8 @@ __kernel void grid_dot(sv_grid_level level, uint planes, __global const real *a,
     }
 }
 
-/* One work item: the step length (alpha, from p . A p) or the new direction's share of the old (beta, from r
- * . z). */
+/* One work item: the step length (alpha, from p . A p) or the new direction's share of the old (beta, from
+ * r . z). */
 __kernel void grid_scalar(sv_grid_level level, uint planes, uint beta, __global const real *partial,
                           __global real *scalars, __global const uint *record) {
     if (!surface_wanted(record)) return;

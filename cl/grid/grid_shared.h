@@ -10,8 +10,7 @@
 #define SV_MIN_DATA_WEIGHT 1e-3
 #define SV_MAX_DATA_WEIGHT 10.0
 
-/* A level of the pyramid; by value, 32-bit members only. Offsets count pixels from the first level's start.
- */
+/* A level of the pyramid; by value, 32-bit members only. `offset` counts pixels from the start of level 0. */
 typedef struct {
     unsigned int width, height, offset;
     unsigned int pixels; /* of all levels */

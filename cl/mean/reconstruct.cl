@@ -72,8 +72,8 @@ static uint2 band_rows(uint height) {
     return (uint2)((uint)((ulong)height * band / bands), (uint)((ulong)height * (band + 1) / bands));
 }
 
-/* Step 1 of the banded way: maximum of a band's rays, or their histogram (257 words a band: maximum, then
- * counts). */
+/* Step 1 of the banded way: maximum of a band's rays, or their histogram (257 words a band:
+ * maximum, then counts). */
 __kernel void band_survey(sv_job job, __global const uchar *restrict state8, __global uint *restrict bands) {
     const uint2 rows = band_rows(job.height);
     __global uint *mine = bands + get_global_id(0) * 257;

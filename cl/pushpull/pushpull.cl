@@ -47,8 +47,8 @@ __kernel void pushpull_pull(pull_level fine, pull_level coarse, uint planes, __g
     values[2 * (size_t)fine.plane + to] = fmin(total, 1.0f);
 }
 
-/* The coarser level at pixel (x, y) of the finer one: 3/4 of the nearest pixel and 1/4 of the next, each way.
- */
+/* The coarser level at pixel (x, y) of the finer one: 3/4 of the nearest pixel and 1/4 of the
+ * next, each way. */
 static float coarse_value(__global const float *coarse, uint width, uint height, uint x, uint y) {
     const uint u0 = x / 2, v0 = y / 2;
     const uint u1 = x % 2 ? min(u0 + 1, width - 1) : u0 - (u0 > 0);

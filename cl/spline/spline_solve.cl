@@ -99,8 +99,8 @@ __kernel void spline_matrix(uint stride, float lambda, __global const real *rest
     out[row] += lambda;
 }
 
-/* One work item: the factor of panel `number`'s diagonal block. A pivot that is too small leaves its unknown
- * out. */
+/* One work item: the factor of panel `number`'s diagonal block. A pivot that is too small leaves
+ * its unknown out. */
 __kernel void spline_diagonal(uint stride, uint number, __global real *restrict matrix,
                               __global real *restrict frame, __global uint *restrict info) {
     const uint size = info[INFO_POINTS] - info[INFO_RANK];
@@ -149,8 +149,8 @@ __kernel void spline_below(uint stride, uint number, __global real *restrict mat
     }
 }
 
-/* SV_SPLINE_TILE rows by SV_SPLINE_SPAN columns behind the panel per work item: minus panel times its
- * transpose. */
+/* SV_SPLINE_TILE rows by SV_SPLINE_SPAN columns behind the panel per work item: minus panel
+ * times its transpose. */
 __kernel void spline_trailing(uint stride, uint number, __global real *restrict matrix,
                               __global const real *restrict panel, __global const uint *restrict info) {
     const uint size = info[INFO_POINTS] - info[INFO_RANK];

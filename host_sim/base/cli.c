@@ -2,13 +2,9 @@
 #include "base/cli.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 const char hs_exit_codes_help[] =
     "Exit codes:\n"
@@ -55,48 +51,4 @@ int hs_cli_fail(const char *command, const hs_error *err) {
 
 bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err) {
     return next >= argc || hs_fail(err, HS_ERR_USAGE, "'%s': unexpected argument", argv[next]);
-}
-
-/* mkdir -p: every prefix that ends before a slash, then the whole path. */
-static bool make_folders(const char *path, hs_error *err) {
-    char prefix[PATH_MAX];
-    const size_t length = strlen(path);
-    if (length == 0 || length >= sizeof prefix)
-        return hs_fail(err, HS_ERR_OUTPUT, "'%s': a folder's path has 1 .. %d characters", path,
-                       PATH_MAX - 1);
-    for (size_t i = 1; i <= length; i++) {
-        if (path[i] != '/' && path[i] != '\0') continue;
-        memcpy(prefix, path, i);
-        prefix[i] = '\0';
-        if (mkdir(prefix, 0777) != 0 && errno != EEXIST)
-            return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot make the folder: %s", prefix, strerror(errno));
-    }
-    return true;
-}
-
-bool hs_cli_make_folder(const char *path, hs_error *err) {
-    char probe[PATH_MAX];
-    if (!make_folders(path, err) || !hs_cli_join(path, ".host_sim_XXXXXX", probe, sizeof probe, err))
-        return false;
-    const int file = mkstemp(probe);
-    if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write there: %s", path, strerror(errno));
-    close(file);
-    unlink(probe);
-    return true;
-}
-
-bool hs_cli_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err) {
-    const int length = snprintf(out, bytes, "%s/%s", folder, name);
-    return (length >= 0 && (size_t)length < bytes) ||
-           hs_fail(err, HS_ERR_OUTPUT, "%s/%s: the path is longer than %zu characters", folder, name,
-                   bytes - 1);
-}
-
-void hs_cli_default_plugin(char *out, size_t bytes) {
-    char self[PATH_MAX];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    self[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(self, '/');
-    if (slash) *slash = '\0';
-    (void)snprintf(out, bytes, "%s/smartvis.so", slash ? self : ".");
 }

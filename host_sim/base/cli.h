@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What the subcommands share: numbers from the command line, error lines, output folders. */
+/* What command lines share: numbers, error lines, exit codes. */
 #ifndef HS_CLI_H
 #define HS_CLI_H
 
 #include "base/error.h"
 
-#include <stddef.h>
 #include <stdint.h>
 
 /* The exit codes, for the end of every --help. */
@@ -21,15 +20,5 @@ int hs_cli_fail(const char *command, const hs_error *err);
 
 /* Fails if arguments are left after the options. */
 bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err);
-
-/* Makes the folder (and its parents) and proves that a file can be written there.
- * HS_ERR_OUTPUT names the path. */
-bool hs_cli_make_folder(const char *path, hs_error *err);
-
-/* Writes "<folder>/<name>" to out; HS_ERR_OUTPUT if it is longer than `bytes`. */
-bool hs_cli_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err);
-
-/* The plugin beside the executable: "<folder of host_sim>/smartvis.so". */
-void hs_cli_default_plugin(char *out, size_t bytes);
 
 #endif

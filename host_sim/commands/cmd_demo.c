@@ -2,6 +2,7 @@
 #include "commands/cmd_demo.h"
 
 #include "base/cli.h"
+#include "base/paths.h"
 #include "commands/run_print.h"
 #include "loop/clipper.h"
 #include "picture/page_html.h"
@@ -84,7 +85,7 @@ static bool add_volumes(demo *d, hs_error *err) {
             demo_case *c = &d->cases[d->case_count++];
             (void)snprintf(c->folder, sizeof c->folder, "%s", entries[i]->d_name);
             for (char *dot = c->folder; (dot = strchr(dot, '.')) != NULL;) *dot = '_';
-            ok = hs_cli_join(d->data, entries[i]->d_name, c->file, sizeof c->file, err);
+            ok = hs_path_join(d->data, entries[i]->d_name, c->file, sizeof c->file, err);
             if (ok) add_hidden(d, *c);
         }
         free(entries[i]);
@@ -96,7 +97,7 @@ static bool add_volumes(demo *d, hs_error *err) {
 /* A picture of the case on the page, if it was made (a real volume has no ground truth). */
 static void show(demo *d, const char *folder, const char *name, const char *alt, const char *caption) {
     char path[PATH_MAX];
-    if (!hs_cli_join(folder, name, path, sizeof path, &d->report.error)) return;
+    if (!hs_path_join(folder, name, path, sizeof path, &d->report.error)) return;
     /* Renderings, and what is drawn over one, are photos; a map in false colour is small as it is. */
     (strcmp(name, "depthmap.png") == 0 ? hs_page_picture : hs_page_photo)(&d->report, path, alt, caption);
 }
@@ -204,7 +205,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     request.volume_count = c->scene ? 0 : 1;
     request.loop.frames = d->quick ? 10 : 30;
     (void)fprintf(stderr, "host_sim demo: %s ...\n", c->folder);
-    if (!hs_cli_join(d->out, c->folder, folder, sizeof folder, err) || !hs_cli_make_folder(folder, err))
+    if (!hs_path_join(d->out, c->folder, folder, sizeof folder, err) || !hs_path_make_folder(folder, err))
         return false;
     if (!hs_run_open(&run, &request, err)) return false;
     const bool ok = run_opened(d, c, &run, folder, err);
@@ -247,7 +248,7 @@ static void write_table(demo *d) {
 
 static bool run_demo(demo *d, hs_error *err) {
     char page[PATH_MAX];
-    if (!hs_cli_make_folder(d->out, err) || !hs_cli_join(d->out, "index.html", page, sizeof page, err))
+    if (!hs_path_make_folder(d->out, err) || !hs_path_join(d->out, "index.html", page, sizeof page, err))
         return false;
     add_scenes(d);
     if (!add_volumes(d, err)) return false;

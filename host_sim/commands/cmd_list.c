@@ -109,7 +109,7 @@ int hs_cmd_list(int argc, char **argv) {
         {"plugin", required_argument, NULL, 'p'}, {"help", no_argument, NULL, 'h'}, {0}};
     char path[1024];
     hs_error err = {0};
-    hs_cli_default_plugin(path, sizeof path);
+    hs_plugin_default_path(path, sizeof path);
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {

@@ -2,6 +2,7 @@
 #include "commands/cmd_report.h"
 
 #include "base/cli.h"
+#include "base/paths.h"
 #include "commands/report_line.h"
 #include "eval/eval_compare.h"
 #include "eval/eval_study.h"
@@ -160,7 +161,7 @@ int hs_cmd_report(int argc, char **argv) {
         hs_report_line_help();
         return HS_OK;
     }
-    const bool ok =
-        hs_cli_make_folder(o.out, &err) && (o.compare_count ? run_comparison(&o, &err) : run_study(&o, &err));
+    const bool ok = hs_path_make_folder(o.out, &err) &&
+                    (o.compare_count ? run_comparison(&o, &err) : run_study(&o, &err));
     return ok ? HS_OK : hs_cli_fail("report", &err);
 }

@@ -3,13 +3,14 @@
 
 #include "base/cli.h"
 #include "base/output_file.h"
+#include "base/paths.h"
 #include "commands/run_json.h"
 #include "commands/run_line.h"
 #include "commands/run_print.h"
 
 /* Before the work starts: all of it would be lost. */
 static bool can_write(const hs_run_line *line, hs_error *err) {
-    if (!hs_cli_make_folder(line->out, err)) return false;
+    if (!hs_path_make_folder(line->out, err)) return false;
     hs_output_file probe;
     if (!line->json) return true;
     if (!hs_output_open(&probe, line->json, err)) return false;

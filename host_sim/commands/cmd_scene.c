@@ -2,6 +2,7 @@
 #include "commands/cmd_scene.h"
 
 #include "base/cli.h"
+#include "base/paths.h"
 #include "report/scene_sheet.h"
 #include "scene/scene.h"
 #include "scene/scene_export.h"
@@ -155,7 +156,7 @@ static bool write_sheet(const request *r, const hs_scene *scene, const char *nam
     hs_picture picture;
     snprintf(file, sizeof file, "%s_sheet.png", name);
     snprintf(title, sizeof title, "%s: %s", name, hs_scene_title(scene));
-    if (!hs_cli_join(r->out, file, path, sizeof path, err)) return false;
+    if (!hs_path_join(r->out, file, path, sizeof path, err)) return false;
     if (!hs_scene_sheet(cl, data, points, title, &picture, err)) return false;
     bool ok = hs_picture_save(&picture, path, err);
     hs_picture_free(&picture);
@@ -174,7 +175,7 @@ static bool make_frame(const request *r, const hs_scene *scene, uint32_t frame, 
         snprintf(name, sizeof name, "%s_f%03u", hs_scene_name(scene), frame);
     else
         snprintf(name, sizeof name, "%s", hs_scene_name(scene));
-    if (!hs_cli_join(r->out, name, prefix, sizeof prefix, err)) return false;
+    if (!hs_path_join(r->out, name, prefix, sizeof prefix, err)) return false;
     if (!hs_scene_frame(scene, &one, &data, &times, err)) return false;
     bool ok = hs_scene_points_find(&data, &points, err);
     if (ok) print_facts(name, &data, &points, &times);
@@ -197,7 +198,7 @@ static bool make_scene(const request *r, const char *name, const hs_cl *cl, hs_e
 
 static bool make_scenes(const request *r, char **names, int count, hs_error *err) {
     hs_cl cl = {0};
-    if ((r->export || r->sheet) && !hs_cli_make_folder(r->out, err)) return false;
+    if ((r->export || r->sheet) && !hs_path_make_folder(r->out, err)) return false;
     bool ok = !r->sheet || hs_cl_open(&cl, err);
     for (int i = 0; ok && i < count; i++) ok = make_scene(r, names[i], &cl, err);
     for (uint32_t i = 0; ok && r->all && hs_scene_builtin(i); i++)

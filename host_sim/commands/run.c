@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands/run.h"
 
-#include "base/cli.h"
 #include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "report/loop_knob.h"
@@ -25,7 +24,7 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     if (r->plugin_path)
         (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", r->plugin_path);
     else
-        hs_cli_default_plugin(run->plugin_path, sizeof run->plugin_path);
+        hs_plugin_default_path(run->plugin_path, sizeof run->plugin_path);
     run->has_plugin =
         hs_plugin_open(&run->plugin, run->plugin_path, r->plugin_id, r->log_level, &run->earlier_error);
     if (!run->has_plugin) return true;
@@ -41,7 +40,7 @@ static bool open_plugin(hs_run *run, hs_error *err) {
 static bool open_source(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
     if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
-    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->read, err);
+    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->read, &r->scanned, err);
 }
 
 bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {

@@ -15,7 +15,8 @@ typedef struct {
     uint32_t volume_count;
     hs_source_scene scene; /* ... a scene, if it has a name */
     hs_metaimage_options read;
-    const char *const *sets; /* key=value for the plugin's parameters */
+    hs_source_scanned scanned; /* of the volumes */
+    const char *const *sets;   /* key=value for the plugin's parameters */
     uint32_t set_count;
     hs_loop_options loop;            /* values are filled in from sets */
     uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */

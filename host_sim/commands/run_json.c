@@ -66,7 +66,7 @@ static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
 static json_t *describe(const hs_run *run, bool *ok) {
     const hs_volume *v = hs_source_volume(&run->source, 0);
     const hs_slab_layout *l = hs_loop_layout(run->loop);
-    const hs_loop_options *o = &run->request.loop;
+    const hs_loop_options *o = hs_loop_get_options(run->loop);
     char plugin[200];
     hs_run_plugin_name(run, plugin, sizeof plugin);
     json_t *root = json_object();
@@ -79,6 +79,7 @@ static json_t *describe(const hs_run *run, bool *ok) {
     put(root, "slab_slices", json_integer(l->slab_slices), ok);
     put(root, "carrier", json_integer(o->carrier), ok);
     put(root, "own_queue", json_boolean(o->own_queue), ok);
+    put(root, "scanned", text(hs_fan_name(o->fan)), ok);
     put(root, "camera", json_pack("{s:f, s:f, s:f}", "yaw", o->yaw, "pitch", o->pitch, "orbit", o->orbit),
         ok);
     put(root, "picture", json_pack("[i, i]", (int)o->dvr.width, (int)o->dvr.height), ok);

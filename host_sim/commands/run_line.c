@@ -20,6 +20,9 @@ static const char help_head[] =
     "  --volume FILE         MetaImage (.mha, .mhd); given several times: a sequence, one a frame\n"
     "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
     " [auto]\n"
+    "  --scanned FIRST,END   two maps (MetaImage, a whole number a ray): the first scanned slice, and the "
+    "first one\n"
+    "                        behind the scan; takes the place of --padding\n"
     "  --window LOW,HIGH     source values that become 0 and 255"
     " [the file's own range; 8-bit files as they are]\n"
     "  --scene NAME|FILE     a built-in scene (see 'host_sim scenes') or a scene file\n"
@@ -34,6 +37,9 @@ static const char help_head[] =
     "  --set KEY=VALUE       a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --carrier KIND        how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n"
     "  --own-queue           the plugin picks its own device and queue\n"
+    "                        [or, where the plugin takes no such slabs, as it does take them]\n"
+    "  --fan HOW             how the plugin is told what was scanned: ranges, padding, nothing\n"
+    "                        [ranges if it takes them, else padding]\n"
     "  --slab N              slices of a slab [16]\n"
     "  --lowres N            pixels across the low-resolution volume [a third of the source's resolution]\n"
     "  --verbose             prints all the plugin logs; default: warnings and errors\n";
@@ -62,6 +68,7 @@ static const char help_tail[] =
 enum {
     OPT_VOLUME = 256,
     OPT_PADDING,
+    OPT_SCANNED,
     OPT_WINDOW,
     OPT_SCENE,
     OPT_SIZE,
@@ -74,6 +81,7 @@ enum {
     OPT_SET,
     OPT_CARRIER,
     OPT_OWN_QUEUE,
+    OPT_FAN,
     OPT_SLAB,
     OPT_LOWRES,
     OPT_VERBOSE,
@@ -97,6 +105,7 @@ enum {
 
 static const struct option options[] = {{"volume", required_argument, NULL, OPT_VOLUME},
                                         {"padding", required_argument, NULL, OPT_PADDING},
+                                        {"scanned", required_argument, NULL, OPT_SCANNED},
                                         {"window", required_argument, NULL, OPT_WINDOW},
                                         {"scene", required_argument, NULL, OPT_SCENE},
                                         {"size", required_argument, NULL, OPT_SIZE},
@@ -109,6 +118,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"set", required_argument, NULL, OPT_SET},
                                         {"carrier", required_argument, NULL, OPT_CARRIER},
                                         {"own-queue", no_argument, NULL, OPT_OWN_QUEUE},
+                                        {"fan", required_argument, NULL, OPT_FAN},
                                         {"slab", required_argument, NULL, OPT_SLAB},
                                         {"lowres", required_argument, NULL, OPT_LOWRES},
                                         {"verbose", no_argument, NULL, OPT_VERBOSE},
@@ -184,6 +194,18 @@ static bool append(const char *option, const char *text, const char **list, uint
     return true;
 }
 
+/* "FIRST,END" in its two paths. */
+static bool take_scanned(hs_run_line *line, const char *text, hs_error *err) {
+    const char *comma = strchr(text, ',');
+    const size_t length = comma ? (size_t)(comma - text) : 0;
+    if (length == 0 || length >= sizeof line->scanned || comma[1] == '\0' || strchr(comma + 1, ','))
+        return hs_fail(err, HS_ERR_USAGE, "--scanned: '%s', expected two files, FIRST,END", text);
+    memcpy(line->scanned, text, length);
+    line->scanned[length] = '\0';
+    line->request.scanned = (hs_source_scanned){line->scanned, comma + 1};
+    return true;
+}
+
 static bool take_source_option(hs_run_line *line, int option, const char *text, hs_error *err) {
     static const char *const paddings[] = {"auto", "none", "all"};
     hs_run_request *r = &line->request;
@@ -194,9 +216,12 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
     case OPT_PADDING:
         if (!pick("--padding", text, paddings, 3, &index, err)) return false;
         r->read.padding = (hs_padding)index;
+        line->padding_given = true;
         return true;
     case OPT_WINDOW:
         return set_window(text, &r->read, err);
+    case OPT_SCANNED:
+        return take_scanned(line, text, err);
     case OPT_SCENE:
         r->scene.name = text;
         return true;
@@ -217,6 +242,7 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
 
 static bool take_plugin_option(hs_run_line *line, int option, const char *text, hs_error *err) {
     static const char *const carriers[] = {"host", "buffer", "image"};
+    static const char *const fans[] = {"ranges", "padding", "nothing"};
     hs_run_request *r = &line->request;
     uint32_t index = 0;
     switch (option) {
@@ -235,6 +261,10 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         return true;
     case OPT_OWN_QUEUE:
         r->loop.own_queue = true;
+        return true;
+    case OPT_FAN:
+        if (!pick("--fan", text, fans, 3, &index, err)) return false;
+        r->loop.fan = (hs_fan)(HS_FAN_RANGES + index);
         return true;
     case OPT_SLAB:
         return set_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
@@ -302,6 +332,11 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
                        line->volumes[0]);
     if (!r->scene.name && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "no source: give --volume FILE or --scene NAME");
+    if (r->scanned.first && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
+                       line->scanned, r->scanned.end);
+    if (r->scanned.first && line->padding_given)
+        return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
@@ -335,6 +370,7 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
     line->request.volumes = line->volumes;
     line->request.sets = line->sets;
     if (line->request.loop.own_queue && !line->carrier_given) line->request.loop.carrier = SV_CARRIER_HOST;
+    line->request.loop.carrier_fixed = line->carrier_given || line->request.loop.own_queue;
     return true;
 }
 

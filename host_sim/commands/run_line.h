@@ -14,7 +14,8 @@ typedef struct {
     const char *volumes[HS_RUN_MAX_VOLUMES];
     const char *sets[HS_RUN_MAX_SETS];
     const char *out, *json;
-    bool carrier_given, help;
+    char scanned[1024]; /* --scanned's first path */
+    bool carrier_given, padding_given, help;
 } hs_run_line;
 
 /* Reads the options. HS_ERR_USAGE names option, value and what is allowed. Nothing is read after --help. */

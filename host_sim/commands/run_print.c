@@ -13,7 +13,7 @@ static const char *carrier_name(uint32_t carrier) {
 
 static void print_facts(const hs_run *run, FILE *out) {
     const hs_volume *v = hs_source_volume(&run->source, 0);
-    const hs_loop_options *o = &run->request.loop;
+    const hs_loop_options *o = hs_loop_get_options(run->loop); /* as the plugin takes them */
     const hs_slab_layout *l = hs_loop_layout(run->loop);
     char plugin[200];
     hs_run_plugin_name(run, plugin, sizeof plugin);
@@ -28,6 +28,7 @@ static void print_facts(const hs_run *run, FILE *out) {
                   o->orbit, o->dvr.width, o->dvr.height);
     (void)fprintf(out, "Slabs    %u x %u x %u voxels in %u slabs of %u slices, %s\n", l->width, l->height,
                   l->slices, hs_slab_count(l), l->slab_slices, carrier_name(o->carrier));
+    if (run->has_plugin) (void)fprintf(out, "Scanned  told by %s\n", hs_fan_name(o->fan));
     (void)fprintf(out, "Frames   %u a setting, after one that is not counted\n\n", o->frames);
 }
 

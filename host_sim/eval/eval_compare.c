@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_compare.h"
 
-#include "base/cli.h"
 #include "loop/clipper.h"
+#include "plugin/loader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@ static bool parse_method(hs_eval_method *m, const char *text, hs_error *err) {
     const char *path = strtok_r(m->text, " ", &next);
     if (!path) return hs_fail(err, HS_ERR_USAGE, "--compare: '%s' names no library", text);
     if (strcmp(path, "-") == 0)
-        hs_cli_default_plugin(m->path, sizeof m->path);
+        hs_plugin_default_path(m->path, sizeof m->path);
     else
         (void)snprintf(m->path, sizeof m->path, "%.1023s", path);
     for (const char *set; (set = strtok_r(NULL, " ", &next)) != NULL;) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_study.h"
 
-#include "base/cli.h"
+#include "plugin/loader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err) {
     char beside[1024];
     *study = (hs_eval_study){.options = options};
-    hs_cli_default_plugin(beside, sizeof beside);
+    hs_plugin_default_path(beside, sizeof beside);
     const char *path = options->plugin ? options->plugin : beside;
     if (!hs_plugin_open(&study->plugin, path, NULL, SV_LOG_ERROR, err)) return false;
     if (hs_cl_open(&study->cl, err) &&

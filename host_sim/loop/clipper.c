@@ -4,12 +4,14 @@
 #include "loop/confidence_map.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct hs_clipper {
     const hs_plugin *plugin; /* NULL: none */
     const hs_cl *cl;
     const hs_slabs *slabs;
     bool own_queue, active;
+    float spacing_mm[3];
     bool want_status, want_confidence;
     const sv_param_value *values;
     uint32_t value_count;
@@ -40,6 +42,7 @@ static bool pick_reactivate_values(const hs_clipper *clipper, sv_param_value *ou
 static sv_format make_format(const hs_clipper *clipper) {
     sv_format format = {.size = sizeof format};
     hs_slabs_describe_format(clipper->slabs, &format);
+    memcpy(format.spacing_mm, clipper->spacing_mm, sizeof format.spacing_mm);
     if (!clipper->own_queue) {
         format.context = clipper->cl->context;
         format.device = clipper->cl->device;
@@ -90,10 +93,13 @@ hs_clipper *hs_clipper_create(const hs_cl *cl, const hs_slabs *slabs, const hs_p
     clipper->cl = cl;
     clipper->slabs = slabs;
     clipper->own_queue = options->own_queue;
+    memcpy(clipper->spacing_mm, options->spacing_mm, sizeof clipper->spacing_mm);
     clipper->want_confidence = options->want_confidence;
     hs_clipper_set_values(clipper, options->values, options->value_count);
     clipper->pixels = (size_t)layout->width * layout->height;
-    if (create_memory(clipper, err) && (!plugin || activate(clipper, err)) &&
+    if (options->refused) clipper->error = *options->refused;
+    const bool asks = plugin && clipper->error.code == HS_OK;
+    if (create_memory(clipper, err) && (!asks || activate(clipper, err)) &&
         (clipper->confidence = hs_confidence_map_create(cl, clipper->active ? plugin : NULL, layout->width,
                                                         layout->height, options->own_queue, err)) != NULL)
         return clipper;
@@ -148,12 +154,15 @@ static sv_result make_result(hs_clipper *clipper) {
 
 /* begin, every slab, end. A note (a positive status) of begin or slab changes nothing: the outcome is that of
  * end. Returns it, or the first error; *call names the call it came from. */
-static sv_status ask_plugin(hs_clipper *clipper, uint32_t index, const char **call) {
+static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **call) {
     const sv_plugin *instance = clipper->plugin->instance;
-    const sv_frame frame = {.size = sizeof frame,
-                            .index = index,
-                            .values = clipper->value_count ? clipper->values : NULL,
-                            .value_count = clipper->value_count};
+    sv_frame frame = {.size = sizeof frame,
+                      .flags = moment.continues ? 0 : SV_FRAME_DISCONTINUITY,
+                      .index = moment.index,
+                      .time_ns = moment.time_ns,
+                      .values = clipper->value_count ? clipper->values : NULL,
+                      .value_count = clipper->value_count};
+    hs_slabs_describe_frame(clipper->slabs, clipper->own_queue, &frame);
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);
     for (uint32_t i = 0; status >= SV_OK && i < hs_slabs_count(clipper->slabs); i++) {
@@ -199,11 +208,11 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     return true;
 }
 
-bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_clip *clip, hs_error *err) {
+bool hs_clipper_frame(hs_clipper *clipper, hs_moment moment, hs_clip *clip, hs_error *err) {
     *clip = (hs_clip){.outcome = SV_ERR_STATE};
     if (!clipper->active) return true;
     const char *call;
-    const sv_status status = ask_plugin(clipper, index, &call);
+    const sv_status status = ask_plugin(clipper, moment, &call);
     return settle(clipper, status, call, clip, err);
 }
 

@@ -13,7 +13,9 @@
 
 typedef struct {
     bool own_queue;               /* the plugin picks its own device and queue (SV_CARRIER_HOST only) */
+    float spacing_mm[3];          /* of the slabs' voxels */
     bool want_confidence;         /* asks for the confidence of every frame, if the plugin has it */
+    const hs_error *refused;      /* why the plugin must not be activated; NULL or code HS_OK: it may be */
     const sv_param_value *values; /* borrowed; see hs_clipper_set_values */
     uint32_t value_count;
 } hs_clipper_options;
@@ -49,8 +51,16 @@ const sv_param_value *hs_clipper_values(const hs_clipper *clipper, uint32_t *cou
 void hs_clipper_want(hs_clipper *clipper, bool status, bool confidence);
 bool hs_clipper_wants_confidence(const hs_clipper *clipper);
 
-/* Frame `index`: begin, every slab, end; waits for the queue. The slabs must be converted. HS_ERR_DEVICE. */
-bool hs_clipper_frame(hs_clipper *clipper, uint32_t index, hs_clip *clip, hs_error *err);
+/* Which volume a frame is about. */
+typedef struct {
+    uint64_t index;
+    uint64_t time_ns; /* when it was acquired; 0: unknown */
+    bool continues;   /* the volume before, seen by the same camera */
+} hs_moment;
+
+/* One frame: begin, every slab, end; waits for the queue. The slabs must be converted, and the queue have
+ * run. HS_ERR_DEVICE. */
+bool hs_clipper_frame(hs_clipper *clipper, hs_moment moment, hs_clip *clip, hs_error *err);
 
 /* The last successful frame with another value for one parameter that is flagged SV_PARAM_ADJUST. */
 bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip, hs_error *err);

@@ -52,17 +52,39 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     return true;
 }
 
+/* What the plugin takes decides how slabs go to it; the loop's own options then say so. A plugin that does not take
+ * what it must is `refused`: the loop goes on without it. */
+static void fit_plugin(hs_loop *loop, const hs_plugin *plugin, hs_error *refused) {
+    hs_loop_options *o = &loop->options;
+    hs_handover way = {o->carrier, o->own_queue};
+    if (plugin) {
+        const sv_descriptor *d = plugin->instance->descriptor;
+        if (hs_plugin_choose_handover(d, plugin->path, way, o->carrier_fixed, &way, refused))
+            (void)hs_plugin_choose_fan(d, plugin->path, o->fan, &o->fan, refused);
+        o->carrier = way.carrier;
+        o->own_queue = way.own_queue;
+    }
+    if (o->fan == HS_FAN_BEST) o->fan = HS_FAN_PADDING;
+}
+
 static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
     const hs_loop_options *o = &loop->options;
+    hs_slab_layout layout;
+    hs_error refused = {0};
+    fit_plugin(loop, plugin, &refused);
+    find_box(loop);
+    if (!make_layout(loop, &layout, err)) return false;
+    const float across = (float)(loop->box.extent / layout.width);
+    const float along = (float)(loop->box.depth_extent / layout.slices);
     const hs_clipper_options asked = {.own_queue = o->own_queue,
+                                      .spacing_mm = {across, across, along},
+                                      .refused = &refused,
                                       .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
                                       .values = o->values,
                                       .value_count = o->value_count};
-    hs_slab_layout layout;
-    find_box(loop);
-    return make_layout(loop, &layout, err) && (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
+    return (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
            (loop->volume = hs_device_volume_create(loop->cl, hs_source_volume(loop->source, 0), err)) &&
-           (loop->slabs = hs_slabs_create(loop->cl, &layout, o->carrier, err)) &&
+           (loop->slabs = hs_slabs_create(loop->cl, &layout, o->carrier, o->fan, err)) &&
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 
@@ -132,9 +154,24 @@ static bool render(hs_loop *loop, const hs_camera *camera, const hs_frame *frame
                             hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &start), false, err);
 }
 
+#define FRAME_NS UINT64_C(50000000) /* the simulated machine scans 20 volumes a second */
+
+hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
+    const hs_loop_options *o = &loop->options;
+    /* A sequence that starts again jumps back in time; an orbit moves the camera with every frame. */
+    const bool next = loop->has_before && index == loop->before + 1 && index % loop->source->count != 0;
+    const bool same = loop->has_before && loop->source->count == 1;
+    const bool still = o->orbit == 0 || o->frames < 2;
+    const hs_moment moment = {
+        .index = index, .time_ns = (index + UINT64_C(1)) * FRAME_NS, .continues = still && (next || same)};
+    loop->has_before = true;
+    loop->before = index;
+    return moment;
+}
+
 static bool ask_plugin(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
     hs_clip clip;
-    if (!hs_clipper_frame(loop->clipper, index, &clip, err)) return false;
+    if (!hs_clipper_frame(loop->clipper, hs_loop_moment(loop, index), &clip, err)) return false;
     frame->clipped = clip.clipped;
     frame->sure = clip.sure;
     frame->outcome = clip.outcome;

@@ -3,6 +3,7 @@
 #ifndef HS_LOOP_OPTIONS_H
 #define HS_LOOP_OPTIONS_H
 
+#include "plugin/capabilities.h"
 #include "render/dvr.h"
 #include "smartvis_plugin.h"
 
@@ -28,7 +29,9 @@ typedef struct {
     uint32_t slab_slices; /* slices of a full slab, >= 1; more than the volume has: one slab */
     uint32_t carrier;     /* SV_CARRIER_* */
     bool own_queue;       /* the plugin picks its own device and queue (SV_CARRIER_HOST only) */
-    bool live; /* uploads every frame's volume anew, as a scan does; always so for several volumes */
+    bool carrier_fixed; /* a plugin that takes slabs in another way only is an error; else they go that way */
+    hs_fan fan;         /* how the plugin is told what was scanned */
+    bool live;          /* uploads every frame's volume anew, as a scan does; always so for several volumes */
     /* The renderer, the picture's size included. With a ghost (width and doubt above 0) the plugin's
      * confidence widens it, if the plugin has any. */
     hs_dvr_settings dvr;

@@ -28,7 +28,8 @@ static bool take(hs_loop *loop, const hs_clip *clip, hs_frame *frame, float *map
 
 bool hs_loop_clip(hs_loop *loop, uint32_t index, hs_frame *frame, float *map, hs_error *err) {
     hs_clip clip;
-    return hs_clipper_frame(loop->clipper, index, &clip, err) && take(loop, &clip, frame, map, err);
+    const hs_moment alone = {.index = index}; /* it continues nothing: what it comes to is its own */
+    return hs_clipper_frame(loop->clipper, alone, &clip, err) && take(loop, &clip, frame, map, err);
 }
 
 bool hs_loop_adjust(hs_loop *loop, sv_param_value value, hs_frame *frame, float *map, hs_error *err) {

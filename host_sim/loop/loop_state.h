@@ -19,6 +19,11 @@ struct hs_loop {
     hs_screen *screen;
     hs_device_volume *volume;
     uint32_t resident; /* index into source->volumes of the volume on the device */
+    bool has_before;   /* the plugin has had a frame: number `before` */
+    uint32_t before;
 };
+
+/* The moment of frame `index`, after the frames the plugin has had. */
+hs_moment hs_loop_moment(hs_loop *loop, uint32_t index);
 
 #endif

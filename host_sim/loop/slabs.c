@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/slabs.h"
 
+#include "render/scanned_rays.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,9 @@ struct hs_slabs {
     cl_mem *images;      /* SV_CARRIER_IMAGE: one 2D image a slab */
     uint8_t *memory;     /* SV_CARRIER_HOST: a copy of `buffer`, aligned to ALIGN */
     size_t memory_bytes; /* count * stride */
+    hs_fan fan;
+    hs_scanned_rays rays; /* HS_FAN_RANGES: every ray's range, on the device, */
+    sv_scanned *ranges;   /* and on the host */
 };
 
 /* Texture rows of a slab of `slices` slices. */
@@ -96,7 +101,16 @@ static bool create_memory(hs_slabs *slabs, hs_error *err) {
     return slabs->carrier != SV_CARRIER_IMAGE || create_images(slabs, err);
 }
 
-hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_error *err) {
+static bool create_ranges(hs_slabs *slabs, hs_error *err) {
+    const size_t rays = (size_t)slabs->layout.width * slabs->layout.height;
+    if (slabs->fan != HS_FAN_RANGES) return true;
+    slabs->ranges = calloc(rays, sizeof *slabs->ranges);
+    if (!slabs->ranges) return hs_fail(err, HS_ERR_MEMORY, "scanned ranges: no memory for %zu rays", rays);
+    return hs_scanned_rays_create(&slabs->rays, slabs->cl, &slabs->layout, err);
+}
+
+hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_fan fan,
+                          hs_error *err) {
     hs_slabs *slabs = calloc(1, sizeof *slabs);
     if (!slabs) {
         (void)hs_fail(err, HS_ERR_MEMORY, "slabs: no memory");
@@ -105,13 +119,14 @@ hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_
     slabs->cl = cl;
     slabs->layout = *layout;
     slabs->carrier = carrier;
+    slabs->fan = fan;
     slabs->converter = hs_scan_converter_create(cl, layout, err);
     if (slabs->converter) {
         const size_t bytes = hs_slab_bytes(layout, layout->slab_slices);
         slabs->count = hs_slab_count(layout);
         slabs->stride = (bytes + ALIGN - 1) / ALIGN * ALIGN;
         slabs->memory_bytes = slabs->stride * slabs->count;
-        if (create_memory(slabs, err)) return slabs;
+        if (create_memory(slabs, err) && create_ranges(slabs, err)) return slabs;
     }
     hs_slabs_destroy(slabs);
     return NULL;
@@ -123,6 +138,8 @@ void hs_slabs_destroy(hs_slabs *slabs) {
         if (slabs->images[i]) clReleaseMemObject(slabs->images[i]);
     free(slabs->images);
     if (slabs->buffer) clReleaseMemObject(slabs->buffer);
+    hs_scanned_rays_destroy(&slabs->rays);
+    free(slabs->ranges);
     free(slabs->memory);
     hs_scan_converter_destroy(slabs->converter);
     free(slabs);
@@ -150,6 +167,16 @@ static bool fill_carrier(const hs_slabs *slabs, uint32_t index, hs_error *err) {
     return true;
 }
 
+/* Every ray's range from the converted slabs, and a copy of them on the host if the slabs go there, too. */
+static bool find_ranges(hs_slabs *slabs, hs_error *err) {
+    const size_t bytes = (size_t)slabs->layout.width * slabs->layout.height * sizeof *slabs->ranges;
+    if (!hs_scanned_rays_find(&slabs->rays, &slabs->layout, slabs->buffer, slabs->stride, err)) return false;
+    if (slabs->carrier != SV_CARRIER_HOST) return true;
+    const cl_int code = clEnqueueReadBuffer(slabs->cl->queue, slabs->rays.ranges, CL_FALSE, 0, bytes,
+                                            slabs->ranges, 0, NULL, NULL);
+    return hs_cl_check(code, "clEnqueueReadBuffer (scanned ranges)", err);
+}
+
 bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
                       hs_error *err) {
     for (uint32_t i = 0; i < slabs->count; i++)
@@ -157,7 +184,7 @@ bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_
                                   err) ||
             !fill_carrier(slabs, i, err))
             return false;
-    return true;
+    return slabs->fan != HS_FAN_RANGES || find_ranges(slabs, err);
 }
 
 const hs_slab_layout *hs_slabs_layout(const hs_slabs *slabs) {
@@ -197,7 +224,8 @@ void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format) {
     format->max_slab_slices = layout->slab_slices;
     format->voxel_type = SV_VOXEL_U8;
     format->carrier = slabs->carrier;
-    format->padding_value = 0;
+    format->padding_value = slabs->fan == HS_FAN_PADDING ? 0 : SV_NO_PADDING;
+    format->flags = slabs->fan == HS_FAN_RANGES ? SV_FORMAT_SCANNED : 0;
     format->tiles_x = layout->tiles_x;
     format->tile_w = layout->tile_w;
     format->tile_h = layout->tile_h;
@@ -205,4 +233,10 @@ void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format) {
     if (slabs->carrier != SV_CARRIER_HOST) return;
     format->host_memory = slabs->memory;
     format->host_memory_bytes = slabs->memory_bytes;
+}
+
+void hs_slabs_describe_frame(const hs_slabs *slabs, bool own_queue, sv_frame *frame) {
+    if (slabs->fan != HS_FAN_RANGES) return;
+    frame->scanned = own_queue ? slabs->ranges : NULL;
+    frame->scanned_object = own_queue ? NULL : slabs->rays.ranges;
 }

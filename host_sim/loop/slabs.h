@@ -3,6 +3,7 @@
 #ifndef HS_SLABS_H
 #define HS_SLABS_H
 
+#include "plugin/capabilities.h"
 #include "render/scan_convert.h"
 #include "smartvis_plugin.h"
 
@@ -10,13 +11,15 @@
  * have run. All functions are called from one thread. */
 typedef struct hs_slabs hs_slabs;
 
-/* Makes the scan converter and the memory of all slabs for `carrier` (SV_CARRIER_*). `cl` must outlive it.
- * NULL with HS_ERR_USAGE (a layout or a size that the device does not take), HS_ERR_DEVICE or HS_ERR_MEMORY.
- */
-hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_error *err);
+/* Makes the scan converter and the memory of all slabs for `carrier` (SV_CARRIER_*). `fan`: how the plugin is
+ * told what was scanned; not HS_FAN_BEST. `cl` must outlive it. NULL with HS_ERR_USAGE (a layout or a size
+ * that the device does not take), HS_ERR_DEVICE or HS_ERR_MEMORY. */
+hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_fan fan,
+                          hs_error *err);
 void hs_slabs_destroy(hs_slabs *slabs);
 
-/* Enqueues the conversion of every slab and its way into the carrier; does not wait. HS_ERR_DEVICE. */
+/* Enqueues the conversion of every slab and its way into the carrier, and with HS_FAN_RANGES the search for
+ * every ray's scanned range; does not wait. HS_ERR_DEVICE. */
 bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
                       hs_error *err);
 
@@ -27,8 +30,12 @@ uint32_t hs_slabs_count(const hs_slabs *slabs);
 /* Slab `index` (0 .. count - 1) as the plugin gets it. Its memory or object is owned by the slabs. */
 void hs_slabs_describe(const hs_slabs *slabs, uint32_t index, sv_slab *out);
 
-/* Fills in the fields of a format that tell how slabs come: size, layout, carrier, and for SV_CARRIER_HOST
- * the memory they lie in. */
+/* Fills in the fields of a format that tell how slabs come: size, layout, carrier, for SV_CARRIER_HOST the
+ * memory they lie in, and how it is told what was scanned. */
 void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format);
+
+/* Fills in a frame's scanned ranges, if there are any: in host memory for a plugin that cannot reach the
+ * host's context (valid when the queue has run), else in a buffer. Owned by the slabs. */
+void hs_slabs_describe_frame(const hs_slabs *slabs, bool own_queue, sv_frame *frame);
 
 #endif

@@ -2,6 +2,7 @@
 #include "loop/source.h"
 
 #include "base/progress.h"
+#include "volume/scanned_maps.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +22,11 @@ static bool same_grid(const hs_volume *first, const hs_volume *other, const char
 }
 
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
-                          const hs_metaimage_options *options, hs_error *err) {
+                          const hs_metaimage_options *options, const hs_source_scanned *scanned,
+                          hs_error *err) {
+    const bool mapped = scanned && scanned->first;
+    hs_metaimage_options read = options ? *options : (hs_metaimage_options){0};
+    if (mapped) read.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
     *source = (hs_source){.count = count};
     if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
     source->files = calloc(count, sizeof *source->files);
@@ -29,7 +34,8 @@ bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t 
     bool ok = source->files && source->volumes;
     if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", count);
     for (uint32_t i = 0; ok && i < count; i++) {
-        ok = hs_metaimage_read(paths[i], options, &source->files[i], err) &&
+        ok = hs_metaimage_read(paths[i], &read, &source->files[i], err) &&
+             (!mapped || hs_scanned_maps_apply(&source->files[i], scanned->first, scanned->end, err)) &&
              same_grid(&source->files[0], &source->files[i], paths[0], paths[i], err);
         source->volumes[i] = &source->files[i];
     }

@@ -17,10 +17,18 @@ typedef struct {
     hs_volume *files;          /* ... or volumes read from files */
 } hs_source;
 
-/* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read. HS_ERR_INPUT if one cannot
- * be read, or differs from the first in size or spacing: the message names both. */
+/* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
+ * the scan. */
+typedef struct {
+    const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
+} hs_source_scanned;
+
+/* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read; `scanned` (or NULL) holds
+ * for all of them. HS_ERR_INPUT if one cannot be read, or differs from the first in size or spacing: the
+ * message names both. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
-                          const hs_metaimage_options *options, hs_error *err);
+                          const hs_metaimage_options *options, const hs_source_scanned *scanned,
+                          hs_error *err);
 
 /* Which scene, and how much of it. */
 typedef struct {

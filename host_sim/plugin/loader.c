@@ -5,10 +5,12 @@
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 const char *hs_status_name(sv_status status) {
 #define NAME(code)                                                                                           \
@@ -195,4 +197,13 @@ bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call
     const char *reason = plugin->instance ? plugin->instance->last_error(plugin->instance) : NULL;
     return hs_fail(err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status),
                    status, reason && reason[0] ? reason : "the plugin gave no reason");
+}
+
+void hs_plugin_default_path(char *out, size_t bytes) {
+    char self[PATH_MAX];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    self[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(self, '/');
+    if (slash) *slash = '\0';
+    (void)snprintf(out, bytes, "%s/smartvis.so", slash ? self : ".");
 }

@@ -16,6 +16,9 @@ typedef struct {
     char path[1024];
 } hs_plugin;
 
+/* The plugin beside the executable: "<folder of host_sim>/smartvis.so". */
+void hs_plugin_default_path(char *out, size_t bytes);
+
 /* dlopen, symbol, ABI major, descriptor, create. `id` NULL takes the library's first plugin. Every failure
  * names the path and what was found (HS_ERR_PLUGIN): no such file, not a library, no entry symbol, ABI major
  * 2 where this host speaks 1, no plugin of that id (and which there are). */

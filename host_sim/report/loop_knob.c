@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/loop_knob.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "loop/view.h"
 #include "picture/picture_panel.h"
 #include "plugin/loader_param.h"
@@ -64,7 +64,7 @@ bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
     sv_param_info info;
     char path[PATH_MAX];
     if (!plugin || !hs_plugin_find_primary(plugin, &info)) return true;
-    if (!hs_cli_join(folder, "knob.png", path, sizeof path, err)) return false;
+    if (!hs_path_join(folder, "knob.png", path, sizeof path, err)) return false;
     turns t = {0};
     const bool ok = make_turns(loop, plugin, options, &info, index, &t, err) &&
                     draw(&t, options, &info, title, path, err);

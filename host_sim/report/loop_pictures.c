@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/loop_pictures.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "picture/picture_colour.h"
 #include "report/picture_map.h"
 
@@ -31,7 +31,7 @@ const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out,
 static bool save(bool made, hs_picture *picture, const char *folder, const char *name, hs_error *err) {
     char path[PATH_MAX];
     const bool ok =
-        made && hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
+        made && hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
     if (made) hs_picture_free(picture);
     return ok;
 }

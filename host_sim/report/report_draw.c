@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_draw.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "picture/picture_colour.h"
 
 #include <limits.h>
@@ -11,7 +11,7 @@
 
 bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name, hs_error *err) {
     char path[PATH_MAX];
-    return hs_cli_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
+    return hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
 }
 
 bool hs_eval_save_errors(const float *error, uint32_t width, uint32_t height, const char *folder,

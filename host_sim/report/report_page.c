@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_page.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "eval/eval_thesis.h"
 #include "loop/clipper.h"
 #include "report/report_page_beside.h"
@@ -128,7 +128,7 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
 bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
     char path[PATH_MAX];
     hs_page report;
-    if (!hs_cli_join(study->options->out, "index.html", path, sizeof path, err)) return false;
+    if (!hs_path_join(study->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: evaluation");
     put_intro(&report, study);
     hs_page_heading(&report, 2, "All cases");

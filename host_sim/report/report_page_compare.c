@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_page_compare.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "picture/plot.h"
 #include "report/report_page_parts.h"
 #include "report/report_pictures_compare.h"
@@ -90,7 +90,7 @@ static void show(hs_page *report, const char *folder, const char *file, const ch
                  const char *caption) {
     char path[PATH_MAX], alt[400];
     (void)snprintf(alt, sizeof alt, "%s: %s", name, caption);
-    if (hs_cli_join(folder, file, path, sizeof path, &report->error))
+    if (hs_path_join(folder, file, path, sizeof path, &report->error))
         hs_page_photo(report, path, alt, caption);
 }
 
@@ -115,7 +115,7 @@ static void put_pictures(hs_page *report, const hs_eval_comparison *x, uint32_t 
 bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err) {
     char path[PATH_MAX], text[400];
     hs_page report;
-    if (!hs_cli_join(x->options->out, "index.html", path, sizeof path, err)) return false;
+    if (!hs_path_join(x->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: comparison");
     (void)snprintf(text, sizeof text,
                    "%u methods on %u cases with %u seeds each, ranked by e_abs in DVR steps at the given "

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_page_parts.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -12,8 +12,8 @@ void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t ind
     const bool drawn = strstr(name, "error") || strstr(name, "confidence") || strstr(name, "depthmap");
     char folder[PATH_MAX], path[PATH_MAX], full_alt[256];
     (void)snprintf(full_alt, sizeof full_alt, "%s: %s", study->space[index].name, alt);
-    if (hs_cli_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
-        hs_cli_join(folder, name, path, sizeof path, &report->error))
+    if (hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
+        hs_path_join(folder, name, path, sizeof path, &report->error))
         (drawn ? hs_page_picture : hs_page_photo)(report, path, full_alt, caption);
 }
 

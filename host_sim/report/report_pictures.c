@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_pictures.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "eval/eval_speed.h"
 #include "report/loop_pictures.h"
 #include "report/picture_map.h"
@@ -111,8 +111,8 @@ static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const ch
 bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err) {
     char folder[PATH_MAX];
     hs_eval_case c;
-    if (!hs_cli_join(study->options->out, study->space[index].name, folder, sizeof folder, err) ||
-        !hs_cli_make_folder(folder, err) || !hs_eval_study_case(study, index, &c, err))
+    if (!hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, err) ||
+        !hs_path_make_folder(folder, err) || !hs_eval_study_case(study, index, &c, err))
         return false;
     const bool ok = work(study, index, &c, folder, err);
     hs_eval_case_close(&c);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_pictures_compare.h"
 
-#include "base/cli.h"
+#include "base/paths.h"
 #include "report/report_draw.h"
 
 #include <ctype.h>
@@ -14,7 +14,7 @@ bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *o
     (void)snprintf(name, sizeof name, "%s", x->name[index]); /* of a file: any characters */
     for (char *p = name; *p; p++)
         if (!isalnum((unsigned char)*p) && *p != '-') *p = '_';
-    return hs_cli_join(x->options->out, name, out, bytes, err);
+    return hs_path_join(x->options->out, name, out, bytes, err);
 }
 
 void hs_eval_compare_file(uint32_t method, char *out, size_t bytes) {
@@ -42,7 +42,8 @@ static bool draw_method(const hs_eval_comparison *x, uint32_t method, const hs_e
 bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err) {
     char folder[PATH_MAX];
     hs_eval_case_release(c);
-    bool ok = hs_eval_compare_folder(x, index, folder, sizeof folder, err) && hs_cli_make_folder(folder, err);
+    bool ok =
+        hs_eval_compare_folder(x, index, folder, sizeof folder, err) && hs_path_make_folder(folder, err);
     for (uint32_t m = 0; ok && m < x->count; m++) ok = draw_method(x, m, c, folder, err);
     return ok;
 }

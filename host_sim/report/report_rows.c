@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_rows.h"
 
-#include "base/cli.h"
 #include "base/output_file.h"
+#include "base/paths.h"
 #include "eval/eval_thesis.h"
 #include "report/report_rows_beside.h"
 
@@ -146,7 +146,7 @@ static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, con
     char path[PATH_MAX];
     hs_output_file output = {0};
     hs_eval_row row;
-    if (!hs_cli_join(study->options->out, name, path, sizeof path, err) ||
+    if (!hs_path_join(study->options->out, name, path, sizeof path, err) ||
         !hs_output_open(&output, path, err))
         return false;
     for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)

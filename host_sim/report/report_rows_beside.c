@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_rows_beside.h"
 
-#include "base/cli.h"
 #include "base/output_file.h"
+#include "base/paths.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -114,7 +114,7 @@ bool hs_eval_beside_table(const hs_eval_study *study, hs_error *err) {
     char path[PATH_MAX], cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
     hs_output_file output = {0};
     if (!study->beside.exists) return true;
-    if (!hs_cli_join(study->options->out, "beside.csv", path, sizeof path, err) ||
+    if (!hs_path_join(study->options->out, "beside.csv", path, sizeof path, err) ||
         !hs_output_open(&output, path, err))
         return false;
     for (uint32_t r = 0; r <= study->count + 1; r++) {

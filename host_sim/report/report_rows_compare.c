@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_rows_compare.h"
 
-#include "base/cli.h"
 #include "base/output_file.h"
+#include "base/paths.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -11,7 +11,7 @@
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
     char path[PATH_MAX];
     hs_output_file output = {0};
-    if (!hs_cli_join(x->options->out, "compare.csv", path, sizeof path, err) ||
+    if (!hs_path_join(x->options->out, "compare.csv", path, sizeof path, err) ||
         !hs_output_open(&output, path, err))
         return false;
     (void)fprintf(output.file,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/space_csv.h"
 
-#include "base/cli.h"
 #include "base/output_file.h"
+#include "base/paths.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -161,7 +161,7 @@ bool hs_eval_csv_load(hs_eval_space *space, const char *folder, hs_error *err) {
     bool ok = true;
     for (struct dirent *entry; ok && (entry = readdir(dir)) != NULL;)
         if (is_part(space, entry->d_name) || is_whole(space, entry->d_name))
-            ok = hs_cli_join(folder, entry->d_name, path, sizeof path, err) && load_file(space, path, err);
+            ok = hs_path_join(folder, entry->d_name, path, sizeof path, err) && load_file(space, path, err);
     (void)closedir(dir);
     return ok;
 }
@@ -173,7 +173,7 @@ static void remove_parts(const hs_eval_space *space, const char *folder) {
     DIR *dir = opendir(folder);
     if (!dir) return;
     for (struct dirent *entry; (entry = readdir(dir)) != NULL;)
-        if (is_part(space, entry->d_name) && hs_cli_join(folder, entry->d_name, path, sizeof path, &ignored))
+        if (is_part(space, entry->d_name) && hs_path_join(folder, entry->d_name, path, sizeof path, &ignored))
             (void)unlink(path);
     (void)closedir(dir);
 }
@@ -203,7 +203,7 @@ static bool run_shard(hs_eval_space *space, hs_eval_case *c, const char *folder,
                       hs_progress *progress, hs_error *err) {
     char name[128], path[PATH_MAX];
     (void)snprintf(name, sizeof name, "space_%s.part%uof%u.csv", space->name, shard.index + 1, shard.count);
-    if (!hs_cli_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
+    if (!hs_path_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
     part p = {.file = fopen(path, "a"), .path = path, .shard = shard, .progress = progress};
     if (!p.file) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
     const bool ok = hs_eval_space_run(space, c, shard, keep, &p, err);
@@ -221,7 +221,7 @@ bool hs_eval_csv_run(hs_eval_space *space, hs_eval_case *c, const char *folder, 
         return false;
     if (space->done_count < space->items) return true;
     (void)snprintf(name, sizeof name, "space_%s.csv", space->name);
-    if (!hs_cli_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
+    if (!hs_path_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
     remove_parts(space, folder);
     return true;
 }

@@ -3,6 +3,7 @@
 
 #include "common/sv_shared.h"
 #include "grid/grid_shared.h"
+#include "method/method.h"
 #include "spline/spline_shared.h"
 
 #include <math.h>
@@ -23,9 +24,8 @@ static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 #define GROUP_METHOD    "Method"
 #define GROUP_WORK      "Computation"
 
-/* Values of `method` that a parameter matters for. */
-#define ON(NAME)      ((uint64_t)SV_BIT(SV_METHOD_##NAME))
-#define POINT_METHODS (ON(MEAN) | ON(MINIMUM) | ON(SPLINE) | ON(PUSHPULL) | ON(MEMBRANE) | ON(PLATE))
+/* For parameters that depend on `method`: the methods' tables say for which of them they matter. */
+#define BY_METHOD 0
 
 /* In order of importance, which is the order a host shows them in. */
 static const struct {
@@ -42,10 +42,10 @@ static const struct {
      0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,
-     0.01, NULL, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
+     0.01, NULL, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_BONE_MODE, SV_PARAM_ENUM, 0, "bone_mode", "Bone threshold mode", "",
      "How the bone threshold T_B is found: given, below the volume's maximum, or by a share of the rays.",
-     0.0, 2.0, 0.0, 2.0, 1.0, 1.0, bone_modes, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
+     0.0, 2.0, 0.0, 2.0, 1.0, 1.0, bone_modes, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_BONE_OFFSET, SV_PARAM_FLOAT, 0, "bone_offset", "Bone offset", "",
      "Mode offset: T_B = maximum of the volume minus this.", 0.0, 1.0, 0.0, 0.5, 0.24, 0.01, NULL,
      GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_OFFSET)},
@@ -62,24 +62,24 @@ static const struct {
      0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
-     23.0, 2.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(MEAN) | ON(MINIMUM)},
+     23.0, 2.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
-     1.0, 0.0, 1.0, 0.5, 0.25, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(MEAN)},
+     1.0, 0.0, 1.0, 0.5, 0.25, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_EVIDENCE, SV_PARAM_FLOAT, 0, "evidence", "Evidence wanted", "",
      "Share of the bone rays that must have sure fluid before the bone; with less, the frame ends without a "
      "surface.",
-     0.0, 1.0, 0.0, 1.0, 0.5, 0.05, NULL, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
+     0.0, 1.0, 0.0, 1.0, 0.5, 0.05, NULL, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MIN_GAP, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "min_gap", "Sure gap", "slices",
      "A fluid interval at least this long counts as sure evidence.", 0.0, 64.0, 0.0, 8.0, 2.0, 0.5, NULL,
-     GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
+     GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_DROP_EMPTY, SV_PARAM_BOOL, SV_PARAM_EXPERT, "drop_empty", "Drop empty intervals", "",
      "Bone rays without fluid before the bone give no initial point instead of a vote for depth 0.", 0.0, 1.0,
-     0.0, 1.0, 0.0, 1.0, NULL, GROUP_POINTS, SV_PARAM_METHOD, POINT_METHODS},
+     0.0, 1.0, 0.0, 1.0, NULL, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PREFILTER, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "prefilter", "Pre-filter", "",
      "What is done to the initial points first: minimum takes the smallest depth nearby, against outliers "
      "that lie too deep; every turn of q then reconstructs again.",
-     0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters, GROUP_PREFILTER, SV_PARAM_METHOD, POINT_METHODS},
+     0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters, GROUP_PREFILTER, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PREFILTER_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_passes", "Pre-filter passes", "",
      "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL, GROUP_PREFILTER, SV_PARAM_PREFILTER,
      SV_BIT(SV_PREFILTER_MINIMUM)},
@@ -88,44 +88,42 @@ static const struct {
      SV_PARAM_PREFILTER, SV_BIT(SV_PREFILTER_MINIMUM)},
     {SV_PARAM_LAMBDA, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "lambda", "Spline smoothing", "pixels^2",
      "Method spline: 0 passes through the points, larger is smoother.", 0.0, 1e6, 0.0, 1000.0, 0.0, 1.0, NULL,
-     GROUP_METHOD, SV_PARAM_METHOD, ON(SPLINE)},
+     GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MERGE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "merge_grid", "Spline merging",
      "",
      "Method spline: points within a cell of this many by as many are merged; 0 merges only if there are "
      "more points than the solver takes.",
-     0.0, SV_SPLINE_MAX_GRID, 0.0, 32.0, 8.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(SPLINE)},
+     0.0, SV_SPLINE_MAX_GRID, 0.0, 32.0, 8.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_SPLINE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "spline_grid",
      "Spline evaluation", "",
      "Method spline: evaluated at the nodes of this many by as many cells, linear in between; 0: at every "
      "pixel.",
-     0.0, 256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(SPLINE)},
+     0.0, 256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
      "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
      SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL, GROUP_METHOD, SV_PARAM_METHOD,
-     ON(MEMBRANE) | ON(PLATE)},
+     BY_METHOD},
     {SV_PARAM_SOLVER_STEPS, SV_PARAM_INT, SV_PARAM_EXPERT, "solver_steps", "Solver steps", "",
      "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as "
      "the promised bound needs.",
-     0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD,
-     ON(MEMBRANE) | ON(PLATE)},
+     0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision", "Precision", "",
      "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at "
      "most 64 points in a spline. Method mean: int16 keeps half as many bytes a pixel, at the price of "
      "depths in coarser steps.",
-     0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions, GROUP_WORK, SV_PARAM_METHOD,
-     ON(MEAN) | ON(SPLINE) | ON(MEMBRANE) | ON(PLATE)},
+     0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
      "Reduced resolution", "pixels",
      "The surface is made on cells of this many by as many pixels and interpolated: faster, less exact; 1: "
      "on pixels. Wants a fill weight above 0. Method cost ignores it, having cells of its own.",
-     1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, POINT_METHODS},
+     1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
      "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
      "once.",
-     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL, GROUP_METHOD, SV_PARAM_METHOD, ON(COST)},
+     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
-     1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, POINT_METHODS},
+     1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_STRATEGY, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "strategy", "Work layout", "",
      "How the work is laid out on the device; the result is the same.", 0.0, 3.0, 0.0, 3.0, 0.0, 1.0,
      strategies, GROUP_WORK, 0, 0},
@@ -140,6 +138,14 @@ static int find(uint32_t id) {
 
 uint32_t sv_params_count(void) {
     return COUNT;
+}
+
+static uint64_t depends_values(uint32_t index) {
+    uint64_t values = 0;
+    if (table[index].depends_on != SV_PARAM_METHOD) return table[index].depends_values;
+    for (uint32_t method = 0; method < SV_METHOD_COUNT; method++)
+        if (sv_method_uses(sv_method_of(method), table[index].id)) values |= SV_BIT(method);
+    return values;
 }
 
 sv_status sv_params_info(sv_diag *diag, uint32_t index, sv_param_info *out) {
@@ -166,7 +172,7 @@ sv_status sv_params_info(sv_diag *diag, uint32_t index, sv_param_info *out) {
                            .step = table[index].step,
                            .group = table[index].group,
                            .depends_on = table[index].depends_on,
-                           .depends_values = table[index].depends_values};
+                           .depends_values = depends_values(index)};
     return SV_OK;
 }
 

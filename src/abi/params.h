@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The plugin's parameters as the host sees them: one table that describes them, and the checks of what it
- * sends. */
+/* The plugin's parameters as the host sees them: one table that describes them, and the checks of
+ * what it sends. */
 #ifndef SV_PARAMS_H
 #define SV_PARAMS_H
 

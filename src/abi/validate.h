@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the host hands over, checked once at the ABI's edge: SV_OK, or an error that names the field and its
- * value. */
+/* What the host hands over, checked once at the ABI's edge: SV_OK, or an error that names the field
+ * and its value. */
 #ifndef SV_VALIDATE_H
 #define SV_VALIDATE_H
 

@@ -10,8 +10,8 @@
  * *status is not SV_OK. */
 cl_mem sv_buffer_make(const sv_queue *queue, size_t bytes, sv_status *status);
 
-/* A buffer that the device only reads, wrapped around `memory` of the host, which must outlive it; it counts
- * as none. */
+/* A buffer that the device only reads, wrapped around `memory` of the host, which must outlive it; it
+ * counts as none. */
 cl_mem sv_buffer_wrap(const sv_queue *queue, const void *memory, size_t bytes, sv_status *status);
 
 /* clReleaseMemObject that takes NULL, and nulls. */

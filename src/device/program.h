@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds the embedded kernels for one structure (-D options) and holds the kernel objects. One set per
- * instance. */
+/* Builds the embedded kernels for one structure (-D options) and holds the kernel objects. One
+ * set per instance. */
 #ifndef SV_PROGRAM_H
 #define SV_PROGRAM_H
 

@@ -24,8 +24,8 @@ typedef struct {
     sv_values frame;     /* values of the frame under way, or of the last one */
 } sv_instance;
 
-/* The instance behind the ABI's table, at the start of a [control] or [frame] call: its last error is
- * forgotten. */
+/* The instance behind the ABI's table, at the start of a [control] or [frame] call: its last
+ * error is forgotten. */
 sv_instance *sv_instance_enter(const sv_plugin *plugin);
 
 /* Everything of activate once the format has been found valid; all or nothing. `values`: the defaults with

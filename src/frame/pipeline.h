@@ -42,8 +42,8 @@ typedef struct {
 /* Bytes of a slab texture up to its last voxel; 64-bit, so no format can overflow it. */
 uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
 
-/* SV_OK if the device has room for the buffers of such a pipeline, else SV_ERR_FORMAT with both numbers.
- * Makes none. */
+/* SV_OK if the device has room for the buffers of such a pipeline, else SV_ERR_FORMAT with both
+ * numbers. Makes none. */
 sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const sv_config *config);
 
 /* Allocates. `narrow`: kernels with 32-bit sums; `wide`: with 64-bit sums, NULL if no setting needs them. The

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Odd sizes, wider than the widest vector, a short last slab; small enough for the scalar reference
- * (milliseconds). */
+/* Odd sizes, wider than the widest vector, a short last slab; small enough for the
+ * scalar reference (milliseconds). */
 enum { WIDTH = 75, HEIGHT = 35, SLICES = 21, SLAB = 8, TILES_X = 3, PIXELS = WIDTH * HEIGHT };
 enum { SLAB_BYTES = (SLAB + TILES_X - 1) / TILES_X * HEIGHT * TILES_X * WIDTH };
 static const double BOUND = 1e-3; /* slices: what docs/numerics.md promises of any device */
@@ -29,8 +29,8 @@ typedef struct {
     uint32_t near_position[PIXELS], far_position[PIXELS];
 } bench;
 
-/* Layers of tissue, fluid and bone that vary from ray to ray, with some unscanned voxels and exact
- * thresholds. */
+/* Layers of tissue, fluid and bone that vary from ray to ray, with some unscanned voxels
+ * and exact thresholds. */
 static void fill_volume(bench *b, int32_t padding) {
     uint32_t random = 12345;
     for (size_t z = 0; z < SLICES; z++)

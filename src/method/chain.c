@@ -11,8 +11,8 @@ enum { K_BEGIN, K_GATHER, K_CELLS, K_SPREAD, K_DONE };
 static const char *const kernels[] = {"chain_begin",  "chain_gather", "chain_cells",
                                       "chain_spread", "chain_done",   NULL};
 
-/* A method that takes the slabs asks for no points, so there is nothing to filter, and works on cells of its
- * own. */
+/* A method that takes the slabs asks for no points, so there is nothing to filter, and works on cells
+ * of its own. */
 static bool is_filtered(const sv_config *c) {
     return c->prefilter != SV_PREFILTER_NONE && !sv_method_of(c->method)->slab;
 }

@@ -47,8 +47,8 @@ void sv_chain_begin(sv_chain *chain);
 /* Enqueues what the method wants of a slab, if it wants any. */
 sv_status sv_chain_slab(sv_chain *chain, const sv_placed_slab *slab);
 
-/* Enqueues everything from the points to the surfaces. `state16`: ray states. `q` counts if the chain is not
- * linear. */
+/* Enqueues everything from the points to the surfaces. `state16`: ray states. `q` counts if the chain
+ * is not linear. */
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The place a method works on: the frame's own pixels, or the cells of a reduced resolution. A method sees a
- * map and nothing else of the frame; lengths, windows and weights in `job` and `values` are in the map's own
- * pixels.
+ * The place a method works on: the frame's own pixels, or the cells of a reduced resolution. A method
+ * sees a map and nothing else of the frame; lengths, windows and weights in `job` and `values` are in the
+ * map's own pixels.
  */
 #ifndef SV_MAP_H
 #define SV_MAP_H
@@ -24,17 +24,19 @@ typedef struct {
     uint32_t sum_bytes;    /* of a value in the mean filter's planes: 4, or 8 if a frame can need wide sums */
     bool doubles;          /* the solvers compute in float64 */
 
-    /* Rows of padded_width. The map owns them, except for the record, which is the frame's. */
-    cl_mem status; /* 8 bits a pixel: SV_STATUS_* */
-    cl_mem points; /* near and far plane: float32 depth at initial points, INFINITY elsewhere; and a plane of
-                      how many points a point stands for: 1, or those of a cell. NULL if the method takes the
-                      sums. */
-    cl_mem
-        sums; /* the mean filter's first planes, where the points stage or the method writes them; or NULL */
+    /* Rows of padded_width. The map owns them, except for the last two, which are the frame's. */
+    cl_mem status;   /* 8 bits a pixel: SV_STATUS_* */
     cl_mem surfaces; /* near, far: float32 slices */
-    cl_mem
-        scanned;   /* planes SV_SCANNED_*, 16 bits; NULL unless config->ranged. The frame's, as the record. */
-    cl_mem record; /* SV_REC_* */
+
+    /* Near and far plane: float32 depth at initial points, INFINITY elsewhere; and a plane of how many points
+     * a point stands for: 1, or those of a cell. NULL if the method takes the sums. */
+    cl_mem points;
+
+    /* The mean filter's first planes, where the points stage or the method writes them; or NULL. */
+    cl_mem sums;
+
+    cl_mem scanned; /* planes SV_SCANNED_*, 16 bits; NULL unless config->ranged */
+    cl_mem record;  /* SV_REC_* */
 
     /* the frame under way, or the last one */
     bool continues; /* the volume before is of the same scene: what it taught still holds */
@@ -59,12 +61,12 @@ sv_status sv_map_point_buffers(sv_map *map);
 sv_status sv_map_prepare(const sv_map *map);
 void sv_map_release(sv_map *map);
 
-/* Takes a frame's job and values, and chooses what depends on the map's size: passes, and the format of the
- * sums. */
+/* Takes a frame's job and values, and chooses what depends on the map's size: passes, and the format
+ * of the sums. */
 void sv_map_begin(sv_map *map, const sv_job *job, const sv_values *values);
 
-/* The same for a map of cells, whose frame is `frame`: lengths become its own. Lambda is an area
- * (docs/algorithm.md). */
+/* The same for a map of cells, whose frame is `frame`: lengths become its own. Lambda is
+ * an area (docs/algorithm.md). */
 void sv_map_begin_reduced(sv_map *map, const sv_map *frame);
 
 /* The map's record: every pixel has a surface after so many passes; or what the passes themselves counted. */

@@ -6,8 +6,8 @@
  *
  * Linear methods run once for the near and once for the far ends, before q is known, and S(q) is one
  * multiply-add per pixel. The minimum filter, and every chain with it, is not linear: q is applied to the
- * points first, and another q means another run. Then the first surface plane holds the result and the second
- * holds zeros.
+ * points first, and another q means another run. Then the first surface plane holds the result and the
+ * second holds zeros.
  *
  * The rules of the frame path hold: `run` and `slab` only enqueue, a bounded number of commands; what they
  * need, `buffers` makes. A method sees its map and nothing else of the frame.
@@ -61,13 +61,14 @@ typedef struct {
 
 typedef struct {
     /* What it means: the scalar definition, which the self-test holds the device to, and the largest
-     * difference in slices that the self-test allows on a map of full precision or less (docs/numerics.md has
-     * the reasons). */
+     * difference in slices that the self-test allows on a map of full precision or less (docs/numerics.md
+     * has the reasons). */
     const sv_ref_method *definition;
     double (*bound)(const sv_map *map);
 
-    uint32_t
-        parameters;  /* SV_USES(...) of every parameter of its own: the others leave its surface as it is */
+    /* SV_USES(...) of every parameter that matters for it: the others leave its surface as it is. */
+    uint32_t parameters;
+
     bool linear;     /* in the depths of the points */
     bool takes_sums; /* on its own it starts from the planes that the points stage wrote: no maps of points */
 
@@ -95,8 +96,8 @@ typedef struct {
     /* Points and surfaces in one launch by one work item, strategy single; or NULL. */
     sv_status (*single)(const sv_map *map, sv_method_state *state, const sv_ray_states *rays);
 
-    /* The last frame's confidence, float32 0..1, one plane of width * height without padding; or NULL: it
-     * gives none. */
+    /* The last frame's confidence, float32 0..1, one plane of width * height without padding; or NULL:
+     * it gives none. */
     cl_mem (*confidence)(const sv_method_state *state);
 
     /* Wait, and read what the last frame came to; or NULL. They fill what stands behind `size`. */
@@ -106,6 +107,10 @@ typedef struct {
 } sv_method;
 
 #define SV_USES(NAME) (1u << SV_PARAM_##NAME)
+/* What matters for every method that starts from initial points. */
+#define SV_USES_POINTS                                                                                       \
+    (SV_USES(FLUID_THRESHOLD) | SV_USES(BONE_MODE) | SV_USES(EVIDENCE) | SV_USES(MIN_GAP) |                  \
+     SV_USES(DROP_EMPTY) | SV_USES(PREFILTER) | SV_USES(REDUCTION) | SV_USES(SUBSTEPS))
 _Static_assert(SV_PARAM_ID_END <= 32, "sv_method.parameters has a bit per parameter");
 
 /* The table of method SV_METHOD_*. */

@@ -190,8 +190,8 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-/* Float32 sums of costs: where two labels are as good as equal, either is right, and the definition says
- * where. */
+/* Float32 sums of costs: where two labels are as good as equal, either is right, and the
+ * definition says where. */
 static double bound(const sv_map *m) {
     return m->doubles ? 1e-3 : 1e-2;
 }

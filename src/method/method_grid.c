@@ -267,8 +267,8 @@ uint32_t sv_grid_steps(const sv_map *m, const sv_grid_energy *energy) {
     return wanted ? wanted : energy->steps;
 }
 
-/* Conjugate gradients to the steps' end: float64 within a thousandth of a slice, float32 within a hundredth.
- */
+/* Conjugate gradients to the steps' end: float64 within a thousandth of a slice, float32
+ * within a hundredth. */
 double sv_grid_bound(const sv_map *m) {
     return m->doubles ? 1e-3 : 1e-2;
 }

@@ -26,6 +26,7 @@ sv_status sv_grid_solve(const sv_map *map, sv_method_state *state, uint32_t plan
 /* Steps of a frame: those that were asked for, or the energy's own. */
 uint32_t sv_grid_steps(const sv_map *map, const sv_grid_energy *energy);
 
-#define SV_GRID_PARAMETERS (SV_USES(DATA_WEIGHT) | SV_USES(SOLVER_STEPS) | SV_USES(PRECISION))
+#define SV_GRID_PARAMETERS                                                                                   \
+    (SV_USES_POINTS | SV_USES(DATA_WEIGHT) | SV_USES(SOLVER_STEPS) | SV_USES(PRECISION))
 
 #endif

@@ -116,7 +116,8 @@ static double bound(const sv_map *m) {
 
 const sv_method sv_method_mean = {.definition = &sv_ref_method_mean,
                                   .bound = bound,
-                                  .parameters = SV_USES(KERNEL) | SV_USES(FILL_WEIGHT) | SV_USES(PRECISION),
+                                  .parameters = SV_USES_POINTS | SV_USES(KERNEL) | SV_USES(FILL_WEIGHT) |
+                                                SV_USES(PRECISION),
                                   .linear = true,
                                   .takes_sums = true,
                                   .kernels = kernels,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Method plate: thin plate with soft data terms, the surface of least bending (Eq. 3.4 on the pixel grid). A
- * slight tension settles what the points leave open: the slope across collinear points, and far from all
- * points. */
+/* Method plate: thin plate with soft data terms, the surface of least bending (Eq. 3.4 on the pixel
+ * grid). A slight tension settles what the points leave open: the slope across collinear points, and far
+ * from all points. */
 #include "method/method_plate.h"
 
 #include "method/method_grid.h"

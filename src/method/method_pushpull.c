@@ -86,6 +86,7 @@ static double bound(const sv_map *m) {
 
 const sv_method sv_method_pushpull = {.definition = &sv_ref_method_pushpull,
                                       .bound = bound,
+                                      .parameters = SV_USES_POINTS,
                                       .linear = true,
                                       .kernels = kernels,
                                       .source = source,

@@ -243,7 +243,7 @@ static double bound(const sv_map *m) {
 
 const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
                                     .bound = bound,
-                                    .parameters = SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
+                                    .parameters = SV_USES_POINTS | SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
                                                   SV_USES(SPLINE_GRID) | SV_USES(PRECISION),
                                     .linear = true,
                                     .kernels = kernels,

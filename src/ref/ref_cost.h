@@ -21,8 +21,9 @@ typedef struct {
     bool median;      /* false: the cells' minima as they are */
     int level;        /* T_L as a grey level; 0: from the histogram */
     double memory;    /* share of the frame before, 0 .. 1 */
-    double *previous; /* cells_x * cells_y * SV_COST_VALUES, zeros at first, kept by the caller; NULL: no
-                         memory */
+
+    /* cells_x * cells_y * SV_COST_VALUES, zeros at first, kept by the caller; NULL: no memory. */
+    double *previous;
 } sv_ref_cost_layout;
 
 /* The values that the plugin uses, SV_COST_*. */

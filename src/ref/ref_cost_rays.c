@@ -53,8 +53,8 @@ static bool read_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row
     return scanned;
 }
 
-/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. No wall,
- * no interval. */
+/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. No
+ * wall, no interval. */
 static void find_runs(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
     uint32_t bin = r->wall > l->sizes.solid ? r->wall - l->sizes.solid : 0;

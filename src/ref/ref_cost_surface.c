@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way back to
- * pixels. */
+/* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way
+ * back to pixels. */
 #include "ref/ref_cost_surface.h"
 
 #include <math.h>
@@ -132,8 +132,8 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     return m;
 }
 
-/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next. Costs per ray.
- */
+/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next.
+ * Costs per ray. */
 static void remember(double *cell, double *previous, const sv_ref_cost_layout *l, bool *tie) {
     const double rays = cell[SV_COST_WEIGHT];
     double change = 0.0;

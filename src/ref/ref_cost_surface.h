@@ -10,8 +10,8 @@ typedef struct {
     sv_ref_cost_levels levels;
     uint32_t rays; /* scanned ones */
     uint32_t open; /* with a fluid interval */
-    uint32_t ties; /* pixels near a cell where two labels, or a label and the edge of the minimum, are within
-                       1e-5 */
+    /* Pixels near a cell where two labels, or a label and the edge of the minimum, are within 1e-5. */
+    uint32_t ties;
 } sv_ref_cost_facts;
 
 /* Everything: both ends of the q range, float64 slices, the confidence 0 .. 1, and 1 in `tie` for pixels that
@@ -24,8 +24,8 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
                               double *near_surface, double *far_surface, double *confidence, uint8_t *tie,
                               sv_ref_cost_facts *facts);
 
-/* The blurred cost volume, cells_x * cells_y * SV_COST_VALUES, from bins; the caller frees it. NULL: no
- * memory. */
+/* The blurred cost volume, cells_x * cells_y * SV_COST_VALUES, from bins; the caller frees it.
+ * NULL: no memory. */
 double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *layout, sv_ref_cost_facts *facts);
 
 /* The plugin's method. */

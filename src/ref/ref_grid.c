@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The surface of least energy: conjugate gradients in float64 on A S = b, with no preconditioner to be wrong
- * about. */
+/* The surface of least energy: conjugate gradients in float64 on A S = b, with no preconditioner to
+ * be wrong about. */
 #include "ref/ref_grid.h"
 
 #include <math.h>

@@ -11,8 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A sparse map. Membrane and plate weigh its points, and the plate's bending knows how far apart its pixels
- * lie. */
+/* A sparse map. Membrane and plate weigh its points, and the plate's bending knows how far apart
+ * its pixels lie. */
 typedef struct {
     const uint8_t *status;
     const double *depth;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The mean filter in float64, by its definition: a window is summed pixel by pixel (Eq. 3.18-3.21,
- * Algorithm 4.3). */
+/* The mean filter in float64, by its definition: a window is summed pixel by pixel (Eq.
+ * 3.18-3.21, Algorithm 4.3). */
 #include "ref/ref_mean.h"
 
 #include <stdlib.h>
@@ -12,8 +12,8 @@ typedef struct {
     double omega;
 } filter;
 
-/* The weighted mean of the window around (x, y); false if nothing in it has weight. Pixels outside do not
- * count. */
+/* The weighted mean of the window around (x, y); false if nothing in it has weight. Pixels outside
+ * do not count. */
 static bool window_mean(const filter *f, const double *depth, const uint8_t *filled, uint32_t x, uint32_t y,
                         double *mean) {
     const int64_t r = f->k / 2;

@@ -46,8 +46,8 @@ typedef struct {
 /* The definition of method SV_METHOD_* (method_list.h), or NULL if there is none. */
 const sv_ref_method *sv_ref_method_of(uint32_t method);
 
-/* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those of
- * the frame. */
+/* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those
+ * of the frame. */
 bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either);
 
 #endif

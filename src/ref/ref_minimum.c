@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The minimum filter over sparse data, window by window (Algorithm 4.4 without its split into columns and
- * rows). */
+/* The minimum filter over sparse data, window by window (Algorithm 4.4 without its split into
+ * columns and rows). */
 #include "ref/ref_minimum.h"
 
 #include <math.h>

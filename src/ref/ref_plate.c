@@ -10,8 +10,8 @@
 
 static const double TENSION = (double)1e-3f; /* the kernels' own float32 constant */
 
-/* Each adds weight * (c . s) * c for one difference with coefficients c: 1, -2, 1 on three pixels `step`
- * apart, */
+/* Each adds weight * (c . s) * c for one difference with coefficients c: 1, -2, 1 on three
+ * pixels `step` apart, */
 static inline void add_bend(const double *s, size_t i, size_t step, double weight, double *out) {
     const double value = weight * (s[i] - 2.0 * s[i + step] + s[i + 2 * step]);
     out[i] += value;

@@ -23,8 +23,8 @@ typedef struct {
 uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone);
 
 /* Evidence of a gap: bone rays (maximum above `level`), and those among them whose interval has at least
- * `min_gap` slices. A frame has a surface only if it has a point and sure >= evidence * bone, `evidence` in
- * whole thousandths. */
+ * `min_gap` slices. A frame has a surface only if it has a point and sure >= evidence * bone, `evidence`
+ * in whole thousandths. */
 typedef struct {
     uint32_t bone, sure;
 } sv_ref_evidence;

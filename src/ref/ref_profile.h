@@ -8,9 +8,8 @@
 /* What is known of a ray at its end. Depths in slices. */
 typedef struct {
     uint8_t maximum;  /* largest intensity */
-    double max_entry; /* entry into tissue that was current at the (first) maximum: far end d_f of the
-                         interval */
-    double max_exit;  /* exit from tissue that was current there: near end d_n */
+    double max_entry; /* entry into tissue current at the (first) maximum: far end d_f of the interval */
+    double max_exit;  /* exit from tissue current there: near end d_n */
 } sv_ref_ray;
 
 /* rays: width * height, row by row. `substeps` samples per slice (1 .. 4), linear in between. */

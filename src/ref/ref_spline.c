@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The thin-plate spline as the thesis writes it (Eq. 3.8): the whole matrix, Gaussian elimination with
- * pivoting. */
+/* The thin-plate spline as the thesis writes it (Eq. 3.8): the whole matrix, Gaussian
+ * elimination with pivoting. */
 #include "ref/ref_spline.h"
 
 #include "ref/ref_solve.h"

@@ -38,7 +38,8 @@ static void test_one_ray(void **state) {
     static uint8_t volume[PLANE * SLICES], bins[PLANE * SLICES], wall[PLANE], back[PLANE];
     static uint16_t sums[PLANE * SLICES], nearby[PLANE * SLICES];
     fill(volume);
-    const sv_ref_volume v = {volume, SIDE, SIDE, SLICES, -1, NULL};
+    const sv_ref_volume v = {
+        .voxels = volume, .width = SIDE, .height = SIDE, .slices = SLICES, .padding = -1};
     const sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SLICES);
     assert_int_equal(l.sizes.labels, SLICES); /* so lengths are as they are written */
     sv_ref_cost_bins(&v, &l, bins);

@@ -18,6 +18,7 @@ static struct {
     uint32_t fail_in; /* calls until the one that fails; 0: none */
     cl_int code;
     const char *failed;
+    uint64_t live_bytes, memory, largest_buffer;
     uint32_t spoil_in; /* reads until the one that is spoiled; 0: none */
     bool spoiled;
     struct {
@@ -57,6 +58,13 @@ const char *spy_failed(void) {
     return spy.failed;
 }
 
+uint64_t spy_live_bytes(void) {
+    return spy.live_bytes;
+}
+void spy_device_memory(uint64_t memory, uint64_t largest_buffer) {
+    spy.memory = memory;
+    spy.largest_buffer = largest_buffer;
+}
 uint32_t spy_cold(void) {
     return spy.cold;
 }
@@ -139,8 +147,17 @@ CODE_CALL(clGetPlatformIDs, SPY_QUERY, (cl_uint n, cl_platform_id *out, cl_uint 
 CODE_CALL(clGetDeviceIDs, SPY_QUERY,
           (cl_platform_id platform, cl_device_type type, cl_uint n, cl_device_id *out, cl_uint *count),
           (platform, type, n, out, count))
-CODE_CALL(clGetDeviceInfo, SPY_QUERY,
-          (cl_device_id d, cl_device_info what, size_t n, void *out, size_t *size), (d, what, n, out, size))
+cl_int clGetDeviceInfo(cl_device_id d, cl_device_info what, size_t n, void *out, size_t *size) {
+    REAL(clGetDeviceInfo);
+    ENTER(clGetDeviceInfo, SPY_QUERY);
+    if (v.fails) return spy.code;
+    const cl_int code = real(d, what, n, out, size);
+    const uint64_t told = what == CL_DEVICE_GLOBAL_MEM_SIZE      ? spy.memory
+                          : what == CL_DEVICE_MAX_MEM_ALLOC_SIZE ? spy.largest_buffer
+                                                                 : 0;
+    if (v.ours && code == CL_SUCCESS && told > 0) *(cl_ulong *)out = told;
+    return code;
+}
 CODE_CALL(clGetCommandQueueInfo, SPY_QUERY,
           (cl_command_queue q, cl_command_queue_info what, size_t n, void *out, size_t *size),
           (q, what, n, out, size))
@@ -175,8 +192,40 @@ CREATE_CALL(cl_context, clCreateContext,
 CREATE_CALL(cl_command_queue, clCreateCommandQueue,
             (cl_context c, cl_device_id d, cl_command_queue_properties properties, cl_int *errcode),
             (c, d, properties, errcode))
-CREATE_CALL(cl_mem, clCreateBuffer, (cl_context c, cl_mem_flags flags, size_t n, void *host, cl_int *errcode),
-            (c, flags, n, host, errcode))
+/* Bytes that a buffer takes on the device. */
+static uint64_t bytes_of(cl_mem object) {
+    static __typeof__(&clGetMemObjectInfo) info;
+    if (!info) *(void **)(&info) = dlsym(RTLD_NEXT, "clGetMemObjectInfo");
+    size_t bytes = 0;
+    cl_mem_flags flags = 0;
+    if (info(object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL) != CL_SUCCESS) return 0;
+    if (info(object, CL_MEM_FLAGS, sizeof flags, &flags, NULL) != CL_SUCCESS) return 0;
+    return flags & CL_MEM_USE_HOST_PTR ? 0 : bytes;
+}
+
+cl_mem clCreateBuffer(cl_context c, cl_mem_flags flags, size_t n, void *host, cl_int *errcode) {
+    REAL(clCreateBuffer);
+    ENTER(clCreateBuffer, SPY_CREATE);
+    if (v.fails) {
+        if (errcode) *errcode = spy.code;
+        return NULL;
+    }
+    cl_mem object = real(c, flags, n, host, errcode);
+    if (v.ours && object) {
+        spy.live++;
+        spy.live_bytes += bytes_of(object);
+    }
+    return object;
+}
+
+cl_int clReleaseMemObject(cl_mem object) {
+    REAL(clReleaseMemObject);
+    ENTER(clReleaseMemObject, SPY_RELEASE);
+    spy.live -= v.ours;
+    if (v.ours) spy.live_bytes -= bytes_of(object);
+    return real(object);
+}
+
 CREATE_CALL(cl_program, clCreateProgramWithSource,
             (cl_context c, cl_uint n, const char **text, const size_t *lengths, cl_int *errcode),
             (c, n, text, lengths, errcode))
@@ -184,7 +233,6 @@ CREATE_CALL(cl_kernel, clCreateKernel, (cl_program p, const char *name, cl_int *
 
 RELEASE_CALL(clReleaseContext, cl_context)
 RELEASE_CALL(clReleaseCommandQueue, cl_command_queue)
-RELEASE_CALL(clReleaseMemObject, cl_mem)
 RELEASE_CALL(clReleaseProgram, cl_program)
 RELEASE_CALL(clReleaseEvent, cl_event)
 

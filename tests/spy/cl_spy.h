@@ -51,4 +51,11 @@ uint32_t spy_cold(void);
 void spy_spoil(uint32_t nth);
 bool spy_spoiled(void);
 
+/* Bytes of the buffers that the library has made and not yet released, those around the host's memory left
+ * out. */
+uint64_t spy_live_bytes(void);
+
+/* What the library hears of the device's memory and of the largest buffer; 0: the truth. */
+void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
+
 #endif

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/* Paths and folders. */
+#ifndef HS_PATHS_H
+#define HS_PATHS_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+
+/* Makes the folder (and its parents) and proves that a file can be written there.
+ * HS_ERR_OUTPUT names the path. */
+bool hs_path_make_folder(const char *path, hs_error *err);
+
+/* Writes "<folder>/<name>" to out; HS_ERR_OUTPUT if it is longer than `bytes`. */
+bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err);
+
+#endif
