@@ -24,6 +24,7 @@ done
 # grep's findings are the breaches; the words are split here so that this file does not find itself.
 tab=$'\t'
 while read -r line; do complain "tab: $line"; done < <(grep -nH "$tab" "${texts[@]}" | cut -c 1-100)
+while read -r line; do complain "a merge that was not finished: $line"; done < <(grep -nHE '^(<{7}|>{7}) ' "${texts[@]}")
 while read -r line; do complain "trailing blanks: $line"; done < <(grep -nHE ' +$' "${texts[@]}" | cut -c 1-100)
 while read -r line; do complain "unfinished: $line"; done < <(grep -nHwE 'TO''DO|FIX''ME|X''XX' "${texts[@]}" | cut -c 1-120)
 # A path of somebody's machine in a source works on that machine only.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "methods/methods_reference.h"
 
-#include "ref/ref_method.h"
+#include "ref/ref_chain.h"
 #include "spline/spline_shared.h"
 
 #include <math.h>

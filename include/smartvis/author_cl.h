@@ -20,6 +20,7 @@
 #ifndef SMARTVIS_AUTHOR_CL_H
 #define SMARTVIS_AUTHOR_CL_H
 
+#include "smartvis/author_device.h"
 #include "smartvis/author_rehearsal.h"
 
 #endif

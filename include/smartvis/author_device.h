@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Device, program, objects, slabs and results of a plugin with kernels. A part of smartvis/author_cl.h; it
- * needs <CL/cl.h> before it.
- */
+/* OpenCL for plugins with kernels: objects, program, slabs and results. A part of smartvis/author_cl.h, which
+ * says how to use it; it needs <CL/cl.h> before it. */
 #ifndef SMARTVIS_AUTHOR_DEVICE_H
 #define SMARTVIS_AUTHOR_DEVICE_H
 
 #ifndef CL_VERSION_1_2
-#error "include <CL/cl.h> with CL_TARGET_OPENCL_VERSION 120 or later before this header"
+#error "include <CL/cl.h> with CL_TARGET_OPENCL_VERSION 120 or later before smartvis/author_cl.h"
 #endif
 
 #include "smartvis/author.h"

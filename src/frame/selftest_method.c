@@ -2,7 +2,7 @@
 #include "frame/selftest_method.h"
 
 #include "frame/pipeline_end.h"
-#include "ref/ref_method.h"
+#include "ref/ref_chain.h"
 #include "ref/ref_points.h"
 
 #include <math.h>

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The scalar definition of every method behind one signature, and of the chain around it: pre-filter, reduced
- * resolution. Tests and benchmark hold the kernels to it, and the plugin's self-test asks the device for an
- * answer computed here.
- */
+/* The scalar definition of a method behind one signature. */
 #ifndef SV_REF_METHOD_H
 #define SV_REF_METHOD_H
 
@@ -20,9 +16,6 @@ typedef struct {
     uint32_t reduction;                          /* 1: pixels */
     uint32_t prefilter_passes, prefilter_kernel; /* passes 0: no pre-filter */
 } sv_ref_settings;
-
-/* What the plugin takes for them by default, at every pixel and without merging. */
-extern const sv_ref_settings sv_ref_default_settings;
 
 /* What a method works on. `map`: the points, with depths S(q); its spacing tells pixels of the frame from
  * cells. `volume` and `q`: for a method that takes the volume; else they may be left out. */
@@ -42,12 +35,5 @@ typedef struct {
      * answers are right. False if memory runs out. */
     bool (*surface)(const sv_ref_task *task, double *surface, uint8_t *either);
 } sv_ref_method;
-
-/* The definition of method SV_METHOD_* (method_list.h), or NULL if there is none. */
-const sv_ref_method *sv_ref_method_of(uint32_t method);
-
-/* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those
- * of the frame. */
-bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either);
 
 #endif

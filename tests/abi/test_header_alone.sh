@@ -53,7 +53,7 @@ for compiler in gcc clang; do
     # c2x is what compilers of 2022 call C23.
     for standard in c99 gnu99 c11 c17 c2x; do
         for file in use "${headers[@]}"; do
-            compile $compiler "$file.c" -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
+            compile $compiler "$file.c" -fsyntax-only -std=$standard -Wstrict-prototypes -Wmissing-prototypes -Wc++-compat
         done
         tried=$((tried + 1))
     done
@@ -61,7 +61,7 @@ done
 for compiler in g++ clang++; do
     command -v $compiler > /dev/null || { echo "not installed, left out: $compiler"; continue; }
     for standard in c++11 c++14 c++17 c++20; do
-        for file in use "${headers[@]}"; do compile $compiler "$file.cpp" -std=$standard; done
+        for file in use "${headers[@]}"; do compile $compiler "$file.cpp" -fsyntax-only -std=$standard; done
         tried=$((tried + 1))
     done
 done

@@ -2,6 +2,7 @@
 #include "support/surfaces.h"
 
 #include "quantise.h"
+#include "ref/ref_chain.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "ref/ref_method.h"
+#include "ref/ref_chain.h"
 
 #include "method_list.h"
 #include "quantise.h"

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The definition of every method, and of the chain around it: pre-filter, reduced resolution. Tests and
+ * benchmark hold the kernels to it, and the plugin's self-test asks the device for an answer computed here.
+ */
+#ifndef SV_REF_CHAIN_H
+#define SV_REF_CHAIN_H
+
+#include "ref/ref_method.h"
+
+/* What the plugin takes for them by default, at every pixel and without merging. */
+extern const sv_ref_settings sv_ref_default_settings;
+
+/* The definition of method SV_METHOD_* (method_list.h), or NULL if there is none. */
+const sv_ref_method *sv_ref_method_of(uint32_t method);
+
+/* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those
+ * of the frame. */
+bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either);
+
+#endif

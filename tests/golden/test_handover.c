@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the host tells a plugin, as a plugin sees it (contract/plugins/recorder.c): slabs as the plugin takes
+ * them by its descriptor, what was scanned, millimetres, time, and what does not continue.
+ */
+#include "support/loop_fixture.h"
+#include "support/record.h"
+
+#include <math.h>
+#include <string.h>
+
+static const record *record_of(const hs_plugin *plugin) {
+    const record *seen = plugin->instance->get_extension(plugin->instance, RECORD_ID);
+    assert_non_null(seen);
+    return seen;
+}
+
+/* One frame of a loop that is then gone; the record stays. */
+static const record *one_frame(const fixture *f, const hs_plugin *plugin, const hs_loop_options *options,
+                               uint32_t index) {
+    hs_error err = {0};
+    hs_frame frame;
+    hs_loop *loop = make_loop_of(f, plugin, options);
+    assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
+    assert_int_equal(frame.outcome, SV_OK);
+    hs_loop_destroy(loop);
+    return record_of(plugin);
+}
+
+/* Cuts a fan out of the layers: ray (x, y) of the source is scanned from slice (x + y) % 20 on, nothing of x
+ * < 6, and only up to slice 30 of y >= 42. */
+static hs_volume make_fan(void) {
+    hs_volume v = make_layers(false);
+    for (uint32_t z = 0; z < N; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++)
+                if (x < 6 || z < (x / 3 + y / 3) % 7 * 3 || (y >= 42 && z >= 30))
+                    v.voxels[(z * N + y) * N + x] = 0;
+    return v;
+}
+
+/* A low-resolution ray covers 3 x 3 rays of the source, and a slice 3 slices: the fan is cut along them. */
+static void ranges_are_the_fan(void **state) {
+    fixture f = *(const fixture *)*state;
+    hs_volume fan = make_fan();
+    const hs_volume *volumes[] = {&fan};
+    f.source = (hs_source){.volumes = volumes, .count = 1};
+    hs_plugin plugin;
+    open_plugin(&plugin, "recorder");
+    const hs_loop_options o = options_with(NULL, 0);
+    const record *seen = one_frame(&f, &plugin, &o, 0);
+    assert_int_equal(seen->format.flags, SV_FORMAT_SCANNED);
+    assert_int_equal(seen->format.padding_value, SV_NO_PADDING);
+    for (uint32_t y = 0; y < LOW; y++)
+        for (uint32_t x = 0; x < LOW; x++) {
+            const sv_scanned range = seen->scanned[y * LOW + x];
+            const bool none = x < 2;
+            const uint32_t first = (x + y) % 7, end = y >= 14 ? 10 : LOW;
+            if (none)
+                assert_true(range.first >= range.end);
+            else if (range.first != first || range.end != end)
+                fail_msg("ray (%u, %u): %u .. %u, expected %u .. %u", x, y, range.first, range.end, first,
+                         end);
+        }
+    hs_plugin_close(&plugin);
+    hs_volume_free(&fan);
+}
+
+static void slabs_go_as_the_plugin_takes_them(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        const char *plugin;
+        hs_fan wanted;
+        uint32_t flags;
+        int32_t padding;
+    } table[] = {{"recorder", HS_FAN_BEST, SV_FORMAT_SCANNED, SV_NO_PADDING},
+                 {"recorder", HS_FAN_PADDING, 0, 0},
+                 {"recorder", HS_FAN_NOTHING, 0, SV_NO_PADDING},
+                 {"recorder_padding", HS_FAN_BEST, 0, 0},
+                 {"recorder_plain", HS_FAN_BEST, 0, SV_NO_PADDING}};
+    for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
+        hs_plugin plugin;
+        open_plugin(&plugin, table[n].plugin);
+        hs_loop_options o = options_with(NULL, 0);
+        o.fan = table[n].wanted;
+        assert_int_equal(o.carrier, SV_CARRIER_BUFFER); /* which these plugins do not take */
+        const record *seen = one_frame(f, &plugin, &o, 0);
+        assert_int_equal(seen->format.carrier, SV_CARRIER_HOST);
+        assert_null(seen->format.queue);
+        assert_int_equal(seen->format.flags, table[n].flags);
+        assert_int_equal(seen->format.padding_value, table[n].padding);
+        hs_plugin_close(&plugin);
+    }
+}
+
+/* The loop goes on unclipped, and says what the descriptor lacks; activate was not called. */
+static void what_it_does_not_take_is_said(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        const char *plugin, *part;
+        uint32_t carrier;
+        bool fixed;
+        hs_fan fan;
+    } table[] = {{"recorder", "takes no OpenCL image slabs of 8 bits on the host's queue", SV_CARRIER_IMAGE,
+                  true, HS_FAN_BEST},
+                 {"recorder_u16",
+                  "takes no slabs of 8 bits: its descriptor has carriers 0x2, voxel_types 0x4, queues 0x1",
+                  SV_CARRIER_BUFFER, false, HS_FAN_BEST},
+                 {"recorder_padding", "takes no scanned ranges: its descriptor has features 0x2",
+                  SV_CARRIER_BUFFER, false, HS_FAN_RANGES}};
+    for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
+        hs_plugin plugin;
+        open_plugin(&plugin, table[n].plugin);
+        hs_loop_options o = options_with(NULL, 0);
+        o.carrier = table[n].carrier;
+        o.carrier_fixed = table[n].fixed;
+        o.fan = table[n].fan;
+        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_error err = {0};
+        hs_frame frame;
+        assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
+        assert_false(frame.clipped);
+        const hs_error *told = hs_loop_plugin_error(loop);
+        assert_int_equal(told->code, HS_ERR_PLUGIN);
+        if (!strstr(told->text, table[n].part)) fail_msg("'%s' in '%s'", table[n].part, told->text);
+        hs_loop_destroy(loop);
+        hs_plugin_close(&plugin);
+    }
+}
+
+static void millimetres_and_time(void **state) {
+    const fixture *f = *state;
+    hs_plugin plugin;
+    open_plugin(&plugin, "recorder");
+    const hs_loop_options o = options_with(NULL, 0);
+    const record *seen = one_frame(f, &plugin, &o, 3);
+    for (int axis = 0; axis < 3; axis++)
+        assert_true(fabsf(seen->format.spacing_mm[axis] - 3.0f) < 1e-5f); /* 48 voxels of 1 mm by 16 */
+    assert_int_equal(seen->frame.index, 3);
+    assert_int_equal(seen->frame.time_ns, 200000000); /* the fourth of 20 a second */
+    hs_plugin_close(&plugin);
+}
+
+/* A still volume continues; a sequence does until it starts again; a camera that turns does not. */
+static void what_continues(void **state) {
+    fixture f = *(const fixture *)*state;
+    for (uint32_t kind = 0; kind < 3; kind++) {
+        hs_plugin plugin;
+        open_plugin(&plugin, "recorder");
+        f.source.count = kind == 1 ? 2 : 1;
+        hs_loop_options o = options_with(NULL, 0);
+        o.orbit = kind == 2 ? 30 : 0;
+        hs_loop *loop = make_loop_of(&f, &plugin, &o);
+        for (uint32_t index = 0; index < 4; index++) {
+            hs_error err = {0};
+            hs_frame frame;
+            assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
+            const bool continues = kind == 0 ? index > 0 : kind == 1 ? index % 2 == 1 : false;
+            const bool told = !(record_of(&plugin)->frame.flags & SV_FRAME_DISCONTINUITY);
+            if (told != continues) fail_msg("kind %u, frame %u: continues is %d", kind, index, told);
+        }
+        hs_loop_destroy(loop);
+        hs_plugin_close(&plugin);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ranges_are_the_fan),
+        cmocka_unit_test(slabs_go_as_the_plugin_takes_them),
+        cmocka_unit_test(what_it_does_not_take_is_said),
+        cmocka_unit_test(millimetres_and_time),
+        cmocka_unit_test(what_continues),
+    };
+    return cmocka_run_group_tests_name("handover", tests, set_up, tear_down);
+}
