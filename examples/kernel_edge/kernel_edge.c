@@ -59,7 +59,7 @@ static sv_status find(sva *a, const sv_slab *slab) {
     return sva_cl_slab(a, slab, FIND, args, 3);
 }
 
-static sv_status place(sva *a, float *depth) {
+static sv_status place(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const sva_cl *cl = a->own;
     const float q = (float)sva_value(a, Q);
     const sva_cl_arg args[] = {SVA_ARG(cl->rays), SVA_ARG(q), SVA_ARG(cl->depth), SVA_ARG(cl->points)};

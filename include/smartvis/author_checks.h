@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-enum { SVA_MAX_SIDE = 8192 };
+enum { SVA_MAX_SIDE = 8192, SVA_MAX_TILE = 16384 };
 
 /* ----------------------------------------------------------------------------------------- parameters -- */
 
@@ -131,8 +131,8 @@ static inline sv_status sva_check_format(sva *a, const sv_format *f) {
     if (s == SV_OK) s = sva_check_range(a, "slices", f->slices, 1, SVA_MAX_SIDE);
     if (s == SV_OK) s = sva_check_range(a, "max_slab_slices", f->max_slab_slices, 1, f->slices);
     if (s == SV_OK) s = sva_check_range(a, "tiles_x", f->tiles_x, 1, SVA_MAX_SIDE);
-    if (s == SV_OK) s = sva_check_range(a, "tile_w", f->tile_w, f->width, 2 * SVA_MAX_SIDE);
-    if (s == SV_OK) s = sva_check_range(a, "tile_h", f->tile_h, f->height, 2 * SVA_MAX_SIDE);
+    if (s == SV_OK) s = sva_check_range(a, "tile_w", f->tile_w, f->width, SVA_MAX_TILE);
+    if (s == SV_OK) s = sva_check_range(a, "tile_h", f->tile_h, f->height, SVA_MAX_TILE);
     if (s == SV_OK) s = sva_check_offer(a, f);
     if (s == SV_OK && f->carrier != SV_CARRIER_IMAGE)
         s = sva_check_range(a, "row_pitch", f->row_pitch, (uint64_t)f->tiles_x * f->tile_w, UINT32_MAX);
@@ -169,7 +169,8 @@ static inline sv_status sva_check_frame(sva *a, const sv_frame *f) {
 /* The least bytes of a slab of n slices, as at sv_slab. */
 static inline uint64_t sva_slab_bytes(const sv_format *f, uint32_t n) {
     const uint64_t r = (n - 1) / f->tiles_x, row = f->height - 1;
-    const uint64_t last = (r * f->tile_h + row) * f->row_pitch + (n - 1) % f->tiles_x * f->tile_w + f->width;
+    const uint64_t last =
+        (r * f->tile_h + row) * f->row_pitch + (uint64_t)((n - 1) % f->tiles_x) * f->tile_w + f->width;
     if (r == 0) return last;
     const uint64_t before =
         ((r - 1) * f->tile_h + row) * f->row_pitch + (uint64_t)(f->tiles_x - 1) * f->tile_w + f->width;

@@ -13,6 +13,9 @@
  *
  * Carriers: SV_CARRIER_HOST and SV_CARRIER_BUFFER. Queues: the host's, where nothing blocks, and an own one.
  * Kernels run over WIDTH x HEIGHT work items. Their source has sva_cl_prelude before it.
+ *
+ *   author_device.h       the functions: the part to read
+ *   author_rehearsal.h    sva_cl_rehearse
  */
 #ifndef SMARTVIS_AUTHOR_CL_H
 #define SMARTVIS_AUTHOR_CL_H

@@ -92,11 +92,12 @@ static inline sv_status sva_rehearse_frame(sva *a, sva_rehearsal *r) {
     if (s >= SV_OK) s = a->method->output(a, &result);
     if (s >= SV_OK) s = sva_cl_check(a, clFinish(((sva_cl *)a->own)->queue), "clFinish");
     if (s < SV_OK || slices < SVA_LEAST_SLICES) return s < SV_OK ? s : SV_OK;
+    const uint32_t third = slices / 3;
     for (size_t i = 0; i < sva_rays(a); i++)
-        if (!(r->depth[i] >= (float)(slices / 3) - 1.0f && r->depth[i] <= (float)(2 * (slices / 3))))
+        if (!(r->depth[i] >= (float)third - 1.0f && r->depth[i] <= (float)(2 * third)))
             return sva_error(a, SV_ERR_SELF_TEST,
                              "activate: the depth of ray %u is %g, the fluid is at %u to %u", (unsigned)i,
-                             (double)r->depth[i], (unsigned)(slices / 3), (unsigned)(2 * (slices / 3) - 1));
+                             (double)r->depth[i], (unsigned)third, (unsigned)(2 * third - 1));
     return SV_OK;
 }
 

@@ -223,8 +223,7 @@ static void kernels_equal_the_cpu(void **state) {
                               .extra_w = k,
                               .extra_h = k % 2,
                               .extra_pitch = 7 - k,
-                              .own_queue = k < 2,
-                              .carrier = k > 3 ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
+                              .own_queue = k<2, .carrier = k> 3 ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
                               .padding = k % 2 ? 0 : SV_NO_PADDING};
         const sv_param_value values[] = {
             {q, 0, (double)(n % 11) / 10.0}, {level, 0, (double)n / 24.0}, {gap, 0, (double)(n % 6)}};

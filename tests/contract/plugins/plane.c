@@ -134,7 +134,7 @@ static uint32_t columns(const sva *a) {
     return a->format.width / HALF;
 }
 
-static sv_status plane_finish(sva *a, float *depth) {
+static sv_status plane_finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const plane *p = a->own;
     const float slope = sva_value(a, PARAM_SHAPE) != 0 ? 1.0f : 0.0f;
     (void)depth;
