@@ -180,9 +180,9 @@ holds grep -q "^  kernel .*Filter size k" stdout
 holds grep -q "more parameters do not matter with these values" stdout
 expect 2 "no parameter 'foo'" list --set foo=1
 expect 2 "needs a value" list --set
-# A handful matters to method cost; all are listed on demand.
+# Eleven matter to method cost; all are listed on demand.
 expect 0 "" list --set method=cost
-holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -le 5 ]
+holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 11 ]
 expect 0 "" list --all
 holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 25 ]
 unset OCL_ICD_VENDORS
