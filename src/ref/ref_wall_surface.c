@@ -142,7 +142,7 @@ static void finish(const sv_wall_layout *l, const sv_wall_settings *s, const sv_
 bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_settings *s, const sv_wall_cells *cells,
                       float *depth, float *confidence) {
     const size_t count = (size_t)l->cells_x * l->cells_y, all = count * l->labels;
-    uint32_t *costs = malloc(all * sizeof *costs), *rows = malloc(all * sizeof *rows);
+    uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
     float *labels = calloc(count, sizeof *labels), *chosen = calloc(count, sizeof *chosen);
     const bool done = costs && rows && labels && chosen;
     if (done) {
