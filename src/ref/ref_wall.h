@@ -57,7 +57,7 @@ sv_wall_settings sv_wall_settings_default(void);
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
     SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid: depth and confidence are 0, nothing is clipped */
-    SV_WALL_EMPTY = 2     /* nothing was scanned, or all of it is of one grey level: the same */
+    SV_WALL_EMPTY = 2     /* too little was scanned to tell, or it is of one grey level: the same */
 } sv_wall_outcome;
 
 /* What was found on the way. */

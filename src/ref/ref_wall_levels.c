@@ -64,13 +64,34 @@ bool sv_wall_brightest(const sv_wall_layout *l, uint8_t *means) {
     return true;
 }
 
+/* The slices [first, end) at which the box around the ray was scanned all over. Beyond the image nothing was.
+ */
+static void box_range(const sv_wall_volume *v, const sv_wall_layout *l, uint32_t x, uint32_t y,
+                      uint32_t *first, uint32_t *end) {
+    const uint32_t rx = l->mean[0], ry = l->mean[1];
+    *first = *end = 0;
+    if (x < rx || y < ry || x + rx >= l->width || y + ry >= l->height) return;
+    *end = l->slices;
+    for (uint32_t j = y - ry; j <= y + ry; j++)
+        for (uint32_t i = x - rx; i <= x + rx; i++) {
+            const size_t pixel = (size_t)j * l->width + i;
+            if (sv_wall_first(v, pixel) > *first) *first = sv_wall_first(v, pixel);
+            if (sv_wall_end(v, pixel) < *end) *end = sv_wall_end(v, pixel);
+        }
+    *first += l->mean[2];
+}
+
 void sv_wall_histogram(const sv_wall_volume *v, const sv_wall_layout *l, const uint8_t *means,
                        uint64_t histogram[256]) {
     const size_t plane = (size_t)l->width * l->height;
     memset(histogram, 0, 256 * sizeof *histogram);
-    for (size_t i = 0; i < plane; i++)
-        for (size_t z = sv_wall_first(v, i) + l->mean[2]; z + l->mean[2] < sv_wall_end(v, i); z++)
-            histogram[means[z * plane + i]]++;
+    for (uint32_t y = 0; y < l->height; y++)
+        for (uint32_t x = 0; x < l->width; x++) {
+            uint32_t first, end;
+            box_range(v, l, x, y, &first, &end);
+            for (size_t z = first; z + l->mean[2] < end; z++)
+                histogram[means[z * plane + (size_t)y * l->width + x]]++;
+        }
 }
 
 /* Lowest smoothed count between the modes of the two classes, relative to the lower mode. */

@@ -11,7 +11,7 @@ bool sv_wall_means(const sv_wall_volume *volume, const sv_wall_layout *layout, u
 /* Largest mean beside the ray in the same slice. In place. False: no memory. */
 bool sv_wall_brightest(const sv_wall_layout *layout, uint8_t *means);
 
-/* Histogram of the means of boxes that were scanned from end to end along the ray. */
+/* Histogram of the means of boxes that were scanned all over: at a border the mean tells how much was not. */
 void sv_wall_histogram(const sv_wall_volume *volume, const sv_wall_layout *layout, const uint8_t *means,
                        uint64_t histogram[256]);
 
