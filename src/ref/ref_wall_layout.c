@@ -30,7 +30,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .sigma_mm = 4.0,
                               .slack = 0.4,
                               .median = true,
-                              .doubt = 3.5,
+                              .doubt = 3.8,
                               .wall_share = 0.05,
                               .assumed_wall = 1.5,
                               .assumed_spread = 0.5};

@@ -116,7 +116,7 @@ static void interpolate(const sv_wall_layout *l, const float *cells, float scale
  * here. */
 static float own_cost(const sv_wall_layout *l, const sv_wall_cells *cells, size_t cell, float label) {
     const size_t at = cell * l->labels + (size_t)(label + 0.5f);
-    return (float)(2 * cells->away[at] + cells->wrong[at]) / SV_WALL_CELL_ONE;
+    return (float)(5 * cells->away[at] + 2 * cells->wrong[at]) / (2 * SV_WALL_CELL_ONE);
 }
 
 static void finish(const sv_wall_layout *l, const sv_wall_settings *s, const sv_wall_cells *cells,
