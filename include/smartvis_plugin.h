@@ -109,18 +109,22 @@
  * Reserved fields are 0.
  *
  * NOT IN 1.0, and how it would come without breaking anything:
- *     16-bit voxels        SV_VOXEL_U16 is reserved; a plugin that reads it sets its bit in voxel_types
- *     a Doppler channel    a second carrier in sv_slab, announced by a feature bit
- *     a perspective camera a flag of the format and the rays' geometry behind the last field; today the host
- *                          resamples to parallel rays
- *     a region of interest a rectangle behind the last field of sv_frame; today the host gives a smaller
- * format several maps         an extension that writes further maps after end, as smartvis.confidence/1 does
- *     3D images            a further carrier, announced by its bit in carriers
- *     semaphores, external memory   an extension that hands them over at activate; the queue stays the order
  *
- * WHERE HOSTS LOOK for plugins, if none is named: the folders of the environment variable
- * SMARTVIS_PLUGIN_PATH (separated by ':', on Windows by ';'), then /usr/local/lib/smartvis and
- * /usr/lib/smartvis. A plugin is a file there that exports smartvis_plugin_entry; its name does not matter.
+ *     16-bit voxels           SV_VOXEL_U16 is reserved; a plugin that reads it sets its bit in voxel_types
+ *     a Doppler channel       a second carrier in sv_slab, announced by a feature bit
+ *     a perspective camera    a flag of the format, and the rays' geometry behind its last field;
+ *                             today the host resamples to parallel rays
+ *     a region of interest    a rectangle behind the last field of sv_frame; today the host gives a
+ *                             smaller format
+ *     several maps            an extension that writes them after end, as smartvis.confidence/1 does
+ *     3D images               a further carrier, announced by its bit in carriers
+ *     semaphores,             an extension that hands them over at activate; the queue stays the order
+ *     external memory
+ *
+ * WHERE HOSTS LOOK for plugins is up to them. By convention a host that scans for them reads the folders of
+ * the environment variable SMARTVIS_PLUGIN_PATH (separated by ':', on Windows by ';'), then
+ * /usr/local/lib/smartvis and /usr/lib/smartvis. A plugin is a file there that exports
+ * smartvis_plugin_entry; its name does not matter.
  *
  * Source: "Application of Smart Visibility on Medical 3D Ultrasound Datasets" (diploma thesis, Vienna
  * University of Technology): "the thesis" below; section and algorithm numbers are its own.
