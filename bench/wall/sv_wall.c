@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 /* sv_wall: how good the definition of the wall's surface is (docs/surface.md). */
-#include "wall_judge.h"
+#include "wall/wall_judge.h"
 
 #include <math.h>
 #include <stdio.h>

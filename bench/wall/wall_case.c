@@ -1,7 +1,8 @@
-#include "wall_case.h"
+/* SPDX-License-Identifier: MIT */
+#include "wall/wall_case.h"
 
-#include "hs_metaimage.h"
-#include "surfaces/surf_case.h"
+#include "quality/surf_case.h"
+#include "volume/metaimage.h"
 
 #include <math.h>
 #include <stdio.h>

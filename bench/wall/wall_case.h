@@ -1,9 +1,10 @@
+/* SPDX-License-Identifier: MIT */
 /* A volume with its ground truth, to judge the definition of the wall's surface on: from files or from a
  * scene. */
 #ifndef WALL_CASE_H
 #define WALL_CASE_H
 
-#include "hs_error.h"
+#include "base/error.h"
 
 #include "ref/ref_wall.h"
 

@@ -1,4 +1,5 @@
-#include "wall_judge.h"
+/* SPDX-License-Identifier: MIT */
+#include "wall/wall_judge.h"
 
 #include <math.h>
 

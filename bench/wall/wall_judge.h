@@ -1,9 +1,10 @@
+/* SPDX-License-Identifier: MIT */
 /* How good a surface is: Eq. 4.6 of the thesis, what is cut and what is left, and whether the confidence
  * tells. */
 #ifndef WALL_JUDGE_H
 #define WALL_JUDGE_H
 
-#include "wall_case.h"
+#include "wall/wall_case.h"
 
 #define WALL_BINS 64 /* of the confidence */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The clipping surface told by the wall: whatever stands before the fluid on most rays is the wall, and the
  * fetus is what is brighter than the wall is. docs/surface.md has the definition in words. Nothing here needs
@@ -7,6 +8,9 @@
 #ifndef REF_WALL_H
 #define REF_WALL_H
 
+#include "ref/ref_method.h"
+#include "wall_layout.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -15,7 +19,7 @@
  * Borrowed. */
 typedef struct {
     const uint8_t *voxels;
-    uint32_t width, height, slices; /* 1 .. 2048 each */
+    uint32_t width, height, slices; /* 1 .. 8192 each */
     /* Ray (x, y) was scanned in slices first[y * width + x] .. end[y * width + x] - 1; first = end: not at
      * all. Voxels outside that range are not read. Both NULL: everything was scanned. */
     const uint16_t *first, *end;
@@ -23,42 +27,6 @@ typedef struct {
      * SV_WALL_EXTENT_MM. */
     double spacing_mm[3];
 } sv_wall_volume;
-
-#define SV_WALL_EXTENT_MM 120.0
-
-/* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
-typedef struct {
-    double mean_mm;   /* brightness: mean of a box that reaches so far to either side */
-    double beside_mm; /* and the largest of the means so far to either side of the ray */
-    double thin_mm;   /* tissue thinner than this counts as fluid */
-    double gap_mm;    /* fluid thinner than this is no place for the surface */
-    double valley;    /* no fluid if the histogram's valley is higher than this share of its lower mode */
-    double wall_rank; /* the wall's brightness among the brightnesses of first tissues */
-    double low_rank, high_rank; /* the spread of the wall's brightness lies between these */
-    double sure;                /* evidence per spread */
-    double level;               /* spreads above the wall where any tissue is as likely the fetus as not */
-    double first;               /* spreads more for the first tissue of a ray */
-    double skin_mm;             /* bone of a first tissue lies this far behind its skin */
-    double tau_mm;              /* distance to the fluid that costs 1 */
-    double cut, left, other;  /* costs: the fetus is cut; an occluder is left; another fluid than the first */
-    double label_mm, cell_mm; /* depths and neighbourhoods for which costs are kept */
-    double sigma_mm;          /* lateral Gaussian over the costs */
-    double slack;             /* labels that cost at most this much more than the cheapest are averaged */
-    bool median;              /* 3 x 3 median of the cells */
-    double doubt;             /* own cost at which a surface is as likely wrong as right */
-    double wall_share;        /* of the rays must see a wall; else the wall is assumed: */
-    double assumed_wall,
-        assumed_spread; /* brightness in units of the mean tissue; spread in ln of the odds */
-} sv_wall_settings;
-
-/* The settings that docs/surface.md states. */
-sv_wall_settings sv_wall_settings_default(void);
-
-typedef enum {
-    SV_WALL_SURFACE = 0,  /* the maps hold a surface */
-    SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid: depth and confidence are 0, nothing is clipped */
-    SV_WALL_EMPTY = 2     /* too little was scanned to tell, or it is of one grey level: the same */
-} sv_wall_outcome;
 
 /* What was found on the way. */
 typedef struct {
@@ -68,6 +36,10 @@ typedef struct {
     uint32_t wall_rays;  /* rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
 } sv_wall_facts;
+
+/* First scanned slice of a ray and the first one behind the scan. */
+uint32_t sv_wall_first(const sv_wall_volume *volume, size_t pixel);
+uint32_t sv_wall_end(const sv_wall_volume *volume, size_t pixel);
 
 /* True if sizes, spacing and ranges are as stated above; else the text names field and value. */
 bool sv_wall_check(const sv_wall_volume *volume, char *text, size_t size);
@@ -80,5 +52,14 @@ bool sv_wall_check(const sv_wall_volume *volume, char *text, size_t size);
  */
 bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *settings, float *depth,
                      float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
+
+/* The same for a volume that has a padding value, too. Voxels of that value were not scanned; what is left of
+ * a ray goes from its first other voxel to its last, and the padding between them counts as 0.
+ * Any spacing: what is out of range counts as the nearest that is not. */
+bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], float *depth,
+                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
+
+/* The plugin's method. */
+extern const sv_ref_method sv_ref_method_wall;
 
 #endif

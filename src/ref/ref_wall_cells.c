@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Costs of cells: the mean over the rays of each. */
 #include "ref/ref_wall_surface.h"
 

@@ -1,10 +1,8 @@
+/* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_evidence.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define LEAST_SPREAD 0.05 /* a wall of one single brightness */
 
 void sv_wall_tissue(const sv_wall_volume *v, const sv_wall_layout *l, uint32_t threshold, size_t pixel,
                     uint8_t *tissue) {
@@ -55,34 +53,54 @@ static bool wall_histogram(const sv_wall_volume *v, const sv_wall_layout *l, uin
     return true;
 }
 
-/* ln of the odds: as the level nears 255, saturation squeezes differences, and this stretches them again. */
-static double odds(double level) {
-    const double x = fmin(fmax(level, 1.0), 255.0);
-    return log(x / (255.5 - x));
+/* ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE, fixed-point: as the level nears 255,
+ * saturation squeezes differences, and this stretches them again. */
+static int32_t odds(const uint32_t *tables, uint32_t level) {
+    const int32_t here = (int32_t)tables[SV_WALL_ODDS + level / SV_WALL_LEVEL_ONE],
+                  next = (int32_t)tables[SV_WALL_ODDS + level / SV_WALL_LEVEL_ONE + 1];
+    return here + (next - here) * (int32_t)(level % SV_WALL_LEVEL_ONE) / SV_WALL_LEVEL_ONE;
 }
 
-static uint32_t probability(double evidence) {
-    return (uint32_t)(SV_WALL_SURE / (1.0 + exp(-evidence)) + 0.5);
-}
-
-bool sv_wall_evidence_of(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_settings *s,
-                         const sv_wall_levels *levels, const uint8_t *bright, sv_wall_evidence *out) {
-    uint64_t histogram[256] = {0};
-    *out = (sv_wall_evidence){0};
-    if (!wall_histogram(v, l, levels->threshold, bright, histogram, out)) return false;
-    if (out->wall_rays > 0 && out->wall_rays >= s->wall_share * out->rays) {
-        out->wall = sv_wall_quantile(histogram, s->wall_rank);
-        out->spread = fmax(odds(sv_wall_quantile(histogram, s->high_rank)) -
-                               odds(sv_wall_quantile(histogram, s->low_rank)),
-                           LEAST_SPREAD);
-    } else {
-        out->wall = fmin(s->assumed_wall * levels->bright, 255.0);
-        out->spread = s->assumed_spread;
+/* The logistic function, linear between the entries of its table. */
+static uint32_t probability(const uint32_t *tables, int32_t evidence) {
+    const uint32_t size = (uint32_t)(evidence < 0 ? -evidence : evidence), part = 1 << SV_WALL_LOGISTIC_BITS;
+    uint32_t p = SV_WALL_SURE;
+    if (size / part < SV_WALL_LOGISTIC) {
+        const uint32_t *at = tables + SV_WALL_CURVE + size / part;
+        p = at[0] + ((at[1] - at[0]) * (size % part) + part / 2) / part;
     }
-    for (int i = 0; i < 256; i++) {
-        const double above = (odds(i) - odds(out->wall)) / out->spread - s->level;
-        out->other[i] = probability(s->sure * above);
-        out->first[i] = probability(s->sure * (above - s->first));
+    return evidence < 0 ? SV_WALL_SURE - p : p;
+}
+
+/* Evidence of a brightness `above` spreads over the wall's. */
+static int32_t evidence(const sv_wall_layout *l, int32_t above) {
+    const int32_t most = SV_WALL_FAR_ABOVE;
+    return (above < -most ? -most : above > most ? most : above) * l->sure / 16;
+}
+
+bool sv_wall_evidence_of(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_levels *levels,
+                         const uint8_t *bright, sv_wall_evidence *out) {
+    uint64_t histogram[256] = {0};
+    uint32_t tables[SV_WALL_TABLE_WORDS];
+    *out = (sv_wall_evidence){0};
+    sv_wall_tables(tables);
+    if (!wall_histogram(v, l, levels->threshold, bright, histogram, out)) return false;
+    if (out->wall_rays > 0 &&
+        (uint64_t)out->wall_rays * SV_WALL_PER_MILLE >= (uint64_t)out->rays * l->wall_share) {
+        out->wall = sv_wall_quantile(histogram, l->wall_rank);
+        out->spread = odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
+                      odds(tables, sv_wall_quantile(histogram, l->low_rank));
+        if (out->spread < SV_WALL_SPREAD_LEAST) out->spread = SV_WALL_SPREAD_LEAST;
+    } else {
+        const uint32_t wall = levels->bright * l->assumed_wall / SV_WALL_PER_MILLE;
+        out->wall = wall < 255 * SV_WALL_LEVEL_ONE ? wall : 255 * SV_WALL_LEVEL_ONE;
+        out->spread = l->assumed_spread;
+    }
+    for (uint32_t i = 0; i < 256; i++) {
+        const int32_t more = odds(tables, i * SV_WALL_LEVEL_ONE) - odds(tables, out->wall);
+        const int32_t above = more * (1 << SV_WALL_ODDS_BITS) / out->spread - l->level;
+        out->other[i] = probability(tables, evidence(l, above));
+        out->first[i] = probability(tables, evidence(l, above - l->first));
     }
     return true;
 }

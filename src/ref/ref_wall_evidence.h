@@ -1,14 +1,14 @@
+/* SPDX-License-Identifier: MIT */
 /* How bright the wall is, and how likely tissue of a brightness is the fetus. */
 #ifndef REF_WALL_EVIDENCE_H
 #define REF_WALL_EVIDENCE_H
 
 #include "ref/ref_wall_levels.h"
 
-#define SV_WALL_SURE 32768 /* a probability of 1 */
-
 typedef struct {
     uint32_t rays, wall_rays;
-    double wall, spread;             /* grey levels; ln of the odds */
+    uint32_t wall;                   /* grey level, in units of 1 / SV_WALL_LEVEL_ONE */
+    int32_t spread;                  /* ln of the odds, fixed-point */
     uint32_t first[256], other[256]; /* brightness to probability: the first tissue of a ray, any other */
 } sv_wall_evidence;
 
@@ -28,7 +28,6 @@ bool sv_wall_first_run(const sv_wall_volume *volume, const sv_wall_layout *layou
 
 /* `bright` holds the brightness of every voxel (sv_wall_brightest). False: no memory. */
 bool sv_wall_evidence_of(const sv_wall_volume *volume, const sv_wall_layout *layout,
-                         const sv_wall_settings *settings, const sv_wall_levels *levels,
-                         const uint8_t *bright, sv_wall_evidence *out);
+                         const sv_wall_levels *levels, const uint8_t *bright, sv_wall_evidence *out);
 
 #endif

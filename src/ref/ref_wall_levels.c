@@ -1,12 +1,8 @@
+/* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_levels.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define TURNS      64 /* of the search for the split; it stood still after 12 at most */
-#define SMOOTH     4  /* levels to either side of each of two box filters over the histogram */
-#define ROOT_SCALE 256.0
 
 /* Sums over `reach` neighbours to either side along one axis: `blocks` times `count` values that lie `stride`
  * apart. */
@@ -94,41 +90,46 @@ void sv_wall_histogram(const sv_wall_volume *v, const sv_wall_layout *l, const u
         }
 }
 
-/* Lowest smoothed count between the modes of the two classes, relative to the lower mode. */
-static double valley(const uint64_t histogram[256], uint32_t threshold) {
+/* Lowest smoothed count between the modes of the two classes, and the lower mode. */
+static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
     uint64_t counts[256], smooth[256];
     memcpy(counts, histogram, sizeof counts);
     for (int turn = 0; turn < 2; turn++) {
         for (int i = 0; i < 256; i++) {
             smooth[i] = 0;
-            for (int k = i - SMOOTH; k <= i + SMOOTH; k++)
+            for (int k = i - SV_WALL_SMOOTH; k <= i + SV_WALL_SMOOTH; k++)
                 smooth[i] += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
         }
         memcpy(counts, smooth, sizeof counts);
     }
-    uint32_t dark = 0, bright = threshold + 1;
-    for (uint32_t i = 0; i <= threshold; i++)
+    uint32_t dark = 0, bright = out->threshold + 1;
+    for (uint32_t i = 0; i <= out->threshold; i++)
         if (smooth[i] > smooth[dark]) dark = i;
-    for (uint32_t i = threshold + 1; i < 256; i++)
+    for (uint32_t i = out->threshold + 1; i < 256; i++)
         if (smooth[i] > smooth[bright]) bright = i;
-    uint64_t least = smooth[dark] < smooth[bright] ? smooth[dark] : smooth[bright];
-    const double mode = (double)least;
+    const uint64_t mode = smooth[dark] < smooth[bright] ? smooth[dark] : smooth[bright];
+    uint64_t least = mode;
     for (uint32_t i = dark; i <= bright; i++)
         if (smooth[i] < least) least = smooth[i];
-    return mode > 0.0 ? (double)least / mode : 1.0;
+    if (mode == 0) return;
+    out->least = least;
+    out->mode = mode;
+    out->valley = (double)least / (double)mode;
 }
 
 sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
-    uint64_t root[256], all = 0, total = 0, split = 0;
+    uint32_t tables[SV_WALL_TABLE_WORDS];
+    const uint32_t *root = tables + SV_WALL_ROOTS;
+    uint64_t all = 0, total = 0, split = 0;
+    sv_wall_tables(tables);
     for (int i = 0; i < 256; i++) {
-        root[i] = (uint64_t)(ROOT_SCALE * sqrt(i) + 0.5);
         all += histogram[i];
         total += histogram[i] * root[i];
     }
-    sv_wall_levels out = {.valley = 1.0};
+    sv_wall_levels out = {.least = 1, .mode = 1, .valley = 1.0};
     if (all == 0) return out;
     uint64_t next = total / all;
-    for (int turn = 0; turn < TURNS && next != split; turn++) {
+    for (int turn = 0; turn < SV_WALL_TURNS && next != split; turn++) {
         uint64_t count = 0, sum = 0;
         split = next;
         for (int i = 0; i < 256 && root[i] <= split; i++) {
@@ -145,18 +146,30 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
         if (root[i] > split) sum += i * histogram[i];
     }
     out.two = count > 0 && count < all;
-    out.bright = out.two ? (double)sum / (double)count : 0.0;
-    out.valley = out.two ? valley(histogram, out.threshold) : 1.0;
+    if (!out.two) return out;
+    out.bright = (uint32_t)(SV_WALL_LEVEL_ONE * sum / count);
+    find_valley(histogram, &out);
     return out;
 }
 
-double sv_wall_quantile(const uint64_t histogram[256], double rank) {
-    double all = 0.0, below = 0.0;
-    for (int i = 0; i < 256; i++) all += (double)histogram[i];
-    for (int i = 0; i < 256; i++) {
-        const double count = (double)histogram[i];
-        if (count > 0.0 && below + count >= rank * all) return i - 0.5 + (rank * all - below) / count;
-        below += count;
+sv_wall_outcome sv_wall_outcome_of(const sv_wall_layout *l, const sv_wall_levels *levels) {
+    if (!levels->two) return SV_WALL_EMPTY;
+    return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
+}
+
+uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {
+    uint64_t all = 0, below = 0;
+    for (int i = 0; i < 256; i++) all += histogram[i];
+    const uint64_t wanted = all * rank; /* per mille */
+    for (uint32_t i = 0; i < 256; i++) {
+        const uint64_t upto = (below + histogram[i]) * SV_WALL_PER_MILLE;
+        if (histogram[i] > 0 && upto >= wanted) {
+            const uint64_t part =
+                (wanted - below * SV_WALL_PER_MILLE) * SV_WALL_LEVEL_ONE / (histogram[i] * SV_WALL_PER_MILLE);
+            const uint64_t level = (uint64_t)i * SV_WALL_LEVEL_ONE + part;
+            return level > SV_WALL_LEVEL_ONE / 2 ? (uint32_t)level - SV_WALL_LEVEL_ONE / 2 : 0;
+        }
+        below += histogram[i];
     }
-    return 255.0;
+    return 255 * SV_WALL_LEVEL_ONE;
 }

@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_rays.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* Products and shares of probabilities and costs, rounded half up. */
@@ -110,8 +110,9 @@ bool sv_wall_costs(const sv_wall_scan *s, size_t pixel, sv_wall_ray *ray, uint32
     const uint32_t in_first = first.touches && first.end > first.begin ? ray->begun[first.end - 1] : 0;
     for (uint32_t i = 0; i < l->labels; i++) {
         const uint32_t z = i * l->step;
-        const double far = ray->distance[z] == UINT32_MAX ? 1.0 : fmin(ray->distance[z] / l->tau, 1.0);
-        away[i] = (uint32_t)(SV_WALL_ONE * far + 0.5);
+        const uint32_t far = ray->distance[z] < l->far ? ray->distance[z] : l->far;
+        const uint32_t cost = (far * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
+        away[i] = cost < SV_WALL_ONE ? cost : SV_WALL_ONE;
         wrong[i] = share(l->cut, ray->begun[z]) + share(l->left, ray->later[z]);
         if (first.touches && z < first.end) {
             const uint32_t skin = z + l->skin < first.end ? z + l->skin : first.end - 1;

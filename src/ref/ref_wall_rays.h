@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a ray pays for being clipped at every label. */
 #ifndef REF_WALL_RAYS_H
 #define REF_WALL_RAYS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_surface.h"
 
 #include <math.h>
@@ -116,21 +117,21 @@ static void interpolate(const sv_wall_layout *l, const float *cells, float scale
  * here. */
 static float own_cost(const sv_wall_layout *l, const sv_wall_cells *cells, size_t cell, float label) {
     const size_t at = cell * l->labels + (size_t)(label + 0.5f);
-    return (float)(5 * cells->away[at] + 2 * cells->wrong[at]) / (2 * SV_WALL_CELL_ONE);
+    return (float)(SV_WALL_OWN_AWAY * cells->away[at] + 2 * cells->wrong[at]) / (2 * SV_WALL_CELL_ONE);
 }
 
-static void finish(const sv_wall_layout *l, const sv_wall_settings *s, const sv_wall_cells *cells,
-                   float *labels, float *chosen, float *depth, float *confidence) {
+static void finish(const sv_wall_layout *l, const sv_wall_cells *cells, float *labels, float *chosen,
+                   float *depth, float *confidence) {
     const uint32_t nx = l->cells_x, ny = l->cells_y;
     for (uint32_t y = 0; y < ny; y++)
         for (uint32_t x = 0; x < nx; x++) {
             const size_t cell = (size_t)y * nx + x;
-            chosen[cell] = s->median ? middle(labels, nx, ny, x, y) : labels[cell];
+            chosen[cell] = l->median ? middle(labels, nx, ny, x, y) : labels[cell];
         }
     for (size_t cell = 0; cell < (size_t)nx * ny; cell++)
         labels[cell] = own_cost(l, cells, cell, chosen[cell]);
     interpolate(l, chosen, (float)l->step, depth);
-    const float doubt = (float)s->doubt;
+    const float doubt = l->doubt;
     for (uint32_t y = 0; y < ny; y++)
         for (uint32_t x = 0; x < nx; x++) {
             const float own = smooth(labels, nx, ny, x, y) / doubt;
@@ -139,8 +140,7 @@ static void finish(const sv_wall_layout *l, const sv_wall_settings *s, const sv_
     interpolate(l, chosen, 1.0f, confidence);
 }
 
-bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_settings *s, const sv_wall_cells *cells,
-                      float *depth, float *confidence) {
+bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_cells *cells, float *depth, float *confidence) {
     const size_t count = (size_t)l->cells_x * l->cells_y, all = count * l->labels;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
     float *labels = calloc(count, sizeof *labels), *chosen = calloc(count, sizeof *chosen);
@@ -149,7 +149,7 @@ bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_settings *s, const 
         for (size_t i = 0; i < all; i++) costs[i] = cells->away[i] + cells->wrong[i];
         blur(l, costs, rows);
         for (size_t i = 0; i < count; i++) labels[i] = cheapest(costs + i * l->labels, l->labels, l->slack);
-        finish(l, s, cells, labels, chosen, depth, confidence);
+        finish(l, cells, labels, chosen, depth, confidence);
     }
     free(costs);
     free(rows);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* From the costs of cells to a surface and its confidence. */
 #ifndef REF_WALL_SURFACE_H
 #define REF_WALL_SURFACE_H
@@ -16,7 +17,7 @@ bool sv_wall_cells_create(const sv_wall_scan *scan, sv_wall_cells *cells);
 void sv_wall_cells_destroy(sv_wall_cells *cells);
 
 /* Maps of width * height. False: no memory. */
-bool sv_wall_cheapest(const sv_wall_layout *layout, const sv_wall_settings *settings,
-                      const sv_wall_cells *cells, float *depth, float *confidence);
+bool sv_wall_cheapest(const sv_wall_layout *layout, const sv_wall_cells *cells, float *depth,
+                      float *confidence);
 
 #endif
