@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Costs of cells: the mean over the rays of each. */
-#include "ref/ref_wall_surface.h"
+#include "ref/ref_wall_cells.h"
 
 #include <stdlib.h>
 

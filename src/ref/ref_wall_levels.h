@@ -4,7 +4,7 @@
 #ifndef REF_WALL_LEVELS_H
 #define REF_WALL_LEVELS_H
 
-#include "ref/ref_wall.h"
+#include "ref/ref_wall_volume.h"
 
 /* Means of boxes, rounded half up; what was not scanned counts as 0. One a voxel. False: no memory. */
 bool sv_wall_means(const sv_wall_volume *volume, const sv_wall_layout *layout, uint8_t *means);

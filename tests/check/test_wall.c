@@ -64,7 +64,8 @@ static bool is_exact(const rig *r) {
     return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
 }
 
-static void compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
+/* True if there is a surface. */
+static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
     const size_t count = (size_t)s->width * s->height;
     const double bound = is_exact(r) ? 0.0 : s->slices * 16.0 * 0x1p-24;
     const rig_format f = {.width = s->width,
@@ -109,6 +110,7 @@ static void compare(rig *r, const shape *s, const uint8_t *volume, const char *w
     rig_result_free(&out);
     expected_free(&e);
     free(confidence);
+    return e.outcome == SV_WALL_SURFACE;
 }
 
 static void test_scenes(void **state) {
@@ -118,13 +120,13 @@ static void test_scenes(void **state) {
         hs_error err = {0};
         assert_true(hs_scene_generate(names[n], 96, 1, &data, &err));
         const shape s = {.width = 96, .height = 96, .slices = 96, .slab_slices = 16};
-        compare(*state, &s, data.full.voxels, names[n]);
+        assert_true(compare(*state, &s, data.full.voxels, names[n]));
         if (n == 1) {
             const uint32_t lengths[] = {96, 1, 7};
             for (size_t i = 0; i < 3; i++) {
                 shape other = s;
                 other.slab_slices = lengths[i];
-                compare(*state, &other, data.full.voxels, "other slabs");
+                assert_true(compare(*state, &other, data.full.voxels, "other slabs"));
             }
         }
         hs_scene_free(&data);
@@ -142,7 +144,7 @@ static void test_any_volume(void **state) {
         for (int kind = 0; kind < RIG_KIND_COUNT; kind++) {
             const shape *s = &shapes[n];
             uint8_t *volume = rig_volume((rig_kind)kind, s->width, s->height, s->slices, 77 + (uint32_t)n);
-            compare(*state, s, volume, kinds[kind]);
+            (void)compare(*state, s, volume, kinds[kind]);
             free(volume);
         }
 }
@@ -150,8 +152,7 @@ static void test_any_volume(void **state) {
 /* Tissue, fluid and bone in layers of up to `longest` slices, the same for patches of rays but for their
  * ends: thin tissue, narrow fluid, rays that begin in fluid. */
 static uint8_t *layered_noise(uint32_t width, uint32_t height, uint32_t slices, uint32_t longest,
-                              uint32_t seed) {
-    enum { PATCH = 14 };
+                              uint32_t patch_side, uint32_t seed) {
     static const uint8_t levels[] = {4, 80, 8, 120, 12, 220};
     const size_t plane = (size_t)width * height;
     uint8_t *volume = malloc(plane * slices);
@@ -159,7 +160,8 @@ static uint8_t *layered_noise(uint32_t width, uint32_t height, uint32_t slices, 
     assert_non_null(volume);
     for (size_t i = 0; i < plane; i++) {
         uint32_t patch =
-            (uint32_t)(i % width / PATCH * 7919 + i / width / PATCH * 104729 + seed + 1) * 2654435761u;
+            (uint32_t)(i % width / patch_side * 7919 + i / width / patch_side * 104729 + seed + 1) *
+            2654435761u;
         if (patch == 0) patch = 1;
         for (uint32_t n = 0; n < 4; n++) (void)surface_random(&patch);
         for (uint32_t z = 0, layer = surface_random(&patch) % 2; z < slices; layer++) {
@@ -177,28 +179,58 @@ static void test_spacings(void **state) {
     static const float spacings[][3] = {{0.9f, 0.9f, 0.9f},   {0.5f, 0.5f, 0.5f},    {0.3f, 0.4f, 0.35f},
                                         {0.15f, 0.2f, 0.12f}, {0.05f, 0.05f, 0.05f}, {0.01f, 3.0f, 0.7f},
                                         {2.0f, 1.0f, 4.5f},   {20.0f, 20.0f, 20.0f}, {50.0f, 0.7f, 0.7f}};
+    uint32_t surfaces = 0;
     for (uint32_t n = 0; n < sizeof spacings / sizeof *spacings; n++) {
         shape s = {.width = 70, .height = 61, .slices = 90, .slab_slices = 16, .padding = SV_NO_PADDING};
         const double longest = 9.0 / (double)spacings[n][2];
-        uint8_t *volume = layered_noise(s.width, s.height, s.slices, 2 + (uint32_t)fmin(longest, 40.0), n);
+        uint8_t *volume = layered_noise(s.width, s.height, s.slices, 10 + (uint32_t)fmin(longest, 30.0),
+                                        14 + (uint32_t)fmin(2.5 / (double)spacings[n][1], 36.0), n);
         char what[64];
         memcpy(s.spacing_mm, spacings[n], sizeof s.spacing_mm);
         (void)snprintf(what, sizeof what, "%g, %g, %g mm", (double)s.spacing_mm[0], (double)s.spacing_mm[1],
                        (double)s.spacing_mm[2]);
-        compare(*state, &s, volume, what);
+        surfaces += compare(*state, &s, volume, what);
         free(volume);
     }
+    assert_true(surfaces >= 7); /* or the test would say little */
 }
 
 static void test_layered_noise(void **state) {
+    uint32_t surfaces = 0;
     for (uint32_t n = 0; n < 6; n++) {
         shape s = {
             .width = 50 + 11 * n, .height = 61, .slices = 80 - 7 * n, .slab_slices = 16, .padding = -1};
         for (int axis = 0; axis < 3; axis++) s.spacing_mm[axis] = 0.5f + 0.3f * (float)n;
-        uint8_t *volume = layered_noise(s.width, s.height, s.slices, 12, n);
-        compare(*state, &s, volume, "layered noise");
+        uint8_t *volume = layered_noise(s.width, s.height, s.slices, 12, 14, n);
+        surfaces += compare(*state, &s, volume, "layered noise");
         free(volume);
     }
+    assert_true(surfaces >= 5);
+}
+
+/* Unscanned voxels, and only those, hold 0: ranges, a padding value and both come to the same. Changes the
+ * volume. */
+static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned *ranges, uint32_t width,
+                                      uint32_t height, uint32_t slices) {
+    const size_t plane = (size_t)width * height;
+    for (size_t i = 0; i < plane; i++)
+        for (uint32_t z = 0; z < slices; z++) {
+            uint8_t *v = &volume[z * plane + i];
+            *v = z >= ranges[i].first && z < ranges[i].end ? (uint8_t)(*v | 1) : 0;
+        }
+    const shape told = {width, height, slices, 10, SV_NO_PADDING, {0}, ranges};
+    shape both = told, padded = told;
+    both.padding = padded.padding = 0;
+    padded.scanned = NULL;
+    const shape *const all[] = {&told, &both, &padded};
+    expected first = expect(&told, volume);
+    for (size_t n = 0; n < 3; n++) {
+        expected e = expect(all[n], volume);
+        assert_memory_equal(e.depth, first.depth, plane * sizeof(float));
+        assert_true(compare(r, all[n], volume, "ranges or padding"));
+        expected_free(&e);
+    }
+    expected_free(&first);
 }
 
 /* Ranges of a fan, with rays that were not scanned, with and without a padding value besides. */
@@ -208,7 +240,7 @@ static void test_ranges(void **state) {
     hs_scene_data data;
     hs_error err = {0};
     assert_true(hs_scene_generate("E01", D, 1, &data, &err));
-    uint8_t *volume = layered_noise(W, H, D, 12, 9);
+    uint8_t *volume = layered_noise(W, H, D, 12, 14, 9);
     for (uint32_t y = 0; y < H; y++)
         for (uint32_t x = 0; x < W; x++) {
             const uint32_t off = (x > W / 2 ? x - W / 2 : W / 2 - x) / 3 + y / 12;
@@ -220,11 +252,12 @@ static void test_ranges(void **state) {
     const int32_t paddings[] = {SV_NO_PADDING, 0, 4, 255};
     for (size_t i = 0; i < 4; i++) {
         const shape s = {W, H, D, 10, paddings[i], {1.0f, 1.1f, 0.9f}, ranges};
-        compare(*state, &s, volume, "ranges of a fan");
+        assert_true(compare(*state, &s, volume, "ranges of a fan"));
     }
+    assert_ranges_are_padding(*state, volume, ranges, W, H, D);
     memset(ranges, 0, sizeof ranges);
     const shape none = {W, H, D, 10, SV_NO_PADDING, {0}, ranges};
-    compare(*state, &none, volume, "nothing was scanned");
+    assert_false(compare(*state, &none, volume, "nothing was scanned"));
     free(volume);
     hs_scene_free(&data);
 }
