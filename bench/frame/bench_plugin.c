@@ -98,7 +98,7 @@ static bool make_values(bench *b, hs_error *err) {
     }
     for (uint32_t v = 0; v < s->value_count; v++) {
         b->values[b->value_count++] = s->values[v];
-        for (uint32_t i = 0; i < b->instance->param_count(b->instance); i++) {
+        for (uint32_t i = 0; i < hs_plugin_param_count(s->plugin); i++) {
             sv_param_info info = {.size = sizeof info};
             if (b->instance->param_info(b->instance, i, &info) == SV_OK && info.id == s->values[v].id &&
                 (info.flags & SV_PARAM_REACTIVATE))

@@ -34,7 +34,7 @@ static sv_status one_frame(const sv_plugin *p, int ranges) {
                               .first_slice = z,
                               .slice_count = SLAB,
                               .memory = volume[z],
-                              .bytes = SLAB * RAYS};
+                              .bytes = sizeof volume[0] * SLAB};
         status = p->slab(p, &slab);
     }
     const sv_result result = {.size = sizeof result, .depth = depthmap};

@@ -41,12 +41,6 @@ static void flag_names(uint32_t flags, char *out, size_t bytes) {
             used += (size_t)snprintf(out + used, bytes - used, "%s%s", used ? ", " : "", names[bit]);
 }
 
-/* A value as the plugin itself words it. */
-static void value_text(const sv_plugin *p, const sv_param_info *info, double value, char *out,
-                       uint32_t bytes) {
-    if (p->param_text(p, info->id, value, out, bytes) != SV_OK) (void)snprintf(out, bytes, "%g", value);
-}
-
 /* "0 .. 1.5" or, for an enum, all its names. */
 static void range_text(const hs_plugin *plugin, const sv_param_info *info, char *out, size_t bytes) {
     const uint32_t names = hs_plugin_enum_count(info);
@@ -54,8 +48,8 @@ static void range_text(const hs_plugin *plugin, const sv_param_info *info, char 
     double value;
     size_t used = 0;
     if (names == 0 || names > MAX_NAMES) {
-        value_text(plugin->instance, info, info->min_value, low, sizeof low);
-        value_text(plugin->instance, info, info->max_value, high, sizeof high);
+        hs_plugin_value_text(plugin, info, info->min_value, low, sizeof low);
+        hs_plugin_value_text(plugin, info, info->max_value, high, sizeof high);
         (void)snprintf(out, bytes, "%s .. %s", low, high);
         return;
     }
@@ -78,7 +72,7 @@ static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) 
     char flags[64], range[256], value[64];
     flag_names(info->flags, flags, sizeof flags);
     range_text(plugin, info, range, sizeof range);
-    value_text(plugin->instance, info, info->default_value, value, sizeof value);
+    hs_plugin_value_text(plugin, info, info->default_value, value, sizeof value);
     (void)printf("  %-16s %s%s%s%s\n", info->key, info->label, flags[0] ? " (" : "", flags,
                  flags[0] ? ")" : "");
     (void)printf("  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
@@ -100,7 +94,7 @@ static bool print_group(const hs_plugin *plugin, const char *group, const list_l
                         const sv_param_value *values, uint32_t *left_out, hs_error *err) {
     const sv_plugin *p = plugin->instance;
     bool headed = false;
-    for (uint32_t i = 0; i < p->param_count(p); i++) {
+    for (uint32_t i = 0; i < hs_plugin_param_count(plugin); i++) {
         sv_param_info info;
         if (!read_parameter(plugin, i, &info, err)) return false;
         if (strcmp(info.group, group) != 0) continue;
@@ -157,7 +151,7 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
     sv_param_value values[MAX_SETS];
     if (!hs_plugin_open(&plugin, line->path, d->id, SV_LOG_WARNING, err)) return false;
     const sv_plugin *p = plugin.instance;
-    const uint32_t count = p->param_count(p);
+    const uint32_t count = hs_plugin_param_count(&plugin);
     bool ok = true;
     for (uint32_t i = 0; ok && i < line->set_count; i++)
         ok = hs_plugin_parse_param(&plugin, line->sets[i], &values[i], err);

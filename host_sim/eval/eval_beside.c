@@ -39,7 +39,7 @@ static void name_method(const hs_plugin *plugin, const hs_eval_values *values, c
     double value = info.default_value;
     for (uint32_t i = 0; i < values->count; i++)
         if (values->at[i].id == info.id) value = values->at[i].value;
-    (void)plugin->instance->param_text(plugin->instance, info.id, value, out, bytes);
+    hs_plugin_value_text(plugin, &info, value, out, bytes);
 }
 
 /* What the user set, and any evidence, as in the parameter space. */

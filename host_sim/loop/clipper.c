@@ -2,9 +2,14 @@
 #include "loop/clipper.h"
 
 #include "loop/confidence_map.h"
+#include "plugin/loader_param.h"
+#include "render/map_check.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define DEPTH_LIMIT 2.0f /* times the slices, before and behind: no surface lies farther out */
 
 struct hs_clipper {
     const hs_plugin *plugin; /* NULL: none */
@@ -15,26 +20,30 @@ struct hs_clipper {
     bool want_status, want_confidence;
     const sv_param_value *values;
     uint32_t value_count;
-    size_t pixels;     /* of the depthmap */
-    cl_mem depth;      /* device, float32: what the renderer reads */
-    float *host_depth; /* own queue: where the plugin writes */
-    uint8_t *status;   /* SV_POINT_* */
+    size_t pixels;      /* of the depthmap */
+    cl_mem depth;       /* device, float32: what the renderer reads */
+    float *host_depth;  /* own queue: where the plugin writes */
+    uint8_t *status;    /* SV_POINT_* */
+    hs_map_check check; /* of depths that cannot be meant */
     hs_confidence_map *confidence;
     sv_stats stats;          /* written by the queue; valid when it has run */
     sv_points_report points; /* the same; size is 0 if the plugin does not have the extension */
     hs_error error;          /* the plugin's first failure */
 };
 
-/* The values of parameters that only activate reads. Others in the format would be refused or ignored. */
+/* The values of parameters that only activate reads. Others in the format would be refused or ignored. No
+ * more are picked than were given, however often the plugin lists a parameter. */
 static bool pick_reactivate_values(const hs_clipper *clipper, sv_param_value *out, uint32_t *count) {
     const sv_plugin *instance = clipper->plugin->instance;
     *count = 0;
-    for (uint32_t i = 0; i < instance->param_count(instance); i++) {
+    for (uint32_t v = 0; v < clipper->value_count; v++) {
         sv_param_info info = {.size = sizeof info};
-        if (instance->param_info(instance, i, &info) != SV_OK) return false;
-        if (!(info.flags & SV_PARAM_REACTIVATE)) continue;
-        for (uint32_t v = 0; v < clipper->value_count; v++)
-            if (clipper->values[v].id == info.id) out[(*count)++] = clipper->values[v];
+        uint32_t left = hs_plugin_param_count(clipper->plugin);
+        for (uint32_t i = 0; left > 0; i++, left--) {
+            if (instance->param_info(instance, i, &info) != SV_OK) return false;
+            if (info.id == clipper->values[v].id) break;
+        }
+        if (left > 0 && (info.flags & SV_PARAM_REACTIVATE)) out[(*count)++] = clipper->values[v];
     }
     return true;
 }
@@ -71,6 +80,8 @@ static bool activate(hs_clipper *clipper, hs_error *err) {
 }
 
 static bool create_memory(hs_clipper *clipper, hs_error *err) {
+    const hs_slab_layout *layout = hs_slabs_layout(clipper->slabs);
+    if (!hs_map_check_create(&clipper->check, clipper->cl, layout->width, layout->height, err)) return false;
     cl_int code;
     clipper->depth =
         clCreateBuffer(clipper->cl->context, CL_MEM_READ_WRITE, clipper->pixels * sizeof(float), NULL, &code);
@@ -111,6 +122,7 @@ void hs_clipper_destroy(hs_clipper *clipper) {
     if (!clipper) return;
     if (clipper->active) clipper->plugin->instance->deactivate(clipper->plugin->instance);
     hs_confidence_map_destroy(clipper->confidence);
+    hs_map_check_destroy(&clipper->check);
     if (clipper->depth) clReleaseMemObject(clipper->depth);
     free(clipper->host_depth);
     free(clipper->status);
@@ -142,9 +154,24 @@ bool hs_outcome_clips(sv_status outcome) {
     return outcome == SV_OK || outcome == SV_PARTIAL;
 }
 
+/* What no plugin writes: what still holds it was not written. */
+enum { UNWRITTEN = INT32_MIN };
+
+/* Before the plugin is asked: an earlier frame's map is forgotten. NaN is no depth, so that a pixel that the
+ * plugin leaves out is found. */
+static bool clear_map(hs_clipper *clipper, hs_error *err) {
+    static const float nothing = NAN;
+    const size_t bytes = clipper->pixels * sizeof nothing;
+    if (clipper->own_queue)
+        for (size_t i = 0; i < clipper->pixels; i++) clipper->host_depth[i] = nothing;
+    const cl_int code = clEnqueueFillBuffer(clipper->cl->queue, clipper->depth, &nothing, sizeof nothing, 0,
+                                            bytes, 0, NULL, NULL);
+    return hs_cl_check(code, "clEnqueueFillBuffer (depthmap)", err);
+}
+
 /* Where the plugin shall write; the statistics are emptied. */
 static sv_result make_result(hs_clipper *clipper) {
-    clipper->stats = (sv_stats){.size = sizeof clipper->stats};
+    clipper->stats = (sv_stats){.size = sizeof clipper->stats, .outcome = UNWRITTEN};
     return (sv_result){.size = sizeof(sv_result),
                        .depth = clipper->own_queue ? clipper->host_depth : NULL,
                        .depth_object = clipper->own_queue ? NULL : clipper->depth,
@@ -165,13 +192,14 @@ static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **
     hs_slabs_describe_frame(clipper->slabs, clipper->own_queue, &frame);
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);
-    for (uint32_t i = 0; status >= SV_OK && i < hs_slabs_count(clipper->slabs); i++) {
+    for (uint32_t i = 0;
+         (status >= SV_OK && hs_status_is_known(status)) && i < hs_slabs_count(clipper->slabs); i++) {
         sv_slab slab;
         *call = "slab";
         hs_slabs_describe(clipper->slabs, i, &slab);
         status = instance->slab(instance, &slab);
     }
-    if (status < SV_OK) return status;
+    if (!(status >= SV_OK && hs_status_is_known(status))) return status;
     *call = "end";
     const sv_result result = make_result(clipper);
     return instance->end(instance, &result);
@@ -180,11 +208,32 @@ static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **
 /* After the plugin's last call, behind its commands: the confidence, and a depthmap of its own queue. */
 static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
     if (!hs_confidence_map_ask(clipper->confidence, clipper->want_confidence, err)) return false;
-    if (!clipper->own_queue) return true;
-    const cl_int code =
-        clEnqueueWriteBuffer(clipper->cl->queue, clipper->depth, CL_FALSE, 0, clipper->pixels * sizeof(float),
-                             clipper->host_depth, 0, NULL, NULL);
-    return hs_cl_check(code, "clEnqueueWriteBuffer (depthmap)", err);
+    if (clipper->own_queue) {
+        const cl_int code =
+            clEnqueueWriteBuffer(clipper->cl->queue, clipper->depth, CL_FALSE, 0,
+                                 clipper->pixels * sizeof(float), clipper->host_depth, 0, NULL, NULL);
+        if (!hs_cl_check(code, "clEnqueueWriteBuffer (depthmap)", err)) return false;
+    }
+    const float most = DEPTH_LIMIT * (float)hs_slabs_layout(clipper->slabs)->slices;
+    return hs_map_check_enqueue(&clipper->check, clipper->depth, -most, most, err);
+}
+
+/* What can be said against a frame whose calls all succeeded; keeps the first of it. */
+static bool holds_up(hs_clipper *clipper, sv_status status) {
+    const char *path = clipper->plugin->path;
+    const sv_status outcome = status == SV_OK ? clipper->stats.outcome : status;
+    if (outcome == UNWRITTEN)
+        return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: end: returned SV_OK, but wrote no statistics",
+                       path);
+    if (!hs_status_is_known(outcome))
+        return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: end: the outcome %d is none of the header's",
+                       path, (int)outcome);
+    if (hs_outcome_clips(outcome) && clipper->check.count > 0)
+        return hs_fail(
+            &clipper->error, HS_ERR_PLUGIN,
+            "%s: end: %d of %zu depths were not written, are not finite or lie beyond %g times the volume",
+            path, (int)clipper->check.count, clipper->pixels, (double)DEPTH_LIMIT);
+    return hs_plugin_check(clipper->plugin, outcome, "end", &clipper->error);
 }
 
 /* The depthmap is on the device, the queue has run, and the outcome is known. */
@@ -195,8 +244,13 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     /* Waiting here costs some 30 us and settles two things: the statistics are valid, and the host knows the
      * outcome before it renders. After a failure the plugin's commands may still be under way, too. */
     if (!hs_cl_check(clFinish(clipper->cl->queue), "clFinish (plugin)", err)) return false;
-    if (status < SV_OK) {
+    if (status < SV_OK || !hs_status_is_known(status)) {
         (void)hs_plugin_check(clipper->plugin, status, call, &clipper->error);
+        if (status > SV_OK) clip->outcome = SV_ERR_INTERNAL;
+        return true;
+    }
+    if (!holds_up(clipper, status)) {
+        clip->outcome = SV_ERR_INTERNAL;
         return true;
     }
     clip->stats = clipper->stats;
@@ -212,6 +266,7 @@ bool hs_clipper_frame(hs_clipper *clipper, hs_moment moment, hs_clip *clip, hs_e
     *clip = (hs_clip){.outcome = SV_ERR_STATE};
     if (!clipper->active) return true;
     const char *call;
+    if (!clear_map(clipper, err)) return false;
     const sv_status status = ask_plugin(clipper, moment, &call);
     return settle(clipper, status, call, clip, err);
 }
@@ -220,6 +275,7 @@ bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip,
     *clip = (hs_clip){.outcome = SV_ERR_STATE};
     if (!clipper->active) return true;
     const sv_plugin *instance = clipper->plugin->instance;
+    if (!clear_map(clipper, err)) return false;
     const sv_result result = make_result(clipper);
     return settle(clipper, instance->adjust(instance, &value, 1, &result), "adjust", clip, err);
 }

@@ -2,7 +2,7 @@
 #include "loop/confidence_map.h"
 
 #include "plugin/plugin_ext.h"
-#include "render/host_launch.h"
+#include "render/map_check.h"
 
 #include <stdlib.h>
 
@@ -11,13 +11,11 @@ struct hs_confidence_map {
     const hs_plugin *plugin;
     const sv_ext_confidence *ext; /* NULL: the plugin gives none */
     bool own_queue, asked;
-    uint32_t width;
-    size_t rows, pixels;
+    uint32_t width, height;
+    size_t pixels;
     cl_mem values;      /* device, float32: for the renderer */
     float *host_values; /* own queue: where the plugin writes */
-    cl_kernel check;    /* counts values that are out of range, into `wrong` */
-    cl_mem wrong;
-    cl_int wrong_count; /* of the last frame; valid when the queue has run */
+    hs_map_check check; /* of values that are no confidence */
     hs_error error;
 };
 
@@ -32,10 +30,7 @@ static bool create_memory(hs_confidence_map *map, hs_error *err) {
     cl_int code;
     map->values = clCreateBuffer(context, CL_MEM_READ_WRITE, map->pixels * sizeof(float), NULL, &code);
     if (!hs_cl_check(code, "clCreateBuffer (confidence)", err)) return false;
-    map->wrong = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof(cl_int), NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (confidence's check)", err)) return false;
-    map->check = clCreateKernel(map->cl->program, "check_confidence", &code);
-    if (!hs_cl_check(code, "clCreateKernel(check_confidence)", err)) return false;
+    if (!hs_map_check_create(&map->check, map->cl, map->width, map->height, err)) return false;
     map->host_values = calloc(map->pixels, sizeof(float));
     return map->host_values ||
            hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", map->pixels);
@@ -53,7 +48,7 @@ hs_confidence_map *hs_confidence_map_create(const hs_cl *cl, const hs_plugin *pl
     map->ext = find(plugin);
     map->own_queue = own_queue;
     map->width = width;
-    map->rows = height;
+    map->height = height;
     map->pixels = (size_t)width * height;
     if (!map->ext || create_memory(map, err)) return map;
     hs_confidence_map_destroy(map);
@@ -62,28 +57,10 @@ hs_confidence_map *hs_confidence_map_create(const hs_cl *cl, const hs_plugin *pl
 
 void hs_confidence_map_destroy(hs_confidence_map *map) {
     if (!map) return;
-    if (map->check) clReleaseKernel(map->check);
-    if (map->wrong) clReleaseMemObject(map->wrong);
+    hs_map_check_destroy(&map->check);
     if (map->values) clReleaseMemObject(map->values);
     free(map->host_values);
     free(map);
-}
-
-/* Counts the values that are no confidence, in the order of the queue. */
-static bool enqueue_check(hs_confidence_map *map, hs_error *err) {
-    static const cl_int none = 0;
-    const cl_command_queue queue = map->cl->queue;
-    const cl_int width = (cl_int)map->width;
-    cl_int code = clEnqueueFillBuffer(queue, map->wrong, &none, sizeof none, 0, sizeof none, 0, NULL, NULL);
-    if (!hs_cl_check(code, "clEnqueueFillBuffer (confidence)", err)) return false;
-    hs_launch launch = hs_launch_begin(map->cl, map->check, "check_confidence");
-    hs_launch_buffer(&launch, map->values);
-    hs_launch_arg(&launch, sizeof width, &width);
-    hs_launch_buffer(&launch, map->wrong);
-    if (!hs_launch_run(&launch, 1, &map->rows, NULL, NULL, err)) return false;
-    code = clEnqueueReadBuffer(queue, map->wrong, CL_FALSE, 0, sizeof map->wrong_count, &map->wrong_count, 0,
-                               NULL, NULL);
-    return hs_cl_check(code, "clEnqueueReadBuffer (confidence)", err);
 }
 
 bool hs_confidence_map_ask(hs_confidence_map *map, bool wanted, hs_error *err) {
@@ -105,14 +82,14 @@ bool hs_confidence_map_ask(hs_confidence_map *map, bool wanted, hs_error *err) {
                                  map->host_values, 0, NULL, NULL);
         if (!hs_cl_check(code, "clEnqueueWriteBuffer (confidence)", err)) return false;
     }
-    map->asked = enqueue_check(map, err);
+    map->asked = hs_map_check_enqueue(&map->check, map->values, 0.0f, 1.0f, err);
     return map->asked;
 }
 
 bool hs_confidence_map_settle(hs_confidence_map *map) {
-    if (!map->asked || map->wrong_count == 0) return map->asked;
+    if (!map->asked || map->check.count == 0) return map->asked;
     return hs_fail(&map->error, HS_ERR_PLUGIN, "%s: confidence: %d of %zu values are not in 0 .. 1",
-                   map->plugin->path, (int)map->wrong_count, map->pixels);
+                   map->plugin->path, (int)map->check.count, map->pixels);
 }
 
 cl_mem hs_confidence_map_values(const hs_confidence_map *map) {

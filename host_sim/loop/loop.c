@@ -52,8 +52,8 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     return true;
 }
 
-/* What the plugin takes decides how slabs go to it; the loop's own options then say so. A plugin that does not take
- * what it must is `refused`: the loop goes on without it. */
+/* What the plugin takes decides how slabs go to it; the loop's own options then say so. A plugin that does
+ * not take what it must is `refused`: the loop goes on without it. */
 static void fit_plugin(hs_loop *loop, const hs_plugin *plugin, hs_error *refused) {
     hs_loop_options *o = &loop->options;
     hs_handover way = {o->carrier, o->own_queue};

@@ -12,7 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *hs_status_name(sv_status status) {
+/* The name of a status of the header, or NULL. */
+static const char *find_status(sv_status status) {
 #define NAME(code)                                                                                           \
     { code, #code }
     static const struct {
@@ -43,7 +44,16 @@ const char *hs_status_name(sv_status status) {
 #undef NAME
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (names[i].code == status) return names[i].name;
-    return "unknown status";
+    return NULL;
+}
+
+const char *hs_status_name(sv_status status) {
+    const char *name = find_status(status);
+    return name ? name : "unknown status";
+}
+
+bool hs_status_is_known(sv_status status) {
+    return find_status(status) != NULL;
 }
 
 static const char *severity_name(int32_t severity) {
@@ -193,7 +203,7 @@ void hs_plugin_close(hs_plugin *plugin) {
 }
 
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err) {
-    if (status >= SV_OK) return true;
+    if (status >= SV_OK && hs_status_is_known(status)) return true;
     const char *reason = plugin->instance ? plugin->instance->last_error(plugin->instance) : NULL;
     return hs_fail(err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status),
                    status, reason && reason[0] ? reason : "the plugin gave no reason");

@@ -25,7 +25,10 @@ void hs_plugin_default_path(char *out, size_t bytes);
 bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);
 
-/* True on SV_OK and on positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status
+/* True for a status that the header names. */
+bool hs_status_is_known(sv_status status);
+
+/* True on SV_OK and on the header's positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status
  * name> (<number>): <last_error>". */
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err);
 

@@ -9,6 +9,11 @@
 /* An enum's values are few; a plugin that claims more than this is not asked for all their names. */
 #define MAX_ENUM_VALUES 256
 
+uint32_t hs_plugin_param_count(const hs_plugin *plugin) {
+    const uint32_t count = plugin->instance->param_count(plugin->instance);
+    return count < HS_MAX_PARAMS ? count : HS_MAX_PARAMS;
+}
+
 static bool param_at(const hs_plugin *plugin, uint32_t index, sv_param_info *info) {
     *info = (sv_param_info){.size = sizeof *info};
     return plugin->instance->param_info(plugin->instance, index, info) == SV_OK && info->key && info->label &&
@@ -16,14 +21,14 @@ static bool param_at(const hs_plugin *plugin, uint32_t index, sv_param_info *inf
 }
 
 bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info) {
-    uint32_t count = plugin->instance->param_count(plugin->instance);
+    uint32_t count = hs_plugin_param_count(plugin);
     for (uint32_t i = 0; i < count; i++)
         if (param_at(plugin, i, info) && strcmp(info->key, key) == 0) return true;
     return false;
 }
 
 bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info) {
-    uint32_t count = plugin->instance->param_count(plugin->instance);
+    uint32_t count = hs_plugin_param_count(plugin);
     for (uint32_t i = 0; i < count; i++)
         if (param_at(plugin, i, info) && (info->flags & SV_PARAM_PRIMARY)) return true;
     return false;
@@ -34,11 +39,29 @@ static bool unknown_key(const hs_plugin *plugin, const char *key, hs_error *err)
     char known[512] = "";
     size_t used = 0;
     sv_param_info info;
-    uint32_t count = plugin->instance->param_count(plugin->instance);
+    uint32_t count = hs_plugin_param_count(plugin);
     for (uint32_t i = 0; i < count && used < sizeof known; i++)
         if (param_at(plugin, i, &info))
             used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", info.key);
     return hs_fail(err, HS_ERR_USAGE, "%s: no parameter '%s' (there are: %s)", plugin->path, key, known);
+}
+
+/* The plugin's text of a value; false if it has none. The plugin is told of one byte less than there are: a
+ * NUL stands there, whatever it writes. */
+static bool read_text(const hs_plugin *plugin, const sv_param_info *info, double value, char *out,
+                      uint32_t bytes) {
+    if (bytes < 2) return false;
+    out[0] = out[bytes - 1] = '\0';
+    if (plugin->instance->param_text(plugin->instance, info->id, value, out, bytes - 1) != SV_OK)
+        return false;
+    for (char *c = out; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+    return true;
+}
+
+void hs_plugin_value_text(const hs_plugin *plugin, const sv_param_info *info, double value, char *out,
+                          uint32_t bytes) {
+    if (!read_text(plugin, info, value, out, bytes)) (void)snprintf(out, bytes, "%g", value);
 }
 
 uint32_t hs_plugin_enum_count(const sv_param_info *info) {
@@ -50,7 +73,7 @@ uint32_t hs_plugin_enum_count(const sv_param_info *info) {
 bool hs_plugin_enum_at(const hs_plugin *plugin, const sv_param_info *info, uint32_t index, double *value,
                        char *name, uint32_t bytes) {
     *value = info->min_value + index * (info->step > 0 ? info->step : 1.0);
-    return plugin->instance->param_text(plugin->instance, info->id, *value, name, bytes) == SV_OK;
+    return read_text(plugin, info, *value, name, bytes);
 }
 
 bool hs_plugin_find_enum(const hs_plugin *plugin, const sv_param_info *info, const char *name,

@@ -5,6 +5,15 @@
 
 #include "plugin/loader.h"
 
+/* Parameters of the plugin; of more than HS_MAX_PARAMS the rest are left out: no plugin means so many. */
+#define HS_MAX_PARAMS 1024u
+uint32_t hs_plugin_param_count(const hs_plugin *plugin);
+
+/* A value as the plugin words it, or as a number where it does not. Always ended by a NUL and free of control
+ * characters, whatever the plugin wrote. */
+void hs_plugin_value_text(const hs_plugin *plugin, const sv_param_info *info, double value, char *out,
+                          uint32_t bytes);
+
 /* Finds a parameter by key. False if there is none. */
 bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info);
 

@@ -33,7 +33,7 @@ static bool make_turns(hs_loop *loop, const hs_plugin *plugin, const hs_loop_opt
         const size_t bytes = (size_t)options->dvr.width * options->dvr.height * 4;
         char text[64] = "";
         const double value = knob_value(info, i);
-        (void)plugin->instance->param_text(plugin->instance, info->id, value, text, sizeof text);
+        hs_plugin_value_text(plugin, info, value, text, sizeof text);
         (void)snprintf(t->captions[i], sizeof t->captions[i], "%.24s = %s", info->key, text);
         t->rgba[i] = malloc(bytes);
         if (!t->rgba[i]) return hs_fail(err, HS_ERR_MEMORY, "knob.png: no memory for %zu bytes", bytes);

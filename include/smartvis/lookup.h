@@ -17,23 +17,32 @@ extern "C" {
 /* Longest text of a value that the helper compares, its NUL included. */
 #define SV_LOOKUP_TEXT_BYTES 128
 
+/* Parameters that the helper looks at, at most: more than any plugin has, and an end to what a wrong one
+ * claims. */
+#define SV_LOOKUP_MAX_PARAMS 4096u
+
+static inline uint32_t sv_lookup_count(const sv_plugin *plugin) {
+    const uint32_t count = plugin->param_count(plugin);
+    return count < SV_LOOKUP_MAX_PARAMS ? count : SV_LOOKUP_MAX_PARAMS;
+}
+
 /* Reads parameter `index` into *out. 1 on success, 0 if there is no such parameter. */
 static inline int sv_lookup_index(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
     memset(out, 0, sizeof *out);
     out->size = (uint32_t)sizeof *out;
-    return index < plugin->param_count(plugin) && plugin->param_info(plugin, index, out) == SV_OK;
+    return index < sv_lookup_count(plugin) && plugin->param_info(plugin, index, out) == SV_OK;
 }
 
 /* The parameter with this key. 1 on success, 0 if there is none. */
 static inline int sv_lookup_key(const sv_plugin *plugin, const char *key, sv_param_info *out) {
-    for (uint32_t i = 0; i < plugin->param_count(plugin); i++)
+    for (uint32_t i = 0; i < sv_lookup_count(plugin); i++)
         if (sv_lookup_index(plugin, i, out) && strcmp(out->key, key) == 0) return 1;
     return 0;
 }
 
 /* The parameter with this id. 1 on success, 0 if there is none. */
 static inline int sv_lookup_id(const sv_plugin *plugin, uint32_t id, sv_param_info *out) {
-    for (uint32_t i = 0; i < plugin->param_count(plugin); i++)
+    for (uint32_t i = 0; i < sv_lookup_count(plugin); i++)
         if (sv_lookup_index(plugin, i, out) && out->id == id) return 1;
     return 0;
 }
@@ -72,7 +81,7 @@ static inline int sv_lookup_matters(const sv_plugin *plugin, const sv_param_info
     uint32_t id = info->depends_on;
     uint64_t wanted = info->depends_values;
     /* No longer chain than there are parameters: a plugin's circle must not hold the host. */
-    for (uint32_t n = plugin->param_count(plugin); id != 0 && n > 0; n--) {
+    for (uint32_t n = sv_lookup_count(plugin); id != 0 && n > 0; n--) {
         if (!sv_lookup_id(plugin, id, &on) || on.step <= 0.0) return 1;
         const double step = (sv_lookup_current(&on, values, count) - on.min_value) / on.step + 0.5;
         if (!(step >= 0.0 && step < 64.0) || !(wanted >> (uint32_t)step & 1u)) return 0;

@@ -107,10 +107,12 @@ typedef struct {
 } sv_method;
 
 #define SV_USES(NAME) (1u << SV_PARAM_##NAME)
-/* What matters for every method that starts from initial points. */
-#define SV_USES_POINTS                                                                                       \
+/* What matters where the initial points decide whether there is a surface at all (cl/common/record.clh). */
+#define SV_USES_EVIDENCE                                                                                     \
     (SV_USES(FLUID_THRESHOLD) | SV_USES(BONE_MODE) | SV_USES(EVIDENCE) | SV_USES(MIN_GAP) |                  \
-     SV_USES(DROP_EMPTY) | SV_USES(PREFILTER) | SV_USES(REDUCTION) | SV_USES(SUBSTEPS))
+     SV_USES(DROP_EMPTY) | SV_USES(SUBSTEPS))
+/* What matters for every method that starts from them. */
+#define SV_USES_POINTS (SV_USES_EVIDENCE | SV_USES(PREFILTER) | SV_USES(REDUCTION))
 _Static_assert(SV_PARAM_ID_END <= 32, "sv_method.parameters has a bit per parameter");
 
 /* The table of method SV_METHOD_*. */

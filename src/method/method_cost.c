@@ -198,7 +198,7 @@ static double bound(const sv_map *m) {
 
 const sv_method sv_method_cost = {.definition = &sv_ref_method_cost,
                                   .bound = bound,
-                                  .parameters = SV_USES(MEMORY),
+                                  .parameters = SV_USES_EVIDENCE | SV_USES(MEMORY),
                                   .linear = true,
                                   .kernels = kernels,
                                   .source = source,

@@ -77,6 +77,7 @@ bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uin
     return true;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     (void)either;
     const sv_ref_map *m = &task->map;

@@ -18,6 +18,7 @@ void sv_ref_membrane_energy(const double *s, uint32_t width, uint32_t height, do
         }
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     (void)either;
     return sv_ref_least_energy(&task->map, sv_ref_membrane_energy, task->settings->data_weight, surface);

@@ -48,6 +48,7 @@ void sv_ref_plate_energy(const double *s, uint32_t width, uint32_t height, doubl
         }
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     (void)either;
     return sv_ref_least_energy(&task->map, sv_ref_plate_energy, task->settings->data_weight, surface);

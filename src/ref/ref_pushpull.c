@@ -85,6 +85,7 @@ bool sv_ref_pushpull(const sv_ref_map *map, double *surface) {
     return ok;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     (void)either;
     return sv_ref_pushpull(&task->map, surface);

@@ -65,6 +65,7 @@ static uint32_t merge_for(const sv_ref_task *task, double *x, double *y, double 
     return sv_ref_merge(&task->map, SV_SPLINE_MAX_GRID, x, y, z);
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     (void)either;
     const size_t count = (size_t)task->map.width * task->map.height;

@@ -43,7 +43,8 @@ static void the_sum_is_that_of_the_buffers(void **state) {
     for (double method = info.min_value; method <= info.max_value; method++)
         for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++)
             for (double reduction = 1.0; reduction <= 2.0; reduction++) {
-                if (method > info.min_value && carrier != SV_CARRIER_HOST) continue; /* methods do not see it */
+                if (method > info.min_value && carrier != SV_CARRIER_HOST)
+                    continue; /* methods do not see it */
                 choose(f, carrier, method, reduction);
                 spy_device_memory(1, 0);
                 fixture_refused(f, fixture_activate(f), SV_ERR_FORMAT, "bytes on the device, which has 1");

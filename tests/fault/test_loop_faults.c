@@ -88,6 +88,39 @@ static void a_failed_frame_does_not_end_the_loop(void **state) {
     hs_loop_destroy(loop);
 }
 
+/* Every call succeeds, yet what came of it cannot be meant. On both queues the frame is unclipped, the reason
+ * is kept, and an earlier frame's map is not used. */
+static void a_frame_that_cannot_be_meant_is_a_failure(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        const char *plugin, *says;
+    } table[] = {
+        {"depth_nan", "1 of 256 depths were not written, are not finite or lie beyond 2 times the volume"},
+        {"depth_far", "1 of 256 depths were not written"},
+        {"depth_endless", "1 of 256 depths were not written"},
+        {"writes_nothing", "returned SV_OK, but wrote no statistics"},
+        {"outcome_77", "77"},
+        {"outcome_minus_77", "-77"},
+        {"begin_77", "begin: unknown status (77)"}};
+    for (size_t n = 0; n < 2 * (sizeof table / sizeof *table); n++) {
+        hs_plugin plugin;
+        open_plugin(&plugin, table[n / 2].plugin);
+        hs_loop_options o = options_with(NULL, 0);
+        o.own_queue = n % 2;
+        if (o.own_queue) o.carrier = SV_CARRIER_HOST;
+        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_view view = view_of(loop, 1);
+        assert_unclipped(&view);
+        assert_true(view.frame.outcome < SV_OK);
+        if (!strstr(hs_loop_plugin_error(loop)->text, table[n / 2].says))
+            fail_msg("%s: '%s' in '%s'", table[n / 2].plugin, table[n / 2].says,
+                     hs_loop_plugin_error(loop)->text);
+        hs_view_free(&view);
+        hs_loop_destroy(loop);
+        hs_plugin_close(&plugin);
+    }
+}
+
 static void no_plugin_at_all_renders_unclipped(void **state) {
     const fixture *f = *state;
     const hs_loop_options o = options_with(NULL, 0);
@@ -126,6 +159,7 @@ int main(void) {
         cmocka_unit_test(a_note_is_rendered_unclipped_and_is_no_error),
         cmocka_unit_test(a_value_the_plugin_refuses_names_it),
         cmocka_unit_test(a_failed_frame_does_not_end_the_loop),
+        cmocka_unit_test(a_frame_that_cannot_be_meant_is_a_failure),
         cmocka_unit_test(no_plugin_at_all_renders_unclipped),
         cmocka_unit_test(impossible_options_are_refused),
     };

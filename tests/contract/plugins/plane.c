@@ -54,7 +54,7 @@ static const sva_param params[PARAM_COUNT] = {
      .help = "Where the plane lies at x = 0.",
      .min_value = -1e4,
      .max_value = 1e4,
-     .display_max = 100,
+     .display_max = 9,
      .step = 0.5},
     {.id = PARAM_SHAPE,
      .type = SV_PARAM_ENUM,
@@ -144,10 +144,27 @@ static sv_status plane_finish(sva *a, float *depth) { /* NOLINT(readability-non-
     return fail_here(a, FAIL_END);
 }
 
+/* What a host must not believe: see CMakeLists.txt. */
+#ifndef TP_OUTCOME
+#define TP_OUTCOME FOUND
+#endif
+#ifdef TP_LIE
+static float lie(size_t ray) {
+    return ray == 7 ? TP_LIE : 1.0f;
+}
+#endif
+
 static sv_status plane_output(sva *a, const sv_result *result) {
     const plane *p = a->own;
+#ifdef TP_LIE
+    for (size_t i = 0; i < sva_rays(a); i++) p->map[i] = lie(i);
+#endif
+#ifdef TP_WRITES_NOTHING
+    (void)p;
+    return SV_OK;
+#endif
     const size_t rays = sva_rays(a);
-    const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : FOUND;
+    const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : TP_OUTCOME;
     if (result->depth) memcpy(result->depth, p->map, rays * sizeof(float));
     if (result->depth_object &&
         clEnqueueWriteBuffer(a->format.queue, result->depth_object, CL_FALSE, result->depth_offset,
