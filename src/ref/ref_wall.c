@@ -5,9 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidence) {
+    const size_t plane = (size_t)l->width * l->height;
+    memset(depth, 0, plane * sizeof *depth);
+    memset(confidence, 0, plane * sizeof *confidence);
+}
+
+/* The surface of a volume with fluid. `bright` holds the means. */
 static bool surface(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_settings *s,
                     const sv_wall_levels *levels, uint8_t *bright, float *depth, float *confidence,
-                    sv_wall_facts *facts) {
+                    sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
     if (!sv_wall_brightest(l, bright) || !sv_wall_evidence_of(v, l, s, levels, bright, &evidence))
         return false;
@@ -18,7 +25,13 @@ static bool surface(const sv_wall_volume *v, const sv_wall_layout *l, const sv_w
     const sv_wall_scan scan = {v, l, &evidence, levels->threshold, bright};
     sv_wall_cells cells;
     if (!sv_wall_cells_create(&scan, &cells)) return false;
-    const bool done = sv_wall_cheapest(l, s, &cells, depth, confidence);
+    facts->fetus = (double)cells.fetus / ((double)evidence.rays * SV_WALL_SURE);
+    *outcome = facts->fetus < s->fetus_share ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
+    bool done = true;
+    if (*outcome == SV_WALL_SURFACE)
+        done = sv_wall_cheapest(l, s, &cells, depth, confidence);
+    else
+        clip_nothing(l, depth, confidence);
     sv_wall_cells_destroy(&cells);
     return done;
 }
@@ -41,12 +54,10 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley};
     bool done = true;
     *outcome = !levels.two ? SV_WALL_EMPTY : levels.valley > s.valley ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
-    if (*outcome == SV_WALL_SURFACE) {
-        done = surface(v, &l, &s, &levels, means, depth, confidence, &found);
-    } else {
-        memset(depth, 0, plane * sizeof *depth);
-        memset(confidence, 0, plane * sizeof *confidence);
-    }
+    if (*outcome == SV_WALL_SURFACE)
+        done = surface(v, &l, &s, &levels, means, depth, confidence, outcome, &found);
+    else
+        clip_nothing(&l, depth, confidence);
     free(means);
     if (done && facts) *facts = found;
     return done;

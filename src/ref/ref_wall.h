@@ -47,6 +47,7 @@ typedef struct {
     bool median;              /* 3 x 3 median of the cells */
     double doubt;             /* own cost at which a surface is as likely wrong as right */
     double wall_share;        /* of the rays must see a wall; else the wall is assumed: */
+    double fetus_share;       /* of the rays must show the fetus; else nothing is clipped */
     double assumed_wall,
         assumed_spread; /* brightness in units of the mean tissue; spread in ln of the odds */
 } sv_wall_settings;
@@ -57,7 +58,8 @@ sv_wall_settings sv_wall_settings_default(void);
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
     SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid: depth and confidence are 0, nothing is clipped */
-    SV_WALL_EMPTY = 2     /* too little was scanned to tell, or it is of one grey level: the same */
+    SV_WALL_EMPTY = 2,    /* too little was scanned to tell, or it is of one grey level: the same */
+    SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than it: the same */
 } sv_wall_outcome;
 
 /* What was found on the way. */
@@ -67,6 +69,7 @@ typedef struct {
     uint32_t rays;       /* scanned ones */
     uint32_t wall_rays;  /* rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
+    double fetus;        /* mean probability over the rays that the fetus is on them */
 } sv_wall_facts;
 
 /* True if sizes, spacing and ranges are as stated above; else the text names field and value. */

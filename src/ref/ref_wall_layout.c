@@ -32,6 +32,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .median = true,
                               .doubt = 3.8,
                               .wall_share = 0.05,
+                              .fetus_share = 0.05,
                               .assumed_wall = 1.5,
                               .assumed_spread = 0.5};
 }

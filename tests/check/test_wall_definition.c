@@ -274,6 +274,21 @@ static void test_no_fetus(void **state) {
     scan_free(&s);
 }
 
+/* The wall is the brightest of all, and a body without bone lies behind it: nobody knows what to keep, so
+ * nothing is clipped. */
+static void test_nothing_brighter_than_the_wall(void **state) {
+    (void)state;
+    scan s = scan_make(N, N, N);
+    draw(&s, WALL, GAP, true);
+    for (size_t i = 0; i < (size_t)PIXELS * N; i++)
+        s.voxels[i] = (uint8_t)(i < (size_t)PIXELS * WALL ? 200 : s.voxels[i] > 60 ? 60 : s.voxels[i]);
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_NO_FETUS);
+    assert_true(s.facts.fetus < 0.01);
+    for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
+    scan_free(&s);
+}
+
 static void assert_empty(scan *s) {
     scan_run(s);
     assert_int_equal(s->outcome, SV_WALL_EMPTY);
@@ -387,6 +402,7 @@ int main(void) {
         cmocka_unit_test(test_bare_fetus),
         cmocka_unit_test(test_no_fluid),
         cmocka_unit_test(test_no_fetus),
+        cmocka_unit_test(test_nothing_brighter_than_the_wall),
         cmocka_unit_test(test_empty),
         cmocka_unit_test(test_small),
         cmocka_unit_test(test_unscanned_rays),
