@@ -29,6 +29,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .median = true,
                               .doubt = 3.8,
                               .wall_share = 0.05,
+                              .fetus_share = 0.05,
                               .assumed_wall = 1.5,
                               .assumed_spread = 0.5};
 }
@@ -72,6 +73,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->slack = rounded(s->slack * SV_WALL_CELL_ONE);
     l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
+    l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
     l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);
     l->low_rank = rounded(s->low_rank * SV_WALL_PER_MILLE);
     l->high_rank = rounded(s->high_rank * SV_WALL_PER_MILLE);

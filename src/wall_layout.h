@@ -25,15 +25,18 @@ typedef struct {
     double first;               /* spreads more for the first tissue of a ray */
     double skin_mm;             /* bone of a first tissue lies this far behind its skin */
     double tau_mm;              /* distance to the fluid that costs 1 */
-    double cut, left, other;  /* costs: the fetus is cut; an occluder is left; another fluid than the first */
+    /* Costs: the fetus is cut; an occluder is left; another fluid than the first. Together at most 31, or the
+     * sums of the Gaussian leave 32 bits. */
+    double cut, left, other;
     double label_mm, cell_mm; /* depths and neighbourhoods for which costs are kept */
     double sigma_mm;          /* lateral Gaussian over the costs */
     double slack;             /* labels that cost at most this much more than the cheapest are averaged */
     bool median;              /* 3 x 3 median of the cells */
     double doubt;             /* own cost at which a surface is as likely wrong as right */
-    double wall_share;        /* of the rays must see a wall; else the wall is assumed: */
-    double assumed_wall,
-        assumed_spread; /* brightness in units of the mean tissue; spread in ln of the odds */
+    double fetus_share;       /* of the rays must show the fetus; else nothing is clipped */
+    double wall_share;        /* of the rays must see a wall; else these two are assumed: */
+    double assumed_wall;      /* its brightness in units of the bright class' mean */
+    double assumed_spread;    /* ln of the odds */
 } sv_wall_settings;
 
 /* The settings that docs/surface.md states. */

@@ -53,6 +53,7 @@ static double *constant(sv_wall_settings *s, const char *key) {
                {"slack", &s->slack},
                {"doubt", &s->doubt},
                {"wall_share", &s->wall_share},
+               {"fetus_share", &s->fetus_share},
                {"assumed_wall", &s->assumed_wall},
                {"assumed_spread", &s->assumed_spread}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -181,7 +182,8 @@ static bool judge_view(const wall_case *c, const options *o, double *worst, int 
         const double cut = wall_cut_anywhere(c, depth);
         *worst = fmax(*worst, cut);
         *refused += outcome != SV_WALL_SURFACE;
-        printf("  %s: outcome %d, cut %.1f %%, valley %.2f\n", c->name, (int)outcome, 100.0 * cut, f.valley);
+        printf("  %s: outcome %d, cut %.1f %%, valley %.2f, fetus on %.0f %%\n", c->name, (int)outcome,
+               100.0 * cut, f.valley, 100.0 * f.fetus);
     }
     free(depth);
     free(confidence);

@@ -214,11 +214,20 @@ static scratch_t scratch_of(const sv_wall_layout *l, __global uint16 *at) {
     return s;
 }
 
-/* The costs of the rays of one column of vectors, of all rows of a row of cells. */
-static void walk_column(const sv_wall_layout *l, const scratch_t *s, __global const uchar16 *tissue,
-                        __global const uchar16 *bright, __global ushort16 *rays, __global const uint *chances,
-                        uint x, uint cell_row) {
+static ulong sum_lanes(ushort16 values) {
+    const ushort *lanes = (const ushort *)&values;
+    ulong sum = 0;
+    for (uint i = 0; i < SV_LANES; i++) sum += lanes[i];
+    return sum;
+}
+
+/* The costs of the rays of one column of vectors, of all rows of a row of cells. Gives back the sum over its
+ * rays of the probability that the fetus is on them; a row between two cells counts with the first. */
+static ulong walk_column(const sv_wall_layout *l, const scratch_t *s, __global const uchar16 *tissue,
+                         __global const uchar16 *bright, __global ushort16 *rays,
+                         __global const uint *chances, uint x, uint cell_row) {
     ushort16 counts = (ushort16)(0);
+    ulong fetus = 0;
     for (uint k = 0; k < l->labels; k++) s->away[k] = s->wrong[k] = (uint16)(0);
     for (uint y = cell_row * l->height / l->cells_y; y < l->height; y++) {
         uint cell = 0;
@@ -231,11 +240,13 @@ static void walk_column(const sv_wall_layout *l, const scratch_t *s, __global co
         if (!any(r.end > r.first)) continue;
         walk_forth(l, &r, &s->slices);
         find_in_run(&r, &s->slices);
+        if (cell == cell_row) fetus += sum_lanes(r.begun & as_ushort16(r.end > r.first));
         walk_back_costs(l, &r, &s->slices, 2 / number, s->away, s->wrong);
         counts += as_ushort16(r.end > r.first) & (ushort)(2 / number);
     }
     to_cells(l, x * SV_LANES, (const ushort *)&counts, s->away, s->wrong, s->cell_away, s->cell_wrong,
              s->cell_rays);
+    return fetus;
 }
 
 /* One work item per row of cells: their costs, and of these what is due to the distance from the fluid.
@@ -243,7 +254,8 @@ static void walk_column(const sv_wall_layout *l, const scratch_t *s, __global co
 __kernel void wall_costs(sv_wall_layout l, uint scratch_vectors, __global const uint *restrict info,
                          __global const uchar16 *restrict tissue, __global const uchar16 *restrict bright,
                          __global ushort16 *restrict rays, __global uint16 *restrict scratch,
-                         __global uint16 *restrict costs, __global uint16 *restrict aways) {
+                         __global uint16 *restrict costs, __global uint16 *restrict aways,
+                         __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0), vectors = padded_width_of(&l) / SV_LANES;
     const uint label_vectors = padded_labels_of(&l) / SV_LANES;
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -251,7 +263,9 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_vectors, __global const 
     for (size_t i = 0; i < (size_t)l.cells_x * label_vectors * SV_LANES; i++)
         s.cell_away[i] = s.cell_wrong[i] = 0;
     for (uint i = 0; i < l.cells_x; i++) s.cell_rays[i] = 0;
-    for (uint x = 0; x < vectors; x++) walk_column(&l, &s, tissue, bright, rays, info + INFO_CHANCES, x, row);
+    fetus[row] = 0;
+    for (uint x = 0; x < vectors; x++)
+        fetus[row] += walk_column(&l, &s, tissue, bright, rays, info + INFO_CHANCES, x, row);
     costs += (size_t)row * l.cells_x * label_vectors;
     aways += (size_t)row * l.cells_x * label_vectors;
     for (uint cell = 0; cell < l.cells_x; cell++) {

@@ -132,15 +132,10 @@ static uint probability(const sv_wall_layout *l, __global const uint *tables, in
     return evidence < 0 ? SV_WALL_SURE - p : p;
 }
 
-/* One work item: from the histogram of the walls to probabilities, and the frame's record. */
+/* One work item: from the histogram of the walls to probabilities. */
 __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict histograms,
-                            __global const uint *restrict tables, __global uint *restrict info,
-                            __global uint *restrict record) {
-    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    record[SV_REC_PASSES] = wanted;
-    record[SV_REC_UNFILLED] = wanted ? 0 : record[SV_REC_RAYS];
-    record[SV_REC_OUTCOME] = wanted ? SV_OUTCOME_OK : SV_OUTCOME_NO_SURFACE;
-    if (!wanted) return;
+                            __global const uint *restrict tables, __global uint *restrict info) {
+    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     ulong histogram[256];
     for (uint i = 0; i < 256; i++) histogram[i] = sum_rows(&l, histograms, i);
     const uint rays = info[INFO_RAYS];
@@ -161,4 +156,20 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
         info[INFO_CHANCES + i] = probability(&l, tables, above - l.first);
         info[INFO_CHANCES + 256 + i] = probability(&l, tables, above);
     }
+}
+
+/* One work item: whether the frame has a surface. `fetus`: sums over the rays of rows of cells of the
+ * probability that the fetus is on them. */
+__kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
+                          __global uint *restrict info, __global uint *restrict record) {
+    bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    if (wanted) {
+        ulong sum = 0;
+        for (uint y = 0; y < l.cells_y; y++) sum += fetus[y];
+        wanted = sum * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * SV_WALL_SURE * l.fetus_share;
+        if (!wanted) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
+    }
+    record[SV_REC_PASSES] = wanted;
+    record[SV_REC_UNFILLED] = wanted ? 0 : record[SV_REC_RAYS];
+    record[SV_REC_OUTCOME] = wanted ? SV_OUTCOME_OK : SV_OUTCOME_NO_SURFACE;
 }

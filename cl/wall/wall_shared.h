@@ -41,7 +41,8 @@
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
     SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid: depth and confidence are 0, nothing is clipped */
-    SV_WALL_EMPTY = 2     /* too little was scanned to tell, or it is of one grey level: the same */
+    SV_WALL_EMPTY = 2,    /* too little was scanned to tell, or it is of one grey level: the same */
+    SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than it: the same */
 } sv_wall_outcome;
 
 /* What the settings become in voxels, labels and cells of one volume. By value; 32-bit members only, so both
@@ -59,9 +60,9 @@ typedef struct {
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
     unsigned int cut, left, other;                                           /* of a ray */
     unsigned int slack;                                                      /* of a cell */
-    unsigned int valley, wall_share, wall_rank, low_rank, high_rank;         /* per mille */
-    unsigned int assumed_wall;                                               /* per mille of mean tissue */
-    int sure;                                                                /* sixteenths */
+    unsigned int valley, fetus_share, wall_share, wall_rank, low_rank, high_rank; /* per mille */
+    unsigned int assumed_wall;        /* per mille of mean tissue */
+    int sure;                         /* sixteenths */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */
     unsigned int median;              /* 1: 3 x 3 median of the cells */
     float doubt;                      /* own cost at which a surface is as likely wrong as right */

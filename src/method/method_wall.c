@@ -17,6 +17,7 @@ enum {
     K_WALLS,
     K_EVIDENCE,
     K_COSTS,
+    K_DECIDE,
     K_BLUR,
     K_CHEAPEST,
     K_MEDIAN,
@@ -24,16 +25,16 @@ enum {
     K_LEAVE
 };
 static const char *const kernels[] = {
-    "wall_take",     "wall_means", "wall_levels", "wall_brightest", "wall_walls",
-    "wall_evidence", "wall_costs", "wall_blur",   "wall_cheapest",  "wall_median",
-    "wall_trust",    "wall_leave", NULL};
+    "wall_take",  "wall_means",  "wall_levels", "wall_brightest", "wall_walls",  "wall_evidence",
+    "wall_costs", "wall_decide", "wall_blur",   "wall_cheapest",  "wall_median", "wall_trust",
+    "wall_leave", NULL};
 enum {
     VOXELS, /* later masks of tissue */
     BESIDE, /* brightest of the row */
     BRIGHT,
     RAYS,
     LINES,
-    HISTOGRAMS,
+    HISTOGRAMS, /* later FETUS */
     TABLES,
     INFO,
     SCRATCH,
@@ -43,6 +44,7 @@ enum {
     CELLS,
     CONFIDENCE
 };
+enum { FETUS = HISTOGRAMS }; /* sums of rows of cells */
 enum { RAY_PLANES = 6, CELL_PLANES = 3, HISTOGRAM_WORDS = 258 };
 enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 517 };
 
@@ -145,12 +147,13 @@ static const struct {
     {K_LEVELS, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
     {K_BRIGHTEST, 0, SLICES, SV_STAGE_THRESHOLD, {INFO, BESIDE, BRIGHT, -1}},
     {K_WALLS, 0, ROWS, SV_STAGE_THRESHOLD, {INFO, BRIGHT, VOXELS, RAYS, HISTOGRAMS, -1}},
-    {K_EVIDENCE, RECORD, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
+    {K_EVIDENCE, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
     {K_COSTS,
      SCRATCH_VECTORS,
      ROWS_OF_CELLS,
      SV_STAGE_RECONSTRUCT,
-     {INFO, VOXELS, BRIGHT, RAYS, SCRATCH, COSTS, AWAYS, -1}},
+     {INFO, VOXELS, BRIGHT, RAYS, SCRATCH, COSTS, AWAYS, FETUS, -1}},
+    {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {FETUS, INFO, -1}},
     {K_BLUR, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, BLURRED, -1}},
     {K_CHEAPEST, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, BLURRED, SCRATCH, CELLS, -1}},
     {K_MEDIAN, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, AWAYS, CELLS, -1}},

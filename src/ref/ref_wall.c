@@ -7,8 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidence) {
+    const size_t plane = (size_t)l->width * l->height;
+    memset(depth, 0, plane * sizeof *depth);
+    memset(confidence, 0, plane * sizeof *confidence);
+}
+
+/* The surface of a volume with fluid. `bright` holds the means. */
 static bool surface(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_levels *levels,
-                    uint8_t *bright, float *depth, float *confidence, sv_wall_facts *facts) {
+                    uint8_t *bright, float *depth, float *confidence, sv_wall_outcome *outcome,
+                    sv_wall_facts *facts) {
     sv_wall_evidence evidence;
     if (!sv_wall_brightest(l, bright) || !sv_wall_evidence_of(v, l, levels, bright, &evidence)) return false;
     facts->rays = evidence.rays;
@@ -18,7 +26,14 @@ static bool surface(const sv_wall_volume *v, const sv_wall_layout *l, const sv_w
     const sv_wall_scan scan = {v, l, &evidence, levels->threshold, bright};
     sv_wall_cells cells;
     if (!sv_wall_cells_create(&scan, &cells)) return false;
-    const bool done = sv_wall_cheapest(l, &cells, depth, confidence);
+    facts->fetus = (double)cells.fetus / ((double)evidence.rays * SV_WALL_SURE);
+    const uint64_t least = (uint64_t)evidence.rays * SV_WALL_SURE * l->fetus_share;
+    *outcome = cells.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
+    bool done = true;
+    if (*outcome == SV_WALL_SURFACE)
+        done = sv_wall_cheapest(l, &cells, depth, confidence);
+    else
+        clip_nothing(l, depth, confidence);
     sv_wall_cells_destroy(&cells);
     return done;
 }
@@ -41,12 +56,10 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley};
     bool done = true;
     *outcome = sv_wall_outcome_of(&l, &levels);
-    if (*outcome == SV_WALL_SURFACE) {
-        done = surface(v, &l, &levels, means, depth, confidence, &found);
-    } else {
-        memset(depth, 0, plane * sizeof *depth);
-        memset(confidence, 0, plane * sizeof *confidence);
-    }
+    if (*outcome == SV_WALL_SURFACE)
+        done = surface(v, &l, &levels, means, depth, confidence, outcome, &found);
+    else
+        clip_nothing(&l, depth, confidence);
     free(means);
     if (done && facts) *facts = found;
     return done;

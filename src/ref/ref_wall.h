@@ -18,6 +18,7 @@ typedef struct {
     uint32_t rays;       /* scanned ones */
     uint32_t wall_rays;  /* rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
+    double fetus;        /* mean probability over the rays that the fetus is on them */
 } sv_wall_facts;
 
 /*

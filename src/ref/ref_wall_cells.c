@@ -55,7 +55,10 @@ static bool collect(collector *c) {
     if (!sv_wall_ray_create(l, &ray)) return false;
     for (uint32_t y = 0; y < l->height; y++)
         for (uint32_t x = 0; x < l->width; x++)
-            if (sv_wall_costs(c->scan, (size_t)y * l->width + x, &ray, c->away, c->wrong)) add_ray(c, x, y);
+            if (sv_wall_costs(c->scan, (size_t)y * l->width + x, &ray, c->away, c->wrong)) {
+                add_ray(c, x, y);
+                c->cells->fetus += ray.begun[l->slices];
+            }
     sv_wall_ray_destroy(&ray);
     for (size_t cell = 0; cell < (size_t)l->cells_x * l->cells_y; cell++)
         for (uint32_t i = 0; c->rays[cell] && i < l->labels; i++) {
@@ -70,8 +73,8 @@ static bool collect(collector *c) {
 bool sv_wall_cells_create(const sv_wall_scan *scan, sv_wall_cells *cells) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->cells_x * l->cells_y;
-    *cells = (sv_wall_cells){calloc(count * l->labels, sizeof(uint32_t)),
-                             calloc(count * l->labels, sizeof(uint32_t))};
+    *cells = (sv_wall_cells){.away = calloc(count * l->labels, sizeof(uint32_t)),
+                             .wrong = calloc(count * l->labels, sizeof(uint32_t))};
     collector c = {scan, cells, calloc(count, sizeof(uint32_t)), calloc(l->labels, sizeof(uint32_t)),
                    calloc(l->labels, sizeof(uint32_t))};
     const bool done = cells->away && cells->wrong && c.rays && c.away && c.wrong && collect(&c);

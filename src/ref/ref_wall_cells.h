@@ -9,6 +9,7 @@
  * labels + i]. */
 typedef struct {
     uint32_t *away, *wrong;
+    uint64_t fetus; /* sum over the rays of the probability that the fetus is on them */
 } sv_wall_cells;
 
 /* A ray belongs to the cell that holds its centre; if that lies on the border of two, to both by half. The
