@@ -44,6 +44,7 @@ host_sim/commands          | abi HOST .                                         
 bench/frame                | abi HOST .                                                 | libc opencl json futex
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
+bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
 examples/*                 | abi .                                                      | libc opencl
 tests/*                    | any kernels                                                | any
 tests/*/*                  | any kernels                                                | any

@@ -14,6 +14,7 @@
     X(PUSHPULL, 3, pushpull)                                                                                 \
     X(MEMBRANE, 4, membrane)                                                                                 \
     X(PLATE, 5, plate)                                                                                       \
-    X(COST, 6, cost)
+    X(COST, 6, cost)                                                                                         \
+    X(WALL, 7, wall)
 
 #endif

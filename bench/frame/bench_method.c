@@ -5,8 +5,14 @@
 #include <stdio.h>
 #include <string.h>
 
-double bench_cost_limit_ms(uint32_t n) {
-    return n == 128 ? 6.0 : n == 171 ? 15.0 : 0.0;
+const char *const bench_methods[BENCH_METHODS] = {"cost", "wall"};
+
+double bench_limit_ms(const char *method, uint32_t n) {
+    static const double limits[BENCH_METHODS][2] = {{6.0, 15.0}, {1.5, 3.5}}; /* 128, 171 */
+    for (int i = 0; i < BENCH_METHODS; i++)
+        if (strcmp(method, bench_methods[i]) == 0)
+            return n == 128 ? limits[i][0] : n == 171 ? limits[i][1] : 0.0;
+    return 0.0;
 }
 
 const bench_plugin_result *bench_find(const bench_report *report, const bench_plugin_result *like,
@@ -33,11 +39,11 @@ bench_profile_ratio bench_per_profile(const bench_report *report, const bench_pl
 static void print_line(const bench_report *report, const bench_plugin_result *r) {
     const bench_times *t = &r->times[BENCH_FRAME];
     const bench_profile_ratio ratio = bench_per_profile(report, r);
-    const double limit = strcmp(r->method, "cost") == 0 ? bench_cost_limit_ms(r->variant.n) : 0.0;
+    const double limit = bench_limit_ms(r->method, r->variant.n);
     printf("%4u %-34s %4u | %7.3f %7.3f %7.3f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ", r->variant.n,
            bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min, t->p95,
            r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, ratio.mean, ratio.own);
-    if (limit > 0.0) printf("%4.0f ms", limit);
+    if (limit > 0.0) printf("%4.1f ms", limit);
     printf("%s\n", r->stats.outcome == SV_OK ? "" : "  (no surface)");
 }
 

@@ -5,9 +5,12 @@
 
 #include "frame/bench_results.h"
 
-/* The frames of method `cost` (issue "cost volume"): milliseconds at 128^3 and
- * 171^3. 0: no limit for this size. */
-double bench_cost_limit_ms(uint32_t n);
+/* Methods that are timed beside the mean filter. */
+enum { BENCH_METHODS = 2 };
+extern const char *const bench_methods[BENCH_METHODS];
+
+/* What a frame with such a method may take, in milliseconds; 0: no limit for the method or for this size. */
+double bench_limit_ms(const char *method, uint32_t n);
 
 /* The result of the same size, slabs and route with another method; NULL if it was not measured. */
 const bench_plugin_result *bench_find(const bench_report *report, const bench_plugin_result *like,

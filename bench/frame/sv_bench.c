@@ -10,7 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_VALUES = 16, MAX_SLABS = 8, MAX_RESULTS = 2 * BENCH_SIZES * MAX_SLABS * BENCH_ROUTES };
+enum {
+    MAX_VALUES = 16,
+    MAX_SLABS = 8,
+    MAX_RESULTS = (1 + BENCH_METHODS) * BENCH_SIZES * MAX_SLABS * BENCH_ROUTES
+};
 
 static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
 
@@ -29,7 +33,8 @@ static const char help[] =
     "Usage: sv_bench [options]\n"
     "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
     "C,\n"
-    "both on two threads; then its method cost, if it has one; then the host's scan loop around the plugin.\n"
+    "both on two threads; then its methods cost and wall, if it has them; then the host's scan loop around "
+    "the plugin.\n"
     "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
     "and\n"
     "kernel is timed as it is.\n\n"
@@ -230,17 +235,17 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const cha
     return ok;
 }
 
-/* Method cost on the same volumes, at the sizes that have a limit. */
-static bool run_cost(bench_run *run, hs_error *err) {
-    if (!bench_plugin_has_method(&run->plugin, "cost")) return true;
+/* A method on the same volumes, at the sizes that have a limit. */
+static bool run_method(bench_run *run, const char *method, hs_error *err) {
+    if (!bench_plugin_has_method(&run->plugin, method)) return true;
     for (int size = 0; size < BENCH_SIZES; size++) {
-        if (!run->o.size[size] || bench_cost_limit_ms(bench_sizes[size]) == 0.0) continue;
+        if (!run->o.size[size] || bench_limit_ms(method, bench_sizes[size]) == 0.0) continue;
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
             const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
-            if (!run_routes(run, size, slab, "cost", err)) return false;
+            if (!run_routes(run, size, slab, method, err)) return false;
         }
     }
-    bench_print_method(&run->report, "cost");
+    bench_print_method(&run->report, method);
     return true;
 }
 
@@ -256,7 +261,9 @@ static bool run_plugin_part(bench_run *run, hs_error *err) {
     }
     if (foreign) bench_print_method(&run->report, BENCH_OWN);
     bench_print_stages(run->results, run->report.plugin_count);
-    return run_cost(run, err);
+    for (int i = 0; i < BENCH_METHODS; i++)
+        if (!run_method(run, bench_methods[i], err)) return false;
+    return true;
 }
 
 static bool run_host_part(bench_run *run, hs_error *err) {

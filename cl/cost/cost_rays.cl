@@ -37,23 +37,6 @@ static __global const uchar *slice_at(const slab_t *s, uint slice) {
            slice % s->tiles_x * s->tile_w;
 }
 
-/* Lanes of the pixels of a row that the vector at x stands for: 255, the others 0. */
-static uchar16 pixels_of(uint x, uint width) {
-    return as_uchar16(convert_char16(LANE_NUMBERS) < (char16)((char)min(width - x, (uint)SV_LANES)));
-}
-
-/* 16 voxels from x on, none from beyond the row: the last ones are loaded with those before them. */
-static uchar16 load_voxels(__global const uchar *row, uint x, uint width) {
-    if (x + SV_LANES <= width) return vload16(0, row + x);
-    uchar16 lanes[2];
-    if (width >= SV_LANES) {
-        lanes[0] = vload16(0, row + width - SV_LANES);
-        return ((const bytes_anywhere *)((const uchar *)lanes + x + SV_LANES - width))->v;
-    }
-    for (uint i = 0; i < width; i++) ((uchar *)lanes)[i] = row[i];
-    return lanes[0];
-}
-
 /* 255 where a voxel of slice `slice`, pixels x to x + 15 of row y, was scanned. */
 static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y) {
     uchar16 scanned = s->padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)s->padding));

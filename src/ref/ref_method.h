@@ -22,6 +22,7 @@ typedef struct {
 typedef struct {
     sv_ref_map map;
     const sv_ref_volume *volume;
+    double spacing_mm[3]; /* between the volume's voxels; 0: not known */
     double q;
     const sv_ref_settings *settings;
 } sv_ref_task;

@@ -161,7 +161,7 @@ static void allocations_fail(void **state) {
 static void wrong_answers_are_noticed(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
-    for (int method = MEAN; method <= METHODS; method++) { /* the one behind the last: cost */
+    for (int method = MEAN; method <= METHODS + 1; method++) { /* the two behind the last: cost, wall */
         choose(f, method, method == MEAN, 1, 1);
         uint32_t n = 1;
         for (;; n++) {

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT */
+/* sv_wall: how good the definition of the wall's surface is (docs/surface.md). */
+#include "wall/wall_judge.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "Usage: sv_wall [--KEY VALUE]... --site FOLDER | --scenes SEED,POSE... | --views FILE...\n"
+    "  --site FOLDER          the nine cases of a folder with NAME_full.mha, NAME_truth.mha, "
+    "NAME_label.mha,\n"
+    "                         scan_first.mha and scan_end.mha\n"
+    "  --scenes SEED,POSE...  the nine scenes at 128^3 for each seed and pose\n"
+    "  --views FILE...        a volume with nothing to remove, from 12 x 3 sides: what is cut\n"
+    "  --gain G --gamma G --black B   change the grey levels first; the judgement is on the unchanged ones\n"
+    "  --KEY VALUE            another value of a constant: a field of sv_wall_settings\n"
+    "Prints error in slices of 128 / cut, % of the fetus / left, % of the labelled rays.\n";
+
+static const char *const names[] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
+enum { CASES = sizeof names / sizeof *names, SIDE = 96 };
+
+typedef struct {
+    sv_wall_settings settings;
+    double gain, gamma, black;
+} options;
+
+/* The field of a constant; NULL if there is none of that name. */
+static double *constant(sv_wall_settings *s, const char *key) {
+    const struct {
+        const char *key;
+        double *value;
+    } all[] = {{"mean_mm", &s->mean_mm},
+               {"beside_mm", &s->beside_mm},
+               {"thin_mm", &s->thin_mm},
+               {"gap_mm", &s->gap_mm},
+               {"valley", &s->valley},
+               {"wall_rank", &s->wall_rank},
+               {"low_rank", &s->low_rank},
+               {"high_rank", &s->high_rank},
+               {"sure", &s->sure},
+               {"level", &s->level},
+               {"first", &s->first},
+               {"skin_mm", &s->skin_mm},
+               {"tau_mm", &s->tau_mm},
+               {"cut", &s->cut},
+               {"left", &s->left},
+               {"other", &s->other},
+               {"label_mm", &s->label_mm},
+               {"cell_mm", &s->cell_mm},
+               {"sigma_mm", &s->sigma_mm},
+               {"slack", &s->slack},
+               {"doubt", &s->doubt},
+               {"wall_share", &s->wall_share},
+               {"fetus_share", &s->fetus_share},
+               {"assumed_wall", &s->assumed_wall},
+               {"assumed_spread", &s->assumed_spread}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (strcmp(all[i].key, key) == 0) return all[i].value;
+    return NULL;
+}
+
+static bool set(options *o, const char *key, const char *text, hs_error *err) {
+    double *const value = strcmp(key, "gain") == 0    ? &o->gain
+                          : strcmp(key, "gamma") == 0 ? &o->gamma
+                          : strcmp(key, "black") == 0 ? &o->black
+                                                      : constant(&o->settings, key);
+    char *end;
+    const double number = strtod(text, &end);
+    if (strcmp(key, "median") == 0)
+        o->settings.median = number != 0.0;
+    else if (!value)
+        return hs_fail(err, HS_ERR_USAGE, "--%s: no such option", key);
+    else
+        *value = number;
+    return (end != text && *end == 0) || hs_fail(err, HS_ERR_USAGE, "--%s: '%s' is no number", key, text);
+}
+
+typedef struct {
+    wall_score sum;
+    double worst;
+    uint32_t count;
+    wall_trust trust;
+} totals;
+
+static bool surface_of(const wall_case *c, const options *o, float *depth, float *confidence,
+                       sv_wall_outcome *outcome, sv_wall_facts *facts, hs_error *err) {
+    const sv_wall_volume v = {.voxels = c->full,
+                              .width = c->nx,
+                              .height = c->ny,
+                              .slices = c->nz,
+                              .first = c->first,
+                              .end = c->end,
+                              .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+    char text[160];
+    if (!sv_wall_check(&v, text, sizeof text)) return hs_fail(err, HS_ERR_INPUT, "%s: %s", c->name, text);
+    return sv_wall_surface(&v, &o->settings, depth, confidence, outcome, facts) ||
+           hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);
+}
+
+/* Judges one case, adds it to the totals and frees it. */
+static bool judge(wall_case *c, const options *o, totals *t, hs_error *err) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
+    uint8_t *original = malloc(plane * c->nz);
+    sv_wall_outcome outcome;
+    sv_wall_facts f;
+    bool ok = (depth && confidence && original) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);
+    if (ok) {
+        memcpy(original, c->full, plane * c->nz);
+        if (o->gain != 1.0 || o->gamma != 1.0 || o->black != 0.0)
+            wall_case_change(c, o->gain, o->gamma, o->black);
+        ok = surface_of(c, o, depth, confidence, &outcome, &f, err);
+    }
+    if (ok) {
+        const wall_score s = wall_judge(c, original, depth, confidence, &t->trust);
+        t->sum.error += s.error;
+        t->sum.cut += s.cut;
+        t->sum.left += s.left;
+        t->worst = fmax(t->worst, s.error);
+        t->count++;
+        printf("  %-4s %5.2f / %4.1f / %4.1f   outcome %d, T %u, valley %.2f, wall %.0f, spread %.2f, seen "
+               "by %.0f %%\n",
+               c->name, s.error, 100.0 * s.cut, 100.0 * s.left, (int)outcome, f.threshold, f.valley, f.wall,
+               f.spread, f.rays ? 100.0 * f.wall_rays / f.rays : 0.0);
+    }
+    free(depth);
+    free(confidence);
+    free(original);
+    wall_case_free(c);
+    return ok;
+}
+
+static void print_totals(const char *what, const totals *t) {
+    printf("%s: %.2f / %.2f / %.2f, worst %.2f, AUC %.3f; right where the confidence says", what,
+           t->sum.error / t->count, 100.0 * t->sum.cut / t->count, 100.0 * t->sum.left / t->count, t->worst,
+           wall_auc(&t->trust));
+    for (int i = 0; i < 10; i++) {
+        double right, mean;
+        if (wall_reliability(&t->trust, 0.1 * i, i == 9 ? 1.1 : 0.1 * (i + 1), 100, &right, &mean))
+            printf(" %.2f: %.2f", mean, right);
+    }
+    printf("\n");
+}
+
+static bool judge_site(const char *folder, const options *o, hs_error *err) {
+    totals t = {0};
+    for (int i = 0; i < CASES; i++) {
+        wall_case c;
+        if (!wall_case_read(folder, names[i], &c, err) || !judge(&c, o, &t, err)) return false;
+    }
+    print_totals("site", &t);
+    return true;
+}
+
+static bool judge_scenes(char **sets, int count, const options *o, hs_error *err) {
+    totals all = {0};
+    for (int k = 0; k < count; k++) {
+        unsigned long seed, pose;
+        if (sscanf(sets[k], "%lu,%lu", &seed, &pose) != 2)
+            return hs_fail(err, HS_ERR_USAGE, "--scenes: '%s' is no SEED,POSE", sets[k]);
+        printf("seed %lu, pose %lu\n", seed, pose);
+        for (int i = 0; i < CASES; i++) {
+            wall_case c;
+            if (!wall_case_make(names[i], seed, (uint32_t)pose, &c, err) || !judge(&c, o, &all, err))
+                return false;
+        }
+    }
+    print_totals("scenes", &all);
+    return true;
+}
+
+static bool judge_view(const wall_case *c, const options *o, double *worst, int *refused, hs_error *err) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
+    sv_wall_outcome outcome = SV_WALL_EMPTY;
+    sv_wall_facts f = {0};
+    const bool ok = ((depth && confidence) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name)) &&
+                    surface_of(c, o, depth, confidence, &outcome, &f, err);
+    if (ok) {
+        const double cut = wall_cut_anywhere(c, depth);
+        *worst = fmax(*worst, cut);
+        *refused += outcome != SV_WALL_SURFACE;
+        printf("  %s: outcome %d, cut %.1f %%, valley %.2f, fetus on %.0f %%\n", c->name, (int)outcome,
+               100.0 * cut, f.valley, 100.0 * f.fetus);
+    }
+    free(depth);
+    free(confidence);
+    return ok;
+}
+
+static bool judge_views(char **files, int count, const options *o, hs_error *err) {
+    double worst = 0.0;
+    int refused = 0;
+    for (int k = 0; k < count; k++) {
+        wall_case whole;
+        if (!wall_case_open(files[k], &whole, err)) return false;
+        bool ok = true;
+        for (int i = 0; ok && i < 36; i++) {
+            wall_case c;
+            ok = wall_case_turn(&whole, i / 12, 30.0 * (i % 12), SIDE, &c, err) &&
+                 judge_view(&c, o, &worst, &refused, err);
+            wall_case_free(&c);
+        }
+        wall_case_free(&whole);
+        if (!ok) return false;
+    }
+    printf("views: %d of %d refused, at most %.1f %% cut\n", refused, 36 * count, 100.0 * worst);
+    return true;
+}
+
+int main(int argc, char **argv) {
+    options o = {sv_wall_settings_default(), 1.0, 1.0, 0.0};
+    hs_error err = {0};
+    int i = 1;
+    bool ok = true, done = false;
+    for (; ok && !done && i < argc; i += 2) {
+        const char *key = argv[i];
+        const bool more = i + 1 < argc;
+        done = true;
+        if (strcmp(key, "--site") == 0 && more) {
+            ok = judge_site(argv[i + 1], &o, &err);
+        } else if (strcmp(key, "--scenes") == 0 && more) {
+            ok = judge_scenes(argv + i + 1, argc - i - 1, &o, &err);
+        } else if (strcmp(key, "--views") == 0 && more) {
+            ok = judge_views(argv + i + 1, argc - i - 1, &o, &err);
+        } else {
+            done = false;
+            ok = (strncmp(key, "--", 2) == 0 && more) ||
+                 hs_fail(&err, HS_ERR_USAGE, "'%s' is no option with a value", key);
+            ok = ok && set(&o, key + 2, argv[i + 1], &err);
+        }
+    }
+    if (ok && !done) printf("%s", help);
+    if (!ok) fprintf(stderr, "sv_wall: %s\n", err.text);
+    return ok ? HS_OK : (int)err.code;
+}

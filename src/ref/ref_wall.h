@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The clipping surface told by the wall: whatever stands before the fluid on most rays is the wall, and the
+ * fetus is what is brighter than the wall is. docs/surface.md has the definition in words. Nothing here needs
+ * OpenCL, and nothing is fast. All but the evidence tables, the mean of the labels, the interpolation and the
+ * confidence is integer arithmetic, so kernels can follow it bit for bit.
+ */
+#ifndef REF_WALL_H
+#define REF_WALL_H
+
+#include "ref/ref_method.h"
+#include "ref/ref_wall_volume.h"
+
+/* What was found on the way. */
+typedef struct {
+    uint32_t threshold;  /* T: tissue is brighter, grey levels */
+    double valley;       /* of the histogram, 0 .. 1 */
+    uint32_t rays;       /* scanned ones */
+    uint32_t wall_rays;  /* rays that begin in tissue and have fluid behind it */
+    double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
+    double fetus;        /* mean probability over the rays that the fetus is on them */
+} sv_wall_facts;
+
+/*
+ * The surface. `depth` gets width * height slices (0 is the centre of slice 0; 0 clips nothing), `confidence`
+ * as many numbers 0 .. 1: how likely the surface is right within two slices of 128. `settings` NULL: the
+ * default. `facts` may be NULL. False if memory runs out or sv_wall_check fails; the maps are then as they
+ * were. Any thread.
+ */
+bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *settings, float *depth,
+                     float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
+
+/* The same for a volume that has a padding value, too. Voxels of that value were not scanned; what is left of
+ * a ray goes from its first other voxel to its last, and the padding between them counts as 0.
+ * Any spacing: what is out of range counts as the nearest that is not. */
+bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], float *depth,
+                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
+
+/* The plugin's method. */
+extern const sv_ref_method sv_ref_method_wall;
+
+#endif

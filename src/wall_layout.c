@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "wall_layout.h"
+
+#include <math.h>
+
+#define GAUSSIAN_REACH 3.0 /* standard deviations */
+
+sv_wall_settings sv_wall_settings_default(void) {
+    return (sv_wall_settings){.mean_mm = 1.0,
+                              .beside_mm = 3.75,
+                              .thin_mm = 2.5,
+                              .gap_mm = 2.0,
+                              .valley = 0.9,
+                              .wall_rank = 0.5,
+                              .low_rank = 0.1,
+                              .high_rank = 0.9,
+                              .sure = 6.0,
+                              .level = 0.25,
+                              .first = 1.0,
+                              .skin_mm = 7.5,
+                              .tau_mm = 4.0,
+                              .cut = 11.0,
+                              .left = 5.0,
+                              .other = 1.5,
+                              .label_mm = 2.0,
+                              .cell_mm = 4.0,
+                              .sigma_mm = 4.0,
+                              .slack = 0.4,
+                              .median = true,
+                              .doubt = 3.8,
+                              .wall_share = 0.05,
+                              .fetus_share = 0.05,
+                              .assumed_wall = 1.5,
+                              .assumed_spread = 0.5};
+}
+
+/* A length in voxels, rounded half up; at least `least`. The hair makes up for a spacing that was rounded. */
+static uint32_t voxels(double mm, double spacing, uint32_t least) {
+    const double hair = 1e-4, n = floor(mm / spacing + 0.5 + hair);
+    return n > least ? (uint32_t)n : least;
+}
+
+static uint32_t at_most(uint32_t value, uint32_t most) {
+    return value < most ? value : most;
+}
+
+static uint32_t rounded(double value) {
+    return (uint32_t)floor(value + 0.5);
+}
+
+/* Integer weights of a Gaussian, mirrored at 0, that sum up to SV_WALL_KERNEL_ONE; the one at 0 takes what
+ * rounding leaves. */
+static uint32_t gaussian(double sigma, uint32_t *weights) {
+    const double wanted = floor(GAUSSIAN_REACH * sigma + 0.5);
+    const uint32_t reach = wanted < SV_WALL_KERNEL ? (uint32_t)wanted : SV_WALL_KERNEL;
+    double sum = 1.0;
+    for (uint32_t i = 1; i <= reach; i++) sum += 2.0 * exp(-0.5 * i * i / (sigma * sigma));
+    uint32_t rest = SV_WALL_KERNEL_ONE;
+    for (uint32_t i = 1; i <= reach; i++) {
+        weights[i] = (uint32_t)(SV_WALL_KERNEL_ONE * exp(-0.5 * i * i / (sigma * sigma)) / sum + 0.5);
+        rest -= 2 * weights[i];
+    }
+    weights[0] = rest;
+    return reach;
+}
+
+/* Everything that is no length. */
+static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
+    const double odds_one = 1 << SV_WALL_ODDS_BITS;
+    l->cut = rounded(s->cut * SV_WALL_ONE);
+    l->left = rounded(s->left * SV_WALL_ONE);
+    l->other = rounded(s->other * SV_WALL_ONE);
+    l->slack = rounded(s->slack * SV_WALL_CELL_ONE);
+    l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
+    l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
+    l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
+    l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);
+    l->low_rank = rounded(s->low_rank * SV_WALL_PER_MILLE);
+    l->high_rank = rounded(s->high_rank * SV_WALL_PER_MILLE);
+    l->assumed_wall = rounded(s->assumed_wall * SV_WALL_PER_MILLE);
+    l->assumed_spread = (int)floor(s->assumed_spread * odds_one + 0.5);
+    l->level = (int)floor(s->level * odds_one + 0.5);
+    l->first = (int)floor(s->first * odds_one + 0.5);
+    l->sure = (int)floor(s->sure * 16.0 + 0.5);
+    l->median = s->median;
+    l->doubt = (float)s->doubt;
+}
+
+/* The spacing that counts: what is not known is assumed, and what is out of range is brought into it. */
+static void find_spacing(const sv_wall_layout *l, const double given[3], double mm[3]) {
+    const uint32_t side = l->width > l->height ? l->width : l->height;
+    const double assumed = SV_WALL_EXTENT_MM / (side > l->slices ? side : l->slices);
+    for (int axis = 0; axis < 3; axis++)
+        mm[axis] =
+            fmin(fmax(given[axis] > 0.0 ? given[axis] : assumed, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM);
+}
+
+sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
+                                 const sv_wall_settings *s) {
+    sv_wall_layout l = {.width = width, .height = height, .slices = slices};
+    double mm[3];
+    find_spacing(&l, spacing_mm, mm);
+    for (int axis = 0; axis < 3; axis++)
+        l.mean[axis] = at_most(voxels(s->mean_mm, mm[axis], 0), SV_WALL_REACH);
+    for (int axis = 0; axis < 2; axis++)
+        l.beside[axis] = at_most(voxels(s->beside_mm, mm[axis], 0), SV_WALL_BESIDE);
+    l.thin = at_most(voxels(s->thin_mm, mm[2], 1), SV_WALL_RUN);
+    l.gap = at_most(voxels(s->gap_mm, mm[2], 1), SV_WALL_RUN);
+    l.skin = voxels(s->skin_mm, mm[2], 0);
+    l.far = at_most((uint32_t)ceil(s->tau_mm / mm[2]), SV_WALL_RUN - 1);
+    l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * mm[2] / s->tau_mm);
+    l.step = voxels(s->label_mm, mm[2], 1);
+    l.labels = (slices + l.step - 1) / l.step;
+    const uint32_t cell_x = voxels(s->cell_mm, mm[0], 1), cell_y = voxels(s->cell_mm, mm[1], 1);
+    l.cells_x = (width + cell_x - 1) / cell_x;
+    l.cells_y = (height + cell_y - 1) / cell_y;
+    l.reach_x = gaussian(s->sigma_mm / mm[0] * l.cells_x / width, l.kernel_x);
+    l.reach_y = gaussian(s->sigma_mm / mm[1] * l.cells_y / height, l.kernel_y);
+    take_numbers(&l, s);
+    return l;
+}
+
+void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {
+    const double odds_one = 1 << SV_WALL_ODDS_BITS;
+    const double step = (double)(1 << SV_WALL_LOGISTIC_BITS) / odds_one;
+    for (int i = 0; i < 256; i++) tables[SV_WALL_ROOTS + i] = rounded(SV_WALL_ROOT_ONE * sqrt(i));
+    for (int i = 0; i <= 256; i++) {
+        const double level = fmin(fmax(i, 1.0), 255.0);
+        tables[SV_WALL_ODDS + i] = (uint32_t)(int32_t)floor(odds_one * log(level / (255.5 - level)) + 0.5);
+    }
+    for (int i = 0; i <= SV_WALL_LOGISTIC; i++)
+        tables[SV_WALL_CURVE + i] = rounded(SV_WALL_SURE / (1.0 + exp(-i * step)));
+    tables[SV_WALL_CURVE + SV_WALL_LOGISTIC - 1] = tables[SV_WALL_CURVE + SV_WALL_LOGISTIC] = SV_WALL_SURE;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/* The settings of the surface told by the wall, and what they become in one volume; for its definition and
+ * for the plugin (docs/surface.md). */
+#ifndef SV_WALL_LAYOUT_H
+#define SV_WALL_LAYOUT_H
+
+#include "wall/wall_shared.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define SV_WALL_EXTENT_MM 120.0
+
+/* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
+typedef struct {
+    double mean_mm;   /* brightness: mean of a box that reaches so far to either side */
+    double beside_mm; /* and the largest of the means so far to either side of the ray */
+    double thin_mm;   /* tissue thinner than this counts as fluid */
+    double gap_mm;    /* fluid thinner than this is no place for the surface */
+    double valley;    /* no fluid if the histogram's valley is higher than this share of its lower mode */
+    double wall_rank; /* the wall's brightness among the brightnesses of first tissues */
+    double low_rank, high_rank; /* the spread of the wall's brightness lies between these */
+    double sure;                /* evidence per spread */
+    double level;               /* spreads above the wall where any tissue is as likely the fetus as not */
+    double first;               /* spreads more for the first tissue of a ray */
+    double skin_mm;             /* bone of a first tissue lies this far behind its skin */
+    double tau_mm;              /* distance to the fluid that costs 1 */
+    /* Costs: the fetus is cut; an occluder is left; another fluid than the first. Together at most 31, or the
+     * sums of the Gaussian leave 32 bits. */
+    double cut, left, other;
+    double label_mm, cell_mm; /* depths and neighbourhoods for which costs are kept */
+    double sigma_mm;          /* lateral Gaussian over the costs */
+    double slack;             /* labels that cost at most this much more than the cheapest are averaged */
+    bool median;              /* 3 x 3 median of the cells */
+    double doubt;             /* own cost at which a surface is as likely wrong as right */
+    double fetus_share;       /* of the rays must show the fetus; else nothing is clipped */
+    double wall_share;        /* of the rays must see a wall; else these two are assumed: */
+    double assumed_wall;      /* its brightness in units of the bright class' mean */
+    double assumed_spread;    /* ln of the odds */
+} sv_wall_settings;
+
+/* The settings that docs/surface.md states. */
+sv_wall_settings sv_wall_settings_default(void);
+
+/* Distances between voxels for which the lengths are stated; others count as the nearest of these. */
+#define SV_WALL_SHORTEST_MM 0.05
+#define SV_WALL_LONGEST_MM  20.0
+
+/* Sides of 1 .. 8192; spacing in mm along x, y and z, all three 0 if it is not known. */
+sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
+                                 const sv_wall_settings *settings);
+
+/* Square roots, ln of odds and the logistic function in fixed-point: the kernels get the same numbers. Signed
+ * values in two's complement. */
+void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]);
+
+#endif

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Method wall against its definition (docs/surface.md): on scenes, on any volume, by any split into slabs,
+ * with ranges, padding and spacing. Everything up to the labels is integer arithmetic, so on a device that
+ * divides exactly the maps are the same bits.
+ */
+#include "ref/ref_wall.h"
+#include "scene/scene.h"
+#include "support/rig.h"
+#include "support/surfaces.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+typedef struct {
+    uint32_t width, height, slices, slab_slices;
+    int32_t padding;
+    float spacing_mm[3]; /* zeros: not told */
+    const sv_scanned *scanned;
+} shape;
+
+/* What the definition makes of it, and what the device does. */
+typedef struct {
+    float *depth, *confidence;
+    sv_wall_outcome outcome;
+    sv_wall_facts facts;
+} expected;
+
+static expected expect(const shape *s, const uint8_t *volume) {
+    const size_t count = (size_t)s->width * s->height;
+    const sv_ref_volume v = {volume,    s->width,   s->height,
+                             s->slices, s->padding, (const sv_ref_range *)s->scanned};
+    const double mm[3] = {(double)s->spacing_mm[0], (double)s->spacing_mm[1], (double)s->spacing_mm[2]};
+    expected e = {.depth = calloc(count, sizeof(float)), .confidence = calloc(count, sizeof(float))};
+    assert_true(e.depth && e.confidence);
+    assert_true(sv_wall_surface_padded(&v, mm, e.depth, e.confidence, &e.outcome, &e.facts));
+    return e;
+}
+
+static void expected_free(expected *e) {
+    free(e->depth);
+    free(e->confidence);
+}
+
+static double largest_difference(const float *a, const float *b, size_t count) {
+    double worst = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        assert_true(isfinite(a[i]));
+        worst = fmax(worst, fabs((double)a[i] - (double)b[i]));
+    }
+    return worst;
+}
+
+/* True if the device divides float32 exactly: then every operation of the definition has one right answer. */
+static bool is_exact(const rig *r) {
+    cl_device_fp_config config = 0;
+    assert_int_equal(clGetDeviceInfo(r->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL), 0);
+    return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+}
+
+/* True if there is a surface. */
+static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
+    const size_t count = (size_t)s->width * s->height;
+    const double bound = is_exact(r) ? 0.0 : s->slices * 16.0 * 0x1p-24;
+    const rig_format f = {.width = s->width,
+                          .height = s->height,
+                          .slices = s->slices,
+                          .slab_slices = s->slab_slices,
+                          .padding = s->padding,
+                          .scanned = s->scanned,
+                          .extra_w = 3,
+                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
+                          .fixed_count = 1};
+    expected e = expect(s, volume);
+    rig_textures *t = rig_textures_make(r, &f, volume);
+    memcpy(t->format.spacing_mm, s->spacing_mm, sizeof s->spacing_mm);
+    rig_result out = rig_result_make(s->width, s->height);
+    float *confidence = calloc(count, sizeof *confidence);
+    sv_confidence_report report = {.size = sizeof report};
+    const sv_ext_confidence *ext = r->plugin->get_extension(r->plugin, SV_EXT_CONFIDENCE);
+    assert_true(confidence && ext);
+    const sv_status active = r->plugin->activate(r->plugin, &t->format);
+    if (active != SV_OK) fail_msg("%s: %s", what, r->last_log);
+    const sv_status status = rig_frame(r, t, NULL, 0, &out);
+    assert_int_equal(ext->read(r->plugin, confidence, &report), SV_OK);
+    r->plugin->deactivate(r->plugin);
+    const double depth_error = largest_difference(out.depth, e.depth, count);
+    const double confidence_error = largest_difference(confidence, e.confidence, count);
+    print_message(
+        "%-24s %3u x %3u x %3u, slabs of %2u: error %.1e slices, confidence %.1e; T %u, %u of %u rays "
+        "begin in the wall%s\n",
+        what, s->width, s->height, s->slices, s->slab_slices, depth_error, confidence_error,
+        e.facts.threshold, e.facts.wall_rays, e.facts.rays,
+        e.outcome == SV_WALL_SURFACE ? "" : ", no surface");
+    assert_int_equal(status, e.outcome == SV_WALL_SURFACE ? SV_OK : SV_NO_SURFACE);
+    assert_true(depth_error <= bound);
+    assert_true(confidence_error <= (bound > 0.0 ? 1e-6 : 0.0));
+    assert_true(fabs((double)report.fluid_threshold * 255.0 - e.facts.threshold) < 1e-3);
+    if (e.outcome == SV_WALL_SURFACE) {
+        assert_int_equal(report.rays, e.facts.rays);
+        assert_int_equal(report.open_rays, e.facts.wall_rays);
+    }
+    rig_textures_free(t);
+    rig_result_free(&out);
+    expected_free(&e);
+    free(confidence);
+    return e.outcome == SV_WALL_SURFACE;
+}
+
+static void test_scenes(void **state) {
+    static const char *const names[] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
+    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+        hs_scene_data data;
+        hs_error err = {0};
+        assert_true(hs_scene_generate(names[n], 96, 1, &data, &err));
+        const shape s = {.width = 96, .height = 96, .slices = 96, .slab_slices = 16};
+        assert_true(compare(*state, &s, data.full.voxels, names[n]));
+        if (n == 1) {
+            const uint32_t lengths[] = {96, 1, 7};
+            for (size_t i = 0; i < 3; i++) {
+                shape other = s;
+                other.slab_slices = lengths[i];
+                assert_true(compare(*state, &other, data.full.voxels, "other slabs"));
+            }
+        }
+        hs_scene_free(&data);
+    }
+}
+
+/* Sizes that are no multiple of anything, and volumes that are no scans. */
+static void test_any_volume(void **state) {
+    static const shape shapes[] = {
+        {75, 40, 61, 9, 0, {0}, NULL}, {171, 33, 171, 16, 0, {0}, NULL}, {17, 130, 40, 40, -1, {0}, NULL},
+        {1, 1, 1, 1, 0, {0}, NULL},    {3, 5, 2, 1, 0, {0}, NULL},       {40, 40, 200, 16, 255, {0}, NULL},
+        {64, 48, 1, 1, -1, {0}, NULL}, {1, 1, 90, 16, -1, {0}, NULL},    {90, 90, 30, 16, 7, {0}, NULL}};
+    static const char *const kinds[] = {"noise", "extremes", "layers", "sparse"};
+    for (size_t n = 0; n < sizeof shapes / sizeof *shapes; n++)
+        for (int kind = 0; kind < RIG_KIND_COUNT; kind++) {
+            const shape *s = &shapes[n];
+            uint8_t *volume = rig_volume((rig_kind)kind, s->width, s->height, s->slices, 77 + (uint32_t)n);
+            (void)compare(*state, s, volume, kinds[kind]);
+            free(volume);
+        }
+}
+
+/* Tissue, fluid and bone in layers of up to `longest` slices, the same for patches of rays but for their
+ * ends: thin tissue, narrow fluid, rays that begin in fluid. */
+static uint8_t *layered_noise(uint32_t width, uint32_t height, uint32_t slices, uint32_t longest,
+                              uint32_t patch_side, uint32_t seed) {
+    static const uint8_t levels[] = {4, 80, 8, 120, 12, 220};
+    const size_t plane = (size_t)width * height;
+    uint8_t *volume = malloc(plane * slices);
+    uint32_t own = seed * 2654435761u + 1;
+    assert_non_null(volume);
+    for (size_t i = 0; i < plane; i++) {
+        uint32_t patch =
+            (uint32_t)(i % width / patch_side * 7919 + i / width / patch_side * 104729 + seed + 1) *
+            2654435761u;
+        if (patch == 0) patch = 1;
+        for (uint32_t n = 0; n < 4; n++) (void)surface_random(&patch);
+        for (uint32_t z = 0, layer = surface_random(&patch) % 2; z < slices; layer++) {
+            const uint8_t level = levels[layer % 6];
+            const uint32_t length = 1 + surface_random(&patch) % longest + surface_random(&own) % 3;
+            for (uint32_t n = 0; n < length && z < slices; n++, z++)
+                volume[z * plane + i] = (uint8_t)(level + surface_random(&own) % (level / 4 + 1));
+        }
+    }
+    return volume;
+}
+
+/* Voxels of other sizes: other windows, labels and cells. */
+static void test_spacings(void **state) {
+    static const float spacings[][3] = {{0.9f, 0.9f, 0.9f},   {0.5f, 0.5f, 0.5f},    {0.3f, 0.4f, 0.35f},
+                                        {0.15f, 0.2f, 0.12f}, {0.05f, 0.05f, 0.05f}, {0.01f, 3.0f, 0.7f},
+                                        {2.0f, 1.0f, 4.5f},   {20.0f, 20.0f, 20.0f}, {50.0f, 0.7f, 0.7f}};
+    uint32_t surfaces = 0;
+    for (uint32_t n = 0; n < sizeof spacings / sizeof *spacings; n++) {
+        shape s = {.width = 70, .height = 61, .slices = 90, .slab_slices = 16, .padding = SV_NO_PADDING};
+        const double longest = 9.0 / (double)spacings[n][2];
+        uint8_t *volume = layered_noise(s.width, s.height, s.slices, 10 + (uint32_t)fmin(longest, 30.0),
+                                        14 + (uint32_t)fmin(2.5 / (double)spacings[n][1], 36.0), n);
+        char what[64];
+        memcpy(s.spacing_mm, spacings[n], sizeof s.spacing_mm);
+        (void)snprintf(what, sizeof what, "%g, %g, %g mm", (double)s.spacing_mm[0], (double)s.spacing_mm[1],
+                       (double)s.spacing_mm[2]);
+        surfaces += compare(*state, &s, volume, what);
+        free(volume);
+    }
+    assert_true(surfaces >= 6); /* or the test would say little */
+}
+
+static void test_layered_noise(void **state) {
+    uint32_t surfaces = 0;
+    for (uint32_t n = 0; n < 6; n++) {
+        shape s = {
+            .width = 50 + 11 * n, .height = 61, .slices = 80 - 7 * n, .slab_slices = 16, .padding = -1};
+        for (int axis = 0; axis < 3; axis++) s.spacing_mm[axis] = 0.5f + 0.3f * (float)n;
+        uint8_t *volume = layered_noise(s.width, s.height, s.slices, 12, 14, n);
+        surfaces += compare(*state, &s, volume, "layered noise");
+        free(volume);
+    }
+    assert_true(surfaces >= 5);
+}
+
+/* Unscanned voxels, and only those, hold 0: ranges, a padding value and both come to the same. Changes the
+ * volume. */
+static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned *ranges, uint32_t width,
+                                      uint32_t height, uint32_t slices) {
+    const size_t plane = (size_t)width * height;
+    for (size_t i = 0; i < plane; i++)
+        for (uint32_t z = 0; z < slices; z++) {
+            uint8_t *v = &volume[z * plane + i];
+            *v = z >= ranges[i].first && z < ranges[i].end ? (uint8_t)(*v | 1) : 0;
+        }
+    const shape told = {width, height, slices, 10, SV_NO_PADDING, {0}, ranges};
+    shape both = told, padded = told;
+    both.padding = padded.padding = 0;
+    padded.scanned = NULL;
+    const shape *const all[] = {&told, &both, &padded};
+    expected first = expect(&told, volume);
+    for (size_t n = 0; n < 3; n++) {
+        expected e = expect(all[n], volume);
+        assert_memory_equal(e.depth, first.depth, plane * sizeof(float));
+        assert_true(compare(r, all[n], volume, "ranges or padding"));
+        expected_free(&e);
+    }
+    expected_free(&first);
+}
+
+/* Ranges of a fan, with rays that were not scanned, with and without a padding value besides. */
+static void test_ranges(void **state) {
+    enum { W = 70, H = 53, D = 64 };
+    static sv_scanned ranges[W * H];
+    hs_scene_data data;
+    hs_error err = {0};
+    assert_true(hs_scene_generate("E01", D, 1, &data, &err));
+    uint8_t *volume = layered_noise(W, H, D, 12, 14, 9);
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 0; x < W; x++) {
+            const uint32_t off = (x > W / 2 ? x - W / 2 : W / 2 - x) / 3 + y / 12;
+            ranges[y * W + x] = (sv_scanned){(uint16_t)off, (uint16_t)(D - off / 2)};
+            if ((x * 7 + y * 3) % 31 == 0) ranges[y * W + x] = (sv_scanned){9, 9};
+            for (uint32_t z = 0; z < D && x < D; z++)
+                volume[((size_t)z * H + y) * W + x] = data.full.voxels[((size_t)z * D + y) * D + x];
+        }
+    const int32_t paddings[] = {SV_NO_PADDING, 0, 4, 255};
+    for (size_t i = 0; i < 4; i++) {
+        const shape s = {W, H, D, 10, paddings[i], {1.0f, 1.1f, 0.9f}, ranges};
+        assert_true(compare(*state, &s, volume, "ranges of a fan"));
+    }
+    assert_ranges_are_padding(*state, volume, ranges, W, H, D);
+    memset(ranges, 0, sizeof ranges);
+    const shape none = {W, H, D, 10, SV_NO_PADDING, {0}, ranges};
+    assert_false(compare(*state, &none, volume, "nothing was scanned"));
+    free(volume);
+    hs_scene_free(&data);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {RIG_TEST(test_scenes), RIG_TEST(test_spacings),
+                                       RIG_TEST(test_any_volume), RIG_TEST(test_layered_noise),
+                                       RIG_TEST(test_ranges)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The surface told by the wall (docs/surface.md), as scalar C: what it must do on volumes whose answer is
+ * known. A wall, fluid, and a fetus with bright bone; what moves, turns or brightens the scan must move, turn
+ * or keep the surface.
+ */
+#include "support/wall_fixture.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void test_stands_between_wall_and_fetus(void **state) {
+    (void)state;
+    scan s = scene();
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    assert_int_equal(s.facts.rays, PIXELS);
+    assert_in_range(s.facts.wall_rays, PIXELS * 9 / 10, PIXELS);
+    assert_true(s.facts.wall > MUSCLE * 0.9 && s.facts.wall < MUSCLE * 1.25);
+    uint32_t rays = 0;
+    for (uint32_t y = 0; y < N; y++)
+        for (uint32_t x = 0; x < N; x++) {
+            const float depth = s.depth[y * N + x];
+            if (skin(x, y) >= GAP + 6) continue; /* the ball's rim */
+            rays++;
+            assert_true(depth > WALL - 1.0f && depth <= (float)skin(x, y));
+            assert_true(s.confidence[y * N + x] > 0.9f);
+        }
+    assert_in_range(rays, 200, 600);
+    scan_free(&s);
+}
+
+/* Scans `from` through a permutation of its pixels. */
+static scan turned(const scan *from, bool mirror_x, bool mirror_y, bool transpose) {
+    scan s = scan_make(transpose ? from->height : from->width, transpose ? from->width : from->height,
+                       from->slices);
+    for (uint32_t z = 0; z < s.slices; z++)
+        for (uint32_t y = 0; y < s.height; y++)
+            for (uint32_t x = 0; x < s.width; x++) {
+                const uint32_t u = mirror_x ? s.width - 1 - x : x, v = mirror_y ? s.height - 1 - y : y;
+                s.voxels[at(&s, x, y, z)] = from->voxels[at(from, transpose ? v : u, transpose ? u : v, z)];
+            }
+    scan_run(&s);
+    return s;
+}
+
+static void assert_turned(const scan *from, bool mirror_x, bool mirror_y, bool transpose) {
+    scan s = turned(from, mirror_x, mirror_y, transpose);
+    for (uint32_t y = 0; y < s.height; y++)
+        for (uint32_t x = 0; x < s.width; x++) {
+            const uint32_t u = mirror_x ? s.width - 1 - x : x, v = mirror_y ? s.height - 1 - y : y;
+            const size_t here = (size_t)y * s.width + x,
+                         there = (size_t)(transpose ? u : v) * from->width + (transpose ? v : u);
+            assert_memory_equal(&s.depth[here], &from->depth[there], sizeof(float));
+            assert_memory_equal(&s.confidence[here], &from->confidence[there], sizeof(float));
+        }
+    scan_free(&s);
+}
+
+/* A picture of 63 x 50 pixels is no whole number of cells: the cells must still be laid the same from both
+ * sides. */
+static void test_mirrored_and_transposed(void **state) {
+    (void)state;
+    const uint32_t sizes[2][2] = {{N, N}, {63, 50}};
+    for (int i = 0; i < 2; i++) {
+        scan s = scan_make(sizes[i][0], sizes[i][1], N);
+        draw(&s, WALL, GAP, true);
+        scan_run(&s);
+        assert_int_equal(s.outcome, SV_WALL_SURFACE);
+        assert_turned(&s, true, false, false);
+        assert_turned(&s, false, true, false);
+        assert_turned(&s, false, false, true);
+        scan_free(&s);
+    }
+}
+
+static void test_room_in_front_moves_it(void **state) {
+    (void)state;
+    enum { ROOM = 8 };
+    scan s = scene(), far = scan_make(N, N, N + ROOM);
+    memset(far.voxels, 255, (size_t)PIXELS * ROOM); /* not scanned: never read */
+    memcpy(far.voxels + (size_t)PIXELS * ROOM, s.voxels, (size_t)PIXELS * N);
+    for (size_t i = 0; i < PIXELS; i++) far.first[i] = ROOM;
+    scan_run(&s);
+    scan_run(&far);
+    for (size_t i = 0; i < PIXELS; i++) {
+        assert_true(fabsf(far.depth[i] - s.depth[i] - ROOM) < 1e-4f);
+        assert_memory_equal(&far.confidence[i], &s.confidence[i], sizeof(float));
+    }
+    scan_free(&s);
+    scan_free(&far);
+}
+
+static double mean_change(const scan *a, const scan *b, uint32_t moved_x) {
+    double sum = 0.0;
+    for (uint32_t y = 4; y < N - 4; y++)
+        for (uint32_t x = 4; x < N - 4; x++)
+            sum += fabs((double)(a->depth[y * N + x] - b->depth[y * N + x + moved_x]));
+    return sum / ((N - 8) * (N - 8));
+}
+
+static void test_moved_by_a_pixel(void **state) {
+    (void)state;
+    scan s = scene(), moved = scan_make(N, N, N);
+    for (uint32_t z = 0; z < N; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++)
+                moved.voxels[at(&moved, x, y, z)] = s.voxels[at(&s, x > 0 ? x - 1 : 0, y, z)];
+    scan_run(&s);
+    scan_run(&moved);
+    const double change = mean_change(&s, &moved, 1);
+    printf("one pixel sideways: %.3f slices\n", change);
+    assert_true(change <= 0.2);
+    scan_free(&s);
+    scan_free(&moved);
+}
+
+static void test_grey_levels(void **state) {
+    (void)state;
+    const double changes[][3] = {{0.5, 1, 0}, {1.2, 1, 0}, {1, 0.8, 0},
+                                 {1, 1.3, 0}, {1, 1, 15},  {1, 1, -4}}; /* gain, gamma, black */
+    scan s = scene();
+    scan_run(&s);
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        scan other = scene();
+        for (size_t k = 0; k < (size_t)PIXELS * N; k++) {
+            const double level =
+                255.0 * pow(other.voxels[k] / 255.0, changes[i][1]) * changes[i][0] + changes[i][2];
+            other.voxels[k] = (uint8_t)fmin(fmax(level + 0.5, 0.0), 255.0);
+        }
+        scan_run(&other);
+        const double change = mean_change(&s, &other, 0);
+        printf("gain %.1f, gamma %.1f, black level %+.0f: %.3f slices\n", changes[i][0], changes[i][1],
+               changes[i][2], change);
+        assert_int_equal(other.outcome, SV_WALL_SURFACE);
+        assert_true(change <= 0.5);
+        scan_free(&other);
+    }
+    scan_free(&s);
+}
+
+/* Nothing stands before the fetus: none of it may be cut. */
+static void test_bare_fetus(void **state) {
+    (void)state;
+    scan s = scan_make(N, N, N);
+    draw(&s, 0, GAP, true);
+    scan_run(&s);
+    assert_int_equal(s.facts.wall_rays, 0);
+    for (uint32_t y = 0; y < N; y++)
+        for (uint32_t x = 0; x < N; x++)
+            if (skin(x, y) < GAP + 6) assert_true(s.depth[y * N + x] <= (float)skin(x, y));
+    scan_free(&s);
+}
+
+/* Runs it: the outcome is `expected`, and the maps are 0. */
+static void assert_clips_nothing(scan *s, sv_wall_outcome expected) {
+    scan_run(s);
+    assert_int_equal(s->outcome, expected);
+    for (size_t i = 0; i < (size_t)s->width * s->height; i++)
+        assert_true(s->depth[i] == 0.0f && s->confidence[i] == 0.0f);
+}
+
+/* Tissue all through, from dark to bright without a gap between the two: there is no fluid to stand in. */
+static void test_no_fluid(void **state) {
+    (void)state;
+    scan s = scan_make(N, N, N);
+    for (uint32_t z = 0; z < N; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++) {
+                const double level = 40.0 + 40.0 * (double)(x + y + z) / N;
+                s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z));
+            }
+    assert_clips_nothing(&s, SV_WALL_NO_FLUID);
+    scan_free(&s);
+}
+
+/* An empty sac: the surface lies in it, behind the wall and before the back. */
+static void test_no_fetus(void **state) {
+    (void)state;
+    scan s = scan_make(N, N, N);
+    draw(&s, WALL, GAP, false);
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > WALL - 1.0f && s.depth[i] < 58.0f);
+    scan_free(&s);
+}
+
+/* The wall is the brightest of all, and a body without bone lies behind it: nobody knows what to keep, so
+ * nothing is clipped. */
+static void test_nothing_brighter_than_the_wall(void **state) {
+    (void)state;
+    scan s = scan_make(N, N, N);
+    draw(&s, WALL, GAP, true);
+    for (size_t i = 0; i < (size_t)PIXELS * N; i++)
+        s.voxels[i] = (uint8_t)(i < (size_t)PIXELS * WALL ? 200 : s.voxels[i] > 60 ? 60 : s.voxels[i]);
+    assert_clips_nothing(&s, SV_WALL_NO_FETUS);
+    assert_true(s.facts.fetus < 0.01);
+    scan_free(&s);
+}
+
+static void test_empty(void **state) {
+    (void)state;
+    scan black = scan_make(9, 7, 20), flat = scan_make(9, 7, 20), outside = scene();
+    memset(flat.voxels, 77, 9 * 7 * 20);
+    for (size_t i = 0; i < PIXELS; i++) outside.first[i] = outside.end[i] = N / 2;
+    assert_clips_nothing(&black, SV_WALL_EMPTY);
+    assert_clips_nothing(&outside, SV_WALL_EMPTY);
+    assert_clips_nothing(&flat, SV_WALL_EMPTY);
+    scan_free(&black);
+    scan_free(&flat);
+    scan_free(&outside);
+}
+
+static void test_small(void **state) {
+    (void)state;
+    const uint32_t sizes[][3] = {{1, 1, 1}, {1, 1, 64}, {2, 3, 64}, {64, 64, 1}, {64, 1, 40}, {5, 64, 3}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        scan s = scan_make(sizes[i][0], sizes[i][1], sizes[i][2]);
+        draw(&s, WALL, GAP, true);
+        scan_run(&s);
+        scan_free(&s);
+    }
+}
+
+/* Rays that were not scanned cost nothing: their neighbours decide. */
+static void test_unscanned_rays(void **state) {
+    (void)state;
+    scan s = scene(), holes = scene();
+    for (uint32_t i = 0; i < PIXELS; i += 7) holes.end[i] = 0;
+    scan_run(&s);
+    scan_run(&holes);
+    assert_int_equal(holes.facts.rays, PIXELS - (PIXELS + 6) / 7);
+    const double change = mean_change(&s, &holes, 0);
+    printf("every seventh ray not scanned: %.3f slices\n", change);
+    assert_true(change <= 1.0);
+    scan_free(&s);
+    scan_free(&holes);
+}
+
+static void test_everything_scanned(void **state) {
+    (void)state;
+    scan s = scene();
+    scan_run(&s);
+    float depth[PIXELS], confidence[PIXELS];
+    sv_wall_outcome outcome;
+    const sv_wall_volume v = {s.voxels, N, N, N, NULL, NULL, {0.0, 0.0, 0.0}};
+    assert_true(
+        sv_wall_surface(&v, NULL, depth, confidence, &outcome, NULL)); /* 120 mm / 64 is this spacing */
+    assert_memory_equal(depth, s.depth, sizeof depth);
+    assert_memory_equal(confidence, s.confidence, sizeof confidence);
+    scan_free(&s);
+}
+
+static void assert_refused(sv_wall_volume v, const char *field, const char *value) {
+    char text[160] = "";
+    float map[4] = {7.0f, 7.0f, 7.0f, 7.0f};
+    sv_wall_outcome outcome;
+    assert_false(sv_wall_check(&v, text, sizeof text));
+    assert_non_null(strstr(text, field));
+    assert_non_null(strstr(text, value));
+    assert_false(sv_wall_surface(&v, NULL, map, map, &outcome, NULL));
+    assert_true(map[0] == 7.0f);
+}
+
+static void test_bad_input(void **state) {
+    (void)state;
+    const uint8_t voxels[8] = {0};
+    const uint16_t first[4] = {0, 0, 2, 0}, end[4] = {2, 2, 1, 2}, beyond[4] = {2, 2, 3, 2}, none[4] = {0};
+    const sv_wall_volume good = {voxels, 2, 2, 2, NULL, NULL, {1.0, 1.0, 1.0}};
+    char text[160];
+    assert_true(sv_wall_check(&good, text, sizeof text));
+    sv_wall_volume v = good;
+    v.voxels = NULL;
+    assert_refused(v, "voxels", "NULL");
+    v = good;
+    v.width = 0;
+    assert_refused(v, "width", "0");
+    v = good;
+    v.slices = 8193;
+    assert_refused(v, "slices", "8193");
+    v = good;
+    v.spacing_mm[1] = -1.0;
+    assert_refused(v, "spacing_mm[1]", "-1");
+    v = good;
+    v.spacing_mm[2] = (double)NAN;
+    assert_refused(v, "spacing_mm[2]", "nan");
+    v = good;
+    v.first = first;
+    assert_refused(v, "end", "NULL");
+    v.end = end;
+    assert_refused(v, "ray (0, 1)", "first 2, end 1");
+    v.first = none;
+    v.end = beyond;
+    assert_refused(v, "ray (0, 1)", "end 3");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_stands_between_wall_and_fetus),
+        cmocka_unit_test(test_mirrored_and_transposed),
+        cmocka_unit_test(test_room_in_front_moves_it),
+        cmocka_unit_test(test_moved_by_a_pixel),
+        cmocka_unit_test(test_grey_levels),
+        cmocka_unit_test(test_bare_fetus),
+        cmocka_unit_test(test_no_fluid),
+        cmocka_unit_test(test_no_fetus),
+        cmocka_unit_test(test_nothing_brighter_than_the_wall),
+        cmocka_unit_test(test_empty),
+        cmocka_unit_test(test_small),
+        cmocka_unit_test(test_unscanned_rays),
+        cmocka_unit_test(test_everything_scanned),
+        cmocka_unit_test(test_bad_input),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
