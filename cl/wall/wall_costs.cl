@@ -64,7 +64,7 @@ static void walk_forth(const sv_wall_layout *l, rays_t *r, const slices_t *s) {
         const uchar16 fluid = bytes_of((r->first <= at) & (r->end > at)) & ~tissue;
         const uchar16 asks = tissue & (as_uchar16(bright > most) | ~behind);
         most = max(most & tissue, bright);
-        if (any(as_char16(asks))) {
+        if (some_bytes(asks)) {
             const ushort16 chance = chances_of(r, most, r->touches & (r->run_end > at));
             now = select(now, before - convert_ushort16(share(convert_uint16(before), chance)),
                          as_ushort16(words_of(tissue)));
@@ -72,13 +72,12 @@ static void walk_forth(const sv_wall_layout *l, rays_t *r, const slices_t *s) {
         before = select(now, before, as_ushort16(words_of(tissue)));
         behind = tissue;
         s->begun[z] = (ushort16)(SV_WALL_SURE)-now;
-        run = add_sat(run, (uchar16)(1)) & fluid;
+        run = longer(run) & fluid;
         const uchar16 wide = as_uchar16(run >= gap);
         near = min(near + (uchar16)(1), far) & ~wide;
         s->near[z] = near;
-        if (any(as_char16(wide) & ~convert_char16(found)))
-            find_fluid(l, r, at, words_of(wide), &found, &open);
-        if (any(open & ~words_of(fluid))) {
+        if (some_bytes(wide & ~bytes_of(found))) find_fluid(l, r, at, words_of(wide), &found, &open);
+        if (some_words(open & ~words_of(fluid))) {
             r->fluid_end = select(r->fluid_end, at, open & ~words_of(fluid));
             open &= words_of(fluid);
         }
@@ -108,10 +107,11 @@ static void add_costs(const sv_wall_layout *l, const rays_t *r, const slices_t *
     const uint skin = z + l->skin;
     if (skin < l->slices) {
         const short16 over = r->touches & (r->run_end > (short16)((short)skin));
-        if (any(over)) cost += share((uint16)(l->left), (r->in_run - s->begun[skin]) & as_ushort16(over));
+        if (some_words(over))
+            cost += share((uint16)(l->left), (r->in_run - s->begun[skin]) & as_ushort16(over));
     }
     const short16 other = (at < r->fluid) | (at >= r->fluid_end);
-    if (any(other))
+    if (some_words(other))
         cost += share((uint16)(l->other), ((ushort16)(SV_WALL_SURE)-r->begun) & as_ushort16(other));
     uint16 far = convert_uint16(near) * l->rate;
     far = min((far + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS, (uint16)(SV_WALL_ONE));
@@ -237,7 +237,7 @@ static ulong walk_column(const sv_wall_layout *l, const scratch_t *s, __global c
         rays_t r;
         load_rays(l, tissue, bright, rays, x, y, &r);
         r.chances = chances;
-        if (!any(r.end > r.first)) continue;
+        if (!some_words(r.end > r.first)) continue;
         walk_forth(l, &r, &s->slices);
         find_in_run(&r, &s->slices);
         if (cell == cell_row) fetus += sum_lanes(r.begun & as_ushort16(r.end > r.first));

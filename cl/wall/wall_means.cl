@@ -93,8 +93,8 @@ static uchar16 mean_of(const divider_t *d, __global ushort16 *sums, uint x, uint
         const ushort16 sum = sums[x] + more - less;
         sums[x] = sum;
         if (d->rounding == 0) return convert_uchar16(sum);
-        return convert_uchar16(mul_hi(sum + (ushort)d->rounding, (ushort16)((ushort)d->factor)) >>
-                               (ushort)d->shift);
+        const uint16 product = convert_uint16(sum + (ushort)d->rounding) * d->factor;
+        return convert_uchar16(convert_ushort16(product >> 16u) >> (ushort)d->shift);
     }
     uint16 sum = convert_uint16(sums[x]) + (convert_uint16(sums[vectors + x]) << 16u);
     sum += convert_uint16(more);
@@ -106,7 +106,7 @@ static uchar16 mean_of(const divider_t *d, __global ushort16 *sums, uint x, uint
 
 /* Counts 16 means where the mask is set; four histograms, so that equal neighbours do not wait. */
 static void count(uint histogram[4][256], uchar16 means, short16 mask) {
-    if (all(mask)) {
+    if (!some_words(~mask)) {
         const ulong2 packed = as_ulong2(means);
         ulong a = packed.s0, b = packed.s1;
         for (uint i = 0; i < 4; i++) {
@@ -119,23 +119,44 @@ static void count(uint histogram[4][256], uchar16 means, short16 mask) {
         }
         return;
     }
-    if (!any(mask)) return;
+    if (!some_words(mask)) return;
     const uchar *lanes = (const uchar *)&means;
     const short *wanted = (const short *)&mask;
     for (uint i = 0; i < SV_LANES; i++) histogram[0][lanes[i]] += wanted[i] != 0;
 }
 
-/* The largest means beside the rays of a row. */
-static void largest_beside(const sv_wall_layout *l, const row_t *r, __global uchar16 *to) {
-    const uint vectors = padded_width_of(l) / SV_LANES;
-    for (uint x = 0; x < vectors; x++) {
-        __global const uchar *at = r->means + BYTE_MARGIN + x * SV_LANES;
-        uchar16 most = ((__global const bytes_anywhere *)at)->v;
-        for (uint k = 1; k <= l->beside[0]; k++)
-            most = max(most, max(((__global const bytes_anywhere *)(at - k))->v,
-                                 ((__global const bytes_anywhere *)(at + k))->v));
-        to[x] = most;
-    }
+static wide_bytes larger(wide_bytes a, wide_bytes b) {
+    return a > b ? a : b;
+}
+
+/* The largest of WIDE bytes and of those up to `reach` further on both sides, `stride` apart. */
+static void largest_wide(__global const uchar *at, uint before, uint behind, int stride, __global uchar *to) {
+    wide_bytes most = ((__global const wide_anywhere *)at)->v;
+    for (int k = 1; k <= (int)before; k++)
+        most = larger(most, ((__global const wide_anywhere *)(at - k * stride))->v);
+    for (int k = 1; k <= (int)behind; k++)
+        most = larger(most, ((__global const wide_anywhere *)(at + k * stride))->v);
+    ((__global wide_anywhere *)to)->v = most;
+}
+
+/* The same for 16. */
+static void largest_narrow(__global const uchar *at, uint before, uint behind, int stride,
+                           __global uchar *to) {
+    uchar16 most = ((__global const bytes_anywhere *)at)->v;
+    for (int k = 1; k <= (int)before; k++)
+        most = max(most, ((__global const bytes_anywhere *)(at - k * stride))->v);
+    for (int k = 1; k <= (int)behind; k++)
+        most = max(most, ((__global const bytes_anywhere *)(at + k * stride))->v);
+    *(__global uchar16 *)to = most;
+}
+
+/* The largest of a row's bytes and those beside them: as many as a row of voxels has. */
+static void largest_of_row(const sv_wall_layout *l, __global const uchar *at, uint before, uint behind,
+                           int stride, __global uchar *to) {
+    const uint width = padded_width_of(l);
+    uint x = 0;
+    for (; x + WIDE <= width; x += WIDE) largest_wide(at + x, before, behind, stride, to + x);
+    for (; x < width; x += SV_LANES) largest_narrow(at + x, before, behind, stride, to + x);
 }
 
 static row_t row_of(const sv_wall_layout *l, __global ushort16 *lines, uint line_vectors, uint y) {
@@ -163,7 +184,7 @@ static uint count_rays(const sv_wall_layout *l, __global ushort16 *rays, uint y)
  */
 __kernel void wall_means(sv_wall_layout l, uint line_vectors, __global const uchar16 *restrict voxels,
                          __global ushort16 *restrict rays, __global ushort16 *restrict lines,
-                         __global uchar16 *restrict beside, __global uint *restrict histograms) {
+                         __global uchar *restrict beside, __global uint *restrict histograms) {
     const uint y = (uint)get_global_id(0), vectors = padded_width_of(&l) / SV_LANES, rz = l.mean[2];
     const divider_t divider = divider_of(&l);
     const row_t r = row_of(&l, lines, line_vectors, y);
@@ -188,7 +209,9 @@ __kernel void wall_means(sv_wall_layout l, uint line_vectors, __global const uch
             if (x + 1 == vectors) mean &= last;
             means[x] = mean;
         }
-        if (next >= rz) largest_beside(&l, &r, beside + ((size_t)z * l.height + y) * vectors);
+        if (next >= rz)
+            largest_of_row(&l, r.means + BYTE_MARGIN, l.beside[0], l.beside[0], 1,
+                           beside + ((size_t)z * l.height + y) * padded_width_of(&l));
     }
     histograms += (size_t)y * HISTOGRAM_WORDS;
     histograms[HISTOGRAM_RAYS] = count_rays(&l, rays, y);
@@ -198,17 +221,13 @@ __kernel void wall_means(sv_wall_layout l, uint line_vectors, __global const uch
 
 /* One work item per slice: the largest of the rows beside every ray, from those of single rows. */
 __kernel void wall_brightest(sv_wall_layout l, __global const uint *restrict info,
-                             __global const uchar16 *restrict beside, __global uchar16 *restrict bright) {
-    const uint z = (uint)get_global_id(0), vectors = padded_width_of(&l) / SV_LANES, reach = l.beside[1];
+                             __global const uchar *restrict beside, __global uchar *restrict bright) {
+    const uint z = (uint)get_global_id(0), width = padded_width_of(&l), reach = l.beside[1];
+    const size_t slice = (size_t)z * l.height * width;
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    beside += (size_t)z * l.height * vectors;
-    bright += (size_t)z * l.height * vectors;
     for (uint y = 0; y < l.height; y++) {
-        const uint y0 = y - min(y, reach), y1 = min(y + reach, l.height - 1);
-        for (uint x = 0; x < vectors; x++) {
-            uchar16 most = beside[y0 * vectors + x];
-            for (uint v = y0 + 1; v <= y1; v++) most = max(most, beside[v * vectors + x]);
-            bright[y * vectors + x] = most;
-        }
+        const size_t row = slice + (size_t)y * width;
+        largest_of_row(&l, beside + row, min(reach, y), min(reach, l.height - 1 - y), (int)width,
+                       bright + row);
     }
 }

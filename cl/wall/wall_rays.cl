@@ -21,7 +21,7 @@ static void mark_runs(const sv_wall_layout *l, __global uchar16 *voxels, size_t 
     uchar16 run = (uchar16)(0);
     for (uint z = 0; z < l->slices; z++) {
         const uchar16 bright = as_uchar16(voxels[z * plane] > (uchar16)(threshold));
-        run = add_sat(run, (uchar16)(1)) & bright;
+        run = longer(run) & bright;
         voxels[z * plane] = run;
     }
 }
@@ -38,10 +38,10 @@ static void walk_back(const sv_wall_layout *l, __global uchar16 *voxels, __globa
         const uchar16 run = voxels[z * plane], behind = tissue;
         tissue = as_uchar16(run > (uchar16)(0)) & (as_uchar16(run >= thin) | behind);
         voxels[z * plane] = tissue;
-        if (!any(as_char16(tissue))) continue;
+        if (!some_bytes(tissue)) continue;
         const short16 at = (short16)((short)z), in = words_of(tissue);
         const uchar16 enters = tissue & ~behind;
-        if (any(as_char16(enters))) {
+        if (some_bytes(enters)) {
             const short16 fresh = words_of(enters);
             w->fluid = select(w->fluid, w->begin - at - (short)1, fresh);
             w->run_end = select(w->run_end, at + (short)1, fresh);

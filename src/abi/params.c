@@ -56,8 +56,8 @@ static const struct {
      "Mode fraction: T_B is the highest threshold that at least this share of the rays exceeds.", 0.0, 1.0,
      0.01, 0.1, 0.03, 0.01, NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_FRACTION)},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
-     "How depths spread from the initial points to all pixels, or, with cost, are found from every ray's own "
-     "fluid; all but minimum are linear in the depths, so that turning q costs next to nothing.",
+     "How depths spread from the initial points to all pixels, or, with cost and wall, are found from every "
+     "ray's own fluid; all but minimum are linear in the depths, so that turning q costs next to nothing.",
      0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods, GROUP_SURFACE, 0,
      0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
@@ -115,7 +115,7 @@ static const struct {
     {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
      "Reduced resolution", "pixels",
      "The surface is made on cells of this many by as many pixels and interpolated: faster, less exact; 1: "
-     "on pixels. Wants a fill weight above 0. Method cost ignores it, having cells of its own.",
+     "on pixels. Wants a fill weight above 0. Methods cost and wall ignore it, having cells of their own.",
      1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
      "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
