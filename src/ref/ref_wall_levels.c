@@ -52,7 +52,7 @@ static void largest_along(const uint8_t *from, uint8_t *to, size_t blocks, size_
 }
 
 bool sv_wall_brightest(const sv_wall_layout *l, uint8_t *means) {
-    uint8_t *rows = malloc((size_t)l->width * l->height * l->slices);
+    uint8_t *rows = calloc((size_t)l->width * l->height, l->slices);
     if (!rows) return false;
     largest_along(means, rows, (size_t)l->height * l->slices, l->width, 1, l->beside[0]);
     largest_along(rows, means, l->slices, l->height, l->width, l->beside[1]);

@@ -47,6 +47,13 @@ if [ -z "${SV_SANITIZE:-}" ]; then
     done < <(readelf -sW "$library" | awk '($4 == "OBJECT" || $4 == "TLS") && $7 ~ /^[0-9]+$/ {print $8, $7}' | sort -u)
 fi
 
+# Tables of the loader are read-only once a library or a program has been loaded.
+for file in "$library" "$build_dir/host_sim"; do
+    [ -f "$file" ] || continue
+    readelf -dW "$file" | grep -qE 'BIND_NOW|NOW' || fail "$file: symbols are bound late"
+    readelf -lW "$file" | grep -q GNU_RELRO || fail "$file: without RELRO"
+done
+
 if [ -f "$build_dir/host_sim" ]; then
     linked=$(nm "$build_dir/host_sim" | awk '$2 ~ /^[TtDdBbRr]$/ && $3 ~ /^sv_/ {print $3}' | tr '\n' ' ')
     [ -z "$linked" ] || fail "host_sim has code of the plugin in it: $linked"

@@ -42,7 +42,7 @@ make_volume "$work/short.mha" 16 4000
 cd "$work" || exit 1
 
 run=(run --frames 1 --picture 32 --out "$work/out")
-good=("${run[@]}" --volume good.mha)
+good=("${run[@]}" --volume good.mha --lowres 24)
 
 # ------------------------------------------------------------------------------- exit code 2: usage
 expect 2 "Usage:"
@@ -107,24 +107,24 @@ unclipped "instance.slab is NULL" "${good[@]}" --plugin "$plugins/no_slab.so"
 unclipped "no plugin with id 'a.b'" "${good[@]}" --plugin "$plugins/plane.so" --id a.b
 for call in activate begin slab end; do
     unclipped "$call: SV_ERR_INTERNAL (-1): fails in $call on purpose" "${good[@]}" --slab 2 \
-        --plugin "$plugins/plane.so" --set fail=$call --set depth=9
+        --plugin "$plugins/plane.so" --set fail=$call --set depth=30
 done
 expect 4 "no_such.so" list --plugin no_such.so
 
 # SV_NO_SURFACE is no failure, but unclipped all the same.
 rm -rf out
-expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=9
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=30
 holds cmp out/result.png full.png
 # So deep a plane leaves nothing to see: these comparisons would notice a picture that is clipped.
-expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set depth=9
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set depth=30
 holds [ "$(cmp -s out/result.png full.png; echo $?)" = 1 ]
 
 # A map with holes is drawn, and the summary tells how many: of a test plugin, and of the mean filter that fills nothing.
 rm -rf out
-expect 0 "" "${good[@]}" --plugin "$plugins/partial.so" --set depth=9
+expect 0 "" "${good[@]}" --plugin "$plugins/partial.so" --set depth=30
 holds [ "$(cmp -s out/result.png full.png; echo $?)" = 1 ]
 holds grep -q "^Frames: 1 clipped, 1 of them in part; rendered unclipped: 0 by" stdout
-holds grep -q "SV_PARTIAL; 25 rays gave a point (100.0 % of 25), 15 pixels without a surface" stdout
+holds grep -q "SV_PARTIAL; 576 rays gave a point (100.0 % of 576), 288 pixels without a surface" stdout
 for queue in "" --own-queue; do
     expect 0 "" "${run[@]}" --scene E04 --size 64 $queue --set kernel=3 --set evidence=0 --set fill_weight=0
     holds grep -q "^Frames: 1 clipped, 1 of them in part;" stdout
