@@ -10,8 +10,8 @@
 #include "wall/wall.clh"
 #endif
 
-#define WORD_MARGIN SV_LANES /* words before and behind a line of sums: more than SV_WALL_REACH */
-#define BYTE_MARGIN 80       /* bytes before and behind a line of means: SV_WALL_BESIDE */
+#define WORD_MARGIN 32 /* words before and behind a line of sums: more than SV_WALL_REACH */
+#define BYTE_MARGIN 96 /* bytes before and behind a line of means: SV_WALL_BESIDE */
 
 /* Division by the box by a product: (n * factor) >> (16 + shift), or >> 32 if that is not exact. */
 typedef struct {
@@ -19,14 +19,22 @@ typedef struct {
     bool narrow; /* 16 bits do */
 } divider_t;
 
-/* What a row keeps while it is walked, in `lines`: words of 16 bits, whole vectors. */
+/* What a row keeps while it is walked, in `lines`: words of 16 bits, whole vectors. Lines that are read at
+ * other places than they were written at are two, taken in turns: a vector that was just stored in parts is
+ * slow to load. */
 typedef struct {
-    __global ushort *columns; /* sums of rows, between margins */
-    __global ushort16 *ring;
-    __global ushort16
-        *sums;             /* of the boxes; if they do not fit into 16 bits, their lower, then upper halves */
-    __global uchar *means; /* between margins */
+    __global ushort *columns[2]; /* sums of rows, between margins */
+    __global u16l *ring;
+    __global u16l *sums; /* of the boxes; if they do not fit into 16 bits, their lower, then upper halves */
+    __global uchar *means[2]; /* between margins */
 } row_t;
+
+/* Upper half of a product of two times 32 bits. */
+static u32l mul_hi32(u32l a, uint b) {
+    u32l high;
+    for (uint i = 0; i < LANES; i++) ((uint *)&high)[i] = mul_hi(((const uint *)&a)[i], b);
+    return high;
+}
 
 static divider_t divider_of(const sv_wall_layout *l) {
     const uint box = (2 * l->mean[0] + 1) * (2 * l->mean[1] + 1) * (2 * l->mean[2] + 1);
@@ -42,12 +50,12 @@ static divider_t divider_of(const sv_wall_layout *l) {
 }
 
 /* The slices at which the boxes of row y were scanned all over. */
-static void find_boxes(const sv_wall_layout *l, __global ushort16 *rays, uint y) {
-    const uint vectors = padded_width_of(l) / SV_LANES, rx = l->mean[0], ry = l->mean[1];
+static void find_boxes(const sv_wall_layout *l, __global ushort *rays, uint y) {
+    const uint vectors = padded_width_of(l) / LANES, rx = l->mean[0], ry = l->mean[1];
     __global ushort *box_first = (__global ushort *)ray_row(rays, l, RAY_BOX_FIRST, y);
     __global ushort *box_end = (__global ushort *)ray_row(rays, l, RAY_BOX_END, y);
     const bool inside = y >= ry && y + ry < l->height;
-    for (uint x = 0; x < vectors * SV_LANES; x++) {
+    for (uint x = 0; x < vectors * LANES; x++) {
         uint first = 0, end = l->slices;
         if (!inside || x < rx || x + rx >= l->width) end = 0;
         for (uint v = y - ry; end > 0 && v <= y + ry; v++) {
@@ -64,115 +72,108 @@ static void find_boxes(const sv_wall_layout *l, __global ushort16 *rays, uint y)
 }
 
 /* Sums of the rows of the box in slice z. */
-static void sum_rows_of(const sv_wall_layout *l, __global const uchar16 *voxels, uint z, uint y,
-                        const row_t *r) {
-    const uint vectors = padded_width_of(l) / SV_LANES, ry = l->mean[1];
+static void sum_rows_of(const sv_wall_layout *l, __global const u8l *voxels, uint z, uint y, const row_t *r) {
+    const uint vectors = padded_width_of(l) / LANES, ry = l->mean[1];
     const uint y0 = y - min(y, ry), y1 = min(y + ry, l->height - 1);
-    __global ushort16 *columns = (__global ushort16 *)(r->columns + WORD_MARGIN);
-    __global const uchar16 *from = voxels + ((size_t)z * l->height + y0) * vectors;
+    __global u16l *columns = (__global u16l *)(r->columns[z & 1] + WORD_MARGIN);
+    __global const u8l *from = voxels + ((size_t)z * l->height + y0) * vectors;
     for (uint x = 0; x < vectors; x++) {
-        ushort16 sum = convert_ushort16(from[x]);
-        for (uint v = 1; v <= y1 - y0; v++) sum += convert_ushort16(from[v * vectors + x]);
+        u16l sum = TO_U16(from[x]);
+        for (uint v = 1; v <= y1 - y0; v++) sum += TO_U16(from[v * vectors + x]);
         columns[x] = sum;
     }
 }
 
-static ushort16 sum_columns(const row_t *r, uint x, uint rx) {
-    __global const ushort *at = r->columns + WORD_MARGIN + x * SV_LANES;
-    ushort16 sum = ((__global const words_anywhere *)at)->v;
+static u16l sum_columns(__global const ushort *columns, uint x, uint rx) {
+    __global const ushort *at = columns + WORD_MARGIN + x * LANES;
+    u16l sum = ((__global const u16l_anywhere *)at)->v;
     for (uint k = 1; k <= rx; k++)
-        sum +=
-            ((__global const words_anywhere *)(at - k))->v + ((__global const words_anywhere *)(at + k))->v;
+        sum += ((__global const u16l_anywhere *)(at - k))->v + ((__global const u16l_anywhere *)(at + k))->v;
     return sum;
 }
 
 /* Means of 16 boxes, whose sums change by `more` - `less`. */
-static uchar16 mean_of(const divider_t *d, __global ushort16 *sums, uint x, uint vectors, ushort16 more,
-                       ushort16 less) {
+static u8l mean_of(const divider_t *d, __global u16l *sums, uint x, uint vectors, u16l more, u16l less) {
     if (d->narrow) {
-        const ushort16 sum = sums[x] + more - less;
+        const u16l sum = sums[x] + more - less;
         sums[x] = sum;
-        if (d->rounding == 0) return convert_uchar16(sum);
-        const uint16 product = convert_uint16(sum + (ushort)d->rounding) * d->factor;
-        return convert_uchar16(convert_ushort16(product >> 16u) >> (ushort)d->shift);
+        if (d->rounding == 0) return TO_U8(sum);
+        const u32l product = TO_U32(sum + (ushort)d->rounding) * TO_U32((u16l)((ushort)d->factor));
+        return TO_U8(TO_U16(product >> 16u) >> (ushort)d->shift);
     }
-    uint16 sum = convert_uint16(sums[x]) + (convert_uint16(sums[vectors + x]) << 16u);
-    sum += convert_uint16(more);
-    sum -= convert_uint16(less);
-    sums[x] = convert_ushort16(sum & 0xffffu);
-    sums[vectors + x] = convert_ushort16(sum >> 16u);
-    return convert_uchar16(mul_hi(sum + d->rounding, (uint16)(d->factor)));
+    u32l sum = TO_U32(sums[x]) + (TO_U32(sums[vectors + x]) << 16u);
+    sum += TO_U32(more);
+    sum -= TO_U32(less);
+    sums[x] = TO_U16(sum & 0xffffu);
+    sums[vectors + x] = TO_U16(sum >> 16u);
+    return TO_U8(mul_hi32(sum + d->rounding, d->factor));
 }
 
 /* Counts 16 means where the mask is set; four histograms, so that equal neighbours do not wait. */
-static void count(uint histogram[4][256], uchar16 means, short16 mask) {
+static void count(uint histogram[4][256], u8l means, i16l mask) {
     if (!some_words(~mask)) {
-        const ulong2 packed = as_ulong2(means);
-        ulong a = packed.s0, b = packed.s1;
-        for (uint i = 0; i < 4; i++) {
-            histogram[0][a & 255]++;
-            histogram[1][b & 255]++;
-            histogram[2][(a >> 8) & 255]++;
-            histogram[3][(b >> 8) & 255]++;
-            a >>= 16;
-            b >>= 16;
+        const ulong *packed = (const ulong *)&means;
+        for (uint k = 0; k < LANES / 8; k += 2) {
+            ulong a = packed[k], b = packed[k + 1];
+            for (uint i = 0; i < 4; i++) {
+                histogram[0][a & 255]++;
+                histogram[1][b & 255]++;
+                histogram[2][(a >> 8) & 255]++;
+                histogram[3][(b >> 8) & 255]++;
+                a >>= 16;
+                b >>= 16;
+            }
         }
         return;
     }
     if (!some_words(mask)) return;
     const uchar *lanes = (const uchar *)&means;
     const short *wanted = (const short *)&mask;
-    for (uint i = 0; i < SV_LANES; i++) histogram[0][lanes[i]] += wanted[i] != 0;
+    for (uint i = 0; i < LANES; i++) histogram[0][lanes[i]] += wanted[i] != 0;
 }
 
-static wide_bytes larger(wide_bytes a, wide_bytes b) {
-    return a > b ? a : b;
-}
-
-/* The largest of WIDE bytes and of those up to `reach` further on both sides, `stride` apart. */
-static void largest_wide(__global const uchar *at, uint before, uint behind, int stride, __global uchar *to) {
-    wide_bytes most = ((__global const wide_anywhere *)at)->v;
-    for (int k = 1; k <= (int)before; k++)
-        most = larger(most, ((__global const wide_anywhere *)(at - k * stride))->v);
-    for (int k = 1; k <= (int)behind; k++)
-        most = larger(most, ((__global const wide_anywhere *)(at + k * stride))->v);
-    ((__global wide_anywhere *)to)->v = most;
-}
-
-/* The same for 16. */
-static void largest_narrow(__global const uchar *at, uint before, uint behind, int stride,
-                           __global uchar *to) {
-    uchar16 most = ((__global const bytes_anywhere *)at)->v;
-    for (int k = 1; k <= (int)before; k++)
-        most = max(most, ((__global const bytes_anywhere *)(at - k * stride))->v);
-    for (int k = 1; k <= (int)behind; k++)
-        most = max(most, ((__global const bytes_anywhere *)(at + k * stride))->v);
-    *(__global uchar16 *)to = most;
-}
-
-/* The largest of a row's bytes and those beside them: as many as a row of voxels has. */
-static void largest_of_row(const sv_wall_layout *l, __global const uchar *at, uint before, uint behind,
+/* The largest of a row's bytes and of those up to `before` and `behind` further on, `stride` apart: as many
+ * as a row of voxels has. */
+static void largest_of_row(const sv_wall_layout *l, __global const uchar *at, int before, int behind,
                            int stride, __global uchar *to) {
-    const uint width = padded_width_of(l);
-    uint x = 0;
-    for (; x + WIDE <= width; x += WIDE) largest_wide(at + x, before, behind, stride, to + x);
-    for (; x < width; x += SV_LANES) largest_narrow(at + x, before, behind, stride, to + x);
+    for (uint x = 0; x < padded_width_of(l); x += LANES) {
+        u8l most = ((__global const u8l_anywhere *)(at + x))->v;
+        for (int k = 1; k <= before; k++) {
+            const u8l other = ((__global const u8l_anywhere *)(at + x - k * stride))->v;
+            most = MOST(most, other);
+        }
+        for (int k = 1; k <= behind; k++) {
+            const u8l other = ((__global const u8l_anywhere *)(at + x + k * stride))->v;
+            most = MOST(most, other);
+        }
+        *(__global u8l *)(to + x) = most;
+    }
 }
 
-static row_t row_of(const sv_wall_layout *l, __global ushort16 *lines, uint line_vectors, uint y) {
-    const uint vectors = padded_width_of(l) / SV_LANES, ring = (2 * l->mean[2] + 1) * vectors;
-    lines += (size_t)y * line_vectors;
-    for (uint i = 0; i < line_vectors; i++) lines[i] = (ushort16)(0);
+/* Lanes of the pixels that the last vector of a row has. */
+static u8l last_pixels(const sv_wall_layout *l) {
+    const uint x = padded_width_of(l) - LANES;
+    u8l mask;
+    for (uint i = 0; i < LANES; i++) ((uchar *)&mask)[i] = x + i < l->width ? 255 : 0;
+    return mask;
+}
+
+static row_t row_of(const sv_wall_layout *l, __global ushort *lines, uint line_words, uint y) {
+    const uint vectors = padded_width_of(l) / LANES, ring = (2 * l->mean[2] + 1) * vectors;
+    lines += (size_t)y * line_words;
+    for (uint i = 0; i < line_words; i++) lines[i] = 0;
     row_t r;
-    r.ring = lines;
-    r.sums = lines + ring;
-    r.columns = (__global ushort *)(lines + ring + 2 * vectors);
-    r.means = (__global uchar *)(r.columns + 2 * WORD_MARGIN + vectors * SV_LANES);
+    r.ring = (__global u16l *)lines;
+    r.sums = r.ring + ring;
+    r.columns[0] = (__global ushort *)(r.sums + 2 * vectors);
+    r.columns[1] = r.columns[0] + 2 * WORD_MARGIN + vectors * LANES;
+    r.means[0] = (__global uchar *)(r.columns[1] + 2 * WORD_MARGIN + vectors * LANES);
+    r.means[1] = r.means[0] + 2 * BYTE_MARGIN + vectors * LANES;
     return r;
 }
 
 /* Scanned rays of a row. */
-static uint count_rays(const sv_wall_layout *l, __global ushort16 *rays, uint y) {
+static uint count_rays(const sv_wall_layout *l, __global ushort *rays, uint y) {
     __global const ushort *first = (__global const ushort *)ray_row(rays, l, RAY_FIRST, y);
     __global const ushort *end = (__global const ushort *)ray_row(rays, l, RAY_END, y);
     uint count = 0;
@@ -180,39 +181,50 @@ static uint count_rays(const sv_wall_layout *l, __global ushort16 *rays, uint y)
     return count;
 }
 
-/* One work item per row. `lines`: line_vectors a row. `beside`: the largest means of a row beside every ray.
- */
-__kernel void wall_means(sv_wall_layout l, uint line_vectors, __global const uchar16 *restrict voxels,
-                         __global ushort16 *restrict rays, __global ushort16 *restrict lines,
+/* The means of slice z of a row, with what entered and left its boxes; their histogram. */
+static void means_of_slice(const sv_wall_layout *l, const divider_t *divider, const row_t *r, uint next,
+                           __global const u16l *box_first, __global const u16l *box_end, u8l last,
+                           uint histogram[4][256]) {
+    const uint vectors = padded_width_of(l) / LANES, rz = l->mean[2];
+    const ushort z = (ushort)(next - min(next, rz));
+    __global u16l *line = r->ring + next % (2 * rz + 1) * vectors;
+    __global u8l *means = (__global u8l *)(r->means[z & 1] + BYTE_MARGIN);
+    for (uint x = 0; x < vectors; x++) {
+        const u16l less = line[x];
+        const u16l more = next < l->slices ? sum_columns(r->columns[next & 1], x, l->mean[0]) : (u16l)(0);
+        line[x] = more;
+        u8l mean = mean_of(divider, r->sums, x, vectors, more, less);
+        if (next < rz) continue;
+        count(histogram, mean, (box_first[x] <= z) & (box_end[x] > z));
+        if (x + 1 == vectors) mean &= last;
+        means[x] = mean;
+    }
+}
+
+static void beside_of_slice(const sv_wall_layout *l, const row_t *r, uint z, uint y, __global uchar *beside) {
+    largest_of_row(l, r->means[z & 1] + BYTE_MARGIN, (int)l->beside[0], (int)l->beside[0], 1,
+                   beside + ((size_t)z * l->height + y) * padded_width_of(l));
+}
+
+/* One work item per row. `lines`: line_words a row. `beside`: the largest means of a row beside every ray. */
+__kernel void wall_means(sv_wall_layout l, uint line_words, __global const u8l *restrict voxels,
+                         __global ushort *restrict rays, __global ushort *restrict lines,
                          __global uchar *restrict beside, __global uint *restrict histograms) {
-    const uint y = (uint)get_global_id(0), vectors = padded_width_of(&l) / SV_LANES, rz = l.mean[2];
+    const uint y = (uint)get_global_id(0), rz = l.mean[2];
     const divider_t divider = divider_of(&l);
-    const row_t r = row_of(&l, lines, line_vectors, y);
-    const uchar16 last = pixels_of((vectors - 1) * SV_LANES, l.width);
-    __global const ushort16 *first = ray_row(rays, &l, RAY_BOX_FIRST, y);
-    __global const ushort16 *end = ray_row(rays, &l, RAY_BOX_END, y);
-    __global uchar16 *means = (__global uchar16 *)(r.means + BYTE_MARGIN);
+    const row_t r = row_of(&l, lines, line_words, y);
+    const u8l last = last_pixels(&l);
     uint histogram[4][256];
     for (uint i = 0; i < 256; i++) histogram[0][i] = histogram[1][i] = histogram[2][i] = histogram[3][i] = 0;
     find_boxes(&l, rays, y);
+    sum_rows_of(&l, voxels, 0, y, &r);
     for (uint next = 0; next < l.slices + rz; next++) {
-        __global ushort16 *line = r.ring + next % (2 * rz + 1) * vectors;
-        if (next < l.slices) sum_rows_of(&l, voxels, next, y, &r);
-        const ushort z = (ushort)(next - min(next, rz));
-        for (uint x = 0; x < vectors; x++) {
-            const ushort16 less = line[x],
-                           more = next < l.slices ? sum_columns(&r, x, l.mean[0]) : (ushort16)(0);
-            line[x] = more;
-            uchar16 mean = mean_of(&divider, r.sums, x, vectors, more, less);
-            if (next < rz) continue;
-            count(histogram, mean, (first[x] <= z) & (end[x] > z));
-            if (x + 1 == vectors) mean &= last;
-            means[x] = mean;
-        }
-        if (next >= rz)
-            largest_of_row(&l, r.means + BYTE_MARGIN, l.beside[0], l.beside[0], 1,
-                           beside + ((size_t)z * l.height + y) * padded_width_of(&l));
+        if (next + 1 < l.slices) sum_rows_of(&l, voxels, next + 1, y, &r);
+        means_of_slice(&l, &divider, &r, next, ray_row(rays, &l, RAY_BOX_FIRST, y),
+                       ray_row(rays, &l, RAY_BOX_END, y), last, histogram);
+        if (next > rz) beside_of_slice(&l, &r, next - rz - 1, y, beside);
     }
+    beside_of_slice(&l, &r, l.slices - 1, y, beside);
     histograms += (size_t)y * HISTOGRAM_WORDS;
     histograms[HISTOGRAM_RAYS] = count_rays(&l, rays, y);
     for (uint i = 0; i < 256; i++)
@@ -227,7 +239,7 @@ __kernel void wall_brightest(sv_wall_layout l, __global const uint *restrict inf
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint y = 0; y < l.height; y++) {
         const size_t row = slice + (size_t)y * width;
-        largest_of_row(&l, beside + row, min(reach, y), min(reach, l.height - 1 - y), (int)width,
+        largest_of_row(&l, beside + row, (int)min(reach, y), (int)min(reach, l.height - 1 - y), (int)width,
                        bright + row);
     }
 }

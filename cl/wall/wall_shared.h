@@ -11,6 +11,7 @@
 #define SV_WALL_ONE        128   /* a cost of 1 on a ray */
 #define SV_WALL_CELL_ONE   2048  /* a cost of 1 in a cell */
 #define SV_WALL_PER_MILLE  1000  /* shares and ranks of the settings */
+#define SV_WALL_LANES      32    /* rows of what the method keeps of voxels and rays are padded to these */
 #define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
 #define SV_WALL_KERNEL_ONE 256   /* their sum: two passes without rounding between them fit into 32 bits */
 #define SV_WALL_REACH      7     /* voxels of a mean to either side, at most: its box has less than 2^12 */

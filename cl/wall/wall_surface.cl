@@ -160,8 +160,8 @@ static float interpolate(const sv_wall_layout *l, __global const float *cells, p
  * Without a surface, zeros. */
 __kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
                          __global const float *restrict cells, __global float *restrict confidence,
-                         __global float *restrict surfaces) {
-    const uint y = (uint)get_global_id(0), padded_width = padded_width_of(&l);
+                         uint padded_width, __global float *restrict surfaces) {
+    const uint y = (uint)get_global_id(0);
     const size_t plane = (size_t)l.cells_x * l.cells_y;
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     const pair_t v = between(y, l.height, l.cells_y);

@@ -67,29 +67,35 @@ static uint32_t vectors_of(uint32_t values) {
     return (values + SV_LANES - 1) / SV_LANES;
 }
 
-/* Vectors of 16 bits that a row keeps while wall_means walks it: the ring, sums, a line of sums and one of
- * means between their margins. */
-static uint32_t line_vectors(const sv_wall_layout *l) {
-    const uint32_t vectors = vectors_of(l->width);
-    return (2 * l->mean[2] + 1 + 3) * vectors + 2 + vectors_of(SV_WALL_BESIDE + vectors * SV_LANES / 2);
+static uint32_t padded_width(const sv_wall_layout *l) {
+    return (l->width + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
 }
 
-/* Vectors of 32 bits that a row of cells keeps while wall_costs walks its rays: costs of 16 columns, sums of
- * cells, rays of cells, and what is kept of every slice. */
+/* Words of 16 bits that a row keeps while wall_means walks it: the ring, sums, a line of sums and one of
+ * means between their margins; whole vectors. */
+static uint32_t line_words(const sv_wall_layout *l) {
+    const uint32_t margins = 10 * SV_WALL_LANES;
+    return (2 * l->mean[2] + 1 + 5) * padded_width(l) + margins;
+}
+
+/* Vectors of 16 words of 32 bits that a row of cells keeps while wall_costs walks its rays: costs of
+ * SV_WALL_LANES columns, sums of cells, what is kept of every slice, and rays of cells. */
 static uint32_t scratch_vectors(const sv_wall_layout *l) {
-    return 2 * l->labels + 2 * l->cells_x * vectors_of(l->labels) + vectors_of(l->cells_x) +
-           (3 * l->slices + 3) / 4;
+    const uint32_t whole = 2; /* the next row begins with a whole vector of SV_WALL_LANES */
+    const uint32_t wanted = 4 * l->labels + 2 * l->cells_x * vectors_of(l->labels) + (3 * l->slices + 1) / 2 +
+                            vectors_of(l->cells_x);
+    return (wanted + whole - 1) / whole * whole;
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
-    const size_t plane = (size_t)m->padded_width * m->height, cells = (size_t)l.cells_x * l.cells_y;
+    const size_t plane = (size_t)padded_width(&l) * m->height, cells = (size_t)l.cells_x * l.cells_y;
     const size_t costs = cells * vectors_of(l.labels) * sizeof(cl_uint16);
     const size_t bytes[] = {[VOXELS] = plane * l.slices,
                             [BESIDE] = plane * l.slices,
                             [BRIGHT] = plane * l.slices,
                             [RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
-                            [LINES] = (size_t)m->height * line_vectors(&l) * sizeof(cl_ushort16),
+                            [LINES] = (size_t)m->height * line_words(&l) * sizeof(cl_ushort),
                             [HISTOGRAMS] = (size_t)m->height * HISTOGRAM_WORDS * sizeof(cl_uint),
                             [TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),
                             [INFO] = INFO_WORDS * sizeof(cl_uint),
@@ -118,8 +124,8 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     const sv_wall_layout layout = layout_of(m);
     const cl_ulong first_byte = from->offset;
     const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
-    const uint32_t numbers[] = {c->row_pitch,      c->tiles_x,        c->tile_w, c->tile_h,
-                                from->first_slice, from->slice_count, padding,   c->ranged};
+    const uint32_t numbers[] = {c->row_pitch,      c->tiles_x, c->tile_w, c->tile_h,      from->first_slice,
+                                from->slice_count, padding,    c->ranged, m->padded_width};
     sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_TAKE], kernels[K_TAKE]);
     sv_launch_buffer(&l, from->buffer);
     sv_launch_arg(&l, sizeof first_byte, &first_byte);
@@ -134,7 +140,7 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
 typedef enum { ONCE, SLICES, ROWS_OF_CELLS, ROWS } items;
 
 /* Arguments besides the method's buffers: numbers before them, the frame's buffers behind. */
-enum { LINE_VECTORS = 1, SCRATCH_VECTORS = 2, RECORD = 4, SURFACES = 8 };
+enum { LINE_WORDS = 1, SCRATCH_VECTORS = 2, RECORD = 4, SURFACES = 8 };
 
 /* What follows the slabs, in this order. */
 static const struct {
@@ -143,7 +149,7 @@ static const struct {
     sv_stage stage;
     int buffers[9]; /* up to -1 */
 } launches[] = {
-    {K_MEANS, LINE_VECTORS, ROWS, SV_STAGE_THRESHOLD, {VOXELS, RAYS, LINES, BESIDE, HISTOGRAMS, -1}},
+    {K_MEANS, LINE_WORDS, ROWS, SV_STAGE_THRESHOLD, {VOXELS, RAYS, LINES, BESIDE, HISTOGRAMS, -1}},
     {K_LEVELS, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
     {K_BRIGHTEST, 0, SLICES, SV_STAGE_THRESHOLD, {INFO, BESIDE, BRIGHT, -1}},
     {K_WALLS, 0, ROWS, SV_STAGE_THRESHOLD, {INFO, BRIGHT, VOXELS, RAYS, HISTOGRAMS, -1}},
@@ -171,10 +177,11 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
         const int kernel = launches[i].kernel, takes = launches[i].takes;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[kernel], kernels[kernel]);
         sv_launch_arg(&l, sizeof layout, &layout);
-        if (takes & LINE_VECTORS) sv_launch_uint(&l, line_vectors(&layout));
+        if (takes & LINE_WORDS) sv_launch_uint(&l, line_words(&layout));
         if (takes & SCRATCH_VECTORS) sv_launch_uint(&l, scratch_vectors(&layout));
         for (const int *b = launches[i].buffers; *b >= 0; b++) sv_launch_buffer(&l, s->buffer[*b]);
         if (takes & RECORD) sv_launch_buffer(&l, m->record);
+        if (takes & SURFACES) sv_launch_uint(&l, m->padded_width);
         if (takes & SURFACES) sv_launch_buffer(&l, m->surfaces);
         status = sv_launch_items(&l, count[launches[i].items], launches[i].stage);
     }
