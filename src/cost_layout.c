@@ -3,6 +3,9 @@
 
 #include "common/sv_shared.h"
 
+/* What the longest side is taken for if the spacing is unknown: SV_ASSUMED_EXTENT_MM of the ABI. */
+#define EXTENT_MM 120.0f
+
 static uint32_t larger(uint32_t a, uint32_t b) {
     return a > b ? a : b;
 }
@@ -16,7 +19,7 @@ static uint32_t bins(uint32_t length, float scale) {
     return larger((uint32_t)((double)length * (double)scale + 0.5), 1);
 }
 
-sv_cost_layout sv_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices) {
+sv_cost_layout sv_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices, float slice_mm) {
     sv_cost_layout l = {.width = width, .height = height, .slices = slices};
     l.shrink = larger(larger(width, height) / SV_COST_RAYS, 1);
     l.columns = shares(width, l.shrink);
@@ -29,7 +32,8 @@ sv_cost_layout sv_cost_layout_of(uint32_t width, uint32_t height, uint32_t slice
     l.cells_x = shares(l.columns, l.block);
     l.cells_y = shares(l.rows, l.block);
     l.lateral = larger((3 * l.block + 2) / 4, 1);
-    l.scale = (float)(l.labels / SV_COST_UNIT);
+    if (!(slice_mm > 0.0f)) slice_mm = EXTENT_MM / (float)larger(larger(width, height), slices);
+    l.scale = SV_COST_UNIT_MM / ((float)l.bin_slices * slice_mm);
     l.thin = bins(SV_COST_THIN, l.scale);
     l.gap = bins(SV_COST_GAP, l.scale);
     l.solid = bins(SV_COST_SOLID, l.scale);

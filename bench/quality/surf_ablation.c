@@ -42,7 +42,7 @@ static const struct {
 enum { CHANGES = sizeof changes / sizeof *changes };
 
 static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
-    sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n);
+    sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n, 0.0f);
     double *const parts[] = {[CUT] = &l.cut,
                              [LEFT] = &l.left,
                              [OTHER] = &l.other,

@@ -2,37 +2,37 @@
 /*
  * Cost volume (docs/cost_volume.md): what its kernels, its definition and the C side all need to know. It
  * works on rays of bins: at most SV_COST_LABELS along a ray, at most 2 * SV_COST_RAYS rays along the longer
- * side of the image. Lengths along a ray are in bins of a ray of SV_COST_UNIT bins and grow and shrink with
- * its number of bins.
+ * side of the image. Lengths along a ray are given in units of SV_COST_UNIT_MM and become bins by the
+ * spacing.
  */
 #ifndef SV_COST_SHARED_H
 #define SV_COST_SHARED_H
 
 /* ---- sizes */
-#define SV_COST_LABELS 192
-#define SV_COST_UNIT   128.0
-#define SV_COST_RAYS   128
-#define SV_COST_VALUES 208 /* floats of a cell: the labels, then: */
-#define SV_COST_WEIGHT 192 /* its rays' weights */
-#define SV_COST_OPEN   193 /* the same of rays with a fluid interval */
-#define SV_COST_CELLS  32  /* wanted cells along the longer side */
+#define SV_COST_LABELS  192
+#define SV_COST_UNIT_MM 0.9375f /* mm: what lengths along a ray are counted in, a 128th of 120 mm */
+#define SV_COST_RAYS    128
+#define SV_COST_VALUES  208 /* floats of a cell: the labels, then: */
+#define SV_COST_WEIGHT  192 /* its rays' weights */
+#define SV_COST_OPEN    193 /* the same of rays with a fluid interval */
+#define SV_COST_CELLS   32  /* wanted cells along the longer side */
 
-/* ---- fluid and tissue along a ray, bins */
+/* ---- fluid and tissue along a ray; lengths in SV_COST_UNIT_MM, but for the window */
 #define SV_COST_THIN    3  /* thinner tissue does not part fluid, and is nobody's */
 #define SV_COST_GAP     6  /* shortest first fluid interval */
-#define SV_COST_SOLID   2  /* a cell's wall and back are that many mostly fluid bins */
+#define SV_COST_SOLID   2  /* a cell's wall and back are that long and mostly fluid */
 #define SV_COST_WINDOW  4  /* cells to either side whose walls and backs are ranked */
 #define SV_COST_CONTACT 16 /* fluid that begins this much behind the wall: something touches the wall */
 #define SV_COST_SPLIT   4  /* a run is parted where bone begins this far behind its front */
 
 /* ---- brightness: means of 3 x 3 x 3 bins, kept as sums */
 #define SV_COST_NEIGHBOURS 27 /* bins of such a sum */
-#define SV_COST_AXIAL      2  /* it is looked for this far before and behind, bins */
+#define SV_COST_AXIAL      2  /* it is looked for this far before and behind, SV_COST_UNIT_MM */
 #define SV_COST_BONE       3  /* in halves of tissue's mean: a run as bright as this holds bone */
 #define SV_COST_FRONT      9  /* in tenths of the run's brightest: from that on it is bone */
 
 /* ---- what a label pays */
-#define SV_COST_TAU   4.0f /* distance to the fluid at which its cost is full, bins */
+#define SV_COST_TAU   4.0f /* distance to the fluid at which its cost is full, SV_COST_UNIT_MM */
 #define SV_COST_CUT   3.0f /* cutting into the fetus */
 #define SV_COST_LEFT  2.0f /* leaving what lies before the fetus' own fluid */
 #define SV_COST_OTHER 3.0f /* outside the longest interval, where there is no fetus */
@@ -42,7 +42,7 @@
 #define SV_COST_NEARBY         10.0f /* times the brightest mean nearby */
 #define SV_COST_OWN            4.0f  /* times the brightest mean on the ray itself */
 #define SV_COST_THICK          2.0f  /* times how thick it is: */
-#define SV_COST_THICK_FROM     9     /* 0 up to this thickness, bins, */
+#define SV_COST_THICK_FROM     9     /* 0 up to this thickness, SV_COST_UNIT_MM, */
 #define SV_COST_THICK_FULL     14    /* and 1 from this one on */
 #define SV_COST_BIAS           (-19.0f)
 #define SV_COST_WALL           11.0f /* what touches the wall: times the brightest mean nearby */
@@ -56,7 +56,7 @@
 #define SV_COST_KNOWN                                                                                        \
     4.0f /* times the share of votes with fluid: below 1, the surface is so much nearer to 0 */
 #define SV_COST_MARGIN       0.4f  /* lead over any other minimum that is full confidence */
-#define SV_COST_VIEWER_SHIFT 1.0f  /* towards the viewer where nothing is sure, bins */
+#define SV_COST_VIEWER_SHIFT 1.0f  /* towards the viewer where nothing is sure, SV_COST_UNIT_MM */
 #define SV_COST_SPREAD       2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
 #define SV_COST_CHANGE       0.15f /* mean change of a cell's costs that makes it forget the frame before */
 #define SV_COST_EVIDENCE     8     /* one ray in so many must have a fluid interval, or there is no surface */
@@ -80,7 +80,7 @@ typedef struct {
     unsigned int cells_x, cells_y;
     unsigned int thin, gap, solid, contact, split, axial; /* bins */
     unsigned int lateral; /* rays to either side where brightness is looked for */
-    float scale;          /* labels / SV_COST_UNIT, exact */
+    float scale;          /* bins in SV_COST_UNIT_MM */
 } sv_cost_layout;
 
 #endif

@@ -57,7 +57,7 @@ static uint32_t commands(const sv_config *c) {
 }
 
 static sv_cost_layout layout_of(const sv_map *m) {
-    return sv_cost_layout_of(m->width, m->height, m->config->slices);
+    return sv_cost_layout_of(m->width, m->height, m->config->slices, m->config->spacing[2]);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {

@@ -9,8 +9,8 @@ static uint32_t larger(uint32_t a, uint32_t b) {
     return a > b ? a : b;
 }
 
-sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices) {
-    sv_ref_cost_layout l = {.sizes = sv_cost_layout_of(width, height, slices)};
+sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices, float slice_mm) {
+    sv_ref_cost_layout l = {.sizes = sv_cost_layout_of(width, height, slices, slice_mm)};
     const double scale = (double)l.sizes.scale;
     l.sigma = sv_cost_sigma(&l.sizes);
     l.thick_from = SV_COST_THICK_FROM * scale;

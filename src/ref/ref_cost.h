@@ -27,7 +27,7 @@ typedef struct {
 } sv_ref_cost_layout;
 
 /* The values that the plugin uses, SV_COST_*. */
-sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices);
+sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices, float slice_mm);
 
 /* Bin l of a ray, at bins[(l * rows + row) * columns + column]: the mean of the scanned voxels among shrink *
  * shrink * bin_slices, rounded half up, at least 1; 0 if none was scanned. */

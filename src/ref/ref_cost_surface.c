@@ -239,9 +239,10 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
     return done;
 }
 
-bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
-                         double *confidence, uint8_t *tie, sv_ref_cost_facts *facts) {
-    const sv_ref_cost_layout l = sv_ref_cost_layout_of(volume->width, volume->height, volume->slices);
+bool sv_ref_cost_surface(const sv_ref_volume *volume, float slice_mm, double *near_surface,
+                         double *far_surface, double *confidence, uint8_t *tie, sv_ref_cost_facts *facts) {
+    const sv_ref_cost_layout l =
+        sv_ref_cost_layout_of(volume->width, volume->height, volume->slices, slice_mm);
     return sv_ref_cost_surface_with(volume, &l, near_surface, far_surface, confidence, tie, facts);
 }
 
@@ -250,8 +251,8 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     const size_t count = (size_t)task->map.width * task->map.height;
     double *far_surface = malloc(2 * count * sizeof *far_surface), *confidence = far_surface + count;
     sv_ref_cost_facts facts = {0};
-    const bool ok =
-        far_surface && sv_ref_cost_surface(task->volume, surface, far_surface, confidence, either, &facts);
+    const bool ok = far_surface && sv_ref_cost_surface(task->volume, (float)task->spacing_mm[2], surface,
+                                                       far_surface, confidence, either, &facts);
     const bool wanted = facts.open > 0 && facts.open * SV_COST_EVIDENCE >= facts.rays;
     for (size_t i = 0; ok && i < count; i++)
         surface[i] = wanted ? far_surface[i] + task->q * (surface[i] - far_surface[i]) : 0.0;

@@ -16,8 +16,8 @@ typedef struct {
 
 /* Everything: both ends of the q range, float64 slices, the confidence 0 .. 1, and 1 in `tie` for pixels that
  * a tie can reach. Maps are width * height. `tie` and `facts` may be NULL. False if memory runs out. */
-bool sv_ref_cost_surface(const sv_ref_volume *volume, double *near_surface, double *far_surface,
-                         double *confidence, uint8_t *tie, sv_ref_cost_facts *facts);
+bool sv_ref_cost_surface(const sv_ref_volume *volume, float slice_mm, double *near_surface,
+                         double *far_surface, double *confidence, uint8_t *tie, sv_ref_cost_facts *facts);
 
 /* The same with a changed layout. */
 bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_layout *layout,

@@ -62,7 +62,7 @@ static void compare(rig *r, const shape *s, const uint8_t *volume, float q, cons
     rig_result out = rig_result_make(s->width, s->height);
     sv_ref_cost_facts facts;
     assert_non_null(maps);
-    assert_true(sv_ref_cost_surface(&v, maps, maps + count, maps + 2 * count, tie, &facts));
+    assert_true(sv_ref_cost_surface(&v, 0.0f, maps, maps + count, maps + 2 * count, tie, &facts));
     const sv_status status = run(r, s, volume, q, 0.0, &out);
     if (status < 0) print_message("%s\n", r->last_log);
     const bool wanted = facts.open > 0 && facts.open * 8 >= facts.rays && out.stats.points > 0;
@@ -148,7 +148,7 @@ static void test_confidence(void **state) {
     static float map[COUNT];
     const sv_ref_volume v = {data.full.voxels, SIDE, SIDE, SIDE, 0, NULL};
     sv_ref_cost_facts facts;
-    assert_true(sv_ref_cost_surface(&v, maps[0], maps[1], maps[2], tie, &facts));
+    assert_true(sv_ref_cost_surface(&v, 0.0f, maps[0], maps[1], maps[2], tie, &facts));
     const rig_format f = cube_of(r, SIDE);
     rig_textures *t = rig_textures_make(r, &f, data.full.voxels);
     rig_result out = rig_result_make(SIDE, SIDE);
@@ -174,7 +174,7 @@ static void test_memory(void **state) {
     rig *r = *state;
     enum { SIDE = 64, COUNT = SIDE * SIDE, STEPS = 4 };
     static const char *const names[STEPS] = {"E01", "E01", "E01", "M03"};
-    sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SIDE);
+    sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SIDE, 0.0f);
     l.memory = 0.75;
     l.previous = calloc((size_t)l.sizes.cells_x * l.sizes.cells_y * SV_COST_VALUES, sizeof *l.previous);
     assert_non_null(l.previous);
@@ -251,7 +251,7 @@ static void test_gain(void **state) {
         }
         const sv_ref_volume v = {louder, SIDE, SIDE, SIDE, 0, NULL};
         sv_ref_cost_facts facts;
-        assert_true(sv_ref_cost_surface(&v, maps[g][0], maps[g][1], maps[g][2], NULL, &facts));
+        assert_true(sv_ref_cost_surface(&v, 0.0f, maps[g][0], maps[g][1], maps[g][2], NULL, &facts));
         double change = 0.0;
         for (size_t i = 0; i < COUNT; i++) change += fabs(maps[g][0][i] - maps[0][0][i]) / COUNT;
         print_message("gain %.1f: T_L %u, mean change of the surface %.2f slices\n", gains[g],

@@ -40,7 +40,7 @@ static void test_one_ray(void **state) {
     fill(volume);
     const sv_ref_volume v = {
         .voxels = volume, .width = SIDE, .height = SIDE, .slices = SLICES, .padding = -1};
-    const sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SLICES);
+    const sv_ref_cost_layout l = sv_ref_cost_layout_of(SIDE, SIDE, SLICES, 0.0f);
     assert_int_equal(l.sizes.labels, SLICES); /* so lengths are as they are written */
     sv_ref_cost_bins(&v, &l, bins);
     const sv_ref_cost_scan scan = {.layout = &l,
