@@ -192,14 +192,13 @@ static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **
     hs_slabs_describe_frame(clipper->slabs, clipper->own_queue, &frame);
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);
-    for (uint32_t i = 0;
-         (status >= SV_OK && hs_status_is_known(status)) && i < hs_slabs_count(clipper->slabs); i++) {
+    for (uint32_t i = 0; hs_status_is_success(status) && i < hs_slabs_count(clipper->slabs); i++) {
         sv_slab slab;
         *call = "slab";
         hs_slabs_describe(clipper->slabs, i, &slab);
         status = instance->slab(instance, &slab);
     }
-    if (!(status >= SV_OK && hs_status_is_known(status))) return status;
+    if (!hs_status_is_success(status)) return status;
     *call = "end";
     const sv_result result = make_result(clipper);
     return instance->end(instance, &result);
@@ -244,7 +243,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     /* Waiting here costs some 30 us and settles two things: the statistics are valid, and the host knows the
      * outcome before it renders. After a failure the plugin's commands may still be under way, too. */
     if (!hs_cl_check(clFinish(clipper->cl->queue), "clFinish (plugin)", err)) return false;
-    if (status < SV_OK || !hs_status_is_known(status)) {
+    if (!hs_status_is_success(status)) {
         (void)hs_plugin_check(clipper->plugin, status, call, &clipper->error);
         if (status > SV_OK) clip->outcome = SV_ERR_INTERNAL;
         return true;

@@ -56,6 +56,10 @@ bool hs_status_is_known(sv_status status) {
     return find_status(status) != NULL;
 }
 
+bool hs_status_is_success(sv_status status) {
+    return status >= SV_OK && hs_status_is_known(status);
+}
+
 static const char *severity_name(int32_t severity) {
     static const char *const names[] = {
         "debug", "info", "warning", "error", "host misbehaving", "plugin misbehaving"};
@@ -203,7 +207,7 @@ void hs_plugin_close(hs_plugin *plugin) {
 }
 
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err) {
-    if (status >= SV_OK && hs_status_is_known(status)) return true;
+    if (hs_status_is_success(status)) return true;
     const char *reason = plugin->instance ? plugin->instance->last_error(plugin->instance) : NULL;
     return hs_fail(err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status),
                    status, reason && reason[0] ? reason : "the plugin gave no reason");

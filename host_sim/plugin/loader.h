@@ -28,6 +28,9 @@ void hs_plugin_close(hs_plugin *plugin);
 /* True for a status that the header names. */
 bool hs_status_is_known(sv_status status);
 
+/* True for SV_OK and the positive notes that the header names. */
+bool hs_status_is_success(sv_status status);
+
 /* True on SV_OK and on the header's positive notes; else records HS_ERR_PLUGIN: "<path>: <call>: <status
  * name> (<number>): <last_error>". */
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err);
