@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "base/paths.h"
 #include "commands/run_print.h"
+#include "guarded/guard_line.h"
 #include "loop/clipper.h"
 #include "picture/page_html.h"
 #include "plugin/loader_param.h"
@@ -30,6 +31,7 @@ static const char help_text[] =
     "  --data DIR      also runs the MetaImage volumes (.mha, .mhd) of this folder, four at most\n"
     "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
     "  --quick         smaller scenes and fewer frames\n"
+    "%s"
     "  --help          this text\n"
     "\n";
 
@@ -43,6 +45,7 @@ typedef struct {
 typedef struct {
     const char *out, *data, *plugin;
     bool quick, help;
+    hs_guard_options guard;
     demo_case cases[MAX_CASES];
     uint32_t case_count;
     hs_page report;
@@ -198,6 +201,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     hs_run run;
     hs_run_defaults(&request);
     request.plugin_path = d->plugin;
+    request.guard = d->guard;
     request.scene.name = c->scene;
     request.scene.real = c->scene && c->file[0] ? c->file : NULL;
     request.scene.size = d->quick ? 128 : 256;
@@ -214,7 +218,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
         (void)fprintf(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
         (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
     }
-    hs_run_close(&run);
+    (void)hs_run_close(&run, &d->plugin_error); /* the first failure counts */
     return ok;
 }
 
@@ -266,13 +270,20 @@ static bool run_demo(demo *d, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {
-    static const struct option options[] = {
-        {"out", required_argument, NULL, 'o'},    {"data", required_argument, NULL, 'd'},
-        {"plugin", required_argument, NULL, 'p'}, {"quick", no_argument, NULL, 'q'},
-        {"help", no_argument, NULL, 'h'},         {0}};
+    static const struct option options[] = {{"out", required_argument, NULL, 'o'},
+                                            {"data", required_argument, NULL, 'd'},
+                                            {"plugin", required_argument, NULL, 'p'},
+                                            {"quick", no_argument, NULL, 'q'},
+                                            HS_GUARD_OPTIONS,
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        if (hs_guard_line_is(option)) {
+            if (!hs_guard_line_take(option, optarg, &d->guard, err)) return false;
+            continue;
+        }
         switch (option) {
         case 'o':
             d->out = optarg;
@@ -297,6 +308,11 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
     return hs_cli_no_more(argc, argv, optind, err);
 }
 
+static void print_help(void) {
+    (void)printf(help_text, hs_guard_line_help);
+    (void)printf("%s", hs_exit_codes_help);
+}
+
 int hs_cmd_demo(int argc, char **argv) {
     hs_error err = {0};
     demo *d = calloc(1, sizeof *d);
@@ -305,11 +321,12 @@ int hs_cmd_demo(int argc, char **argv) {
         return hs_cli_fail("demo", &err);
     }
     d->out = "out/demo";
+    hs_guard_defaults(&d->guard);
     int code = HS_OK;
     if (!parse(argc, argv, d, &err))
         code = hs_cli_fail("demo", &err);
     else if (d->help)
-        (void)printf("%s%s", help_text, hs_exit_codes_help);
+        print_help();
     else if (!run_demo(d, &err))
         code = hs_cli_fail("demo", &err);
     else

@@ -3,6 +3,7 @@
 #include "commands/run_line.h"
 
 #include "base/cli.h"
+#include "guarded/guard_line.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -137,6 +138,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
                                         {"json", required_argument, NULL, OPT_JSON},
+                                        HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
@@ -358,6 +360,8 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
             ok = hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
         else if (option == '?')
             ok = hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        else if (hs_guard_line_is(option))
+            ok = hs_guard_line_take(option, optarg, &line->request.guard, err);
         else if (option <= OPT_LIVE)
             ok = take_source_option(line, option, optarg, err);
         else if (option <= OPT_VERBOSE)
@@ -375,5 +379,5 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
 }
 
 void hs_run_line_help(void) {
-    (void)printf("%s%s%s", help_head, help_tail, hs_exit_codes_help);
+    (void)printf("%s%s%s%s", help_head, hs_guard_line_help, help_tail, hs_exit_codes_help);
 }
