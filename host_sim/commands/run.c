@@ -132,6 +132,11 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
     picture_title(run, title, sizeof title);
     const uint32_t middle = run->request.loop.frames / 2;
     if (!hs_loop_view(run->loop, middle, &view, err)) return false;
+    if (run->request.few_pictures) {
+        const bool written = hs_loop_write_result(&view, folder, err);
+        hs_view_free(&view);
+        return written;
+    }
     const bool ok =
         hs_loop_write_pictures(&view, folder, title,
                                hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),

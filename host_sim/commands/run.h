@@ -21,6 +21,7 @@ typedef struct {
     const char *const *sets;   /* key=value for the plugin's parameters */
     uint32_t set_count;
     hs_loop_options loop;            /* values are filled in from sets */
+    bool few_pictures;               /* result.png and full.png alone */
     uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
     bool settings[HS_SETTING_COUNT]; /* which to measure */
 } hs_run_request;

@@ -61,6 +61,7 @@ static const char help_tail[] =
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
     "  --out DIR             folder for the pictures [out/run]\n"
+    "  --few-pictures        writes result.png and full.png, no other pictures\n"
     "  --panel N             width of each picture in panel.png, pixels [512]\n"
     "  --json FILE           writes the results as JSON, too\n"
     "  --help                this text\n"
@@ -100,6 +101,7 @@ enum {
     OPT_PICTURE,
     OPT_OUT,
     OPT_PANEL,
+    OPT_FEW,
     OPT_JSON,
     OPT_HELP
 };
@@ -137,6 +139,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"picture", required_argument, NULL, OPT_PICTURE},
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
+                                        {"few-pictures", no_argument, NULL, OPT_FEW},
                                         {"json", required_argument, NULL, OPT_JSON},
                                         HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},
@@ -317,6 +320,9 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return true;
     case OPT_PANEL:
         return set_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+    case OPT_FEW:
+        r->few_pictures = true;
+        return true;
     case OPT_OUT:
         line->out = text;
         return true;
