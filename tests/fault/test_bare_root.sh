@@ -83,7 +83,9 @@ holds grep -qF "trixie: make demo: ok" "$work/said"
 holds nothing_left
 ends 4 "the root of trixie could not be made" bash "$script" --dir "$root" --mirror http://broken.invalid trixie demo
 holds nothing_left
+mkdir -m 700 "$root"
 ends 0 "the root is $root" bare --keep trixie demo
+holds [ "$(stat -c %a "$root")" = 755 ] # every user of the root reads it
 holds [ -d "$root/smartvis" ]
 holds [ -z "$(ls -A "$root/proc" "$root/dev" 2>&1 | grep -v ':$' | grep .)" ]
 ends 3 "--dir $root is not empty" bare trixie demo
