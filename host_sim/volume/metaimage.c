@@ -4,6 +4,7 @@
 #include "volume/metaimage_data.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -154,6 +155,8 @@ static bool make_volume(const reader *r) {
     if (!hs_volume_init(r->volume, h->size[0], h->size[1], h->size[2], &cause))
         return hs_fail(r->err, cause.code, "%s:%u: DimSize: %s", r->path, h->dim_line, cause.text);
     memcpy(r->volume->spacing, h->spacing, sizeof h->spacing);
+    r->volume->pose = h->pose;
+    r->volume->probe = h->probe;
     const char *slash = strrchr(r->path, '/');
     (void)snprintf(r->volume->name, sizeof r->volume->name, "%s", slash ? slash + 1 : r->path);
     return true;
