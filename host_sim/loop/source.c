@@ -18,6 +18,12 @@ static bool same_grid(const hs_volume *first, const hs_volume *other, const char
         if (first->spacing[axis] != other->spacing[axis])
             return hs_fail(err, HS_ERR_INPUT, "%s: spacing %g mm along axis %d, but %s has %g mm", path,
                            other->spacing[axis], axis, first_path, first->spacing[axis]);
+    for (int i = 0; i < 9; i++)
+        if (first->pose.direction[i] != other->pose.direction[i] || first->probe != other->probe)
+            return hs_fail(err, HS_ERR_INPUT,
+                           "%s: lies otherwise in the patient than %s, or was scanned from "
+                           "another side: a sequence has one orientation",
+                           path, first_path);
     return true;
 }
 

@@ -24,8 +24,8 @@ typedef struct {
 } hs_source_scanned;
 
 /* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read; `scanned` (or NULL) holds
- * for all of them. HS_ERR_INPUT if one cannot be read, or differs from the first in size or spacing: the
- * message names both. */
+ * for all of them. HS_ERR_INPUT if one cannot be read, or differs from the first in size, spacing or
+ * orientation: the message names both. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_metaimage_options *options, const hs_source_scanned *scanned,
                           hs_error *err);

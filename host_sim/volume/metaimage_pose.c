@@ -107,5 +107,5 @@ bool hs_met_probe(const hs_met_text *text, hs_probe *probe) {
         if (kind == 1) *probe = value[axis] == 'F' ? low[axis] : high[axis];
     }
     return ok || hs_met_bad_value(text, HS_MET_F_ULTRASOUND,
-                                  "three letters, one of M U, one of N F and one of A D, or XXX");
+                                  "three letters, one of M U, one of N F and one of A D, or XX");
 }
