@@ -41,6 +41,8 @@ done
 holds test "$(find "$prefix/share/smartvis/scenes" -name '*.json' | wc -l)" = "$(find "$source_dir/data/scenes" -name '*.json' | wc -l)"
 holds test "$(cd "$prefix/include" && find . -name '*.h' | sort)" = "$(cd "$source_dir/include" && find . -name '*.h' | sort)"
 
+holds test "$(ls "$prefix/lib/smartvis")" = smartvis.so
+
 # --- no path of the build in it, neither in texts nor in programs
 for path in "$source_dir" "$build_dir" /opt/somewhere; do
     holds test -z "$(grep -rlF -- "$path" "$prefix")"
