@@ -28,7 +28,7 @@ static const char help_text[] =
     "\n"
     "  --out DIR       folder for the pictures and the page [out/demo]\n"
     "  --data DIR      also runs the MetaImage volumes (.mha, .mhd) of this folder, four at most\n"
-    "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH   library to load, a path or a name [smartvis]\n"
     "  --quick         smaller scenes and fewer frames\n"
     "  --help          this text\n"
     "\n";

@@ -35,7 +35,7 @@ static const char help_head[] =
     "  --real FILE           the volume of a scene of kind real\n"
     "  --live                uploads every frame's volume anew, as a live scan does\n"
     "Plugin:\n"
-    "  --plugin PATH         library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH         library to load, a path or a name [smartvis]\n"
     "  --id ID               which of its plugins [the first]\n"
     "  --set KEY=VALUE       a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --carrier KIND        how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n"
