@@ -161,7 +161,8 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
     ok = ok && check_dims(&text, header) && check_spacing(&text, header) && check_type(&text, header) &&
          check_encoding(&text, header) && check_data_file(&text, header) &&
          hs_met_pose(&text, header->dims, &header->pose) && hs_met_probe(&text, &header->probe);
-    ok = ok && hs_met_kinds(&text, header->dims) &&
+    ok = ok &&
+         hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
          hs_met_frames(&text, header->dims, header->frames, &header->fields);
     hs_met_text_free(&text);
     return ok;

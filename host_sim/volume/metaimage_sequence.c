@@ -25,7 +25,7 @@ static bool is_one_of(const char *word, size_t length, const char *a, const char
            (length == strlen(b) && memcmp(word, b, length) == 0);
 }
 
-bool hs_met_kinds(const hs_met_text *text, uint64_t dims) {
+bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed) {
     /* Older programs write no Kinds, but only sequences have fields of their frames. */
     if (dims == 3 && text->frame_count > 0) return hs_met_wrong(text, &text->frames[0], pictures);
     if (!hs_met_has(text, HS_MET_F_KINDS)) return true;
@@ -39,7 +39,7 @@ bool hs_met_kinds(const hs_met_text *text, uint64_t dims) {
     if (length == 0 && !timed && dims == 3 && spatial == 3) return true;
     if (length == 0 && timed && dims == 4 && spatial == 3) return true;
     if (length == 0 && timed && dims == 3 && spatial == 2)
-        return hs_met_wrong(text, &text->fields[HS_MET_F_KINDS], pictures);
+        return placed || hs_met_wrong(text, &text->fields[HS_MET_F_KINDS], pictures);
     return hs_met_bad_value(text, HS_MET_F_KINDS,
                             dims == 3 ? "domain domain domain" : "domain domain domain list");
 }

@@ -8,9 +8,14 @@
 
 #define HS_MET_MAX_FRAMES 100000u /* volumes in a file */
 
-/* Checks Kinds against the number of dimensions (3 or 4). A sequence of pictures, whose third axis is time,
- * is refused by name: as a volume it would be misread. */
-bool hs_met_kinds(const hs_met_text *text, uint64_t dims);
+/*
+ * Checks Kinds against the number of dimensions (3 or 4). A sequence of pictures, whose third axis is time,
+ * is refused by name: as a volume it would be misread. Such a file has fields of its frames, or calls its
+ * third axis a list or time. PLUS calls it so in the volumes that it reconstructs, too: those have no fields
+ * of frames, and `placed`, a third spacing other than 1 or a third offset other than 0, which pictures never
+ * have.
+ */
+bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed);
 
 /* The fields of all `count` volumes of four dimensions: *fields is the caller's to free, and NULL if the file
  * has none of them. Fields that are not used are skipped unseen. */

@@ -249,6 +249,23 @@ static void sequences_of_pictures_are_refused_by_name(void **state) {
     hs_volume volume;
     files_read("plain.mha", NULL, &volume);
     hs_volume_free(&volume);
+    /* What PLUS reconstructs is called a list, too, but lies in space and has no fields of frames. */
+    static const char *const placed[] = {"ElementSpacing = 0.5 0.5 0.5\n", "Offset = 0 0 29\n"};
+    for (size_t i = 0; i < 2; i++) {
+        char text[300];
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = 2 2 2\n%sKinds = domain domain list\nElementType = "
+                       "MET_UCHAR\nElementDataFile = LOCAL\n",
+                       placed[i]);
+        files_write("spine.mha", text, data, 8);
+        files_read("spine.mha", NULL, &volume);
+        hs_volume_free(&volume);
+    }
+    files_write("tracked.mha",
+                "NDims = 3\nDimSize = 2 2 2\nElementSpacing = 0.5 0.5 0.5\nKinds = domain domain "
+                "list\nSeq_Frame0000_Timestamp = 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                data, 8);
+    files_refused("tracked.mha", "Seq_Frame0000_Timestamp: this is a sequence of pictures");
     files_write("odd.mha",
                 "NDims = 3\nDimSize = 2 2 2\nKinds = vector domain domain\nElementType = "
                 "MET_UCHAR\nElementDataFile = LOCAL\n",
