@@ -21,6 +21,8 @@ static void print_facts(const hs_run *run, FILE *out) {
                   v->name, v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2],
                   100 * hs_unscanned_share(v));
     if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
+    if (run->source.left_out > 0)
+        (void)fprintf(out, "; %u left out: their ImageStatus is INVALID", run->source.left_out);
     (void)fprintf(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
     (void)fprintf(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
                   o->own_queue ? "a queue of its own" : "the host's queue");
