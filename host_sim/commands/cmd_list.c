@@ -20,11 +20,11 @@ static const char help_text[] =
     "device.\n"
     "Parameters that do not matter with the values of the others are left out.\n"
     "\n"
-    "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
-    "  --set KEY=VALUE a parameter's value, for what depends on it; repeatable [the defaults]\n"
-    "  --all           all parameters\n"
+    "  --plugin PATH    library to load, a path or a name [smartvis]\n"
+    "  --set KEY=VALUE  a parameter's value, for what depends on it; repeatable [the defaults]\n"
+    "  --all            all parameters\n"
     "%s"
-    "  --help          this text\n"
+    "  --help           this text\n"
     "\n"
     "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
     "       reactivate = read at activation only; adjust = may change without a new volume\n"
@@ -179,7 +179,7 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
 static bool print_library(const list_line *line, hs_error *err) {
     hs_plugin first;
     if (!hs_guarded_open(&first, line->path, NULL, SV_LOG_WARNING, &line->guard, err)) return false;
-    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", line->path, first.abi_major, first.abi_minor, first.count,
+    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", first.path, first.abi_major, first.abi_minor, first.count,
                  first.count == 1 ? "" : "s");
     bool ok = true;
     for (uint32_t i = 0; ok && i < first.count; i++) ok = print_plugin(line, first.descriptor[i], err);

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/guard_options.h"
 
-#include "plugin/loader.h"
+#include "base/paths.h"
 
 #include <limits.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 static char program[PATH_MAX + 16];
 
@@ -16,13 +14,8 @@ void hs_guard_set_program(const char *path) {
 }
 
 const char *hs_guard_program(void) {
-    char self[PATH_MAX];
-    if (program[0]) return program;
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    self[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(self, '/');
-    if (slash) *slash = '\0';
-    (void)snprintf(program, sizeof program, "%s/host_sim", slash ? self : ".");
+    if (program[0] == '\0' && !hs_path_beside_program("host_sim", program, sizeof program))
+        (void)snprintf(program, sizeof program, "./host_sim");
     return program;
 }
 
@@ -34,10 +27,20 @@ void hs_guard_defaults(hs_guard_options *options) {
                                   .restarts = 3};
 }
 
+/* True if both are there and are one file. */
+static bool same_file(const char *a, const char *b) {
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
+}
+
 bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
-    char own[1024];
-    struct stat a, b;
+    /* Where the build and an installation put it. Other folders, those of the environment too, are not the
+     * host's. */
+    static const char *const own[] = {"smartvis.so", "../lib/smartvis/smartvis.so"};
+    char beside[PATH_MAX];
     if (options->choice != HS_GUARD_AUTO) return options->choice == HS_GUARD_ON;
-    hs_plugin_default_path(own, sizeof own);
-    return stat(path, &a) != 0 || stat(own, &b) != 0 || a.st_dev != b.st_dev || a.st_ino != b.st_ino;
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+        if (hs_path_beside_program(own[i], beside, sizeof beside) && same_file(path, beside)) return false;
+    return true;
 }

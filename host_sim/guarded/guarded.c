@@ -73,15 +73,17 @@ static void show(const hs_guard *guard, hs_plugin *plugin) {
 
 bool hs_guarded_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
                      const hs_guard_options *options, hs_error *err) {
+    char found[1024]; /* as a name may mean another file in the child's folders */
     *plugin = (hs_plugin){0};
-    if (!hs_guard_wanted(options, path)) return hs_plugin_open(plugin, path, id, log_level, err);
+    hs_plugin_find(path, found, sizeof found);
+    if (!hs_guard_wanted(options, found)) return hs_plugin_open(plugin, path, id, log_level, err);
     hs_guard *guard = calloc(1, sizeof *guard);
     if (!guard) return hs_fail(err, HS_ERR_MEMORY, "guard: no memory");
     guard->options = *options;
     guard->way = (hs_handover){SV_CARRIER_HOST, true};
     guard->log_level = log_level;
     guard->has_id = id != NULL;
-    (void)snprintf(guard->path, sizeof guard->path, "%s", path);
+    (void)snprintf(guard->path, sizeof guard->path, "%s", found);
     (void)snprintf(guard->id, sizeof guard->id, "%s", id ? id : "");
     if (hs_guard_link_create(guard, err) && hs_guard_start(guard, err) && take_facts(guard, err)) {
         hs_guarded_instance(guard);
