@@ -30,6 +30,11 @@ typedef struct {
     bench_times grid; /* a volume to the device, with the renderer's grid of maxima */
 } bench_host_result;
 
+/* The benchmark's volume of n voxels an axis as the host keeps one; hs_volume_free `volume`. The source
+ * points to `list`, one entry. HS_ERR_MEMORY. */
+bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume **list, uint32_t n,
+                          hs_error *err);
+
 /* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface
  * for are counted in the results. */
 bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs_error *err);
