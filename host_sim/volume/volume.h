@@ -4,6 +4,7 @@
 #define HS_VOLUME_H
 
 #include "base/error.h"
+#include "volume/beams.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -23,6 +24,7 @@ typedef struct {
     uint32_t nx, ny, nz;
     double spacing[3]; /* mm, > 0 */
     uint8_t *voxels;   /* nx * ny * nz bytes, owned */
+    hs_beams *beams;   /* in probe geometry, what this is the Cartesian copy of; owned; NULL: there is none */
     char name[256];    /* for messages and captions: a file's name or a scene's */
 } hs_volume;
 
@@ -31,7 +33,7 @@ typedef struct {
  * are more than HS_VOLUME_MAX_VOXELS in all, HS_ERR_MEMORY if the memory runs out. */
 bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs_error *err);
 
-/* Frees the voxels and zeroes the struct. Safe on a zeroed struct. */
+/* Frees the voxels and the beams, and zeroes the struct. Safe on a zeroed struct. */
 void hs_volume_free(hs_volume *volume);
 
 /* Number of voxels. */
