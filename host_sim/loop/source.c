@@ -21,24 +21,76 @@ static bool same_grid(const hs_volume *first, const hs_volume *other, const char
     return true;
 }
 
-bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
-                          const hs_metaimage_options *options, const hs_source_scanned *scanned,
-                          hs_error *err) {
-    const bool mapped = scanned && scanned->first;
-    hs_metaimage_options read = options ? *options : (hs_metaimage_options){0};
+/* What only MetaImage files take must not be asked of others in vain. */
+static bool check_kretz(const char *path, const hs_source_files *how, hs_error *err) {
+    if (how->scanned.first)
+        return hs_fail(err, HS_ERR_USAGE,
+                       "%s: a Kretz file says itself what was scanned, maps of it were given", path);
+    return !how->metaimage.has_window ||
+           hs_fail(err, HS_ERR_USAGE, "%s: a window was given, but a Kretz file has 8 bits", path);
+}
+
+static hs_kretz *open_kretz(const char *path, const hs_source_files *how, hs_error *err) {
+    hs_kretz_options options = how->kretz;
+    options.padding = how->metaimage.padding;
+    return check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
+}
+
+static bool read_kretz(const char *path, const hs_source_files *how, hs_volume *volume, hs_error *err) {
+    hs_kretz *kretz = open_kretz(path, how, err);
+    if (!kretz) return false;
+    bool ok = hs_kretz_count(kretz) == 1 ||
+              hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, which comes alone", path,
+                      hs_kretz_count(kretz));
+    ok = ok && hs_kretz_read(kretz, 0, volume, err);
+    hs_kretz_close(kretz);
+    return ok;
+}
+
+static bool read_metaimage(const char *path, const hs_source_files *how, hs_volume *volume, hs_error *err) {
+    const bool mapped = how->scanned.first != NULL;
+    hs_metaimage_options read = how->metaimage;
     if (mapped) read.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
-    *source = (hs_source){.count = count};
-    if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
+    return hs_metaimage_read(path, &read, volume, err) &&
+           (!mapped || hs_scanned_maps_apply(volume, how->scanned.first, how->scanned.end, err));
+}
+
+static bool open_many(hs_source *source, const char *const *paths, uint32_t count, const hs_source_files *how,
+                      hs_error *err) {
     source->files = calloc(count, sizeof *source->files);
     source->volumes = calloc(count, sizeof *source->volumes);
     bool ok = source->files && source->volumes;
     if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", count);
     for (uint32_t i = 0; ok && i < count; i++) {
-        ok = hs_metaimage_read(paths[i], &read, &source->files[i], err) &&
-             (!mapped || hs_scanned_maps_apply(&source->files[i], scanned->first, scanned->end, err)) &&
+        ok = (hs_kretz_is_file(paths[i]) ? read_kretz(paths[i], how, &source->files[i], err)
+                                         : read_metaimage(paths[i], how, &source->files[i], err)) &&
              same_grid(&source->files[0], &source->files[i], paths[0], paths[i], err);
         source->volumes[i] = &source->files[i];
     }
+    return ok;
+}
+
+/* A Kretz file on its own: one volume, or as many as it has. */
+static bool open_stream(hs_source *source, const char *path, const hs_source_files *how, hs_error *err) {
+    hs_kretz *kretz = open_kretz(path, how, err);
+    if (!kretz) return false;
+    if (hs_kretz_count(kretz) == 1) {
+        hs_kretz_close(kretz);
+        return open_many(source, &path, 1, how, err);
+    }
+    source->stream = hs_stream_open(kretz, err);
+    if (source->stream) source->count = hs_stream_count(source->stream);
+    return source->stream != NULL;
+}
+
+bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
+                          const hs_source_files *how, hs_error *err) {
+    const hs_source_files defaults = {0};
+    if (!how) how = &defaults;
+    *source = (hs_source){.count = count};
+    if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
+    const bool ok = count == 1 && hs_kretz_is_file(paths[0]) ? open_stream(source, paths[0], how, err)
+                                                             : open_many(source, paths, count, how, err);
     if (!ok) hs_source_close(source);
     return ok;
 }
@@ -78,11 +130,21 @@ bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_err
 void hs_source_close(hs_source *source) {
     for (uint32_t i = 0; source->files && i < source->count; i++) hs_volume_free(&source->files[i]);
     for (uint32_t i = 0; source->scenes && i < source->count; i++) hs_scene_free(&source->scenes[i]);
+    hs_stream_close(source->stream);
     free(source->files);
     free(source->scenes);
     free(source->truths);
     free(source->volumes);
     *source = (hs_source){0};
+}
+
+const hs_volume *hs_source_shape(const hs_source *source) {
+    return source->stream ? hs_stream_shape(source->stream) : source->volumes[0];
+}
+
+const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_error *err) {
+    return source->stream ? hs_stream_get(source->stream, index % source->count, err)
+                          : source->volumes[index % source->count];
 }
 
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {

@@ -43,6 +43,10 @@ double hs_beams_side(const hs_beams *beams) {
     return beams->mirrored ? 1.0 : -1.0;
 }
 
+const char *hs_beams_side_name(const hs_beams *beams) {
+    return beams->mirrored ? "sweep + at +y, mirrored" : "sweep + at -y";
+}
+
 /* The ends of a table, and the angle between them that is nearest to 0: where sine and cosine are extreme. */
 static void extreme_angles(const double *table, uint32_t count, double out[3]) {
     const double low = fmin(table[0], table[count - 1]), high = fmax(table[0], table[count - 1]);

@@ -43,6 +43,9 @@ size_t hs_beams_count(const hs_beams *beams);
 /* -1 or +1. */
 double hs_beams_side(const hs_beams *beams);
 
+/* "sweep + at -y", or what a mirrored one has: the mark of orientation in captions. Static. */
+const char *hs_beams_side_name(const hs_beams *beams);
+
 /* The smallest box that holds what was scanned. */
 void hs_beams_box(const hs_beams *beams, double low[3], double high[3]);
 
