@@ -47,6 +47,17 @@ const char *hs_beams_side_name(const hs_beams *beams) {
     return beams->mirrored ? "sweep + at +y, mirrored" : "sweep + at -y";
 }
 
+static void place_at(const hs_beams *beams, double radius, double theta, double phi, double place[3]) {
+    const double q = radius * cos(theta) - beams->axis;
+    place[0] = radius * sin(theta);
+    place[1] = hs_beams_side(beams) * q * sin(phi);
+    place[2] = beams->axis + q * cos(phi);
+}
+
+void hs_beams_place(const hs_beams *beams, uint32_t i, uint32_t j, uint32_t k, double place[3]) {
+    place_at(beams, beams->start + i * beams->pitch, beams->theta[j], beams->phi[k], place);
+}
+
 /* The ends of a table, and the angle between them that is nearest to 0: where sine and cosine are extreme. */
 static void extreme_angles(const double *table, uint32_t count, double out[3]) {
     const double low = fmin(table[0], table[count - 1]), high = fmax(table[0], table[count - 1]);
@@ -65,9 +76,8 @@ void hs_beams_box(const hs_beams *beams, double low[3], double high[3]) {
         high[a] = -INFINITY;
     }
     for (int n = 0; n < 2 * 3 * 3; n++) {
-        const double r = radius[n % 2], t = theta[n / 2 % 3], p = phi[n / 6];
-        const double q = r * cos(t) - beams->axis;
-        const double place[3] = {r * sin(t), hs_beams_side(beams) * q * sin(p), beams->axis + q * cos(p)};
+        double place[3];
+        place_at(beams, radius[n % 2], theta[n / 2 % 3], phi[n / 6], place);
         for (int a = 0; a < 3; a++) {
             low[a] = fmin(low[a], place[a]);
             high[a] = fmax(high[a], place[a]);

@@ -46,6 +46,9 @@ double hs_beams_side(const hs_beams *beams);
 /* "sweep + at -y", or what a mirrored one has: the mark of orientation in captions. Static. */
 const char *hs_beams_side_name(const hs_beams *beams);
 
+/* Where sample (i, j, k) stands, in mm from the array's centre of curvature. */
+void hs_beams_place(const hs_beams *beams, uint32_t i, uint32_t j, uint32_t k, double place[3]);
+
 /* The smallest box that holds what was scanned. */
 void hs_beams_box(const hs_beams *beams, double low[3], double high[3]);
 
