@@ -44,6 +44,24 @@ static void print_histogram(const size_t levels[256]) {
     }
 }
 
+static void print_pose(const hs_volume *v) {
+    char words[200], letters[4];
+    hs_pose_words(&v->pose, words, sizeof words);
+    hs_pose_letters(&v->pose, letters);
+    if (v->pose.stated)
+        (void)printf("  in the patient: %s (%s)\n", words, letters);
+    else
+        (void)printf("  in the patient: not said\n");
+    if (v->pose.contradicted[0])
+        (void)printf(
+            "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
+            v->pose.contradicted);
+    if (hs_pose_is_mirrored(&v->pose))
+        (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
+    (void)printf("  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
+                 v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
+}
+
 static void print_volume(const char *path, const hs_volume *v) {
     size_t levels[256];
     int low = 255, high = 0;
@@ -57,6 +75,7 @@ static void print_volume(const char *path, const hs_volume *v) {
     (void)printf("  %u x %u x %u voxels of %g x %g x %g mm: %.1f x %.1f x %.1f mm\n", v->nx, v->ny, v->nz,
                  v->spacing[0], v->spacing[1], v->spacing[2], v->nx * v->spacing[0], v->ny * v->spacing[1],
                  v->nz * v->spacing[2]);
+    print_pose(v);
     (void)printf("  %.2f %% of the voxels were not scanned", 100 * hs_unscanned_share(v));
     if (high > 0)
         (void)printf("; the others hold %d .. %d\n", low, high);

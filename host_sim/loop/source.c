@@ -18,6 +18,12 @@ static bool same_grid(const hs_volume *first, const hs_volume *other, const char
         if (first->spacing[axis] != other->spacing[axis])
             return hs_fail(err, HS_ERR_INPUT, "%s: spacing %g mm along axis %d, but %s has %g mm", path,
                            other->spacing[axis], axis, first_path, first->spacing[axis]);
+    for (int i = 0; i < 9; i++)
+        if (first->pose.direction[i] != other->pose.direction[i] || first->probe != other->probe)
+            return hs_fail(err, HS_ERR_INPUT,
+                           "%s: lies otherwise in the patient than %s, or was scanned from "
+                           "another side: a sequence has one orientation",
+                           path, first_path);
     return true;
 }
 
@@ -26,6 +32,9 @@ static bool check_kretz(const char *path, const hs_source_files *how, hs_error *
     if (how->scanned.first)
         return hs_fail(err, HS_ERR_USAGE,
                        "%s: a Kretz file says itself what was scanned, maps of it were given", path);
+    if (how->metaimage.has_probe)
+        return hs_fail(err, HS_ERR_USAGE, "%s: a Kretz file says itself where the probe is, %s was given",
+                       path, hs_probe_name(how->metaimage.probe));
     return !how->metaimage.has_window ||
            hs_fail(err, HS_ERR_USAGE, "%s: a window was given, but a Kretz file has 8 bits", path);
 }

@@ -34,7 +34,8 @@ typedef struct {
 
 /* Reads `count` files, MetaImage (.mha, .mhd) or Kretz (.vol); `how` may be NULL. A Kretz file that is a
  * sequence comes alone, and is read as it is played. HS_ERR_INPUT if one cannot be read, or differs from the
- * first in size or spacing: the message names both. HS_ERR_USAGE: a window or maps for a Kretz file. */
+ * first in size, spacing or orientation: the message names both. HS_ERR_USAGE: a window, maps or a probe for
+ * a Kretz file. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_source_files *how, hs_error *err);
 

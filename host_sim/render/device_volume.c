@@ -17,6 +17,7 @@ struct hs_device_volume {
     hs_device_beams *beams; /* what the volume is the Cartesian copy of, or NULL */
     cl_mem grid;            /* brick maxima, one byte each, x fastest */
     cl_kernel build_grid;
+    hs_lit_volume *lit;
 };
 
 /* Trilinear lookups read two neighbours in x. A volume one voxel wide has no second one, so the kernels
@@ -76,7 +77,8 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
     if (!hs_cl_check(code, "clCreateBuffer(brick grid)", err)) return false;
     dv->build_grid = clCreateKernel(dv->cl->program, "build_brick_grid", &code);
     if (!hs_cl_check(code, "clCreateKernel(build_brick_grid)", err)) return false;
-    return upload(dv, volume, err) && enqueue_grid(dv, err);
+    dv->lit = hs_lit_volume_create(dv->cl, dv->n, err);
+    return dv->lit && upload(dv, volume, err) && enqueue_grid(dv, err);
 }
 
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
@@ -100,6 +102,7 @@ bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_
         return hs_fail(err, HS_ERR_INPUT, "%s: %s in a sequence that is not", volume->name,
                        volume->beams ? "in probe geometry" : "Cartesian");
     for (int k = 0; k < 3; k++) dv->spacing[k] = volume->spacing[k];
+    hs_lit_volume_expire(dv->lit);
     return upload(dv, volume, err) && enqueue_grid(dv, err);
 }
 
@@ -107,6 +110,7 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     if (!dv) return;
     /* The host memory may go as soon as this returns, so nothing may be reading it any more. */
     (void)clFinish(dv->cl->queue);
+    hs_lit_volume_destroy(dv->lit);
     if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
     if (dv->grid) (void)clReleaseMemObject(dv->grid);
     hs_device_beams_destroy(dv->beams);
@@ -123,4 +127,9 @@ hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
                             .beams = dv->beams,
                             .brick_maxima = dv->grid,
                             .bricks = {dv->bricks[0], dv->bricks[1], dv->bricks[2]}};
+}
+
+bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
+                          hs_lit_view *view, hs_error *err) {
+    return hs_lit_volume_make(dv->lit, dv->voxels.buffer, threshold_low, threshold_high, view, err);
 }

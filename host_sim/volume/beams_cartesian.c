@@ -29,7 +29,10 @@ bool hs_beams_cartesian_init(hs_volume *volume, hs_beams *beams, double spacing,
         beams->corner[a] = 0.5 * (low[a] + high[a]) - 0.5 * voxels * spacing;
     }
     if (!hs_volume_init(volume, count[0], count[1], count[2], err)) return false;
-    for (int a = 0; a < 3; a++) volume->spacing[a] = spacing;
+    for (int a = 0; a < 3; a++) {
+        volume->spacing[a] = spacing;
+        volume->pose.origin[a] = beams->corner[a] + 0.5 * spacing;
+    }
     volume->beams = beams;
     return true;
 }

@@ -10,7 +10,8 @@
 /*
  * Makes a volume for `beams`: cubic voxels of `spacing` mm (0: the pitch of the samples, or the box's longest
  * side by HS_CARTESIAN_AXIS if that is more), as many as it takes to hold the box of what was scanned, which
- * lies in their middle. x, y and z are those of the beams, so the probe looks along +z. The volume owns
+ * lies in their middle. x, y and z are those of the beams, so the probe looks along +z, and the pose has its
+ * origin in the array's centre of curvature; how the patient lies is not said. The volume owns
  * `beams` from then on, with beams->corner set; on failure the caller still does. HS_ERR_USAGE: more than
  * HS_VOLUME_MAX_AXIS voxels along an axis; HS_ERR_INPUT: too many in all; HS_ERR_MEMORY.
  */

@@ -3,7 +3,7 @@
 
 #include "volume/beams_cartesian.h"
 #include "volume/kretz_header.h"
-#include "volume/metaimage_header.h"
+#include "volume/metaimage_open.h"
 
 #include <stdlib.h>
 #include <string.h>

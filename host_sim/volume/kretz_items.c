@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/kretz_items.h"
 
-#include "volume/metaimage_header.h"
+#include "volume/metaimage_open.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -4,6 +4,7 @@
 #include "volume/metaimage_data.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -148,12 +149,14 @@ static bool apply_padding(hs_volume *volume, hs_padding padding, hs_error *err) 
 }
 
 /* Allocates the volume the header describes, named after the file. */
-static bool make_volume(const reader *r) {
+static bool make_volume(const reader *r, const hs_metaimage_options *opt) {
     const hs_met_header *h = r->header;
     hs_error cause = {0};
     if (!hs_volume_init(r->volume, h->size[0], h->size[1], h->size[2], &cause))
         return hs_fail(r->err, cause.code, "%s:%u: DimSize: %s", r->path, h->dim_line, cause.text);
     memcpy(r->volume->spacing, h->spacing, sizeof h->spacing);
+    r->volume->pose = h->pose;
+    r->volume->probe = opt->has_probe ? opt->probe : h->probe;
     const char *slash = strrchr(r->path, '/');
     (void)snprintf(r->volume->name, sizeof r->volume->name, "%s", slash ? slash + 1 : r->path);
     return true;
@@ -187,8 +190,8 @@ bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_vol
         return hs_fail(err, HS_ERR_USAGE, "%s: window is %g .. %g, expected two finite numbers, low < high",
                        path, opt->window_low, opt->window_high);
     reader r = {.path = path, .volume = out, .err = err};
-    const bool ok =
-        reader_open(&r) && make_volume(&r) && read_voxels(&r, opt) && apply_padding(out, opt->padding, err);
+    const bool ok = reader_open(&r) && make_volume(&r, opt) && read_voxels(&r, opt) &&
+                    apply_padding(out, opt->padding, err);
     if (!ok) hs_volume_free(out);
     reader_close(&r);
     return ok;

@@ -16,6 +16,8 @@ typedef struct {
     hs_padding padding;
     bool has_window;                /* false: MET_UCHAR as it is, other types from their own range */
     double window_low, window_high; /* source values that become 0 and 255; low < high, finite */
+    bool has_probe;                 /* `probe` instead of what the file says or slice 0 */
+    hs_probe probe;
 } hs_metaimage_options;
 
 /*

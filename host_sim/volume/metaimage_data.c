@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/metaimage_data.h"
 
+#include "volume/metaimage_open.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>

@@ -5,8 +5,6 @@
 
 #include "volume/volume.h"
 
-#include <stdio.h>
-
 typedef enum {
     HS_MET_CHAR,
     HS_MET_UCHAR,
@@ -22,8 +20,11 @@ typedef enum {
 
 /* A checked header. Line numbers count from 1 and are 0 for a field that is not there. */
 typedef struct {
+    uint32_t dims; /* 3 or 4 */
     uint32_t size[3];
     double spacing[3]; /* mm */
+    hs_pose pose;
+    hs_probe probe;
     hs_met_type type;
     const char *type_name; /* static, "MET_UCHAR" */
     uint32_t element_bytes;
@@ -42,9 +43,5 @@ typedef struct {
 
 /* Reads and checks the header of `path`. Errors as in hs_metaimage_read. */
 bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
-
-/* Opens a regular file for reading and sets *bytes to its size. On failure NULL, and HS_ERR_INPUT "<context>:
- * <reason>". Never waits, not even on a FIFO. */
-FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
 
 #endif
