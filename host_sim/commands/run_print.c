@@ -22,6 +22,8 @@ static void print_facts(const hs_run *run, FILE *out) {
                   100 * run->unscanned);
     if (v->beams) (void)fprintf(out, "; %s", hs_beams_side_name(v->beams));
     if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
+    if (run->source.left_out > 0)
+        (void)fprintf(out, "; %u left out: their ImageStatus is INVALID", run->source.left_out);
     (void)fprintf(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
     (void)fprintf(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
                   o->own_queue ? "a queue of its own" : "the host's queue");

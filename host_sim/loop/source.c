@@ -27,6 +27,39 @@ static bool same_grid(const hs_volume *first, const hs_volume *other, const char
     return true;
 }
 
+/* Room for `more` volumes of a file. */
+static bool grow_files(hs_source *source, uint32_t more, hs_error *err) {
+    const size_t count = (size_t)source->count + more;
+    hs_volume *files = realloc(source->files, count * sizeof *files);
+    if (files) source->files = files;
+    hs_source_origin *origins = realloc(source->origins, count * sizeof *origins);
+    if (origins) source->origins = origins;
+    return (files && origins) || hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %zu volumes", count);
+}
+
+/* All volumes of a MetaImage file, behind those that are there. */
+static bool append_metaimage(hs_source *source, const char *const *paths, uint32_t which,
+                             const hs_source_files *how, hs_error *err) {
+    const hs_source_scanned *scanned = &how->scanned;
+    hs_metaimage_options read = how->metaimage;
+    if (scanned->first) read.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
+    hs_metaimage *file = hs_metaimage_open(paths[which], &read, err);
+    const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
+    bool ok = file && grow_files(source, volumes, err);
+    for (uint32_t i = 0; ok && i < volumes; i++) {
+        hs_volume *volume = &source->files[source->count];
+        hs_source_origin *origin = &source->origins[source->count];
+        *origin = (hs_source_origin){.path = paths[which], .index = i};
+        ok = hs_metaimage_next(file, volume, &origin->fields);
+        source->count += ok;
+        ok = ok && (!scanned->first || hs_scanned_maps_apply(volume, scanned->first, scanned->end, err)) &&
+             same_grid(&source->files[0], volume, paths[0], paths[which], err);
+    }
+    if (ok) source->left_out += hs_metaimage_left_out(file);
+    hs_metaimage_close(file);
+    return ok;
+}
+
 /* What only MetaImage files take must not be asked of others in vain. */
 static bool check_kretz(const char *path, const hs_source_files *how, hs_error *err) {
     if (how->scanned.first)
@@ -45,61 +78,66 @@ static hs_kretz *open_kretz(const char *path, const hs_source_files *how, hs_err
     return check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
 }
 
-static bool read_kretz(const char *path, const hs_source_files *how, hs_volume *volume, hs_error *err) {
-    hs_kretz *kretz = open_kretz(path, how, err);
+/* The one volume of a Kretz file, behind those that are there. */
+static bool append_kretz(hs_source *source, const char *const *paths, uint32_t which,
+                         const hs_source_files *how, hs_error *err) {
+    hs_kretz *kretz = open_kretz(paths[which], how, err);
     if (!kretz) return false;
     bool ok = hs_kretz_count(kretz) == 1 ||
-              hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, which comes alone", path,
+              hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, which comes alone", paths[which],
                       hs_kretz_count(kretz));
-    ok = ok && hs_kretz_read(kretz, 0, volume, err);
+    ok = ok && grow_files(source, 1, err);
+    if (ok) {
+        hs_volume *volume = &source->files[source->count];
+        *volume = (hs_volume){0};
+        source->origins[source->count] = (hs_source_origin){.path = paths[which]};
+        ok = hs_kretz_read(kretz, 0, volume, err);
+        source->count += ok;
+        ok = ok && same_grid(&source->files[0], volume, paths[0], paths[which], err);
+    }
     hs_kretz_close(kretz);
     return ok;
 }
 
-static bool read_metaimage(const char *path, const hs_source_files *how, hs_volume *volume, hs_error *err) {
-    const bool mapped = how->scanned.first != NULL;
-    hs_metaimage_options read = how->metaimage;
-    if (mapped) read.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
-    return hs_metaimage_read(path, &read, volume, err) &&
-           (!mapped || hs_scanned_maps_apply(volume, how->scanned.first, how->scanned.end, err));
-}
-
-static bool open_many(hs_source *source, const char *const *paths, uint32_t count, const hs_source_files *how,
-                      hs_error *err) {
-    source->files = calloc(count, sizeof *source->files);
-    source->volumes = calloc(count, sizeof *source->volumes);
-    bool ok = source->files && source->volumes;
-    if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", count);
-    for (uint32_t i = 0; ok && i < count; i++) {
-        ok = (hs_kretz_is_file(paths[i]) ? read_kretz(paths[i], how, &source->files[i], err)
-                                         : read_metaimage(paths[i], how, &source->files[i], err)) &&
-             same_grid(&source->files[0], &source->files[i], paths[0], paths[i], err);
-        source->volumes[i] = &source->files[i];
-    }
-    return ok;
-}
-
-/* A Kretz file on its own: one volume, or as many as it has. */
-static bool open_stream(hs_source *source, const char *path, const hs_source_files *how, hs_error *err) {
-    hs_kretz *kretz = open_kretz(path, how, err);
+/* *is: the files are one Kretz file that is a sequence, and it is open as a stream. */
+static bool open_stream(hs_source *source, const char *const *paths, uint32_t count,
+                        const hs_source_files *how, bool *is, hs_error *err) {
+    *is = false;
+    if (count != 1 || !hs_kretz_is_file(paths[0])) return true;
+    hs_kretz *kretz = open_kretz(paths[0], how, err);
     if (!kretz) return false;
-    if (hs_kretz_count(kretz) == 1) {
+    *is = hs_kretz_count(kretz) > 1;
+    if (!*is) {
         hs_kretz_close(kretz);
-        return open_many(source, &path, 1, how, err);
+        return true;
     }
     source->stream = hs_stream_open(kretz, err);
     if (source->stream) source->count = hs_stream_count(source->stream);
     return source->stream != NULL;
 }
 
+static bool read_all(hs_source *source, const char *const *paths, uint32_t count, const hs_source_files *how,
+                     hs_error *err) {
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < count; i++)
+        ok = hs_kretz_is_file(paths[i]) ? append_kretz(source, paths, i, how, err)
+                                        : append_metaimage(source, paths, i, how, err);
+    source->volumes = ok ? calloc(source->count, sizeof *source->volumes) : NULL;
+    if (ok && !source->volumes)
+        ok = hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", source->count);
+    for (uint32_t i = 0; ok && i < source->count; i++) source->volumes[i] = &source->files[i];
+    return ok;
+}
+
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_source_files *how, hs_error *err) {
     const hs_source_files defaults = {0};
+    bool is_stream = false;
     if (!how) how = &defaults;
-    *source = (hs_source){.count = count};
+    *source = (hs_source){0};
     if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
-    const bool ok = count == 1 && hs_kretz_is_file(paths[0]) ? open_stream(source, paths[0], how, err)
-                                                             : open_many(source, paths, count, how, err);
+    const bool ok = open_stream(source, paths, count, how, &is_stream, err) &&
+                    (is_stream || read_all(source, paths, count, how, err));
     if (!ok) hs_source_close(source);
     return ok;
 }
@@ -141,6 +179,7 @@ void hs_source_close(hs_source *source) {
     for (uint32_t i = 0; source->scenes && i < source->count; i++) hs_scene_free(&source->scenes[i]);
     hs_stream_close(source->stream);
     free(source->files);
+    free(source->origins);
     free(source->scenes);
     free(source->truths);
     free(source->volumes);
@@ -166,6 +205,10 @@ const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {
 
 const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index) {
     return source->scenes ? &source->scenes[index % source->count] : NULL;
+}
+
+const hs_source_origin *hs_source_origin_of(const hs_source *source, uint32_t index) {
+    return source->origins ? &source->origins[index % source->count] : NULL;
 }
 
 bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err) {

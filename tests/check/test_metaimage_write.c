@@ -39,7 +39,7 @@ static void write_ok(const char *name, const hs_metaimage_array *array) {
 static void arrays_read_back(void **state) {
     (void)state;
     static const hs_metaimage_options options[] = {
-        {.padding = HS_PADDING_ALL, .has_window = false, .window_low = 0, .window_high = 0},
+        {.padding = HS_PADDING_ALL},
         {.padding = HS_PADDING_ALL, .has_window = true, .window_low = 0, .window_high = 65535},
         {.padding = HS_PADDING_ALL,
          .has_window = true,
