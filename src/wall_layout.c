@@ -59,7 +59,9 @@ static uint32_t gaussian(double sigma, uint32_t *weights) {
         rest -= 2 * weights[i];
     }
     weights[0] = rest;
-    return reach;
+    uint32_t last = reach;
+    while (last > 0 && weights[last] == 0) last--;
+    return last;
 }
 
 /* Everything that is no length. */
@@ -121,7 +123,7 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
     }
     l.skin = voxels(s->skin_mm, layer_mm, 0);
     l.far = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_FAR);
-    l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * layer_mm / s->tau_mm);
+    l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
     l.reach_x = gaussian(s->sigma_mm / block_mm[0], l.kernel_x);
     l.reach_y = gaussian(s->sigma_mm / block_mm[1], l.kernel_y);
     take_numbers(&l, s);

@@ -25,7 +25,7 @@ typedef struct {
     double skin_mm;             /* bone of a first tissue lies this far behind its skin */
     double tau_mm;              /* distance to the fluid that costs 1 */
     /* Costs: the fetus is cut; an occluder is left; another fluid than the first. Together at most 31, or the
-     * sums of the Gaussian leave 32 bits. */
+     * sums of the Gaussian leave 24 bits. */
     double cut, left, other;
     double sigma_mm;       /* lateral Gaussian over the costs */
     double slack;          /* layers that cost at most this much more than the cheapest are averaged */

@@ -7,26 +7,25 @@
 #include "wall/wall.clh"
 #endif
 
-/* Costs are summed up in lines of 32 bits with this much before and behind them. */
+/* Costs are summed up in lines of float32, which hold all sums exactly, with this much before and behind
+ * them. */
 #define LINE_MARGIN SV_WALL_KERNEL
-#define ROUNDED(sum) (((sum) + FINE / 2) / FINE) /* rounded half up */
 #define FINE        (SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE / (SV_WALL_FINE_ONE / SV_WALL_ONE))
 
-static const __global u16l *costs_at(const sv_wall_layout *l, __global const ushort *costs, uint z, int row) {
+static __global const u16l *costs_at(const sv_wall_layout *l, __global const ushort *costs, uint z, int row) {
     return (__global const u16l *)(costs + block_row(l, z, (uint)clamp(row, 0, (int)l->rows - 1)));
 }
 
 /* The Gaussian along y of layer z of a row, and its border values before and behind it. */
-static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, uint z, uint row,
-                        __global uint *line) {
+static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, uint z, int row,
+                        __global float *line) {
     for (uint x = 0; x < vectors_of(l); x++) {
-        u32l sum = TO_U32(costs_at(l, costs, z, (int)row)[x]) * l->kernel_y[0];
-        for (uint k = 1; k <= l->reach_y; k++) {
-            const u16l pair =
-                costs_at(l, costs, z, (int)(row - k))[x] + costs_at(l, costs, z, (int)(row + k))[x];
-            sum += TO_U32(pair) * l->kernel_y[k];
+        f32l sum = TO_F32(costs_at(l, costs, z, row)[x]) * (float)l->kernel_y[0];
+        for (int k = 1; k <= (int)l->reach_y; k++) {
+            const u16l pair = costs_at(l, costs, z, row - k)[x] + costs_at(l, costs, z, row + k)[x];
+            sum += TO_F32(pair) * (float)l->kernel_y[k];
         }
-        ((__global u32l *)line)[x] = sum;
+        ((__global f32l *)line)[x] = sum;
     }
     for (uint k = 1; k <= l->reach_x; k++) {
         line[-(int)k] = line[0];
@@ -35,16 +34,16 @@ static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, u
 }
 
 /* The Gaussian along x of a line, rounded half up. */
-static void sum_columns(const sv_wall_layout *l, __global const uint *line, __global u32l *to) {
+static void sum_columns(const sv_wall_layout *l, __global const float *line, __global u32l *to) {
     for (uint x = 0; x < vectors_of(l); x++) {
-        __global const uint *at = line + x * LANES;
-        u32l sum = *(__global const u32l *)at * l->kernel_x[0];
+        __global const float *at = line + x * LANES;
+        f32l sum = *(__global const f32l *)at * (float)l->kernel_x[0];
         for (uint k = 1; k <= l->reach_x; k++) {
-            const u32l left = ((__global const u32l_anywhere *)(at - k))->v;
-            const u32l right = ((__global const u32l_anywhere *)(at + k))->v;
-            sum += (left + right) * l->kernel_x[k];
+            const f32l left = ((__global const f32l_anywhere *)(at - k))->v;
+            const f32l right = ((__global const f32l_anywhere *)(at + k))->v;
+            sum += (left + right) * (float)l->kernel_x[k];
         }
-        to[x] = ROUNDED(sum);
+        to[x] = (TO_U32(sum) + FINE / 2u) / FINE;
     }
 }
 
@@ -86,10 +85,10 @@ __kernel void wall_cheapest(sv_wall_layout l, uint scratch_words, __global const
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     scratch += (size_t)row * scratch_words;
     /* two lines, in turns: a vector that was just stored is slow to load in parts */
-    __global uint *lines = scratch + LINE_MARGIN;
+    __global float *lines = (__global float *)scratch + LINE_MARGIN;
     __global u32l *sums = (__global u32l *)(scratch + 2 * (pitch + 2 * LINE_MARGIN));
     for (uint z = 0; z <= l.layers; z++) {
-        if (z < l.layers) sum_rows_of(&l, costs, z, row, lines + (z & 1) * (pitch + 2 * LINE_MARGIN));
+        if (z < l.layers) sum_rows_of(&l, costs, z, (int)row, lines + (z & 1) * (pitch + 2 * LINE_MARGIN));
         if (z > 0) sum_columns(&l, lines + (~z & 1) * (pitch + 2 * LINE_MARGIN), sums + (z - 1) * vectors);
     }
     for (uint x = 0; x < vectors; x++) cheapest(&l, sums + x, places + block_row(&l, 0, row) + x * LANES);

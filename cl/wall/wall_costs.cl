@@ -37,6 +37,13 @@ static u32l share(u32l value, u16l chance) {
     return (value * TO_U32(chance) + SV_WALL_SURE / 2u) / (uint)SV_WALL_SURE;
 }
 
+/* The same of costs, which have 13 bits at most, in 16 bits. */
+static u16l share_of_cost(uint cost, u16l chance) {
+    const u16l twice = (u16l)((ushort)(2 * cost));
+    const u16l high = TO_U16((TO_U32(twice) * TO_U32(chance)) >> 16u), low = twice * chance;
+    return high + (low >> (ushort)15);
+}
+
 /* Probabilities of brightnesses; the first tissue of a ray has its own. */
 static u16l chances_of(const rays_t *r, u8l bright, i16l at_run) {
     const uchar *level = (const uchar *)&bright;
@@ -98,21 +105,22 @@ static void find_in_run(rays_t *r, const layers_t *s) {
 
 /* What LANES rays pay in layer z but for the distance. `later`: probability that the fetus begins with tissue
  * whose fluid is behind the layer. */
-static u32l wrong_at(const sv_wall_layout *l, const rays_t *r, const layers_t *s, uint z, u16l later) {
+static u16l wrong_at(const sv_wall_layout *l, const rays_t *r, const layers_t *s, uint z, u16l later) {
     const i16l at = (i16l)((short)z);
-    u32l cost = share((u32l)(l->cut), s->begun[z]) + share((u32l)(l->left), later);
+    u16l cost = share_of_cost(l->cut, s->begun[z]) + share_of_cost(l->left, later);
     const uint skin = z + l->skin;
     if (skin < l->layers) {
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));
-        if (some_words(over)) cost += share((u32l)(l->left), (r->in_run - s->begun[skin]) & AS_U16(over));
+        if (some_words(over)) cost += share_of_cost(l->left, (r->in_run - s->begun[skin]) & AS_U16(over));
     }
     const i16l other = (at < r->fluid) | (at >= r->fluid_end);
-    return cost + share((u32l)(l->other), ((u16l)(SV_WALL_SURE)-r->begun) & AS_U16(other));
+    return cost + share_of_cost(l->other, ((u16l)(SV_WALL_SURE)-r->begun) & AS_U16(other));
 }
 
-static u32l away_at(const sv_wall_layout *l, u8l near) {
-    const u32l far = (TO_U32(near) * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
-    return LEAST(far, (u32l)(SV_WALL_ONE));
+static u16l away_at(const sv_wall_layout *l, u8l near) {
+    const u16l far = (TO_U16(near) * (ushort)l->rate + (ushort)(1u << (SV_WALL_RATE_BITS - 1))) >>
+                     (ushort)SV_WALL_RATE_BITS;
+    return LEAST(far, (u16l)(SV_WALL_ONE));
 }
 
 /* Back to front: leaves the costs of LANES rays in layers `pitch` apart. */
@@ -130,9 +138,9 @@ static void walk_back(const sv_wall_layout *l, const rays_t *r, const layers_t *
         fluid_behind = fluid;
         behind = tissue;
         near = LEAST(near + (u8l)(1), far) & ~fluid;
-        const u32l away = away_at(l, LEAST(near, before));
-        const u32l cost = away + wrong_at(l, r, s, z, later);
-        *(__global u16l *)(costs + z * pitch) = TO_U16(cost) & AS_U16(scanned);
+        const u16l away = away_at(l, LEAST(near, before));
+        const u16l cost = away + wrong_at(l, r, s, z, later);
+        *(__global u16l *)(costs + z * pitch) = cost & AS_U16(scanned);
         *(__global u8l *)(aways + z * pitch) = TO_U8(away) & bytes_of(scanned);
     }
 }

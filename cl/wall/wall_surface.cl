@@ -20,24 +20,44 @@ static uint beside(uint at, int step, uint count) {
     return (uint)clamp((int)at + step, 0, (int)count - 1);
 }
 
-/* A ray and its eight neighbours. */
-static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float *out) {
-    const int dx = (int)l->aside[0], dy = (int)l->aside[1];
-    for (int v = -1; v <= 1; v++)
-        for (int u = -1; u <= 1; u++)
-            *out++ = plane[place_row(l, 0, beside(y, v * dy, l->rows)) + beside(x, u * dx, l->columns)];
+/* 16 rays of a row from x + step on, their neighbours in that direction. */
+static float16 load_places(__global const float *row, uint x, int step, uint columns) {
+    const int from = (int)x + step;
+    float lanes[SV_LANES];
+    if (from >= 0 && from + SV_LANES <= (int)columns) return vload16(0, row + from);
+    for (uint i = 0; i < SV_LANES; i++) lanes[i] = row[beside(x + i, step, columns)];
+    return *(const float16 *)lanes;
 }
 
-static float median(const sv_wall_layout *l, __global const float *plane, uint x, uint y) {
-    float values[9];
-    neighbours(l, plane, x, y, values);
-    for (int i = 1; i < 9; i++)
-        for (int k = i; k > 0 && values[k - 1] > values[k]; k--) {
-            const float higher = values[k - 1];
-            values[k - 1] = values[k];
-            values[k] = higher;
-        }
-    return values[4];
+/* 16 rays and their eight neighbours. */
+static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float16 *out) {
+    const int dx = (int)l->aside[0], dy = (int)l->aside[1];
+    for (int v = -1; v <= 1; v++) {
+        __global const float *row = plane + place_row(l, 0, beside(y, v * dy, l->rows));
+        for (int u = -1; u <= 1; u++) *out++ = load_places(row, x, u * dx, l->columns);
+    }
+}
+
+static void sort2(float16 *a, float16 *b) {
+    const float16 low = fmin(*a, *b);
+    *b = fmax(*a, *b);
+    *a = low;
+}
+
+static void sort3(float16 *a, float16 *b, float16 *c) {
+    sort2(a, b);
+    sort2(b, c);
+    sort2(a, b);
+}
+
+/* Of nine: the median of the largest of the least, the middle one of the middle, and the least of the largest,
+ * of three sorted threes. */
+static float16 median(float16 *v) {
+    for (int i = 0; i < 9; i += 3) sort3(&v[i], &v[i + 1], &v[i + 2]);
+    float16 low = fmax(fmax(v[0], v[3]), v[6]), high = fmin(fmin(v[2], v[5]), v[8]);
+    sort3(&v[1], &v[4], &v[7]);
+    sort3(&low, &v[4], &high);
+    return v[4];
 }
 
 /* One work item per row of rays: the median of the layers, and what the ray itself says of it. */
@@ -46,12 +66,15 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
                           __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    __global float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
+    for (uint x = 0; x < l.columns; x += SV_LANES) {
+        float16 near[9];
+        neighbours(&l, places + place_row(&l, PLACE_LAYER, 0), x, y, near);
+        *(__global float16 *)(chosen + x) = l.median ? median(near) : near[4];
+    }
     for (uint x = 0; x < l.columns; x++) {
-        const size_t ray = place_row(&l, 0, y) + x;
-        const float chosen = l.median ? median(&l, places + place_row(&l, PLACE_LAYER, 0), x, y) : places[ray];
-        const size_t at = block_row(&l, (uint)(chosen + 0.5f), y) + x;
+        const size_t at = block_row(&l, (uint)(chosen[x] + 0.5f), y) + x;
         const uint own = 2u * costs[at] + (SV_WALL_OWN_AWAY - 2u) * aways[at];
-        places[place_row(&l, PLACE_CHOSEN, y) + x] = chosen;
         places[place_row(&l, PLACE_OWN, y) + x] = (float)own / (2 * SV_WALL_ONE);
     }
 }
@@ -62,12 +85,12 @@ __kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
                          __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint x = 0; x < l.columns; x++) {
-        float n[9];
+    for (uint x = 0; x < l.columns; x += SV_LANES) {
+        float16 n[9];
         neighbours(&l, places + place_row(&l, PLACE_OWN, 0), x, y, n);
-        const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
-        const float own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
-        places[place_row(&l, PLACE_LAYER, y) + x] = 1.0f / (1.0f + own * own);
+        const float16 corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
+        const float16 own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
+        *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = 1.0f / (1.0f + own * own);
     }
 }
 
@@ -77,15 +100,29 @@ typedef struct {
     float low_weight, high_weight;
 } pair_t;
 
-/* Where a pixel lies between the centres of blocks. Both weights are quotients of integers, so that the
- * mirrored pixel has the same. */
-static pair_t between(uint i, uint pixels, uint blocks) {
-    const int at = (int)((2 * i + 1) * blocks) - (int)pixels, width = 2 * (int)pixels;
-    if (at <= 0) return (pair_t){0, 0, 1.0f, 0.0f};
-    const int block = at / width, rest = at % width;
-    if ((uint)block + 1 >= blocks) return (pair_t){blocks - 1, blocks - 1, 1.0f, 0.0f};
-    return (pair_t){(uint)block, (uint)block + 1, (float)(width - rest) / (float)width,
-                    (float)rest / (float)width};
+/* Where a pixel lies between the centres of blocks: behind that of `block` by rest / (2 pixels). */
+typedef struct {
+    int block, rest;
+} between_t;
+
+static between_t between(uint i, uint pixels, uint blocks) {
+    const int at = (int)((2 * i + 1) * blocks + pixels), width = (int)(2 * pixels);
+    return (between_t){at / width - 1, at % width};
+}
+
+static void next_pixel(between_t *b, uint pixels, uint blocks) {
+    b->rest += (int)(2 * blocks);
+    const bool over = b->rest >= (int)(2 * pixels);
+    b->rest -= over ? (int)(2 * pixels) : 0;
+    b->block += over;
+}
+
+/* Both weights are quotients of integers, so that the mirrored pixel has the same. */
+static pair_t pair_of(between_t b, uint pixels, uint blocks) {
+    const float width = (float)(2 * pixels), part = (float)b.rest, other = (float)((int)(2 * pixels) - b.rest);
+    if (b.block < 0) return (pair_t){0, 0, 1.0f, 0.0f};
+    if ((uint)b.block + 1 >= blocks) return (pair_t){blocks - 1, blocks - 1, 1.0f, 0.0f};
+    return (pair_t){(uint)b.block, (uint)b.block + 1, other / width, part / width};
 }
 
 /* The four products are added in an order that neither mirroring nor transposing changes. */
@@ -104,13 +141,15 @@ __kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
                          uint padded_width, __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const pair_t v = between(y, l.height, l.rows);
+    const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
+    between_t at = between(0, l.width, l.columns);
     __global const float *chosen = places + place_row(&l, PLACE_CHOSEN, 0);
     __global float *near = surfaces + (size_t)y * padded_width;
     __global float *far = near + (size_t)padded_width * l.height;
     confidence += (size_t)y * l.width;
     for (uint x = 0; x < l.width; x++) {
-        const pair_t u = between(x, l.width, l.columns);
+        const pair_t u = pair_of(at, l.width, l.columns);
+        next_pixel(&at, l.width, l.columns);
         const float depth = (float)l.depth * interpolate(&l, chosen, u, v);
         const float sure = interpolate(&l, places, u, v);
         near[x] = far[x] = wanted ? depth : 0.0f;

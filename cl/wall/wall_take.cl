@@ -22,9 +22,20 @@ typedef struct {
     uint row;
     sv_wall_span span; /* its rows of pixels */
     uint padding;      /* above 255: none */
+    uint pitch;        /* of the sums; zeros behind the last pixel */
     uint range_pitch;  /* of the planes of ranges */
     __global ushort *sums, *first, *end;
 } strip_t;
+
+/* Where the slices of a slab lie. */
+typedef struct {
+    __global const uchar *slab;
+    uint row_pitch, tiles_x, tile_w, tile_h;
+} texture_t;
+
+static __global const uchar *slice_of(const texture_t *t, uint i) {
+    return t->slab + (size_t)(i / t->tiles_x) * t->tile_h * t->row_pitch + i % t->tiles_x * t->tile_w;
+}
 
 /* Rows of pixels that are this row's to range: those between two rows of blocks belong to the second. */
 static uint first_own_row(const strip_t *s) {
@@ -75,23 +86,41 @@ static void note_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
     }
 }
 
-/* Adds a slice to the row's sums; `fresh`: it is the first of its layer. */
-static void add_slice(const sv_wall_layout *l, const strip_t *s, __global const uchar *slice, uint row_pitch,
-                      bool fresh) {
-    const uint vectors = (l->width + SV_LANES - 1) / SV_LANES;
-    const ushort16 keep = (ushort16)((ushort)(fresh ? 0 : 0xffff));
-    __global ushort16 *sums = (__global ushort16 *)s->sums;
-    slice += (size_t)s->span.first * row_pitch;
-    for (uint x = 0; x < vectors; x++) {
-        ushort16 sum = sums[x] & keep;
-        for (uint j = 0; j < s->span.count; j++) {
-            const bool shared =
-                (j == 0 && s->span.shares_first) || (j + 1 == s->span.count && s->span.shares_last);
-            uchar16 v = load_voxels(slice + (size_t)j * row_pitch, x * SV_LANES, l->width);
-            if (s->padding <= 255) v &= as_uchar16(v != (uchar16)((uchar)s->padding));
-            sum += convert_ushort16(v) << (ushort16)((ushort)(shared ? 0 : 1));
+/* LANES voxels of a row from x on, none from beyond it; 0 where there is padding. */
+static u8l load_lanes(__global const uchar *row, uint x, uint width, uint padding) {
+    u8l v;
+    if (x + LANES <= width) {
+        v = ((__global const u8l_anywhere *)(row + x))->v;
+    } else {
+        uchar16 parts[LANES / SV_LANES];
+        for (uint i = 0; i < LANES / SV_LANES; i++) {
+            const uint at = x + i * SV_LANES;
+            parts[i] = (uchar16)(0);
+            if (at < width) parts[i] = load_voxels(row, at, width) & pixels_of(at, width);
         }
-        sums[x] = sum;
+        v = *(const u8l *)parts;
+    }
+    if (padding <= 255) v &= AS_U8(v != (u8l)((uchar)padding));
+    return v;
+}
+
+/* Adds `count` slices to the row's sums; `fresh`: the first one is the first of its layer. */
+static void add_slices(const sv_wall_layout *l, const strip_t *s, const texture_t *t, uint i, uint count,
+                       bool fresh) {
+    const u16l keep = (u16l)((ushort)(fresh ? 0 : 0xffff));
+    __global u16l *sums = (__global u16l *)s->sums;
+    for (uint x = 0; x < l->width; x += LANES) {
+        u16l sum = sums[x / LANES] & keep;
+        for (uint k = i; k < i + count; k++) {
+            __global const uchar *row = slice_of(t, k) + (size_t)s->span.first * t->row_pitch;
+            for (uint j = 0; j < s->span.count; j++) {
+                const bool shared =
+                    (j == 0 && s->span.shares_first) || (j + 1 == s->span.count && s->span.shares_last);
+                const u16l v = TO_U16(load_lanes(row + (size_t)j * t->row_pitch, x, l->width, s->padding));
+                sum += v << (u16l)((ushort)(shared ? 0 : 1));
+            }
+        }
+        sums[x / LANES] = sum;
     }
 }
 
@@ -123,22 +152,37 @@ static uint16 gather(const sv_wall_layout *l, __global const sv_wall_span *spans
     return *(const uint16 *)lanes;
 }
 
-/* The same where every block is two pixels wide. */
-static uint16 gather_pairs(__global const ushort *sums, uint column) {
-    const ushort16 a = vload16(0, sums + 2 * column), b = vload16(1, sums + 2 * column);
-    const ushort16 even = (ushort16)(a.even, b.even), odd = (ushort16)(a.odd, b.odd);
-    return (convert_uint16(even) + convert_uint16(odd)) * 2u;
+/* The same where all blocks are `side` pixels wide, and none shares one. */
+static uint16 gather_even(__global const ushort *sums, uint side) {
+    uint lanes[SV_LANES];
+    for (uint i = 0; i < SV_LANES; i++) {
+        lanes[i] = 0;
+        for (uint k = 0; k < side; k++) lanes[i] += 2u * sums[i * side + k];
+    }
+    return *(const uint16 *)lanes;
+}
+
+static uint16 gather_known(__global const ushort *sums, uint side) {
+    if (side == 2) { /* a power of two: shuffles */
+        const ushort16 a = vload16(0, sums), b = vload16(1, sums);
+        const ushort16 even = (ushort16)(a.even, b.even), odd = (ushort16)(a.odd, b.odd);
+        return (convert_uint16(even) + convert_uint16(odd)) * 2u;
+    }
+    if (side == 3) return gather_even(sums, 3); /* a number: the compiler unrolls it */
+    if (side == 4) return gather_even(sums, 4);
+    return gather_even(sums, side);
 }
 
 /* The means of a row's blocks, now that the layer is complete. */
 static void leave_layer(const sv_wall_layout *l, const strip_t *s, __global const sv_wall_span *spans,
                         uint layer, __global uchar *levels) {
     const uint slices = min(l->depth, l->slices - layer * l->depth);
+    const uint side = l->width % l->columns == 0 ? l->width / l->columns : 0;
     const uint16 by = (uint16)(s->span.weight * slices);
     for (uint x = 0; x < padded_columns_of(l); x += SV_LANES) {
-        uint16 weight = (uint16)(4), sum;
-        if (2 * l->columns == l->width && x + SV_LANES <= l->columns)
-            sum = gather_pairs(s->sums, x);
+        uint16 weight = (uint16)(2 * side), sum;
+        if (side && (x + SV_LANES) * side <= s->pitch)
+            sum = gather_known(s->sums + x * side, side);
         else
             sum = gather(l, spans, s->sums, x, &weight);
         *(__global uchar16 *)(levels + x) = convert_uchar16(mean_of(sum, weight * by));
@@ -154,22 +198,26 @@ __kernel void wall_take(__global const uchar *restrict slab, ulong slab_offset, 
                         sv_wall_layout l, __global const sv_wall_span *restrict spans,
                         __global ushort *restrict sums, __global ushort *restrict ranges,
                         __global uchar *restrict levels) {
-    const uint row = (uint)get_global_id(0);
+    const uint row = (uint)get_global_id(0), pitch = (l.width + LANES - 1) / LANES * LANES;
     const strip_t s = {.row = row,
                        .span = spans[l.columns + row],
                        .padding = padding,
+                       .pitch = pitch,
                        .range_pitch = range_pitch,
-                       .sums = sums + (size_t)row * range_pitch,
+                       .sums = sums + (size_t)row * pitch,
                        .first = ranges,
                        .end = ranges + (size_t)l.height * range_pitch};
     if (first_slice == 0 && (ranged || padding <= 255)) begin_ranges(&l, &s, ranged != 0, scanned);
-    slab += slab_offset;
-    for (uint i = 0; i < slice_count; i++) {
-        const uint z = first_slice + i;
-        __global const uchar *slice = slab + (size_t)(i / tiles_x) * tile_h * row_pitch + i % tiles_x * tile_w;
-        add_slice(&l, &s, slice, row_pitch, z % l.depth == 0);
-        if (padding <= 255) note_ranges(&l, &s, ranged != 0, scanned, slice, row_pitch, (ushort)z);
-        if ((z + 1) % l.depth == 0 || z + 1 == l.slices)
-            leave_layer(&l, &s, spans, z / l.depth, levels + level_row(&l, z / l.depth, row));
+    const texture_t t = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h};
+    if (padding <= 255)
+        for (uint i = 0; i < slice_count; i++)
+            note_ranges(&l, &s, ranged != 0, scanned, slice_of(&t, i), row_pitch, (ushort)(first_slice + i));
+    for (uint i = 0; i < slice_count;) {
+        const uint z = first_slice + i, layer = z / l.depth;
+        const uint layer_end = min((layer + 1) * l.depth, l.slices);
+        const uint count = min(layer_end - z, slice_count - i);
+        add_slices(&l, &s, &t, i, count, z % l.depth == 0);
+        i += count;
+        if (z + count == layer_end) leave_layer(&l, &s, spans, layer, levels + level_row(&l, layer, row));
     }
 }

@@ -67,8 +67,12 @@ static bool is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
 
+static size_t lanes_of(uint32_t values) {
+    return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
+}
+
 static size_t padded_columns(const sv_wall_layout *l) {
-    return (l->columns + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
+    return lanes_of(l->columns);
 }
 
 /* Words of 32 bits that a row of rays keeps: wall_cheapest's two lines between margins and the costs of every
@@ -82,7 +86,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
     const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
     const size_t bytes[] = {[SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
-                            [SUMS] = (size_t)m->padded_width * l.rows * sizeof(cl_ushort),
+                            [SUMS] = lanes_of(l.width) * l.rows * sizeof(cl_ushort),
                             [RANGES] = is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
                             [LEVELS] = margin + level_row * l.rows * l.layers,
                             [BESIDE] = plane * l.layers,
