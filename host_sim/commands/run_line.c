@@ -5,6 +5,7 @@
 #include "base/cli.h"
 #include "commands/look_line.h"
 #include "commands/run_value.h"
+#include "guarded/guard_line.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -75,6 +76,7 @@ static const char help_tail[] =
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
     "  --out DIR             folder for the pictures [out/run]\n"
+    "  --few-pictures        writes result.png and full.png, no other pictures\n"
     "  --panel N             width of each picture in panel.png, pixels [512]\n"
     "  --json FILE           writes the results as JSON, too\n"
     "  --help                this text\n"
@@ -120,6 +122,7 @@ enum {
     OPT_PICTURE,
     OPT_OUT,
     OPT_PANEL,
+    OPT_FEW,
     OPT_JSON,
     OPT_HELP
 };
@@ -163,7 +166,9 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"picture", required_argument, NULL, OPT_PICTURE},
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
+                                        {"few-pictures", no_argument, NULL, OPT_FEW},
                                         {"json", required_argument, NULL, OPT_JSON},
+                                        HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
@@ -311,6 +316,9 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return true;
     case OPT_PANEL:
         return set_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+    case OPT_FEW:
+        r->few_pictures = true;
+        return true;
     case OPT_OUT:
         line->out = text;
         return true;
@@ -362,6 +370,8 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
             ok = hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
         else if (option == '?')
             ok = hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        else if (hs_guard_line_is(option))
+            ok = hs_guard_line_take(option, optarg, &line->request.guard, err);
         else if (option <= OPT_LIVE)
             ok = take_source_option(line, option, optarg, err);
         else if (option <= OPT_VERBOSE)
@@ -381,5 +391,5 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
 }
 
 void hs_run_line_help(void) {
-    (void)printf("%s%s%s", help_head, help_tail, hs_exit_codes_help);
+    (void)printf("%s%s%s%s", help_head, hs_guard_line_help, help_tail, hs_exit_codes_help);
 }
