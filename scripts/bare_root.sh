@@ -58,6 +58,7 @@ export_proxies() {
 make_root() { # make_root ROOT SUITE MIRROR CHECKOUT BRING
     # A mount point of its own: only so can what runs in it make namespaces, as a test of this script does.
     mount --bind "$1" "$1" || return 1
+    chmod 755 "$1" || return 1 # as / is: a user other than root reads it, too
     debootstrap --variant=minbase --include=make,ca-certificates "$2" "$1" "$3" || return 1
     # The machine's way to the mirror holds in the root, too: proxies, and which dates apt checks.
     if command -v apt-config > /dev/null; then

@@ -206,6 +206,7 @@ static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     if (!hs_volume_init(&out->truth, n[0], n[1], n[2], m->err)) return false;
     for (int a = 0; a < 3; a++)
         out->full.spacing[a] = out->truth.spacing[a] = m->given ? m->given->spacing[a] : (double)h[a];
+    if (m->given) out->full.pose = out->truth.pose = m->given->pose;
     snprintf(out->full.name, sizeof out->full.name, "%s", name);
     snprintf(out->truth.name, sizeof out->truth.name, "%s truth", name);
     out->label = calloc(pixels, 1);

@@ -85,9 +85,11 @@ holds grep -qF "trixie: make demo: ok" "$work/said"
 holds nothing_left
 ends 4 "the root of trixie could not be made" bash "$script" --dir "$root" --mirror http://broken.invalid trixie demo
 holds nothing_left
+mkdir -m 700 "$root"
 mkdir -p "$work/built"
 echo 1 > "$work/built/thing"
 ends 0 "the root is $root" bare --keep --bring "$work/built" trixie demo
+holds [ "$(stat -c %a "$root")" = 755 ] # every user of the root reads it
 holds cmp "$work/built/thing" "$root/smartvis/out/built/thing"
 holds [ -d "$root/smartvis" ]
 holds [ -z "$(ls -A "$root/proc" "$root/dev" 2>&1 | grep -v ':$' | grep .)" ]
