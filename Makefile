@@ -7,6 +7,8 @@ OUT ?= out
 # Where `make install` puts everything; DESTDIR is put before it, as packagers do.
 PREFIX ?= /usr/local
 DESTDIR ?=
+# `make test`: tests with such labels only, a regular expression (abi|check). All by default.
+LABELS ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
@@ -56,7 +58,7 @@ report: setup ## set up, build, measure quality and speed over all cases; the pa
 
 test: setup ## set up, build, run all tests
 	@$(call build,build)
-	@scripts/run_tests.sh build $(JOBS)
+	@scripts/run_tests.sh build $(JOBS) '$(LABELS)'
 
 test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
