@@ -3,6 +3,8 @@
 #include "commands/run_line.h"
 
 #include "base/cli.h"
+#include "commands/look_line.h"
+#include "commands/run_value.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -17,14 +19,22 @@ static const char help_head[] =
     "Prints times and statistics, and writes pictures to one folder.\n"
     "\n"
     "Source:\n"
-    "  --volume FILE         MetaImage (.mha, .mhd); given several times: a sequence, one a frame\n"
+    "  --volume FILE         MetaImage (.mha, .mhd) or Kretz (.vol), a volume or a sequence; given several\n"
+    "                        times: one after the other, a volume a frame\n"
     "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
     " [auto]\n"
+    "  --probe FACE          where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z "
+    "[FILE's]\n"
     "  --scanned FIRST,END   two maps (MetaImage, a whole number a ray): the first scanned slice, and the "
     "first one\n"
     "                        behind the scan; takes the place of --padding\n"
     "  --window LOW,HIGH     source values that become 0 and 255"
     " [the file's own range; 8-bit files as they are]\n"
+    "  --mirror              of a Kretz file: positive sweep angles lie at +y [at -y]; which one is true is "
+    "not\n"
+    "                        in the file\n"
+    "  --spacing MM          of a Kretz file: voxels of the renderer's Cartesian copy\n"
+    "                        [the samples' pitch, or a 400th of the longest side]\n"
     "  --scene NAME|FILE     a built-in scene (see 'host_sim scenes') or a scene file\n"
     "  --size N              voxels per axis of a scene, 32 .. 512 [256]\n"
     "  --seed N              seed of a scene; 0 is its own [0]\n"
@@ -32,7 +42,7 @@ static const char help_head[] =
     "  --real FILE           the volume of a scene of kind real\n"
     "  --live                uploads every frame's volume anew, as a live scan does\n"
     "Plugin:\n"
-    "  --plugin PATH         library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH         library to load, a path or a name [smartvis]\n"
     "  --id ID               which of its plugins [the first]\n"
     "  --set KEY=VALUE       a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --carrier KIND        how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n"
@@ -49,14 +59,19 @@ static const char help_tail[] =
     "  --setting WHICH       dvr, convert, smartvis or all: the settings of the thesis' Figure 5.21 [all];\n"
     "                        dvr and convert render the full volume, unclipped\n"
     "  --frames N            volumes per setting [30]\n"
-    "  --yaw DEG --pitch DEG camera; 0 0 looks from the probe [0 0]\n"
+    "  --view PLACE          where the camera is: probe, or around the patient, if FILE says how it lies in\n"
+    "                        him: anterior, posterior, left, right, superior, inferior [probe]\n"
+    "  --yaw DEG --pitch DEG turn it from there, to the right and up [0 0]\n"
     "  --orbit DEG           turns the camera by DEG over the frames, half to either side of --yaw [0]\n"
     "Renderer:\n"
+    "  --look NAME           thesis: Eq. 3.22 - 3.24; lit: a smooth surface in light [lit]\n"
+    "  --light AZ,EL         where the lamp of the lit look is, degrees from the viewer: right, up [-35,40]\n"
     "  --t-low T --t-high T  opacity is 0 at T_L and below, 1 at T_H and above, in 0 .. 1 [0.1588 0.45]\n"
     "  --ghost-offset S      s of the ghosting, in steps [0]\n"
     "  --ghost-width W       w of the ghosting, in steps; 0 is a hard cut [0]\n"
     "  --ghost-doubt G       where the plugin is not sure, the ghosting begins up to G times W sooner [2]\n"
-    "  --exposure G          gain of the picture's colours, 1 is the plain formula [1.5]\n"
+    "  --exposure G          gain of the picture's colours, 1 is the plain formula\n"
+    "                        [lit 1, thesis 1.5]\n"
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
     "  --out DIR             folder for the pictures [out/run]\n"
@@ -70,6 +85,9 @@ enum {
     OPT_PADDING,
     OPT_SCANNED,
     OPT_WINDOW,
+    OPT_MIRROR,
+    OPT_SPACING,
+    OPT_PROBE,
     OPT_SCENE,
     OPT_SIZE,
     OPT_SEED,
@@ -87,9 +105,12 @@ enum {
     OPT_VERBOSE,
     OPT_SETTING,
     OPT_FRAMES,
+    OPT_VIEW,
     OPT_YAW,
     OPT_PITCH,
     OPT_ORBIT,
+    OPT_LOOK,
+    OPT_LIGHT,
     OPT_T_LOW,
     OPT_T_HIGH,
     OPT_GHOST_OFFSET,
@@ -107,6 +128,9 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"padding", required_argument, NULL, OPT_PADDING},
                                         {"scanned", required_argument, NULL, OPT_SCANNED},
                                         {"window", required_argument, NULL, OPT_WINDOW},
+                                        {"mirror", no_argument, NULL, OPT_MIRROR},
+                                        {"spacing", required_argument, NULL, OPT_SPACING},
+                                        {"probe", required_argument, NULL, OPT_PROBE},
                                         {"scene", required_argument, NULL, OPT_SCENE},
                                         {"size", required_argument, NULL, OPT_SIZE},
                                         {"seed", required_argument, NULL, OPT_SEED},
@@ -124,9 +148,12 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"verbose", no_argument, NULL, OPT_VERBOSE},
                                         {"setting", required_argument, NULL, OPT_SETTING},
                                         {"frames", required_argument, NULL, OPT_FRAMES},
+                                        {"view", required_argument, NULL, OPT_VIEW},
                                         {"yaw", required_argument, NULL, OPT_YAW},
                                         {"pitch", required_argument, NULL, OPT_PITCH},
                                         {"orbit", required_argument, NULL, OPT_ORBIT},
+                                        {"look", required_argument, NULL, OPT_LOOK},
+                                        {"light", required_argument, NULL, OPT_LIGHT},
                                         {"t-low", required_argument, NULL, OPT_T_LOW},
                                         {"t-high", required_argument, NULL, OPT_T_HIGH},
                                         {"ghost-offset", required_argument, NULL, OPT_GHOST_OFFSET},
@@ -139,21 +166,6 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"json", required_argument, NULL, OPT_JSON},
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
-
-/* The index of `text` among `count` names. */
-static bool pick(const char *option, const char *text, const char *const *names, uint32_t count,
-                 uint32_t *index, hs_error *err) {
-    char known[128] = "";
-    for (uint32_t i = 0; i < count; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            *index = i;
-            return true;
-        }
-        (void)strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
-        (void)strncat(known, names[i], sizeof known - strlen(known) - 1);
-    }
-    return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
-}
 
 static bool set_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
                     hs_error *err) {
@@ -171,38 +183,10 @@ static bool set_float(const char *option, const char *text, double low, double h
     return true;
 }
 
-/* "LOW,HIGH" */
-static bool set_window(const char *text, hs_metaimage_options *read, hs_error *err) {
-    char low[64];
-    const char *comma = strchr(text, ',');
-    if (!comma || (size_t)(comma - text) >= sizeof low)
-        return hs_fail(err, HS_ERR_USAGE, "--window: '%s', expected LOW,HIGH", text);
-    memcpy(low, text, (size_t)(comma - text));
-    low[comma - text] = '\0';
-    read->has_window = true;
-    if (!hs_cli_number("--window", low, -1e12, 1e12, &read->window_low, err) ||
-        !hs_cli_number("--window", comma + 1, -1e12, 1e12, &read->window_high, err))
-        return false;
-    return read->window_low < read->window_high ||
-           hs_fail(err, HS_ERR_USAGE, "--window: %s: LOW must be less than HIGH", text);
-}
-
 static bool append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
                    hs_error *err) {
     if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
     list[(*count)++] = text;
-    return true;
-}
-
-/* "FIRST,END" in its two paths. */
-static bool take_scanned(hs_run_line *line, const char *text, hs_error *err) {
-    const char *comma = strchr(text, ',');
-    const size_t length = comma ? (size_t)(comma - text) : 0;
-    if (length == 0 || length >= sizeof line->scanned || comma[1] == '\0' || strchr(comma + 1, ','))
-        return hs_fail(err, HS_ERR_USAGE, "--scanned: '%s', expected two files, FIRST,END", text);
-    memcpy(line->scanned, text, length);
-    line->scanned[length] = '\0';
-    line->request.scanned = (hs_source_scanned){line->scanned, comma + 1};
     return true;
 }
 
@@ -214,14 +198,20 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
     case OPT_VOLUME:
         return append("--volume", text, line->volumes, &r->volume_count, HS_RUN_MAX_VOLUMES, err);
     case OPT_PADDING:
-        if (!pick("--padding", text, paddings, 3, &index, err)) return false;
+        if (!hs_cli_pick("--padding", text, paddings, 3, &index, err)) return false;
         r->read.padding = (hs_padding)index;
         line->padding_given = true;
         return true;
     case OPT_WINDOW:
-        return set_window(text, &r->read, err);
+        return hs_value_window(text, &r->read, err);
     case OPT_SCANNED:
-        return take_scanned(line, text, err);
+        return hs_value_scanned(text, line->scanned, sizeof line->scanned, &r->scanned, err);
+    case OPT_MIRROR:
+        return (r->kretz.mirrored = true);
+    case OPT_SPACING:
+        return hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
+    case OPT_PROBE:
+        return hs_value_probe(text, &r->read, err);
     case OPT_SCENE:
         r->scene.name = text;
         return true;
@@ -255,7 +245,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
     case OPT_SET:
         return append("--set", text, line->sets, &r->set_count, HS_RUN_MAX_SETS, err);
     case OPT_CARRIER:
-        if (!pick("--carrier", text, carriers, 3, &index, err)) return false;
+        if (!hs_cli_pick("--carrier", text, carriers, 3, &index, err)) return false;
         r->loop.carrier = SV_CARRIER_HOST + index;
         line->carrier_given = true;
         return true;
@@ -263,7 +253,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         r->loop.own_queue = true;
         return true;
     case OPT_FAN:
-        if (!pick("--fan", text, fans, 3, &index, err)) return false;
+        if (!hs_cli_pick("--fan", text, fans, 3, &index, err)) return false;
         r->loop.fan = (hs_fan)(HS_FAN_RANGES + index);
         return true;
     case OPT_SLAB:
@@ -279,7 +269,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
 static bool take_setting(hs_run_request *r, const char *text, hs_error *err) {
     static const char *const names[] = {"dvr", "convert", "smartvis", "all"};
     uint32_t index = 0;
-    if (!pick("--setting", text, names, 4, &index, err)) return false;
+    if (!hs_cli_pick("--setting", text, names, 4, &index, err)) return false;
     for (uint32_t s = 0; s < HS_SETTING_COUNT; s++) r->settings[s] = index == HS_SETTING_COUNT || s == index;
     return true;
 }
@@ -291,12 +281,18 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return take_setting(r, text, err);
     case OPT_FRAMES:
         return set_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
+    case OPT_VIEW:
+        return hs_value_view(text, &r->loop, err);
     case OPT_YAW:
         return hs_cli_number("--yaw", text, -360, 360, &r->loop.yaw, err);
     case OPT_PITCH:
         return hs_cli_number("--pitch", text, -360, 360, &r->loop.pitch, err);
     case OPT_ORBIT:
         return hs_cli_number("--orbit", text, -360, 360, &r->loop.orbit, err);
+    case OPT_LOOK:
+        return hs_look_line_look(text, &line->look, err);
+    case OPT_LIGHT:
+        return hs_look_line_light(text, r->loop.dvr.light, err);
     case OPT_T_LOW:
         return set_float("--t-low", text, 0, 1, &r->loop.dvr.threshold_low, err);
     case OPT_T_HIGH:
@@ -308,7 +304,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_GHOST_DOUBT:
         return set_float("--ghost-doubt", text, 0, (double)HS_DVR_MAX_DOUBT, &r->loop.dvr.ghost_doubt, err);
     case OPT_EXPOSURE:
-        return set_float("--exposure", text, 0.1, 10, &r->loop.dvr.exposure, err);
+        return set_float("--exposure", text, 0.1, 10, &line->exposure, err);
     case OPT_PICTURE:
         if (!set_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
         r->loop.dvr.height = r->loop.dvr.width;
@@ -327,6 +323,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
 /* What can be said before anything is loaded. */
 static bool check_line(const hs_run_line *line, hs_error *err) {
     const hs_run_request *r = &line->request;
+    bool kretz = false;
     if (r->scene.name && r->volume_count > 0)
         return hs_fail(err, HS_ERR_USAGE, "--scene %s and --volume %s: give one of them", r->scene.name,
                        line->volumes[0]);
@@ -335,8 +332,15 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
     if (r->scanned.first && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
                        line->scanned, r->scanned.end);
+    for (uint32_t i = 0; i < r->volume_count; i++) kretz |= hs_kretz_is_file(line->volumes[i]);
+    if ((r->kretz.mirrored || r->kretz.spacing > 0.0) && !kretz)
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files (--volume FILE.vol)",
+                       r->kretz.mirrored ? "--mirror" : "--spacing");
     if (r->scanned.first && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
+    if (r->read.has_probe && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
+                       hs_probe_name(r->read.probe));
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
@@ -344,7 +348,7 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
 }
 
 bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) {
-    *line = (hs_run_line){.out = "out/run"};
+    *line = (hs_run_line){.out = "out/run", .look = HS_LOOK_LIT};
     hs_run_defaults(&line->request);
     line->request.loop.frames = 30;
     int option;
@@ -367,6 +371,8 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
         if (!ok) return false;
     }
     if (!hs_cli_no_more(argc, argv, optind, err) || !check_line(line, err)) return false;
+    hs_loop_for_pictures(&line->request.loop, line->look);
+    if (line->exposure > 0.0f) line->request.loop.dvr.exposure = line->exposure;
     line->request.volumes = line->volumes;
     line->request.sets = line->sets;
     if (line->request.loop.own_queue && !line->carrier_given) line->request.loop.carrier = SV_CARRIER_HOST;

@@ -21,7 +21,9 @@ const char *hs_setting_key(hs_setting setting);
 const char *hs_setting_label(hs_setting setting);
 
 typedef struct {
-    double yaw, pitch; /* degrees; 0, 0 looks from the probe */
+    hs_from from;      /* where the camera is while yaw and pitch are 0; HS_ERR_INPUT if the volume must say
+                          how it lies and does not */
+    double yaw, pitch; /* degrees */
     /* Degrees of yaw from the first to the last frame, half to either side of `yaw`; 0: still. */
     double orbit;
     uint32_t frames;      /* volumes a run takes, >= 1 */
@@ -41,6 +43,9 @@ typedef struct {
 
 /* Still camera at 0, 0; 100 frames; a third; slabs of 16; the host's queue with buffers; hs_dvr_defaults. */
 void hs_loop_defaults(hs_loop_options *options);
+
+/* Draws in this look, at the exposure that suits it. */
+void hs_loop_for_pictures(hs_loop_options *options, hs_look look);
 
 /* HS_ERR_USAGE names the option that is out of range, and its value. hs_dvr_create checks the renderer's. */
 bool hs_loop_check_options(const hs_loop_options *options, hs_error *err);
