@@ -43,11 +43,11 @@ typedef struct {
     }
 
 #if LANES == 16
-#define BYTES(p, i)                                                                                          \
+#define LEVELS(p, i)                                                                                         \
     TO_VF((uchar16)((p)[i.s0], (p)[i.s1], (p)[i.s2], (p)[i.s3], (p)[i.s4], (p)[i.s5], (p)[i.s6], (p)[i.s7],  \
                     (p)[i.s8], (p)[i.s9], (p)[i.sa], (p)[i.sb], (p)[i.sc], (p)[i.sd], (p)[i.se], (p)[i.sf]))
 #else
-#define BYTES(p, i) TO_VF((p)[i])
+#define LEVELS(p, i) TO_VF((p)[i])
 #endif
 
 INLINE vi spline_voxel(vf position, int count, vf *fraction) {
@@ -62,15 +62,15 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
     vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
     vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
     vi iz = spline_voxel(at.z, s->dims.z, &fz);
-    SPLINE(fx, wx) SPLINE(fy, wy) SPLINE(fz, wz)
-    SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz)
-    vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
+    SPLINE(fx, wx)
+    SPLINE(fy, wy) SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i =
+        (iz * s->dims.y + iy) * s->dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     for (int z = 0; z < 3; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
         for (int y = 0; y < 3; y++) {
             __global const uchar *p = s->smooth + ((z - 1) * s->dims.y + y - 1) * s->dims.x;
-            vf a = BYTES(p - 1, i), b = BYTES(p, i), c = BYTES(p + 1, i);
+            vf a = LEVELS(p - 1, i), b = LEVELS(p, i), c = LEVELS(p + 1, i);
             vf along = dx[0] * a + dx[1] * b + dx[2] * c, value = wx[0] * a + wx[1] * b + wx[2] * c;
             plane.x += wy[y] * along;
             plane.y += dy[y] * value;
@@ -114,7 +114,8 @@ INLINE directions map_normal(const lit_scene *s, int px, int py) {
         float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + 1.0f);
         bool flat = !(min(min(left, right), min(above, below)) > 0.0f) ||
                     !(max(max(left, right), max(above, below)) < INFINITY);
-        float mm = 0.5f * s->to_samples.x / s->per_mm.z; /* millimetres a slice of difference over two pixels */
+        float mm =
+            0.5f * s->to_samples.x / s->per_mm.z; /* millimetres a slice of difference over two pixels */
         nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * scale_x;
         ny[lane] = flat ? 0.0f : (below - above) * mm * s->per_mm.y * scale_y;
     }
