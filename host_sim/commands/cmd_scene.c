@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "commands/look_line.h"
 #include "report/scene_sheet.h"
 #include "scene/scene.h"
 #include "scene/scene_export.h"
@@ -24,6 +25,8 @@ static const char help_text[] =
     "  --real FILE      the MetaImage volume that the scene 'real' puts its occluders before\n"
     "  --export         write <name>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha\n"
     "  --sheet          write <name>_sheet.png, a contact sheet (needs an OpenCL device)\n"
+    "  --look NAME      how the sheet's renderings are drawn: thesis or lit (default lit)\n"
+    "  --light AZ,EL    where the lamp of the lit look is, degrees: right, up (default -35,40)\n"
     "  --times          print what each step cost, in milliseconds; '-': the scene does not list it\n"
     "  --out FOLDER     where files go (default out/scenes)\n"
     "  --help           this text\n"
@@ -33,6 +36,7 @@ typedef struct {
     const char *out;
     hs_scene_options options;
     uint32_t frames;
+    hs_dvr_settings drawing; /* of the sheet */
     bool all, export, sheet, times, help;
 } request;
 
@@ -45,6 +49,8 @@ enum {
     OPT_REAL,
     OPT_EXPORT,
     OPT_SHEET,
+    OPT_LOOK,
+    OPT_LIGHT,
     OPT_TIMES,
     OPT_OUT,
     OPT_HELP
@@ -58,6 +64,8 @@ static const struct option options[] = {{"all", no_argument, NULL, OPT_ALL},
                                         {"real", required_argument, NULL, OPT_REAL},
                                         {"export", no_argument, NULL, OPT_EXPORT},
                                         {"sheet", no_argument, NULL, OPT_SHEET},
+                                        {"look", required_argument, NULL, OPT_LOOK},
+                                        {"light", required_argument, NULL, OPT_LIGHT},
                                         {"times", no_argument, NULL, OPT_TIMES},
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"help", no_argument, NULL, OPT_HELP},
@@ -92,6 +100,10 @@ static bool set_option(int option, request *r, hs_error *err) {
     case OPT_SHEET:
         r->sheet = true;
         return true;
+    case OPT_LOOK:
+        return hs_look_line_look(optarg, &r->drawing.look, err);
+    case OPT_LIGHT:
+        return hs_look_line_light(optarg, r->drawing.light, err);
     case OPT_TIMES:
         r->times = true;
         return true;
@@ -106,6 +118,8 @@ static bool set_option(int option, request *r, hs_error *err) {
 
 static bool parse(int argc, char **argv, request *r, hs_error *err) {
     *r = (request){.out = "out/scenes", .options = {.size = 256}, .frames = 1};
+    hs_dvr_defaults(&r->drawing);
+    r->drawing.look = HS_LOOK_LIT;
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
@@ -157,7 +171,7 @@ static bool write_sheet(const request *r, const hs_scene *scene, const char *nam
     snprintf(file, sizeof file, "%s_sheet.png", name);
     snprintf(title, sizeof title, "%s: %s", name, hs_scene_title(scene));
     if (!hs_path_join(r->out, file, path, sizeof path, err)) return false;
-    if (!hs_scene_sheet(cl, data, points, title, &picture, err)) return false;
+    if (!hs_scene_sheet(cl, &r->drawing, data, points, title, &picture, err)) return false;
     bool ok = hs_picture_save(&picture, path, err);
     hs_picture_free(&picture);
     return ok;

@@ -13,8 +13,7 @@
 void hs_run_defaults(hs_run_request *request) {
     *request = (hs_run_request){.log_level = SV_LOG_WARNING, .scene = {.size = 256, .volumes = 1}};
     hs_loop_defaults(&request->loop);
-    /* Tissue has half the intensity of bone: without it pictures are dim. */
-    request->loop.dvr.exposure = 1.5f;
+    hs_loop_for_pictures(&request->loop, HS_LOOK_LIT);
     for (int s = 0; s < HS_SETTING_COUNT; s++) request->settings[s] = true;
 }
 

@@ -85,6 +85,7 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
                                       .value_count = o->value_count};
     return (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
            (loop->volume = hs_device_volume_create(loop->cl, hs_source_volume(loop->source, 0), err)) &&
+           hs_screen_prepare(loop->screen, loop->volume, err) &&
            (loop->slabs = hs_slabs_create(loop->cl, &layout, o->carrier, o->fan, err)) &&
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }

@@ -24,6 +24,7 @@ struct hs_device_volume {
     } wrap[WRAP_COUNT];
     uint32_t wrap_next; /* the oldest wrapping: the next to go */
     cl_kernel build_grid;
+    hs_lit_volume *lit;
 };
 
 static size_t voxel_bytes(const hs_device_volume *dv) {
@@ -116,7 +117,8 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
     if (!hs_cl_check(code, "clCreateBuffer(brick grid)", err)) return false;
     dv->build_grid = clCreateKernel(dv->cl->program, "build_brick_grid", &code);
     if (!hs_cl_check(code, "clCreateKernel(build_brick_grid)", err)) return false;
-    return upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
+    dv->lit = hs_lit_volume_create(dv->cl, dv->n, err);
+    return dv->lit && upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
 }
 
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
@@ -137,6 +139,7 @@ bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_
                        volume->name, volume->nx, volume->ny, volume->nz, dv->n[0], dv->n[1], dv->n[2]);
     }
     for (int k = 0; k < 3; k++) dv->spacing[k] = volume->spacing[k];
+    hs_lit_volume_expire(dv->lit);
     return upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
 }
 
@@ -144,6 +147,7 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     if (!dv) return;
     /* The host memory may go as soon as this returns, so nothing may be reading it any more. */
     (void)clFinish(dv->cl->queue);
+    hs_lit_volume_destroy(dv->lit);
     if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
     if (dv->grid) (void)clReleaseMemObject(dv->grid);
     if (dv->copy) (void)clReleaseMemObject(dv->copy);
@@ -161,4 +165,9 @@ hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
                             .voxels = dv->voxels,
                             .brick_maxima = dv->grid,
                             .bricks = {dv->bricks[0], dv->bricks[1], dv->bricks[2]}};
+}
+
+bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
+                          hs_lit_view *view, hs_error *err) {
+    return hs_lit_volume_make(dv->lit, dv->voxels, threshold_low, threshold_high, view, err);
 }

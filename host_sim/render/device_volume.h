@@ -3,7 +3,7 @@
 #ifndef HS_DEVICE_VOLUME_H
 #define HS_DEVICE_VOLUME_H
 
-#include "render/host_cl.h"
+#include "render/lit_volume.h"
 #include "volume/volume.h"
 
 typedef struct hs_device_volume hs_device_volume;
@@ -33,5 +33,9 @@ typedef struct {
     uint32_t bricks[3]; /* max(1, ceil((n - 1) / brick edge)) */
 } hs_device_view;
 hs_device_view hs_device_volume_view(const hs_device_volume *dv);
+
+/* What the lit look draws of it (hs_lit_volume_make): made once per volume, at the first call. */
+bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
+                          hs_lit_view *view, hs_error *err);
 
 #endif
