@@ -81,7 +81,7 @@ static json_t *written_part(const hs_result_report *w, bool *ok) {
 }
 
 static json_t *describe(const hs_run *run, bool *ok) {
-    const hs_volume *v = hs_source_volume(&run->source, 0);
+    const hs_volume *v = hs_source_shape(&run->source);
     const hs_slab_layout *l = hs_loop_layout(run->loop);
     const hs_loop_options *o = hs_loop_get_options(run->loop);
     static const char *const carriers[] = {
@@ -102,7 +102,8 @@ static json_t *describe(const hs_run *run, bool *ok) {
     put(root, "source_origin_mm", vector(v->pose.origin), ok);
     put(root, "source_orientation", v->pose.stated ? json_string(letters) : json_null(), ok);
     put(root, "probe", json_string(hs_probe_name(v->probe)), ok);
-    put(root, "unscanned_share", json_real(hs_unscanned_share(v)), ok);
+    put(root, "unscanned_share", json_real(run->unscanned), ok);
+    if (v->beams) put(root, "mirrored", json_boolean(v->beams->mirrored), ok);
     put(root, "plugin", text(plugin), ok);
     put(root, "device", text(run->cl.device_name), ok);
     put(root, "lowres_size", json_pack("[i, i, i]", (int)l->width, (int)l->height, (int)l->slices), ok);

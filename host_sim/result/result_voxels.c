@@ -10,16 +10,17 @@
 struct hs_result_voxels {
     const hs_source *source;
     hs_error *err;
+    bool from_files;
     hs_met_type type;
     uint8_t fill[8];
     double fill_value;
-    hs_met_voxels *file;   /* NULL: from memory */
+    hs_met_voxels *file;
     uint32_t frame;        /* of the file, invalid ones included, that comes next */
     const uint8_t *memory; /* the volume's next voxel */
 };
 
 static size_t volume_voxels(const hs_result_voxels *v) {
-    return hs_volume_count(hs_source_volume(v->source, 0));
+    return hs_volume_count(hs_source_shape(v->source));
 }
 
 static bool is_invalid(const hs_met_header *h, uint32_t frame) {
@@ -29,7 +30,7 @@ static bool is_invalid(const hs_met_header *h, uint32_t frame) {
 /* Opens the file that begins with volume `index` of the source. It was read before, but files change. */
 static bool open_file(hs_result_voxels *v, uint32_t index) {
     const char *path = hs_source_origin_of(v->source, index)->path;
-    const hs_volume *like = hs_source_volume(v->source, index);
+    const hs_volume *like = hs_source_shape(v->source);
     hs_met_voxels_close(v->file);
     v->frame = 0;
     v->file = hs_met_voxels_open(path, v->err);
@@ -47,11 +48,12 @@ static bool open_file(hs_result_voxels *v, uint32_t index) {
 }
 
 bool hs_result_voxels_turn(hs_result_voxels *v, uint32_t index) {
-    const hs_source_origin *origin = hs_source_origin_of(v->source, index);
-    if (!origin) {
-        v->memory = hs_source_volume(v->source, index)->voxels;
-        return true;
+    if (!v->from_files) {
+        const hs_volume *volume = hs_source_bring(v->source, index, v->err);
+        v->memory = volume ? volume->voxels : NULL;
+        return volume != NULL;
     }
+    const hs_source_origin *origin = hs_source_origin_of(v->source, index);
     if (origin->index == 0 && !open_file(v, index)) return false;
     const hs_met_header *h = hs_met_voxels_header(v->file);
     for (; v->frame < h->frames && is_invalid(h, v->frame); v->frame++)
@@ -65,7 +67,7 @@ bool hs_result_voxels_turn(hs_result_voxels *v, uint32_t index) {
 
 const uint8_t *hs_result_voxels_next(hs_result_voxels *v, size_t count) {
     const uint8_t *bytes = v->memory;
-    if (v->memory)
+    if (!v->from_files)
         v->memory += count;
     else if (!hs_met_voxels_read(v->file, count, &bytes))
         return NULL;
@@ -93,6 +95,14 @@ static bool find_fill(hs_result_voxels *v) {
     return true;
 }
 
+/* A Kretz file holds beams: what is clipped of it is its Cartesian copy. */
+static bool all_from_metaimage(const hs_source *source) {
+    if (!source->origins) return false;
+    for (uint32_t i = 0; i < source->count; i++)
+        if (hs_source_volume(source, i)->beams) return false;
+    return true;
+}
+
 hs_result_voxels *hs_result_voxels_open(const hs_source *source, hs_error *err) {
     hs_result_voxels *v = calloc(1, sizeof *v);
     if (!v) {
@@ -103,7 +113,8 @@ hs_result_voxels *hs_result_voxels_open(const hs_source *source, hs_error *err) 
     v->err = err;
     v->type = HS_MET_UCHAR;
     bool ok = true;
-    if (hs_source_origin_of(source, 0)) ok = open_file(v, 0) && (v->type == HS_MET_UCHAR || find_fill(v));
+    v->from_files = all_from_metaimage(source);
+    if (v->from_files) ok = open_file(v, 0) && (v->type == HS_MET_UCHAR || find_fill(v));
     if (ok) return v;
     hs_result_voxels_close(v);
     return NULL;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The source's voxels as its files hold them, in their own type; a scene's from memory. */
+/* The source's voxels as its MetaImage files hold them, in their own type; those of scenes and Kretz files,
+ * which hold beams, from memory. */
 #ifndef HS_RESULT_VOXELS_H
 #define HS_RESULT_VOXELS_H
 

@@ -86,7 +86,7 @@ static bool file_path(const writing *w, const char *name, const char *ending, ch
 
 /* Maps have the camera's grid, volumes the source's. */
 static bool open_stream(writing *w, uint32_t index) {
-    const hs_volume *v = hs_source_volume(w->source, 0);
+    const hs_volume *v = hs_source_shape(w->source);
     const bool is_map = index < 3;
     hs_result_grid grid;
     char path[PATH_MAX];
@@ -121,7 +121,7 @@ static bool open_files(writing *w, uint32_t wanted) {
         w->report->fill = hs_result_voxels_fill_value(w->voxels);
     }
     if (w->report->what & (HS_RESULT_CLIPPED | HS_RESULT_MASK)) {
-        const size_t count = hs_volume_count(hs_source_volume(w->source, 0));
+        const size_t count = hs_volume_count(hs_source_shape(w->source));
         w->mask = malloc(count);
         if (!w->mask) return hs_fail(w->err, HS_ERR_MEMORY, "mask: no memory for %zu voxels", count);
     }
@@ -137,7 +137,7 @@ static bool open_files(writing *w, uint32_t wanted) {
 /* In mm from the map, which lies in the middle of the first slice. */
 static bool write_depthmap(writing *w, hs_metaimage_stream *out) {
     hs_result_grid grid;
-    hs_result_grid_of(&w->maps, hs_source_volume(w->source, 0), &grid);
+    hs_result_grid_of(&w->maps, hs_source_shape(w->source), &grid);
     const size_t rays = (size_t)w->maps.width * w->maps.height;
     float *mm = malloc(rays * sizeof *mm);
     if (!mm) return hs_fail(w->err, HS_ERR_MEMORY, "depthmap: no memory for %zu pixels", rays);
@@ -159,7 +159,7 @@ static bool write_confidence(writing *w, hs_metaimage_stream *out) {
 }
 
 static bool write_clipped(writing *w, uint32_t index, hs_metaimage_stream *out) {
-    const size_t count = hs_volume_count(hs_source_volume(w->source, index));
+    const size_t count = hs_volume_count(hs_source_shape(w->source));
     const size_t width = hs_met_type_bytes(hs_result_voxels_type(w->voxels));
     const uint8_t *fill = hs_result_voxels_fill(w->voxels);
     uint8_t *kept = malloc(CHUNK * width);
@@ -181,12 +181,11 @@ static bool write_surface(writing *w, uint32_t index) {
     char name[32], path[PATH_MAX];
     (void)snprintf(name, sizeof name, w->source->count > 1 ? "surface_%04u" : "surface", index);
     return file_path(w, name, ".ply", path) &&
-           hs_result_write_surface(path, &w->maps, hs_source_volume(w->source, index), &w->report->surface,
-                                   w->err);
+           hs_result_write_surface(path, &w->maps, hs_source_shape(w->source), &w->report->surface, w->err);
 }
 
 static bool write_volume(writing *w, uint32_t index) {
-    const hs_volume *volume = hs_source_volume(w->source, index);
+    const hs_volume *volume = hs_source_shape(w->source);
     const size_t rays = (size_t)w->maps.width * w->maps.height;
     hs_metaimage_stream **out = w->streams;
     w->report->clipped += w->maps.frame.clipped;

@@ -233,7 +233,7 @@ static void sequences_read_back(void **state) {
     char back[PATH_MAX];
     (void)snprintf(back, sizeof back, "%s", result_path("clipped.mha"));
     const char *const written[] = {back};
-    if (!hs_source_open_files(&source, written, 1, NULL, NULL, &err)) fail_msg("%s", err.text);
+    if (!hs_source_open_files(&source, written, 1, NULL, &err)) fail_msg("%s", err.text);
     assert_int_equal(source.count, 2);
     const hs_frame_fields *fields = &hs_source_origin_of(&source, 0)->fields;
     assert_true(fields->has_time && fields->time == 2.5 && fields->transform_count == 1);

@@ -77,7 +77,8 @@ hs_loop_options result_options(sv_param_value *values) {
 hs_loop *result_loop(const result_fixture *f, const char *const *paths, uint32_t count,
                      const hs_metaimage_options *read, const hs_loop_options *options, hs_source *source) {
     hs_error err = {0};
-    if (!hs_source_open_files(source, paths, count, read, NULL, &err)) fail_msg("%s", err.text);
+    const hs_source_files how = {.metaimage = read ? *read : (hs_metaimage_options){0}};
+    if (!hs_source_open_files(source, paths, count, &how, &err)) fail_msg("%s", err.text);
     hs_loop *loop = hs_loop_create(&f->cl, source, &f->plugin, options, &err);
     if (!loop) fail_msg("%s", err.text);
     return loop;
