@@ -114,6 +114,21 @@ static void print_plugin(const hs_loop_result *r, FILE *out) {
     (void)fprintf(out, "\n");
 }
 
+static void print_written(const hs_result_report *w, FILE *out) {
+    (void)fprintf(out, "Results:");
+    for (uint32_t i = 0, count = 0; i < HS_RESULT_COUNT; i++)
+        if (w->what >> i & 1u) {
+            const bool mesh = 1u << i == HS_RESULT_SURFACE;
+            (void)fprintf(out, "%s %s%s.%s", count++ ? "," : "", hs_result_name(i),
+                          mesh && w->volumes > 1 ? "_0000" : "", mesh ? "ply" : "mha");
+        }
+    if (w->volumes > 1) (void)fprintf(out, "; sequences of %u volumes", w->volumes);
+    if (w->clipped < w->volumes) (void)fprintf(out, "; nothing is cut away in %u", w->volumes - w->clipped);
+    if (w->what & HS_RESULT_CLIPPED) (void)fprintf(out, "; what is cut away became %g", w->fill);
+    if (w->what & HS_RESULT_SURFACE) (void)fprintf(out, "; %u triangles", w->surface.triangles);
+    (void)fprintf(out, "\n");
+}
+
 void hs_run_print(const hs_run *run, FILE *out) {
     const bool colour = hs_use_colour(fileno(out));
     bool other_settings = false;
@@ -126,6 +141,7 @@ void hs_run_print(const hs_run *run, FILE *out) {
         else
             other_settings = true;
     }
+    if (run->has_written) print_written(&run->written, out);
     if (other_settings)
         (void)fprintf(
             out,
