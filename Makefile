@@ -4,6 +4,11 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # ON: compiler warnings are errors. Off by default, so that a newer compiler's new warnings stop no user.
 SV_WERROR ?= OFF
 OUT ?= out
+# Where `make install` puts everything; DESTDIR is put before it, as packagers do.
+PREFIX ?= /usr/local
+DESTDIR ?=
+# How long `make fuzz` gives each of its targets; one runs for each processor.
+FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
 
@@ -11,13 +16,14 @@ SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
 LINT_PACKAGES := scripts/packages-lint.txt
 PYTHON_PACKAGES := scripts/packages-python.txt
+DEB_PACKAGES := scripts/packages-deb.txt
 
 # $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
 build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup demo report test test-sanitize test-clang lint format bench clean help
+.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz lint format bench clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -25,6 +31,19 @@ all: ## build/smartvis.so and build/host_sim (installs nothing)
 
 setup: ## install the Debian packages that are missing (needs root if any are)
 	@$(SETUP) $(PACKAGES)
+
+install: all ## install to PREFIX (/usr/local), below DESTDIR if that is given
+	@DESTDIR='$(DESTDIR)' cmake --install build --prefix '$(PREFIX)'
+
+dist: ## the committed sources as out/dist/smartvis-VERSION.tar.gz; the same commit gives the same bytes
+	@scripts/dist.sh $(OUT)/dist
+
+deb: ## Debian packages of the committed sources, looked over by lintian: out/deb
+	@$(SETUP) $(PACKAGES) $(DEB_PACKAGES)
+	@scripts/deb.sh $(OUT)/deb
+
+try-deb: ## install out/deb on this machine (needs root), then the template's three commands, from its README to a picture
+	@scripts/try_deb.sh $(OUT)/deb
 
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)
@@ -49,6 +68,11 @@ test-clang: ## the tests, built with clang
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang)
 	@scripts/run_tests.sh build-clang $(JOBS)
 
+fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it finds stays in out/fuzz
+	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
+	@$(call build,build-fuzz,-DCMAKE_C_COMPILER=clang -DSV_FUZZ=ON -DSV_BENCH=OFF) --target fuzz_targets
+	@scripts/fuzz.sh build-fuzz $(FUZZ_SECONDS) $(JOBS) $(OUT)/fuzz
+
 lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON)
@@ -65,7 +89,7 @@ bench: setup ## times as ratios to plain C; speed against error of every method,
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
 clean: ## remove everything that was built
-	rm -rf build build-sanitize build-clang out
+	rm -rf build build-sanitize build-clang build-fuzz out
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1 \t\2/p' Makefile | expand -t 24

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 const char hs_exit_codes_help[] =
     "Exit codes:\n"
@@ -41,6 +42,32 @@ bool hs_cli_integer(const char *option, const char *text, uint64_t low, uint64_t
                        (unsigned long long)low, (unsigned long long)high);
     *out = value;
     return true;
+}
+
+bool hs_cli_pair(const char *option, const char *text, const char *names, double low, double high,
+                 double out[2], hs_error *err) {
+    char first[64];
+    const char *comma = strchr(text, ',');
+    if (!comma || (size_t)(comma - text) >= sizeof first)
+        return hs_fail(err, HS_ERR_USAGE, "%s: '%s', expected %s", option, text, names);
+    memcpy(first, text, (size_t)(comma - text));
+    first[comma - text] = '\0';
+    return hs_cli_number(option, first, low, high, &out[0], err) &&
+           hs_cli_number(option, comma + 1, low, high, &out[1], err);
+}
+
+bool hs_cli_pick(const char *option, const char *text, const char *const *names, uint32_t count,
+                 uint32_t *index, hs_error *err) {
+    char known[128] = "";
+    for (uint32_t i = 0; i < count; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            *index = i;
+            return true;
+        }
+        (void)strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
+        (void)strncat(known, names[i], sizeof known - strlen(known) - 1);
+    }
+    return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
 }
 
 int hs_cli_fail(const char *command, const hs_error *err) {

@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "commands/look_line.h"
 #include "commands/run_print.h"
 #include "loop/clipper.h"
 #include "picture/page_html.h"
@@ -28,8 +29,10 @@ static const char help_text[] =
     "\n"
     "  --out DIR       folder for the pictures and the page [out/demo]\n"
     "  --data DIR      also runs the MetaImage volumes (.mha, .mhd) of this folder, four at most\n"
-    "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH   library to load, a path or a name [smartvis]\n"
     "  --quick         smaller scenes and fewer frames\n"
+    "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
+    "  --light AZ,EL   where the lamp of the lit look is, degrees: right, up [-35,40]\n"
     "  --help          this text\n"
     "\n";
 
@@ -43,6 +46,7 @@ typedef struct {
 typedef struct {
     const char *out, *data, *plugin;
     bool quick, help;
+    hs_loop_options drawing; /* its renderer's look and lamp are the demo's */
     demo_case cases[MAX_CASES];
     uint32_t case_count;
     hs_page report;
@@ -182,7 +186,7 @@ static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *fol
     orbit.orbit = ORBIT_TOTAL;
     const bool ok = hs_run_replace_loop(run, &orbit, err) && hs_run_orbit_picture(run, folder, err);
     if (ok) {
-        hs_page_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
+        hs_page_heading(&d->report, 2, hs_source_shape(&run->source)->name);
         hs_page_text(&d->report, what_it_is(run));
         show_pictures(d, run, folder, hs_outcome_clips(run->results[HS_SETTING_SMARTVIS].outcome));
         hs_page_folded(&d->report, "Times and statistics", numbers ? numbers : "");
@@ -197,6 +201,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     hs_run_request request;
     hs_run run;
     hs_run_defaults(&request);
+    request.loop.dvr = d->drawing.dvr;
     request.plugin_path = d->plugin;
     request.scene.name = c->scene;
     request.scene.real = c->scene && c->file[0] ? c->file : NULL;
@@ -265,11 +270,21 @@ static bool run_demo(demo *d, hs_error *err) {
     return true;
 }
 
+static bool set_look(demo *d, hs_error *err) {
+    hs_look look;
+    if (!hs_look_line_look(optarg, &look, err)) return false;
+    hs_loop_for_pictures(&d->drawing, look);
+    return true;
+}
+
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {
     static const struct option options[] = {
         {"out", required_argument, NULL, 'o'},    {"data", required_argument, NULL, 'd'},
         {"plugin", required_argument, NULL, 'p'}, {"quick", no_argument, NULL, 'q'},
+        {"look", required_argument, NULL, 'k'},   {"light", required_argument, NULL, 'l'},
         {"help", no_argument, NULL, 'h'},         {0}};
+    hs_loop_defaults(&d->drawing);
+    hs_loop_for_pictures(&d->drawing, HS_LOOK_LIT);
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
@@ -285,6 +300,12 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
             break;
         case 'q':
             d->quick = true;
+            break;
+        case 'k':
+            if (!set_look(d, err)) return false;
+            break;
+        case 'l':
+            if (!hs_look_line_light(optarg, d->drawing.dvr.light, err)) return false;
             break;
         case 'h':
             d->help = true;

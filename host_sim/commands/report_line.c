@@ -2,9 +2,11 @@
 #include "commands/report_line.h"
 
 #include "base/cli.h"
+#include "commands/look_line.h"
 
 #include <getopt.h>
 #include <stdio.h>
+#include <string.h>
 
 static const char help_text[] =
     "Usage: host_sim report [options]\n"
@@ -18,7 +20,7 @@ static const char help_text[] =
     "  --size N         voxels per axis of the scenes, 32 .. 512 [384]\n"
     "  --lowres N       pixels per axis of the depthmap [a third of the size: 128]\n"
     "  --seed N         seed of the scenes; 0 is their own [0]\n"
-    "  --plugin PATH    library to measure [smartvis.so beside host_sim]\n"
+    "  --plugin PATH    library to measure, a path or a name [smartvis]\n"
     "  --set KEY=VALUE  a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --beside 'KEY=VALUE ...'  another setting of the plugin that is set beside the studied one, or none\n"
     "                   [method=cost, if the plugin has it and --set names no method]\n"
@@ -28,6 +30,8 @@ static const char help_text[] =
     "  --check N        measures N settings the direct way, too; exit code 1 if they differ by 0.001 steps\n"
     "  --shard I/N      computes only every N-th setting, from the I-th (1 .. N) on; writes no page\n"
     "  --merge          computes nothing: puts the CSV files of all shards in --out together\n"
+    "  --look NAME      how pictures are drawn: thesis or lit [lit]; measures always use thesis\n"
+    "  --light AZ,EL    where the lamp of the lit look is, degrees from the viewer: right, up [-35,40]\n"
     "Comparison, instead of the parameter space:\n"
     "  --compare 'PATH [KEY=VALUE]...'  a plugin with its settings; repeatable; '-' is the default plugin\n"
     "  --seeds N        seeds of every scene, for the spread of the differences [3]\n"
@@ -52,6 +56,8 @@ enum {
     OPT_CHECK,
     OPT_SHARD,
     OPT_MERGE,
+    OPT_LOOK,
+    OPT_LIGHT,
     OPT_COMPARE,
     OPT_SEEDS,
     OPT_HELP
@@ -72,6 +78,8 @@ static const struct option options[] = {{"out", required_argument, NULL, OPT_OUT
                                         {"check", required_argument, NULL, OPT_CHECK},
                                         {"shard", required_argument, NULL, OPT_SHARD},
                                         {"merge", no_argument, NULL, OPT_MERGE},
+                                        {"look", required_argument, NULL, OPT_LOOK},
+                                        {"light", required_argument, NULL, OPT_LIGHT},
                                         {"compare", required_argument, NULL, OPT_COMPARE},
                                         {"seeds", required_argument, NULL, OPT_SEEDS},
                                         {"help", no_argument, NULL, OPT_HELP},
@@ -144,6 +152,10 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
     case OPT_MERGE:
         o->merge = true;
         return true;
+    case OPT_LOOK:
+        return hs_look_line_look(optarg, &o->look, err);
+    case OPT_LIGHT:
+        return hs_look_line_light(optarg, o->light, err);
     case OPT_COMPARE:
         return append("--compare", optarg, o->compare, &o->compare_count, err);
     case OPT_SEEDS:
@@ -156,6 +168,10 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
 
 bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help, hs_error *err) {
     *o = (hs_eval_options){.out = "out/report", .size = 384, .shard = {0, 1}, .frames = 20, .seeds = 3};
+    hs_dvr_settings drawing;
+    hs_dvr_defaults(&drawing);
+    o->look = HS_LOOK_LIT;
+    memcpy(o->light, drawing.light, sizeof o->light);
     *help = false;
     optind = 1;
     opterr = 0;

@@ -3,6 +3,7 @@
 #include "commands/run_line.h"
 
 #include "base/cli.h"
+#include "commands/look_line.h"
 #include "commands/run_value.h"
 
 #include <getopt.h>
@@ -18,7 +19,8 @@ static const char help_head[] =
     "Prints times and statistics, and writes pictures to one folder.\n"
     "\n"
     "Source:\n"
-    "  --volume FILE         MetaImage (.mha, .mhd); given several times: a sequence, one a frame\n"
+    "  --volume FILE         MetaImage (.mha, .mhd) or Kretz (.vol), a volume or a sequence; given several\n"
+    "                        times: one after the other, a volume a frame\n"
     "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
     " [auto]\n"
     "  --probe FACE          where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z "
@@ -28,6 +30,11 @@ static const char help_head[] =
     "                        behind the scan; takes the place of --padding\n"
     "  --window LOW,HIGH     source values that become 0 and 255"
     " [the file's own range; 8-bit files as they are]\n"
+    "  --mirror              of a Kretz file: positive sweep angles lie at +y [at -y]; which one is true is "
+    "not\n"
+    "                        in the file\n"
+    "  --spacing MM          of a Kretz file: voxels of the renderer's Cartesian copy\n"
+    "                        [the samples' pitch, or a 400th of the longest side]\n"
     "  --scene NAME|FILE     a built-in scene (see 'host_sim scenes') or a scene file\n"
     "  --size N              voxels per axis of a scene, 32 .. 512 [256]\n"
     "  --seed N              seed of a scene; 0 is its own [0]\n"
@@ -35,7 +42,7 @@ static const char help_head[] =
     "  --real FILE           the volume of a scene of kind real\n"
     "  --live                uploads every frame's volume anew, as a live scan does\n"
     "Plugin:\n"
-    "  --plugin PATH         library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH         library to load, a path or a name [smartvis]\n"
     "  --id ID               which of its plugins [the first]\n"
     "  --set KEY=VALUE       a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --carrier KIND        how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n"
@@ -57,11 +64,14 @@ static const char help_tail[] =
     "  --yaw DEG --pitch DEG turn it from there, to the right and up [0 0]\n"
     "  --orbit DEG           turns the camera by DEG over the frames, half to either side of --yaw [0]\n"
     "Renderer:\n"
+    "  --look NAME           thesis: Eq. 3.22 - 3.24; lit: a smooth surface in light [lit]\n"
+    "  --light AZ,EL         where the lamp of the lit look is, degrees from the viewer: right, up [-35,40]\n"
     "  --t-low T --t-high T  opacity is 0 at T_L and below, 1 at T_H and above, in 0 .. 1 [0.1588 0.45]\n"
     "  --ghost-offset S      s of the ghosting, in steps [0]\n"
     "  --ghost-width W       w of the ghosting, in steps; 0 is a hard cut [0]\n"
     "  --ghost-doubt G       where the plugin is not sure, the ghosting begins up to G times W sooner [2]\n"
-    "  --exposure G          gain of the picture's colours, 1 is the plain formula [1.5]\n"
+    "  --exposure G          gain of the picture's colours, 1 is the plain formula\n"
+    "                        [lit 1, thesis 1.5]\n"
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
     "  --out DIR             folder for the pictures [out/run]\n"
@@ -75,6 +85,8 @@ enum {
     OPT_PADDING,
     OPT_SCANNED,
     OPT_WINDOW,
+    OPT_MIRROR,
+    OPT_SPACING,
     OPT_PROBE,
     OPT_SCENE,
     OPT_SIZE,
@@ -97,6 +109,8 @@ enum {
     OPT_YAW,
     OPT_PITCH,
     OPT_ORBIT,
+    OPT_LOOK,
+    OPT_LIGHT,
     OPT_T_LOW,
     OPT_T_HIGH,
     OPT_GHOST_OFFSET,
@@ -114,6 +128,8 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"padding", required_argument, NULL, OPT_PADDING},
                                         {"scanned", required_argument, NULL, OPT_SCANNED},
                                         {"window", required_argument, NULL, OPT_WINDOW},
+                                        {"mirror", no_argument, NULL, OPT_MIRROR},
+                                        {"spacing", required_argument, NULL, OPT_SPACING},
                                         {"probe", required_argument, NULL, OPT_PROBE},
                                         {"scene", required_argument, NULL, OPT_SCENE},
                                         {"size", required_argument, NULL, OPT_SIZE},
@@ -136,6 +152,8 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"yaw", required_argument, NULL, OPT_YAW},
                                         {"pitch", required_argument, NULL, OPT_PITCH},
                                         {"orbit", required_argument, NULL, OPT_ORBIT},
+                                        {"look", required_argument, NULL, OPT_LOOK},
+                                        {"light", required_argument, NULL, OPT_LIGHT},
                                         {"t-low", required_argument, NULL, OPT_T_LOW},
                                         {"t-high", required_argument, NULL, OPT_T_HIGH},
                                         {"ghost-offset", required_argument, NULL, OPT_GHOST_OFFSET},
@@ -180,7 +198,7 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
     case OPT_VOLUME:
         return append("--volume", text, line->volumes, &r->volume_count, HS_RUN_MAX_VOLUMES, err);
     case OPT_PADDING:
-        if (!hs_value_pick("--padding", text, paddings, 3, &index, err)) return false;
+        if (!hs_cli_pick("--padding", text, paddings, 3, &index, err)) return false;
         r->read.padding = (hs_padding)index;
         line->padding_given = true;
         return true;
@@ -188,6 +206,10 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
         return hs_value_window(text, &r->read, err);
     case OPT_SCANNED:
         return hs_value_scanned(text, line->scanned, sizeof line->scanned, &r->scanned, err);
+    case OPT_MIRROR:
+        return (r->kretz.mirrored = true);
+    case OPT_SPACING:
+        return hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
     case OPT_PROBE:
         return hs_value_probe(text, &r->read, err);
     case OPT_SCENE:
@@ -223,7 +245,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
     case OPT_SET:
         return append("--set", text, line->sets, &r->set_count, HS_RUN_MAX_SETS, err);
     case OPT_CARRIER:
-        if (!hs_value_pick("--carrier", text, carriers, 3, &index, err)) return false;
+        if (!hs_cli_pick("--carrier", text, carriers, 3, &index, err)) return false;
         r->loop.carrier = SV_CARRIER_HOST + index;
         line->carrier_given = true;
         return true;
@@ -231,7 +253,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         r->loop.own_queue = true;
         return true;
     case OPT_FAN:
-        if (!hs_value_pick("--fan", text, fans, 3, &index, err)) return false;
+        if (!hs_cli_pick("--fan", text, fans, 3, &index, err)) return false;
         r->loop.fan = (hs_fan)(HS_FAN_RANGES + index);
         return true;
     case OPT_SLAB:
@@ -247,7 +269,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
 static bool take_setting(hs_run_request *r, const char *text, hs_error *err) {
     static const char *const names[] = {"dvr", "convert", "smartvis", "all"};
     uint32_t index = 0;
-    if (!hs_value_pick("--setting", text, names, 4, &index, err)) return false;
+    if (!hs_cli_pick("--setting", text, names, 4, &index, err)) return false;
     for (uint32_t s = 0; s < HS_SETTING_COUNT; s++) r->settings[s] = index == HS_SETTING_COUNT || s == index;
     return true;
 }
@@ -267,6 +289,10 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return hs_cli_number("--pitch", text, -360, 360, &r->loop.pitch, err);
     case OPT_ORBIT:
         return hs_cli_number("--orbit", text, -360, 360, &r->loop.orbit, err);
+    case OPT_LOOK:
+        return hs_look_line_look(text, &line->look, err);
+    case OPT_LIGHT:
+        return hs_look_line_light(text, r->loop.dvr.light, err);
     case OPT_T_LOW:
         return set_float("--t-low", text, 0, 1, &r->loop.dvr.threshold_low, err);
     case OPT_T_HIGH:
@@ -278,7 +304,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_GHOST_DOUBT:
         return set_float("--ghost-doubt", text, 0, (double)HS_DVR_MAX_DOUBT, &r->loop.dvr.ghost_doubt, err);
     case OPT_EXPOSURE:
-        return set_float("--exposure", text, 0.1, 10, &r->loop.dvr.exposure, err);
+        return set_float("--exposure", text, 0.1, 10, &line->exposure, err);
     case OPT_PICTURE:
         if (!set_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
         r->loop.dvr.height = r->loop.dvr.width;
@@ -297,6 +323,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
 /* What can be said before anything is loaded. */
 static bool check_line(const hs_run_line *line, hs_error *err) {
     const hs_run_request *r = &line->request;
+    bool kretz = false;
     if (r->scene.name && r->volume_count > 0)
         return hs_fail(err, HS_ERR_USAGE, "--scene %s and --volume %s: give one of them", r->scene.name,
                        line->volumes[0]);
@@ -305,6 +332,10 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
     if (r->scanned.first && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
                        line->scanned, r->scanned.end);
+    for (uint32_t i = 0; i < r->volume_count; i++) kretz |= hs_kretz_is_file(line->volumes[i]);
+    if ((r->kretz.mirrored || r->kretz.spacing > 0.0) && !kretz)
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files (--volume FILE.vol)",
+                       r->kretz.mirrored ? "--mirror" : "--spacing");
     if (r->scanned.first && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
     if (r->read.has_probe && r->volume_count == 0)
@@ -317,7 +348,7 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
 }
 
 bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) {
-    *line = (hs_run_line){.out = "out/run"};
+    *line = (hs_run_line){.out = "out/run", .look = HS_LOOK_LIT};
     hs_run_defaults(&line->request);
     line->request.loop.frames = 30;
     int option;
@@ -340,6 +371,8 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
         if (!ok) return false;
     }
     if (!hs_cli_no_more(argc, argv, optind, err) || !check_line(line, err)) return false;
+    hs_loop_for_pictures(&line->request.loop, line->look);
+    if (line->exposure > 0.0f) line->request.loop.dvr.exposure = line->exposure;
     line->request.volumes = line->volumes;
     line->request.sets = line->sets;
     if (line->request.loop.own_queue && !line->carrier_given) line->request.loop.carrier = SV_CARRIER_HOST;

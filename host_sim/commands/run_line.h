@@ -14,6 +14,8 @@ typedef struct {
     const char *volumes[HS_RUN_MAX_VOLUMES];
     const char *sets[HS_RUN_MAX_SETS];
     const char *out, *json;
+    hs_look look;
+    float exposure;     /* 0: as suits the look */
     char scanned[1024]; /* --scanned's first path */
     bool carrier_given, padding_given, help;
 } hs_run_line;

@@ -5,33 +5,13 @@
 
 #include <string.h>
 
-bool hs_value_pick(const char *option, const char *text, const char *const *names, uint32_t count,
-                   uint32_t *index, hs_error *err) {
-    char known[128] = "";
-    for (uint32_t i = 0; i < count; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            *index = i;
-            return true;
-        }
-        (void)strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
-        (void)strncat(known, names[i], sizeof known - strlen(known) - 1);
-    }
-    return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
-}
-
 bool hs_value_window(const char *text, hs_metaimage_options *read, hs_error *err) {
-    char low[64];
-    const char *comma = strchr(text, ',');
-    if (!comma || (size_t)(comma - text) >= sizeof low)
-        return hs_fail(err, HS_ERR_USAGE, "--window: '%s', expected LOW,HIGH", text);
-    memcpy(low, text, (size_t)(comma - text));
-    low[comma - text] = '\0';
+    double ends[2];
+    if (!hs_cli_pair("--window", text, "LOW,HIGH", -1e12, 1e12, ends, err)) return false;
     read->has_window = true;
-    if (!hs_cli_number("--window", low, -1e12, 1e12, &read->window_low, err) ||
-        !hs_cli_number("--window", comma + 1, -1e12, 1e12, &read->window_high, err))
-        return false;
-    return read->window_low < read->window_high ||
-           hs_fail(err, HS_ERR_USAGE, "--window: %s: LOW must be less than HIGH", text);
+    read->window_low = ends[0];
+    read->window_high = ends[1];
+    return ends[0] < ends[1] || hs_fail(err, HS_ERR_USAGE, "--window: %s: LOW must be less than HIGH", text);
 }
 
 bool hs_value_scanned(const char *text, char *first, size_t bytes, hs_source_scanned *out, hs_error *err) {
@@ -49,7 +29,7 @@ bool hs_value_probe(const char *text, hs_metaimage_options *read, hs_error *err)
     const char *names[HS_PROBE_COUNT];
     uint32_t index = 0;
     for (int i = 0; i < HS_PROBE_COUNT; i++) names[i] = hs_probe_name((hs_probe)i);
-    if (!hs_value_pick("--probe", text, names, HS_PROBE_COUNT, &index, err)) return false;
+    if (!hs_cli_pick("--probe", text, names, HS_PROBE_COUNT, &index, err)) return false;
     read->has_probe = true;
     read->probe = (hs_probe)index;
     return true;
@@ -59,7 +39,7 @@ bool hs_value_view(const char *text, hs_loop_options *loop, hs_error *err) {
     const char *names[HS_FROM_COUNT];
     uint32_t index = 0;
     for (int i = 0; i < HS_FROM_COUNT; i++) names[i] = hs_from_name((hs_from)i);
-    if (!hs_value_pick("--view", text, names, HS_FROM_COUNT, &index, err)) return false;
+    if (!hs_cli_pick("--view", text, names, HS_FROM_COUNT, &index, err)) return false;
     loop->from = (hs_from)index;
     return true;
 }

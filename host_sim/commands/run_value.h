@@ -8,10 +8,6 @@
 
 /* All of them: HS_ERR_USAGE names the option, the text and what is expected. */
 
-/* The index of `text` among `count` names. */
-bool hs_value_pick(const char *option, const char *text, const char *const *names, uint32_t count,
-                   uint32_t *index, hs_error *err);
-
 /* --window "LOW,HIGH" */
 bool hs_value_window(const char *text, hs_metaimage_options *read, hs_error *err);
 

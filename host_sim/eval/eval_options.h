@@ -3,8 +3,7 @@
 #ifndef HS_EVAL_OPTIONS_H
 #define HS_EVAL_OPTIONS_H
 
-#include <stdbool.h>
-#include <stdint.h>
+#include "render/dvr_settings.h"
 
 #define HS_EVAL_MAX_CASES 32u
 #define HS_EVAL_MAX_SETS  32u
@@ -34,6 +33,8 @@ typedef struct {
     const char *compare[HS_EVAL_MAX_CASES]; /* "library[ key=value]..." */
     uint32_t compare_count;
     uint32_t seeds; /* of a comparison */
+    hs_look look;   /* of pictures; measures use the thesis' */
+    float light[2]; /* hs_dvr_settings */
 } hs_eval_options;
 
 #endif

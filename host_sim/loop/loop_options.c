@@ -25,6 +25,12 @@ void hs_loop_defaults(hs_loop_options *options) {
     hs_dvr_defaults(&options->dvr);
 }
 
+void hs_loop_for_pictures(hs_loop_options *options, hs_look look) {
+    options->dvr.look = look;
+    /* Tissue has half the intensity of bone: without a gain the thesis' pictures are dim. */
+    options->dvr.exposure = look == HS_LOOK_THESIS ? 1.5f : 1.0f;
+}
+
 double hs_loop_yaw(const hs_loop_options *options, uint32_t index) {
     if (options->frames < 2) return options->yaw;
     return options->yaw + options->orbit * ((double)index / (options->frames - 1) - 0.5);

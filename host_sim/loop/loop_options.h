@@ -44,6 +44,9 @@ typedef struct {
 /* Still camera at 0, 0; 100 frames; a third; slabs of 16; the host's queue with buffers; hs_dvr_defaults. */
 void hs_loop_defaults(hs_loop_options *options);
 
+/* Draws in this look, at the exposure that suits it. */
+void hs_loop_for_pictures(hs_loop_options *options, hs_look look);
+
 /* HS_ERR_USAGE names the option that is out of range, and its value. hs_dvr_create checks the renderer's. */
 bool hs_loop_check_options(const hs_loop_options *options, hs_error *err);
 

@@ -49,6 +49,10 @@ void hs_screen_destroy(hs_screen *screen) {
     free(screen);
 }
 
+bool hs_screen_prepare(hs_screen *screen, const hs_device_volume *volume, hs_error *err) {
+    return hs_dvr_prepare(screen->dvr, volume, err);
+}
+
 bool hs_screen_render(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
                       const hs_start_depths *start, bool with_termination, hs_error *err) {
     return hs_dvr_render(screen->dvr, volume, camera, start, screen->rgba,

@@ -12,6 +12,9 @@ typedef struct hs_screen hs_screen;
 hs_screen *hs_screen_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err);
 void hs_screen_destroy(hs_screen *screen);
 
+/* Makes what the look needs of the volume, and its memory, before the first picture (hs_dvr_prepare). */
+bool hs_screen_prepare(hs_screen *screen, const hs_device_volume *volume, hs_error *err);
+
 /* Enqueues the picture, and its termination depths if asked for (see hs_dvr_render); does not wait. `start`
  * NULL: the full volume. HS_ERR_DEVICE. */
 bool hs_screen_render(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,

@@ -3,6 +3,7 @@
 
 #include "loop/loop_stages.h"
 #include "loop/loop_state.h"
+#include "loop/truth_surface.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -31,17 +32,36 @@ static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
 }
 
 /* A picture and, unless NULL, its termination depths. */
-static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
-                      const hs_frame *frame, uint8_t *rgba, float *termination, hs_error *err) {
-    hs_start_depths depths;
-    const hs_start_depths *start =
-        frame ? hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &depths) : NULL;
+static bool draw(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
+                 const hs_start_depths *start, uint8_t *rgba, float *termination, hs_error *err) {
     return hs_screen_render(loop->screen, volume, camera, start, termination != NULL, err) &&
            hs_screen_read(loop->screen, rgba, err) &&
            (!termination || hs_screen_read_termination(loop->screen, termination, err));
 }
 
+/* The same from where the frame's rays start; NULL: the full volume. */
+static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
+                      const hs_frame *frame, uint8_t *rgba, float *termination, hs_error *err) {
+    hs_start_depths depths;
+    const hs_start_depths *start =
+        frame ? hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &depths) : NULL;
+    return draw(loop, volume, camera, start, rgba, termination, err);
+}
+
+/* In the lit look the truth is drawn as a result is: the frame's own volume, cut at the scene's surface, so
+ * that a cut is drawn as one. */
+static bool render_true_cut(hs_loop *loop, const hs_scene_data *scene, hs_view *view, hs_error *err) {
+    hs_start_depths start = {0};
+    const bool ok = hs_truth_surface(loop->cl, scene, &view->camera, &start, err) &&
+                    draw(loop, loop->volume, &view->camera, &start, view->truth, NULL, err);
+    if (start.depth) (void)clReleaseMemObject(start.depth);
+    return ok;
+}
+
 static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
+    const hs_scene_data *scene = hs_source_scene_data(loop->source, index);
+    if (scene && loop->options.dvr.look == HS_LOOK_LIT && hs_truth_surface_fits(&view->camera))
+        return render_true_cut(loop, scene, view, err);
     hs_device_volume *truth = hs_device_volume_create(loop->cl, hs_source_truth(loop->source, index), err);
     bool ok = truth && render_to(loop, truth, &view->camera, NULL, view->truth, NULL, err);
     hs_device_volume_destroy(truth);

@@ -1,21 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/dvr.h"
 
-#include "render/host_launch.h"
+#include "render/dvr_lit.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-#define MAX_PICTURE 8192
-#define MAX_STEPS   (1u << 22) /* kernels count steps in float */
-/* Grey levels below T_L from which on a brick counts as transparent: more than any rounding of a sample. */
-#define SKIP_MARGIN    1e-3
-#define HARD_CUT_WIDTH 1e-6f /* steps: a ghost no wider than this is a hard cut */
 
 struct hs_dvr {
     const hs_cl *cl;
     hs_dvr_settings settings;
     cl_kernel render, mip;
+    cl_kernel lit; /* NULL: the look is the thesis' */
 };
 
 /* The view as the kernels take it (cl/base_rays.cl). */
@@ -32,59 +27,16 @@ typedef struct {
     cl_float4 to_steps;
 } ray_start;
 
-void hs_dvr_defaults(hs_dvr_settings *settings) {
-    const hs_dvr_settings defaults = {
-        .width = 512,
-        .height = 512,
-        .threshold_low = 40.5f / 255.0f,
-        .threshold_high = 0.45f,
-        .step = 1.0f,
-        .termination = 0.95f,
-        .ghost_offset = 0.0f,
-        .ghost_width = 0.0f,
-        .ghost_doubt = 2.0f,
-        .skin = {1.0f, 0.85f, 0.72f},
-        .exposure = 1.0f,
-        .skip_empty = true,
-    };
-    *settings = defaults;
-}
-
-static bool check_settings(const hs_dvr_settings *s, hs_error *err) {
-    const struct {
-        const char *name;
-        double value, low, high;
-    } fields[] = {
-        {"width", s->width, 1, MAX_PICTURE},
-        {"height", s->height, 1, MAX_PICTURE},
-        {"threshold_low", s->threshold_low, 0, 1},
-        {"threshold_high", s->threshold_high, (double)s->threshold_low + 1e-6, 2},
-        {"step", s->step, 0.01, 100},
-        {"termination", s->termination, 1e-3, INFINITY},
-        {"ghost_offset", s->ghost_offset, -(double)MAX_STEPS, MAX_STEPS},
-        {"ghost_width", s->ghost_width, 0, MAX_STEPS},
-        {"ghost_doubt", s->ghost_doubt, 0, HS_DVR_MAX_DOUBT},
-        {"skin[0]", s->skin[0], 0, 1},
-        {"skin[1]", s->skin[1], 0, 1},
-        {"skin[2]", s->skin[2], 0, 1},
-        {"exposure", s->exposure, 0.1, 10},
-    };
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
-        if (fields[i].value >= fields[i].low && fields[i].value <= fields[i].high) continue;
-        return hs_fail(err, HS_ERR_USAGE, "renderer: %s is %g, expected %g .. %g", fields[i].name,
-                       fields[i].value, fields[i].low, fields[i].high);
-    }
-    return true;
-}
-
 static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
-    if (!check_settings(settings, err)) return false;
+    if (!hs_dvr_check_settings(settings, err)) return false;
     dvr->settings = *settings;
     cl_int code = CL_SUCCESS;
     dvr->render = clCreateKernel(dvr->cl->program, "render_volume", &code);
     if (!hs_cl_check(code, "clCreateKernel(render_volume)", err)) return false;
     dvr->mip = clCreateKernel(dvr->cl->program, "project_maximum", &code);
-    return hs_cl_check(code, "clCreateKernel(project_maximum)", err);
+    if (!hs_cl_check(code, "clCreateKernel(project_maximum)", err)) return false;
+    if (settings->look == HS_LOOK_LIT) dvr->lit = clCreateKernel(dvr->cl->program, HS_DVR_LIT_KERNEL, &code);
+    return hs_cl_check(code, "clCreateKernel(" HS_DVR_LIT_KERNEL ")", err);
 }
 
 hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
@@ -103,17 +55,13 @@ void hs_dvr_destroy(hs_dvr *dvr) {
     if (!dvr) return;
     if (dvr->render) (void)clReleaseKernel(dvr->render);
     if (dvr->mip) (void)clReleaseKernel(dvr->mip);
+    if (dvr->lit) (void)clReleaseKernel(dvr->lit);
     free(dvr);
-}
-
-static double source_slices(const hs_volume *shape, const hs_camera *camera) {
-    double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
-    return fmax(1.0, round(camera->depth_extent / finest));
 }
 
 static uint32_t count_steps(const hs_dvr_settings *settings, const hs_volume *shape,
                             const hs_camera *camera) {
-    double steps = ceil(source_slices(shape, camera) / (double)settings->step - 0.5);
+    double steps = ceil(hs_dvr_slices(shape, camera) / (double)settings->step - 0.5);
     return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
 }
 
@@ -123,29 +71,17 @@ uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *s
     return count_steps(settings, &view.shape, camera);
 }
 
-static cl_float4 scaled(const double v[3], double factor) {
-    cl_float4 out = {{(cl_float)(v[0] * factor), (cl_float)(v[1] * factor), (cl_float)(v[2] * factor), 0.0f}};
-    return out;
-}
-
-/* Bricks up to this value are transparent; -1: none is. A brick of zeros always
- * is: its samples are exactly 0. */
-static cl_int transparent_level(const hs_dvr_settings *s) {
-    if (!s->skip_empty) return -1;
-    return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
-}
-
 static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, const hs_camera *camera,
                       ray_view *out, hs_error *err) {
     const uint32_t steps = count_steps(s, &source->shape, camera);
-    if (steps > MAX_STEPS) {
+    if (steps > HS_DVR_MAX_STEPS) {
         return hs_fail(err, HS_ERR_USAGE,
                        "renderer: step %g makes %u steps of this volume, expected at most %u",
-                       (double)s->step, steps, MAX_STEPS);
+                       (double)s->step, steps, HS_DVR_MAX_STEPS);
     }
     hs_box_map map;
     hs_camera_box_map(camera, &source->shape, &map);
-    ray_view v = {.slices = source_slices(&source->shape, camera)};
+    ray_view v = {.slices = hs_dvr_slices(&source->shape, camera)};
     const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
@@ -156,11 +92,11 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, co
         v.bricks.s[k] = (cl_int)source->bricks[k];
     }
     v.dims.s[3] = (cl_int)steps;
-    v.bricks.s[3] = transparent_level(s);
-    v.origin = scaled(first, 1.0);
-    v.dx = scaled(map.du, 1.0 / s->width);
-    v.dy = scaled(map.dv, 1.0 / s->height);
-    v.dn = scaled(map.dw, step);
+    v.bricks.s[3] = hs_dvr_transparent(s);
+    v.origin = hs_dvr_float4(first, 1.0);
+    v.dx = hs_dvr_float4(map.du, 1.0 / s->width);
+    v.dy = hs_dvr_float4(map.dv, 1.0 / s->height);
+    v.dn = hs_dvr_float4(map.dw, step);
     *out = v;
     return true;
 }
@@ -180,24 +116,6 @@ static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *n
     return launch;
 }
 
-/*
- * CPU: a work item renders 4 x 4 pixels (PACKET_W, PACKET_H in cl/base.cl), a work group a stripe of them:
- * long enough to cost nothing, short enough that no core waits for another. GPU: a square of pixels, whose
- * rays stay close.
- */
-static bool enqueue(const hs_dvr *dvr, const hs_launch *launch, cl_event *event, hs_error *err) {
-    const bool packets = dvr->cl->lanes > 1;
-    const size_t edge = packets ? 4 : 1;
-    const size_t local[2] = {packets ? 32 : 8, packets ? 1 : 8};
-    const size_t picture[2] = {dvr->settings.width, dvr->settings.height};
-    size_t global[2];
-    for (int k = 0; k < 2; k++) {
-        size_t items = (picture[k] + edge - 1) / edge;
-        global[k] = (items + local[k] - 1) / local[k] * local[k];
-    }
-    return hs_launch_run(launch, 2, global, local, event, err);
-}
-
 /* Where the rays start, as the kernel takes it. */
 static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const hs_start_depths *depths) {
     ray_start out = {.map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}},
@@ -207,7 +125,7 @@ static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const h
     out.map_dims.s[0] = (cl_int)depths->width;
     out.map_dims.s[1] = (cl_int)depths->height;
     out.to_steps.s[0] = (cl_float)(v->slices / ((double)depths->slices * (double)s->step));
-    out.to_steps.s[2] = s->ghost_width > HARD_CUT_WIDTH ? 1.0f / s->ghost_width : 0.0f;
+    out.to_steps.s[2] = s->ghost_width > HS_DVR_HARD_CUT ? 1.0f / s->ghost_width : 0.0f;
     if (depths->confidence && out.to_steps.s[2] > 0.0f) {
         out.confidence = depths->confidence;
         out.to_steps.s[3] = s->ghost_width * s->ghost_doubt;
@@ -231,27 +149,26 @@ static void set_output(hs_launch *launch, cl_mem buffer) {
     hs_launch_arg(launch, sizeof wanted, &wanted);
 }
 
-static bool check_start(const hs_start_depths *depths, hs_error *err) {
-    if (!depths || !depths->depth) return true;
-    if (depths->width == 0 || depths->height == 0 || depths->slices == 0 || depths->width > MAX_PICTURE ||
-        depths->height > MAX_PICTURE) {
-        return hs_fail(err, HS_ERR_USAGE,
-                       "renderer: depthmap of %u x %u pixels for %u slices, expected 1 .. %u", depths->width,
-                       depths->height, depths->slices, (unsigned)MAX_PICTURE);
-    }
-    const uint64_t bytes = (uint64_t)depths->width * depths->height * sizeof(float);
-    return hs_cl_check_size(depths->depth, bytes, "start depths", err) &&
-           (!depths->confidence || hs_cl_check_size(depths->confidence, bytes, "the confidence", err));
+bool hs_dvr_prepare(hs_dvr *dvr, const hs_device_volume *source, hs_error *err) {
+    hs_lit_view lit;
+    return dvr->settings.look != HS_LOOK_LIT ||
+           hs_device_volume_lit(source, dvr->settings.threshold_low, dvr->settings.threshold_high, &lit, err);
 }
 
-bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
-                   const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
-                   hs_error *err) {
-    if (!check_start(depths, err)) return false;
-    const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
-    if (rgba && !hs_cl_check_size(rgba, pixels * 4, "the picture", err)) return false;
-    if (termination && !hs_cl_check_size(termination, pixels * sizeof(float), "termination depths", err))
-        return false;
+static bool render_lit(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
+                       const hs_start_depths *depths, cl_mem rgba, cl_event *event, hs_error *err) {
+    const hs_dvr_settings *s = &dvr->settings;
+    const hs_device_view view = hs_device_volume_view(source);
+    hs_dvr_lit_scene scene = {
+        .shape = &view.shape, .camera = camera, .settings = s, .steps = count_steps(s, &view.shape, camera)};
+    return hs_device_volume_lit(source, s->threshold_low, s->threshold_high, &scene.volume, err) &&
+           hs_dvr_lit_render(dvr->cl, dvr->lit, &scene, depths, rgba, event, err);
+}
+
+/* The thesis' look, and the ends of rays in either. */
+static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
+                          const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
+                          hs_error *err) {
     ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
     if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
@@ -264,7 +181,21 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
     set_output(&launch, rgba);
     set_output(&launch, termination);
     hs_launch_buffer(&launch, rays.confidence);
-    return enqueue(dvr, &launch, event, err);
+    return hs_dvr_launch(&launch, &dvr->settings, event, err);
+}
+
+bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
+                   const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
+                   hs_error *err) {
+    if (!hs_dvr_check_start(depths, err)) return false;
+    const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
+    if (rgba && !hs_cl_check_size(rgba, pixels * 4, "the picture", err)) return false;
+    if (termination && !hs_cl_check_size(termination, pixels * sizeof(float), "termination depths", err))
+        return false;
+    if (!dvr->lit) return render_thesis(dvr, source, camera, depths, rgba, termination, event, err);
+    if (termination && !render_thesis(dvr, source, camera, depths, NULL, termination, rgba ? NULL : event, err))
+        return false;
+    return !rgba || render_lit(dvr, source, camera, depths, rgba, event, err);
 }
 
 bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera, cl_mem gray,
@@ -278,5 +209,5 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
     hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &view, &v);
     hs_launch_arg(&launch, sizeof picture, &picture);
     hs_launch_buffer(&launch, gray);
-    return enqueue(dvr, &launch, event, err);
+    return hs_dvr_launch(&launch, &dvr->settings, event, err);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The host's direct volume renderer: orthographic, front to back, early ray termination, ghosting (spec 5).
+ * What follows defines the thesis' look and the ends of rays; dvr_lit.h defines the lit one.
  *
  * SAMPLES. The box' depth is divided into S = round(depth_extent / finest spacing) source slices, 1 at least.
  * Sample n of a ray stands at (n + 0.5) * step slices from the front of the box, n = 0 .. steps - 1, with
@@ -41,26 +42,8 @@
 #ifndef HS_DVR_H
 #define HS_DVR_H
 
+#include "render/dvr_settings.h"
 #include "render/scan_convert.h"
-
-typedef struct {
-    uint32_t width, height; /* pixels of the picture, e.g. 512 x 512 */
-    float threshold_low;    /* T_L, 0..1: opacity 0 here and below */
-    float threshold_high;   /* T_H, 0..1, > T_L: opacity 1 here and above, linear in between */
-    float step;             /* from sample to sample, in source slices as above */
-    float termination;      /* stop a ray when its opacity reaches this, 0.001..1 (0.95); above 1: never */
-    float ghost_offset;     /* s, in steps: opacity factor 0 up to d_p - s ... */
-    float ghost_width;      /* w, in steps: ... rising linearly to 1 at d_p - s + w; 0: a hard cut */
-    float ghost_doubt;      /* g, 0..HS_DVR_MAX_DOUBT: where nothing is sure the window is longer by g w */
-    float skin[3];          /* colour of intensity 1 */
-    float exposure;         /* gain of the finished colour, 0.1..10, saturating; 1 is the formula itself */
-    bool skip_empty;        /* leap over transparent bricks: the same picture, sooner; off to measure only */
-} hs_dvr_settings;
-
-#define HS_DVR_MAX_DOUBT 16.0f
-
-/* The defaults of spec 9 (T_L 40.5/255, T_H 0.45, one slice, 0.95), 512 x 512, s = w = 0, g = 2. */
-void hs_dvr_defaults(hs_dvr_settings *settings);
 
 /* Samples of a ray that crosses the whole box, the value of `termination` on rays that never reach it. */
 uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *source,
@@ -71,20 +54,15 @@ typedef struct hs_dvr hs_dvr;
 hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err);
 void hs_dvr_destroy(hs_dvr *dvr);
 
-/* Start depths for the rays: a low-resolution depthmap of width x height float32 in low-resolution
- * slices of a volume of `slices` slices, bilinearly interpolated between pixel centres; <= 0 starts
- * at the front of the box. `depth` NULL renders the full volume. `confidence`, of the same shape,
- * 0 .. 1, may be NULL: all is sure. */
-typedef struct {
-    cl_mem depth, confidence;
-    uint32_t width, height, slices;
-} hs_start_depths;
+/* What a look needs of a volume beside its voxels is made at its first picture, and again after
+ * hs_device_volume_replace; this makes it, and takes its memory, ahead of time. HS_ERR_DEVICE. */
+bool hs_dvr_prepare(hs_dvr *dvr, const hs_device_volume *source, hs_error *err);
 
 /*
  * Enqueues one picture; does not wait. `rgba` (a buffer of width * height * 4 bytes, may be NULL) receives
  * the picture on black, rows top to bottom. `termination` (a buffer of width * height floats, may be NULL)
  * receives the depth in steps from the front of the box at which each ray's opacity reached `termination`, or
- * the number of steps of a whole ray if it never did (spec 7).
+ * the number of steps of a whole ray if it never did (spec 7). Those depths do not depend on the look.
  */
 bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
                    const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,

@@ -7,8 +7,6 @@
 #include <limits.h>
 #include <math.h>
 
-#define EXPOSURE 1.5f /* as in host_sim run: without it pictures are dim */
-
 bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name, hs_error *err) {
     char path[PATH_MAX];
     return hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
@@ -48,7 +46,8 @@ hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
     options.frames = 1;
     options.lowres = d->c->table.width;
     options.dvr.width = options.dvr.height = d->pixels;
-    options.dvr.exposure = EXPOSURE;
+    hs_loop_for_pictures(&options, d->options->look);
+    for (int i = 0; i < 2; i++) options.dvr.light[i] = d->options->light[i];
     options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
     options.values = d->values->at;
     options.value_count = d->values->count;

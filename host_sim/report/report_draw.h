@@ -4,6 +4,7 @@
 #define HS_REPORT_DRAW_H
 
 #include "eval/eval_case.h"
+#include "eval/eval_options.h"
 #include "loop/view.h"
 #include "picture/picture.h"
 
@@ -13,6 +14,7 @@
 
 /* A loop over a case's volume. The case's own loop must be gone: a plugin's instance serves one at a time. */
 typedef struct {
+    const hs_eval_options *options; /* how pictures look */
     const hs_cl *cl;
     const hs_plugin *plugin;
     const hs_eval_case *c;

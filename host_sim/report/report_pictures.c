@@ -63,8 +63,12 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
 
 static hs_eval_drawing drawing_of(const hs_eval_study *study, const hs_eval_case *c,
                                   const hs_eval_values *values, uint32_t pixels) {
-    return (hs_eval_drawing){
-        .cl = &study->cl, .plugin = &study->plugin, .c = c, .values = values, .pixels = pixels};
+    return (hs_eval_drawing){.options = study->options,
+                             .cl = &study->cl,
+                             .plugin = &study->plugin,
+                             .c = c,
+                             .values = values,
+                             .pixels = pixels};
 }
 
 static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case *c,

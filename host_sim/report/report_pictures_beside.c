@@ -62,8 +62,12 @@ bool hs_eval_beside_pictures(hs_eval_study *study, uint32_t index, hs_eval_case 
     hs_eval_values first = b->first;
     if (b->knob.exists && !hs_eval_values_add(&first, b->knob.info.id, b->knob.value[b->best], err))
         return false;
-    hs_eval_drawing drawing = {
-        .cl = &study->cl, .plugin = &study->plugin, .c = c, .values = &first, .pixels = HS_EVAL_PICTURE};
+    hs_eval_drawing drawing = {.options = study->options,
+                               .cl = &study->cl,
+                               .plugin = &study->plugin,
+                               .c = c,
+                               .values = &first,
+                               .pixels = HS_EVAL_PICTURE};
     if (!draw_errors(study, c, &first, folder, "beside_knob_error.png", err) ||
         !hs_eval_draw_result(&drawing, folder, "beside_knob.png", NULL, err) ||
         !draw_errors(study, c, &b->other, folder, "beside_other_error.png", err))

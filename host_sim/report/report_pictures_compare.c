@@ -24,7 +24,8 @@ void hs_eval_compare_file(uint32_t method, char *out, size_t bytes) {
 /* The first method's view has the full volume and the ground truth, too. */
 static bool draw_method(const hs_eval_comparison *x, uint32_t method, const hs_eval_case *c,
                         const char *folder, hs_error *err) {
-    const hs_eval_drawing drawing = {.cl = &x->cl,
+    const hs_eval_drawing drawing = {.options = x->options,
+                                     .cl = &x->cl,
                                      .plugin = &x->method[method].plugin,
                                      .c = c,
                                      .values = &x->method[method].values,

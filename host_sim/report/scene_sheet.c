@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/scene_sheet.h"
 
+#include "loop/truth_surface.h"
 #include "picture/picture_colour.h"
 #include "picture/picture_text.h"
 #include "render/dvr.h"
@@ -22,6 +23,7 @@ typedef struct {
     hs_picture *out;
     const hs_scene_data *data;
     const hs_scene_points *points;
+    hs_dvr_settings settings;
     uint8_t *rgba; /* RENDER^2 pixels of 4 bytes: one cell being drawn */
     uint8_t *mip;  /* RENDER^2 */
     hs_error *err;
@@ -157,18 +159,32 @@ static bool draw_facts(sheet *s) {
                            "far end of the interval", s->err);
 }
 
-/* Renders `volume` into s->rgba, or its MIP into s->mip. */
-static bool render(sheet *s, const hs_cl *cl, hs_dvr *dvr, const hs_volume *volume, bool mip) {
-    cl_int code;
+typedef enum { RESULT_FULL, RESULT_TRUTH, RESULT_MIP } rendered;
+
+/* The lit look cuts the full volume at the truth's surface, so that a cut is drawn as one; the thesis' shows
+ * the truth's own volume. */
+static bool enqueue(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what, hs_device_volume *source,
+                    cl_mem to) {
     hs_camera camera;
-    hs_camera_look(&camera, volume, 0.0, 0.0);
-    hs_device_volume *source = hs_device_volume_create(cl, volume, s->err);
+    hs_start_depths start = {0};
+    hs_camera_look(&camera, &s->data->full, 0.0, 0.0);
+    if (what == RESULT_MIP) return hs_dvr_mip(dvr, source, &camera, to, NULL, s->err);
+    const bool cut = what == RESULT_TRUTH && s->settings.look == HS_LOOK_LIT;
+    const bool ok = (!cut || hs_truth_surface(cl, s->data, &camera, &start, s->err)) &&
+                    hs_dvr_render(dvr, source, &camera, cut ? &start : NULL, to, NULL, NULL, s->err);
+    if (start.depth) (void)clReleaseMemObject(start.depth);
+    return ok;
+}
+
+/* Renders into s->rgba, or the maximum projection into s->mip. */
+static bool render(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what) {
+    cl_int code;
+    const bool truth = what == RESULT_TRUTH && s->settings.look != HS_LOOK_LIT, mip = what == RESULT_MIP;
+    hs_device_volume *source = hs_device_volume_create(cl, truth ? &s->data->truth : &s->data->full, s->err);
     if (!source) return false;
-    size_t bytes = (size_t)RENDER * RENDER * (mip ? 1 : 4);
+    const size_t bytes = (size_t)RENDER * RENDER * (mip ? 1 : 4);
     cl_mem buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    bool ok = hs_cl_check(code, "clCreateBuffer", s->err);
-    if (ok && mip) ok = hs_dvr_mip(dvr, source, &camera, buffer, NULL, s->err);
-    if (ok && !mip) ok = hs_dvr_render(dvr, source, &camera, NULL, buffer, NULL, NULL, s->err);
+    bool ok = hs_cl_check(code, "clCreateBuffer", s->err) && enqueue(s, cl, dvr, what, source, buffer);
     if (ok)
         ok = hs_cl_check(
             clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, 0, bytes, mip ? s->mip : s->rgba, 0, NULL, NULL),
@@ -179,14 +195,11 @@ static bool render(sheet *s, const hs_cl *cl, hs_dvr *dvr, const hs_volume *volu
 }
 
 static bool draw_rendered(sheet *s, const hs_cl *cl) {
-    hs_dvr_settings settings;
-    hs_dvr_defaults(&settings);
-    settings.width = settings.height = RENDER;
-    hs_dvr *dvr = hs_dvr_create(cl, &settings, s->err);
+    hs_dvr *dvr = hs_dvr_create(cl, &s->settings, s->err);
     if (!dvr) return false;
-    bool ok = render(s, cl, dvr, &s->data->full, false) && place(s, 0, 0, "Full volume") &&
-              render(s, cl, dvr, &s->data->truth, false) && place(s, 1, 0, "Ground truth") &&
-              render(s, cl, dvr, &s->data->full, true);
+    bool ok = render(s, cl, dvr, RESULT_FULL) && place(s, 0, 0, "Full volume") &&
+              render(s, cl, dvr, RESULT_TRUTH) && place(s, 1, 0, "Ground truth") &&
+              render(s, cl, dvr, RESULT_MIP);
     hs_dvr_destroy(dvr);
     if (!ok) return false;
     for (uint32_t i = 0; i < RENDER * RENDER; i++) put(s, i % RENDER, i / RENDER, grey(s->mip[i]));
@@ -202,11 +215,12 @@ static bool draw_all(sheet *s, const hs_cl *cl, const char *title) {
            draw_facts(s);
 }
 
-bool hs_scene_sheet(const hs_cl *cl, const hs_scene_data *data, const hs_scene_points *points,
-                    const char *title, hs_picture *out, hs_error *err) {
+bool hs_scene_sheet(const hs_cl *cl, const hs_dvr_settings *drawing, const hs_scene_data *data,
+                    const hs_scene_points *points, const char *title, hs_picture *out, hs_error *err) {
     const uint32_t width = GAP + COLUMNS * (CELL + GAP), height = HEADER + ROWS * (CELL + CAPTION + GAP);
     if (!hs_picture_init(out, width, height, HS_COLOUR_BACKGROUND, err)) return false;
-    sheet s = {.out = out, .data = data, .points = points, .err = err};
+    sheet s = {.out = out, .data = data, .points = points, .settings = *drawing, .err = err};
+    s.settings.width = s.settings.height = RENDER;
     s.rgba = malloc((size_t)RENDER * RENDER * 4);
     s.mip = malloc((size_t)RENDER * RENDER);
     bool ok = s.rgba && s.mip ? draw_all(&s, cl, title) : hs_fail(err, HS_ERR_MEMORY, "%s: no memory", title);

@@ -2,8 +2,10 @@
 #include "volume/metaimage_header.h"
 
 #include "volume/metaimage_pose.h"
+#include "volume/metaimage_sequence.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const struct {
@@ -30,17 +32,20 @@ static bool check_dims(const hs_met_text *p, hs_met_header *h) {
     if (!hs_met_has(p, HS_MET_F_NDIMS)) return hs_met_missing(p, HS_MET_F_NDIMS);
     const char *text = p->fields[HS_MET_F_NDIMS].value;
     if (!hs_met_unsigned(&text, &dims) || !hs_met_at_end(text) || (dims != 3 && dims != 4))
-        return hs_met_bad_value(p, HS_MET_F_NDIMS, "3 (a volume; or 4 with a last DimSize of 1)");
+        return hs_met_bad_value(p, HS_MET_F_NDIMS, "3 (a volume) or 4 (a sequence of volumes)");
     if (!hs_met_has(p, HS_MET_F_DIM_SIZE)) return hs_met_missing(p, HS_MET_F_DIM_SIZE);
     h->dim_line = p->fields[HS_MET_F_DIM_SIZE].line;
     text = p->fields[HS_MET_F_DIM_SIZE].value;
     h->dims = (uint32_t)dims;
+    h->frames = 1;
     uint64_t voxels = 1;
     for (uint64_t axis = 0; axis < dims; axis++) {
         uint64_t n = 0;
         const bool is_number = hs_met_unsigned(&text, &n);
         if (axis == 3) {
-            if (!is_number || n != 1) return hs_met_bad_value(p, HS_MET_F_DIM_SIZE, "a fourth size of 1");
+            if (!is_number || n < 1 || n > HS_MET_MAX_FRAMES)
+                return hs_met_bad_value(p, HS_MET_F_DIM_SIZE, "a fourth size of 1 .. 100000 volumes");
+            h->frames = (uint32_t)n;
             continue;
         }
         if (!is_number || n < 1 || n > HS_VOLUME_MAX_AXIS)
@@ -49,6 +54,8 @@ static bool check_dims(const hs_met_text *p, hs_met_header *h) {
         voxels *= n;
     }
     if (!hs_met_at_end(text)) return hs_met_bad_value(p, HS_MET_F_DIM_SIZE, "as many numbers as NDims");
+    (void)snprintf(h->size_text, sizeof h->size_text, dims == 4 ? "%u %u %u %u" : "%u %u %u", h->size[0],
+                   h->size[1], h->size[2], h->frames);
     if (voxels > HS_VOLUME_MAX_VOXELS)
         return hs_met_bad_value(p, HS_MET_F_DIM_SIZE, "at most 2147483648 voxels in all");
     return true;
@@ -154,6 +161,14 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
     ok = ok && check_dims(&text, header) && check_spacing(&text, header) && check_type(&text, header) &&
          check_encoding(&text, header) && check_data_file(&text, header) &&
          hs_met_pose(&text, header->dims, &header->pose) && hs_met_probe(&text, &header->probe);
+    ok = ok &&
+         hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
+         hs_met_frames(&text, header->dims, header->frames, &header->fields);
     hs_met_text_free(&text);
     return ok;
+}
+
+void hs_met_header_free(hs_met_header *header) {
+    free(header->fields);
+    header->fields = NULL;
 }

@@ -3,6 +3,7 @@
 #ifndef HS_METAIMAGE_HEADER_H
 #define HS_METAIMAGE_HEADER_H
 
+#include "volume/frame_fields.h"
 #include "volume/volume.h"
 
 typedef enum {
@@ -22,7 +23,10 @@ typedef enum {
 typedef struct {
     uint32_t dims; /* 3 or 4 */
     uint32_t size[3];
-    double spacing[3]; /* mm */
+    uint32_t frames;         /* volumes: 1 if dims is 3 */
+    char size_text[48];      /* "4 3 2", as DimSize says it */
+    hs_frame_fields *fields; /* of every volume; NULL: the file says nothing about them */
+    double spacing[3];       /* mm */
     hs_pose pose;
     hs_probe probe;
     hs_met_type type;
@@ -41,7 +45,8 @@ typedef struct {
     unsigned dim_line, compressed_size_line, header_size_line, data_line;
 } hs_met_header;
 
-/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. */
+/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. Free it either way. */
 bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
+void hs_met_header_free(hs_met_header *header);
 
 #endif

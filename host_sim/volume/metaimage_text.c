@@ -61,6 +61,12 @@ bool hs_met_bad(const hs_met_text *text, const hs_met_value *value, const char *
                    shown, expected);
 }
 
+bool hs_met_wrong(const hs_met_text *text, const hs_met_value *value, const char *reason) {
+    char name[HS_MET_SHOWN_BYTES];
+    hs_met_shown(value->name, name);
+    return hs_fail(text->err, HS_ERR_INPUT, "%s:%u: %s: %s", text->path, value->line, name, reason);
+}
+
 bool hs_met_bad_value(const hs_met_text *text, hs_met_field id, const char *expected) {
     return hs_met_bad(text, &text->fields[id], expected);
 }

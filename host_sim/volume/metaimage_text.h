@@ -64,6 +64,9 @@ bool hs_met_has(const hs_met_text *text, hs_met_field id);
 bool hs_met_bad_value(const hs_met_text *text, hs_met_field id, const char *expected);
 bool hs_met_bad(const hs_met_text *text, const hs_met_value *value, const char *expected);
 
+/* "<file>:<line>: <Field>: <reason>", for fields whose value may be somebody's. Returns false. */
+bool hs_met_wrong(const hs_met_text *text, const hs_met_value *value, const char *reason);
+
 /* "<file>: <Field> is missing". Returns false. */
 bool hs_met_missing(const hs_met_text *text, hs_met_field id);
 

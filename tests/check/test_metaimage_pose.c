@@ -77,7 +77,7 @@ static void the_probe_stands_where_the_near_end_is(void **state) {
         hs_probe probe;
     } known[] = {{"MFA", HS_PROBE_LOW_Y},  {"UNA", HS_PROBE_HIGH_Y}, {"FMD", HS_PROBE_LOW_X},
                  {"NMA", HS_PROBE_HIGH_X}, {"MAF", HS_PROBE_LOW_Z},  {"MAN", HS_PROBE_HIGH_Z},
-                 {"X", HS_PROBE_LOW_Z},  {"XX", HS_PROBE_LOW_Z}};
+                 {"X", HS_PROBE_LOW_Z},    {"XX", HS_PROBE_LOW_Z}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         char line[64];
         (void)snprintf(line, sizeof line, "UltrasoundImageOrientation = %s\n", known[i].value);

@@ -39,7 +39,7 @@ static void values_out_of_range_are_named(void **state) {
     static const struct {
         const char *field, *value, *told;
     } bad[] = {
-        {"NDims", "2", "NDims is '2', expected 3"},
+        {"NDims", "2", "NDims is '2', expected 3 (a volume) or 4 (a sequence of volumes)"},
         {"NDims", "5", "NDims is '5'"},
         {"NDims", "3.0", "NDims is '3.0'"},
         {"NDims", "-3", "NDims is '-3'"},

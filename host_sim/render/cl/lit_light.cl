@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Light on a surface (host_sim/render/dvr_lit.h): normals, the clipping surface's own normal, ambient
+ * occlusion and shadow from the coarse opacities, and the colour of it all. Directions are in camera
+ * coordinates: x right, y down, z away from the viewer.
+ */
+typedef struct {
+    vf x, y, z;
+} directions;
+
+INLINE vf dot_of(directions a, float4 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+INLINE directions normalised(directions d) {
+    vf scale = 1.0f / sqrt(max(d.x * d.x + d.y * d.y + d.z * d.z, 1e-20f));
+    directions out = {d.x * scale, d.y * scale, d.z * scale};
+    return out;
+}
+
+/* The scene as light sees it. */
+typedef struct {
+    __global const uchar *smooth, *opacity;
+    __global const float *map;
+    int4 dims, cells, map_dims; /* cells.w: smoothed voxels a cell's edge */
+    float4 mx, my, mz;          /* voxels of x, y, z a millimetre along the camera's axes; mx.w: see SPEED */
+    float4 to_samples;          /* as render_lit takes it */
+    float4 per_mm;              /* pixels in x, pixels in y, samples a millimetre; w: unit of light, mm */
+} lit_scene;
+
+/* Weights of the quadratic B-spline and of its slope around the nearest voxel; f in -0.5 .. 0.5. */
+#define SPLINE(f, w)                                                                                         \
+    {                                                                                                        \
+        w[0] = 0.5f * (0.5f - f) * (0.5f - f);                                                               \
+        w[1] = 0.75f - f * f;                                                                                \
+        w[2] = 0.5f * (0.5f + f) * (0.5f + f);                                                               \
+    }
+#define SLOPE(f, w)                                                                                          \
+    {                                                                                                        \
+        w[0] = f - 0.5f;                                                                                     \
+        w[1] = -2.0f * f;                                                                                    \
+        w[2] = f + 0.5f;                                                                                     \
+    }
+
+#if LANES == 16
+#define LEVELS(p, i)                                                                                         \
+    TO_VF((uchar16)((p)[i.s0], (p)[i.s1], (p)[i.s2], (p)[i.s3], (p)[i.s4], (p)[i.s5], (p)[i.s6], (p)[i.s7],  \
+                    (p)[i.s8], (p)[i.s9], (p)[i.sa], (p)[i.sb], (p)[i.sc], (p)[i.sd], (p)[i.se], (p)[i.sf]))
+#else
+#define LEVELS(p, i) TO_VF((p)[i])
+#endif
+
+INLINE vi spline_voxel(vf position, int count, vf *fraction) {
+    vf p = clamp(position, 1.0f, (float)(count - 2));
+    vi i = TO_VI(p + 0.5f);
+    *fraction = p - TO_VF(i);
+    return i;
+}
+
+/* The gradient of the smoothed volume's quadratic B-spline, grey levels a millimetre. */
+INLINE directions gradient_at(const lit_scene *s, packet at) {
+    vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
+    vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
+    vi iz = spline_voxel(at.z, s->dims.z, &fz);
+    SPLINE(fx, wx)
+    SPLINE(fy, wy) SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i =
+        (iz * s->dims.y + iy) * s->dims.x + ix;
+    directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
+    for (int z = 0; z < 3; z++) {
+        directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
+        for (int y = 0; y < 3; y++) {
+            __global const uchar *p = s->smooth + ((z - 1) * s->dims.y + y - 1) * s->dims.x;
+            vf a = LEVELS(p - 1, i), b = LEVELS(p, i), c = LEVELS(p + 1, i);
+            vf along = dx[0] * a + dx[1] * b + dx[2] * c, value = wx[0] * a + wx[1] * b + wx[2] * c;
+            plane.x += wy[y] * along;
+            plane.y += dy[y] * value;
+            plane.z += wy[y] * value;
+        }
+        g.x += wz[z] * plane.x;
+        g.y += wz[z] * plane.y;
+        g.z += dz[z] * plane.z;
+    }
+    directions out = {s->mx.x * g.x + s->my.x * g.y + s->mz.x * g.z,
+                      s->mx.y * g.x + s->my.y * g.y + s->mz.y * g.z,
+                      s->mx.z * g.x + s->my.z * g.y + s->mz.z * g.z};
+    return out;
+}
+
+/* Towards the viewer where there is no gradient to tell; never away from him. */
+INLINE directions normal_at(const lit_scene *s, packet at) {
+    directions g = gradient_at(s, at);
+    directions n = {-g.x, -g.y, -fabs(g.z) - s->mx.w};
+    return normalised(n);
+}
+
+/* What the depthmap has at a pixel of it, in samples; far before the box where nothing is clipped. */
+INLINE float surface_sample(__global const float *map, int4 map_dims, float4 to_samples, int x, int y) {
+    int at = clamp(y, 0, map_dims.y - 1) * map_dims.x + clamp(x, 0, map_dims.x - 1);
+    float depth = map[at];
+    return depth > 0.0f && depth < INFINITY ? depth * to_samples.x + to_samples.y : UNCLIPPED;
+}
+
+/* The clipping surface's normal under a packet's pixels. */
+INLINE directions map_normal(const lit_scene *s, int px, int py) {
+    float nx[LANES], ny[LANES];
+    float scale_x = (float)s->map_dims.x / (float)s->map_dims.z;
+    float scale_y = (float)s->map_dims.y / (float)s->map_dims.w;
+    for (int lane = 0; lane < LANES; lane++) {
+        float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
+        float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
+        float left = map_at(s->map, s->map_dims.x, s->map_dims.y, x - 1.0f, y);
+        float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + 1.0f, y);
+        float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - 1.0f);
+        float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + 1.0f);
+        bool flat = !(min(min(left, right), min(above, below)) > 0.0f) ||
+                    !(max(max(left, right), max(above, below)) < INFINITY);
+        float mm =
+            0.5f * s->to_samples.x / s->per_mm.z; /* millimetres a slice of difference over two pixels */
+        nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * scale_x;
+        ny[lane] = flat ? 0.0f : (below - above) * mm * s->per_mm.y * scale_y;
+    }
+    directions n = {LOAD(nx), LOAD(ny), (vf)(-1.0f)};
+    return normalised(n);
+}
+
+/* Where light passes: voxel index, pixel and sample of a packet. */
+typedef struct {
+    packet at;
+    vf px, py, n;
+} lit_place;
+
+INLINE lit_place moved(const lit_scene *s, lit_place from, directions d, vf mm) {
+    vf x = d.x * mm, y = d.y * mm, z = d.z * mm;
+    lit_place to;
+    to.at.x = from.at.x + s->mx.x * x + s->mx.y * y + s->mx.z * z;
+    to.at.y = from.at.y + s->my.x * x + s->my.y * y + s->my.z * z;
+    to.at.z = from.at.z + s->mz.x * x + s->mz.y * y + s->mz.z * z;
+    to.px = from.px + x * s->per_mm.x;
+    to.py = from.py + y * s->per_mm.y;
+    to.n = from.n + z * s->per_mm.z;
+    return to;
+}
+
+/* -1 where a place lies in tissue that the clipping surface has removed. */
+INLINE vi removed(const lit_scene *s, lit_place p) {
+    float scale_x = (float)s->map_dims.x / (float)s->map_dims.z;
+    float scale_y = (float)s->map_dims.y / (float)s->map_dims.w;
+    vi x = TO_VI(clamp((p.px + 0.5f) * scale_x, 0.0f, (float)(s->map_dims.x - 1)));
+    vi y = TO_VI(clamp((p.py + 0.5f) * scale_y, 0.0f, (float)(s->map_dims.y - 1)));
+    vi i = y * s->map_dims.x + x;
+#if LANES == 16
+    int at[LANES];
+    float depth[LANES];
+    vstore16(i, 0, at);
+    for (int lane = 0; lane < LANES; lane++) depth[lane] = s->map[at[lane]];
+    vf d = LOAD(depth);
+#else
+    vf d = s->map[i];
+#endif
+    return MASK((d > 0.0f) & (d < INFINITY) & (p.n < d * s->to_samples.x + s->to_samples.y));
+}
+
+/* Mean opacity at a place, 0 .. 1; none outside the volume and in what was removed. */
+INLINE vf opacity_at(const lit_scene *s, lit_place p) {
+    float block = (float)s->cells.w, shift = 0.5f * (block - 1.0f), scale = 1.0f / block;
+    vf x = (p.at.x - shift) * scale, y = (p.at.y - shift) * scale, z = (p.at.z - shift) * scale;
+    vf value = blend(fetch(s->opacity, s->cells, x, y, z)) * (1.0f / 255.0f);
+    vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
+                      (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
+    if (s->map_dims.x > 0) outside |= removed(s, p);
+    return select(value, (vf)(0.0f), outside);
+}
+
+#define OCCLUSION_REACH 3 /* samples along the normal */
+#define SHADOW_REACH    6 /* samples along the light */
+
+/* How much of the surroundings' light arrives: 1 on anything convex that stands free. */
+INLINE vf ambient_at(const lit_scene *s, lit_place p, directions n) {
+    const float reach[OCCLUSION_REACH] = {4.0f, 7.0f, 11.0f}, weight[OCCLUSION_REACH] = {0.4f, 0.25f, 0.15f};
+    vf light = (vf)(1.0f);
+    for (int i = 0; i < OCCLUSION_REACH; i++)
+        light -= weight[i] * opacity_at(s, moved(s, p, n, (vf)(reach[i] * s->per_mm.w)));
+    return light;
+}
+
+/* How much of the lamp's light arrives; from a place above the surface, so that it does not shade itself. */
+INLINE vf shadow_at(const lit_scene *s, lit_place p, directions n, float4 lamp) {
+    directions l = {(vf)(lamp.x), (vf)(lamp.y), (vf)(lamp.z)};
+    lit_place start = moved(s, p, n, (vf)(4.0f * s->per_mm.w));
+    vf depth = (vf)(0.0f);
+    for (int i = 1; i <= SHADOW_REACH; i++)
+        depth += opacity_at(s, moved(s, start, l, (vf)(3.0f * (float)i * s->per_mm.w)));
+    return 1.0f / (1.0f + depth * depth);
+}

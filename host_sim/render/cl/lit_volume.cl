@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the lit look draws (host_sim/render/lit_volume.h): the volume halved, then smoothed, and a coarse grid
+ * of opacities for light. A halved voxel is the mean of 2 x 2 x 2; the smoothing has the weights 1, 2, 1 along
+ * every axis. Both round to the nearest level, halves up. LIT_PAD voxels of 0 surround the halved volume, so
+ * that a volume's own faces are edges like any other and nothing is ever read outside.
+ *
+ * CPU: a work item makes a row; global (1, y, z). GPU: a work item makes a voxel; global (x, y, z).
+ */
+#define LIT_PAD 2 /* the host's (lit_volume.c) */
+
+/* Where 2 x 2 rows of the source begin; the last one stands twice where an axis is odd. */
+typedef struct {
+    __global const uchar *row[4];
+} four_rows;
+
+INLINE four_rows rows_below(__global const uchar *voxels, int4 dims, int y, int z) {
+    int y1 = min(y + 1, dims.y - 1), z1 = min(z + 1, dims.z - 1);
+    four_rows r;
+    r.row[0] = voxels + ((size_t)z * dims.y + y) * dims.x;
+    r.row[1] = voxels + ((size_t)z * dims.y + y1) * dims.x;
+    r.row[2] = voxels + ((size_t)z1 * dims.y + y) * dims.x;
+    r.row[3] = voxels + ((size_t)z1 * dims.y + y1) * dims.x;
+    return r;
+}
+
+INLINE uchar halved(four_rows r, int count, int x) {
+    int x1 = min(x + 1, count - 1);
+    uint sum = 4;
+    for (int i = 0; i < 4; i++) sum += (uint)r.row[i][x] + r.row[i][x1];
+    return (uchar)(sum >> 3);
+}
+
+#define SMOOTH_AT(rows, i) (((rows)[(i) - 1] + 2 * (rows)[i] + (rows)[(i) + 1] + 32) >> 6)
+
+#if LANES == 16
+#define MAX_HALF 1028 /* half of MAX_ROW, and the padding */
+
+INLINE ushort16 pair_sums(__global const uchar *p) {
+    uchar16 a = vload16(0, p), b = vload16(1, p);
+    return (ushort16)(convert_ushort8(a.even) + convert_ushort8(a.odd),
+                      convert_ushort8(b.even) + convert_ushort8(b.odd));
+}
+
+WIDE __kernel void lit_halve(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *out) {
+    int y = (int)get_global_id(1), z = (int)get_global_id(2);
+    __global uchar *to = out + ((size_t)z * half_dims.y + y) * half_dims.x;
+    int sy = 2 * (y - LIT_PAD), sz = 2 * (z - LIT_PAD);
+    if (sy < 0 || sz < 0 || sy >= dims.y || sz >= dims.z) {
+        for (int x = 0; x < half_dims.x; x++) to[x] = 0;
+        return;
+    }
+    four_rows r = rows_below(voxels, dims, sy, sz);
+    for (int i = 0; i < LIT_PAD; i++) to[i] = to[half_dims.x - 1 - i] = 0;
+    int x = 0;
+    for (; x + 32 <= dims.x; x += 32) {
+        ushort16 sum = pair_sums(r.row[0] + x) + pair_sums(r.row[1] + x) + pair_sums(r.row[2] + x) +
+                       pair_sums(r.row[3] + x);
+        vstore16(convert_uchar16((sum + (ushort)4) >> (ushort)3), 0, to + LIT_PAD + x / 2);
+    }
+    for (; x < dims.x; x += 2) to[LIT_PAD + x / 2] = halved(r, dims.x, x);
+}
+
+/* Sums of 3 x 3 rows with the weights of y and z. */
+INLINE ushort16 weigh_rows(__global const uchar *at, size_t row, size_t slice) {
+    ushort16 sum = 0;
+    for (int z = -1; z <= 1; z++) {
+        __global const uchar *p = at + z * (long)slice;
+        ushort16 line = convert_ushort16(vload16(0, p - row)) + convert_ushort16(vload16(0, p + row)) +
+                        convert_ushort16(vload16(0, p)) * (ushort)2;
+        sum += z == 0 ? line * (ushort)2 : line;
+    }
+    return sum;
+}
+
+INLINE ushort weigh_row(__global const uchar *at, size_t row, size_t slice) {
+    ushort sum = 0;
+    for (int z = -1; z <= 1; z++) {
+        __global const uchar *p = at + z * (long)slice;
+        ushort line = (ushort)(*(p - row) + *(p + row) + 2 * *p);
+        sum += z == 0 ? 2 * line : line;
+    }
+    return sum;
+}
+
+WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
+    int y = (int)get_global_id(1), z = (int)get_global_id(2);
+    size_t row = dims.x, slice = (size_t)dims.x * dims.y, begin = (size_t)z * slice + (size_t)y * row;
+    if (y == 0 || z == 0 || y == dims.y - 1 || z == dims.z - 1) {
+        for (int x = 0; x < dims.x; x++) out[begin + x] = 0;
+        return;
+    }
+    ushort sums[MAX_HALF + 16];
+    int x = 0;
+    for (; x + 16 <= dims.x; x += 16) vstore16(weigh_rows(half_size + begin + x, row, slice), 0, sums + x);
+    for (; x < dims.x; x++) sums[x] = weigh_row(half_size + begin + x, row, slice);
+    out[begin] = out[begin + dims.x - 1] = 0;
+    for (x = 1; x + 16 < dims.x; x += 16) {
+        ushort16 sum = vload16(0, sums + x - 1) + vload16(0, sums + x) * (ushort)2 + vload16(0, sums + x + 1);
+        vstore16(convert_uchar16((sum + (ushort)32) >> (ushort)6), 0, out + begin + x);
+    }
+    for (; x < dims.x - 1; x++) out[begin + x] = (uchar)SMOOTH_AT(sums, x);
+}
+#else
+__kernel void lit_halve(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *out) {
+    int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2);
+    int sx = 2 * (x - LIT_PAD), sy = 2 * (y - LIT_PAD), sz = 2 * (z - LIT_PAD);
+    uchar value = 0;
+    if (min(sx, min(sy, sz)) >= 0 && sx < dims.x && sy < dims.y && sz < dims.z)
+        value = halved(rows_below(voxels, dims, sy, sz), dims.x, sx);
+    out[((size_t)z * half_dims.y + y) * half_dims.x + x] = value;
+}
+
+__kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
+    int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2);
+    size_t at = ((size_t)z * dims.y + y) * dims.x + x;
+    if (min(x, min(y, z)) == 0 || x == dims.x - 1 || y == dims.y - 1 || z == dims.z - 1) {
+        out[at] = 0;
+        return;
+    }
+    uint sum = 32;
+    for (int dz = -1; dz <= 1; dz++)
+        for (int dy = -1; dy <= 1; dy++)
+            for (int dx = -1; dx <= 1; dx++)
+                sum += (uint)half_size[at + (dz * (long)dims.y + dy) * dims.x + dx] * (uint)(2 - abs(dx)) *
+                       (uint)(2 - abs(dy)) * (uint)(2 - abs(dz));
+    out[at] = (uchar)(sum >> 6);
+}
+#endif
+
+/*
+ * The mean opacity of blocks of `block` smoothed voxels an edge, 0 .. 255; what stands out of the volume is
+ * 0. window: x T_L * 255, y 1 / ((T_H - T_L) * 255). cells.w: block.
+ */
+INLINE void make_cell(__global const uchar *smooth, int4 dims, int4 cells, float4 window, int x, int y, int z,
+                      __global uchar *out) {
+    int block = cells.w, x1 = min((x + 1) * block, dims.x);
+    int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
+    float sum = 0.0f;
+    for (int k = z * block; k < z1; k++)
+        for (int j = y * block; j < y1; j++) {
+            __global const uchar *row = smooth + ((size_t)k * dims.y + j) * dims.x;
+            for (int i = x * block; i < x1; i++)
+                sum += clamp(((float)row[i] - window.x) * window.y, 0.0f, 1.0f);
+        }
+    out[(z * cells.y + y) * cells.x + x] =
+        convert_uchar_sat_rte(255.0f * sum / (float)(block * block * block));
+}
+
+__kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, float4 window,
+                          __global uchar *out) {
+    int y = (int)get_global_id(1), z = (int)get_global_id(2);
+    for (int x = (int)get_global_id(0); x < cells.x; x += (int)get_global_size(0))
+        make_cell(smooth, dims, cells, window, x, y, z, out);
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* What both looks of the renderer share: the box' slices, thresholds, and a launch over a picture. */
+#ifndef HS_DVR_VIEW_H
+#define HS_DVR_VIEW_H
+
+#include "render/camera.h"
+#include "render/dvr_settings.h"
+#include "render/host_launch.h"
+
+#define HS_DVR_HARD_CUT 1e-6f /* steps: a ghost no wider than this is a hard cut */
+
+/* Source slices along the box' depth: round(depth_extent / finest spacing), 1 at least. */
+double hs_dvr_slices(const hs_volume *shape, const hs_camera *camera);
+
+/* factor * v, as kernels take it. */
+cl_float4 hs_dvr_float4(const double v[3], double factor);
+
+/* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
+ * 0. */
+cl_int hs_dvr_transparent(const hs_dvr_settings *settings);
+
+/* Runs a kernel over the picture, a work item a packet of pixels (cl/base.cl); does not wait. */
+bool hs_dvr_launch(const hs_launch *launch, const hs_dvr_settings *settings, cl_event *event, hs_error *err);
+
+#endif
