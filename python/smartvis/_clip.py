@@ -92,7 +92,7 @@ def clip(
         an axis are resampled by ``resample``: "scipy" or "simpleitk".
     `scanned`
         what the probe scanned: None: everything; "auto": all but the zeros that touch the border (needs SciPy);
-        a mask [z, y, x]; or a pair of maps (first, end) [y, x] of slices.
+        "rays": on every ray all from the first voxel that is not 0 to the last, which is faster; a mask [z, y, x]; or a pair of maps (first, end) [y, x] of slices.
     `method`, `parameters`
         those of the plugin, see `parameters()`.
     `window`
@@ -131,9 +131,9 @@ def _what_was_scanned(voxels: NDArray[np.uint8], scanned: Any) -> tuple[NDArray[
     if scanned is None:
         return voxels, None
     if isinstance(scanned, str):
-        if scanned != "auto":
-            raise ValueError(f"scanned='{scanned}', expected 'auto', a mask or two maps")
-        return fan(voxels)
+        if scanned not in ("auto", "rays"):
+            raise ValueError(f"scanned='{scanned}', expected 'auto', 'rays', a mask or two maps")
+        return fan(voxels) if scanned == "auto" else (voxels, voxels != 0)
     if isinstance(scanned, (tuple, list)) and len(scanned) == 2:
         first, end = (np.asarray(m) for m in scanned)
         if first.shape != voxels.shape[1:] or end.shape != voxels.shape[1:]:

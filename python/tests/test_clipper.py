@@ -41,12 +41,12 @@ def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
             clipper(volume)  # what Python and ctypes keep for themselves comes once
         before = tracemalloc.get_traced_memory()[0]
         tracemalloc.reset_peak()
-        for _ in range(50):
+        for _ in range(400):
             clipper(volume)
         after, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert maps == [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
-    assert after - before < 1024  # less than an object a volume
+    assert after - before < 4096  # the bound methods that Python keeps; ten bytes a volume
     assert most - before < 8192 < clipper.result.depth.nbytes  # nowhere a copy, not even of a map
 
 
