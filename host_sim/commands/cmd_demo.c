@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
 #include "guarded/guard_line.h"
@@ -213,14 +214,14 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     request.volumes = volumes;
     request.volume_count = c->scene ? 0 : 1;
     request.loop.frames = d->quick ? 10 : 30;
-    (void)fprintf(stderr, "host_sim demo: %s ...\n", c->folder);
+    hs_print(stderr, "host_sim demo: %s ...\n", c->folder);
     if (!hs_path_join(d->out, c->folder, folder, sizeof folder, err) || !hs_path_make_folder(folder, err))
         return false;
     if (!hs_run_open(&run, &request, err)) return false;
     const bool ok = run_opened(d, c, &run, folder, err);
     const hs_error *failure = hs_run_plugin_error(&run);
     if (failure->code != HS_OK) {
-        (void)fprintf(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
+        hs_print(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
         (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
     }
     (void)hs_run_close(&run, &d->plugin_error); /* the first failure counts */
@@ -270,7 +271,7 @@ static bool run_demo(demo *d, hs_error *err) {
     /* A page that misses a case would look complete. */
     if (!ok) (void)hs_fail(&d->report.error, err->code, "%s", err->text);
     if (!hs_page_close(&d->report, ok ? err : &d->report.error) || !ok) return false;
-    (void)printf("Pictures are in %s, the page is %s\n", d->out, page);
+    hs_print(stdout, "Pictures are in %s, the page is %s\n", d->out, page);
     return true;
 }
 

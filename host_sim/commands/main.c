@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
+#include "base/text.h"
 #include "commands/cmd_demo.h"
 #include "commands/cmd_info.h"
 #include "commands/cmd_list.h"
@@ -14,6 +15,7 @@
 #include "picture/picture_text.h"
 #include "smartvis_plugin.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -60,7 +62,14 @@ static void print_version(void) {
                  (unsigned)SV_ABI_MINOR);
 }
 
-int main(int argc, char **argv) {
+/* What was printed must have arrived: on a full disk it did not, and only the last flush may tell. */
+static int finish_output(int code) {
+    if (fflush(stdout) == 0 && ferror(stdout) == 0) return code;
+    (void)fprintf(stderr, "host_sim: the standard output cannot be written: %s\n", strerror(errno));
+    return code == HS_OK ? HS_ERR_OUTPUT : code;
+}
+
+static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
         return HS_ERR_USAGE;
@@ -81,6 +90,10 @@ int main(int argc, char **argv) {
             hs_picture_finish();
             return code;
         }
-    (void)fprintf(stderr, "host_sim: '%s' is no command\nTry 'host_sim --help'.\n", argv[1]);
+    hs_print(stderr, "host_sim: '%s' is no command\nTry 'host_sim --help'.\n", argv[1]);
     return HS_ERR_USAGE;
+}
+
+int main(int argc, char **argv) {
+    return finish_output(run(argc, argv));
 }
