@@ -62,9 +62,9 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
     vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
     vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
     vi iz = spline_voxel(at.z, s->dims.z, &fz);
-    SPLINE(fx, wx) SPLINE(fy, wy) SPLINE(fz, wz)
-    SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz)
-    vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
+    SPLINE(fx, wx)
+    SPLINE(fy, wy) SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i =
+        (iz * s->dims.y + iy) * s->dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     for (int z = 0; z < 3; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
@@ -100,6 +100,8 @@ INLINE float surface_sample(__global const float *map, int4 map_dims, float4 to_
     return depth > 0.0f && depth < INFINITY ? depth * to_samples.x + to_samples.y : UNCLIPPED;
 }
 
+#define MAP_REACH 2.0f /* pixels of the depthmap to either side: its slope is rougher than it is */
+
 /* The clipping surface's normal under a packet's pixels. */
 INLINE directions map_normal(const lit_scene *s, int px, int py) {
     float nx[LANES], ny[LANES];
@@ -108,13 +110,14 @@ INLINE directions map_normal(const lit_scene *s, int px, int py) {
     for (int lane = 0; lane < LANES; lane++) {
         float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
         float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
-        float left = map_at(s->map, s->map_dims.x, s->map_dims.y, x - 1.0f, y);
-        float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + 1.0f, y);
-        float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - 1.0f);
-        float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + 1.0f);
+        float left = map_at(s->map, s->map_dims.x, s->map_dims.y, x - MAP_REACH, y);
+        float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + MAP_REACH, y);
+        float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - MAP_REACH);
+        float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + MAP_REACH);
         bool flat = !(min(min(left, right), min(above, below)) > 0.0f) ||
                     !(max(max(left, right), max(above, below)) < INFINITY);
-        float mm = 0.5f * s->to_samples.x / s->per_mm.z; /* millimetres a slice of difference over two pixels */
+        /* Millimetres a slice of difference, over 2 * MAP_REACH pixels. */
+        float mm = 0.5f / MAP_REACH * s->to_samples.x / s->per_mm.z;
         nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * scale_x;
         ny[lane] = flat ? 0.0f : (below - above) * mm * s->per_mm.y * scale_y;
     }
@@ -159,15 +162,21 @@ INLINE vi removed(const lit_scene *s, lit_place p) {
     return MASK((d > 0.0f) & (d < INFINITY) & (p.n < d * s->to_samples.x + s->to_samples.y));
 }
 
-/* Mean opacity at a place, 0 .. 1; none outside the volume and in what was removed. */
-INLINE vf opacity_at(const lit_scene *s, lit_place p) {
+/* Mean opacity at a place, 0 .. 1; none outside the volume. */
+INLINE vf mean_opacity_at(const lit_scene *s, lit_place p) {
     float block = (float)s->cells.w, shift = 0.5f * (block - 1.0f), scale = 1.0f / block;
     vf x = (p.at.x - shift) * scale, y = (p.at.y - shift) * scale, z = (p.at.z - shift) * scale;
     vf value = blend(fetch(s->opacity, s->cells, x, y, z)) * (1.0f / 255.0f);
     vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
                       (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
-    if (s->map_dims.x > 0) outside |= removed(s, p);
     return select(value, (vf)(0.0f), outside);
+}
+
+/* The same, and none in what was removed. */
+INLINE vf opacity_at(const lit_scene *s, lit_place p) {
+    vf value = mean_opacity_at(s, p);
+    if (s->map_dims.x > 0) value = select(value, (vf)(0.0f), removed(s, p));
+    return value;
 }
 
 #define OCCLUSION_REACH 3 /* samples along the normal */

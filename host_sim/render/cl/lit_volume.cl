@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the lit look draws (host_sim/render/lit_volume.h): the volume halved, then smoothed, and a coarse grid
- * of opacities for light. A halved voxel is the mean of 2 x 2 x 2; the smoothing has the weights 1, 2, 1 along
- * every axis. Both round to the nearest level, halves up. LIT_PAD voxels of 0 surround the halved volume, so
- * that a volume's own faces are edges like any other and nothing is ever read outside.
+ * What the lit look draws (host_sim/render/lit_volume.h): the volume halved (if large), then smoothed, and a
+ * coarse grid of opacities for light. A halved voxel is the mean of 2 x 2 x 2; the smoothing has the weights
+ * 1, 2, 1 along every axis. Both round to the nearest level, halves up. LIT_PAD voxels of 0 surround the
+ * halved volume, so that a volume's own faces are edges like any other and nothing is ever read outside.
  *
  * CPU: a work item makes a row; global (1, y, z). GPU: a work item makes a voxel; global (x, y, z).
  */
@@ -31,7 +31,19 @@ INLINE uchar halved(four_rows r, int count, int x) {
     return (uchar)(sum >> 3);
 }
 
-#define SMOOTH_AT(rows, i) (((rows)[(i) - 1] + 2 * (rows)[i] + (rows)[(i) + 1] + 32) >> 6)
+/* A small volume is not halved: it has no voxel to spare. */
+__kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
+    int y = (int)get_global_id(1), z = (int)get_global_id(2), sy = y - LIT_PAD, sz = z - LIT_PAD;
+    bool inside = min(sy, sz) >= 0 && sy < dims.y && sz < dims.z;
+    for (int x = (int)get_global_id(0); x < out_dims.x; x += (int)get_global_size(0)) {
+        int sx = x - LIT_PAD;
+        uchar value = 0;
+        if (inside && sx >= 0 && sx < dims.x) value = voxels[((size_t)sz * dims.y + sy) * dims.x + sx];
+        out[((size_t)z * out_dims.y + y) * out_dims.x + x] = value;
+    }
+}
+
+#define SMOOTH_AT(rows, i) (((rows)[(i)-1] + 2 * (rows)[i] + (rows)[(i) + 1] + 32) >> 6)
 
 #if LANES == 16
 #define MAX_HALF 1028 /* half of MAX_ROW, and the padding */
