@@ -43,11 +43,11 @@ typedef struct {
     }
 
 #if LANES == 16
-#define BYTES(p, i)                                                                                          \
+#define LEVELS(p, i)                                                                                         \
     TO_VF((uchar16)((p)[i.s0], (p)[i.s1], (p)[i.s2], (p)[i.s3], (p)[i.s4], (p)[i.s5], (p)[i.s6], (p)[i.s7],  \
                     (p)[i.s8], (p)[i.s9], (p)[i.sa], (p)[i.sb], (p)[i.sc], (p)[i.sd], (p)[i.se], (p)[i.sf]))
 #else
-#define BYTES(p, i) TO_VF((p)[i])
+#define LEVELS(p, i) TO_VF((p)[i])
 #endif
 
 INLINE vi spline_voxel(vf position, int count, vf *fraction) {
@@ -63,14 +63,14 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
     vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
     vi iz = spline_voxel(at.z, s->dims.z, &fz);
     SPLINE(fx, wx)
-    SPLINE(fy, wy) SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i =
-        (iz * s->dims.y + iy) * s->dims.x + ix;
+    SPLINE(fy, wy)
+    SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     for (int z = 0; z < 3; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
         for (int y = 0; y < 3; y++) {
             __global const uchar *p = s->smooth + ((z - 1) * s->dims.y + y - 1) * s->dims.x;
-            vf a = BYTES(p - 1, i), b = BYTES(p, i), c = BYTES(p + 1, i);
+            vf a = LEVELS(p - 1, i), b = LEVELS(p, i), c = LEVELS(p + 1, i);
             vf along = dx[0] * a + dx[1] * b + dx[2] * c, value = wx[0] * a + wx[1] * b + wx[2] * c;
             plane.x += wy[y] * along;
             plane.y += dy[y] * value;
@@ -93,11 +93,8 @@ INLINE directions normal_at(const lit_scene *s, packet at) {
     return normalised(n);
 }
 
-/* What the depthmap has at a pixel of it, in samples; far before the box where nothing is clipped. */
-INLINE float surface_sample(__global const float *map, int4 map_dims, float4 to_samples, int x, int y) {
-    int at = clamp(y, 0, map_dims.y - 1) * map_dims.x + clamp(x, 0, map_dims.x - 1);
-    float depth = map[at];
-    return depth > 0.0f && depth < INFINITY ? depth * to_samples.x + to_samples.y : UNCLIPPED;
+INLINE bool is_depth(float depth) {
+    return depth > 0.0f && depth < INFINITY;
 }
 
 #define MAP_REACH 2.0f /* pixels of the depthmap to either side: its slope is rougher than it is */
@@ -114,8 +111,7 @@ INLINE directions map_normal(const lit_scene *s, int px, int py) {
         float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + MAP_REACH, y);
         float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - MAP_REACH);
         float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + MAP_REACH);
-        bool flat = !(min(min(left, right), min(above, below)) > 0.0f) ||
-                    !(max(max(left, right), max(above, below)) < INFINITY);
+        bool flat = !(is_depth(left) && is_depth(right) && is_depth(above) && is_depth(below));
         /* Millimetres a slice of difference, over 2 * MAP_REACH pixels. */
         float mm = 0.5f / MAP_REACH * s->to_samples.x / s->per_mm.z;
         nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * scale_x;

@@ -130,7 +130,7 @@ WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global 
     clip_packet(p, dn, dims, &first, &end);
     bool veiled = to_samples.z > 0.0f;
     vf begin = max(first, floor(veiled ? ghost.rise : ghost.full) + 1.0f);
-    int n = (int)clamp(lanes_min(begin), 0.0f, (float)dims.w), last = (int)lanes_max(end);
+    int n = (int)clamp(lanes_min(begin), 0.0f, (float)dims.w), last = min((int)lanes_max(end) + 1, dims.w);
     met m = march(smooth, dims, grid, bricks, p, dn, ghost, window, veiled, n, last);
 
     colours c = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
