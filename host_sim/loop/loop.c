@@ -142,7 +142,8 @@ static bool bring_volume(hs_loop *loop, uint32_t index, hs_error *err) {
     const uint32_t wanted = index % loop->source->count;
     if (wanted == loop->resident && !loop->options.live) return true;
     loop->resident = wanted;
-    return hs_device_volume_replace(loop->volume, hs_source_volume(loop->source, wanted), err);
+    return hs_device_volume_replace(loop->volume, hs_source_volume(loop->source, wanted), err) &&
+           hs_screen_prepare(loop->screen, loop->volume, err);
 }
 
 static bool wait_for(const hs_loop *loop, const char *stage, hs_error *err) {

@@ -185,6 +185,7 @@ static void frames_create_and_compile_nothing(void **state) {
         hs_loop_options o = options_with(&value, 1);
         o.carrier = carrier;
         o.live = true;
+        if (carrier != SV_CARRIER_HOST) hs_loop_for_pictures(&o, HS_LOOK_LIT);
         hs_loop *loop = make_loop(f, &o);
         assert_true(creations > 0); /* the spy is in place: making the loop went through it */
         for (int s = 0; s < HS_SETTING_COUNT; s++) {
