@@ -4,19 +4,23 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # ON: compiler warnings are errors. Off by default, so that a newer compiler's new warnings stop no user.
 SV_WERROR ?= OFF
 OUT ?= out
+# Where `make install` puts everything; DESTDIR is put before it, as packagers do.
+PREFIX ?= /usr/local
+DESTDIR ?=
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
 
 SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
 LINT_PACKAGES := scripts/packages-lint.txt
+DEB_PACKAGES := scripts/packages-deb.txt
 
 # $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
 build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup demo report test test-sanitize test-clang lint format bench clean help
+.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang lint format bench clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -24,6 +28,19 @@ all: ## build/smartvis.so and build/host_sim (installs nothing)
 
 setup: ## install the Debian packages that are missing (needs root if any are)
 	@$(SETUP) $(PACKAGES)
+
+install: all ## install to PREFIX (/usr/local), below DESTDIR if that is given
+	@DESTDIR='$(DESTDIR)' cmake --install build --prefix '$(PREFIX)'
+
+dist: ## the committed sources as out/dist/smartvis-VERSION.tar.gz; the same commit gives the same bytes
+	@scripts/dist.sh $(OUT)/dist
+
+deb: ## Debian packages of the committed sources, looked over by lintian: out/deb
+	@$(SETUP) $(PACKAGES) $(DEB_PACKAGES)
+	@scripts/deb.sh $(OUT)/deb
+
+try-deb: ## install out/deb on this machine (needs root), then the template's three commands, from its README to a picture
+	@scripts/try_deb.sh $(OUT)/deb
 
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)

@@ -14,6 +14,7 @@ committed.
 
   --dir FOLDER   where the root is made: a folder that is empty or not there (default: a new one in $TMPDIR or /tmp)
   --mirror URL   Debian mirror (default: the first repository of apt's configuration that has the SUITE)
+  --bring FOLDER copied into the clone, as out/<its name>: what was built elsewhere, for a target that tries it
   --keep         leave the root there at the end, unmounted
   --help         print this text
 
@@ -54,9 +55,10 @@ export_proxies() {
     done
 }
 
-make_root() { # make_root ROOT SUITE MIRROR CHECKOUT
+make_root() { # make_root ROOT SUITE MIRROR CHECKOUT BRING
     # A mount point of its own: only so can what runs in it make namespaces, as a test of this script does.
     mount --bind "$1" "$1" || return 1
+    chmod 755 "$1" || return 1 # as / is: a user other than root reads it, too
     debootstrap --variant=minbase --include=make,ca-certificates "$2" "$1" "$3" || return 1
     # The machine's way to the mirror holds in the root, too: proxies, and which dates apt checks.
     if command -v apt-config > /dev/null; then
@@ -64,14 +66,15 @@ make_root() { # make_root ROOT SUITE MIRROR CHECKOUT
             > "$1/etc/apt/apt.conf.d/10machine" || true
     fi
     git clone --quiet --no-hardlinks "$4" "$1/smartvis" || return 1
+    [ -z "$5" ] || { mkdir -p "$1/smartvis/out" && cp -r "$5" "$1/smartvis/out/"; } || return 1
     mount -t proc proc "$1/proc" && mount --rbind /sys "$1/sys" && mount --rbind /dev "$1/dev"
 }
 
 # Runs as the first process of namespaces of its own: when it ends, in whatever way, so do all processes and mounts.
-inside() { # inside ROOT SUITE MIRROR CHECKOUT TARGET...
+inside() { # inside ROOT SUITE MIRROR CHECKOUT BRING TARGET...
     local root=$1 suite=$2 target start variables=() targets=() code=0
-    make_root "$1" "$2" "$3" "$4" || stop 4 "the root of $suite could not be made"
-    shift 4
+    make_root "$1" "$2" "$3" "$4" "$5" || stop 4 "the root of $suite could not be made"
+    shift 5
     for target in "$@"; do
         case $target in
         *=*) variables+=("$target") ;;
@@ -99,7 +102,7 @@ if [ "${1:-}" = --inside ]; then
     exit
 fi
 
-folder= mirror= keep=0
+folder= mirror= bring= keep=0
 while [[ ${1:-} == -* ]]; do
     case $1 in
     --help)
@@ -107,9 +110,13 @@ while [[ ${1:-} == -* ]]; do
         exit 0
         ;;
     --keep) keep=1 ;;
-    --dir | --mirror)
+    --dir | --mirror | --bring)
         [ -n "${2:-}" ] || stop 2 "$1 has no value"
-        if [ "$1" = --dir ]; then folder=$2; else mirror=$2; fi
+        case $1 in
+        --dir) folder=$2 ;;
+        --mirror) mirror=$2 ;;
+        --bring) bring=$2 ;;
+        esac
         shift
         ;;
     *) stop 2 "unknown option '$1' (--help lists them)" ;;
@@ -127,6 +134,7 @@ for target in "$@"; do
 done
 [ $named = 1 ] || stop 2 "no TARGET for '$suite' (--help explains)"
 
+[ -z "$bring" ] || [ -d "$bring" ] || stop 2 "--bring $bring is no folder"
 [ "$(id -u)" -eq 0 ] || stop 3 "not root (user id $(id -u)): making and entering a root needs it"
 PATH=$PATH:/usr/sbin:/sbin
 for program in debootstrap git unshare; do
@@ -140,6 +148,8 @@ if [ -n "$folder" ]; then
     [ ! -e "$folder" ] || [ -d "$folder" ] || stop 3 "--dir $folder is no folder"
     [ -z "$(ls -A "$folder" 2> /dev/null)" ] || stop 3 "--dir $folder is not empty"
 fi
+
+[ -z "$bring" ] || bring=$(cd "$bring" && pwd)
 
 scratch=$(mktemp -d)
 child=
@@ -164,7 +174,7 @@ echo "bare_root: $suite from $mirror in $folder"
 
 # In the background, so that a signal is heard at once: --kill-child then ends everything in the root.
 unshare --mount --pid --fork --kill-child --propagation private \
-    bash "$checkout/scripts/bare_root.sh" --inside "$folder" "$suite" "$mirror" "$checkout" "$@" &
+    bash "$checkout/scripts/bare_root.sh" --inside "$folder" "$suite" "$mirror" "$checkout" "$bring" "$@" &
 child=$!
 code=0
 wait "$child" || code=$?

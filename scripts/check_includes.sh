@@ -31,6 +31,7 @@ src/method                 | abi shared kernels src src/ref src/device .        
 src/frame                  | abi shared kernels src src/ref src/device src/method .     | libc opencl
 src/abi                    | abi shared src src/device src/method src/frame .           | libc opencl
 host_sim/base              | .                                                          | libc
+host_sim/guard             | host_sim/base .                                            | libc
 host_sim/volume            | host_sim/base .                                            | libc zlib
 host_sim/picture           | host_sim/base .                                            | libc drawing
 host_sim/plugin            | abi host_sim/base .                                        | libc
@@ -50,7 +51,7 @@ tests/*                    | any kernels                                        
 tests/*/*                  | any kernels                                                | any
 TABLE
 }
-machine='host_sim/base host_sim/volume host_sim/plugin host_sim/scene host_sim/render' # MACHINE
+machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render' # MACHINE
 host="$machine host_sim/picture host_sim/loop host_sim/eval host_sim/report"        # HOST
 
 # The groups of <...>, and where a "..." may be found from each part of the tree.
@@ -58,7 +59,7 @@ groups() {
     cat <<'TABLE'
 fixed   stdint.h stddef.h
 libc    assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h fenv.h float.h getopt.h inttypes.h limits.h locale.h
-libc    math.h pthread.h sched.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h
+libc    math.h poll.h pthread.h sched.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h
 libc    string.h strings.h threads.h time.h unistd.h wchar.h sys/*
 opencl  CL/*
 futex   linux/futex.h

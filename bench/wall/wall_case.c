@@ -63,7 +63,8 @@ static bool make_ranges(wall_case *c, hs_error *err) {
 static bool read_as_it_is(const char *folder, const char *file, bool wide, hs_volume *out, hs_error *err) {
     char path[1024];
     (void)snprintf(path, sizeof path, "%s/%s", folder, file);
-    const hs_metaimage_options options = {HS_PADDING_ALL, wide, 0.0, 255.0};
+    const hs_metaimage_options options = {
+        .padding = HS_PADDING_ALL, .has_window = wide, .window_low = 0.0, .window_high = 255.0};
     return hs_metaimage_read(path, &options, out, err);
 }
 

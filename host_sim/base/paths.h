@@ -14,4 +14,8 @@ bool hs_path_make_folder(const char *path, hs_error *err);
 /* Writes "<folder>/<name>" to out; HS_ERR_OUTPUT if it is longer than `bytes`. */
 bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err);
 
+/* Writes "<folder of the running program>/<name>" to out: what was moved together is found together. False if
+ * the program cannot be told (no /proc) or the path is longer than `bytes`; out is then "". */
+bool hs_path_beside_program(const char *name, char *out, size_t bytes);
+
 #endif

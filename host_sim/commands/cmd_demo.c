@@ -29,7 +29,7 @@ static const char help_text[] =
     "\n"
     "  --out DIR       folder for the pictures and the page [out/demo]\n"
     "  --data DIR      also runs the MetaImage volumes (.mha, .mhd) of this folder, four at most\n"
-    "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH   library to load, a path or a name [smartvis]\n"
     "  --quick         smaller scenes and fewer frames\n"
     "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
     "  --light AZ,EL   where the lamp of the lit look is, degrees: right, up [-35,40]\n"

@@ -13,7 +13,8 @@
 
 static const char help_text[] =
     "Usage: host_sim info FILE...\n"
-    "Prints size, spacing, share of unscanned voxels and a histogram of MetaImage volumes.\n"
+    "Prints what MetaImage volumes are: size, spacing, how they lie in the patient, the share of unscanned\n"
+    "voxels, a histogram; of a sequence, how many volumes there are, and this of the first one.\n"
     "\n"
     "  --help   this text\n"
     "\n";
@@ -44,7 +45,25 @@ static void print_histogram(const size_t levels[256]) {
     }
 }
 
-static void print_volume(const char *path, const hs_volume *v) {
+static void print_pose(const hs_volume *v) {
+    char words[200], letters[4];
+    hs_pose_words(&v->pose, words, sizeof words);
+    hs_pose_letters(&v->pose, letters);
+    if (v->pose.stated)
+        (void)printf("  in the patient: %s (%s)\n", words, letters);
+    else
+        (void)printf("  in the patient: not said\n");
+    if (v->pose.contradicted[0])
+        (void)printf(
+            "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
+            v->pose.contradicted);
+    if (hs_pose_is_mirrored(&v->pose))
+        (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
+    (void)printf("  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
+                 v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
+}
+
+static void print_volume(const hs_volume *v) {
     size_t levels[256];
     int low = 255, high = 0;
     count_levels(v, levels);
@@ -53,16 +72,53 @@ static void print_volume(const char *path, const hs_volume *v) {
             low = level < low ? level : low;
             high = level;
         }
-    (void)printf("%s\n", path);
     (void)printf("  %u x %u x %u voxels of %g x %g x %g mm: %.1f x %.1f x %.1f mm\n", v->nx, v->ny, v->nz,
                  v->spacing[0], v->spacing[1], v->spacing[2], v->nx * v->spacing[0], v->ny * v->spacing[1],
                  v->nz * v->spacing[2]);
+    print_pose(v);
     (void)printf("  %.2f %% of the voxels were not scanned", 100 * hs_unscanned_share(v));
     if (high > 0)
         (void)printf("; the others hold %d .. %d\n", low, high);
     else
         (void)printf("\n");
     print_histogram(levels);
+}
+
+/* What the file says about its volumes; `first` is what it says about the first one. */
+static void print_sequence(uint32_t volumes, uint32_t left_out, const hs_frame_fields *first,
+                           double seconds) {
+    (void)printf("  a sequence of %u volumes", volumes);
+    if (left_out > 0) (void)printf(", beside %u that are left out: their ImageStatus is INVALID", left_out);
+    if (seconds > 0) (void)printf("; %g s from the first to the last", seconds);
+    for (uint32_t t = 0; t < first->transform_count; t++)
+        (void)printf("%s%s", t ? ", " : "; transforms: ", first->transforms[t].name);
+    (void)printf("\n  the first one:\n");
+}
+
+/* All volumes are read, so that a file that is damaged further on is told; the first one is described. */
+static bool print_file(const char *path, hs_error *err) {
+    hs_metaimage *file = hs_metaimage_open(path, NULL, err);
+    hs_volume first = {0};
+    hs_frame_fields said = {0}, last;
+    const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
+    bool ok = file && hs_metaimage_next(file, &first, &said);
+    last = said;
+    for (uint32_t i = 1; ok && i < volumes; i++) {
+        hs_volume volume;
+        ok = hs_metaimage_next(file, &volume, &last);
+        hs_volume_free(&volume);
+    }
+    if (ok) {
+        const uint32_t left_out = hs_metaimage_left_out(file);
+        (void)printf("%s\n", path);
+        if (volumes > 1 || left_out > 0)
+            print_sequence(volumes, left_out, &said,
+                           said.has_time && last.has_time ? last.time - said.time : 0);
+        print_volume(&first);
+    }
+    hs_volume_free(&first);
+    hs_metaimage_close(file);
+    return ok;
 }
 
 int hs_cmd_info(int argc, char **argv) {
@@ -82,11 +138,7 @@ int hs_cmd_info(int argc, char **argv) {
         (void)hs_fail(&err, HS_ERR_USAGE, "no FILE given");
         return hs_cli_fail("info", &err);
     }
-    for (int i = optind; i < argc; i++) {
-        hs_volume volume;
-        if (!hs_metaimage_read(argv[i], NULL, &volume, &err)) return hs_cli_fail("info", &err);
-        print_volume(argv[i], &volume);
-        hs_volume_free(&volume);
-    }
+    for (int i = optind; i < argc; i++)
+        if (!print_file(argv[i], &err)) return hs_cli_fail("info", &err);
     return HS_OK;
 }

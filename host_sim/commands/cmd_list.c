@@ -18,10 +18,10 @@ static const char help_text[] =
     "device.\n"
     "Parameters that do not matter with the values of the others are left out.\n"
     "\n"
-    "  --plugin PATH   library to load [smartvis.so beside host_sim]\n"
-    "  --set KEY=VALUE a parameter's value, for what depends on it; repeatable [the defaults]\n"
-    "  --all           all parameters\n"
-    "  --help          this text\n"
+    "  --plugin PATH    library to load, a path or a name [smartvis]\n"
+    "  --set KEY=VALUE  a parameter's value, for what depends on it; repeatable [the defaults]\n"
+    "  --all            all parameters\n"
+    "  --help           this text\n"
     "\n"
     "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
     "       reactivate = read at activation only; adjust = may change without a new volume\n"
@@ -177,7 +177,7 @@ static bool print_library(const list_line *line, hs_error *err) {
     hs_plugin first;
     if (!hs_plugin_open(&first, line->path, NULL, SV_LOG_WARNING, err)) return false;
     const sv_entry *entry = first.entry;
-    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", line->path, entry->abi_major, entry->abi_minor,
+    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", first.path, entry->abi_major, entry->abi_minor,
                  entry->count, entry->count == 1 ? "" : "s");
     bool ok = true;
     for (uint32_t i = 0; ok && i < entry->count; i++) ok = print_plugin(line, entry->descriptor(i), err);

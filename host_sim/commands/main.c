@@ -36,7 +36,17 @@ static void print_help(FILE *out) {
     (void)fprintf(
         out,
         "\n'host_sim COMMAND --help' tells all options of a command, 'host_sim --version' the versions.\n"
-        "SMARTVIS_DEVICE=cpu or gpu in the environment narrows the choice of the OpenCL device.\n\n%s",
+        "\n"
+        "Environment:\n"
+        "  SMARTVIS_DEVICE       cpu or gpu: narrows the choice of the OpenCL device\n"
+        "  SMARTVIS_PLUGIN_PATH  folders, parted by ':', in which a plugin is looked for by its name; "
+        "behind\n"
+        "                        them ../lib/smartvis beside the folder of host_sim, "
+        "/usr/local/lib/smartvis\n"
+        "                        and /usr/lib/smartvis\n"
+        "  SMARTVIS_SCENES       folder of the built-in scenes [../share/smartvis/scenes beside the folder "
+        "of\n"
+        "                        host_sim]\n\n%s",
         hs_exit_codes_help);
 }
 

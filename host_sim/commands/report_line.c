@@ -20,7 +20,7 @@ static const char help_text[] =
     "  --size N         voxels per axis of the scenes, 32 .. 512 [384]\n"
     "  --lowres N       pixels per axis of the depthmap [a third of the size: 128]\n"
     "  --seed N         seed of the scenes; 0 is their own [0]\n"
-    "  --plugin PATH    library to measure [smartvis.so beside host_sim]\n"
+    "  --plugin PATH    library to measure, a path or a name [smartvis]\n"
     "  --set KEY=VALUE  a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --beside 'KEY=VALUE ...'  another setting of the plugin that is set beside the studied one, or none\n"
     "                   [method=cost, if the plugin has it and --set names no method]\n"

@@ -4,6 +4,7 @@
 
 #include "base/cli.h"
 #include "commands/look_line.h"
+#include "commands/run_value.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -18,9 +19,12 @@ static const char help_head[] =
     "Prints times and statistics, and writes pictures to one folder.\n"
     "\n"
     "Source:\n"
-    "  --volume FILE         MetaImage (.mha, .mhd); given several times: a sequence, one a frame\n"
+    "  --volume FILE         MetaImage (.mha, .mhd), a volume or a sequence; given several times: one after\n"
+    "                        the other, a volume a frame\n"
     "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
     " [auto]\n"
+    "  --probe FACE          where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z "
+    "[FILE's]\n"
     "  --scanned FIRST,END   two maps (MetaImage, a whole number a ray): the first scanned slice, and the "
     "first one\n"
     "                        behind the scan; takes the place of --padding\n"
@@ -33,7 +37,7 @@ static const char help_head[] =
     "  --real FILE           the volume of a scene of kind real\n"
     "  --live                uploads every frame's volume anew, as a live scan does\n"
     "Plugin:\n"
-    "  --plugin PATH         library to load [smartvis.so beside host_sim]\n"
+    "  --plugin PATH         library to load, a path or a name [smartvis]\n"
     "  --id ID               which of its plugins [the first]\n"
     "  --set KEY=VALUE       a plugin parameter; repeatable; see 'host_sim list'\n"
     "  --carrier KIND        how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n"
@@ -50,7 +54,9 @@ static const char help_tail[] =
     "  --setting WHICH       dvr, convert, smartvis or all: the settings of the thesis' Figure 5.21 [all];\n"
     "                        dvr and convert render the full volume, unclipped\n"
     "  --frames N            volumes per setting [30]\n"
-    "  --yaw DEG --pitch DEG camera; 0 0 looks from the probe [0 0]\n"
+    "  --view PLACE          where the camera is: probe, or around the patient, if FILE says how it lies in\n"
+    "                        him: anterior, posterior, left, right, superior, inferior [probe]\n"
+    "  --yaw DEG --pitch DEG turn it from there, to the right and up [0 0]\n"
     "  --orbit DEG           turns the camera by DEG over the frames, half to either side of --yaw [0]\n"
     "Renderer:\n"
     "  --look NAME           thesis: Eq. 3.22 - 3.24; lit: a smooth surface in light [lit]\n"
@@ -74,6 +80,7 @@ enum {
     OPT_PADDING,
     OPT_SCANNED,
     OPT_WINDOW,
+    OPT_PROBE,
     OPT_SCENE,
     OPT_SIZE,
     OPT_SEED,
@@ -91,6 +98,7 @@ enum {
     OPT_VERBOSE,
     OPT_SETTING,
     OPT_FRAMES,
+    OPT_VIEW,
     OPT_YAW,
     OPT_PITCH,
     OPT_ORBIT,
@@ -113,6 +121,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"padding", required_argument, NULL, OPT_PADDING},
                                         {"scanned", required_argument, NULL, OPT_SCANNED},
                                         {"window", required_argument, NULL, OPT_WINDOW},
+                                        {"probe", required_argument, NULL, OPT_PROBE},
                                         {"scene", required_argument, NULL, OPT_SCENE},
                                         {"size", required_argument, NULL, OPT_SIZE},
                                         {"seed", required_argument, NULL, OPT_SEED},
@@ -130,6 +139,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"verbose", no_argument, NULL, OPT_VERBOSE},
                                         {"setting", required_argument, NULL, OPT_SETTING},
                                         {"frames", required_argument, NULL, OPT_FRAMES},
+                                        {"view", required_argument, NULL, OPT_VIEW},
                                         {"yaw", required_argument, NULL, OPT_YAW},
                                         {"pitch", required_argument, NULL, OPT_PITCH},
                                         {"orbit", required_argument, NULL, OPT_ORBIT},
@@ -164,32 +174,10 @@ static bool set_float(const char *option, const char *text, double low, double h
     return true;
 }
 
-static bool set_window(const char *text, hs_metaimage_options *read, hs_error *err) {
-    double ends[2];
-    if (!hs_cli_pair("--window", text, "LOW,HIGH", -1e12, 1e12, ends, err)) return false;
-    read->has_window = true;
-    read->window_low = ends[0];
-    read->window_high = ends[1];
-    return ends[0] < ends[1] ||
-           hs_fail(err, HS_ERR_USAGE, "--window: %s: LOW must be less than HIGH", text);
-}
-
 static bool append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
                    hs_error *err) {
     if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
     list[(*count)++] = text;
-    return true;
-}
-
-/* "FIRST,END" in its two paths. */
-static bool take_scanned(hs_run_line *line, const char *text, hs_error *err) {
-    const char *comma = strchr(text, ',');
-    const size_t length = comma ? (size_t)(comma - text) : 0;
-    if (length == 0 || length >= sizeof line->scanned || comma[1] == '\0' || strchr(comma + 1, ','))
-        return hs_fail(err, HS_ERR_USAGE, "--scanned: '%s', expected two files, FIRST,END", text);
-    memcpy(line->scanned, text, length);
-    line->scanned[length] = '\0';
-    line->request.scanned = (hs_source_scanned){line->scanned, comma + 1};
     return true;
 }
 
@@ -206,9 +194,11 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
         line->padding_given = true;
         return true;
     case OPT_WINDOW:
-        return set_window(text, &r->read, err);
+        return hs_value_window(text, &r->read, err);
     case OPT_SCANNED:
-        return take_scanned(line, text, err);
+        return hs_value_scanned(text, line->scanned, sizeof line->scanned, &r->scanned, err);
+    case OPT_PROBE:
+        return hs_value_probe(text, &r->read, err);
     case OPT_SCENE:
         r->scene.name = text;
         return true;
@@ -278,6 +268,8 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return take_setting(r, text, err);
     case OPT_FRAMES:
         return set_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
+    case OPT_VIEW:
+        return hs_value_view(text, &r->loop, err);
     case OPT_YAW:
         return hs_cli_number("--yaw", text, -360, 360, &r->loop.yaw, err);
     case OPT_PITCH:
@@ -328,6 +320,9 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
                        line->scanned, r->scanned.end);
     if (r->scanned.first && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
+    if (r->read.has_probe && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
+                       hs_probe_name(r->read.probe));
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);

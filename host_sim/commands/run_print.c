@@ -21,11 +21,23 @@ static void print_facts(const hs_run *run, FILE *out) {
                   v->name, v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2],
                   100 * hs_unscanned_share(v));
     if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
+    if (run->source.left_out > 0)
+        (void)fprintf(out, "; %u left out: their ImageStatus is INVALID", run->source.left_out);
     (void)fprintf(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
     (void)fprintf(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
                   o->own_queue ? "a queue of its own" : "the host's queue");
-    (void)fprintf(out, "Camera   yaw %g, pitch %g, orbit %g degrees; picture %u x %u\n", o->yaw, o->pitch,
-                  o->orbit, o->dvr.width, o->dvr.height);
+    if (v->pose.stated) {
+        char words[200];
+        hs_pose_words(&v->pose, words, sizeof words);
+        (void)fprintf(out, "Patient  %s\n", words);
+    }
+    if (v->pose.contradicted[0])
+        (void)fprintf(out, "         AnatomicalOrientation says %s: TransformMatrix counts\n",
+                      v->pose.contradicted);
+    (void)fprintf(out, "Camera   from %s%s, yaw %g, pitch %g, orbit %g degrees; picture %u x %u\n",
+                  o->from == HS_FROM_PROBE ? "the probe at " : "",
+                  o->from == HS_FROM_PROBE ? hs_probe_name(v->probe) : hs_from_name(o->from), o->yaw,
+                  o->pitch, o->orbit, o->dvr.width, o->dvr.height);
     (void)fprintf(out, "Slabs    %u x %u x %u voxels in %u slabs of %u slices, %s\n", l->width, l->height,
                   l->slices, hs_slab_count(l), l->slab_slices, carrier_name(o->carrier));
     if (run->has_plugin) (void)fprintf(out, "Scanned  told by %s\n", hs_fan_name(o->fan));

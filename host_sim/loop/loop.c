@@ -11,18 +11,19 @@
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
 
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
-    hs_camera_look(camera, hs_source_volume(loop->source, 0), hs_loop_yaw(&loop->options, index),
-                   loop->options.pitch);
+    hs_camera_look_from(camera, hs_source_volume(loop->source, 0), loop->options.from,
+                        hs_loop_yaw(&loop->options, index), loop->options.pitch);
     hs_camera_merge_box(camera, &loop->box);
 }
 
 /* One box that holds the volume in every view of the run. */
 static void find_box(hs_loop *loop) {
     const hs_volume *volume = hs_source_volume(loop->source, 0);
-    hs_camera_look(&loop->box, volume, hs_loop_yaw(&loop->options, 0), loop->options.pitch);
-    for (uint32_t i = 1; i < loop->options.frames && loop->options.orbit != 0; i++) {
+    const hs_loop_options *o = &loop->options;
+    hs_camera_look_from(&loop->box, volume, o->from, hs_loop_yaw(o, 0), o->pitch);
+    for (uint32_t i = 1; i < o->frames && o->orbit != 0; i++) {
         hs_camera view;
-        hs_camera_look(&view, volume, hs_loop_yaw(&loop->options, i), loop->options.pitch);
+        hs_camera_look_from(&view, volume, o->from, hs_loop_yaw(o, i), o->pitch);
         hs_camera_merge_box(&loop->box, &view);
     }
 }
@@ -89,9 +90,19 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 
+/* A place around the patient needs a volume that says how it lies in him. */
+static bool can_look_from(const hs_source *source, const hs_loop_options *options, hs_error *err) {
+    const hs_volume *volume = hs_source_volume(source, 0);
+    return options->from == HS_FROM_PROBE || volume->pose.stated ||
+           hs_fail(err, HS_ERR_INPUT,
+                   "%s: does not say how it lies in the patient (TransformMatrix, AnatomicalOrientation), so "
+                   "there is no view %s",
+                   volume->name, hs_from_name(options->from));
+}
+
 hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
                         const hs_loop_options *options, hs_error *err) {
-    if (!hs_loop_check_options(options, err)) return NULL;
+    if (!hs_loop_check_options(options, err) || !can_look_from(source, options, err)) return NULL;
     hs_loop *loop = calloc(1, sizeof *loop);
     if (!loop) {
         (void)hs_fail(err, HS_ERR_MEMORY, "scan loop: no memory");

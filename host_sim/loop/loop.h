@@ -29,8 +29,8 @@ typedef struct hs_loop hs_loop;
 /*
  * Builds a loop. `cl`, `source`, `plugin` and options->values must outlive it. `plugin` may be NULL: then
  * even the setting "smartvis" renders unclipped. A plugin that cannot be activated does not fail the loop
- * either: see hs_loop_plugin_error. NULL with HS_ERR_USAGE (an option out of range), or with
- * HS_ERR_DEVICE or HS_ERR_MEMORY.
+ * either: see hs_loop_plugin_error. NULL with HS_ERR_USAGE (an option out of range), HS_ERR_INPUT
+ * (hs_loop_options.from), or with HS_ERR_DEVICE or HS_ERR_MEMORY.
  */
 hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
                         const hs_loop_options *options, hs_error *err);

@@ -21,7 +21,9 @@ const char *hs_setting_key(hs_setting setting);
 const char *hs_setting_label(hs_setting setting);
 
 typedef struct {
-    double yaw, pitch; /* degrees; 0, 0 looks from the probe */
+    hs_from from;      /* where the camera is while yaw and pitch are 0; HS_ERR_INPUT if the volume must say
+                          how it lies and does not */
+    double yaw, pitch; /* degrees */
     /* Degrees of yaw from the first to the last frame, half to either side of `yaw`; 0: still. */
     double orbit;
     uint32_t frames;      /* volumes a run takes, >= 1 */

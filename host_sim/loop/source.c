@@ -18,7 +18,43 @@ static bool same_grid(const hs_volume *first, const hs_volume *other, const char
         if (first->spacing[axis] != other->spacing[axis])
             return hs_fail(err, HS_ERR_INPUT, "%s: spacing %g mm along axis %d, but %s has %g mm", path,
                            other->spacing[axis], axis, first_path, first->spacing[axis]);
+    for (int i = 0; i < 9; i++)
+        if (first->pose.direction[i] != other->pose.direction[i] || first->probe != other->probe)
+            return hs_fail(err, HS_ERR_INPUT,
+                           "%s: lies otherwise in the patient than %s, or was scanned from "
+                           "another side: a sequence has one orientation",
+                           path, first_path);
     return true;
+}
+
+/* Room for `more` volumes of a file. */
+static bool grow_files(hs_source *source, uint32_t more, hs_error *err) {
+    const size_t count = (size_t)source->count + more;
+    hs_volume *files = realloc(source->files, count * sizeof *files);
+    if (files) source->files = files;
+    hs_source_origin *origins = realloc(source->origins, count * sizeof *origins);
+    if (origins) source->origins = origins;
+    return (files && origins) || hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %zu volumes", count);
+}
+
+/* All volumes of one file, behind those that are there. */
+static bool append_file(hs_source *source, const char *const *paths, uint32_t which,
+                        const hs_metaimage_options *read, const hs_source_scanned *scanned, hs_error *err) {
+    hs_metaimage *file = hs_metaimage_open(paths[which], read, err);
+    const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
+    bool ok = file && grow_files(source, volumes, err);
+    for (uint32_t i = 0; ok && i < volumes; i++) {
+        hs_volume *volume = &source->files[source->count];
+        hs_source_origin *origin = &source->origins[source->count];
+        *origin = (hs_source_origin){.path = paths[which], .index = i};
+        ok = hs_metaimage_next(file, volume, &origin->fields);
+        source->count += ok;
+        ok = ok && (!scanned || hs_scanned_maps_apply(volume, scanned->first, scanned->end, err)) &&
+             same_grid(&source->files[0], volume, paths[0], paths[which], err);
+    }
+    if (ok) source->left_out += hs_metaimage_left_out(file);
+    hs_metaimage_close(file);
+    return ok;
 }
 
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
@@ -27,18 +63,15 @@ bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t 
     const bool mapped = scanned && scanned->first;
     hs_metaimage_options read = options ? *options : (hs_metaimage_options){0};
     if (mapped) read.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
-    *source = (hs_source){.count = count};
+    *source = (hs_source){0};
     if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
-    source->files = calloc(count, sizeof *source->files);
-    source->volumes = calloc(count, sizeof *source->volumes);
-    bool ok = source->files && source->volumes;
-    if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", count);
-    for (uint32_t i = 0; ok && i < count; i++) {
-        ok = hs_metaimage_read(paths[i], &read, &source->files[i], err) &&
-             (!mapped || hs_scanned_maps_apply(&source->files[i], scanned->first, scanned->end, err)) &&
-             same_grid(&source->files[0], &source->files[i], paths[0], paths[i], err);
-        source->volumes[i] = &source->files[i];
-    }
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < count; i++)
+        ok = append_file(source, paths, i, &read, mapped ? scanned : NULL, err);
+    source->volumes = ok ? calloc(source->count, sizeof *source->volumes) : NULL;
+    if (ok && !source->volumes)
+        ok = hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", source->count);
+    for (uint32_t i = 0; ok && i < source->count; i++) source->volumes[i] = &source->files[i];
     if (!ok) hs_source_close(source);
     return ok;
 }
@@ -79,6 +112,7 @@ void hs_source_close(hs_source *source) {
     for (uint32_t i = 0; source->files && i < source->count; i++) hs_volume_free(&source->files[i]);
     for (uint32_t i = 0; source->scenes && i < source->count; i++) hs_scene_free(&source->scenes[i]);
     free(source->files);
+    free(source->origins);
     free(source->scenes);
     free(source->truths);
     free(source->volumes);
@@ -95,6 +129,10 @@ const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {
 
 const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index) {
     return source->scenes ? &source->scenes[index % source->count] : NULL;
+}
+
+const hs_source_origin *hs_source_origin_of(const hs_source *source, uint32_t index) {
+    return source->origins ? &source->origins[index % source->count] : NULL;
 }
 
 bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err) {

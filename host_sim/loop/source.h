@@ -6,6 +6,13 @@
 #include "scene/scene.h"
 #include "volume/metaimage.h"
 
+/* Where a volume was read from. */
+typedef struct {
+    const char *path;       /* borrowed from who opened the source */
+    uint32_t index;         /* among the file's valid volumes */
+    hs_frame_fields fields; /* what the file says about it */
+} hs_source_origin;
+
 /* One or more volumes of the same size and spacing; a loop over more frames than volumes starts again at the
  * first. Owned by the caller. */
 typedef struct {
@@ -15,6 +22,8 @@ typedef struct {
     char title[256];           /* what a scene is about; "" for files */
     hs_scene_data *scenes;     /* what volumes and truths point into: scenes ... */
     hs_volume *files;          /* ... or volumes read from files */
+    hs_source_origin *origins; /* where those were; NULL for scenes */
+    uint32_t left_out;         /* volumes of the files that are invalid, as they say themselves */
 } hs_source;
 
 /* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
@@ -23,9 +32,9 @@ typedef struct {
     const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
 } hs_source_scanned;
 
-/* Reads `count` MetaImage files (.mha, .mhd); `options` as for hs_metaimage_read; `scanned` (or NULL) holds
- * for all of them. HS_ERR_INPUT if one cannot be read, or differs from the first in size or spacing: the
- * message names both. */
+/* Reads `count` MetaImage files (.mha, .mhd), each of one volume or of a sequence; `paths` must outlive it;
+ * `options` as for hs_metaimage_read; `scanned` (or NULL) holds for all of them. HS_ERR_INPUT if one cannot
+ * be read, or differs from the first in size, spacing or orientation: the message names both. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_metaimage_options *options, const hs_source_scanned *scanned,
                           hs_error *err);
@@ -48,6 +57,9 @@ void hs_source_close(hs_source *source);
 /* The volume of frame `index`, and its ground truth or NULL. */
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
+
+/* Where the volume of frame `index` was read from; NULL for scenes. Owned by the source. */
+const hs_source_origin *hs_source_origin_of(const hs_source *source, uint32_t index);
 
 /* What the scene of frame `index` consists of, its label map and clipping surface included; NULL for files.
  * Owned by the source. */

@@ -5,12 +5,10 @@
 
 #include <dlfcn.h>
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 /* The name of a status of the header, or NULL. */
 static const char *find_status(sv_status status) {
@@ -82,8 +80,9 @@ static const void *no_extension(const sv_host *host, const char *id) {
 }
 
 /* dlopen of the resolved path: a bare name would be looked up in the system's library folders instead. */
-static bool open_library(hs_plugin *plugin, const char *path, hs_error *err) {
-    (void)snprintf(plugin->path, sizeof plugin->path, "%s", path);
+static bool open_library(hs_plugin *plugin, const char *name, hs_error *err) {
+    hs_plugin_find(name, plugin->path, sizeof plugin->path);
+    const char *path = plugin->path;
     struct stat info;
     if (stat(path, &info) != 0)
         return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", path, strerror(errno));
@@ -211,13 +210,4 @@ bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call
     const char *reason = plugin->instance ? plugin->instance->last_error(plugin->instance) : NULL;
     return hs_fail(err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status),
                    status, reason && reason[0] ? reason : "the plugin gave no reason");
-}
-
-void hs_plugin_default_path(char *out, size_t bytes) {
-    char self[PATH_MAX];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    self[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(self, '/');
-    if (slash) *slash = '\0';
-    (void)snprintf(out, bytes, "%s/smartvis.so", slash ? self : ".");
 }

@@ -4,6 +4,7 @@
 #define HS_LOADER_H
 
 #include "base/error.h"
+#include "plugin/plugin_path.h"
 #include "smartvis_plugin.h"
 
 /* A loaded library with one instance. Owned by the caller; must not move in memory while open. */
@@ -16,12 +17,10 @@ typedef struct {
     char path[1024];
 } hs_plugin;
 
-/* The plugin beside the executable: "<folder of host_sim>/smartvis.so". */
-void hs_plugin_default_path(char *out, size_t bytes);
-
-/* dlopen, symbol, ABI major, descriptor, create. `id` NULL takes the library's first plugin. Every failure
- * names the path and what was found (HS_ERR_PLUGIN): no such file, not a library, no entry symbol, ABI major
- * 2 where this host speaks 1, no plugin of that id (and which there are). */
+/* dlopen, symbol, ABI major, descriptor, create. `path` as hs_plugin_find takes it. `id` NULL takes the
+ * library's first plugin. Every failure names the path and what was found (HS_ERR_PLUGIN): no such file, not
+ * a library, no entry symbol, ABI major 2 where this host speaks 1, no plugin of that id (and which there
+ * are). */
 bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);
 

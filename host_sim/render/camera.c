@@ -2,6 +2,7 @@
 #include "render/camera.h"
 
 #include <math.h>
+#include <string.h>
 
 #define RADIANS_PER_DEGREE 0.017453292519943295
 
@@ -25,25 +26,75 @@ static void volume_size_mm(const hs_volume *volume, double size[3]) {
     size[2] = volume->nz * volume->spacing[2];
 }
 
-void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg) {
+/* Yaw about y, after pitch about x; columns are the turned axes. */
+static void rotation_of(double yaw_deg, double pitch_deg, double out[9]) {
     double cy, sy, cp, sp;
     turn(yaw_deg, &cy, &sy);
     turn(pitch_deg, &cp, &sp);
     const double rotation[9] = {
-        cy,  sy * sp, sy * cp, /* yaw about y, after pitch about x */
+        cy,  sy * sp, sy * cp, /* */
         0.0, cp,      -sp,     /* */
         -sy, cy * sp, cy * cp, /* */
     };
-    double size[3], box[3] = {0.0, 0.0, 0.0};
+    memcpy(out, rotation, sizeof rotation);
+}
+
+static void multiply(const double a[9], const double b[9], double out[9]) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out[i * 3 + j] = a[i * 3] * b[j] + a[i * 3 + 1] * b[3 + j] + a[i * 3 + 2] * b[6 + j];
+}
+
+/* The camera's axes at yaw and pitch 0 for each face of the volume: the turn that leads there. */
+static void probe_axes(const hs_volume *volume, double out[9]) {
+    static const double turns[HS_PROBE_COUNT][2] = {
+        [HS_PROBE_LOW_Z] = {0, 0},   [HS_PROBE_HIGH_Z] = {180, 0}, [HS_PROBE_LOW_Y] = {0, -90},
+        [HS_PROBE_HIGH_Y] = {0, 90}, [HS_PROBE_LOW_X] = {90, 0},   [HS_PROBE_HIGH_X] = {-90, 0}};
+    rotation_of(turns[volume->probe][0], turns[volume->probe][1], out);
+    if (!hs_pose_is_mirrored(&volume->pose)) return;
+    for (int k = 0; k < 3; k++) out[k * 3] = -out[k * 3];
+}
+
+/* The same for a place around the patient. World to volume is the transpose of the directions. */
+static void patient_axes(const hs_volume *volume, hs_from from, double out[9]) {
+    static const double views[HS_FROM_COUNT][9] = {
+        /* columns: the picture's right, its down, and where the camera looks; rows: left, back, head */
+        [HS_FROM_ANTERIOR] = {1, 0, 0, 0, 0, 1, 0, -1, 0},
+        [HS_FROM_POSTERIOR] = {-1, 0, 0, 0, 0, -1, 0, -1, 0},
+        [HS_FROM_LEFT] = {0, 0, -1, 1, 0, 0, 0, -1, 0},
+        [HS_FROM_RIGHT] = {0, 0, 1, -1, 0, 0, 0, -1, 0},
+        [HS_FROM_SUPERIOR] = {-1, 0, 0, 0, 1, 0, 0, 0, -1},
+        [HS_FROM_INFERIOR] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+    };
+    const double *d = volume->pose.direction;
+    const double to_volume[9] = {d[0], d[3], d[6], d[1], d[4], d[7], d[2], d[5], d[8]};
+    multiply(to_volume, views[from], out);
+}
+
+const char *hs_from_name(hs_from from) {
+    static const char *const names[HS_FROM_COUNT] = {"probe", "anterior", "posterior", "left",
+                                                     "right", "superior", "inferior"};
+    return names[from];
+}
+
+void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from from, double yaw_deg,
+                         double pitch_deg) {
+    double start[9], rotation[9], size[3], box[3] = {0.0, 0.0, 0.0};
+    if (from == HS_FROM_PROBE)
+        probe_axes(volume, start);
+    else
+        patient_axes(volume, from, start);
+    rotation_of(yaw_deg, pitch_deg, rotation);
+    multiply(start, rotation, camera->rotation);
     volume_size_mm(volume, size);
-    for (int axis = 0; axis < 3; axis++) {
-        for (int k = 0; k < 3; k++) {
-            camera->rotation[k * 3 + axis] = rotation[k * 3 + axis];
-            box[axis] += fabs(rotation[k * 3 + axis]) * size[k];
-        }
-    }
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < 3; k++) box[axis] += fabs(camera->rotation[k * 3 + axis]) * size[k];
     camera->extent = fmax(box[0], box[1]);
     camera->depth_extent = box[2];
+}
+
+void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg) {
+    hs_camera_look_from(camera, volume, HS_FROM_PROBE, yaw_deg, pitch_deg);
 }
 
 void hs_camera_merge_box(hs_camera *camera, const hs_camera *other) {

@@ -18,10 +18,36 @@ typedef struct {
     double depth_extent; /* mm, depth of the box */
 } hs_camera;
 
-/* Camera rotated by yaw (about y) then pitch (about its own x), in degrees; 0, 0 looks along +z
- * from the probe. It looks along (sin yaw cos pitch, -sin pitch, cos yaw cos pitch): yaw > 0 turns
- * the view to +x, pitch > 0 to -y. Multiples of 90 degrees are exact. The box is the smallest that
- * holds the volume seen from here. */
+/* From where a camera looks while yaw and pitch are 0. */
+typedef enum {
+    HS_FROM_PROBE = 0, /* from volume->probe along the beams */
+    HS_FROM_ANTERIOR,  /* from the patient's front; the head is up, as in the next three */
+    HS_FROM_POSTERIOR,
+    HS_FROM_LEFT, /* from the patient's left */
+    HS_FROM_RIGHT,
+    HS_FROM_SUPERIOR, /* from the head; the front is up, as in the next one */
+    HS_FROM_INFERIOR,
+    HS_FROM_COUNT
+} hs_from;
+
+/* "probe", "anterior", ...: for command lines and files. */
+const char *hs_from_name(hs_from from);
+
+/*
+ * Camera at `from`, then rotated by yaw (about its y) and by pitch (about its own x), in degrees: yaw > 0
+ * turns the view to the picture's right, pitch > 0 up. Multiples of 90 degrees are exact. The box is the
+ * smallest that holds the volume seen from here.
+ *
+ * From a probe at slice 0 the picture's x, y and depth are the volume's axes, and the camera looks along
+ * (sin yaw cos pitch, -sin pitch, cos yaw cos pitch). From a probe at another face the volume is turned by
+ * the quarter turns that bring that face to the front (+z: about y; -x and +x: about y; -y and +y: about x).
+ * If the volume's axes are left-handed (hs_pose_is_mirrored), the picture's x is reversed, so that it shows
+ * the patient and not a mirror image. The six other places need volume->pose.
+ */
+void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from from, double yaw_deg,
+                         double pitch_deg);
+
+/* The same from the probe. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 
 /* Enlarges the box of `camera` so that it holds the box of `other` (an orbit uses one box for all views). */

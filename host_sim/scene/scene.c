@@ -2,6 +2,7 @@
 /* A scene from its file to its volumes: the steps in their order, each only if the scene lists it. */
 #include "scene/scene.h"
 
+#include "base/paths.h"
 #include "base/threads.h"
 #include "scene/scene_attenuation.h"
 #include "scene/scene_compress.h"
@@ -23,10 +24,12 @@
 #include "scene/scene_truth.h"
 #include "volume/metaimage.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 struct hs_scene {
     hs_scene_spec spec;
@@ -54,17 +57,29 @@ const char *hs_scene_title(const hs_scene *scene) {
     return scene->spec.title;
 }
 
+/* The built-in cases lie below the program's folder or beside it: nothing here knows where the sources were.
+ */
+static void scene_folder(char *folder, size_t size) {
+    const char *named = getenv("SMARTVIS_SCENES");
+    if (named && named[0])
+        (void)snprintf(folder, size, "%s", named);
+    else if (!hs_path_beside_program("share/smartvis/scenes", folder, size) || access(folder, X_OK) != 0)
+        (void)hs_path_beside_program("../share/smartvis/scenes", folder, size);
+}
+
 /* A name without a slash or a dot is a built-in case; SMARTVIS_SCENES names another folder for them. */
 static void scene_path(const char *name_or_path, char *path, size_t size) {
-    const char *folder = getenv("SMARTVIS_SCENES");
-    if (strpbrk(name_or_path, "/."))
-        snprintf(path, size, "%s", name_or_path);
-    else
-        snprintf(path, size, "%s/%s.json", folder && folder[0] ? folder : HS_SCENE_DIR, name_or_path);
+    char folder[PATH_MAX];
+    if (strpbrk(name_or_path, "/.")) {
+        (void)snprintf(path, size, "%s", name_or_path);
+        return;
+    }
+    scene_folder(folder, sizeof folder);
+    (void)snprintf(path, size, "%s/%s.json", folder, name_or_path);
 }
 
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
-    char path[1024];
+    char path[PATH_MAX + 256];
     scene_path(name_or_path, path, sizeof path);
     hs_scene *scene = calloc(1, sizeof *scene);
     if (!scene) {
@@ -191,6 +206,7 @@ static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     if (!hs_volume_init(&out->truth, n[0], n[1], n[2], m->err)) return false;
     for (int a = 0; a < 3; a++)
         out->full.spacing[a] = out->truth.spacing[a] = m->given ? m->given->spacing[a] : (double)h[a];
+    if (m->given) out->full.pose = out->truth.pose = m->given->pose;
     snprintf(out->full.name, sizeof out->full.name, "%s", name);
     snprintf(out->truth.name, sizeof out->truth.name, "%s truth", name);
     out->label = calloc(pixels, 1);

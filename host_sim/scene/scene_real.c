@@ -37,6 +37,8 @@ bool hs_scene_real_lead(hs_volume *given, double share, hs_error *err) {
     if (!hs_volume_init(&moved, given->nx, given->ny, given->nz + lead, err)) return false;
     memcpy(moved.voxels + lead * plane, given->voxels, given->nz * plane);
     memcpy(moved.spacing, given->spacing, sizeof moved.spacing);
+    moved.pose = given->pose;
+    hs_pose_world(&given->pose, given->spacing, (double[3]){0, 0, -(double)lead}, moved.pose.origin);
     memcpy(moved.name, given->name, sizeof moved.name);
     for (size_t column = 0; column < plane; column++) open_column(&moved, column);
     hs_volume_free(given);

@@ -3,6 +3,7 @@
 #ifndef HS_METAIMAGE_H
 #define HS_METAIMAGE_H
 
+#include "volume/frame_fields.h"
 #include "volume/volume.h"
 
 /* What a 0 in the 8-bit volume means. */
@@ -16,17 +17,40 @@ typedef struct {
     hs_padding padding;
     bool has_window;                /* false: MET_UCHAR as it is, other types from their own range */
     double window_low, window_high; /* source values that become 0 and 255; low < high, finite */
+    bool has_probe;                 /* `probe` instead of what the file says or slice 0 */
+    hs_probe probe;
 } hs_metaimage_options;
 
 /*
- * Reads a volume. `opt` may be NULL (padding auto, no window). On success the caller frees `out` with
- * hs_volume_free; on failure it is zeroed and nothing is left. Needs the 8-bit volume and about 1 MB beside
- * it, whatever the voxel type: the data is streamed, twice if its range must be found first. Padding auto
- * needs what hs_volume_mark_unscanned does.
+ * A file that is being read, of one volume or of a sequence of them. One thread at a time.
  *
- * HS_ERR_INPUT: unreadable, malformed or truncated file, named with line, field and value; NaN or infinite
- * voxels, named with their position. HS_ERR_USAGE: a window that is none. HS_ERR_MEMORY. Values of fields
- * this reader does not use never appear in a message: they may hold a patient's data. Any thread.
+ * Open: `path` and `err` must outlive it, and `err` receives the errors of _next, too. A type that must be
+ * mapped to 8 bit is read through for its range first, all volumes together, so that brightness means the
+ * same in all of them. NULL on failure; errors as in hs_metaimage_read.
+ */
+typedef struct hs_metaimage hs_metaimage;
+hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *opt, hs_error *err);
+void hs_metaimage_close(hs_metaimage *file); /* NULL is allowed */
+
+/* How many volumes _next gives: 1 .. 100000. Those that the file itself calls invalid (ImageStatus) are left
+ * out. */
+uint32_t hs_metaimage_volumes(const hs_metaimage *file);
+uint32_t hs_metaimage_left_out(const hs_metaimage *file);
+
+/* The next volume, which the caller frees, and what the file says about it (`fields` may be NULL). Called at
+ * most hs_metaimage_volumes times; with the last one it is checked that the data ends there. */
+bool hs_metaimage_next(hs_metaimage *file, hs_volume *out, hs_frame_fields *fields);
+
+/*
+ * Reads the volume of a file that holds one. `opt` may be NULL (padding auto, no window). On success the
+ * caller frees `out` with hs_volume_free; on failure it is zeroed and nothing is left. Needs the 8-bit volume
+ * and about 1 MB beside it, whatever the voxel type: the data is streamed, twice if its range must be found
+ * first. Padding auto needs what hs_volume_mark_unscanned does.
+ *
+ * HS_ERR_INPUT: unreadable, malformed or truncated file, or a sequence of several volumes, named with line,
+ * field and value; NaN or infinite voxels, named with their position. HS_ERR_USAGE: a window that is none.
+ * HS_ERR_MEMORY. Values of fields this reader does not use never appear in a message: they may hold a
+ * patient's data. Any thread.
  */
 bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err);
 

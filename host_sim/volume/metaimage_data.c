@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/metaimage_data.h"
 
+#include "volume/metaimage_open.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -36,9 +38,8 @@ static bool check_plain_size(hs_met_data *d, uint64_t file_bytes, hs_error *err)
         d->first = h->header_size;
     } else {
         return hs_fail(err, HS_ERR_INPUT,
-                       DATA_CONTEXT "%" PRIu64 " bytes of data, expected %" PRIu64 " (DimSize %" PRIu32
-                                    " %" PRIu32 " %" PRIu32 " of %s)",
-                       DATA_ARGS(d), rest, d->voxel_bytes, h->size[0], h->size[1], h->size[2], h->type_name);
+                       DATA_CONTEXT "%" PRIu64 " bytes of data, expected %" PRIu64 " (DimSize %s of %s)",
+                       DATA_ARGS(d), rest, d->voxel_bytes, h->size_text, h->type_name);
     }
     d->bytes = d->voxel_bytes;
     return true;
@@ -56,9 +57,8 @@ static bool check_compressed_size(hs_met_data *d, uint64_t file_bytes, hs_error 
      * needs more is not believed, before memory is spent on it. */
     if (d->voxel_bytes / 1032 > d->bytes)
         return hs_fail(err, HS_ERR_INPUT,
-                       DATA_CONTEXT "%" PRIu64 " compressed bytes cannot hold DimSize %" PRIu32 " %" PRIu32
-                                    " %" PRIu32 " of %s",
-                       DATA_ARGS(d), d->bytes, h->size[0], h->size[1], h->size[2], h->type_name);
+                       DATA_CONTEXT "%" PRIu64 " compressed bytes cannot hold DimSize %s of %s", DATA_ARGS(d),
+                       d->bytes, h->size_text, h->type_name);
     return true;
 }
 
@@ -70,7 +70,9 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
     }
     d->path = path;
     d->header = header;
-    d->voxel_bytes = (uint64_t)header->size[0] * header->size[1] * header->size[2] * header->element_bytes;
+    /* At most 2^31 voxels of 8 bytes in 10^5 volumes: no overflow. */
+    d->voxel_bytes = (uint64_t)header->size[0] * header->size[1] * header->size[2] * header->element_bytes *
+                     header->frames;
     char context[1024];
     (void)snprintf(context, sizeof context, "%s:%u: ElementDataFile '%s'", DATA_ARGS(d));
     uint64_t file_bytes = 0;

@@ -3,9 +3,8 @@
 #ifndef HS_METAIMAGE_HEADER_H
 #define HS_METAIMAGE_HEADER_H
 
+#include "volume/frame_fields.h"
 #include "volume/volume.h"
-
-#include <stdio.h>
 
 typedef enum {
     HS_MET_CHAR,
@@ -22,8 +21,14 @@ typedef enum {
 
 /* A checked header. Line numbers count from 1 and are 0 for a field that is not there. */
 typedef struct {
+    uint32_t dims; /* 3 or 4 */
     uint32_t size[3];
-    double spacing[3]; /* mm */
+    uint32_t frames;         /* volumes: 1 if dims is 3 */
+    char size_text[48];      /* "4 3 2", as DimSize says it */
+    hs_frame_fields *fields; /* of every volume; NULL: the file says nothing about them */
+    double spacing[3];       /* mm */
+    hs_pose pose;
+    hs_probe probe;
     hs_met_type type;
     const char *type_name; /* static, "MET_UCHAR" */
     uint32_t element_bytes;
@@ -40,11 +45,8 @@ typedef struct {
     unsigned dim_line, compressed_size_line, header_size_line, data_line;
 } hs_met_header;
 
-/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. */
+/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. Free it either way. */
 bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
-
-/* Opens a regular file for reading and sets *bytes to its size. On failure NULL, and HS_ERR_INPUT "<context>:
- * <reason>". Never waits, not even on a FIFO. */
-FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
+void hs_met_header_free(hs_met_header *header);
 
 #endif

@@ -26,6 +26,7 @@ bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs
     volume->ny = ny;
     volume->nz = nz;
     for (int axis = 0; axis < 3; axis++) volume->spacing[axis] = 1.0;
+    hs_pose_default(&volume->pose);
     volume->voxels = voxels;
     return true;
 }

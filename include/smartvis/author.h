@@ -24,7 +24,8 @@
 
 #include "smartvis/author_calls.h"
 
-/* Exports the plugin: the only symbol of the library. `method` is a const sva_method of the same file. */
+/* Exports the plugin: the only symbol of the library. `method` is a const sva_method of the same file.
+ * SV_EXPORT stands at the symbol's declaration in smartvis_plugin.h; here g++ would warn of it. */
 #define SVA_ENTRY(method)                                                                                    \
     static const sv_descriptor *SV_CALL sva_entry_descriptor(uint32_t index) {                               \
         return index == 0 ? (method).descriptor : NULL;                                                      \
@@ -32,7 +33,7 @@
     static sv_status SV_CALL sva_entry_create(const sv_host *host, const char *id, const sv_plugin **out) {  \
         return sva_create(&(method), host, id, out);                                                         \
     }                                                                                                        \
-    SV_EXPORT const sv_entry smartvis_plugin_entry = {                                                       \
+    const sv_entry smartvis_plugin_entry = {                                                                 \
         SV_ABI_MAJOR, SV_ABI_MINOR, (uint32_t)sizeof(sv_entry), 1, sva_entry_descriptor, sva_entry_create}
 
 #endif

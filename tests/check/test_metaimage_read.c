@@ -148,7 +148,8 @@ static void a_window_maps_and_clamps(void **state) {
     static const uint8_t expected[] = {0, 0, 0, 51, 102, 254, 255, 255};
     files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n",
                 values, sizeof values);
-    const hs_metaimage_options opt = {HS_PADDING_ALL, true, 100.0, 300.0};
+    const hs_metaimage_options opt = {
+        .padding = HS_PADDING_ALL, .has_window = true, .window_low = 100.0, .window_high = 300.0};
     hs_volume volume;
     files_read("w.mha", &opt, &volume);
     assert_memory_equal(volume.voxels, expected, sizeof expected);
@@ -158,7 +159,8 @@ static void a_window_maps_and_clamps(void **state) {
     static const uint8_t of_bytes[] = {0, 0, 5, 51, 255, 255, 255, 255};
     files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
                 bytes, sizeof bytes);
-    const hs_metaimage_options narrow = {HS_PADDING_ALL, true, 10.0, 60.0};
+    const hs_metaimage_options narrow = {
+        .padding = HS_PADDING_ALL, .has_window = true, .window_low = 10.0, .window_high = 60.0};
     files_read("w.mha", &narrow, &volume);
     assert_memory_equal(volume.voxels, of_bytes, sizeof of_bytes);
     hs_volume_free(&volume);
@@ -169,7 +171,10 @@ static void a_window_that_is_none_is_refused(void **state) {
     write_two_zeros();
     const double bad[][2] = {{5, 5}, {6, 5}, {NAN, 5}, {0, INFINITY}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        const hs_metaimage_options opt = {HS_PADDING_AUTO, true, bad[i][0], bad[i][1]};
+        const hs_metaimage_options opt = {.padding = HS_PADDING_AUTO,
+                                          .has_window = true,
+                                          .window_low = bad[i][0],
+                                          .window_high = bad[i][1]};
         hs_error err = {0};
         hs_volume volume;
         assert_false(hs_metaimage_read(files_path("zeros.mha"), &opt, &volume, &err));

@@ -38,9 +38,13 @@ static void write_ok(const char *name, const hs_metaimage_array *array) {
  * of 257, floats by their step. */
 static void arrays_read_back(void **state) {
     (void)state;
-    static const hs_metaimage_options options[] = {{HS_PADDING_ALL, false, 0, 0},
-                                                   {HS_PADDING_ALL, true, 0, 65535},
-                                                   {HS_PADDING_ALL, true, -7.0, -7.0 + 255 * 0.25}};
+    static const hs_metaimage_options options[] = {
+        {.padding = HS_PADDING_ALL},
+        {.padding = HS_PADDING_ALL, .has_window = true, .window_low = 0, .window_high = 65535},
+        {.padding = HS_PADDING_ALL,
+         .has_window = true,
+         .window_low = -7.0,
+         .window_high = -7.0 + 255 * 0.25}};
     static const char *const names[] = {"a.mha", "a.mhd"};
     for (int type = HS_ARRAY_U8; type <= HS_ARRAY_F32; type++) {
         for (int variant = 0; variant < 4; variant++) {

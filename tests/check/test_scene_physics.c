@@ -217,7 +217,8 @@ static void fan_has_its_borders(void **state) {
     one_tissue_field(&f, N, 0.5f, HS_TISSUE_FLUID); /* 32 mm */
     static uint8_t voxels[N * N * N];
     memset(voxels, 9, sizeof voxels);
-    hs_volume volume = {N, N, N, {0.5, 0.5, 0.5}, voxels, "fan"};
+    hs_volume volume = {
+        .nx = N, .ny = N, .nz = N, .spacing = {0.5, 0.5, 0.5}, .voxels = voxels, .name = "fan"};
     hs_scene_fan(&f, &spec, &volume);
     for (uint32_t z = 0; z < N; z++) /* x = y = 0.25 mm off the middle; depth z + 0.25 mm */
         assert_int_equal(voxels[hs_field_index(&f, 32, 32, z)], z < 50 ? 9 : 0);
@@ -242,7 +243,8 @@ static void compresses_as_stated(void **state) {
     f.envelope[2] = hs_level(3.0f);
     f.envelope[3] = HS_LEVEL_SILENT;
     static uint8_t voxels[N * N * N];
-    hs_volume volume = {N, N, N, {0.5, 0.5, 0.5}, voxels, "grey"};
+    hs_volume volume = {
+        .nx = N, .ny = N, .nz = N, .spacing = {0.5, 0.5, 0.5}, .voxels = voxels, .name = "grey"};
     hs_scene_compress(&f, &spec, &volume);
     assert_int_equal(voxels[0], 153);
     assert_int_equal(voxels[1], 1);

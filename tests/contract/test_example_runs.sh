@@ -27,19 +27,20 @@ beside_method() { # beside_method FILE LINES
 }
 most first_edge/first_edge.c 80
 most small_host/small_host.c 90
+most template/my_surface.c 50
 beside_method first_edge/first_edge.c 40
 beside_method kernel_edge/kernel_edge.c 60
 
 # --- copies build alone
-for name in first_edge kernel_edge small_host; do
+for name in first_edge kernel_edge template small_host queue_host; do
     cp -r "$source_dir/examples/$name" "$work/$name"
-    if ! { cmake -S "$work/$name" -B "$work/$name/build" -D SMARTVIS_INCLUDE="$source_dir/include" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror' &&
+    if ! { cmake -S "$work/$name" -B "$work/$name/build" -D CMAKE_PREFIX_PATH="$build_dir" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror' &&
         cmake --build "$work/$name/build"; } > "$work/log" 2>&1; then
         tail -n 20 "$work/log"
         fail "a copy of $name does not build"
     fi
 done
-for name in first_edge kernel_edge; do
+for name in first_edge kernel_edge template; do
     exported=$(nm -D --defined-only "$build_dir/examples/$name.so" | awk '{ print $3 }' | tr '\n' ' ')
     [ -n "${SV_SANITIZE:-}" ] || [ "$exported" = "smartvis_plugin_entry " ] || fail "$name exports '$exported'"
 done
@@ -65,6 +66,17 @@ tail -n +2 "$work/out" > "$work/first"
 host 0 'rendered with the map' "$build_dir/examples/kernel_edge.so"
 tail -n +2 "$work/out" | cmp - "$work/first" || fail "small_host: the two examples differ"
 
+# --- the host with a queue of its own: the same depths, by way of buffers
+for plugin in smartvis.so examples/kernel_edge.so; do
+    host 0 'rendered with the map' "$build_dir/$plugin"
+    mv "$work/out" "$work/expected"
+    "$build_dir/examples/queue_host" "$build_dir/$plugin" > "$work/out" 2> "$work/err" || fail "queue_host $plugin: exit code $?"
+    cmp "$work/expected" "$work/out" || fail "queue_host $plugin: not what small_host prints"
+done
+"$build_dir/examples/queue_host" "$build_dir/examples/first_edge.so" > /dev/null 2> "$work/err"
+[ $? = 4 ] || fail "queue_host, a plugin without the host's queue: exit code"
+grep -q 'takes no queue' "$work/err" || fail "queue_host: $(cat "$work/err")"
+
 # --- the host simulator
 simulate() { # simulate OPTION...
     "$build_dir/host_sim" run --scene D01 --size 64 --setting smartvis --frames 2 --out "$work/run" "$@" > "$work/out" 2>&1 ||
@@ -75,6 +87,7 @@ simulate --plugin "$build_dir/examples/first_edge.so" # on its own queue: the ho
 simulate --plugin "$build_dir/examples/kernel_edge.so"
 simulate --plugin "$build_dir/examples/kernel_edge.so" --own-queue
 simulate --plugin "$build_dir/examples/kernel_edge.so" --carrier host --set q=0.5
+simulate --plugin "$build_dir/examples/template.so"
 
 # --- against the truth: an error of less than a step, where the unclipped volume has more than fifty
 "$build_dir/host_sim" report --case D01 --size 96 --seeds 1 --frames 0 --out "$work/report" \

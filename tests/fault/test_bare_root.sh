@@ -29,6 +29,8 @@ ends 2 "no TARGET for 'trixie'" bash "$script" trixie
 ends 2 "no TARGET for 'trixie'" bash "$script" trixie JOBS=2
 ends 2 "unknown option '--twice'" bash "$script" --twice trixie test
 ends 2 "--dir has no value" bash "$script" --dir
+ends 2 "--bring has no value" bash "$script" --bring
+ends 2 "--bring /nowhere is no folder" bash "$script" --bring /nowhere trixie test
 ends 2 "'Trixie!' is no name of a suite" bash "$script" 'Trixie!' test
 ends 2 "'-k' is neither a target" bash "$script" trixie test -k
 
@@ -83,7 +85,12 @@ holds grep -qF "trixie: make demo: ok" "$work/said"
 holds nothing_left
 ends 4 "the root of trixie could not be made" bash "$script" --dir "$root" --mirror http://broken.invalid trixie demo
 holds nothing_left
-ends 0 "the root is $root" bare --keep trixie demo
+mkdir -m 700 "$root"
+mkdir -p "$work/built"
+echo 1 > "$work/built/thing"
+ends 0 "the root is $root" bare --keep --bring "$work/built" trixie demo
+holds [ "$(stat -c %a "$root")" = 755 ] # every user of the root reads it
+holds cmp "$work/built/thing" "$root/smartvis/out/built/thing"
 holds [ -d "$root/smartvis" ]
 holds [ -z "$(ls -A "$root/proc" "$root/dev" 2>&1 | grep -v ':$' | grep .)" ]
 ends 3 "--dir $root is not empty" bare trixie demo

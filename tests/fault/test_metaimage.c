@@ -39,7 +39,7 @@ static void values_out_of_range_are_named(void **state) {
     static const struct {
         const char *field, *value, *told;
     } bad[] = {
-        {"NDims", "2", "NDims is '2', expected 3"},
+        {"NDims", "2", "NDims is '2', expected 3 (a volume) or 4 (a sequence of volumes)"},
         {"NDims", "5", "NDims is '5'"},
         {"NDims", "3.0", "NDims is '3.0'"},
         {"NDims", "-3", "NDims is '-3'"},
@@ -251,12 +251,25 @@ static void what_is_no_metaimage_is_refused(void **state) {
     files_refused("a.png", ":1: expected 'Field = value'");
     files_write("zero.mha", "NDims = 3\n", "\0\0\0\0", 4);
     files_refused("zero.mha", ":2: holds a zero byte");
-    char *long_text = malloc(70001);
+    enum { MOST = 1 << 24 }; /* bytes that a header may have */
+    char *long_text = malloc(MOST + 1);
     assert_non_null(long_text);
-    memset(long_text, 'x', 70000);
-    long_text[70000] = '\0';
+    memset(long_text, 'x', MOST);
+    long_text[MOST] = '\0';
+    files_write("long.mha", "Comment = ", long_text, MOST);
+    files_refused("long.mha", "ElementDataFile is missing in the first 16777216 bytes");
     files_write("long.mha", "Comment = ", long_text, 70000);
-    files_refused("long.mha", "ElementDataFile is missing in the first 65536 bytes");
+    files_refused("long.mha", "ElementDataFile is missing");
+    const size_t text = strlen("Comment = \n" GOOD_TEXT);
+    memcpy(long_text + MOST - text, "\n" GOOD_TEXT, strlen("\n" GOOD_TEXT));
+    files_write("long.mha", "Comment = ", long_text, MOST - strlen("Comment = "));
+    FILE *more = fopen(files_path("long.mha"), "ab");
+    assert_non_null(more);
+    assert_int_equal(fwrite(good_data, 1, GOOD_BYTES, more), GOOD_BYTES);
+    assert_int_equal(fclose(more), 0);
+    hs_volume volume;
+    files_read("long.mha", NULL, &volume); /* the longest text that is read */
+    hs_volume_free(&volume);
     free(long_text);
     files_refused("absent.mha", "No such file or directory");
     assert_int_equal(mkfifo(files_path("fifo.mha"), 0600), 0);

@@ -57,6 +57,13 @@ uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed) {
     return out;
 }
 
+void files_gzip(const char *name, const void *data, unsigned bytes) {
+    gzFile file = gzopen(files_path(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(gzwrite(file, data, bytes), (int)bytes);
+    assert_int_equal(gzclose(file), Z_OK);
+}
+
 void files_read(const char *name, const hs_metaimage_options *opt, hs_volume *out) {
     hs_error err = {0};
     if (!hs_metaimage_read(files_path(name), opt, out, &err)) fail_msg("%s", err.text);

@@ -29,6 +29,9 @@ void files_write(const char *name, const char *text, const void *data, size_t by
 /* zlib's one-call compression; the caller frees. */
 uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed);
 
+/* A file of the data, compressed by gzip. */
+void files_gzip(const char *name, const void *data, unsigned bytes);
+
 /* Reads and expects success. */
 void files_read(const char *name, const hs_metaimage_options *opt, hs_volume *out);
 

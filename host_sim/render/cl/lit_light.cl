@@ -29,18 +29,14 @@ typedef struct {
 } lit_scene;
 
 /* Weights of the quadratic B-spline and of its slope around the nearest voxel; f in -0.5 .. 0.5. */
-#define SPLINE(f, w)                                                                                         \
-    {                                                                                                        \
-        w[0] = 0.5f * (0.5f - f) * (0.5f - f);                                                               \
-        w[1] = 0.75f - f * f;                                                                                \
-        w[2] = 0.5f * (0.5f + f) * (0.5f + f);                                                               \
-    }
-#define SLOPE(f, w)                                                                                          \
-    {                                                                                                        \
-        w[0] = f - 0.5f;                                                                                     \
-        w[1] = -2.0f * f;                                                                                    \
-        w[2] = f + 0.5f;                                                                                     \
-    }
+INLINE void spline_weights(vf f, vf weight[3], vf slope[3]) {
+    weight[0] = 0.5f * (0.5f - f) * (0.5f - f);
+    weight[1] = 0.75f - f * f;
+    weight[2] = 0.5f * (0.5f + f) * (0.5f + f);
+    slope[0] = f - 0.5f;
+    slope[1] = -2.0f * f;
+    slope[2] = f + 0.5f;
+}
 
 #if LANES == 16
 #define LEVELS(p, i)                                                                                         \
@@ -62,9 +58,10 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
     vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
     vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
     vi iz = spline_voxel(at.z, s->dims.z, &fz);
-    SPLINE(fx, wx)
-    SPLINE(fy, wy)
-    SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
+    spline_weights(fx, wx, dx);
+    spline_weights(fy, wy, dy);
+    spline_weights(fz, wz, dz);
+    vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     for (int z = 0; z < 3; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};

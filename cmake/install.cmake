@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+# What is installed, and where: every path is relative to the prefix, and each part finds the others from where it lies
+# itself, so that an installation can be moved. The build folder mirrors it: CMAKE_PREFIX_PATH=<build folder> finds the
+# headers, and build/host_sim its scenes.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+# Not ${CMAKE_INSTALL_LIBDIR}: hosts look in <prefix>/lib/smartvis on every system (docs/abi.md).
+set(SV_PLUGIN_FOLDER lib/smartvis)
+set(SV_PACKAGE_FOLDER share/cmake/SmartVisPlugin)
+set(SV_PC_FOLDER share/pkgconfig)
+
+# The packages' version is that of the ABI: it is what a plugin or a host is written for.
+file(STRINGS ${CMAKE_SOURCE_DIR}/include/smartvis_plugin.h SV_ABI_LINES REGEX "^#define SV_ABI_(MAJOR|MINOR) [0-9]+u")
+string(REGEX REPLACE ".*MAJOR ([0-9]+)u.*MINOR ([0-9]+)u.*" "\\1.\\2" SV_ABI_VERSION "${SV_ABI_LINES}")
+if(NOT SV_ABI_VERSION MATCHES "^[0-9]+\\.[0-9]+$")
+  message(FATAL_ERROR "include/smartvis_plugin.h: no SV_ABI_MAJOR and SV_ABI_MINOR, found '${SV_ABI_LINES}'")
+endif()
+configure_file(cmake/SmartVisPluginConfig.cmake ${SV_PACKAGE_FOLDER}/SmartVisPluginConfig.cmake COPYONLY)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/SmartVisPluginConfigVersion.cmake
+  VERSION ${SV_ABI_VERSION} COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
+configure_file(cmake/smartvis-plugin.pc.in ${SV_PC_FOLDER}/smartvis-plugin.pc @ONLY)
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/smartvis)
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/data/scenes ${CMAKE_BINARY_DIR}/share/smartvis/scenes SYMBOLIC)
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/include ${CMAKE_BINARY_DIR}/include SYMBOLIC)
+
+set(SV_PROGRAMS host_sim)
+if(TARGET sv_validate)
+  list(APPEND SV_PROGRAMS sv_validate)
+endif()
+install(TARGETS ${SV_PROGRAMS} RUNTIME DESTINATION bin COMPONENT smartvis)
+install(TARGETS smartvis LIBRARY DESTINATION ${SV_PLUGIN_FOLDER} COMPONENT smartvis)
+install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.json")
+install(FILES LICENSE DESTINATION share/doc/smartvis COMPONENT smartvis)
+
+install(DIRECTORY include/ DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/ DESTINATION ${SV_PACKAGE_FOLDER} COMPONENT dev
+  FILES_MATCHING PATTERN "*.cmake")
+install(FILES ${CMAKE_BINARY_DIR}/${SV_PC_FOLDER}/smartvis-plugin.pc DESTINATION ${SV_PC_FOLDER} COMPONENT dev)
+install(DIRECTORY examples DESTINATION share/smartvis COMPONENT dev
+  PATTERN build EXCLUDE
+  PATTERN examples/CMakeLists.txt EXCLUDE)
+
+# Manual pages are made from what the programs say of themselves, so they cannot differ from it.
+if(NOT CMAKE_CROSSCOMPILING)
+  foreach(program ${SV_PROGRAMS})
+    set(page ${CMAKE_BINARY_DIR}/share/man/man1/${program}.1)
+    add_custom_command(OUTPUT ${page}
+      COMMAND bash ${CMAKE_SOURCE_DIR}/scripts/man_page.sh $<TARGET_FILE:${program}> ${page}
+      DEPENDS ${program} ${CMAKE_SOURCE_DIR}/scripts/man_page.sh
+      COMMENT "Manual page ${program}(1)" VERBATIM)
+    list(APPEND SV_MAN_PAGES ${page})
+  endforeach()
+  add_custom_target(man_pages ALL DEPENDS ${SV_MAN_PAGES})
+  install(FILES ${SV_MAN_PAGES} DESTINATION share/man/man1 COMPONENT smartvis)
+endif()

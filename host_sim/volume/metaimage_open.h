@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens a file that somebody else made. Internal to the MetaImage reader. */
+#ifndef HS_METAIMAGE_OPEN_H
+#define HS_METAIMAGE_OPEN_H
+
+#include "base/error.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+/* Opens a regular file for reading and sets *bytes to its size. On failure NULL, and HS_ERR_INPUT "<context>:
+ * <reason>". Never waits, not even on a FIFO. */
+FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
+
+#endif

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/metaimage_text.h"
+
+#include "volume/metaimage_foreign.h"
+#include "volume/metaimage_open.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { FIRST_BYTES = 1 << 16, MAX_BYTES = 1 << 24 }; /* of a header; a long sequence needs many */
+
+static const struct {
+    const char *name;
+    hs_met_field id;
+} names[] = {
+    {"ObjectType", HS_MET_F_OBJECT_TYPE},
+    {"NDims", HS_MET_F_NDIMS},
+    {"DimSize", HS_MET_F_DIM_SIZE},
+    {"ElementType", HS_MET_F_ELEMENT_TYPE},
+    {"ElementSpacing", HS_MET_F_ELEMENT_SPACING},
+    {"ElementSize", HS_MET_F_ELEMENT_SIZE},
+    {"ElementNumberOfChannels", HS_MET_F_CHANNELS},
+    {"BinaryData", HS_MET_F_BINARY},
+    {"BinaryDataByteOrderMSB", HS_MET_F_BINARY_MSB},
+    {"ElementByteOrderMSB", HS_MET_F_ELEMENT_MSB},
+    {"CompressedData", HS_MET_F_COMPRESSED},
+    {"CompressedDataSize", HS_MET_F_COMPRESSED_SIZE},
+    {"HeaderSize", HS_MET_F_HEADER_SIZE},
+    {"ElementDataFile", HS_MET_F_DATA_FILE},
+    {"TransformMatrix", HS_MET_F_TRANSFORM},
+    {"Rotation", HS_MET_F_TRANSFORM},
+    {"Orientation", HS_MET_F_TRANSFORM},
+    {"Offset", HS_MET_F_OFFSET},
+    {"Position", HS_MET_F_OFFSET},
+    {"Origin", HS_MET_F_OFFSET},
+    {"AnatomicalOrientation", HS_MET_F_ANATOMICAL},
+    {"Kinds", HS_MET_F_KINDS},
+    {"UltrasoundImageOrientation", HS_MET_F_ULTRASOUND},
+};
+
+static const char frame_prefix[] = "Seq_Frame";
+
+void hs_met_shown(const char *value, char out[HS_MET_SHOWN_BYTES]) {
+    size_t n = 0;
+    for (; value[n] && n + 1 < HS_MET_SHOWN_BYTES; n++)
+        out[n] = isprint((unsigned char)value[n]) ? value[n] : '?';
+    out[n] = '\0';
+    if (value[n]) memcpy(out + HS_MET_SHOWN_BYTES - 4, "...", 4);
+}
+
+bool hs_met_bad(const hs_met_text *text, const hs_met_value *value, const char *expected) {
+    char name[HS_MET_SHOWN_BYTES], shown[HS_MET_SHOWN_BYTES];
+    hs_met_shown(value->name, name);
+    hs_met_shown(value->value, shown);
+    return hs_fail(text->err, HS_ERR_INPUT, "%s:%u: %s is '%s', expected %s", text->path, value->line, name,
+                   shown, expected);
+}
+
+bool hs_met_wrong(const hs_met_text *text, const hs_met_value *value, const char *reason) {
+    char name[HS_MET_SHOWN_BYTES];
+    hs_met_shown(value->name, name);
+    return hs_fail(text->err, HS_ERR_INPUT, "%s:%u: %s: %s", text->path, value->line, name, reason);
+}
+
+bool hs_met_bad_value(const hs_met_text *text, hs_met_field id, const char *expected) {
+    return hs_met_bad(text, &text->fields[id], expected);
+}
+
+bool hs_met_missing(const hs_met_text *text, hs_met_field id) {
+    const char *name = "";
+    for (size_t i = sizeof names / sizeof *names; i-- > 0;)
+        if (names[i].id == id) name = names[i].name; /* the first of a field's names */
+    return hs_fail(text->err, HS_ERR_INPUT, "%s: %s is missing", text->path, name);
+}
+
+bool hs_met_has(const hs_met_text *text, hs_met_field id) {
+    return text->fields[id].line != 0;
+}
+
+bool hs_met_at_end(const char *value) {
+    while (isspace((unsigned char)*value)) value++;
+    return *value == '\0';
+}
+
+bool hs_met_unsigned(const char **value, uint64_t *out) {
+    const char *s = *value;
+    while (isspace((unsigned char)*s)) s++;
+    if (!isdigit((unsigned char)*s)) return false;
+    char *end;
+    errno = 0;
+    *out = strtoull(s, &end, 10);
+    *value = end;
+    return errno == 0 && (*end == '\0' || isspace((unsigned char)*end));
+}
+
+bool hs_met_number(const char **value, double *out) {
+    char *end;
+    *out = strtod(*value, &end);
+    const bool ok = end != *value && isfinite(*out) && (*end == '\0' || isspace((unsigned char)*end));
+    *value = end;
+    return ok;
+}
+
+bool hs_met_bool(const hs_met_text *text, hs_met_field id, bool absent, bool *out) {
+    *out = absent;
+    if (!hs_met_has(text, id)) return true;
+    const char *v = text->fields[id].value;
+    const bool yes = strcasecmp(v, "true") == 0 || strcmp(v, "1") == 0 || strcasecmp(v, "t") == 0;
+    const bool no = strcasecmp(v, "false") == 0 || strcmp(v, "0") == 0 || strcasecmp(v, "f") == 0;
+    *out = yes;
+    return yes || no || hs_met_bad_value(text, id, "True or False");
+}
+
+/* Keeps the field if it is a used one. */
+static bool keep_field(hs_met_text *t, const hs_met_value *found) {
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(found->name, names[i].name) != 0) continue;
+        hs_met_value *field = &t->fields[names[i].id];
+        if (field->line != 0)
+            return hs_fail(t->err, HS_ERR_INPUT, "%s:%u: %s is given a second time, first in line %u",
+                           t->path, found->line, found->name, field->line);
+        *field = *found;
+        return true;
+    }
+    if (strncmp(found->name, frame_prefix, strlen(frame_prefix)) != 0) return true;
+    if ((t->frame_count & (t->frame_count - 1)) == 0) { /* room doubles whenever it is full */
+        hs_met_value *more = realloc(t->frames, (t->frame_count ? 2 * t->frame_count : 1) * sizeof *more);
+        if (!more) return hs_fail(t->err, HS_ERR_MEMORY, "%s: no memory to read the header", t->path);
+        t->frames = more;
+    }
+    t->frames[t->frame_count++] = *found;
+    return true;
+}
+
+/* Cuts a line into field and value; `start` is a string. */
+static bool split_line(const hs_met_text *t, char *start, unsigned line, hs_met_value *out) {
+    char *mark = start + strcspn(start, "=:");
+    if (*mark == '\0')
+        return hs_fail(t->err, HS_ERR_INPUT, "%s:%u: expected 'Field = value': this is no MetaImage header",
+                       t->path, line);
+    char *value = mark + 1;
+    for (*mark = '\0'; mark > start && isspace((unsigned char)mark[-1]);) *--mark = '\0';
+    while (isspace((unsigned char)*start)) start++;
+    while (isspace((unsigned char)*value)) value++;
+    for (size_t n = strlen(value); n > 0 && isspace((unsigned char)value[n - 1]); n--) value[n - 1] = '\0';
+    *out = (hs_met_value){start, value, line};
+    return true;
+}
+
+/* Collects the used fields of the text, which ends with the line of ElementDataFile. The text is cut into
+ * strings in place. */
+static bool split_lines(hs_met_text *t, size_t bytes) {
+    size_t at = 0;
+    for (unsigned line = 1; at < bytes; line++) {
+        char *start = t->text + at;
+        char *newline = memchr(start, '\n', bytes - at);
+        const size_t length = newline ? (size_t)(newline - start) : bytes - at;
+        at += length + (newline ? 1 : 0);
+        if (memchr(start, '\0', length))
+            return hs_fail(t->err, HS_ERR_INPUT, "%s:%u: holds a zero byte: this is no MetaImage header",
+                           t->path, line);
+        start[length] = '\0';
+        if (hs_met_at_end(start)) continue;
+        hs_met_value found;
+        if (!split_line(t, start, line, &found) || !keep_field(t, &found)) return false;
+        t->bytes = at;
+        if (hs_met_has(t, HS_MET_F_DATA_FILE)) return true;
+    }
+    if (bytes == MAX_BYTES)
+        return hs_fail(t->err, HS_ERR_INPUT, "%s: ElementDataFile is missing in the first %d bytes", t->path,
+                       MAX_BYTES);
+    return hs_met_missing(t, HS_MET_F_DATA_FILE);
+}
+
+/* True if more of the file is worth reading: so far it is text, without the last field. */
+static bool goes_on(const char *text, size_t bytes) {
+    static const char last[] = "ElementDataFile";
+    if (memchr(text, '\0', bytes)) return false;
+    for (size_t at = 0; at + sizeof last <= bytes; at++) {
+        while (at < bytes && isspace((unsigned char)text[at])) at++;
+        if (bytes - at >= sizeof last && memcmp(text + at, last, sizeof last - 1) == 0) {
+            const char *newline = memchr(text + at, '\n', bytes - at);
+            return newline == NULL; /* its line may be cut */
+        }
+        const char *newline = memchr(text + at, '\n', bytes - at);
+        if (!newline) return true;
+        at = (size_t)(newline - text);
+    }
+    return true;
+}
+
+/* A piece of the file first, since nearly all headers are short; twice as much until all of the text is
+ * there. */
+static bool read_bytes(hs_met_text *t, FILE *file, size_t *bytes) {
+    *bytes = 0;
+    for (size_t room = FIRST_BYTES; room <= MAX_BYTES; room *= 2) {
+        char *more = realloc(t->text, room + 1);
+        if (!more) return hs_fail(t->err, HS_ERR_MEMORY, "%s: no memory to read the header", t->path);
+        t->text = more;
+        const size_t got = fread(t->text + *bytes, 1, room - *bytes, file);
+        *bytes += got;
+        if (ferror(file))
+            return hs_fail(t->err, HS_ERR_INPUT, "%s: cannot be read: %s", t->path, strerror(errno));
+        if (*bytes < room || !goes_on(t->text, *bytes)) break;
+    }
+    t->text[*bytes] = '\0';
+    return true;
+}
+
+bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err) {
+    *text = (hs_met_text){.path = path, .err = err};
+    uint64_t file_bytes = 0;
+    size_t bytes = 0;
+    FILE *file = hs_met_open(path, path, &file_bytes, err);
+    if (!file) return false;
+    const bool ok = read_bytes(text, file, &bytes) && !hs_met_is_foreign(path, text->text, bytes, err) &&
+                    split_lines(text, bytes);
+    (void)fclose(file);
+    return ok;
+}
+
+void hs_met_text_free(hs_met_text *text) {
+    free(text->text);
+    free(text->frames);
+    *text = (hs_met_text){0};
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/* The voxels of a MetaImage file one after the other, checked: as bytes and as numbers. Internal to the
+ * MetaImage reader and to what copies files. */
+#ifndef HS_METAIMAGE_VOXELS_H
+#define HS_METAIMAGE_VOXELS_H
+
+#include "volume/metaimage_header.h"
+
+enum { HS_MET_CHUNK = 32768 }; /* voxels that are read at once, at most */
+
+typedef struct hs_met_voxels hs_met_voxels;
+
+/* Opens the file and checks all that can be checked before a voxel is read. `err` must outlive the stream and
+ * receives the errors of all functions below. NULL on failure. */
+hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err);
+void hs_met_voxels_close(hs_met_voxels *voxels); /* NULL is allowed */
+
+const hs_met_header *hs_met_voxels_header(const hs_met_voxels *voxels);
+
+/* The next `count` voxels, at most HS_MET_CHUNK: as numbers, all finite; and, unless `raw` is NULL, as bytes
+ * of the file's type in this machine's order. Both are the stream's and good until the next call. NULL on
+ * failure.
+ */
+const double *hs_met_voxels_read(hs_met_voxels *voxels, size_t count, const uint8_t **raw);
+
+/* The next `count` voxels as bytes, of a file whose type has one byte. */
+bool hs_met_voxels_take(hs_met_voxels *voxels, size_t count, uint8_t *out);
+
+/* Passes over the next `count` voxels, whatever they hold. */
+bool hs_met_voxels_skip(hs_met_voxels *voxels, size_t count);
+
+/* Back to the first voxel. */
+bool hs_met_voxels_rewind(hs_met_voxels *voxels);
+
+/* Succeeds if all voxels have been read and nothing follows. */
+bool hs_met_voxels_finish(hs_met_voxels *voxels);
+
+#endif

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: MIT */
+/* Sequences in MetaImage files: read volume by volume with what is said about each of them, and never taken
+ * for something else. Every rule has a file that breaks it and one that just does not. */
+#include "loop/source.h"
+#include "support/metaimage_files.h"
+
+#define FRAMES "Kinds = domain domain domain list\n"
+#define MATRIX "0 -1 0 10.5 1 0 0 20 0 0 1 30 0 0 0 1"
+
+enum { VOXELS = 8 };
+
+/* `frames` volumes of 2 x 2 x 2 voxels, of which number f holds 10 f + 1 .. 10 f + 8. */
+static void write_sequence(const char *name, const char *lines, int frames) {
+    uint8_t data[16 * VOXELS];
+    char text[4096];
+    for (int i = 0; i < frames * VOXELS; i++) data[i] = (uint8_t)(i / VOXELS * 10 + i % VOXELS + 1);
+    (void)snprintf(text, sizeof text,
+                   "NDims = 4\nDimSize = 2 2 2 %d\n%sElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                   frames, lines);
+    files_write(name, text, data, (size_t)frames * VOXELS);
+}
+
+static void volumes_come_one_after_the_other(void **state) {
+    (void)state;
+    static const char *const kinds[] = {"", FRAMES, "Kinds = space space space time\n"};
+    for (size_t k = 0; k < 3; k++) {
+        hs_error err = {0};
+        write_sequence("four.mha", kinds[k], 4);
+        hs_metaimage *file = hs_metaimage_open(files_path("four.mha"), NULL, &err);
+        assert_non_null(file);
+        assert_int_equal(hs_metaimage_volumes(file), 4);
+        assert_int_equal(hs_metaimage_left_out(file), 0);
+        for (int f = 0; f < 4; f++) {
+            hs_volume volume;
+            hs_frame_fields fields;
+            assert_true(hs_metaimage_next(file, &volume, &fields));
+            assert_int_equal(volume.nz, 2);
+            for (int i = 0; i < VOXELS; i++) assert_int_equal(volume.voxels[i], f * 10 + i + 1);
+            assert_false(fields.has_time);
+            hs_volume_free(&volume);
+        }
+        hs_metaimage_close(file);
+    }
+    files_refused("four.mha", "DimSize is 2 2 2 4: a sequence of 4 volumes, expected one volume");
+}
+
+static void compressed_and_mapped_sequences_are_read_alike(void **state) {
+    (void)state;
+    uint16_t data[3 * VOXELS];
+    for (size_t i = 0; i < 3 * VOXELS; i++) data[i] = (uint16_t)(1000 + i * 100);
+    size_t bytes;
+    uint8_t *packed = files_deflate(data, sizeof data, &bytes);
+    files_write("wide.mha",
+                "NDims = 4\nDimSize = 2 2 2 3\nElementType = MET_USHORT\nCompressedData = "
+                "True\nElementDataFile = LOCAL\n",
+                packed, bytes);
+    free(packed);
+    const hs_metaimage_options all = {.padding = HS_PADDING_ALL};
+    hs_error err = {0};
+    hs_metaimage *file = hs_metaimage_open(files_path("wide.mha"), &all, &err);
+    assert_non_null(file);
+    for (size_t f = 0; f < 3; f++) {
+        hs_volume volume;
+        assert_true(hs_metaimage_next(file, &volume, NULL));
+        /* One mapping for all: 1000 becomes 0 and 3300 becomes 255. */
+        for (size_t i = 0; i < VOXELS; i++)
+            assert_int_equal(volume.voxels[i],
+                             (int)((double)(f * VOXELS + i) * 100.0 * 255.0 / 2300.0 + 0.5));
+        hs_volume_free(&volume);
+    }
+    hs_metaimage_close(file);
+}
+
+static void what_is_said_of_a_volume_is_kept(void **state) {
+    (void)state;
+    hs_error err = {0};
+    write_sequence("said.mha",
+                   FRAMES "Seq_Frame0000_Timestamp = 1.25\nSeq_Frame0000_ImageStatus = OK\n"
+                          "Seq_Frame0001_ProbeToTrackerTransform = " MATRIX "\n"
+                          "Seq_Frame0001_ProbeToTrackerTransformStatus = OUT_OF_VIEW\n"
+                          "Seq_Frame0001_Operator = Doe^Jane\nSeq_Frame0001_Timestamp = 1.5\n",
+                   2);
+    hs_metaimage *file = hs_metaimage_open(files_path("said.mha"), NULL, &err);
+    assert_non_null(file);
+    hs_volume volume;
+    hs_frame_fields f;
+    assert_true(hs_metaimage_next(file, &volume, &f));
+    assert_true(f.has_time && f.time == 1.25 && f.transform_count == 0);
+    hs_volume_free(&volume);
+    assert_true(hs_metaimage_next(file, &volume, &f));
+    assert_true(f.has_time && f.time == 1.5);
+    assert_int_equal(f.transform_count, 1);
+    assert_string_equal(f.transforms[0].name, "ProbeToTracker");
+    assert_string_equal(f.transforms[0].status, "OUT_OF_VIEW");
+    static const double matrix[16] = {0, -1, 0, 10.5, 1, 0, 0, 20, 0, 0, 1, 30, 0, 0, 0, 1};
+    for (int i = 0; i < 16; i++) assert_true(f.transforms[0].matrix[i] == matrix[i]);
+    hs_volume_free(&volume);
+    hs_metaimage_close(file);
+}
+
+/* The loop's source: invalid volumes are left out, the others keep what is said of them. */
+static void invalid_volumes_are_left_out(void **state) {
+    (void)state;
+    write_sequence("gap.mha", FRAMES "Seq_Frame0001_ImageStatus = INVALID\nSeq_Frame2_Timestamp = 7\n", 3);
+    write_sequence("one.mha", FRAMES, 1);
+    char gap[200], one[200];
+    (void)snprintf(gap, sizeof gap, "%s", files_path("gap.mha"));
+    (void)snprintf(one, sizeof one, "%s", files_path("one.mha"));
+    const char *const paths[] = {gap, one};
+    hs_source source;
+    hs_error err = {0};
+    if (!hs_source_open_files(&source, paths, 2, NULL, NULL, &err)) fail_msg("%s", err.text);
+    assert_int_equal(source.count, 3);
+    assert_int_equal(source.left_out, 1);
+    static const int first_voxels[3] = {1, 21, 1};
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(hs_source_volume(&source, i)->voxels[0], first_voxels[i]);
+        const hs_source_origin *origin = hs_source_origin_of(&source, i);
+        assert_string_equal(origin->path, paths[i / 2]);
+        assert_int_equal(origin->index, i % 2);
+        assert_int_equal(origin->fields.has_time, i == 1);
+    }
+    hs_source_close(&source);
+    write_sequence("none.mha",
+                   FRAMES "Seq_Frame0000_ImageStatus = INVALID\nSeq_Frame0001_ImageStatus = INVALID\n", 2);
+    files_refused("none.mha", "ImageStatus is INVALID for every volume");
+}
+
+/* Lines that break a rule, and lines that just do not. */
+static void every_rule_has_a_file_on_either_side(void **state) {
+    (void)state;
+    static const struct {
+        const char *broken, *told, *whole;
+    } rules[] = {
+        {"Kinds = domain domain list\n", "Kinds is 'domain domain list', expected domain domain domain list",
+         FRAMES},
+        {"Kinds = domain domain domain domain\n", "expected domain domain domain list",
+         "Kinds = domain domain domain time\n"},
+        {"Kinds = list domain domain domain\n", "expected domain domain domain list", FRAMES},
+        {"Kinds = domain domain domain list list\n", "expected domain domain domain list", FRAMES},
+        {"Kinds =\n", "Kinds is ''", FRAMES},
+        {"Seq_Frame0002_Timestamp = 1\n", "Seq_Frame0002_Timestamp: is about a volume behind the last one",
+         "Seq_Frame0001_Timestamp = 1\n"},
+        {"Seq_Frame_Timestamp = 1\n", "expected a name Seq_Frame<number>_<what>",
+         "Seq_Frame1_Timestamp = 1\n"},
+        {"Seq_Frame0001 = 1\n", "expected a name Seq_Frame<number>_<what>", "Seq_Frame0001_X = 1\n"},
+        {"Seq_Frame18446744073709551617_X = 1\n", "is about a volume behind the last one",
+         "Seq_Frame00000000000000001_X = 1\n"},
+        {"Seq_Frame0001_Timestamp = soon\n",
+         "Seq_Frame0001_Timestamp is 'soon', expected a number of seconds",
+         "Seq_Frame0001_Timestamp = -1e3\n"},
+        {"Seq_Frame0001_Timestamp = 1 s\n", "expected a number of seconds", "Seq_Frame0001_Timestamp = 1 \n"},
+        {"Seq_Frame0001_Timestamp = inf\n", "expected a number of seconds",
+         "Seq_Frame0001_Timestamp = 1e300\n"},
+        {"Seq_Frame0001_ImageStatus = FINE\n", "is 'FINE', expected OK or INVALID",
+         "Seq_Frame0001_ImageStatus = OK\n"},
+        {"Seq_Frame0001_ATransform = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0\n", "expected 16 numbers",
+         "Seq_Frame0001_ATransform = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"},
+        {"Seq_Frame0001_ATransform = " MATRIX " 0\n", "expected 16 numbers",
+         "Seq_Frame0001_ATransform = " MATRIX "\n"},
+        {"Seq_Frame0001_ATransform = 1 0 0 nan 0 1 0 0 0 0 1 0 0 0 0 1\n", "expected 16 numbers",
+         "Seq_Frame0001_ATransform = 1 0 0 1e9 0 1 0 0 0 0 1 0 0 0 0 1\n"},
+        {"Seq_Frame0001_ATransform = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1\n",
+         "expected a matrix whose last row is 0 0 0 1",
+         "Seq_Frame0001_ATransform = 1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 1\n"},
+        {"Seq_Frame0001_ATransformStatus = ok\n", "expected OK, INVALID or another word in capitals",
+         "Seq_Frame0001_ATransformStatus = OUT_OF_VIEW\n"},
+        {"Seq_Frame0001_ATransformStatus = AAAAAAAAAAAAAAAAAAAAAAAA\n", "another word in capitals",
+         "Seq_Frame0001_ATransformStatus = AAAAAAAAAAAAAAAAAAAAAAA\n"},
+        {"Seq_Frame0001_A-BTransform = " MATRIX "\n", "expected a name of letters, digits and _",
+         "Seq_Frame0001_A_BTransform = " MATRIX "\n"},
+        {"Seq_Frame0001_aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaTransform = " MATRIX "\n",
+         "at most 47",
+         "Seq_Frame0001_aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaTransform = " MATRIX "\n"},
+        {"Seq_Frame0001_Timestamp = 1\nSeq_Frame0001_Timestamp = 1\n",
+         ":4: Seq_Frame0001_Timestamp is given a second time, first in line 3",
+         "Seq_Frame0000_Timestamp = 1\nSeq_Frame0001_Timestamp = 1\n"},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
+        hs_error err = {0};
+        write_sequence("rule.mha", rules[i].broken, 2);
+        files_refused("rule.mha", rules[i].told);
+        write_sequence("rule.mha", rules[i].whole, 2);
+        hs_metaimage *file = hs_metaimage_open(files_path("rule.mha"), NULL, &err);
+        if (!file) fail_msg("%s", err.text);
+        hs_metaimage_close(file);
+    }
+}
+
+static void the_number_of_transforms_is_bounded(void **state) {
+    (void)state;
+    char lines[2048] = FRAMES;
+    for (int t = 0; t < 9; t++) {
+        hs_error err = {0};
+        const size_t at = strlen(lines);
+        (void)snprintf(lines + at, sizeof lines - at, "Seq_Frame0000_T%dTransform = " MATRIX "\n", t);
+        write_sequence("many.mha", lines, 2);
+        hs_metaimage *file = hs_metaimage_open(files_path("many.mha"), NULL, &err);
+        assert_int_equal(file != NULL, t < 8);
+        hs_metaimage_close(file);
+    }
+    files_refused("many.mha", "Seq_Frame0000_T8Transform: more than 8 transforms of one volume");
+}
+
+static void sizes_of_sequences_are_checked(void **state) {
+    (void)state;
+    static const struct {
+        const char *size, *told;
+    } bad[] = {{"2 2 2 0", "expected a fourth size of 1 .. 100000 volumes"},
+               {"2 2 2 100001", "a fourth size"},
+               {"2 2 2", "a fourth size"},
+               {"2 2 2 2 2", "as many numbers as NDims"},
+               {"2 2 2 3", "16 bytes of data, expected 24 (DimSize 2 2 2 3 of MET_UCHAR)"},
+               {"2 2 2 1", "16 bytes of data, expected 8 (DimSize 2 2 2 1 of MET_UCHAR)"},
+               {"2048 1024 1024 100000", "16 bytes of data, expected 214748364800000"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        static const uint8_t data[16] = {1};
+        char text[300];
+        (void)snprintf(text, sizeof text,
+                       "NDims = 4\nDimSize = %s\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                       bad[i].size);
+        files_write("size.mha", text, data, sizeof data);
+        files_refused("size.mha", bad[i].told);
+    }
+}
+
+/* A PLUS sequence of tracked pictures looks like a volume but for its Kinds, or its fields. */
+static void sequences_of_pictures_are_refused_by_name(void **state) {
+    (void)state;
+    static const char *const lines[] = {"Kinds = domain domain list\n", "Kinds = domain domain time\n",
+                                        "Seq_Frame0000_Patient = Doe^Jane\n"};
+    static const uint8_t data[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    for (size_t i = 0; i < 3; i++) {
+        char text[300];
+        hs_error err = {0};
+        hs_volume volume;
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = 2 2 2\n%sElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                       lines[i]);
+        files_write("plus.mha", text, data, sizeof data);
+        files_refused("plus.mha", "this is a sequence of pictures, whose third axis is time");
+        assert_false(hs_metaimage_read(files_path("plus.mha"), NULL, &volume, &err));
+        assert_null(strstr(err.text, "Doe"));
+    }
+    files_write("plain.mha",
+                "NDims = 3\nDimSize = 2 2 2\nKinds = domain domain domain\nElementType = "
+                "MET_UCHAR\nElementDataFile = LOCAL\n",
+                data, 8);
+    hs_volume volume;
+    files_read("plain.mha", NULL, &volume);
+    hs_volume_free(&volume);
+    /* What PLUS reconstructs is called a list, too, but lies in space and has no fields of frames. */
+    static const char *const placed[] = {"ElementSpacing = 0.5 0.5 0.5\n", "Offset = 0 0 29\n"};
+    for (size_t i = 0; i < 2; i++) {
+        char text[300];
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = 2 2 2\n%sKinds = domain domain list\nElementType = "
+                       "MET_UCHAR\nElementDataFile = LOCAL\n",
+                       placed[i]);
+        files_write("spine.mha", text, data, 8);
+        files_read("spine.mha", NULL, &volume);
+        hs_volume_free(&volume);
+    }
+    files_write("tracked.mha",
+                "NDims = 3\nDimSize = 2 2 2\nElementSpacing = 0.5 0.5 0.5\nKinds = domain domain "
+                "list\nSeq_Frame0000_Timestamp = 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+                data, 8);
+    files_refused("tracked.mha", "Seq_Frame0000_Timestamp: this is a sequence of pictures");
+    files_write("odd.mha",
+                "NDims = 3\nDimSize = 2 2 2\nKinds = vector domain domain\nElementType = "
+                "MET_UCHAR\nElementDataFile = LOCAL\n",
+                data, 8);
+    files_refused("odd.mha", "Kinds is 'vector domain domain', expected domain domain domain");
+}
+
+/* Told by what is in the file. The name says nothing. */
+static void other_formats_are_named(void **state) {
+    (void)state;
+    uint8_t nifti[352] = {0x5c, 1}, nifti2[544] = {0x1c, 2}, dicom[140] = {0}, analyze[348] = {0x5c, 1};
+    memcpy(nifti + 344, "n+1", 4);
+    memcpy(nifti2 + 4, "n+2", 4);
+    memcpy(dicom + 128, "DICM", 4);
+    static const uint8_t bare[] = {8, 0, 5, 0, 'C', 'S', 10, 0, 'I', 'S', 'O'};
+    const uint8_t big[4] = {0, 0, 1, 0x5c};
+    files_write("a.mha", NULL, "NRRD0005\n# Complete", 19);
+    files_refused("a.mha",
+                  "is an NRRD file; host_sim reads MetaImage (.mha, .mhd): open it in 3D Slicer and save it");
+    files_write("b.mha", NULL, nifti, sizeof nifti);
+    files_refused("b.mha", "is a NIfTI file");
+    memcpy(nifti, big, 4);
+    files_write("b.mha", NULL, nifti, sizeof nifti);
+    files_refused("b.mha", "is a NIfTI file");
+    files_write("b.mha", NULL, nifti2, sizeof nifti2);
+    files_refused("b.mha", "is a NIfTI file");
+    files_write("c.mha", NULL, dicom, sizeof dicom);
+    files_refused("c.mha", "is a DICOM file; host_sim reads MetaImage (.mha, .mhd): load its series");
+    files_write("c.mha", NULL, bare, sizeof bare);
+    files_refused("c.mha", "is a DICOM file");
+    files_write("d.hdr", NULL, analyze, sizeof analyze);
+    files_refused("d.hdr", "is an Analyze file");
+    /* Just not: the size alone, the mark elsewhere, a text that begins like one. */
+    files_write("e.mha", NULL, analyze, sizeof analyze);
+    files_refused("e.mha", "this is no MetaImage header");
+    memmove(dicom + 127, dicom + 128, 4);
+    files_write("e.mha", NULL, dicom, sizeof dicom);
+    files_refused("e.mha", "holds a zero byte");
+    files_write("e.mha", NULL, "NRR\n", 4);
+    files_refused("e.mha", "this is no MetaImage header");
+}
+
+/* A compressed NIfTI file, as nearly all of them are. */
+static void compressed_nifti_is_named(void **state) {
+    (void)state;
+    uint8_t nifti[352] = {0x5c, 1};
+    memcpy(nifti + 344, "n+1", 4);
+    files_gzip("f.nii.gz", nifti, sizeof nifti);
+    files_refused("f.nii.gz", "is a NIfTI file");
+    files_gzip("g.mha", "NDims = 3\n", 10);
+    files_refused("g.mha", NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(volumes_come_one_after_the_other),
+        cmocka_unit_test(compressed_and_mapped_sequences_are_read_alike),
+        cmocka_unit_test(what_is_said_of_a_volume_is_kept),
+        cmocka_unit_test(invalid_volumes_are_left_out),
+        cmocka_unit_test(every_rule_has_a_file_on_either_side),
+        cmocka_unit_test(the_number_of_transforms_is_bounded),
+        cmocka_unit_test(sizes_of_sequences_are_checked),
+        cmocka_unit_test(sequences_of_pictures_are_refused_by_name),
+        cmocka_unit_test(other_formats_are_named),
+        cmocka_unit_test(compressed_nifti_is_named),
+    };
+    return cmocka_run_group_tests(tests, files_setup, files_teardown);
+}

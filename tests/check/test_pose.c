@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+/* How a volume lies in the patient, held to hand-made directions: words, letters, world coordinates, and what
+ * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
+#include "render/camera.h"
+#include "volume/pose.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void letters_and_words_name_the_directions(void **state) {
+    (void)state;
+    static const struct {
+        double direction[9];
+        const char *letters, *words;
+        bool mirrored;
+    } known[] = {
+        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, "RAI", "x to the left, y to the back, z to the head", false},
+        {{-1, 0, 0, 0, -1, 0, 0, 0, 1}, "LPI", "x to the right, y to the front, z to the head", false},
+        {{-1, 0, 0, 0, 1, 0, 0, 0, 1}, "LAI", "x to the right, y to the back, z to the head", true},
+        {{0, 0, 1, 1, 0, 0, 0, 1, 0}, "AIR", "x to the back, y to the head, z to the left", false},
+        {{0, 0, -1, 0, 1, 0, -1, 0, 0}, "SAL", "x to the feet, y to the back, z to the right", true},
+        {{0.8, 0.6, 0, -0.6, 0.8, 0, 0, 0, 1},
+         "RAI",
+         "x to the left (37 degrees off), y to the back (37 degrees off), z to the head",
+         false},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        hs_pose pose = {0};
+        char letters[4], words[200];
+        memcpy(pose.direction, known[i].direction, sizeof pose.direction);
+        hs_pose_letters(&pose, letters);
+        hs_pose_words(&pose, words, sizeof words);
+        assert_string_equal(letters, known[i].letters);
+        assert_int_equal(hs_pose_is_mirrored(&pose), known[i].mirrored);
+        assert_string_equal(words, known[i].words);
+    }
+}
+
+static void letters_give_directions(void **state) {
+    (void)state;
+    hs_pose pose;
+    hs_pose_default(&pose);
+    static const char *const none[] = {"", "RA", "RAII", "RRI", "RLI", "XAI", "RAX"};
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++)
+        assert_false(hs_pose_from_letters(&pose, none[i]));
+    for (int i = 0; i < 9; i++) assert_true(pose.direction[i] == (i % 4 == 0));
+    assert_true(hs_pose_from_letters(&pose, "air"));
+    static const double expected[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
+    for (int i = 0; i < 9; i++) assert_true(pose.direction[i] == expected[i]);
+}
+
+static void indices_lie_where_the_pose_says(void **state) {
+    (void)state;
+    const hs_pose pose = {.origin = {10, 20, 30}, .direction = {0, 0, 1, 1, 0, 0, 0, -1, 0}};
+    const double spacing[3] = {0.5, 2, 3}, index[3] = {4, 5, 6};
+    double world[3];
+    hs_pose_world(&pose, spacing, index, world);
+    assert_true(world[0] == 10 + 3 * 6 && world[1] == 20 + 0.5 * 4 && world[2] == 30 - 2 * 5);
+}
+
+/* The camera's axes in the world: directions times rotation. */
+static void world_axes(const hs_volume *volume, const hs_camera *camera, double out[9]) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            out[i * 3 + j] = 0;
+            for (int k = 0; k < 3; k++)
+                out[i * 3 + j] += volume->pose.direction[i * 3 + k] * camera->rotation[k * 3 + j];
+        }
+}
+
+static void expect_column(const double axes[9], int column, double left, double back, double head) {
+    const double expected[3] = {left, back, head};
+    for (int k = 0; k < 3; k++)
+        if (fabs(axes[k * 3 + column] - expected[k]) > 1e-12)
+            fail_msg("column %d, row %d: %g, expected %g", column, k, axes[k * 3 + column], expected[k]);
+}
+
+/* What a doctor expects: from the front, the patient's left is on the right of the picture. */
+static const struct {
+    hs_from from;
+    double right[3], down[3], depth[3]; /* the picture's axes, in left, back, head */
+} views[] = {
+    {HS_FROM_ANTERIOR, {1, 0, 0}, {0, 0, -1}, {0, 1, 0}},
+    {HS_FROM_POSTERIOR, {-1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
+    {HS_FROM_LEFT, {0, 1, 0}, {0, 0, -1}, {-1, 0, 0}},
+    {HS_FROM_RIGHT, {0, -1, 0}, {0, 0, -1}, {1, 0, 0}},
+    {HS_FROM_SUPERIOR, {-1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
+    {HS_FROM_INFERIOR, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+};
+
+static void named_places_show_the_patient_however_the_volume_lies(void **state) {
+    (void)state;
+    static const char *const lies[] = {"RAI", "LAI", "RPI", "LPS", "AIR", "IAR", "SPL", "PSR", "RIA", "IRA"};
+    for (size_t l = 0; l < sizeof lies / sizeof *lies; l++) {
+        hs_volume volume = {.nx = 10, .ny = 20, .nz = 30, .spacing = {1, 1, 1}};
+        assert_true(hs_pose_from_letters(&volume.pose, lies[l]));
+        for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
+            hs_camera camera;
+            double axes[9];
+            hs_camera_look_from(&camera, &volume, views[v].from, 0, 0);
+            world_axes(&volume, &camera, axes);
+            expect_column(axes, 0, views[v].right[0], views[v].right[1], views[v].right[2]);
+            expect_column(axes, 1, views[v].down[0], views[v].down[1], views[v].down[2]);
+            expect_column(axes, 2, views[v].depth[0], views[v].depth[1], views[v].depth[2]);
+        }
+    }
+}
+
+static double det(const double *d) {
+    return d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +
+           d[2] * (d[3] * d[7] - d[4] * d[6]);
+}
+
+/* From each face the beams run to the opposite one, and no picture is a mirror image. */
+static void probes_look_into_the_volume(void **state) {
+    (void)state;
+    static const double beams[HS_PROBE_COUNT][3] = {{0, 0, 1},  {0, 0, -1}, {0, 1, 0},
+                                                    {0, -1, 0}, {1, 0, 0},  {-1, 0, 0}};
+    for (int mirrored = 0; mirrored < 2; mirrored++)
+        for (int probe = 0; probe < HS_PROBE_COUNT; probe++) {
+            hs_volume volume = {.nx = 10, .ny = 20, .nz = 30, .spacing = {1, 2, 3}, .probe = (hs_probe)probe};
+            hs_camera camera;
+            double axes[9];
+            assert_true(hs_pose_from_letters(&volume.pose, mirrored ? "LAI" : "RAI"));
+            hs_camera_look(&camera, &volume, 0, 0);
+            for (int k = 0; k < 3; k++) assert_true(camera.rotation[k * 3 + 2] == beams[probe][k]);
+            world_axes(&volume, &camera, axes);
+            assert_true(fabs(det(axes) - 1) < 1e-12);
+            hs_camera_look(&camera, &volume, 33, -20);
+            world_axes(&volume, &camera, axes);
+            assert_true(fabs(det(axes) - 1) < 1e-12);
+        }
+}
+
+/* yaw turns to the picture's right and pitch up, also in a left-handed volume. */
+static void turns_are_the_pictures(void **state) {
+    (void)state;
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        hs_volume volume = {.nx = 10, .ny = 10, .nz = 10, .spacing = {1, 1, 1}};
+        hs_camera straight, turned;
+        assert_true(hs_pose_from_letters(&volume.pose, mirrored ? "LAI" : "RAI"));
+        hs_camera_look(&straight, &volume, 0, 0);
+        hs_camera_look(&turned, &volume, 30, 20);
+        double right = 0, down = 0;
+        for (int k = 0; k < 3; k++) {
+            right += straight.rotation[k * 3] * turned.rotation[k * 3 + 2];
+            down += straight.rotation[k * 3 + 1] * turned.rotation[k * 3 + 2];
+        }
+        assert_true(right > 0.4 && down < -0.3);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(letters_and_words_name_the_directions),
+        cmocka_unit_test(letters_give_directions),
+        cmocka_unit_test(indices_lie_where_the_pose_says),
+        cmocka_unit_test(named_places_show_the_patient_however_the_volume_lies),
+        cmocka_unit_test(probes_look_into_the_volume),
+        cmocka_unit_test(turns_are_the_pictures),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: MIT */
+/* Child processes: however one ends, the parent hears of it in time, and says it in one sentence. */
+#include "guard/child.h"
+
+#include "base/progress.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define MEMORY_LIMIT (64u << 20)
+
+static _Noreturn void forever(void) {
+    for (;;) (void)poll(NULL, 0, 1000);
+}
+
+static int crash(int channel, void *context) {
+    (void)channel, (void)context;
+    (void)raise(SIGSEGV);
+    return 0;
+}
+
+static int abort_it(int channel, void *context) {
+    (void)channel, (void)context;
+    abort();
+}
+
+static int leave(int channel, void *context) {
+    (void)channel;
+    return *(int *)context;
+}
+
+static int hang(int channel, void *context) {
+    (void)channel, (void)context;
+    (void)signal(SIGTERM, SIG_IGN);
+    forever();
+}
+
+static int burn(int channel, void *context) {
+    (void)channel, (void)context;
+    for (volatile unsigned n = 0; n < 2;) n = 1 - n;
+    return 0;
+}
+
+static int grab(int channel, void *context) {
+    (void)channel, (void)context;
+    for (int i = 0; i < 10000; i++) {
+        char *block = malloc(1u << 20);
+        if (block) memset(block, 1, 1u << 20);
+        (void)poll(NULL, 0, 1);
+    }
+    return 0;
+}
+
+static int silent(int channel, void *context) {
+    (void)context;
+    (void)close(channel);
+    forever();
+}
+
+static int stop_group(int channel, void *context) {
+    (void)channel, (void)context;
+    (void)kill(0, SIGKILL); /* its group is its own: the parent does not notice */
+    forever();
+}
+
+static void each_end_has_its_sentence(void **state) {
+    (void)state;
+    int codes[] = {0, 77};
+    const struct {
+        int (*work)(int, void *);
+        void *context;
+        hs_child_fate fate;
+        const char *sentence;
+    } cases[] = {
+        {crash, NULL, HS_CHILD_CRASHED, "crashed: SIGSEGV"},
+        {abort_it, NULL, HS_CHILD_CRASHED, "aborted"},
+        {leave, &codes[0], HS_CHILD_LEFT, "left by exit(0)"},
+        {leave, &codes[1], HS_CHILD_LEFT, "left by exit(77)"},
+        {grab, NULL, HS_CHILD_GREEDY, "took more than 64 MiB"},
+        {silent, NULL, HS_CHILD_SILENT, "closed or misused its channel"},
+        {stop_group, NULL, HS_CHILD_CRASHED, "crashed: SIGKILL"},
+        {burn, NULL, HS_CHILD_CRASHED, "ran out of processor time"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const hs_child_limits limits = {.cpu_s = 1, .memory_bytes = MEMORY_LIMIT};
+        hs_child child;
+        hs_error err = {0};
+        char sentence[128];
+        if (!hs_child_fork(&child, &limits, cases[i].work, cases[i].context, &err)) fail_msg("%s", err.text);
+        assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_ENDED);
+        hs_child_tell(&child.end, sentence, sizeof sentence);
+        assert_string_equal(sentence, cases[i].sentence);
+        assert_int_equal(child.end.fate, cases[i].fate);
+        hs_child_close(&child);
+        assert_int_equal(child.pid, 0);
+    }
+}
+
+static void a_hanging_child_is_ended_in_time(void **state) {
+    (void)state;
+    hs_child child;
+    hs_error err = {0};
+    char sentence[128];
+    const hs_child_limits none = {0};
+    assert_true(hs_child_fork(&child, &none, hang, NULL, &err));
+    const double start = hs_now();
+    assert_int_equal(hs_child_wait(&child, 0.1), HS_CHILD_NOTHING);
+    hs_child_wait_end(&child, 0.2);
+    const double seconds = hs_now() - start;
+    assert_true(seconds >= 0.3 && seconds < 5);
+    hs_child_tell(&child.end, sentence, sizeof sentence);
+    assert_string_equal(sentence, "ran out of time (0.2 s)");
+    hs_child_close(&child);
+}
+
+/* Starts a process of its own, tells its id and hangs with it. */
+static int with_grandchild(int channel, void *context) {
+    (void)context;
+    const pid_t pid = fork();
+    if (pid == 0) forever();
+    (void)hs_child_send(channel, &pid, sizeof pid);
+    forever();
+}
+
+/* A process that nobody waits for may stay as a zombie where no init collects it: it does not run any more.
+ */
+static bool runs(pid_t pid) {
+    char path[64], text[256] = "";
+    (void)snprintf(path, sizeof path, "/proc/%ld/stat", (long)pid);
+    FILE *file = fopen(path, "re");
+    if (!file) return false;
+    const size_t length = fread(text, 1, sizeof text - 1, file);
+    (void)fclose(file);
+    text[length] = '\0';
+    const char *after_name = strrchr(text, ')');
+    return after_name && after_name[1] && after_name[2] != 'Z' && after_name[2] != 'X';
+}
+
+static void what_it_started_ends_with_it(void **state) {
+    (void)state;
+    hs_child child;
+    hs_error err = {0};
+    pid_t grandchild = 0;
+    const hs_child_limits none = {0};
+    assert_true(hs_child_fork(&child, &none, with_grandchild, NULL, &err));
+    assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
+    assert_true(hs_child_receive(child.channel, &grandchild, sizeof grandchild));
+    assert_true(grandchild > 0 && runs(grandchild));
+    hs_child_close(&child);
+    for (int i = 0; i < 500 && runs(grandchild); i++) (void)poll(NULL, 0, 10);
+    assert_false(runs(grandchild));
+}
+
+/* A parent between the test and the child that it tells of; it dies without a word. */
+static int short_parent(int channel, void *context) {
+    (void)context;
+    hs_child child;
+    hs_error err = {0};
+    const hs_child_limits none = {0};
+    if (!hs_child_fork(&child, &none, hang, NULL, &err)) return 1;
+    (void)hs_child_send(channel, &child.pid, sizeof child.pid);
+    (void)raise(SIGKILL);
+    return 0;
+}
+
+static void it_dies_with_its_parent(void **state) {
+    (void)state;
+    hs_child parent;
+    hs_error err = {0};
+    pid_t child = 0;
+    const hs_child_limits none = {0};
+    assert_true(hs_child_fork(&parent, &none, short_parent, NULL, &err));
+    assert_int_equal(hs_child_wait(&parent, 30), HS_CHILD_MESSAGE);
+    assert_true(hs_child_receive(parent.channel, &child, sizeof child));
+    hs_child_wait_end(&parent, 30);
+    for (int i = 0; i < 500 && runs(child); i++) (void)poll(NULL, 0, 10);
+    assert_false(runs(child));
+    hs_child_close(&parent);
+}
+
+/* Doubles what it is told, and leaves after a 0. */
+static int echo(int channel, void *context) {
+    (void)context;
+    struct rlimit core;
+    (void)getrlimit(RLIMIT_CORE, &core);
+    for (int number = 1; number && hs_child_receive(channel, &number, sizeof number);) {
+        number *= 2;
+        if (!hs_child_send(channel, &number, sizeof number)) return 1;
+    }
+    return core.rlim_max == 0 ? 5 : 6;
+}
+
+static void messages_travel_whole(void **state) {
+    (void)state;
+    hs_child child;
+    hs_error err = {0};
+    const hs_child_limits none = {0};
+    assert_true(hs_child_fork(&child, &none, echo, NULL, &err));
+    for (int i = 3; i >= 0; i--) {
+        int number = i;
+        assert_true(hs_child_send(child.channel, &number, sizeof number));
+        /* The last answer is there although the child may have ended behind it. */
+        if (i == 0) (void)poll(NULL, 0, 50);
+        assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
+        char two[2];
+        if (i == 1) { /* a message of another length is none */
+            assert_false(hs_child_receive(child.channel, two, sizeof two));
+            continue;
+        }
+        assert_true(hs_child_receive(child.channel, &number, sizeof number));
+        assert_int_equal(number, 2 * i);
+    }
+    hs_child_wait_end(&child, 30);
+    assert_int_equal(child.end.fate, HS_CHILD_LEFT);
+    assert_int_equal(child.end.number, 5); /* and no core dumps */
+    assert_false(hs_child_send(child.channel, &(int){1}, sizeof(int)));
+    hs_child_close(&child);
+}
+
+static void a_program_gets_what_is_passed(void **state) {
+    (void)state;
+    hs_child child;
+    hs_error err = {0};
+    const hs_child_limits none = {0};
+    char *const argv[] = {
+        "sh", "-c", "read line; [ -z \"$line\" ] && cat <&5 >&4 && [ ! -e /proc/self/fd/6 ] && exit 9", NULL};
+    char text[16] = "";
+    const int from = memfd_create("from", MFD_CLOEXEC), to = memfd_create("to", MFD_CLOEXEC);
+    const int left_open = dup(to); /* without CLOEXEC: a careless library */
+    assert_int_equal(pwrite(from, "as given", 8, 0), 8);
+    const int passed[] = {to, from};
+    if (!hs_child_exec(&child, &none, "/bin/sh", argv, passed, 2, &err)) fail_msg("%s", err.text);
+    hs_child_wait_end(&child, 30);
+    assert_int_equal(child.end.fate, HS_CHILD_LEFT);
+    assert_int_equal(child.end.number, 9);
+    assert_int_equal(pread(to, text, sizeof text - 1, 0), 8);
+    assert_string_equal(text, "as given");
+    hs_child_close(&child);
+    (void)close(from);
+    (void)close(to);
+    (void)close(left_open);
+}
+
+static void a_program_that_is_not_there(void **state) {
+    (void)state;
+    hs_child child;
+    hs_error err = {0};
+    const hs_child_limits none = {0};
+    char *const argv[] = {"nobody", NULL};
+    assert_false(hs_child_exec(&child, &none, "/nonexistent/nobody", argv, NULL, 0, &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    assert_string_equal(err.text, "/nonexistent/nobody: cannot be run: No such file or directory");
+    assert_int_equal(child.pid, 0);
+    hs_child_close(&child); /* safe */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_end_has_its_sentence),    cmocka_unit_test(a_hanging_child_is_ended_in_time),
+        cmocka_unit_test(what_it_started_ends_with_it), cmocka_unit_test(it_dies_with_its_parent),
+        cmocka_unit_test(messages_travel_whole),        cmocka_unit_test(a_program_gets_what_is_passed),
+        cmocka_unit_test(a_program_that_is_not_there),
+    };
+    return cmocka_run_group_tests_name("child", tests, NULL, NULL);
+}

@@ -1,0 +1,134 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# What a user gets from `cmake --install`: it is whole, knows no path of the machine that built it, and works wherever it is
+# moved. Plugins and hosts in C, C++17 and, where rustc is there, Rust are built against it, outside of the sources.
+# Called with the source and the build folder.
+set -u
+source_dir=$1
+build_dir=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checked=0 failed=0
+# shellcheck source=tests/support/holds.sh
+. "$source_dir/tests/support/holds.sh"
+unset SMARTVIS_PLUGIN_PATH SMARTVIS_SCENES PKG_CONFIG_PATH CMAKE_PREFIX_PATH
+
+# Quiet if it succeeds.
+works() {
+    "$@" > "$work/log" 2>&1 && return 0
+    tail -n 30 "$work/log"
+    return 1
+}
+said() { grep -qF -- "$1" "$work/log" || { cat "$work/log"; return 1; }; }
+refuses() { # refuses WORDS COMMAND...: it fails and says WORDS
+    if "${@:2}" > "$work/log" 2>&1; then return 1; fi
+    said "$1"
+}
+
+# --- installed to one place, moved to another
+prefix="$work/moved to/here"
+mkdir -p "$work/moved to"
+DESTDIR=$work/stage holds works cmake --install "$build_dir" --prefix /opt/somewhere
+mv "$work/stage/opt/somewhere" "$prefix" || exit 1
+holds test -z "$(ls "$work/stage/opt")"
+host_sim=$prefix/bin/host_sim
+for file in bin/host_sim lib/smartvis/smartvis.so include/smartvis_plugin.h include/smartvis/author.h \
+    share/smartvis/scenes/D01.json share/man/man1/host_sim.1 share/doc/smartvis/LICENSE \
+    share/pkgconfig/smartvis-plugin.pc share/cmake/SmartVisPlugin/SmartVisPluginConfig.cmake \
+    share/smartvis/examples/template/README.md; do
+    holds test -s "$prefix/$file"
+done
+holds test "$(find "$prefix/share/smartvis/scenes" -name '*.json' | wc -l)" = "$(find "$source_dir/data/scenes" -name '*.json' | wc -l)"
+holds test "$(cd "$prefix/include" && find . -name '*.h' | sort)" = "$(cd "$source_dir/include" && find . -name '*.h' | sort)"
+
+holds test "$(ls "$prefix/lib/smartvis")" = smartvis.so
+
+# --- no path of the build in it, neither in texts nor in programs
+for path in "$source_dir" "$build_dir" /opt/somewhere; do
+    holds test -z "$(grep -rlF -- "$path" "$prefix")"
+done
+for file in "$prefix/bin/"* "$prefix/lib/smartvis/smartvis.so"; do
+    holds test -z "$(readelf -d "$file" | grep -E 'R(UN)?PATH')"
+done
+
+# --- the manual pages say what the programs say
+for program in "$prefix"/bin/*; do
+    page=$prefix/share/man/man1/$(basename "$program").1
+    holds works bash "$source_dir/scripts/man_page.sh" "$program" "$work/page.1"
+    holds cmp "$work/page.1" "$page"
+    for option in $("$program" --help | grep -oE '^  --[a-z-]+'); do
+        holds grep -qF -- "${option//-/\\-}" "$page"
+    done
+done
+for option in carrier ghost-width panel; do holds grep -q -- "^.B .*${option//-/.-}" "$prefix/share/man/man1/host_sim.1"; done
+if command -v man > /dev/null; then
+    holds test "$(LC_ALL=C MANROFFSEQ='' MANWIDTH=80 man --warnings -E UTF-8 -l -Tutf8 -Z "$prefix/share/man/man1/host_sim.1" 2>&1 > /dev/null)" = ""
+fi
+
+# --- programs find plugin and scenes from where they are, in whatever folder they are called
+mkdir "$work/elsewhere"
+cd "$work/elsewhere" || exit 1
+run=("$host_sim" run --scene D01 --size 128 --setting smartvis --frames 2 --picture 96 --panel 96 --out "$work/run")
+holds works "$host_sim" list
+holds said "$prefix/bin/../lib/smartvis/smartvis.so"
+holds works "${run[@]}"
+holds said 'Frames: 2 clipped'
+holds test -s "$work/run/panel.png"
+holds works "$host_sim" scenes E01 --size 32 --times
+
+# --- CMake: every example as a copy; the wrong version is refused
+for name in first_edge kernel_edge small_host queue_host; do
+    cp -r "$prefix/share/smartvis/examples/$name" "$work/$name"
+    holds works cmake -S "$work/$name" -B "$work/$name/build" -D CMAKE_PREFIX_PATH="$prefix" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror'
+    holds works cmake --build "$work/$name/build"
+done
+cp -r "$work/first_edge" "$work/later"
+rm -r "$work/later/build"
+sed -i 's/SmartVisPlugin 1.0/SmartVisPlugin 2.0/' "$work/later/CMakeLists.txt"
+holds refuses 'compatible with requested version "2.0"' cmake -S "$work/later" -B "$work/later/build" -D CMAKE_PREFIX_PATH="$prefix"
+holds refuses 'SmartVisPlugin' cmake -S "$work/first_edge" -B "$work/first_edge/none" -D CMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF
+
+# --- the template: copied under a name of its own, built, installed, found by that name, and a picture
+cp -r "$prefix/share/smartvis/examples/template" "$work/my-plugin"
+holds works cmake -S "$work/my-plugin" -B "$work/my-plugin/build" -D CMAKE_PREFIX_PATH="$prefix"
+holds works cmake --build "$work/my-plugin/build"
+holds works "${run[@]}" --plugin "$work/my-plugin/build/my_plugin.so"
+holds said 'org.example.my_plugin 0.1.0'
+holds said 'Frames: 2 clipped'
+holds refuses 'my_plugin: cannot read the plugin file' "$host_sim" list --plugin my_plugin
+SMARTVIS_PLUGIN_PATH=/nowhere::$work/my-plugin/build holds works "$host_sim" list --plugin my_plugin
+holds said "$work/my-plugin/build/my_plugin.so"
+holds works cmake --install "$work/my-plugin/build" --prefix "$prefix"
+holds works "$host_sim" list --plugin my_plugin.so
+holds said "$prefix/bin/../lib/smartvis/my_plugin.so"
+
+# --- pkg-config: version and paths; C without CMake, C++17
+export PKG_CONFIG_PATH=$prefix/share/pkgconfig
+abi=$(awk '/^#define SV_ABI_(MAJOR|MINOR) / { printf "%s%d", dot, $3; dot = "." }' "$source_dir/include/smartvis_plugin.h")
+holds test "$(pkg-config --modversion smartvis-plugin)" = "$abi"
+holds test "$(readlink -m "$(pkg-config --variable=plugindir smartvis-plugin | sed 's/\\ / /g')")" = "$prefix/lib/smartvis"
+flags=()
+eval "flags=($(pkg-config --cflags smartvis-plugin))" # a prefix with blanks is quoted
+strict=(-O2 -Wall -Wextra -Wpedantic -Werror)
+holds works cc -std=c99 "${strict[@]}" -fPIC -shared '-DPLUGIN_NAME="mine"' '-DPLUGIN_VERSION="0.1.0"' "${flags[@]}" "$work/my-plugin/my_surface.c" -o "$work/mine.so"
+holds works "$host_sim" list --plugin "$work/mine.so"
+holds works c++ -std=c++17 "${strict[@]}" -fPIC -shared -fvisibility=hidden "${flags[@]}" "$source_dir/tests/package/fluid_plugin.cpp" -o "$work/fluid.so"
+holds test "$(nm -D --defined-only "$work/fluid.so" | awk '$2 != "W" { print $3 }')" = smartvis_plugin_entry
+holds works "${run[@]}" --plugin "$work/fluid.so"
+holds said 'Frames: 2 clipped'
+
+# --- hosts: C on the plugin's queue, C on its own queue, Rust; all print the same
+"$work/small_host/build/small_host" "$prefix/lib/smartvis/smartvis.so" > "$work/expected" 2>&1
+holds grep -q 'rendered with the map' "$work/expected"
+"$work/queue_host/build/queue_host" "$prefix/lib/smartvis/smartvis.so" > "$work/got" 2>&1
+holds cmp "$work/expected" "$work/got"
+if command -v rustc > /dev/null; then
+    holds works rustc -D warnings -A dead_code --edition 2021 -O "$source_dir/tests/package/small_host.rs" -o "$work/rust_host"
+    "$work/rust_host" "$prefix/lib/smartvis/smartvis.so" > "$work/got" 2>&1
+    holds cmp "$work/expected" "$work/got"
+else
+    echo "no rustc: without the host in Rust"
+fi
+
+echo "$checked checked, $failed failed"
+[ "$failed" = 0 ]

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* Wrong plugins: OpenCL, on the frame path and elsewhere. The base has kernels, and takes the host's queue.
+ */
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include "smartvis/author_cl.h"
+#include "wrong_base.h"
+
+enum { FIND, PLACE, KERNELS };
+
+/* ---- the base's method */
+static const char source[] = SVA_SOURCE(
+    /* ray: the fluid's slices are x .. y - 1, y is 0 without such an edge; z counts fluid since x */
+    kernel void find(SVA_SLAB, global uint3 *rays, float level, uint gap) {
+        const uint x = get_global_id(0), y = get_global_id(1);
+        uint3 ray = rays[y * WIDTH + x];
+        for (uint s = 0; s < count && ray.y == 0; s++) {
+            const uchar voxel = SVA_VOXEL(x, y, s);
+            if (!SVA_SCANNED(x, y, s, voxel)) continue;
+            if (voxel < level)
+                ray.z++;
+            else if (ray.z >= gap)
+                ray.y = first + s;
+            else
+                ray = (uint3)(first + s + 1, 0, 0);
+        }
+        rays[y * WIDTH + x] = ray;
+    }
+
+    kernel void place(global const uint3 *rays, float q, global float *depth, global uchar *points) {
+        const uint i = get_global_id(1) * WIDTH + get_global_id(0);
+        const uint3 ray = rays[i];
+        depth[i] = ray.y ? (float)ray.y - 0.5f - q * (float)(ray.y - ray.x) : SVA_NO_DEPTH;
+        points[i] = ray.y ? 1 : 0;
+    });
+
+static sv_status open_device(sva *a) {
+    static const char *const kernels[KERNELS] = {"find", "place"};
+    const sv_status status = sva_cl_open(a, source, kernels, KERNELS);
+    return status == SV_OK ? sva_cl_rehearse(a) : status;
+}
+
+static sv_status find(sva *a, const sv_slab *s) {
+    const float level = (float)(255.0 * sva_value(a, LEVEL));
+    const cl_uint gap = (cl_uint)sva_value(a, GAP);
+    const sva_cl_arg args[] = {SVA_ARG(((sva_cl *)a->own)->rays), SVA_ARG(level), SVA_ARG(gap)};
+    return sva_cl_slab(a, s, FIND, args, 3);
+}
+
+static sv_status place(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
+    const sva_cl *cl = (const sva_cl *)a->own;
+    float q = (float)(sva_value(a, Q) + 0.5 * sva_value(a, SIDE));
+    if (WRONG_IS(carriers_differ) && a->format.carrier == SV_CARRIER_BUFFER) q += 0.25f;
+    const sva_cl_arg args[] = {SVA_ARG(cl->rays), SVA_ARG(q), SVA_ARG(cl->depth), SVA_ARG(cl->points)};
+    (void)depth;
+    return sva_cl_launch(a, PLACE, args, 4);
+}
+
+/* ---- what is wrong */
+static void make_a_buffer(const sva *a, int keep) {
+    const sva_cl *cl = (const sva_cl *)a->own;
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, 4096, NULL, &code);
+    if (WRONG_IS(crash_on_opencl_error)) (void)*(const volatile char *)buffer;
+    if (buffer && !keep) (void)clReleaseMemObject(buffer);
+}
+
+static void build_a_program(const sva *a) {
+    static const char *text = "kernel void nothing(global int *x) { x[0] = 0; }";
+    const sva_cl *cl = (const sva_cl *)a->own;
+    cl_program program = clCreateProgramWithSource(cl->context, 1, &text, NULL, NULL);
+    if (!program) return;
+    (void)clBuildProgram(program, 1, &cl->device, "", NULL, NULL);
+    (void)clReleaseProgram(program);
+}
+
+static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
+    sva *a = wrong_self(plugin);
+    if (WRONG_IS(refuses_buffers) && format && format->carrier == SV_CARRIER_BUFFER)
+        return sva_error(a, SV_ERR_FORMAT, "activate: no buffers here");
+    const sv_status status = sva_activate(plugin, format);
+    if (status != SV_OK) return status;
+    if (WRONG_IS(leaks_buffer)) make_a_buffer(a, 1);
+    if (WRONG_IS(crash_on_opencl_error)) make_a_buffer(a, 0);
+    if (WRONG_IS(retains_queue) && a->format.queue) (void)clRetainCommandQueue(a->format.queue);
+    return status;
+}
+
+static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
+    const sv_status status = sva_begin(plugin, frame);
+    if (status == SV_OK && WRONG_IS(frame_builds)) build_a_program(wrong_self(plugin));
+    return status;
+}
+
+static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
+    sva *a = wrong_self(plugin);
+    const uint32_t state = a->state;
+    const sv_status status = sva_slab(plugin, s);
+    if (status == SV_OK && WRONG_IS(frame_creates_buffer)) make_a_buffer(a, 0);
+    if (status != SV_ERR_OPENCL || !WRONG_IS(ignores_opencl_errors)) return status;
+    a->state = state;
+    a->reason[0] = '\0';
+    return SV_OK;
+}
+
+static sv_status end(const sv_plugin *plugin, const sv_result *result) {
+    sva *a = wrong_self(plugin);
+    const sva_cl *cl = (const sva_cl *)a->own;
+    const cl_uint zero = 0;
+    if (a->state == SVA_SLABS && WRONG_IS(frame_blocks))
+        (void)clEnqueueWriteBuffer(cl->queue, cl->stats, CL_TRUE, 0, sizeof zero, &zero, 0, NULL, NULL);
+    const sv_status status = sva_end(plugin, result);
+    if (status == SV_OK && WRONG_IS(frame_finishes)) (void)clFinish(cl->queue);
+    return status;
+}
+
+static void misbehave(sv_plugin *api) {
+    cl_uint platforms = 0;
+    if (WRONG_IS(create_calls_opencl)) (void)clGetPlatformIDs(0, NULL, &platforms);
+    api->activate = activate;
+    api->begin = begin;
+    api->slab = slab;
+    api->end = end;
+}
+
+static const sv_descriptor descriptor =
+    SVA_DESCRIPTOR_OF("org.smartvis.test.wrong", "Wrong", "SmartVis tests", "1.0.0",
+                      "A plugin for tests that is wrong in one way at most.", WRONG_FEATURES,
+                      SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER), SV_QUEUE_OWN | SV_QUEUE_HOST);
+static const sva_method method = {.descriptor = &descriptor,
+                                  .params = wrong_params,
+                                  .param_count = PARAMS,
+                                  .own_bytes = sizeof(sva_cl),
+                                  .ray_bytes = sizeof(cl_uint3),
+                                  .activate = open_device,
+                                  .deactivate = sva_cl_close,
+                                  .begin = sva_cl_begin,
+                                  .slab = find,
+                                  .finish = place,
+                                  .adjust = place,
+                                  .output = sva_cl_output};
+WRONG_ENTRY(method, misbehave);
