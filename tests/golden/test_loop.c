@@ -134,9 +134,8 @@ static void a_partial_map_clips_where_it_has_a_surface(void **state) {
         assert_true(view.frame.clipped);
         assert_int_equal(view.frame.outcome, SV_PARTIAL);
         assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
-        assert_string_equal(
-            hs_frame_note(&view.frame, "", note, sizeof note),
-            "In part: the plugin says SV_PARTIAL, 128 of 256 pixels have no surface and clip nothing.");
+        assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
+                            "Clipped in part: 128 of 256 rays have no clipping surface and show everything.");
         for (int y = 0; y < LOW; y++)
             for (int x = 0; x < LOW; x++) assert_true(view.depth[y * LOW + x] == (x < LOW / 2 ? 5 : 0));
         for (int y = 0; y < PICTURE; y++)
