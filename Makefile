@@ -7,6 +7,8 @@ OUT ?= out
 # Where `make install` puts everything; DESTDIR is put before it, as packagers do.
 PREFIX ?= /usr/local
 DESTDIR ?=
+# How long `make fuzz` gives each of its targets; one runs for each processor.
+FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
 
@@ -20,7 +22,7 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang lint format bench clean help
+.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz lint format bench clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -64,6 +66,11 @@ test-clang: ## the tests, built with clang
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang)
 	@scripts/run_tests.sh build-clang $(JOBS)
 
+fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it finds stays in out/fuzz
+	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
+	@$(call build,build-fuzz,-DCMAKE_C_COMPILER=clang -DSV_FUZZ=ON -DSV_BENCH=OFF) --target fuzz_targets
+	@scripts/fuzz.sh build-fuzz $(FUZZ_SECONDS) $(JOBS) $(OUT)/fuzz
+
 lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON)
@@ -80,7 +87,7 @@ bench: setup ## times as ratios to plain C; speed against error of every method,
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
 clean: ## remove everything that was built
-	rm -rf build build-sanitize build-clang out
+	rm -rf build build-sanitize build-clang build-fuzz out
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1 \t\2/p' Makefile | expand -t 24

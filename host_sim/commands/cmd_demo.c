@@ -192,7 +192,7 @@ static bool run_opened(demo *d, const demo_case *c, hs_run *run, const char *fol
     orbit.orbit = ORBIT_TOTAL;
     const bool ok = hs_run_replace_loop(run, &orbit, err) && hs_run_orbit_picture(run, folder, err);
     if (ok) {
-        hs_page_heading(&d->report, 2, hs_source_volume(&run->source, 0)->name);
+        hs_page_heading(&d->report, 2, hs_source_shape(&run->source)->name);
         hs_page_text(&d->report, what_it_is(run));
         show_pictures(d, run, folder, hs_outcome_clips(run->results[HS_SETTING_SMARTVIS].outcome));
         hs_page_folded(&d->report, "Times and statistics", numbers ? numbers : "");

@@ -11,12 +11,13 @@ typedef struct {
     const char *plugin_path;    /* NULL: smartvis.so beside the executable */
     const char *plugin_id;      /* NULL: the library's first */
     int32_t log_level;          /* SV_LOG_*: less severe lines of the plugin are not printed */
-    const char *const *volumes; /* MetaImage files, or ... */
+    const char *const *volumes; /* files, or ... */
     uint32_t volume_count;
     hs_source_scene scene; /* ... a scene, if it has a name */
     hs_metaimage_options read;
     hs_source_scanned scanned; /* of the volumes */
-    const char *const *sets;   /* key=value for the plugin's parameters */
+    hs_kretz_options kretz;
+    const char *const *sets; /* key=value for the plugin's parameters */
     uint32_t set_count;
     hs_loop_options loop;            /* values are filled in from sets */
     uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
@@ -28,6 +29,7 @@ typedef struct {
     hs_run_request request;
     char plugin_path[1024];
     hs_source source;
+    double unscanned; /* share of its first volume that was not scanned, 0 .. 1 */
     hs_cl cl;
     hs_plugin plugin;
     bool has_plugin;

@@ -64,7 +64,7 @@ static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
 }
 
 static json_t *describe(const hs_run *run, bool *ok) {
-    const hs_volume *v = hs_source_volume(&run->source, 0);
+    const hs_volume *v = hs_source_shape(&run->source);
     const hs_slab_layout *l = hs_loop_layout(run->loop);
     const hs_loop_options *o = hs_loop_get_options(run->loop);
     char plugin[200];
@@ -72,7 +72,8 @@ static json_t *describe(const hs_run *run, bool *ok) {
     json_t *root = json_object();
     put(root, "source", text(v->name), ok);
     put(root, "source_size", json_pack("[i, i, i]", (int)v->nx, (int)v->ny, (int)v->nz), ok);
-    put(root, "unscanned_share", json_real(hs_unscanned_share(v)), ok);
+    put(root, "unscanned_share", json_real(run->unscanned), ok);
+    if (v->beams) put(root, "mirrored", json_boolean(v->beams->mirrored), ok);
     put(root, "plugin", text(plugin), ok);
     put(root, "device", text(run->cl.device_name), ok);
     put(root, "lowres_size", json_pack("[i, i, i]", (int)l->width, (int)l->height, (int)l->slices), ok);

@@ -12,14 +12,15 @@ static const char *carrier_name(uint32_t carrier) {
 }
 
 static void print_facts(const hs_run *run, FILE *out) {
-    const hs_volume *v = hs_source_volume(&run->source, 0);
+    const hs_volume *v = hs_source_shape(&run->source);
     const hs_loop_options *o = hs_loop_get_options(run->loop); /* as the plugin takes them */
     const hs_slab_layout *l = hs_loop_layout(run->loop);
     char plugin[200];
     hs_run_plugin_name(run, plugin, sizeof plugin);
     (void)fprintf(out, "Source   %s: %u x %u x %u voxels of %.3g x %.3g x %.3g mm, %.1f %% not scanned",
                   v->name, v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2],
-                  100 * hs_unscanned_share(v));
+                  100 * run->unscanned);
+    if (v->beams) (void)fprintf(out, "; %s", hs_beams_side_name(v->beams));
     if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
     if (run->source.left_out > 0)
         (void)fprintf(out, "; %u left out: their ImageStatus is INVALID", run->source.left_out);

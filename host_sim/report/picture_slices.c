@@ -34,6 +34,7 @@ typedef struct {
     const hs_view *view;
     hs_box_map map;
     double depth; /* of the slice AT_DEPTH, 0 .. 1 */
+    double mm;    /* a square's side: all have one scale */
     uint32_t cell;
 } slices;
 
@@ -85,6 +86,10 @@ static bool is_removed(const slices *s, const double box[3]) {
     return box[2] < start_at(s->view, box[0], box[1]);
 }
 
+static void set_pixel(uint8_t *rgba, uint32_t colour) {
+    for (int c = 0; c < 3; c++) rgba[c] = (uint8_t)(colour >> (16 - 8 * c));
+}
+
 /* The slice's pixels, dimmed where they are removed; the line runs where a pixel is removed and a neighbour
  * is not. */
 static void fill(const slices *s, plane p, uint8_t *rgba, bool *removed) {
@@ -92,11 +97,14 @@ static void fill(const slices *s, plane p, uint8_t *rgba, bool *removed) {
     for (uint32_t j = 0; j < n; j++)
         for (uint32_t i = 0; i < n; i++) {
             double box[3];
-            box_of(s, p, (i + 0.5) / n, (j + 0.5) / n, box);
+            const double a = (i + 0.5) / n * s->mm / side_mm(s, p, true);
+            const double b = (j + 0.5) / n * s->mm / side_mm(s, p, false);
+            box_of(s, p, a, b, box);
             const size_t at = (size_t)j * n + i;
-            removed[at] = is_removed(s, box);
-            const uint8_t level = (uint8_t)(voxel_at(s, box) * (removed[at] ? DIMMED : 1.0));
-            for (int c = 0; c < 3; c++) rgba[4 * at + (size_t)c] = level;
+            const bool beside = a > 1.0 || b > 1.0;
+            removed[at] = !beside && is_removed(s, box);
+            const double level = voxel_at(s, box) * (removed[at] ? DIMMED : 1.0);
+            set_pixel(rgba + 4 * at, beside ? HS_COLOUR_BACKGROUND : (uint32_t)level * 0x010101u);
         }
     for (uint32_t j = 1; j + 1 < n; j++)
         for (uint32_t i = 1; i + 1 < n; i++) {
@@ -105,7 +113,7 @@ static void fill(const slices *s, plane p, uint8_t *rgba, bool *removed) {
                 continue;
             for (int k = 0; k < 4; k++) { /* two pixels wide */
                 const size_t to = at + (size_t)(k & 1) + (size_t)(k >> 1) * n;
-                for (int c = 0; c < 3; c++) rgba[4 * to + (size_t)c] = (uint8_t)(LINE_COLOUR >> (16 - 8 * c));
+                set_pixel(rgba + 4 * to, LINE_COLOUR);
             }
         }
 }
@@ -127,17 +135,19 @@ static void draw_scale(cairo_t *cr, double x, double y, double length, double mm
     }
 }
 
-/* The other slices' places: two lines. */
-static void draw_planes(cairo_t *cr, double x, double y, double n, double vertical, double horizontal) {
-    hs_draw_box(cr, x + vertical * n, y, 1, n, PLANE_COLOUR);
-    hs_draw_box(cr, x, y + horizontal * n, n, 1, PLANE_COLOUR);
+/* The other slices' places: two lines, at shares of the slice's sides. */
+static void draw_planes(cairo_t *cr, double x, double y, double width, double height, double vertical,
+                        double horizontal) {
+    hs_draw_box(cr, x + vertical * width, y, 1, height, PLANE_COLOUR);
+    hs_draw_box(cr, x, y + horizontal * height, width, 1, PLANE_COLOUR);
 }
 
 static void draw_frame_of(const slices *s, cairo_t *cr, plane p, double x, double y) {
     static const char *const sides[3][2] = {
         {"to the right [mm]", "depth [mm]"}, {"depth [mm]", "down [mm]"}, {"to the right [mm]", "down [mm]"}};
     const hs_camera *c = &s->view->camera;
-    const double n = s->cell;
+    const double n = s->cell, right = side_mm(s, p, true), down = side_mm(s, p, false);
+    const double width = n * right / s->mm, height = n * down / s->mm;
     char text[96];
     if (p == ACROSS)
         (void)snprintf(text, sizeof text, "Slice across, %.0f mm down (depth downwards)", 0.5 * c->extent);
@@ -147,10 +157,11 @@ static void draw_frame_of(const slices *s, cairo_t *cr, plane p, double x, doubl
         (void)snprintf(text, sizeof text, "Slice %.0f mm deep, seen from the viewer",
                        s->depth * c->depth_extent);
     hs_draw_text(cr, x, y - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
-    draw_scale(cr, x, y + n, n, side_mm(s, p, true), true);
-    draw_scale(cr, x, y, n, side_mm(s, p, false), false);
-    hs_draw_text(cr, x + n / 2, y + n + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n, sides[p][0]);
-    draw_planes(cr, x, y, n, p == ALONG ? s->depth : 0.5, p == ACROSS ? s->depth : 0.5);
+    draw_scale(cr, x, y + height, width, right, true);
+    draw_scale(cr, x, y, height, down, false);
+    hs_draw_text(cr, x + width / 2, y + height + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n,
+                 sides[p][0]);
+    draw_planes(cr, x, y, width, height, p == ALONG ? s->depth : 0.5, p == ACROSS ? s->depth : 0.5);
 }
 
 static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double height, const char *text) {
@@ -221,6 +232,7 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
     const double clip = hs_view_clip_depth(view);
     *out = (hs_picture){0};
     hs_camera_box_map(&view->camera, view->volume, &s.map);
+    s.mm = fmax(view->camera.extent, view->camera.depth_extent);
     s.depth = clip >= 0.0 ? fmin(clip / view->camera.depth_extent, 1.0) : 0.5;
     const uint32_t top = (caption->title ? TITLE_BAND : GAP) + CAPTION_BAND,
                    facts = hs_draw_line_count(caption->footer);

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* A MetaImage file of any bytes, read as a volume and as a map. The input's first byte picks padding, window
+ * and map. */
+#include "fuzz/fuzz_target.h"
+#include "fuzz/memory_file.h"
+#include "volume/metaimage.h"
+
+#include <stdlib.h>
+
+/* A volume that was read is as its header says: every voxel is there, and spacing is a length. */
+static void check_volume(const hs_volume *v) {
+    FUZZ_HOLDS(v->nx > 0 && v->ny > 0 && v->nz > 0 && v->voxels);
+    unsigned sum = 0;
+    for (size_t i = 0; i < hs_volume_count(v); i++) sum += v->voxels[i];
+    for (int a = 0; a < 3; a++) FUZZ_HOLDS(v->spacing[a] > 0 && v->spacing[a] < 1e300);
+    FUZZ_HOLDS(sum <= 255u * hs_volume_count(v));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    if (size < 1) return 0;
+    const unsigned choice = data[0];
+    memory_file file;
+    memory_file_open(&file, data + 1, size - 1);
+    hs_error err = {0};
+    if (choice & 0x80) {
+        double map[7 * 5];
+        if (!hs_metaimage_read_map(file.path, 7, 5, map, &err)) FUZZ_HOLDS(err.code != HS_OK && err.text[0]);
+    } else {
+        const hs_metaimage_options options = {.padding = (hs_padding)(choice % 3),
+                                              .has_window = (choice & 0x40) != 0,
+                                              .window_low = -100,
+                                              .window_high = (choice & 0x20) ? 500 : -99};
+        hs_volume volume;
+        if (hs_metaimage_read(file.path, &options, &volume, &err)) {
+            check_volume(&volume);
+            hs_volume_free(&volume);
+        } else {
+            FUZZ_HOLDS(err.code != HS_OK && err.text[0] && !volume.voxels);
+        }
+    }
+    memory_file_close(&file);
+    return 0;
+}
