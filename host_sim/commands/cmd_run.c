@@ -40,7 +40,8 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
     bool reported = false;
     if (!hs_run_open(&run, &line->request, err)) return false;
     report_plugin_error(&run, &reported);
-    bool ok = hs_run_measure(&run, err) && hs_run_pictures(&run, line->out, err);
+    bool ok = hs_run_measure(&run, err) && hs_run_pictures(&run, line->out, err) &&
+              hs_run_write(&run, line->out, err);
     report_plugin_error(&run, &reported);
     report_confidence_error(&run);
     if (ok) {

@@ -5,6 +5,7 @@
 #include "commands/cmd_demo.h"
 #include "commands/cmd_info.h"
 #include "commands/cmd_list.h"
+#include "commands/cmd_measure.h"
 #include "commands/cmd_report.h"
 #include "commands/cmd_run.h"
 #include "commands/cmd_scene.h"
@@ -28,6 +29,7 @@ static const command commands[] = {
     {"run", hs_cmd_run, "the scan loop on a volume or a scene: times, statistics, pictures"},
     {"demo", hs_cmd_demo, "the scan loop on a few scenes, with one page of pictures and numbers"},
     {"report", hs_cmd_report, "quality and speed over all cases and the whole parameter space, with a page"},
+    {"measure", hs_cmd_measure, "quality of depthmaps that were made elsewhere, on one case, as JSON"},
     {"scenes", hs_cmd_scene, "synthetic scenes with ground truth: list, generate, export, look at"},
     {"list", hs_cmd_list, "a plugin library's plugins and parameters"},
     {"info", hs_cmd_info, "facts and histogram of a MetaImage volume"},

@@ -37,10 +37,17 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     return true;
 }
 
-static bool open_source(hs_run *run, hs_error *err) {
+static bool open_volumes(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
     if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
-    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->read, &r->scanned, err);
+    const hs_source_files how = {.metaimage = r->read, .scanned = r->scanned, .kretz = r->kretz};
+    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &how, err);
+}
+
+static bool open_source(hs_run *run, hs_error *err) {
+    const hs_volume *first = open_volumes(run, err) ? hs_source_bring(&run->source, 0, err) : NULL;
+    if (first) run->unscanned = hs_unscanned_share(first);
+    return first != NULL;
 }
 
 bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {
@@ -113,10 +120,13 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {
     (void)snprintf(out, bytes, "%s %s", d->id, d->version);
 }
 
+/* With the mark of orientation, where the source has one. */
 static void picture_title(const hs_run *run, char *out, size_t bytes) {
     char plugin[200];
+    const hs_volume *shape = hs_source_shape(&run->source);
     hs_run_plugin_name(run, plugin, sizeof plugin);
-    (void)snprintf(out, bytes, "%s, %s", hs_source_volume(&run->source, 0)->name, plugin);
+    (void)snprintf(out, bytes, "%s%s%s, %s", shape->name, shape->beams ? ", " : "",
+                   shape->beams ? hs_beams_side_name(shape->beams) : "", plugin);
 }
 
 bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err) {
@@ -145,6 +155,14 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
         (run->request.loop.orbit == 0 || hs_run_orbit_picture(run, folder, err));
     hs_view_free(&view);
     return ok;
+}
+
+bool hs_run_write(hs_run *run, const char *folder, hs_error *err) {
+    const hs_run_request *r = &run->request;
+    if (!(r->write | r->write_if)) return true;
+    run->has_written =
+        hs_results_write(run->loop, &run->source, r->write, r->write_if, folder, &run->written, err);
+    return run->has_written;
 }
 
 double hs_unscanned_share(const hs_volume *volume) {

@@ -22,6 +22,7 @@ struct hs_slabs {
     bool in_place;       /* or `buffer` itself */
     size_t memory_bytes; /* count * stride */
     hs_fan fan;
+    bool gaps;
     hs_scanned_rays rays; /* HS_FAN_RANGES: every ray's range, on the device, */
     sv_scanned *ranges;   /* and on the host */
 };
@@ -123,7 +124,7 @@ size_t hs_slabs_bytes(const hs_slab_layout *layout) {
 }
 
 hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_fan fan,
-                          void *memory, hs_error *err) {
+                          bool gaps, void *memory, hs_error *err) {
     hs_slabs *slabs = calloc(1, sizeof *slabs);
     if (!slabs) {
         (void)hs_fail(err, HS_ERR_MEMORY, "slabs: no memory");
@@ -133,6 +134,7 @@ hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_
     slabs->layout = *layout;
     slabs->carrier = carrier;
     slabs->fan = fan;
+    slabs->gaps = gaps && fan == HS_FAN_RANGES;
     slabs->memory = memory;
     slabs->borrowed = memory != NULL;
     slabs->converter = hs_scan_converter_create(cl, layout, err);
@@ -250,7 +252,7 @@ void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format) {
     format->max_slab_slices = layout->slab_slices;
     format->voxel_type = SV_VOXEL_U8;
     format->carrier = slabs->carrier;
-    format->padding_value = slabs->fan == HS_FAN_PADDING ? 0 : SV_NO_PADDING;
+    format->padding_value = slabs->fan == HS_FAN_PADDING || slabs->gaps ? 0 : SV_NO_PADDING;
     format->flags = slabs->fan == HS_FAN_RANGES ? SV_FORMAT_SCANNED : 0;
     format->tiles_x = layout->tiles_x;
     format->tile_w = layout->tile_w;
