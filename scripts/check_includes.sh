@@ -40,6 +40,7 @@ host_sim/render            | host_sim/base host_sim/volume kernels .            
 host_sim/render/cl         | .                                                          |
 host_sim/guarded           | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
 host_sim/loop              | abi MACHINE .                                              | libc opencl
+host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
 host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
 host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
 host_sim/commands          | abi HOST .                                                 | libc opencl json
@@ -57,7 +58,7 @@ tests/*/*                  | any kernels                                        
 TABLE
 }
 machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render host_sim/guarded' # MACHINE
-host="$machine host_sim/picture host_sim/loop host_sim/eval host_sim/report"        # HOST
+host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/eval host_sim/report"        # HOST
 
 # The groups of <...>, and where a "..." may be found from each part of the tree.
 groups() {

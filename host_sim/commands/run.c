@@ -157,6 +157,14 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
     return ok;
 }
 
+bool hs_run_write(hs_run *run, const char *folder, hs_error *err) {
+    const hs_run_request *r = &run->request;
+    if (!(r->write | r->write_if)) return true;
+    run->has_written =
+        hs_results_write(run->loop, &run->source, r->write, r->write_if, folder, &run->written, err);
+    return run->has_written;
+}
+
 double hs_unscanned_share(const hs_volume *volume) {
     const size_t count = hs_volume_count(volume);
     size_t zeros = 0;

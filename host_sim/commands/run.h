@@ -6,6 +6,7 @@
 #include "guarded/guarded.h"
 #include "loop/loop_run.h"
 #include "loop/source.h"
+#include "result/result_write.h"
 
 /* What to run. Strings and arrays are borrowed and must outlive the run. */
 typedef struct {
@@ -25,6 +26,7 @@ typedef struct {
     bool few_pictures;               /* result.png and full.png alone */
     uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
     bool settings[HS_SETTING_COUNT]; /* which to measure */
+    uint32_t write, write_if; /* HS_RESULT_* to be written: these, and these if the plugin gives them */
 } hs_run_request;
 
 /* A run under way. Must not move in memory while open (the plugin holds a pointer into it). */
@@ -42,6 +44,8 @@ typedef struct {
     hs_error earlier_error; /* the plugin's failure while loading, or in a loop that was replaced */
     hs_loop_result results[HS_SETTING_COUNT];
     uint32_t result_count;
+    bool has_written;
+    hs_result_report written;
 } hs_run;
 
 /* Zeros, defaults of the loop, all settings, scene size 256, warnings of the plugin. */
@@ -59,6 +63,9 @@ bool hs_run_measure(hs_run *run, hs_error *err);
 
 /* Writes the pictures of the middle frame into the folder, and orbit.png if the camera orbits. */
 bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err);
+
+/* Writes the files that the request names into the folder; HS_ERR_USAGE if the camera orbits. */
+bool hs_run_write(hs_run *run, const char *folder, hs_error *err);
 
 /* Writes orbit.png alone. */
 bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err);

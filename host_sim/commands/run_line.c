@@ -78,6 +78,8 @@ static const char help_tail[] =
     "  --out DIR             folder for the pictures [out/run]\n"
     "  --few-pictures        writes result.png and full.png, no other pictures\n"
     "  --panel N             width of each picture in panel.png, pixels [512]\n"
+    "  --write WHAT,...      writes data for other programs to DIR: depthmap, confidence, status, clipped,\n"
+    "                        mask (MetaImage), surface (PLY), or all [nothing]\n"
     "  --json FILE           writes the results as JSON, too\n"
     "  --help                this text\n"
     "\n";
@@ -123,6 +125,7 @@ enum {
     OPT_OUT,
     OPT_PANEL,
     OPT_FEW,
+    OPT_WRITE,
     OPT_JSON,
     OPT_HELP
 };
@@ -167,6 +170,7 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
                                         {"few-pictures", no_argument, NULL, OPT_FEW},
+                                        {"write", required_argument, NULL, OPT_WRITE},
                                         {"json", required_argument, NULL, OPT_JSON},
                                         HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},
@@ -322,6 +326,8 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_OUT:
         line->out = text;
         return true;
+    case OPT_WRITE:
+        return hs_result_parse("--write", text, strcmp(text, "all") == 0 ? &r->write_if : &r->write, err);
     default:
         line->json = text;
         return true;
@@ -349,6 +355,9 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
     if (r->read.has_probe && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
                        hs_probe_name(r->read.probe));
+    if ((r->write | r->write_if) && r->loop.orbit != 0)
+        return hs_fail(err, HS_ERR_USAGE, "--write: needs a camera that stands still, --orbit is %g degrees",
+                       r->loop.orbit);
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
