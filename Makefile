@@ -80,7 +80,7 @@ fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it
 oclgrind: ## every method on a small frame in a simulated device that sees wrong accesses and data races
 	@$(SETUP) $(PACKAGES) $(OCLGRIND_PACKAGES)
 	@$(call build,build) --target every_method smartvis
-	@scripts/oclgrind.sh build $(OUT)
+	@scripts/oclgrind.sh build $(JOBS) $(OUT)/oclgrind
 
 lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
