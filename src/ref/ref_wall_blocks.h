@@ -15,7 +15,8 @@ typedef struct {
 } sv_wall_blocks;
 
 /* False: no memory. */
-bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *layout, sv_wall_blocks *blocks);
+bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *layout,
+                           sv_wall_blocks *blocks);
 void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
 
 /* The largest level within layout->beside blocks of each ray, in the same layer; as many as there are blocks.

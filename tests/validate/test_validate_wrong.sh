@@ -14,8 +14,8 @@ if [ "${4:-}" ]; then
     # One plugin: ID SOURCE CHECK behind the folders. Kernels take long to compile, so plugins that have some are not tried
     # with every check.
     id=$3 check=$5
-    options=(--timeout 6 --level 2)
-    [ "$4" != opencl ] || options=(--timeout 20 --level 10 --only library-loads --only first-frame --only "$check")
+    options=(--timeout 4 --level 2)
+    [ "$4" != opencl ] || options=(--timeout 20 --level 10 --only "$check")
     timeout 120 "$validate" "${options[@]}" "$build/wrong/$id.so" > "$work/$id" 2>&1
     code=$?
     line=$(grep -E "^[a-z]+ +$check " "$work/$id")

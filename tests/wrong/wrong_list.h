@@ -64,6 +64,7 @@
     WRONG(accepts_unknown_id, params, param-out-of-range, "ids that no parameter has are ignored") \
     WRONG(accepts_fixed, params, param-fixed, "a frame may change what only activate reads") \
     WRONG(first_value_counts, params, param-repeated, "of a repeated id the first value counts") \
+    WRONG(one_setting_wrong, params, every-setting, "with one value of an enum the maps are of no use") \
     WRONG(pair_fails, params, param-pairs, "two values that are fine alone fail together") \
     WRONG(adjust_ignores_value, params, adjust-equals-frame, "adjust gives the frame's map again, whatever the value") \
     WRONG(depth_nan, results, depth-values, "one depth is NaN") \

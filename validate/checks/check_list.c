@@ -12,6 +12,7 @@
 #include "checks/check_param_values.h"
 #include "checks/check_refusal.h"
 #include "checks/check_repeat.h"
+#include "checks/check_settings.h"
 #include "checks/check_state.h"
 
 #include <string.h>
@@ -88,6 +89,11 @@ const v_check v_checks[] = {
      "Return SV_ERR_PARAM_FIXED if a value flagged SV_PARAM_REACTIVATE differs.", check_param_fixed},
     {"param-repeated", "first-frame", "Of a repeated id the last value counts.",
      "Walk through the list from its start and overwrite.", check_param_repeated},
+    {"every-setting", "first-frame",
+     "With every value that only activate reads, frames are sound, repeatable, and free of slabs and "
+     "padding.",
+     "See the checks depth-values, same-frame-same-bits, slab-splits and padding-ignored.",
+     check_every_setting},
     {"param-pairs", "first-frame", "Any two values that only activate reads go together.",
      "Make them go together, or make one parameter of them.", check_param_pairs},
     {"param-fuzz", "first-frame", "Frames with random values of random volumes have finite maps.",

@@ -106,8 +106,10 @@ static _Noreturn void blame(search *s, const uint32_t *row, sv_status status) {
             const sv_status pair = try_values(s, row, which, a == b ? 1 : 2);
             if (pair >= 0) continue;
             const knob *ka = &s->knobs[a], *kb = &s->knobs[b];
-            v_fail(run, "%s = %g with %s = %g: %s: %s", kb->info->key, kb->value[row[b]], ka->info->key,
-                   ka->value[row[a]], v_status(pair), s->r.s.plugin->last_error(s->r.s.plugin));
+            const char *why = s->r.s.plugin->last_error(s->r.s.plugin);
+            v_fail(run, "%s = %g%s%s = %g: %s: %s", kb->info->key, kb->value[row[b]],
+                   a == b ? " alone, " : " with ", ka->info->key, ka->value[row[a]], v_status(pair),
+                   why && why[0] ? why : "a depth is not finite");
         }
     for (uint32_t k = 0, used = 0; k < s->count && used < sizeof text; k++)
         used += (uint32_t)snprintf(text + used, sizeof text - used, " %s=%g", s->knobs[k].info->key,
