@@ -2,9 +2,12 @@
 #include "commands/cmd_info.h"
 
 #include "base/cli.h"
+#include "base/text.h"
+#include "commands/info_timing.h"
 #include "commands/run.h"
 
 #include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -12,11 +15,17 @@
 #define BAR_WIDTH 50 /* characters of the longest bar */
 
 static const char help_text[] =
-    "Usage: host_sim info FILE...\n"
-    "Prints what MetaImage volumes are: size, spacing, how they lie in the patient, the share of unscanned\n"
-    "voxels, a histogram; of a sequence, how many volumes there are, and this of the first one.\n"
+    "Usage: host_sim info [options] FILE...\n"
+    "Prints what MetaImage and Kretz volumes are: size, spacing, how they lie in the patient, the share of "
+    "unscanned\n"
+    "voxels, a histogram; of a sequence, how many volumes there are, and this of the first one; of a probe\n"
+    "its geometry. Nothing that names a person is printed.\n"
     "\n"
-    "  --help   this text\n"
+    "  --mirror         Kretz files: positive sweep angles lie at +y (default: at -y)\n"
+    "  --spacing MM     Kretz files: voxels of the Cartesian copy\n"
+    "                   (default: the samples' pitch, or a 400th of the longest side)\n"
+    "  --timing         print how long reading takes, beside reading the bytes of the file\n"
+    "  --help           this text\n"
     "\n";
 
 /* Counts of all grey levels; [0] are the unscanned voxels. */
@@ -50,17 +59,17 @@ static void print_pose(const hs_volume *v) {
     hs_pose_words(&v->pose, words, sizeof words);
     hs_pose_letters(&v->pose, letters);
     if (v->pose.stated)
-        (void)printf("  in the patient: %s (%s)\n", words, letters);
+        hs_print(stdout, "  in the patient: %s (%s)\n", words, letters);
     else
         (void)printf("  in the patient: not said\n");
     if (v->pose.contradicted[0])
-        (void)printf(
-            "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
-            v->pose.contradicted);
+        hs_print(stdout,
+                 "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
+                 v->pose.contradicted);
     if (hs_pose_is_mirrored(&v->pose))
         (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
-    (void)printf("  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
-                 v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
+    hs_print(stdout, "  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
+             v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
 }
 
 static void print_volume(const hs_volume *v) {
@@ -84,6 +93,41 @@ static void print_volume(const hs_volume *v) {
     print_histogram(levels);
 }
 
+#define DEGREES 57.29577951308232
+
+static void print_angles(const char *what, const double *table, uint32_t count) {
+    (void)printf("  %u %s over %.1f degrees%s%s\n", count, what, fabs(table[count - 1] - table[0]) * DEGREES,
+                 table[0] > table[count - 1] ? ", from high to low" : "",
+                 hs_beams_even(table, count) ? "" : ", in uneven steps");
+}
+
+static void print_beams(const hs_beams *b) {
+    (void)printf("  scanned by a probe: %u samples of %g mm from %g mm on; the sweep's axis at %g mm\n",
+                 b->samples, b->pitch, b->start, b->axis);
+    print_angles("lines", b->theta, b->lines);
+    print_angles("planes", b->phi, b->planes);
+    (void)printf("  %s: a choice, the file does not say (--mirror for the other)\n  the Cartesian copy:\n",
+                 hs_beams_side_name(b));
+}
+
+/* All volumes are read, as of MetaImage. */
+static bool print_kretz(const char *path, const hs_kretz_options *options, hs_error *err) {
+    hs_kretz *kretz = hs_kretz_open(path, options, err);
+    hs_volume volume = {0};
+    const uint32_t volumes = kretz ? hs_kretz_count(kretz) : 0;
+    bool ok = kretz != NULL;
+    for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
+    if (ok) {
+        (void)printf("%s\n", path);
+        if (volumes > 1) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
+        if (volume.beams) print_beams(volume.beams);
+        print_volume(&volume);
+    }
+    hs_volume_free(&volume);
+    hs_kretz_close(kretz);
+    return ok;
+}
+
 /* What the file says about its volumes; `first` is what it says about the first one. */
 static void print_sequence(uint32_t volumes, uint32_t left_out, const hs_frame_fields *first,
                            double seconds) {
@@ -91,12 +135,12 @@ static void print_sequence(uint32_t volumes, uint32_t left_out, const hs_frame_f
     if (left_out > 0) (void)printf(", beside %u that are left out: their ImageStatus is INVALID", left_out);
     if (seconds > 0) (void)printf("; %g s from the first to the last", seconds);
     for (uint32_t t = 0; t < first->transform_count; t++)
-        (void)printf("%s%s", t ? ", " : "; transforms: ", first->transforms[t].name);
+        hs_print(stdout, "%s%s", t ? ", " : "; transforms: ", first->transforms[t].name);
     (void)printf("\n  the first one:\n");
 }
 
 /* All volumes are read, so that a file that is damaged further on is told; the first one is described. */
-static bool print_file(const char *path, hs_error *err) {
+static bool print_metaimage(const char *path, hs_error *err) {
     hs_metaimage *file = hs_metaimage_open(path, NULL, err);
     hs_volume first = {0};
     hs_frame_fields said = {0}, last;
@@ -110,7 +154,7 @@ static bool print_file(const char *path, hs_error *err) {
     }
     if (ok) {
         const uint32_t left_out = hs_metaimage_left_out(file);
-        (void)printf("%s\n", path);
+        hs_print(stdout, "%s\n", path);
         if (volumes > 1 || left_out > 0)
             print_sequence(volumes, left_out, &said,
                            said.has_time && last.has_time ? last.time - said.time : 0);
@@ -121,24 +165,46 @@ static bool print_file(const char *path, hs_error *err) {
     return ok;
 }
 
-int hs_cmd_info(int argc, char **argv) {
-    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {0}};
-    hs_error err = {0};
+typedef struct {
+    hs_kretz_options kretz;
+    bool timing, help;
+} request;
+
+static bool parse(int argc, char **argv, request *r, hs_error *err) {
+    static const struct option options[] = {{"mirror", no_argument, NULL, 'm'},
+                                            {"spacing", required_argument, NULL, 's'},
+                                            {"timing", no_argument, NULL, 't'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
+    *r = (request){0};
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == 'h') {
-            (void)printf("%s%s", help_text, hs_exit_codes_help);
-            return HS_OK;
-        }
-        (void)hs_fail(&err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
-        return hs_cli_fail("info", &err);
+        if (option == ':') return hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
+        if (option == '?')
+            return hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        if (option == 's' && !hs_cli_number("--spacing", optarg, 0.01, 100, &r->kretz.spacing, err))
+            return false;
+        r->kretz.mirrored |= option == 'm';
+        r->timing |= option == 't';
+        r->help |= option == 'h';
     }
-    if (optind >= argc) {
-        (void)hs_fail(&err, HS_ERR_USAGE, "no FILE given");
-        return hs_cli_fail("info", &err);
+    return r->help || optind < argc || hs_fail(err, HS_ERR_USAGE, "no FILE given");
+}
+
+int hs_cmd_info(int argc, char **argv) {
+    hs_error err = {0};
+    request r;
+    if (!parse(argc, argv, &r, &err)) return hs_cli_fail("info", &err);
+    if (r.help) {
+        (void)printf("%s%s", help_text, hs_exit_codes_help);
+        return HS_OK;
     }
-    for (int i = optind; i < argc; i++)
-        if (!print_file(argv[i], &err)) return hs_cli_fail("info", &err);
+    for (int i = optind; i < argc; i++) {
+        const char *path = argv[i];
+        const bool ok =
+            hs_kretz_is_file(path) ? print_kretz(path, &r.kretz, &err) : print_metaimage(path, &err);
+        if (!ok || (r.timing && !hs_info_timing(path, &r.kretz, &err))) return hs_cli_fail("info", &err);
+    }
     return HS_OK;
 }

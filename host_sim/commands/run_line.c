@@ -5,6 +5,7 @@
 #include "base/cli.h"
 #include "commands/look_line.h"
 #include "commands/run_value.h"
+#include "guarded/guard_line.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -19,8 +20,8 @@ static const char help_head[] =
     "Prints times and statistics, and writes pictures to one folder.\n"
     "\n"
     "Source:\n"
-    "  --volume FILE         MetaImage (.mha, .mhd), a volume or a sequence; given several times: one after\n"
-    "                        the other, a volume a frame\n"
+    "  --volume FILE         MetaImage (.mha, .mhd) or Kretz (.vol), a volume or a sequence; given several\n"
+    "                        times: one after the other, a volume a frame\n"
     "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
     " [auto]\n"
     "  --probe FACE          where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z "
@@ -30,6 +31,11 @@ static const char help_head[] =
     "                        behind the scan; takes the place of --padding\n"
     "  --window LOW,HIGH     source values that become 0 and 255"
     " [the file's own range; 8-bit files as they are]\n"
+    "  --mirror              of a Kretz file: positive sweep angles lie at +y [at -y]; which one is true is "
+    "not\n"
+    "                        in the file\n"
+    "  --spacing MM          of a Kretz file: voxels of the renderer's Cartesian copy\n"
+    "                        [the samples' pitch, or a 400th of the longest side]\n"
     "  --scene NAME|FILE     a built-in scene (see 'host_sim scenes') or a scene file\n"
     "  --size N              voxels per axis of a scene, 32 .. 512 [256]\n"
     "  --seed N              seed of a scene; 0 is its own [0]\n"
@@ -70,7 +76,10 @@ static const char help_tail[] =
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
     "  --out DIR             folder for the pictures [out/run]\n"
+    "  --few-pictures        writes result.png and full.png, no other pictures\n"
     "  --panel N             width of each picture in panel.png, pixels [512]\n"
+    "  --write WHAT,...      writes data for other programs to DIR: depthmap, confidence, status, clipped,\n"
+    "                        mask (MetaImage), surface (PLY), or all [nothing]\n"
     "  --json FILE           writes the results as JSON, too\n"
     "  --help                this text\n"
     "\n";
@@ -80,6 +89,8 @@ enum {
     OPT_PADDING,
     OPT_SCANNED,
     OPT_WINDOW,
+    OPT_MIRROR,
+    OPT_SPACING,
     OPT_PROBE,
     OPT_SCENE,
     OPT_SIZE,
@@ -113,6 +124,8 @@ enum {
     OPT_PICTURE,
     OPT_OUT,
     OPT_PANEL,
+    OPT_FEW,
+    OPT_WRITE,
     OPT_JSON,
     OPT_HELP
 };
@@ -121,6 +134,8 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"padding", required_argument, NULL, OPT_PADDING},
                                         {"scanned", required_argument, NULL, OPT_SCANNED},
                                         {"window", required_argument, NULL, OPT_WINDOW},
+                                        {"mirror", no_argument, NULL, OPT_MIRROR},
+                                        {"spacing", required_argument, NULL, OPT_SPACING},
                                         {"probe", required_argument, NULL, OPT_PROBE},
                                         {"scene", required_argument, NULL, OPT_SCENE},
                                         {"size", required_argument, NULL, OPT_SIZE},
@@ -154,7 +169,10 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"picture", required_argument, NULL, OPT_PICTURE},
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
+                                        {"few-pictures", no_argument, NULL, OPT_FEW},
+                                        {"write", required_argument, NULL, OPT_WRITE},
                                         {"json", required_argument, NULL, OPT_JSON},
+                                        HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
@@ -197,6 +215,10 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
         return hs_value_window(text, &r->read, err);
     case OPT_SCANNED:
         return hs_value_scanned(text, line->scanned, sizeof line->scanned, &r->scanned, err);
+    case OPT_MIRROR:
+        return (r->kretz.mirrored = true);
+    case OPT_SPACING:
+        return hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
     case OPT_PROBE:
         return hs_value_probe(text, &r->read, err);
     case OPT_SCENE:
@@ -298,9 +320,14 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return true;
     case OPT_PANEL:
         return set_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+    case OPT_FEW:
+        r->few_pictures = true;
+        return true;
     case OPT_OUT:
         line->out = text;
         return true;
+    case OPT_WRITE:
+        return hs_result_parse("--write", text, strcmp(text, "all") == 0 ? &r->write_if : &r->write, err);
     default:
         line->json = text;
         return true;
@@ -310,6 +337,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
 /* What can be said before anything is loaded. */
 static bool check_line(const hs_run_line *line, hs_error *err) {
     const hs_run_request *r = &line->request;
+    bool kretz = false;
     if (r->scene.name && r->volume_count > 0)
         return hs_fail(err, HS_ERR_USAGE, "--scene %s and --volume %s: give one of them", r->scene.name,
                        line->volumes[0]);
@@ -318,11 +346,18 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
     if (r->scanned.first && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
                        line->scanned, r->scanned.end);
+    for (uint32_t i = 0; i < r->volume_count; i++) kretz |= hs_kretz_is_file(line->volumes[i]);
+    if ((r->kretz.mirrored || r->kretz.spacing > 0.0) && !kretz)
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files (--volume FILE.vol)",
+                       r->kretz.mirrored ? "--mirror" : "--spacing");
     if (r->scanned.first && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
     if (r->read.has_probe && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
                        hs_probe_name(r->read.probe));
+    if ((r->write | r->write_if) && r->loop.orbit != 0)
+        return hs_fail(err, HS_ERR_USAGE, "--write: needs a camera that stands still, --orbit is %g degrees",
+                       r->loop.orbit);
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
@@ -344,6 +379,8 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
             ok = hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
         else if (option == '?')
             ok = hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        else if (hs_guard_line_is(option))
+            ok = hs_guard_line_take(option, optarg, &line->request.guard, err);
         else if (option <= OPT_LIVE)
             ok = take_source_option(line, option, optarg, err);
         else if (option <= OPT_VERBOSE)
@@ -363,5 +400,5 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
 }
 
 void hs_run_line_help(void) {
-    (void)printf("%s%s%s", help_head, help_tail, hs_exit_codes_help);
+    (void)printf("%s%s%s%s", help_head, hs_guard_line_help, help_tail, hs_exit_codes_help);
 }

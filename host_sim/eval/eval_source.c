@@ -48,7 +48,10 @@ static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
     if (!split(names, part))
         return hs_fail(err, HS_ERR_USAGE, "'%s': expected three files, FULL,TRUTH,LABEL", names);
     const char *const full = part[0];
-    if (!hs_source_open_files(&s->source, &full, 1, NULL, NULL, err)) return false;
+    if (!hs_source_open_files(&s->source, &full, 1, NULL, err)) return false;
+    if (s->source.count > 1)
+        return hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", full,
+                       s->source.count);
     const hs_volume *volume = hs_source_volume(&s->source, 0);
     if (!hs_metaimage_read(part[1], NULL, &s->given_truth, err) ||
         !check_truth(volume, &s->given_truth, part[1], err) ||

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Where the scan loop's volumes come from: MetaImage files, or a synthetic scene with its ground truth. */
+/* Where the scan loop's volumes come from: files, or a synthetic scene with its ground truth. */
 #ifndef HS_SOURCE_H
 #define HS_SOURCE_H
 
+#include "loop/stream.h"
 #include "scene/scene.h"
-#include "volume/metaimage.h"
+#include "volume/kretz.h"
 
 /* Where a volume was read from. */
 typedef struct {
@@ -22,8 +23,9 @@ typedef struct {
     char title[256];           /* what a scene is about; "" for files */
     hs_scene_data *scenes;     /* what volumes and truths point into: scenes ... */
     hs_volume *files;          /* ... or volumes read from files */
-    hs_source_origin *origins; /* where those were; NULL for scenes */
+    hs_source_origin *origins; /* where those were; NULL for others */
     uint32_t left_out;         /* volumes of the files that are invalid, as they say themselves */
+    hs_stream *stream;         /* or a sequence that is read as it is played: `volumes` is NULL then */
 } hs_source;
 
 /* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
@@ -32,12 +34,19 @@ typedef struct {
     const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
 } hs_source_scanned;
 
-/* Reads `count` MetaImage files (.mha, .mhd), each of one volume or of a sequence; `paths` must outlive it;
- * `options` as for hs_metaimage_read; `scanned` (or NULL) holds for all of them. HS_ERR_INPUT if one cannot
- * be read, or differs from the first in size, spacing or orientation: the message names both. */
+/* How files are read: MetaImage, with maps that hold for all of them, and Kretz. Zeros are the defaults. */
+typedef struct {
+    hs_metaimage_options metaimage;
+    hs_source_scanned scanned;
+    hs_kretz_options kretz; /* its padding is not read: metaimage.padding holds for both */
+} hs_source_files;
+
+/* Reads `count` files, MetaImage (.mha, .mhd) or Kretz (.vol), each of one volume or of a sequence; `paths`
+ * must outlive it; `how` may be NULL. A Kretz sequence comes alone and is read as it is played, all others
+ * are kept. HS_ERR_INPUT if one cannot be read, or differs from the first in size, spacing or orientation:
+ * the message names both. HS_ERR_USAGE: a window, maps or a probe for a Kretz file. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
-                          const hs_metaimage_options *options, const hs_source_scanned *scanned,
-                          hs_error *err);
+                          const hs_source_files *how, hs_error *err);
 
 /* Which scene, and how much of it. */
 typedef struct {
@@ -54,7 +63,14 @@ bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_err
 /* Frees everything. Safe on a zeroed struct. */
 void hs_source_close(hs_source *source);
 
-/* The volume of frame `index`, and its ground truth or NULL. */
+/* Size, spacing, geometry and name of all its volumes; no voxels that may be read. */
+const hs_volume *hs_source_shape(const hs_source *source);
+
+/* The volume of frame `index`. That of a sequence file is waited for, and stays as it is until this is called
+ * again; NULL with the errors of hs_stream_get. */
+const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_error *err);
+
+/* The volume of frame `index` of a source that is no sequence file, and its ground truth or NULL. */
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
 

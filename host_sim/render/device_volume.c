@@ -1,35 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/device_volume.h"
 
+#include "render/device_bytes.h"
 #include "render/host_launch.h"
 
 #include <stdlib.h>
 
 #define BRICK_EDGE 8u /* 1 << BRICK_SHIFT in cl/base.cl */
 
-/* Host buffers of a live sequence whose wrapping is remembered. */
-#define WRAP_COUNT 8
-
 struct hs_device_volume {
     const hs_cl *cl;
-    uint32_t n[3];      /* voxels */
-    uint32_t bricks[3]; /* max(1, ceil((n - 1) / brick edge)) */
-    double spacing[3];  /* mm */
-    cl_mem voxels;      /* n[0] * n[1] * n[2] bytes, x fastest; not owned: one of wrap[] or `copy` */
-    cl_mem copy;        /* a device's own memory; NULL while host memory is wrapped */
-    cl_mem grid;        /* brick maxima, one byte each, x fastest */
-    struct {
-        const uint8_t *host;
-        cl_mem buffer;
-    } wrap[WRAP_COUNT];
-    uint32_t wrap_next; /* the oldest wrapping: the next to go */
+    uint32_t n[3];          /* voxels */
+    uint32_t bricks[3];     /* max(1, ceil((n - 1) / brick edge)) */
+    double spacing[3];      /* mm */
+    hs_device_bytes voxels; /* n[0] * n[1] * n[2] bytes, x fastest */
+    hs_device_beams *beams; /* what the volume is the Cartesian copy of, or NULL */
+    cl_mem grid;            /* brick maxima, one byte each, x fastest */
     cl_kernel build_grid;
     hs_lit_volume *lit;
 };
-
-static size_t voxel_bytes(const hs_device_volume *dv) {
-    return (size_t)dv->n[0] * dv->n[1] * dv->n[2];
-}
 
 /* Trilinear lookups read two neighbours in x. A volume one voxel wide has no second one, so the kernels
  * (which give it weight 0) need a byte behind the last voxel: such a volume is copied, never wrapped. */
@@ -37,49 +26,23 @@ static bool wraps_host_memory(const hs_device_volume *dv) {
     return dv->cl->is_cpu && dv->n[0] > 1;
 }
 
-/* The buffer around this host memory: a known one, or a new one in the place of the oldest. */
-static bool wrap_host(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
-    for (uint32_t i = 0; i < WRAP_COUNT; i++) {
-        if (dv->wrap[i].host != host) continue;
-        dv->voxels = dv->wrap[i].buffer;
-        /* The contents may be new: OpenCL wants to be told before a command reads them. */
-        cl_int code = CL_SUCCESS;
-        void *mapped = clEnqueueMapBuffer(dv->cl->queue, dv->voxels, CL_FALSE, CL_MAP_WRITE_INVALIDATE_REGION,
-                                          0, voxel_bytes(dv), 0, NULL, NULL, &code);
-        if (!hs_cl_check(code, "clEnqueueMapBuffer(volume)", err)) return false;
-        code = clEnqueueUnmapMemObject(dv->cl->queue, dv->voxels, mapped, 0, NULL, NULL);
-        return hs_cl_check(code, "clEnqueueUnmapMemObject(volume)", err);
-    }
-    union {
-        const uint8_t *in;
-        void *out;
-    } pointer = {host}; /* read-only for the device, whatever the prototype says */
-    cl_int code = CL_SUCCESS;
-    cl_mem buffer = clCreateBuffer(dv->cl->context, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, voxel_bytes(dv),
-                                   pointer.out, &code);
-    if (!hs_cl_check(code, "clCreateBuffer(volume in host memory)", err)) return false;
-    uint32_t slot = dv->wrap_next;
-    if (dv->wrap[slot].buffer) (void)clReleaseMemObject(dv->wrap[slot].buffer);
-    dv->wrap[slot].host = host;
-    dv->wrap[slot].buffer = buffer;
-    dv->wrap_next = (slot + 1) % WRAP_COUNT;
-    dv->voxels = buffer;
-    return true;
+/* Volumes of a sequence are all in probe geometry, or none is. */
+static bool bring_beams(hs_device_volume *dv, const hs_beams *beams, hs_error *err) {
+    if (!beams) return true;
+    if (dv->beams) return hs_device_beams_replace(dv->beams, beams, err);
+    dv->beams = hs_device_beams_create(dv->cl, beams, err);
+    return dv->beams != NULL;
 }
 
-static bool upload(hs_device_volume *dv, const uint8_t *host, hs_error *err) {
-    if (wraps_host_memory(dv)) return wrap_host(dv, host, err);
-    cl_int code =
-        clEnqueueWriteBuffer(dv->cl->queue, dv->copy, CL_FALSE, 0, voxel_bytes(dv), host, 0, NULL, NULL);
-    dv->voxels = dv->copy;
-    return hs_cl_check(code, "clEnqueueWriteBuffer(volume)", err);
+static bool upload(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
+    return bring_beams(dv, volume->beams, err) && hs_device_bytes_bring(&dv->voxels, volume->voxels, err);
 }
 
 static bool enqueue_grid(hs_device_volume *dv, hs_error *err) {
     cl_int4 dims = {{(cl_int)dv->n[0], (cl_int)dv->n[1], (cl_int)dv->n[2], 0}};
     cl_int4 bricks = {{(cl_int)dv->bricks[0], (cl_int)dv->bricks[1], (cl_int)dv->bricks[2], 0}};
     hs_launch launch = hs_launch_begin(dv->cl, dv->build_grid, "build_brick_grid");
-    hs_launch_buffer(&launch, dv->voxels);
+    hs_launch_buffer(&launch, dv->voxels.buffer);
     hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_arg(&launch, sizeof bricks, &bricks);
     hs_launch_buffer(&launch, dv->grid);
@@ -109,16 +72,13 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
                        volume->name, n[0], n[1], n[2]);
     }
     cl_int code = CL_SUCCESS;
-    if (!wraps_host_memory(dv)) {
-        dv->copy = clCreateBuffer(dv->cl->context, CL_MEM_READ_ONLY, (size_t)count + 1, NULL, &code);
-        if (!hs_cl_check(code, "clCreateBuffer(volume)", err)) return false;
-    }
+    if (!hs_device_bytes_init(&dv->voxels, dv->cl, (size_t)count, wraps_host_memory(dv), err)) return false;
     dv->grid = clCreateBuffer(dv->cl->context, CL_MEM_READ_WRITE, (size_t)brick_count, NULL, &code);
     if (!hs_cl_check(code, "clCreateBuffer(brick grid)", err)) return false;
     dv->build_grid = clCreateKernel(dv->cl->program, "build_brick_grid", &code);
     if (!hs_cl_check(code, "clCreateKernel(build_brick_grid)", err)) return false;
     dv->lit = hs_lit_volume_create(dv->cl, dv->n, err);
-    return dv->lit && upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
+    return dv->lit && upload(dv, volume, err) && enqueue_grid(dv, err);
 }
 
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
@@ -138,9 +98,12 @@ bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_
         return hs_fail(err, HS_ERR_INPUT, "%s: %u x %u x %u voxels in a sequence of %u x %u x %u",
                        volume->name, volume->nx, volume->ny, volume->nz, dv->n[0], dv->n[1], dv->n[2]);
     }
+    if ((dv->beams != NULL) != (volume->beams != NULL))
+        return hs_fail(err, HS_ERR_INPUT, "%s: %s in a sequence that is not", volume->name,
+                       volume->beams ? "in probe geometry" : "Cartesian");
     for (int k = 0; k < 3; k++) dv->spacing[k] = volume->spacing[k];
     hs_lit_volume_expire(dv->lit);
-    return upload(dv, volume->voxels, err) && enqueue_grid(dv, err);
+    return upload(dv, volume, err) && enqueue_grid(dv, err);
 }
 
 void hs_device_volume_destroy(hs_device_volume *dv) {
@@ -150,10 +113,8 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     hs_lit_volume_destroy(dv->lit);
     if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
     if (dv->grid) (void)clReleaseMemObject(dv->grid);
-    if (dv->copy) (void)clReleaseMemObject(dv->copy);
-    for (uint32_t i = 0; i < WRAP_COUNT; i++) {
-        if (dv->wrap[i].buffer) (void)clReleaseMemObject(dv->wrap[i].buffer);
-    }
+    hs_device_beams_destroy(dv->beams);
+    hs_device_bytes_free(&dv->voxels);
     free(dv);
 }
 
@@ -162,12 +123,13 @@ hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
                                       .ny = dv->n[1],
                                       .nz = dv->n[2],
                                       .spacing = {dv->spacing[0], dv->spacing[1], dv->spacing[2]}},
-                            .voxels = dv->voxels,
+                            .voxels = dv->voxels.buffer,
+                            .beams = dv->beams,
                             .brick_maxima = dv->grid,
                             .bricks = {dv->bricks[0], dv->bricks[1], dv->bricks[2]}};
 }
 
 bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
                           hs_lit_view *view, hs_error *err) {
-    return hs_lit_volume_make(dv->lit, dv->voxels, threshold_low, threshold_high, view, err);
+    return hs_lit_volume_make(dv->lit, dv->voxels.buffer, threshold_low, threshold_high, view, err);
 }

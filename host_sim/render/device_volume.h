@@ -3,16 +3,18 @@
 #ifndef HS_DEVICE_VOLUME_H
 #define HS_DEVICE_VOLUME_H
 
+#include "render/device_beams.h"
 #include "render/lit_volume.h"
 #include "volume/volume.h"
 
 typedef struct hs_device_volume hs_device_volume;
 
 /*
- * Uploads the volume and builds the renderer's grid of brick maxima; does not wait: the voxels must stay,
- * unchanged, until the commands that read them have run. On a CPU device they are not copied but read where
- * they are, so they must stay allocated until hs_device_volume_destroy, which waits for the queue. (A volume
- * one voxel wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or more), HS_ERR_DEVICE or HS_ERR_MEMORY.
+ * Uploads the volume, and what it is the Cartesian copy of, and builds the renderer's grid of brick maxima;
+ * does not wait: the voxels must stay, unchanged, until the commands that read them have run. On a CPU device
+ * they are not copied but read where they are, so they must stay allocated until hs_device_volume_destroy,
+ * which waits for the queue. (A volume one voxel wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or
+ * more), HS_ERR_DEVICE or HS_ERR_MEMORY.
  */
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err);
 
@@ -24,8 +26,9 @@ void hs_device_volume_destroy(hs_device_volume *dv);
 
 /* What the kernels sample it by. Buffers are borrowed, and may be others after hs_device_volume_replace. */
 typedef struct {
-    hs_volume shape; /* size and spacing; no voxels, no name */
-    cl_mem voxels;   /* one byte each, x fastest, then y, then z */
+    hs_volume shape;              /* size and spacing; no voxels, no name */
+    cl_mem voxels;                /* one byte each, x fastest, then y, then z */
+    const hs_device_beams *beams; /* what it is the Cartesian copy of, or NULL */
     /* The largest voxel of each brick, one byte each, x fastest. A brick has 8 sample positions per edge
      * (BRICK_SHIFT in cl/base.cl) and its maximum covers one voxel more on the far sides, so that it bounds
      * every trilinear sample whose lower corner lies in the brick. */

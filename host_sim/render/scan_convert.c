@@ -17,7 +17,7 @@
 struct hs_scan_converter {
     const hs_cl *cl;
     hs_slab_layout layout;
-    cl_kernel nearest, trilinear;
+    cl_kernel nearest, trilinear, beams;
     size_t max_group; /* work items of a group, as far as the device goes */
 };
 
@@ -26,8 +26,8 @@ struct hs_scan_converter {
 typedef struct {
     uint32_t grid[3]; /* samples per low-resolution voxel */
     bool nearest;
-    int bits; /* fraction bits of fixed-point positions */
-    double origin[3], step[3][3];
+    int bits;                     /* fraction bits of fixed-point positions */
+    double origin[3], step[3][3]; /* voxels; of a volume in probe geometry millimetres (in_probe) */
 } sampling;
 
 uint32_t hs_slab_count(const hs_slab_layout *layout) {
@@ -75,6 +75,8 @@ static bool init(hs_scan_converter *converter, const hs_slab_layout *layout, hs_
     if (!hs_cl_check(code, "clCreateKernel(convert_nearest)", err)) return false;
     converter->trilinear = clCreateKernel(converter->cl->program, "convert_trilinear", &code);
     if (!hs_cl_check(code, "clCreateKernel(convert_trilinear)", err)) return false;
+    converter->beams = clCreateKernel(converter->cl->program, "convert_beams", &code);
+    if (!hs_cl_check(code, "clCreateKernel(convert_beams)", err)) return false;
     code = clGetDeviceInfo(converter->cl->device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof converter->max_group,
                            &converter->max_group, NULL);
     return hs_cl_check(code, "clGetDeviceInfo(CL_DEVICE_MAX_WORK_GROUP_SIZE)", err);
@@ -96,6 +98,7 @@ void hs_scan_converter_destroy(hs_scan_converter *converter) {
     if (!converter) return;
     if (converter->nearest) (void)clReleaseKernel(converter->nearest);
     if (converter->trilinear) (void)clReleaseKernel(converter->trilinear);
+    if (converter->beams) (void)clReleaseKernel(converter->beams);
     free(converter);
 }
 
@@ -177,6 +180,51 @@ static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch,
     return hs_launch_run(launch, 3, global, rows ? local : NULL, event, err);
 }
 
+/* The same places in millimetres from the array's centre of curvature. */
+static sampling in_probe(sampling s, const hs_volume *shape, const double corner[3]) {
+    s.nearest = false;
+    for (int k = 0; k < 3; k++) {
+        s.origin[k] = corner[k] + (s.origin[k] + 0.5) * shape->spacing[k];
+        for (int a = 0; a < 3; a++) s.step[a][k] *= shape->spacing[k];
+    }
+    return s;
+}
+
+/* The arguments that say what is sampled. */
+static hs_launch begin_beams(const hs_scan_converter *converter, const hs_beams_view *view) {
+    const hs_beams_shape *b = &view->shape;
+    const cl_int4 dims = {{(cl_int)b->samples, (cl_int)b->lines, (cl_int)b->planes, 0}};
+    const cl_float4 reach = {{b->start, b->per_mm, b->axis, b->side}};
+    const cl_float4 even = {{b->theta[0], b->theta[1], b->phi[0], b->phi[1]}};
+    hs_launch launch = hs_launch_begin(converter->cl, converter->beams, "convert_beams");
+    hs_launch_buffer(&launch, view->voxels);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    hs_launch_buffer(&launch, view->theta);
+    hs_launch_buffer(&launch, view->phi);
+    hs_launch_arg(&launch, sizeof reach, &reach);
+    hs_launch_arg(&launch, sizeof even, &even);
+    return launch;
+}
+
+static hs_launch begin_voxels(const hs_scan_converter *converter, const hs_device_view *view, bool nearest) {
+    const hs_volume *v = &view->shape;
+    const cl_int4 dims = {{(cl_int)v->nx, (cl_int)v->ny, (cl_int)v->nz, 0}};
+    hs_launch launch = nearest ? hs_launch_begin(converter->cl, converter->nearest, "convert_nearest")
+                               : hs_launch_begin(converter->cl, converter->trilinear, "convert_trilinear");
+    hs_launch_buffer(&launch, view->voxels);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    return launch;
+}
+
+static hs_launch begin_source(const hs_scan_converter *converter, const hs_device_volume *source,
+                              sampling *s) {
+    const hs_device_view view = hs_device_volume_view(source);
+    if (!view.beams) return begin_voxels(converter, &view, s->nearest);
+    const hs_beams_view beams = hs_device_beams_view(view.beams);
+    *s = in_probe(*s, &view.shape, beams.shape.corner);
+    return begin_beams(converter, &beams);
+}
+
 bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
                           const hs_camera *camera, uint32_t index, cl_mem slab, size_t offset,
                           cl_event *event, hs_error *err) {
@@ -188,16 +236,12 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const uint64_t bytes = hs_slab_bytes(l, slices), end = bytes + offset;
     if (!hs_cl_check_size(slab, end < bytes ? UINT64_MAX : end, "a slab", err)) return false;
     const hs_device_view view = hs_device_volume_view(source);
-    const sampling s = plan_sampling(l, &view.shape, camera);
-    const cl_int4 dims = {{(cl_int)view.shape.nx, (cl_int)view.shape.ny, (cl_int)view.shape.nz, 0}};
+    sampling s = plan_sampling(l, &view.shape, camera);
+    hs_launch launch = begin_source(converter, source, &s);
     const cl_int4 grid = {{(cl_int)s.grid[0], (cl_int)s.grid[1], (cl_int)s.grid[2], 0}};
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
     const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
     const cl_ulong start = offset;
-    hs_launch launch = s.nearest ? hs_launch_begin(converter->cl, converter->nearest, "convert_nearest")
-                                 : hs_launch_begin(converter->cl, converter->trilinear, "convert_trilinear");
-    hs_launch_buffer(&launch, view.voxels);
-    hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_arg(&launch, sizeof grid, &grid);
     set_positions(&launch, &s);
     hs_launch_arg(&launch, sizeof size, &size);

@@ -45,6 +45,11 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
  * Trilinear: elsewhere a sample is trilinear between the voxel centres; in the outer half voxel the nearest
  * voxel counts. "Half covered", below, then has a tolerance of a thousandth.
  *
+ * A source in probe geometry (hs_volume.beams) is sampled where it was scanned, in one step: a sample is
+ * linear between the eight echoes around it in radius, line and plane (hs_beams), and its Cartesian copy only
+ * says how many samples there are. Echoes of 0 count: what was scanned is known. A voxel is scanned if half
+ * its samples or more are.
+ *
  * Only scanned source voxels (> 0) inside the volume have weight; a voxel less than half covered by them
  * becomes 0 (not scanned), any other their mean, rounded half up, 1 .. 255.
  */

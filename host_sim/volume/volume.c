@@ -33,6 +33,7 @@ bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs
 
 void hs_volume_free(hs_volume *volume) {
     free(volume->voxels);
+    hs_beams_free(volume->beams);
     memset(volume, 0, sizeof *volume);
 }
 

@@ -4,6 +4,7 @@
 #define HS_VOLUME_H
 
 #include "base/error.h"
+#include "volume/beams.h"
 #include "volume/pose.h"
 
 #include <stddef.h>
@@ -26,6 +27,7 @@ typedef struct {
     hs_pose pose;      /* of zeros: unknown, and seen from the probe as the default one is */
     hs_probe probe;
     uint8_t *voxels; /* nx * ny * nz bytes, owned */
+    hs_beams *beams; /* in probe geometry, what this is the Cartesian copy of; owned; NULL: there is none */
     char name[256];  /* for messages and captions: a file's name or a scene's */
 } hs_volume;
 
@@ -35,7 +37,7 @@ typedef struct {
  * memory runs out. */
 bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs_error *err);
 
-/* Frees the voxels and zeroes the struct. Safe on a zeroed struct. */
+/* Frees the voxels and the beams, and zeroes the struct. Safe on a zeroed struct. */
 void hs_volume_free(hs_volume *volume);
 
 /* Number of voxels. */

@@ -109,7 +109,7 @@ static void invalid_volumes_are_left_out(void **state) {
     const char *const paths[] = {gap, one};
     hs_source source;
     hs_error err = {0};
-    if (!hs_source_open_files(&source, paths, 2, NULL, NULL, &err)) fail_msg("%s", err.text);
+    if (!hs_source_open_files(&source, paths, 2, NULL, &err)) fail_msg("%s", err.text);
     assert_int_equal(source.count, 3);
     assert_int_equal(source.left_out, 1);
     static const int first_voxels[3] = {1, 21, 1};

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads GE Kretz volumes (.vol): single ones and sequences, in probe geometry or Cartesian. docs/kretz.md. */
+#ifndef HS_KRETZ_H
+#define HS_KRETZ_H
+
+#include "volume/metaimage.h"
+
+typedef struct {
+    bool mirrored;      /* positive sweep angles lie at +y; else at -y (hs_beams) */
+    double spacing;     /* mm: voxels of the Cartesian copy; 0: as hs_beams_cartesian_init chooses */
+    hs_padding padding; /* of a Cartesian file; one in probe geometry says itself what was scanned */
+} hs_kretz_options;
+
+typedef struct hs_kretz hs_kretz;
+
+/* True if the name ends in .vol or .v00 .. .v05, or the file begins as a KRETZFILE does: read it here. */
+bool hs_kretz_is_file(const char *path);
+
+/*
+ * Opens a file and checks all it says, but reads no voxel; `options` may be NULL for zeros. NULL on failure:
+ * HS_ERR_INPUT names file, item and value, HS_ERR_USAGE the spacing. Personal data in the file is neither
+ * read nor named. One thread at a time may use it.
+ */
+hs_kretz *hs_kretz_open(const char *path, const hs_kretz_options *options, hs_error *err);
+void hs_kretz_close(hs_kretz *kretz);
+
+/* Volumes in the file, >= 1. */
+uint32_t hs_kretz_count(const hs_kretz *kretz);
+
+/*
+ * Reads volume `index` (0 .. count - 1). A zeroed `volume` is made, and the caller frees it with
+ * hs_volume_free; one that an earlier call made from the same file is filled again, without new memory. In
+ * probe geometry the bytes go from the file straight to volume->beams, and the Cartesian copy is made from
+ * there; in a Cartesian file they go straight to the voxels. HS_ERR_INPUT, HS_ERR_USAGE (the spacing) or
+ * HS_ERR_MEMORY; a volume that was to be made is zeroed then.
+ */
+bool hs_kretz_read(const hs_kretz *kretz, uint32_t index, hs_volume *volume, hs_error *err);
+
+/* The bytes alone of that into `voxels`, samples * lines * planes of them, as they are in the file: for
+ * measuring. Their number is hs_kretz_bytes. */
+bool hs_kretz_read_bytes(const hs_kretz *kretz, uint32_t index, uint8_t *voxels, hs_error *err);
+size_t hs_kretz_bytes(const hs_kretz *kretz);
+
+#endif

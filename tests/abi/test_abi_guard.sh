@@ -1,0 +1,85 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# The headers are ABI 1.0: scripts/check_abi.sh finds nothing but additions against the dump in abi/. And it would notice: the
+# headers are changed here in one way each, and what it says must name the place. Called with the source and the build folder.
+# shellcheck disable=SC2016 # what looks like variables is Perl's
+set -u
+source_dir=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checked=0 failed=0
+# shellcheck source=tests/support/holds.sh
+. "$source_dir/tests/support/holds.sh"
+guard() { bash "$source_dir/scripts/check_abi.sh" "$@" > "$work/said" 2>&1; }
+
+guard
+code=$?
+if [ $code = 3 ]; then
+    cat "$work/said"
+    exit 77
+fi
+holds test $code = 0
+holds test ! -s "$work/said"
+
+# change HEADER PERL: a fresh copy of the headers, changed; the change must change something.
+change() {
+    rm -rf "$work/include"
+    cp -r "$source_dir/include" "$work/include"
+    perl -0pi -e "$2" "$work/include/$1"
+    ! cmp -s "$source_dir/include/$1" "$work/include/$1"
+}
+refused() { # refused WORDS HEADER PERL
+    checked=$((checked + 1))
+    if ! change "$2" "$3" || guard "$work/include" || ! grep -qF -- "$1" "$work/said"; then
+        echo "FAIL: not refused with '$1': $2: $3"
+        cat "$work/said"
+        failed=$((failed + 1))
+    fi
+}
+allowed() { # allowed HEADER PERL
+    checked=$((checked + 1))
+    if ! change "$1" "$2" || ! guard "$work/include"; then
+        echo "FAIL: not allowed: $1: $2"
+        cat "$work/said"
+        failed=$((failed + 1))
+    fi
+}
+h=smartvis_plugin.h
+
+# --- fields: wider, of another sign, renamed, swapped, gone, inserted
+refused 'sv_descriptor' $h 's/uint32_t queues; /uint64_t queues; /'
+refused 'sv_format' $h 's/int32_t padding_value;/uint32_t padding_value;/'
+refused 'sv_stats' $h 's/uint32_t points;   /uint32_t origins;/'
+refused 'sv_stats' $h 's/(    uint32_t rays; .*?\n)(    uint32_t points;.*?\n)/$2$1/'
+refused 'sv_stats' $h 's/    uint32_t unfilled;.*?\n//'
+refused 'sv_stats: a field before the end' $h 's/    uint32_t points;   /    uint32_t more;\n$&/'
+refused 'sv_frame' $h 's/    uint64_t time_ns;/    uint32_t time_ns;\n    uint32_t spare;/'
+refused 'sv_scanned: never grows' $h 's/    uint16_t end;/$&\n    uint16_t more;/'
+refused 'sv_param_value: never grows' $h 's/(typedef struct sv_param_value .*?    double value;)/$1\n    double more;/s'
+# --- functions: another signature, another order, a table of an extension
+refused 'sv_plugin' $h 's/(\*slab\)\(const sv_plugin \*plugin, const sv_slab \*slab)/$1, uint32_t more/'
+refused 'sv_plugin.param_count' $h 's/\(SV_CALL \*param_count\)/(SV_CALL *params)/'
+refused 'sv_entry' $h 's/(uint32_t abi_major;.*?\n)(    uint32_t abi_minor;.*?\n)/$2$1/'
+refused 'sv_ext_timing' smartvis/timing.h 's/(typedef struct sv_ext_timing \{\n    uint32_t size;)/$1\n    uint32_t more[2];/'
+# --- constants: another value, another name
+refused 'SV_ERR_STATE whole -20' $h 's/SV_ERR_STATE = -20/SV_ERR_STATE = -24/'
+refused 'SV_PARAM_ADJUST' $h 's/SV_PARAM_ADJUST = 1u << 3/SV_PARAM_ADJUST = 1u << 4/'
+refused 'SV_POINT_EMPTY' $h 's/SV_POINT_EMPTY/SV_POINT_NOTHING/'
+refused 'SV_ENTRY_SYMBOL text smartvis_plugin_entry' $h 's/"smartvis_plugin_entry"/"smartvis_entry"/'
+refused 'SV_ASSUMED_EXTENT_MM' $h 's/120\.0f/121.0f/'
+refused 'SV_ABI_MAJOR' $h 's/SV_ABI_MAJOR 1u/SV_ABI_MAJOR 2u/'
+
+# --- what 1.1 may bring
+allowed $h 's/(    uint32_t unfilled;.*?\n)/$1    uint32_t more;\n/'
+allowed $h 's/(    sv_stats \*stats;.*?\n)/$1    void *more;\n    uint64_t bytes;\n/'
+allowed $h 's/(    const void \*\(SV_CALL \*get_extension\)\(const sv_plugin.*?;\n)/$1    void(SV_CALL *more)(const sv_plugin *plugin);\n/'
+allowed $h 's/SV_POINT_EMPTY = 2/$&, SV_POINT_MORE = 3/'
+allowed $h 's/SV_ABI_MINOR 0u/SV_ABI_MINOR 1u/'
+allowed $h 's/    uint32_t size;\n    uint32_t flags; /\/* moved *\/\n$&/'
+cp -r "$source_dir/include" "$work/new"
+sed -e 's/sv_ext_points/sv_ext_novel/g; s/sv_points_report/sv_novel_report/g; s/SV_EXT_POINTS/SV_EXT_NOVEL/g; s/POINTS_H/NOVEL_H/g' \
+    "$work/new/smartvis/points.h" > "$work/new/smartvis/novel.h"
+holds guard "$work/new"
+
+echo "$checked checked, $failed failed"
+[ "$failed" = 0 ]

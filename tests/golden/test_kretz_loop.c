@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A Kretz file in the scan loop: a sequence of 25 volumes is read ahead and never kept, every frame shows its
+ * own volume, and a file that fails on the way is an error of the frame. Volume n has echoes of 10 + 9 n all
+ * over.
+ */
+#include "loop/slabs.h"
+#include "support/kretz_files.h"
+#include "support/loop_fixture.h"
+#include "volume/kretz_write.h"
+
+#include <unistd.h>
+
+enum { VOLUMES = 25, SAMPLES = 96, LINES = 80, PLANES = 64 };
+
+static uint8_t level_of(uint32_t volume) {
+    return (uint8_t)(10 + 9 * volume);
+}
+
+/* Writes the file and returns its path, which stays good. */
+static const char *write_sequence(uint32_t volumes) {
+    static char path[256];
+    double theta[LINES], phi[PLANES];
+    for (int j = 0; j < LINES; j++) theta[j] = 0.012 * j - 0.006 * (LINES - 1);
+    for (int k = 0; k < PLANES; k++) phi[k] = 0.006 * (PLANES - 1) - 0.012 * k;
+    const hs_beams beams = {.samples = SAMPLES,
+                            .lines = LINES,
+                            .planes = PLANES,
+                            .pitch = 0.5,
+                            .start = 20.0,
+                            .axis = -8.0,
+                            .theta = theta,
+                            .phi = phi};
+    uint8_t *voxels = malloc(SAMPLES * LINES * PLANES);
+    assert_non_null(voxels);
+    hs_kretz_writer writer;
+    hs_error err = {0};
+    (void)snprintf(path, sizeof path, "%s", files_path("sequence.vol"));
+    bool ok = hs_kretz_write_open(&writer, path, &beams, volumes, &err);
+    for (uint32_t n = 0; ok && n < volumes; n++) {
+        memset(voxels, level_of(n), SAMPLES * LINES * PLANES);
+        ok = hs_kretz_write_volume(&writer, voxels, &err);
+    }
+    if (!ok || !hs_kretz_write_commit(&writer, &err)) fail_msg("%s", err.text);
+    free(voxels);
+    return path;
+}
+
+static const hs_source_files coarse = {.kretz = {.spacing = 3.0}};
+
+static hs_source open_source(const char *path, const hs_source_files *how) {
+    hs_source source;
+    hs_error err = {0};
+    if (!hs_source_open_files(&source, &path, 1, how, &err)) fail_msg("%s", err.text);
+    return source;
+}
+
+static uint8_t brightest(const hs_volume *volume) {
+    uint8_t most = 0;
+    for (size_t i = 0; i < hs_volume_count(volume); i++)
+        if (volume->voxels[i] > most) most = volume->voxels[i];
+    return most;
+}
+
+/* Bytes of this process that are in memory. */
+static size_t resident(void) {
+    size_t pages[2] = {0};
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%zu %zu", &pages[0], &pages[1]), 2);
+    (void)fclose(file);
+    return pages[1] * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+/* A round and some more take no more memory than five volumes; the file has 25. */
+static void memory_stays_flat(void **state) {
+    (void)state;
+    const char *path = write_sequence(VOLUMES);
+    const size_t before = resident();
+    hs_source source = open_source(path, NULL);
+    hs_error err = {0};
+    assert_int_equal(source.count, VOLUMES);
+    const hs_volume *shape = hs_source_shape(&source);
+    const size_t bytes = hs_volume_count(shape) + hs_beams_count(shape->beams);
+    size_t most = 0;
+    for (uint32_t i = 0; i < VOLUMES + 5; i++) {
+        const hs_volume *volume = hs_source_bring(&source, i, &err);
+        if (!volume) fail_msg("%s", err.text);
+        assert_int_equal(brightest(volume), level_of(i % VOLUMES));
+        const size_t now = resident();
+        if (now > most) most = now;
+    }
+    assert_true(bytes > 1u << 20);
+    if (most > before + 5 * bytes)
+        fail_msg("%zu bytes more in memory, a volume has %zu", most - before, bytes);
+    hs_source_close(&source);
+}
+
+static void volumes_come_in_any_order(void **state) {
+    (void)state;
+    for (uint32_t volumes = 2; volumes <= 7; volumes++) {
+        hs_source source = open_source(write_sequence(volumes), &coarse);
+        hs_error err = {0};
+        uint32_t at = 0;
+        for (uint32_t turn = 0; turn < 40; turn++) {
+            at = (at * 5 + turn * 3 + 1) % volumes;
+            const hs_volume *volume = hs_source_bring(&source, at, &err);
+            if (!volume) fail_msg("%s", err.text);
+            assert_int_equal(brightest(volume), level_of(at));
+            assert_int_equal(volume->beams->voxels[turn], level_of(at));
+        }
+        hs_source_close(&source);
+    }
+}
+
+/* A stream is closed while its thread reads. */
+static void a_stream_ends_at_once(void **state) {
+    (void)state;
+    const char *path = write_sequence(VOLUMES);
+    for (int turn = 0; turn < 10; turn++) {
+        hs_source source = open_source(path, &coarse);
+        hs_source_close(&source);
+    }
+}
+
+static void every_frame_shows_its_volume(void **state) {
+    fixture *f = *state;
+    hs_source source = open_source(write_sequence(VOLUMES), &coarse);
+    hs_loop_options options = options_with(NULL, 0);
+    hs_error err = {0};
+    hs_loop_result result;
+    options.frames = VOLUMES + 5;
+    hs_loop *loop = hs_loop_create(&f->cl, &source, &f->plugin, &options, &err);
+    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) fail_msg("%s", err.text);
+    assert_int_equal(result.failed_frames, 0);
+    for (uint32_t i = 0; i < VOLUMES; i += 6) {
+        hs_view view = view_of(loop, i);
+        uint8_t most = 0;
+        for (size_t p = 0; p < (size_t)view.width * view.height; p++)
+            if (view.mip[p] > most) most = view.mip[p];
+        assert_int_equal(most, level_of(i));
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+    hs_source_close(&source);
+}
+
+/* The file loses its end while it is played: the frames that are gone are errors, with file and reason. */
+static void a_failing_file_is_told(void **state) {
+    (void)state;
+    const char *path = write_sequence(VOLUMES);
+    hs_source source = open_source(path, &coarse);
+    hs_error err = {0};
+    assert_non_null(hs_source_bring(&source, 1, &err));
+    assert_int_equal(truncate(path, 20 * SAMPLES * LINES * PLANES), 0);
+    for (int turn = 0; turn < 3; turn++) {
+        err = (hs_error){0};
+        assert_null(hs_source_bring(&source, 22, &err));
+        assert_int_equal(err.code, HS_ERR_INPUT);
+        assert_non_null(strstr(err.text, "sequence.vol"));
+        assert_non_null(strstr(err.text, "became shorter"));
+        const hs_volume *volume = hs_source_bring(&source, 3, &err); /* what is left is still there */
+        assert_non_null(volume);
+        assert_int_equal(brightest(volume), level_of(3));
+    }
+    hs_source_close(&source);
+}
+
+static void expect_refusal(const char *const *paths, uint32_t count, const hs_source_files *how, hs_code code,
+                           const char *told) {
+    hs_source source;
+    hs_error err = {0};
+    assert_false(hs_source_open_files(&source, paths, count, how, &err));
+    assert_int_equal(err.code, code);
+    if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
+    assert_null(source.files);
+    assert_null(source.stream);
+}
+
+static void what_does_not_fit_is_refused(void **state) {
+    (void)state;
+    const char *path = write_sequence(3);
+    const char *const twice[] = {path, path};
+    expect_refusal(twice, 2, NULL, HS_ERR_INPUT, "a sequence of 3 volumes, which comes alone");
+    const hs_source_files window = {.metaimage = {.has_window = true, .window_low = 0, .window_high = 9}};
+    expect_refusal(&path, 1, &window, HS_ERR_USAGE, "a window was given");
+    const hs_source_files maps = {.scanned = {"a.mha", "b.mha"}};
+    expect_refusal(&path, 1, &maps, HS_ERR_USAGE, "says itself what was scanned");
+    const hs_source_files probe = {.metaimage = {.has_probe = true, .probe = HS_PROBE_HIGH_Y}};
+    expect_refusal(&path, 1, &probe, HS_ERR_USAGE, "where the probe is, +y was given");
+    const hs_source_files fine = {.kretz = {.spacing = 0.01}};
+    expect_refusal(&path, 1, &fine, HS_ERR_USAGE, "spacing of 0.01 mm");
+}
+
+/* A ray may leave a fan and come back: beside its range, the value 0 tells what lies between. */
+static void gaps_are_told_by_the_padding_value(void **state) {
+    fixture *f = *state;
+    const hs_slab_layout layout = {16, 16, 16, 6, 1, 16, 16, 64};
+    for (int gaps = 0; gaps < 2; gaps++) {
+        hs_error err = {0};
+        sv_format format = {.size = sizeof format};
+        hs_slabs *slabs =
+            hs_slabs_create(&f->cl, &layout, SV_CARRIER_BUFFER, HS_FAN_RANGES, gaps, NULL, &err);
+        if (!slabs) fail_msg("%s", err.text);
+        hs_slabs_describe_format(slabs, &format);
+        assert_int_equal(format.flags, SV_FORMAT_SCANNED);
+        assert_int_equal(format.padding_value, gaps ? 0 : SV_NO_PADDING);
+        hs_slabs_destroy(slabs);
+    }
+}
+
+static int set_up_all(void **state) {
+    return files_setup(state) == 0 ? set_up(state) : -1;
+}
+
+static int tear_down_all(void **state) {
+    const int loop = tear_down(state), files = files_teardown(state);
+    return loop || files;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory_stays_flat),
+        cmocka_unit_test(volumes_come_in_any_order),
+        cmocka_unit_test(a_stream_ends_at_once),
+        cmocka_unit_test(every_frame_shows_its_volume),
+        cmocka_unit_test(a_failing_file_is_told),
+        cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(gaps_are_told_by_the_padding_value),
+    };
+    return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
+}
