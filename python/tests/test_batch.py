@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import BUILD, layers
+from conftest import BUILD, SOURCE, layers
 
 import smartvis
 from smartvis import _study
@@ -112,16 +112,32 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, client) -> None:
         assert sitk.ReadImage(str(path)).GetSize() == SHAPE[::-1]
 
 
+CRASHES_AT_77 = r"""
+#include "smartvis/author.h"
+static sv_status finish(sva *a, float *depth) {
+    if (sva_voxel(a, 0, 0, 0) == 77) __builtin_trap();
+    for (uint32_t i = 0; i < sva_rays(a); i++) depth[i] = 5.0f;
+    return SV_OK;
+}
+static const sv_descriptor descriptor =
+    SVA_DESCRIPTOR("org.smartvis.test.crash", "Crash", "tests", "1", "Crashes on one volume.", 0);
+static const sva_method method = {.descriptor = &descriptor, .finish = finish};
+SVA_ENTRY(method);
+"""
+
+
 def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, client) -> None:
-    files = write_study(tmp_path / "study", 2)
-    black = tmp_path / "study" / "black.nrrd"
-    sitk.WriteImage(sitk.GetImageFromArray(np.zeros(SHAPE, np.uint8)), str(black))
-    plugin = Settings(plugin=str(BUILD / "wrong" / "crash_on_black.so"), products=("clipped",), scanned=None)
-    rows = _study.batch([black, *files], plugin, tmp_path / "out", client, lambda: None)
-    states = {Path(r["file"]).name: r["state"] for r in rows}
-    assert states.pop("black.nrrd") == "plugin" and list(states.values()) == ["ok"]  # two files of one name
-    assert [r["state"] for r in rows].count("ok") == 2
-    assert "worker died" in next(r["reason"] for r in rows if r["state"] == "plugin")
+    files = write_study(tmp_path / "study", 3)
+    killer = tmp_path / "study" / "killer.nrrd"
+    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, 77, np.uint8)), str(killer))
+    (tmp_path / "crash.c").write_text(CRASHES_AT_77)
+    command = ["cc", "-std=c11", "-shared", "-fPIC", "-I", SOURCE / "include", "crash.c", "-o", "crash.so"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    settings = Settings(plugin=str(tmp_path / "crash.so"), products=("clipped",), scanned=None)
+    rows = _study.batch([killer, *files], settings, tmp_path / "out", client, lambda: None)
+    killed = [r for r in rows if r["state"] != "ok"]
+    assert len(rows) == 4 and [Path(r["file"]).name for r in killed] == ["killer.nrrd"]
+    assert killed[0]["state"] == "plugin" and "worker died" in killed[0]["reason"]
 
 
 def test_a_batch_that_is_killed_goes_on(tmp_path: Path) -> None:
