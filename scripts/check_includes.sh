@@ -38,7 +38,9 @@ host_sim/plugin            | abi host_sim/base .                                
 host_sim/scene             | host_sim/base host_sim/volume .                            | libc json
 host_sim/render            | host_sim/base host_sim/volume kernels .                    | libc opencl
 host_sim/render/cl         | .                                                          |
+host_sim/guarded           | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
 host_sim/loop              | abi MACHINE .                                              | libc opencl
+host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
 host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
 host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
 host_sim/commands          | abi HOST .                                                 | libc opencl json
@@ -55,8 +57,8 @@ tests/*                    | any kernels                                        
 tests/*/*                  | any kernels                                                | any
 TABLE
 }
-machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render' # MACHINE
-host="$machine host_sim/picture host_sim/loop host_sim/eval host_sim/report"        # HOST
+machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render host_sim/guarded' # MACHINE
+host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/eval host_sim/report"        # HOST
 
 # The groups of <...>, and where a "..." may be found from each part of the tree.
 groups() {

@@ -31,6 +31,7 @@ typedef struct {
     double slack;          /* layers that cost at most this much more than the cheapest are averaged */
     bool median;           /* of a ray and its eight neighbours */
     double aside_mm;       /* that lie so far aside */
+    double around_mm;      /* the confidence is smoothed with neighbours so far aside */
     double doubt;          /* own cost at which a surface is as likely wrong as right */
     double fetus_share;    /* of the rays must show the fetus; else nothing is clipped */
     double wall_share;     /* of the rays must see a wall; else these two are assumed: */

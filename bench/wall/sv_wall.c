@@ -47,6 +47,7 @@ static double *constant(sv_wall_settings *s, const char *key) {
                {"other", &s->other},
                {"sigma_mm", &s->sigma_mm},
                {"aside_mm", &s->aside_mm},
+               {"around_mm", &s->around_mm},
                {"tissue", &s->tissue},
                {"slack", &s->slack},
                {"doubt", &s->doubt},

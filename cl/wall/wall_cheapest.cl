@@ -63,7 +63,7 @@ static void cheapest(const sv_wall_layout *l, __global const u32l *costs, __glob
     i32l over = (i32l)(0);
     for (uint z = 0; z < l->layers; z++) {
         const u32l cost = costs[z * pitch];
-        const i32l in = cost < limit, before = best > (u32l)(z);
+        const i32l in = cost<limit, before = best>(u32l)(z);
         over |= ~in & ~before;
         const u32l less = (limit - cost) & AS_U32(in & ~over), keep = AS_U32(in | ~before);
         weight = (weight & keep) + less;

@@ -160,9 +160,9 @@ static ulong sum_lanes(u16l values) {
     return sum;
 }
 
-/* One work item per row of rays: their costs, of these what is due to the distance from the fluid, and the sum
- * of the probabilities that the fetus is on them. `scratch`: scratch_words words of 32 bits
- * for each row. */
+/* One work item per row of rays: their costs, of these what is due to the distance from the fluid, and the
+ * sum of the probabilities that the fetus is on them. `scratch`: scratch_words words of 32 bits for each row.
+ */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict bright,
                          __global ushort *restrict rays, __global uint *restrict scratch,

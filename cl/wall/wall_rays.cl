@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, along the rays: how bright they are, their first tissue, and how bright that is where it
- * is the wall.
+ * The wall's surface, along the rays: how bright they are, their first tissue, and how bright that is where
+ * it is the wall.
  */
 #ifndef SV_WALL_CLH
 #include "wall/wall.clh"

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The surface told by the wall (docs/surface.md): what its kernels, its definition and the C side all need to
- * know. The volume is first reduced to blocks of about 2 mm; a column of blocks is a ray, and a slice of them a
- * layer. All arithmetic up to the cheapest layer is of integers: probabilities in units of 1 / SV_WALL_SURE,
- * costs in units of 1 / SV_WALL_ONE, and of the Gaussian over them in units of 1 / SV_WALL_FINE_ONE.
+ * know. The volume is first reduced to blocks of about 2 mm; a column of blocks is a ray, and a slice of them
+ * a layer. All arithmetic up to the cheapest layer is of integers: probabilities in units of 1 /
+ * SV_WALL_SURE, costs in units of 1 / SV_WALL_ONE, and of the Gaussian over them in units of 1 /
+ * SV_WALL_FINE_ONE.
  */
 #ifndef SV_WALL_SHARED_H
 #define SV_WALL_SHARED_H
@@ -20,8 +21,8 @@
 #define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
 #define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */
 
-/* What the distance to the fluid counts in a ray's own cost, in halves of what it counts elsewhere. */
-#define SV_WALL_OWN_AWAY 5
+/* What the distance to the fluid counts in a ray's own cost, times what it counts elsewhere. */
+#define SV_WALL_OWN_AWAY 4
 
 /* ---- grey levels */
 #define SV_WALL_TURNS         64  /* of the search for the split; it stood still after 12 at most */
@@ -58,15 +59,16 @@ typedef struct {
 /* What the settings become in voxels, blocks and layers of one volume. By value; 32-bit members only, so both
  * compilers lay it out alike. */
 typedef struct {
-    unsigned int width, height, slices;  /* voxels */
-    unsigned int columns, rows, layers;  /* blocks */
-    unsigned int depth;                  /* slices of a layer; the last one may have less */
-    unsigned int beside[2];              /* blocks to either side along x, y */
-    unsigned int skin;                   /* layers */
-    unsigned int far;                    /* layers: from this distance on the cost is full */
-    unsigned int rate;                   /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
-    unsigned int aside[2];               /* blocks to the neighbours that the median looks at */
-    unsigned int reach_x, reach_y;       /* blocks to either side that the Gaussian reaches */
+    unsigned int width, height, slices; /* voxels */
+    unsigned int columns, rows, layers; /* blocks */
+    unsigned int depth;                 /* slices of a layer; the last one may have less */
+    unsigned int beside[2];             /* blocks to either side along x, y */
+    unsigned int skin;                  /* layers */
+    unsigned int far;                   /* layers: from this distance on the cost is full */
+    unsigned int rate;                  /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
+    unsigned int aside[2];              /* blocks to the neighbours that the median looks at */
+    unsigned int around[2];             /* blocks to those that the confidence looks at */
+    unsigned int reach_x, reach_y;      /* blocks to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. blocks */
     unsigned int cut, left, other;
     unsigned int slack; /* in units of 1 / SV_WALL_FINE_ONE */

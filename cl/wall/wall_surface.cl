@@ -29,9 +29,10 @@ static float16 load_places(__global const float *row, uint x, int step, uint col
     return *(const float16 *)lanes;
 }
 
-/* 16 rays and their eight neighbours. */
-static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float16 *out) {
-    const int dx = (int)l->aside[0], dy = (int)l->aside[1];
+/* 16 rays and their eight neighbours, so many blocks away. */
+static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
+                       float16 *out) {
+    const int dx = (int)away[0], dy = (int)away[1];
     for (int v = -1; v <= 1; v++) {
         __global const float *row = plane + place_row(l, 0, beside(y, v * dy, l->rows));
         for (int u = -1; u <= 1; u++) *out++ = load_places(row, x, u * dx, l->columns);
@@ -50,8 +51,8 @@ static void sort3(float16 *a, float16 *b, float16 *c) {
     sort2(a, b);
 }
 
-/* Of nine: the median of the largest of the least, the middle one of the middle, and the least of the largest,
- * of three sorted threes. */
+/* Of nine: the median of the largest of the least, the middle one of the middle, and the least of the
+ * largest, of three sorted threes. */
 static float16 median(float16 *v) {
     for (int i = 0; i < 9; i += 3) sort3(&v[i], &v[i + 1], &v[i + 2]);
     float16 low = fmax(fmax(v[0], v[3]), v[6]), high = fmin(fmin(v[2], v[5]), v[8]);
@@ -69,13 +70,13 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
     __global float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         float16 near[9];
-        neighbours(&l, places + place_row(&l, PLACE_LAYER, 0), x, y, near);
+        neighbours(&l, l.aside, places + place_row(&l, PLACE_LAYER, 0), x, y, near);
         *(__global float16 *)(chosen + x) = l.median ? median(near) : near[4];
     }
     for (uint x = 0; x < l.columns; x++) {
         const size_t at = block_row(&l, (uint)(chosen[x] + 0.5f), y) + x;
-        const uint own = 2u * costs[at] + (SV_WALL_OWN_AWAY - 2u) * aways[at];
-        places[place_row(&l, PLACE_OWN, y) + x] = (float)own / (2 * SV_WALL_ONE);
+        const uint own = costs[at] + (SV_WALL_OWN_AWAY - 1u) * aways[at];
+        places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
     }
 }
 
@@ -87,7 +88,7 @@ __kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         float16 n[9];
-        neighbours(&l, places + place_row(&l, PLACE_OWN, 0), x, y, n);
+        neighbours(&l, l.around, places + place_row(&l, PLACE_OWN, 0), x, y, n);
         const float16 corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
         const float16 own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
         *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = 1.0f / (1.0f + own * own);
@@ -119,7 +120,8 @@ static void next_pixel(between_t *b, uint pixels, uint blocks) {
 
 /* Both weights are quotients of integers, so that the mirrored pixel has the same. */
 static pair_t pair_of(between_t b, uint pixels, uint blocks) {
-    const float width = (float)(2 * pixels), part = (float)b.rest, other = (float)((int)(2 * pixels) - b.rest);
+    const float width = (float)(2 * pixels), part = (float)b.rest,
+                other = (float)((int)(2 * pixels) - b.rest);
     if (b.block < 0) return (pair_t){0, 0, 1.0f, 0.0f};
     if ((uint)b.block + 1 >= blocks) return (pair_t){blocks - 1, blocks - 1, 1.0f, 0.0f};
     return (pair_t){(uint)b.block, (uint)b.block + 1, other / width, part / width};

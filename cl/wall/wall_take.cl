@@ -48,7 +48,8 @@ static uint own_rows_end(const strip_t *s) {
 
 /* The ranges before the first slab: all that can be said without the voxels. `scanned`: planes of the rays'
  * ranges, if `ranged`. */
-static void begin_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged, __global const ushort *scanned) {
+static void begin_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
+                         __global const ushort *scanned) {
     for (uint y = first_own_row(s); y < own_rows_end(s); y++) {
         __global ushort *first = s->first + (size_t)y * s->range_pitch;
         __global ushort *end = s->end + (size_t)y * s->range_pitch;
@@ -190,8 +191,8 @@ static void leave_layer(const sv_wall_layout *l, const strip_t *s, __global cons
 }
 
 /* One work item per row of blocks. `ranged`: `scanned` has planes of the pixels' ranges. `spans`: of the
- * columns, then of the rows. `ranges`: two planes like those of `scanned`; without ranges and padding they are
- * left alone. */
+ * columns, then of the rows. `ranges`: two planes like those of `scanned`; without ranges and padding they
+ * are left alone. */
 __kernel void wall_take(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
                         uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
                         uint ranged, uint range_pitch, __global const ushort *restrict scanned,

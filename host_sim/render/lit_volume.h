@@ -10,19 +10,22 @@
 
 typedef struct hs_lit_volume hs_lit_volume;
 
-/* For volumes of n[0] * n[1] * n[2] voxels, 2048 an axis at most. Takes no memory of the device yet. NULL with
- * HS_ERR_MEMORY. `cl` must outlive it. */
+/* For volumes of n[0] * n[1] * n[2] voxels, 2048 an axis at most. Takes no memory of the device yet. NULL
+ * with HS_ERR_MEMORY. `cl` must outlive it. */
 hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_error *err);
 void hs_lit_volume_destroy(hs_lit_volume *lit);
 
 /* There is another volume: what was made of the last one does not hold any more. */
 void hs_lit_volume_expire(hs_lit_volume *lit);
 
-/* Index i of the source's voxels along an axis is (i - 0.5) / 2 + HS_LIT_BORDER in the smoothed volume. */
-#define HS_LIT_BORDER 2
+#define HS_LIT_BORDER 2 /* empty voxels on every side */
 
 /* Buffers are owned by the lit volume. */
 typedef struct {
+    /* Source voxels along a smoothed one's edge, f: 2, or 1 up to 96 voxels along the longest axis. Index i
+     * of the source's voxels along an axis is (i - (f - 1) / 2) / f + HS_LIT_BORDER in the smoothed volume.
+     */
+    uint32_t factor;
     cl_mem smooth, brick_maxima; /* one byte each, x fastest */
     cl_int4 dims, bricks;        /* smoothed voxels, bricks (hs_device_view) */
     cl_mem opacity;              /* one byte each, 0 .. 255: 0 .. 1 */

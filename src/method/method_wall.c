@@ -88,7 +88,8 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t bytes[] = {[SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
                             [SUMS] = lanes_of(l.width) * l.rows * sizeof(cl_ushort),
                             [RANGES] = is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
-                            [LEVELS] = margin + level_row * l.rows * l.layers,
+                            [LEVELS] =
+                                margin + level_row * l.rows * (l.layers + 1), /* zeros behind the last */
                             [BESIDE] = plane * l.layers,
                             [BRIGHT] = plane * l.layers,
                             [RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
@@ -116,7 +117,8 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
     uint32_t tables[SV_WALL_TABLE_WORDS];
     sv_wall_span *const spans = calloc((size_t)l.columns + l.rows, sizeof *spans);
-    if (!spans) return sv_fail(m->queue->diag, SV_ERR_NO_MEMORY, "method wall: no memory for %u spans", l.columns);
+    if (!spans)
+        return sv_fail(m->queue->diag, SV_ERR_NO_MEMORY, "method wall: no memory for %u spans", l.columns);
     for (uint32_t x = 0; x < l.columns; x++) spans[x] = sv_wall_span_of(x, l.width, l.columns);
     for (uint32_t y = 0; y < l.rows; y++) spans[l.columns + y] = sv_wall_span_of(y, l.height, l.rows);
     sv_wall_tables(tables);
@@ -159,11 +161,7 @@ static const struct {
     sv_stage stage;
     int buffers[9]; /* up to -1 */
 } launches[] = {
-    {K_BLOCKS,
-     BOUNDS,
-     RAY_ROWS,
-     SV_STAGE_THRESHOLD,
-     {SPANS, RANGES, LEVELS, RAYS, BESIDE, HISTOGRAMS, -1}},
+    {K_BLOCKS, BOUNDS, RAY_ROWS, SV_STAGE_THRESHOLD, {SPANS, RANGES, LEVELS, RAYS, BESIDE, HISTOGRAMS, -1}},
     {K_LEVELS, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
     {K_WALLS, 0, RAY_ROWS, SV_STAGE_THRESHOLD, {INFO, LEVELS, BESIDE, BRIGHT, RAYS, HISTOGRAMS, -1}},
     {K_EVIDENCE, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},

@@ -57,8 +57,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley, .rays = blocks.rays};
     bool done = true;
     *outcome = sv_wall_outcome_of(&l, &levels);
-    if (*outcome == SV_WALL_SURFACE)
-        done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
+    if (*outcome == SV_WALL_SURFACE) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
     if (done && *outcome != SV_WALL_SURFACE) clip_nothing(&l, depth, confidence);
     sv_wall_blocks_destroy(&blocks);
     if (done && facts) *facts = found;

@@ -5,10 +5,10 @@
 
 /* One ray: arrays by layer. Allocated once for all rays. */
 typedef struct {
-    uint32_t *begun;    /* probability that the fetus begins in the layer or before it */
-    uint32_t *later;    /* that it begins with a run whose fluid begins behind the layer */
-    uint32_t *distance; /* to the ray's fluid, layers; UINT32_MAX: there is none */
-    sv_wall_run first;  /* tissue */
+    uint32_t *begun;                 /* probability that the fetus begins in the layer or before it */
+    uint32_t *later;                 /* that it begins with a run whose fluid begins behind the layer */
+    uint32_t *distance;              /* to the ray's fluid, layers; UINT32_MAX: there is none */
+    sv_wall_run first;               /* tissue */
     uint32_t fluid_begin, fluid_end; /* where the surface belongs if no fetus is seen */
 } ray_facts;
 

@@ -5,8 +5,8 @@
 
 #include "ref/ref_wall_evidence.h"
 
-/* Costs of all blocks in units of 1 / SV_WALL_ONE: ray r clipped at layer z at [r * layers + z]. A ray that was
- * not scanned costs nothing. */
+/* Costs of all blocks in units of 1 / SV_WALL_ONE: ray r clipped at layer z at [r * layers + z]. A ray that
+ * was not scanned costs nothing. */
 typedef struct {
     uint32_t *away;  /* the distance to the fluid */
     uint32_t *wrong; /* the fetus is cut, an occluder is left, the surface stands in another fluid */

@@ -57,9 +57,10 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Of a ray and its eight neighbours; beyond the border the ray at the border counts. */
-static void neighbours(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y, float out[9]) {
-    const int64_t dx = l->aside[0], dy = l->aside[1];
+/* Of a ray and its eight neighbours so many blocks away; beyond the border the ray at the border counts. */
+static void neighbours(const sv_wall_layout *l, const uint32_t away[2], const float *map, uint32_t x,
+                       uint32_t y, float out[9]) {
+    const int64_t dx = away[0], dy = away[1];
     for (int v = -1; v <= 1; v++)
         for (int u = -1; u <= 1; u++)
             *out++ = map[inside(y + v * dy, l->rows) * l->columns + inside(x + u * dx, l->columns)];
@@ -67,7 +68,7 @@ static void neighbours(const sv_wall_layout *l, const float *map, uint32_t x, ui
 
 static float middle(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
     float values[9];
-    neighbours(l, map, x, y, values);
+    neighbours(l, l->aside, map, x, y, values);
     qsort(values, 9, sizeof *values, by_value);
     return values[4];
 }
@@ -76,7 +77,7 @@ static float middle(const sv_wall_layout *l, const float *map, uint32_t x, uint3
  * mirrored result. */
 static float smooth(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
     float n[9];
-    neighbours(l, map, x, y, n);
+    neighbours(l, l->around, map, x, y, n);
     const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
     return (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f;
 }
@@ -116,7 +117,7 @@ static void interpolate(const sv_wall_layout *l, const float *rays, float scale,
 /* What the ray itself says of the depth that its neighbourhood chose. */
 static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, size_t ray, float layer) {
     const size_t at = ray * l->layers + (size_t)(layer + 0.5f);
-    return (float)(SV_WALL_OWN_AWAY * costs->away[at] + 2 * costs->wrong[at]) / (2 * SV_WALL_ONE);
+    return (float)(SV_WALL_OWN_AWAY * costs->away[at] + costs->wrong[at]) / SV_WALL_ONE;
 }
 
 static void finish(const sv_wall_layout *l, const sv_wall_costs *costs, float *layers, float *chosen,
