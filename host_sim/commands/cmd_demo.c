@@ -3,8 +3,10 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
+#include "guarded/guard_line.h"
 #include "loop/clipper.h"
 #include "picture/page_html.h"
 #include "plugin/loader_param.h"
@@ -33,6 +35,7 @@ static const char help_text[] =
     "  --quick         smaller scenes and fewer frames\n"
     "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
     "  --light AZ,EL   where the lamp of the lit look is, degrees: right, up [-35,40]\n"
+    "%s"
     "  --help          this text\n"
     "\n";
 
@@ -47,6 +50,7 @@ typedef struct {
     const char *out, *data, *plugin;
     bool quick, help;
     hs_loop_options drawing; /* its renderer's look and lamp are the demo's */
+    hs_guard_options guard;
     demo_case cases[MAX_CASES];
     uint32_t case_count;
     hs_page report;
@@ -209,23 +213,24 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     hs_run_defaults(&request);
     request.loop.dvr = d->drawing.dvr;
     request.plugin_path = d->plugin;
+    request.guard = d->guard;
     request.scene.name = c->scene;
     request.scene.real = c->scene && c->file[0] ? c->file : NULL;
     request.scene.size = d->quick ? 128 : 256;
     request.volumes = volumes;
     request.volume_count = c->scene ? 0 : 1;
     request.loop.frames = d->quick ? 10 : 30;
-    (void)fprintf(stderr, "host_sim demo: %s ...\n", c->folder);
+    hs_print(stderr, "host_sim demo: %s ...\n", c->folder);
     if (!hs_path_join(d->out, c->folder, folder, sizeof folder, err) || !hs_path_make_folder(folder, err))
         return false;
     if (!hs_run_open(&run, &request, err)) return false;
     const bool ok = run_opened(d, c, &run, folder, err);
     const hs_error *failure = hs_run_plugin_error(&run);
     if (failure->code != HS_OK) {
-        (void)fprintf(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
+        hs_print(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
         (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
     }
-    hs_run_close(&run);
+    (void)hs_run_close(&run, &d->plugin_error); /* the first failure counts */
     return ok;
 }
 
@@ -272,7 +277,7 @@ static bool run_demo(demo *d, hs_error *err) {
     /* A page that misses a case would look complete. */
     if (!ok) (void)hs_fail(&d->report.error, err->code, "%s", err->text);
     if (!hs_page_close(&d->report, ok ? err : &d->report.error) || !ok) return false;
-    (void)printf("Pictures are in %s, the page is %s\n", d->out, page);
+    hs_print(stdout, "Pictures are in %s, the page is %s\n", d->out, page);
     return true;
 }
 
@@ -284,16 +289,24 @@ static bool set_look(demo *d, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {
-    static const struct option options[] = {
-        {"out", required_argument, NULL, 'o'},    {"data", required_argument, NULL, 'd'},
-        {"plugin", required_argument, NULL, 'p'}, {"quick", no_argument, NULL, 'q'},
-        {"look", required_argument, NULL, 'k'},   {"light", required_argument, NULL, 'l'},
-        {"help", no_argument, NULL, 'h'},         {0}};
+    static const struct option options[] = {{"out", required_argument, NULL, 'o'},
+                                            {"data", required_argument, NULL, 'd'},
+                                            {"plugin", required_argument, NULL, 'p'},
+                                            {"quick", no_argument, NULL, 'q'},
+                                            {"look", required_argument, NULL, 'k'},
+                                            {"light", required_argument, NULL, 'l'},
+                                            HS_GUARD_OPTIONS,
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     hs_loop_defaults(&d->drawing);
     hs_loop_for_pictures(&d->drawing, HS_LOOK_LIT);
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        if (hs_guard_line_is(option)) {
+            if (!hs_guard_line_take(option, optarg, &d->guard, err)) return false;
+            continue;
+        }
         switch (option) {
         case 'o':
             d->out = optarg;
@@ -324,6 +337,11 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
     return hs_cli_no_more(argc, argv, optind, err);
 }
 
+static void print_help(void) {
+    (void)printf(help_text, hs_guard_line_help);
+    (void)printf("%s", hs_exit_codes_help);
+}
+
 int hs_cmd_demo(int argc, char **argv) {
     hs_error err = {0};
     demo *d = calloc(1, sizeof *d);
@@ -332,11 +350,12 @@ int hs_cmd_demo(int argc, char **argv) {
         return hs_cli_fail("demo", &err);
     }
     d->out = "out/demo";
+    hs_guard_defaults(&d->guard);
     int code = HS_OK;
     if (!parse(argc, argv, d, &err))
         code = hs_cli_fail("demo", &err);
     else if (d->help)
-        (void)printf("%s%s", help_text, hs_exit_codes_help);
+        print_help();
     else if (!run_demo(d, &err))
         code = hs_cli_fail("demo", &err);
     else

@@ -2,6 +2,9 @@
 #include "commands/cmd_list.h"
 
 #include "base/cli.h"
+#include "base/text.h"
+#include "guarded/guard_line.h"
+#include "guarded/guarded.h"
 #include "plugin/loader_param.h"
 #include "smartvis/lookup.h"
 
@@ -21,6 +24,7 @@ static const char help_text[] =
     "  --plugin PATH    library to load, a path or a name [smartvis]\n"
     "  --set KEY=VALUE  a parameter's value, for what depends on it; repeatable [the defaults]\n"
     "  --all            all parameters\n"
+    "%s"
     "  --help           this text\n"
     "\n"
     "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
@@ -66,6 +70,7 @@ typedef struct {
     const char *sets[MAX_SETS];
     uint32_t set_count;
     bool all;
+    hs_guard_options guard;
 } list_line;
 
 static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) {
@@ -73,10 +78,10 @@ static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) 
     flag_names(info->flags, flags, sizeof flags);
     range_text(plugin, info, range, sizeof range);
     hs_plugin_value_text(plugin, info, info->default_value, value, sizeof value);
-    (void)printf("  %-16s %s%s%s%s\n", info->key, info->label, flags[0] ? " (" : "", flags,
-                 flags[0] ? ")" : "");
-    (void)printf("  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
-                 info->unit[0] ? " " : "", info->unit, value);
+    hs_print(stdout, "  %-16s %s%s%s%s\n", info->key, info->label, flags[0] ? " (" : "", flags,
+             flags[0] ? ")" : "");
+    hs_print(stdout, "  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
+             info->unit[0] ? " " : "", info->unit, value);
     (void)printf("  %-16s %s\n", "", info->help);
 }
 
@@ -102,7 +107,7 @@ static bool print_group(const hs_plugin *plugin, const char *group, const list_l
             ++*left_out;
             continue;
         }
-        if (!headed && group[0]) (void)printf("%s\n", group);
+        if (!headed && group[0]) hs_print(stdout, "%s\n", group);
         headed = true;
         print_parameter(plugin, &info);
     }
@@ -122,13 +127,13 @@ static bool is_first_of(const sv_plugin *p, uint32_t index, const char *group) {
 static void print_names(const char *what, uint32_t bits, uint32_t first, const char *const *names,
                         uint32_t count) {
     const char *between = " ";
-    (void)printf("  %-14s", what);
+    hs_print(stdout, "  %-14s", what);
     for (uint32_t i = 0; i < count; i++) {
         if (!(bits >> (first + i) & 1u)) continue;
-        (void)printf("%s%s", between, names[i]);
+        hs_print(stdout, "%s%s", between, names[i]);
         between = ", ";
     }
-    (void)printf("%s\n", bits ? "" : " none");
+    hs_print(stdout, "%s\n", bits ? "" : " none");
 }
 
 static void print_capabilities(const sv_descriptor *d) {
@@ -140,24 +145,24 @@ static void print_capabilities(const sv_descriptor *d) {
     print_names("voxels of", d->voxel_types, SV_VOXEL_U8, voxels, 2);
     print_names("on a queue of", d->queues, 0, queues, 2);
     print_names("makes use of", d->features, 0, features, 3);
-    (void)printf("  %-14s", "extensions");
+    hs_print(stdout, "  %-14s", "extensions");
     for (uint32_t i = 0; d->extensions && d->extensions[i]; i++)
-        (void)printf("%s%s", i ? ", " : " ", d->extensions[i]);
-    (void)printf("%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
+        hs_print(stdout, "%s%s", i ? ", " : " ", d->extensions[i]);
+    hs_print(stdout, "%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
 }
 
 static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error *err) {
     hs_plugin plugin;
     sv_param_value values[MAX_SETS];
-    if (!hs_plugin_open(&plugin, line->path, d->id, SV_LOG_WARNING, err)) return false;
+    if (!hs_guarded_open(&plugin, line->path, d->id, SV_LOG_WARNING, &line->guard, err)) return false;
     const sv_plugin *p = plugin.instance;
     const uint32_t count = hs_plugin_param_count(&plugin);
     bool ok = true;
     for (uint32_t i = 0; ok && i < line->set_count; i++)
         ok = hs_plugin_parse_param(&plugin, line->sets[i], &values[i], err);
     if (ok) {
-        (void)printf("%s %s: %s\n  %s\n  vendor %s; %u parameters\n", d->id, d->version, d->name, d->summary,
-                     d->vendor, count);
+        hs_print(stdout, "%s %s: %s\n  %s\n  vendor %s; %u parameters\n", d->id, d->version, d->name,
+                 d->summary, d->vendor, count);
         print_capabilities(d);
     }
     uint32_t left_out = 0;
@@ -169,20 +174,17 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
     }
     if (ok && left_out > 0)
         (void)printf("%u more parameters do not matter with these values; --all prints them.\n\n", left_out);
-    hs_plugin_close(&plugin);
-    return ok;
+    return hs_guarded_close(&plugin, err) && ok;
 }
 
 static bool print_library(const list_line *line, hs_error *err) {
     hs_plugin first;
-    if (!hs_plugin_open(&first, line->path, NULL, SV_LOG_WARNING, err)) return false;
-    const sv_entry *entry = first.entry;
-    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", first.path, entry->abi_major, entry->abi_minor,
-                 entry->count, entry->count == 1 ? "" : "s");
+    if (!hs_guarded_open(&first, line->path, NULL, SV_LOG_WARNING, &line->guard, err)) return false;
+    hs_print(stdout, "%s: ABI %u.%u, %u plugin%s\n\n", first.path, first.abi_major, first.abi_minor,
+             first.count, first.count == 1 ? "" : "s");
     bool ok = true;
-    for (uint32_t i = 0; ok && i < entry->count; i++) ok = print_plugin(line, entry->descriptor(i), err);
-    hs_plugin_close(&first);
-    return ok;
+    for (uint32_t i = 0; ok && i < first.count; i++) ok = print_plugin(line, first.descriptor[i], err);
+    return hs_guarded_close(&first, err) && ok;
 }
 
 static bool take_option(list_line *line, int option, const char *name, const char *text, hs_error *err) {
@@ -205,23 +207,26 @@ static bool take_option(list_line *line, int option, const char *name, const cha
 }
 
 int hs_cmd_list(int argc, char **argv) {
-    static const struct option options[] = {{"plugin", required_argument, NULL, 'p'},
-                                            {"set", required_argument, NULL, 's'},
-                                            {"all", no_argument, NULL, 'a'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
+    static const struct option options[] = {
+        {"plugin", required_argument, NULL, 'p'}, {"set", required_argument, NULL, 's'},
+        {"all", no_argument, NULL, 'a'},          HS_GUARD_OPTIONS,
+        {"help", no_argument, NULL, 'h'},         {0}};
     char path[1024];
     hs_error err = {0};
     hs_plugin_default_path(path, sizeof path);
     list_line line = {.path = path};
+    hs_guard_defaults(&line.guard);
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
         if (option == 'h') {
-            (void)printf("%s%s", help_text, hs_exit_codes_help);
+            (void)printf(help_text, hs_guard_line_help);
+            (void)printf("%s", hs_exit_codes_help);
             return HS_OK;
         }
-        if (!take_option(&line, option, argv[optind - 1], optarg, &err)) return hs_cli_fail("list", &err);
+        const bool ok = hs_guard_line_is(option) ? hs_guard_line_take(option, optarg, &line.guard, &err)
+                                                 : take_option(&line, option, argv[optind - 1], optarg, &err);
+        if (!ok) return hs_cli_fail("list", &err);
     }
     if (!hs_cli_no_more(argc, argv, optind, &err) || !print_library(&line, &err))
         return hs_cli_fail("list", &err);

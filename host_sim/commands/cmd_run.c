@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/run_json.h"
 #include "commands/run_line.h"
 #include "commands/run_print.h"
@@ -22,7 +23,7 @@ static bool can_write(const hs_run_line *line, hs_error *err) {
 static void report_plugin_error(const hs_run *run, bool *reported) {
     const hs_error *failure = hs_run_plugin_error(run);
     if (failure->code == HS_OK || *reported) return;
-    (void)fprintf(stderr, "host_sim run: %s\nhost_sim run: rendering unclipped\n", failure->text);
+    hs_print(stderr, "host_sim run: %s\nhost_sim run: rendering unclipped\n", failure->text);
     *reported = true;
 }
 
@@ -30,8 +31,8 @@ static void report_plugin_error(const hs_run *run, bool *reported) {
 static void report_confidence_error(const hs_run *run) {
     const hs_error *failure = hs_run_confidence_error(run);
     if (failure->code != HS_OK)
-        (void)fprintf(stderr, "host_sim run: %s\nhost_sim run: ghosting without the confidence map\n",
-                      failure->text);
+        hs_print(stderr, "host_sim run: %s\nhost_sim run: ghosting without the confidence map\n",
+                 failure->text);
 }
 
 static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *err) {
@@ -39,7 +40,8 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
     bool reported = false;
     if (!hs_run_open(&run, &line->request, err)) return false;
     report_plugin_error(&run, &reported);
-    bool ok = hs_run_measure(&run, err) && hs_run_pictures(&run, line->out, err);
+    bool ok = hs_run_measure(&run, err) && hs_run_pictures(&run, line->out, err) &&
+              hs_run_write(&run, line->out, err);
     report_plugin_error(&run, &reported);
     report_confidence_error(&run);
     if (ok) {
@@ -47,7 +49,11 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
         ok = !line->json || hs_run_write_json(&run, line->json, err);
     }
     *plugin_code = hs_run_plugin_error(&run)->code;
-    hs_run_close(&run);
+    hs_error ended = {0};
+    if (!hs_run_close(&run, &ended) && *plugin_code == HS_OK) {
+        hs_print(stderr, "host_sim run: %s\n", ended.text);
+        *plugin_code = ended.code;
+    }
     return ok;
 }
 
@@ -61,6 +67,6 @@ int hs_cmd_run(int argc, char **argv) {
         return HS_OK;
     }
     if (!can_write(&line, &err) || !run_loop(&line, &plugin_code, &err)) return hs_cli_fail("run", &err);
-    (void)printf("Pictures are in %s\n", line.out);
+    hs_print(stdout, "Pictures are in %s\n", line.out);
     return (int)plugin_code;
 }

@@ -5,6 +5,7 @@
 #include "base/cli.h"
 #include "commands/look_line.h"
 #include "commands/run_value.h"
+#include "guarded/guard_line.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -75,7 +76,10 @@ static const char help_tail[] =
     "  --picture N           the picture is N x N pixels [512]\n"
     "Output:\n"
     "  --out DIR             folder for the pictures [out/run]\n"
+    "  --few-pictures        writes result.png and full.png, no other pictures\n"
     "  --panel N             width of each picture in panel.png, pixels [512]\n"
+    "  --write WHAT,...      writes data for other programs to DIR: depthmap, confidence, status, clipped,\n"
+    "                        mask (MetaImage), surface (PLY), or all [nothing]\n"
     "  --json FILE           writes the results as JSON, too\n"
     "  --help                this text\n"
     "\n";
@@ -120,6 +124,8 @@ enum {
     OPT_PICTURE,
     OPT_OUT,
     OPT_PANEL,
+    OPT_FEW,
+    OPT_WRITE,
     OPT_JSON,
     OPT_HELP
 };
@@ -163,7 +169,10 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"picture", required_argument, NULL, OPT_PICTURE},
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
+                                        {"few-pictures", no_argument, NULL, OPT_FEW},
+                                        {"write", required_argument, NULL, OPT_WRITE},
                                         {"json", required_argument, NULL, OPT_JSON},
+                                        HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
@@ -311,9 +320,14 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return true;
     case OPT_PANEL:
         return set_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+    case OPT_FEW:
+        r->few_pictures = true;
+        return true;
     case OPT_OUT:
         line->out = text;
         return true;
+    case OPT_WRITE:
+        return hs_result_parse("--write", text, strcmp(text, "all") == 0 ? &r->write_if : &r->write, err);
     default:
         line->json = text;
         return true;
@@ -341,6 +355,9 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
     if (r->read.has_probe && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
                        hs_probe_name(r->read.probe));
+    if ((r->write | r->write_if) && r->loop.orbit != 0)
+        return hs_fail(err, HS_ERR_USAGE, "--write: needs a camera that stands still, --orbit is %g degrees",
+                       r->loop.orbit);
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
@@ -362,6 +379,8 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
             ok = hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
         else if (option == '?')
             ok = hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        else if (hs_guard_line_is(option))
+            ok = hs_guard_line_take(option, optarg, &line->request.guard, err);
         else if (option <= OPT_LIVE)
             ok = take_source_option(line, option, optarg, err);
         else if (option <= OPT_VERBOSE)
@@ -381,5 +400,5 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
 }
 
 void hs_run_line_help(void) {
-    (void)printf("%s%s%s", help_head, help_tail, hs_exit_codes_help);
+    (void)printf("%s%s%s%s", help_head, hs_guard_line_help, help_tail, hs_exit_codes_help);
 }

@@ -2,6 +2,7 @@
 #include "loop/loop.h"
 
 #include "base/progress.h"
+#include "guarded/guarded.h"
 #include "loop/loop_state.h"
 
 #include <math.h>
@@ -9,6 +10,7 @@
 
 #define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis: "about a third" (thesis 5.4) */
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
+#define MOST_OF_ITSELF           1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
 
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
     hs_camera_look_from(camera, hs_source_shape(loop->source), loop->options.from,
@@ -41,6 +43,13 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     if (o->lowres > MAX_LOWRES_AXIS)
         return hs_fail(err, HS_ERR_USAGE, "low resolution: %u pixels, allowed are 1 .. %g (0: a third)",
                        o->lowres, MAX_LOWRES_AXIS);
+    if (!o->lowres && loop->box.extent / (SOURCE_VOXELS_PER_LOWRES * spacing) > MOST_OF_ITSELF)
+        return hs_fail(
+            err, HS_ERR_INPUT,
+            "%s: voxels of %g x %g x %g mm: a third of the finest axis are %.0f pixels, at most %g are "
+            "made without --lowres",
+            volume->name, volume->spacing[0], volume->spacing[1], volume->spacing[2],
+            loop->box.extent / (SOURCE_VOXELS_PER_LOWRES * spacing), MOST_OF_ITSELF);
     const double voxel = o->lowres ? loop->box.extent / o->lowres : SOURCE_VOXELS_PER_LOWRES * spacing;
     layout->width = layout->height = axis_count(loop->box.extent / voxel);
     layout->slices = axis_count(loop->box.depth_extent / voxel);
@@ -78,18 +87,23 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
     const hs_volume *first;
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);
-    const hs_clipper_options asked = {.own_queue = o->own_queue,
+    const hs_clipper_options asked = {.own_queue = o->own_queue || hs_is_guarded(plugin),
                                       .spacing_mm = {across, across, along},
                                       .refused = &refused,
                                       .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
                                       .values = o->values,
                                       .value_count = o->value_count};
+    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
+    const bool guarded = hs_is_guarded(plugin);
+    void *memory = NULL;
+    hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
+    if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
     return (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
            (first = hs_source_bring(loop->source, 0, err)) &&
            (loop->volume = hs_device_volume_create(loop->cl, first, err)) &&
            hs_screen_prepare(loop->screen, loop->volume, err) &&
-           (loop->slabs =
-                hs_slabs_create(loop->cl, &layout, o->carrier, o->fan, first->beams != NULL, err)) &&
+           (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
+                                          first->beams != NULL, memory, err)) &&
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 

@@ -3,6 +3,7 @@
 
 #include "loop/loop_stages.h"
 #include "loop/loop_state.h"
+#include "loop/maps.h"
 #include "loop/truth_surface.h"
 
 #include <stdlib.h>
@@ -16,16 +17,12 @@ static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
     view->map_height = layout->height;
     view->slices = layout->slices;
     const size_t pixels = (size_t)view->width * view->height;
-    const size_t rays = (size_t)view->map_width * view->map_height;
     view->result = malloc(pixels * 4);
     view->full = malloc(pixels * 4);
     view->mip = malloc(pixels);
     view->termination = malloc(pixels * sizeof(float));
     view->full_termination = malloc(pixels * sizeof(float));
-    view->depth = calloc(rays, sizeof(float));
-    view->status = calloc(rays, 1);
-    bool ok = view->result && view->full && view->mip && view->termination && view->full_termination &&
-              view->depth && view->status;
+    bool ok = view->result && view->full && view->mip && view->termination && view->full_termination;
     if (ok && hs_source_truth(loop->source, 0)) ok = (view->truth = malloc(pixels * 4)) != NULL;
     return ok ||
            hs_fail(err, HS_ERR_MEMORY, "pictures: no memory for %u x %u pixels", view->width, view->height);
@@ -68,24 +65,15 @@ static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error 
     return ok;
 }
 
-static bool read_confidence(const hs_loop *loop, size_t rays, hs_view *view, hs_error *err) {
-    view->sure = malloc(rays * sizeof(float));
-    if (!view->sure) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
-    return hs_clipper_read_confidence(loop->clipper, view->sure, err);
-}
-
-/* The frame with every map the plugin has. A map that was not used is not shown either, since it may be an
- * earlier frame's. */
+/* The frame with every map the plugin has. */
 static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
-    const size_t rays = (size_t)view->map_width * view->map_height;
-    const bool wanted = hs_clipper_wants_confidence(loop->clipper);
-    hs_clipper_want(loop->clipper, true, true);
-    bool ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &view->frame, err);
-    hs_clipper_want(loop->clipper, false, wanted);
-    if (ok && view->frame.clipped) ok = hs_clipper_read_depth(loop->clipper, view->depth, err);
-    if (ok && view->frame.sure) ok = read_confidence(loop, rays, view, err);
-    if (ok && view->frame.outcome >= SV_OK) memcpy(view->status, hs_clipper_status(loop->clipper), rays);
-    return ok;
+    hs_maps maps;
+    if (!hs_loop_maps(loop, index, &maps, err)) return false;
+    view->depth = maps.depth;
+    view->status = maps.status;
+    view->sure = maps.sure;
+    view->frame = maps.frame;
+    return true;
 }
 
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {

@@ -75,7 +75,7 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, co
                       ray_view *out, hs_error *err) {
     const uint32_t steps = count_steps(s, &source->shape, camera);
     if (steps > HS_DVR_MAX_STEPS) {
-        return hs_fail(err, HS_ERR_USAGE,
+        return hs_fail(err, HS_ERR_INPUT,
                        "renderer: step %g makes %u steps of this volume, expected at most %u",
                        (double)s->step, steps, HS_DVR_MAX_STEPS);
     }
@@ -193,7 +193,8 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
     if (termination && !hs_cl_check_size(termination, pixels * sizeof(float), "termination depths", err))
         return false;
     if (!dvr->lit) return render_thesis(dvr, source, camera, depths, rgba, termination, event, err);
-    if (termination && !render_thesis(dvr, source, camera, depths, NULL, termination, rgba ? NULL : event, err))
+    if (termination &&
+        !render_thesis(dvr, source, camera, depths, NULL, termination, rgba ? NULL : event, err))
         return false;
     return !rgba || render_lit(dvr, source, camera, depths, rgba, event, err);
 }

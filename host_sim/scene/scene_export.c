@@ -23,7 +23,8 @@ static hs_metaimage_array describe(const hs_volume *volume, hs_array_type type, 
                                 .dims = dims,
                                 .size = {volume->nx, volume->ny, volume->nz},
                                 .spacing = {volume->spacing[0], volume->spacing[1], volume->spacing[2]},
-                                .compress = true};
+                                .compress = true,
+                                .pose = &volume->pose};
 }
 
 /* Readers differ in what they make of NaN: -1 says "no interval" in the file. */

@@ -8,25 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct {
-    const char *name;
-    hs_met_type type;
-    uint32_t bytes;
-} element_types[] = {
-    {"MET_CHAR", HS_MET_CHAR, 1},
-    {"MET_UCHAR", HS_MET_UCHAR, 1},
-    {"MET_SHORT", HS_MET_SHORT, 2},
-    {"MET_USHORT", HS_MET_USHORT, 2},
-    {"MET_INT", HS_MET_INT, 4},
-    {"MET_UINT", HS_MET_UINT, 4},
-    {"MET_LONG", HS_MET_INT, 4},
-    {"MET_ULONG", HS_MET_UINT, 4}, /* 4 bytes in a file, on any machine */
-    {"MET_LONG_LONG", HS_MET_LONG_LONG, 8},
-    {"MET_ULONG_LONG", HS_MET_ULONG_LONG, 8},
-    {"MET_FLOAT", HS_MET_FLOAT, 4},
-    {"MET_DOUBLE", HS_MET_DOUBLE, 8},
-};
-
 static bool check_dims(const hs_met_text *p, hs_met_header *h) {
     uint64_t dims = 0;
     if (!hs_met_has(p, HS_MET_F_NDIMS)) return hs_met_missing(p, HS_MET_F_NDIMS);
@@ -80,11 +61,15 @@ static bool check_spacing(const hs_met_text *p, hs_met_header *h) {
 static bool check_type(const hs_met_text *p, hs_met_header *h) {
     if (!hs_met_has(p, HS_MET_F_ELEMENT_TYPE)) return hs_met_missing(p, HS_MET_F_ELEMENT_TYPE);
     const char *value = p->fields[HS_MET_F_ELEMENT_TYPE].value;
-    for (size_t i = 0; i < sizeof element_types / sizeof *element_types; i++) {
-        if (strcmp(value, element_types[i].name) != 0) continue;
-        h->type = element_types[i].type;
-        h->type_name = element_types[i].name;
-        h->element_bytes = element_types[i].bytes;
+    /* 4 bytes in a file, on any machine. */
+    const char *name = strcmp(value, "MET_LONG") == 0    ? "MET_INT"
+                       : strcmp(value, "MET_ULONG") == 0 ? "MET_UINT"
+                                                         : value;
+    for (int type = 0; type < HS_MET_TYPES; type++) {
+        if (strcmp(name, hs_met_type_name((hs_met_type)type)) != 0) continue;
+        h->type = (hs_met_type)type;
+        h->type_name = hs_met_type_name(h->type);
+        h->element_bytes = hs_met_type_bytes(h->type);
         return true;
     }
     return hs_met_bad_value(
@@ -119,6 +104,17 @@ static bool check_encoding(const hs_met_text *p, hs_met_header *h) {
     return true;
 }
 
+/* True for a file in the header's folder or below it. A header from elsewhere must not make a picture of any
+ * file that its reader can read. */
+static bool is_near(const char *name) {
+    bool near = name[0] != '/';
+    for (const char *part = name; near && part; part = strchr(part, '/')) {
+        if (*part == '/') part++;
+        near = !(part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'));
+    }
+    return near;
+}
+
 /* ElementDataFile and HeaderSize. */
 static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     const char *name = p->fields[HS_MET_F_DATA_FILE].value;
@@ -127,8 +123,10 @@ static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     h->local = strcmp(name, "LOCAL") == 0 || strcmp(name, "Local") == 0 || strcmp(name, "local") == 0;
     if (*name == '\0' || strncmp(name, "LIST", 4) == 0 || strchr(name, '%'))
         return hs_met_bad_value(p, HS_MET_F_DATA_FILE, "LOCAL or the name of one file");
+    if (!is_near(name))
+        return hs_met_bad_value(p, HS_MET_F_DATA_FILE, "a file in the header's folder or below");
     const char *slash = strrchr(p->path, '/');
-    const int folder = slash && name[0] != '/' ? (int)(slash - p->path + 1) : 0;
+    const int folder = slash ? (int)(slash - p->path + 1) : 0;
     const int length = h->local
                            ? snprintf(h->data_path, sizeof h->data_path, "%s", p->path)
                            : snprintf(h->data_path, sizeof h->data_path, "%.*s%s", folder, p->path, name);

@@ -4,20 +4,8 @@
 #define HS_METAIMAGE_HEADER_H
 
 #include "volume/frame_fields.h"
+#include "volume/metaimage_type.h"
 #include "volume/volume.h"
-
-typedef enum {
-    HS_MET_CHAR,
-    HS_MET_UCHAR,
-    HS_MET_SHORT,
-    HS_MET_USHORT,
-    HS_MET_INT,
-    HS_MET_UINT,
-    HS_MET_LONG_LONG,
-    HS_MET_ULONG_LONG,
-    HS_MET_FLOAT,
-    HS_MET_DOUBLE
-} hs_met_type;
 
 /* A checked header. Line numbers count from 1 and are 0 for a field that is not there. */
 typedef struct {

@@ -59,6 +59,8 @@ static void decode(hs_met_type type, const uint8_t *raw, size_t count, double *v
         DECODE(float);
     case HS_MET_DOUBLE:
         DECODE(double);
+    case HS_MET_TYPES:
+        break;
     }
 }
 

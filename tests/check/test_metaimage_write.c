@@ -26,7 +26,12 @@ static int setup(void **state) {
 
 static hs_metaimage_array array_of(hs_array_type type, uint32_t dims, bool compress) {
     const void *const data[] = {bytes, words, floats};
-    return (hs_metaimage_array){type, data[type], dims, {NX, NY, NZ}, {0.5, 0.1, 1.0 / 3.0}, compress};
+    return (hs_metaimage_array){.type = type,
+                                .data = data[type],
+                                .dims = dims,
+                                .size = {NX, NY, NZ},
+                                .spacing = {0.5, 0.1, 1.0 / 3.0},
+                                .compress = compress};
 }
 
 static void write_ok(const char *name, const hs_metaimage_array *array) {

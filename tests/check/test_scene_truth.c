@@ -194,7 +194,8 @@ static void real_volumes_are_their_own_truth(void **state) {
     char path[64];
     snprintf(path, sizeof path, "/tmp/scene_real_%ld.mha", (long)getpid());
     hs_error err = {0};
-    const hs_metaimage_array array = {HS_ARRAY_U8, ball, 3, {NX, NY, NZ}, {0.5, 0.6, 0.7}, false};
+    const hs_metaimage_array array = {
+        .type = HS_ARRAY_U8, .data = ball, .dims = 3, .size = {NX, NY, NZ}, .spacing = {0.5, 0.6, 0.7}};
     if (!hs_metaimage_write(path, &array, &err)) fail_msg("%s", err.text);
     hs_scene *scene = hs_scene_open("real", &err);
     assert_non_null(scene);

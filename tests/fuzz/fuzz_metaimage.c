@@ -16,6 +16,26 @@ static void check_volume(const hs_volume *v) {
     FUZZ_HOLDS(sum <= 255u * hs_volume_count(v));
 }
 
+/* The same file as a sequence: no more volumes than it promised, each as its header says. */
+static void read_sequence(const char *path, const hs_metaimage_options *options) {
+    hs_error err = {0};
+    hs_metaimage *file = hs_metaimage_open(path, options, &err);
+    if (!file) FUZZ_HOLDS(err.code != HS_OK && err.text[0]);
+    const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
+    for (uint32_t i = 0; i < volumes && i < 64; i++) {
+        hs_volume volume;
+        hs_frame_fields fields;
+        if (!hs_metaimage_next(file, &volume, &fields)) {
+            FUZZ_HOLDS(err.code != HS_OK && err.text[0] && !volume.voxels);
+            break;
+        }
+        check_volume(&volume);
+        FUZZ_HOLDS(fields.transform_count <= HS_FRAME_TRANSFORMS && !fields.invalid);
+        hs_volume_free(&volume);
+    }
+    hs_metaimage_close(file);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (size < 1) return 0;
     const unsigned choice = data[0];
@@ -31,6 +51,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                                               .window_low = -100,
                                               .window_high = (choice & 0x20) ? 500 : -99};
         hs_volume volume;
+        read_sequence(file.path, &options);
         if (hs_metaimage_read(file.path, &options, &volume, &err)) {
             check_volume(&volume);
             hs_volume_free(&volume);

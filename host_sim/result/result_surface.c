@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/result_surface.h"
+
+#include "base/output_file.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NONE = -1 };
+
+typedef struct {
+    const hs_maps *maps;
+    hs_result_grid grid;
+    bool *usable;    /* a pixel whose surface lies in the volume */
+    int32_t *number; /* of its vertex, or NONE */
+    hs_surface_size size;
+} surface;
+
+/* The index of a place of the map is what the map's place of an index is, turned round: the steps are at
+ * right angles, so their transpose over their squared lengths does it. */
+static bool lies_in_volume(const hs_result_to_map *t, const hs_volume *v, const double place[3]) {
+    const double count[3] = {v->nx, v->ny, v->nz};
+    double rest[3], scale[3];
+    for (int k = 0; k < 3; k++) {
+        rest[k] = place[k] - t->origin[k];
+        scale[k] = 0;
+        for (int a = 0; a < 3; a++)
+            scale[k] += t->step[a][k] * t->step[a][k] / (v->spacing[a] * v->spacing[a]);
+    }
+    for (int a = 0; a < 3; a++) {
+        double index = 0;
+        for (int k = 0; k < 3; k++)
+            index += t->step[a][k] * rest[k] / (scale[k] * v->spacing[a] * v->spacing[a]);
+        if (!(index >= -0.5 && index <= count[a] - 0.5)) return false;
+    }
+    return true;
+}
+
+static void find_usable(surface *s, const hs_volume *volume) {
+    hs_result_to_map to_map;
+    hs_result_to_map_of(s->maps, volume, &to_map);
+    for (uint32_t y = 0; y < s->maps->height; y++)
+        for (uint32_t x = 0; x < s->maps->width; x++) {
+            const size_t i = (size_t)y * s->maps->width + x;
+            const double place[3] = {x, y, (double)s->maps->depth[i]};
+            s->usable[i] = s->maps->depth[i] > 0.0f && isfinite(s->maps->depth[i]) &&
+                           lies_in_volume(&to_map, volume, place);
+        }
+}
+
+/* True if the cell whose first pixel is `i` is a part of the surface. */
+static bool is_cell(const surface *s, size_t i) {
+    const size_t w = s->maps->width, corner[4] = {i, i + 1, i + w, i + w + 1};
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < 4; k++) {
+        if (!s->usable[corner[k]]) return false;
+        low = fmin(low, (double)s->maps->depth[corner[k]]);
+        high = fmax(high, (double)s->maps->depth[corner[k]]);
+    }
+    const double across = fmin(s->grid.spacing[0], s->grid.spacing[1]);
+    return (high - low) * s->grid.spacing[2] <= HS_SURFACE_STEEPEST * across;
+}
+
+/* Counts the triangles and numbers the vertices that they need. */
+static void number_vertices(surface *s) {
+    const uint32_t w = s->maps->width, h = s->maps->height;
+    for (size_t i = 0; i < (size_t)w * h; i++) s->number[i] = NONE;
+    for (uint32_t y = 0; y + 1 < h; y++)
+        for (uint32_t x = 0; x + 1 < w; x++) {
+            const size_t i = (size_t)y * w + x;
+            if (!is_cell(s, i)) continue;
+            s->number[i] = s->number[i + 1] = s->number[i + w] = s->number[i + w + 1] = 0;
+            s->size.triangles += 2;
+        }
+    for (size_t i = 0; i < (size_t)w * h; i++)
+        if (s->number[i] != NONE) s->number[i] = (int32_t)s->size.vertices++;
+}
+
+static bool write_head(const surface *s, hs_output_file *out, hs_error *err) {
+    const int written = fprintf(
+        out->file,
+        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, mm, %s\nelement vertex %" PRIu32
+        "\nproperty float x\nproperty float y\nproperty float z\nelement face %" PRIu32
+        "\nproperty list uchar int vertex_indices\nend_header\n",
+        __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "binary_big_endian" : "binary_little_endian",
+        s->grid.pose.stated ? "x to the left, y to the back, z to the head (LPS)" : "along the source's axes",
+        s->size.vertices, s->size.triangles);
+    return written > 0 ||
+           hs_fail(err, HS_ERR_OUTPUT, "%s: the header cannot be written: %s", out->path, strerror(errno));
+}
+
+static bool write_vertices(const surface *s, hs_output_file *out, hs_error *err) {
+    for (uint32_t y = 0; y < s->maps->height; y++)
+        for (uint32_t x = 0; x < s->maps->width; x++) {
+            const size_t i = (size_t)y * s->maps->width + x;
+            if (s->number[i] == NONE) continue;
+            const double index[3] = {x, y, (double)s->maps->depth[i]};
+            double world[3];
+            hs_pose_world(&s->grid.pose, s->grid.spacing, index, world);
+            const float vertex[3] = {(float)world[0], (float)world[1], (float)world[2]};
+            if (!hs_output_write(out, vertex, sizeof vertex, err)) return false;
+        }
+    return true;
+}
+
+static bool write_triangle(hs_output_file *out, int32_t a, int32_t b, int32_t c, hs_error *err) {
+    const int32_t corners[3] = {a, b, c};
+    const uint8_t count = 3;
+    return hs_output_write(out, &count, 1, err) && hs_output_write(out, corners, sizeof corners, err);
+}
+
+/* The picture's x runs right, y down and depth away: upper left, lower left, upper right turns against the
+ * clock for who looks at it. */
+static bool write_faces(const surface *s, hs_output_file *out, hs_error *err) {
+    const uint32_t w = s->maps->width;
+    for (uint32_t y = 0; y + 1 < s->maps->height; y++)
+        for (uint32_t x = 0; x + 1 < w; x++) {
+            const size_t i = (size_t)y * w + x;
+            const int32_t *n = s->number + i;
+            if (is_cell(s, i) && !(write_triangle(out, n[0], n[w], n[1], err) &&
+                                   write_triangle(out, n[1], n[w], n[w + 1], err)))
+                return false;
+        }
+    return true;
+}
+
+bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_volume *volume,
+                             hs_surface_size *size, hs_error *err) {
+    const size_t rays = (size_t)maps->width * maps->height;
+    surface s = {.maps = maps};
+    hs_output_file out;
+    s.usable = malloc(rays * sizeof *s.usable);
+    s.number = malloc(rays * sizeof *s.number);
+    bool ok = s.usable && s.number;
+    if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, rays);
+    if (ok) {
+        hs_result_grid_of(maps, volume, &s.grid);
+        find_usable(&s, volume);
+        number_vertices(&s);
+        ok = hs_output_open(&out, path, err);
+    }
+    if (ok) {
+        ok = write_head(&s, &out, err) && write_vertices(&s, &out, err) && write_faces(&s, &out, err);
+        if (ok)
+            ok = hs_output_commit(&out, err);
+        else
+            hs_output_discard(&out);
+    }
+    *size = s.size;
+    free(s.usable);
+    free(s.number);
+    return ok;
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/* What a run found, as files that other programs open: docs/results.md. */
+#ifndef HS_RESULT_WRITE_H
+#define HS_RESULT_WRITE_H
+
+#include "loop/loop.h"
+#include "result/result_surface.h"
+
+/* Bits of what can be written. */
+typedef enum {
+    HS_RESULT_DEPTHMAP = 1 << 0,
+    HS_RESULT_CONFIDENCE = 1 << 1,
+    HS_RESULT_STATUS = 1 << 2,
+    HS_RESULT_CLIPPED = 1 << 3,
+    HS_RESULT_MASK = 1 << 4,
+    HS_RESULT_SURFACE = 1 << 5
+} hs_result;
+
+enum { HS_RESULT_COUNT = 6, HS_RESULT_ALL = (1 << HS_RESULT_COUNT) - 1 };
+
+/* "depthmap", ... of bit `index`: for command lines and the files' names. */
+const char *hs_result_name(uint32_t index);
+
+/* "depthmap,mask" or "all" as bits. HS_ERR_USAGE names `option`, the word and what is known. */
+bool hs_result_parse(const char *option, const char *text, uint32_t *what, hs_error *err);
+
+/* What was written. */
+typedef struct {
+    uint32_t what;           /* bits; without the confidence if the plugin has none */
+    uint32_t volumes;        /* of the source; more than one: sequences */
+    uint32_t clipped;        /* of them; for the others nothing is cut away */
+    double fill;             /* of clipped.mha */
+    hs_surface_size surface; /* of the last volume */
+} hs_result_report;
+
+/*
+ * Writes one file each into the folder: NAME.mha, and surface.ply. A source of several volumes gives
+ * sequences of four dimensions, and surface_0000.ply, surface_0001.ply, ... The maps lie in the patient where
+ * the camera saw them; clipped and mask have the source's own voxels. The loop's camera must stand still
+ * (HS_ERR_USAGE).
+ *
+ * `wanted` must be there, `welcome` may: a confidence that is only welcome and that the plugin does not give
+ * is left out; else HS_ERR_PLUGIN. A plugin that fails gives zeros, and clips nothing. Other errors:
+ * HS_ERR_INPUT (a file that changed), HS_ERR_OUTPUT, HS_ERR_DEVICE, HS_ERR_MEMORY. What is not complete is
+ * not left behind.
+ */
+bool hs_results_write(hs_loop *loop, const hs_source *source, uint32_t wanted, uint32_t welcome,
+                      const char *folder, hs_result_report *report, hs_error *err);
+
+#endif

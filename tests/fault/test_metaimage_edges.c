@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/* Both sides of every rule for MetaImage files that is about numbers and words of the header or the length of
+ * the data: what just breaks it is refused by name, what just does not is read. (Orientation:
+ * test_metaimage_pose; sequences and other formats: test_metaimage_sequence; damage: test_metaimage.) */
+#include "support/metaimage_files.h"
+
+#define TEXT                                                                                                 \
+    "ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 4 3 2\n"            \
+    "ElementType = MET_USHORT\n"
+#define LAST "ElementDataFile = LOCAL\n"
+
+/* A header in which `line` takes the place of the line of its field, or comes last, and `bytes` of data. */
+static void write_with(const char *name, const char *line, size_t bytes) {
+    char text[1024] = "";
+    size_t at = 0;
+    const size_t field = strcspn(line, " ");
+    const bool is_last = strncmp(line, LAST, field) == 0;
+    for (const char *s = TEXT; *s; s = strchr(s, '\n') + 1) {
+        const size_t n = (size_t)(strchr(s, '\n') - s) + 1;
+        if (field > 0 && strncmp(s, line, field) == 0 && s[field] == ' ') continue;
+        at += (size_t)snprintf(text + at, sizeof text - at, "%.*s", (int)n, s);
+    }
+    (void)snprintf(text + at, sizeof text - at, "%s%s", line, is_last ? "" : LAST);
+    uint8_t *data = malloc(bytes + 1);
+    assert_non_null(data);
+    for (size_t i = 0; i < bytes; i++) data[i] = (uint8_t)(i * 37 + 5);
+    files_write(name, text, data, bytes);
+    free(data);
+}
+
+typedef struct {
+    const char *broken;
+    size_t broken_bytes;
+    const char *told;
+    const char *whole;
+    size_t whole_bytes;
+} rule;
+
+static void expect_both_sides(const rule *rules, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        hs_volume volume;
+        hs_error err = {0};
+        write_with("edge.mha", rules[i].broken, rules[i].broken_bytes);
+        files_refused("edge.mha", rules[i].told);
+        write_with("edge.mha", rules[i].whole, rules[i].whole_bytes);
+        if (!hs_metaimage_read(files_path("edge.mha"), NULL, &volume, &err)) fail_msg("%s", err.text);
+        hs_volume_free(&volume);
+    }
+}
+
+static void sizes(void **state) {
+    (void)state;
+    static const rule rules[] = {
+        {"NDims = 2\n", 48, "NDims is '2'", "NDims = 3\n", 48},
+        {"NDims = 5\n", 48, "NDims is '5'", "NDims = 03\n", 48},
+        {"NDims = 3 4\n", 48, "NDims is '3 4'", "NDims =   3\n", 48},
+        {"DimSize = 2049 1 1\n", 4098, "each 1 .. 2048", "DimSize = 2048 1 1\n", 4096},
+        {"DimSize = 0 3 2\n", 0, "each 1 .. 2048", "DimSize = 1 3 2\n", 12},
+        {"DimSize = 2048 1025 1024\n", 48, "at most 2147483648 voxels", "DimSize = 4 3 2\n", 48},
+        {"DimSize = 4 3 2 1\n", 48, "as many numbers as NDims", "DimSize = 4 3 2 \n", 48},
+        {"DimSize = 4 3 +2\n", 48, "DimSize is '4 3 +2'", "DimSize = 4 3 002\n", 48},
+        {"ElementSpacing = 0 1 1\n", 48, "above 0", "ElementSpacing = 1e-300 1 1\n", 48},
+        {"ElementSpacing = 1 1 1e309\n", 48, "above 0", "ElementSpacing = 1 1 1e308\n", 48},
+        {"ElementSpacing = 1 1\n", 48, "three numbers", "ElementSpacing = 1 1 .5\n", 48},
+    };
+    expect_both_sides(rules, sizeof rules / sizeof *rules);
+}
+
+static void encodings(void **state) {
+    (void)state;
+    static const rule rules[] = {
+        {"ObjectType = Images\n", 48, "expected Image", "ObjectType = Image\n", 48},
+        {"ElementType = MET_USHORTS\n", 48, "ElementType is 'MET_USHORTS'", "ElementType = MET_SHORT\n", 48},
+        {"ElementType = MET_ULONG\n", 192, "192 bytes of data, expected 96", "ElementType = MET_ULONG\n", 96},
+        {"ElementNumberOfChannels = 2\n", 96, "expected 1", "ElementNumberOfChannels = 1\n", 48},
+        {"BinaryData = False\n", 48, "expected True", "BinaryData = 1\n", 48},
+        {"BinaryData = Tru\n", 48, "expected True or False", "BinaryData = T\n", 48},
+        {"BinaryDataByteOrderMSB = yes\n", 48, "expected True or False", "BinaryDataByteOrderMSB = true\n",
+         48},
+        {"ElementByteOrderMSB = 2\n", 48, "expected True or False", "ElementByteOrderMSB = 0\n", 48},
+        {"BinaryDataByteOrderMSB = False\nElementByteOrderMSB = True\n", 48, "the same as",
+         "BinaryDataByteOrderMSB = True\nElementByteOrderMSB = True\n", 48},
+        {"CompressedData = maybe\n", 48, "expected True or False", "CompressedData = False\n", 48},
+    };
+    expect_both_sides(rules, sizeof rules / sizeof *rules);
+}
+
+static void data(void **state) {
+    (void)state;
+    static const rule rules[] = {
+        {"Comment = x\n", 47, "47 bytes of data, expected 48", "Comment = x\n", 48},
+        {"Comment = x\n", 49, "49 bytes of data, expected 48", "Comment = x\n", 48},
+        {"HeaderSize = -1\n", 47, "bytes of data, expected 48", "HeaderSize = -1\n", 55},
+        {"HeaderSize = -2\n", 48, "a number of bytes, or -1", "HeaderSize = 0\n", 48},
+        {"ElementDataFile = LISTS\n", 48, "LOCAL or the name of one file", "ElementDataFile = Local\n", 48},
+        {"ElementDataFile = a%d.raw\n", 48, "LOCAL or the name of one file", "ElementDataFile = local\n", 48},
+    };
+    expect_both_sides(rules, sizeof rules / sizeof *rules);
+    /* HeaderSize may be larger than the text: what lies between is passed over. */
+    write_with("edge.mha", "HeaderSize = 40\n", 48);
+    files_refused("edge.mha", "the length of the text at least");
+    const size_t text = strlen(TEXT "HeaderSize = 200\n" LAST);
+    write_with("edge.mha", "HeaderSize = 200\n", 200 - text + 48);
+    hs_volume volume;
+    files_read("edge.mha", NULL, &volume);
+    hs_volume_free(&volume);
+    write_with("edge.mha", "HeaderSize = 200\n", 200 - text + 47);
+    files_refused("edge.mha", "47 bytes of data, expected 48");
+}
+
+/* The compressed stream's length, by one byte more and less, and the best that compression can do. */
+static void compressed(void **state) {
+    (void)state;
+    uint8_t plain[48];
+    for (size_t i = 0; i < sizeof plain; i++) plain[i] = (uint8_t)(i * 37 + 5);
+    size_t bytes;
+    uint8_t *packed = files_deflate(plain, sizeof plain, &bytes);
+    for (int more = -1; more <= 1; more++) {
+        char text[600];
+        (void)snprintf(text, sizeof text, TEXT "CompressedData = True\nCompressedDataSize = %zu\n" LAST,
+                       (size_t)((long)bytes + more));
+        files_write("packed.mha", text, packed, bytes);
+        hs_volume volume;
+        if (more != 0) {
+            files_refused("packed.mha", "CompressedDataSize is");
+            continue;
+        }
+        files_read("packed.mha", NULL, &volume);
+        hs_volume_free(&volume);
+    }
+    free(packed);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sizes),
+        cmocka_unit_test(encodings),
+        cmocka_unit_test(data),
+        cmocka_unit_test(compressed),
+    };
+    return cmocka_run_group_tests(tests, files_setup, files_teardown);
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/result_fixture.h"
+
+#include <limits.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+const double source_directions[9] = {0.8, 0.6, 0, -0.48, 0.64, 0.6, -0.36, 0.48, -0.8};
+const double source_spacing[3] = {0.9, 0.6, 0.75};
+const double source_offset[3] = {12.5, -40, 1000};
+
+static char folder[64];
+
+/* Noise, so that no two neighbours are alike. */
+int16_t source_voxel(size_t i) {
+    if (i == 7) return SOURCE_LOWEST;
+    return (int16_t)(SOURCE_LOWEST + 1 + (int)((i * 2654435761u >> 7) % 1900u));
+}
+
+void source_write(const char *path, uint32_t frames, const char *lines) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    (void)fprintf(file, "ObjectType = Image\nNDims = %d\nCompressedData = False\nDimSize = %d %d %d",
+                  frames > 1 ? 4 : 3, SOURCE_X, SOURCE_Y, SOURCE_Z);
+    if (frames > 1) (void)fprintf(file, " %u", frames);
+    (void)fprintf(file, "\nOffset = %g %g %g\nTransformMatrix =", source_offset[0], source_offset[1],
+                  source_offset[2]);
+    for (int i = 0; i < 9; i++) (void)fprintf(file, " %.17g", source_directions[i]);
+    (void)fprintf(file, "\nElementSpacing = %g %g %g\n%sElementType = MET_SHORT\nElementDataFile = LOCAL\n",
+                  source_spacing[0], source_spacing[1], source_spacing[2], lines);
+    for (size_t i = 0; i < (size_t)SOURCE_VOXELS * frames; i++) {
+        const int16_t voxel = source_voxel(i);
+        assert_int_equal(fwrite(&voxel, sizeof voxel, 1, file), 1);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+const char *result_path(const char *name) {
+    static char paths[4][PATH_MAX];
+    static int turn;
+    char *path = paths[turn++ % 4];
+    (void)snprintf(path, PATH_MAX, "%s/%s", folder, name);
+    return path;
+}
+
+int result_set_up(void **state) {
+    static result_fixture f;
+    hs_error err = {0};
+    (void)snprintf(folder, sizeof folder, "/tmp/sv_results_XXXXXX");
+    if (!mkdtemp(folder) || !hs_cl_open(&f.cl, &err)) return -1;
+    open_plugin(&f.plugin, "plane");
+    (void)snprintf(f.source, sizeof f.source, "%s", result_path("source.mha"));
+    source_write(f.source, 1, "");
+    *state = &f;
+    return 0;
+}
+
+int result_tear_down(void **state) {
+    static const char *const known[] = {
+        "source.mha",  "sequence.mha", "second.mha",  "depthmap.mha",     "confidence.mha",  "status.mha",
+        "clipped.mha", "mask.mha",     "surface.ply", "surface_0000.ply", "surface_0001.ply"};
+    result_fixture *f = *state;
+    hs_plugin_close(&f->plugin);
+    hs_cl_close(&f->cl);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) (void)unlink(result_path(known[i]));
+    return rmdir(folder);
+}
+
+hs_loop_options result_options(sv_param_value *values) {
+    values[0] = (sv_param_value){.id = DEPTH, .value = 3};
+    values[1] = (sv_param_value){.id = SHAPE, .value = 1};
+    hs_loop_options o = options_with(values, 2);
+    o.lowres = 24;
+    return o;
+}
+
+hs_loop *result_loop(const result_fixture *f, const char *const *paths, uint32_t count,
+                     const hs_metaimage_options *read, const hs_loop_options *options, hs_source *source) {
+    hs_error err = {0};
+    const hs_source_files how = {.metaimage = read ? *read : (hs_metaimage_options){0}};
+    if (!hs_source_open_files(source, paths, count, &how, &err)) fail_msg("%s", err.text);
+    hs_loop *loop = hs_loop_create(&f->cl, source, &f->plugin, options, &err);
+    if (!loop) fail_msg("%s", err.text);
+    return loop;
+}
+
+hs_result_report result_write(const result_fixture *f, const char *const *paths, uint32_t count,
+                              const hs_metaimage_options *read, const hs_loop_options *options,
+                              uint32_t what) {
+    hs_source source;
+    hs_error err = {0};
+    hs_result_report report;
+    hs_loop *loop = result_loop(f, paths, count, read, options, &source);
+    if (!hs_results_write(loop, &source, what & ~(uint32_t)HS_RESULT_CONFIDENCE, what & HS_RESULT_CONFIDENCE,
+                          folder, &report, &err))
+        fail_msg("%s", err.text);
+    hs_loop_destroy(loop);
+    hs_source_close(&source);
+    return report;
+}
