@@ -7,6 +7,8 @@ OUT ?= out
 # Where `make install` puts everything; DESTDIR is put before it, as packagers do.
 PREFIX ?= /usr/local
 DESTDIR ?=
+# `make test`: tests with such labels only, a regular expression (abi|check). All by default.
+LABELS ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
@@ -16,13 +18,15 @@ SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
 LINT_PACKAGES := scripts/packages-lint.txt
 DEB_PACKAGES := scripts/packages-deb.txt
+OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
+FUZZ_PACKAGES := scripts/packages-fuzz.txt
 
 # $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
 build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz lint format bench clean help
+.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz oclgrind lint format bench clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -54,7 +58,7 @@ report: setup ## set up, build, measure quality and speed over all cases; the pa
 
 test: setup ## set up, build, run all tests
 	@$(call build,build)
-	@scripts/run_tests.sh build $(JOBS)
+	@scripts/run_tests.sh build $(JOBS) '$(LABELS)'
 
 test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
@@ -67,9 +71,14 @@ test-clang: ## the tests, built with clang
 	@scripts/run_tests.sh build-clang $(JOBS)
 
 fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it finds stays in out/fuzz
-	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
+	@$(SETUP) $(PACKAGES) $(FUZZ_PACKAGES)
 	@$(call build,build-fuzz,-DCMAKE_C_COMPILER=clang -DSV_FUZZ=ON -DSV_BENCH=OFF) --target fuzz_targets
 	@scripts/fuzz.sh build-fuzz $(FUZZ_SECONDS) $(JOBS) $(OUT)/fuzz
+
+oclgrind: ## every method on a small frame in a simulated device that sees wrong accesses and data races
+	@$(SETUP) $(PACKAGES) $(OCLGRIND_PACKAGES)
+	@$(call build,build) --target every_method smartvis
+	@scripts/oclgrind.sh build $(OUT)
 
 lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)

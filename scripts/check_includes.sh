@@ -4,7 +4,7 @@
 #
 # - A file includes only what its floor may include, by the table below.
 # - Nothing includes in a circle. A source and its header count as one: x.c and x.h.
-# - A source in src/, host_sim/ and bench/ has a header of its own, unless it holds a program's main or the
+# - A source in src/, host_sim/, bench/ and validate/ has a header of its own, unless it holds a program's main or the
 #   library's entry, whose header is the ABI's.
 # - Every source lies in a folder that the table knows.
 set -eu
@@ -38,6 +38,7 @@ host_sim/plugin            | abi host_sim/base .                                
 host_sim/scene             | host_sim/base host_sim/volume .                            | libc json
 host_sim/render            | host_sim/base host_sim/volume kernels .                    | libc opencl
 host_sim/render/cl         | .                                                          |
+host_sim/guarded           | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
 host_sim/loop              | abi MACHINE .                                              | libc opencl
 host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
 host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
@@ -47,12 +48,16 @@ bench/frame                | abi HOST .                                         
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
 bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
+validate/spy               | .                                                          | libc opencl elf
+validate/drive             | abi host_sim/base host_sim/plugin validate/spy .           | libc opencl
+validate/checks            | abi host_sim/base host_sim/plugin validate/spy validate/drive . | libc opencl elf
+validate                   | abi host_sim/base host_sim/guard validate/drive validate/checks . | libc json
 examples/*                 | abi .                                                      | libc opencl
 tests/*                    | any kernels                                                | any
 tests/*/*                  | any kernels                                                | any
 TABLE
 }
-machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render' # MACHINE
+machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render host_sim/guarded' # MACHINE
 host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/eval host_sim/report"        # HOST
 
 # The groups of <...>, and where a "..." may be found from each part of the tree.
@@ -60,9 +65,10 @@ groups() {
     cat <<'TABLE'
 fixed   stdint.h stddef.h
 libc    assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h fenv.h float.h getopt.h inttypes.h limits.h locale.h
-libc    math.h poll.h pthread.h sched.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h
+libc    math.h poll.h pthread.h sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h
 libc    string.h strings.h threads.h time.h unistd.h wchar.h sys/*
 opencl  CL/*
+elf     elf.h link.h
 futex   linux/futex.h
 zlib    zlib.h
 json    jansson.h
@@ -77,7 +83,8 @@ src      include src cl
 host_sim include host_sim
 bench    include bench host_sim src cl
 examples include
-tests    include tests bench host_sim src cl
+validate include validate host_sim
+tests    include tests bench validate host_sim src cl
 TABLE
 }
 
@@ -192,7 +199,7 @@ FILENAME ~ /\/mains$/ { begins[$0] = 1; next }
 END {
     for (path in known) {
         if (!floor_of(path)) complain(path ":1", "a source in a folder without a rule")
-        if (path !~ /^(src|host_sim|bench)\/.*\.c$/ || path in begins) continue
+        if (path !~ /^(src|host_sim|bench|validate)\/.*\.c$/ || path in begins) continue
         if (!((unit_of(path) ".h") in known)) complain(path ":1", "a source without a header of its own")
     }
     exit failed

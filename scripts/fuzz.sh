@@ -17,11 +17,11 @@ fuzz() { # fuzz NAME
     mkdir -p "$out/$name" "$out/pocl_cache"
     [ "$name" != scene ] || corpus+=(data/scenes)
     [ ! -f "tests/fuzz/dict/$name.dict" ] || words=("-dict=tests/fuzz/dict/$name.dict")
-    # Scenes and OpenCL have work to do behind an input: half a minute is a hang all the same.
+    # Scenes and OpenCL have work to do behind an input, and the machine may be busy: two minutes are a hang all the same.
     if POCL_CACHE_DIR=$out/pocl_cache POCL_SIGFPE_HANDLER=0 \
         ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:allocator_may_return_null=1 \
         LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
-        "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -timeout=30 -rss_limit_mb=4096 -print_final_stats=1 \
+        "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -timeout=120 -rss_limit_mb=4096 -print_final_stats=1 \
         -artifact_prefix="$out/$name.broken-" "${words[@]}" "${corpus[@]}" > "$out/$name.log" 2>&1; then
         echo "fuzz: $name: ok, $(sed -n 's/^stat::number_of_executed_units: *//p' "$out/$name.log") inputs in $((SECONDS - start)) s"
     else

@@ -1,13 +1,16 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# run_tests.sh BUILD_FOLDER JOBS: runs CTest and closes with one line of counts. Exit code: CTest's.
+# run_tests.sh BUILD_FOLDER JOBS [LABELS]: runs CTest and closes with one line of counts. LABELS is a regular
+# expression: tests with such a label only. Exit code: CTest's.
 set -u
 folder=$(cd "$1" && pwd) || exit 1
 jobs=$2
+labels=()
+[ -z "${3:-}" ] || labels=(-L "$3")
 result=$folder/test_results.xml
 rm -f "$result"
 
-ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$jobs" --output-junit "$result"
+ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$jobs" --output-junit "$result" "${labels[@]}"
 code=$?
 
 # Counts from the attributes of <testsuite>.

@@ -6,28 +6,27 @@
 #define GAUSSIAN_REACH 3.0 /* standard deviations */
 
 sv_wall_settings sv_wall_settings_default(void) {
-    return (sv_wall_settings){.mean_mm = 1.0,
+    return (sv_wall_settings){.block_mm = 2.0,
                               .beside_mm = 3.75,
-                              .thin_mm = 2.5,
-                              .gap_mm = 2.0,
                               .valley = 0.9,
+                              .tissue = 0.25,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
                               .high_rank = 0.9,
-                              .sure = 6.0,
-                              .level = 0.25,
-                              .first = 1.0,
-                              .skin_mm = 7.5,
-                              .tau_mm = 4.0,
-                              .cut = 11.0,
-                              .left = 5.0,
-                              .other = 1.5,
-                              .label_mm = 2.0,
-                              .cell_mm = 4.0,
-                              .sigma_mm = 4.0,
-                              .slack = 0.4,
+                              .sure = 5.0,
+                              .level = 0.4,
+                              .first = 0.85,
+                              .skin_mm = 5.5,
+                              .tau_mm = 9.0,
+                              .cut = 12.0,
+                              .left = 5.3,
+                              .other = 1.15,
+                              .sigma_mm = 3.0,
+                              .slack = 0.5,
                               .median = true,
-                              .doubt = 3.8,
+                              .aside_mm = 5.0,
+                              .around_mm = 4.0,
+                              .doubt = 4.2,
                               .wall_share = 0.05,
                               .fetus_share = 0.05,
                               .assumed_wall = 1.5,
@@ -61,7 +60,9 @@ static uint32_t gaussian(double sigma, uint32_t *weights) {
         rest -= 2 * weights[i];
     }
     weights[0] = rest;
-    return reach;
+    uint32_t last = reach;
+    while (last > 0 && weights[last] == 0) last--;
+    return last;
 }
 
 /* Everything that is no length. */
@@ -70,7 +71,8 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->cut = rounded(s->cut * SV_WALL_ONE);
     l->left = rounded(s->left * SV_WALL_ONE);
     l->other = rounded(s->other * SV_WALL_ONE);
-    l->slack = rounded(s->slack * SV_WALL_CELL_ONE);
+    l->slack = rounded(s->slack * SV_WALL_FINE_ONE);
+    l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
     l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
     l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
@@ -95,29 +97,55 @@ static void find_spacing(const sv_wall_layout *l, const double given[3], double 
             fmin(fmax(given[axis] > 0.0 ? given[axis] : assumed, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM);
 }
 
+/* Voxels along a side of a block. */
+static uint32_t side_of(const sv_wall_settings *s, double mm) {
+    return at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
+}
+
+static uint32_t whole(uint32_t voxels, uint32_t side) {
+    return (voxels + side - 1) / side;
+}
+
+/* The slack is capped so that the sums over it (slack * layers^2 / 2) stay below 2^32. */
 sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
                                  const sv_wall_settings *s) {
     sv_wall_layout l = {.width = width, .height = height, .slices = slices};
     double mm[3];
     find_spacing(&l, spacing_mm, mm);
-    for (int axis = 0; axis < 3; axis++)
-        l.mean[axis] = at_most(voxels(s->mean_mm, mm[axis], 0), SV_WALL_REACH);
-    for (int axis = 0; axis < 2; axis++)
-        l.beside[axis] = at_most(voxels(s->beside_mm, mm[axis], 0), SV_WALL_BESIDE);
-    l.thin = at_most(voxels(s->thin_mm, mm[2], 1), SV_WALL_RUN);
-    l.gap = at_most(voxels(s->gap_mm, mm[2], 1), SV_WALL_RUN);
-    l.skin = voxels(s->skin_mm, mm[2], 0);
-    l.far = at_most((uint32_t)ceil(s->tau_mm / mm[2]), SV_WALL_RUN - 1);
-    l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * mm[2] / s->tau_mm);
-    l.step = voxels(s->label_mm, mm[2], 1);
-    l.labels = (slices + l.step - 1) / l.step;
-    const uint32_t cell_x = voxels(s->cell_mm, mm[0], 1), cell_y = voxels(s->cell_mm, mm[1], 1);
-    l.cells_x = (width + cell_x - 1) / cell_x;
-    l.cells_y = (height + cell_y - 1) / cell_y;
-    l.reach_x = gaussian(s->sigma_mm / mm[0] * l.cells_x / width, l.kernel_x);
-    l.reach_y = gaussian(s->sigma_mm / mm[1] * l.cells_y / height, l.kernel_y);
+    l.columns = whole(width, side_of(s, mm[0]));
+    l.rows = whole(height, side_of(s, mm[1]));
+    l.depth = side_of(s, mm[2]);
+    l.layers = whole(slices, l.depth);
+    const double block_mm[2] = {mm[0] * width / l.columns, mm[1] * height / l.rows};
+    const double layer_mm = mm[2] * l.depth;
+    for (int axis = 0; axis < 2; axis++) {
+        l.beside[axis] = at_most(voxels(s->beside_mm, block_mm[axis], 0), SV_WALL_BESIDE);
+        l.aside[axis] = at_most(voxels(s->aside_mm, block_mm[axis], 1), SV_WALL_BESIDE);
+        l.around[axis] = at_most(voxels(s->around_mm, block_mm[axis], 1), SV_WALL_BESIDE);
+    }
+    l.skin = voxels(s->skin_mm, layer_mm, 0);
+    l.far = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_FAR);
+    l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
+    l.reach_x = gaussian(s->sigma_mm / block_mm[0], l.kernel_x);
+    l.reach_y = gaussian(s->sigma_mm / block_mm[1], l.kernel_y);
     take_numbers(&l, s);
+    l.slack = at_most(l.slack, (uint32_t)(((uint64_t)1 << 33) / l.layers / l.layers));
     return l;
+}
+
+sv_wall_span sv_wall_span_of(uint32_t block, uint32_t voxels, uint32_t blocks) {
+    /* In halves of voxels; the centre of voxel i is 2 i + 1. */
+    const uint64_t from = 2 * (uint64_t)block * voxels, to = 2 * (uint64_t)(block + 1) * voxels;
+    sv_wall_span s = {.first = (uint32_t)(from / blocks / 2), .weight = 2};
+    const bool inside = (2 * (uint64_t)s.first + 1) * blocks >= from;
+    if (!inside) s.first++;
+    s.shares_first = block > 0 && (2 * (uint64_t)s.first + 1) * blocks == from;
+    uint32_t last = s.first;
+    while (last + 1 < voxels && (2 * (uint64_t)last + 3) * blocks <= to) last++;
+    s.shares_last = block + 1 < blocks && (2 * (uint64_t)last + 1) * blocks == to;
+    s.count = last + 1 - s.first;
+    s.weight = 2 * s.count - s.shares_first - s.shares_last;
+    return s;
 }
 
 void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {

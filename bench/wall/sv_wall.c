@@ -31,10 +31,8 @@ static double *constant(sv_wall_settings *s, const char *key) {
     const struct {
         const char *key;
         double *value;
-    } all[] = {{"mean_mm", &s->mean_mm},
+    } all[] = {{"block_mm", &s->block_mm},
                {"beside_mm", &s->beside_mm},
-               {"thin_mm", &s->thin_mm},
-               {"gap_mm", &s->gap_mm},
                {"valley", &s->valley},
                {"wall_rank", &s->wall_rank},
                {"low_rank", &s->low_rank},
@@ -47,9 +45,10 @@ static double *constant(sv_wall_settings *s, const char *key) {
                {"cut", &s->cut},
                {"left", &s->left},
                {"other", &s->other},
-               {"label_mm", &s->label_mm},
-               {"cell_mm", &s->cell_mm},
                {"sigma_mm", &s->sigma_mm},
+               {"aside_mm", &s->aside_mm},
+               {"around_mm", &s->around_mm},
+               {"tissue", &s->tissue},
                {"slack", &s->slack},
                {"doubt", &s->doubt},
                {"wall_share", &s->wall_share},

@@ -7,10 +7,15 @@
 #include "wall/wall.clh"
 #endif
 
-/* Word `word` of all rows' histograms together. */
-static ulong sum_rows(const sv_wall_layout *l, __global const uint *histograms, uint word) {
+/* All rows' histograms together, and word `extra` of them. */
+static ulong sum_rows(const sv_wall_layout *l, __global const uint *histograms, uint extra,
+                      ulong histogram[256]) {
     ulong sum = 0;
-    for (uint y = 0; y < l->height; y++) sum += histograms[(size_t)y * HISTOGRAM_WORDS + word];
+    for (uint i = 0; i < 256; i++) histogram[i] = 0;
+    for (uint y = 0; y < l->rows; y++, histograms += HISTOGRAM_WORDS) {
+        for (uint i = 0; i < 256; i++) histogram[i] += histograms[i];
+        sum += histograms[extra];
+    }
     return sum;
 }
 
@@ -76,10 +81,9 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
                           __global const uint *restrict tables, __global uint *restrict info) {
     ulong histogram[256], split = 0, counted = 0, sum = 0;
     __global const uint *root = tables + SV_WALL_ROOTS;
-    for (uint i = 0; i < 256; i++) histogram[i] = sum_rows(&l, histograms, i);
+    info[INFO_RAYS] = (uint)sum_rows(&l, histograms, HISTOGRAM_RAYS, histogram);
     info[INFO_OUTCOME] = SV_WALL_EMPTY;
-    info[INFO_THRESHOLD] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
-    info[INFO_RAYS] = (uint)sum_rows(&l, histograms, HISTOGRAM_RAYS);
+    info[INFO_THRESHOLD] = info[INFO_TISSUE] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
     if (!find_split(histogram, root, &split)) return;
     uint threshold = 0;
     for (uint i = 0; i < 256; i++) {
@@ -91,7 +95,10 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
         }
     }
     info[INFO_THRESHOLD] = threshold;
-    info[INFO_BRIGHT] = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
+    const uint bright = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
+    const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
+    info[INFO_TISSUE] = threshold + way * l.tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
+    info[INFO_BRIGHT] = bright;
     info[INFO_OUTCOME] = is_shallow(&l, histogram, threshold) ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
 }
 
@@ -137,9 +144,8 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
                             __global const uint *restrict tables, __global uint *restrict info) {
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     ulong histogram[256];
-    for (uint i = 0; i < 256; i++) histogram[i] = sum_rows(&l, histograms, i);
     const uint rays = info[INFO_RAYS];
-    const uint wall_rays = (uint)sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS);
+    const uint wall_rays = (uint)sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS, histogram);
     uint wall = min(info[INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
     int spread = l.assumed_spread;
     if (wall_rays > 0 && (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.wall_share) {
@@ -158,14 +164,14 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     }
 }
 
-/* One work item: whether the frame has a surface. `fetus`: sums over the rays of rows of cells of the
+/* One work item: whether the frame has a surface. `fetus`: sums over the rays of a row of the
  * probability that the fetus is on them. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
                           __global uint *restrict info, __global uint *restrict record) {
     bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     if (wanted) {
         ulong sum = 0;
-        for (uint y = 0; y < l.cells_y; y++) sum += fetus[y];
+        for (uint y = 0; y < l.rows; y++) sum += fetus[y];
         wanted = sum * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * SV_WALL_SURE * l.fetus_share;
         if (!wanted) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
     }

@@ -1,63 +1,34 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, along the rays: what of them is tissue, their first tissue, and how bright it is where
+ * The wall's surface, along the rays: how bright they are, their first tissue, and how bright that is where
  * it is the wall.
  */
 #ifndef SV_WALL_CLH
 #include "wall/wall.clh"
 #endif
 
-/* LANES rays from their ends to their fronts: the run of tissue that was met last. */
+/* The first tissue of LANES rays, front to back. */
 typedef struct {
-    i16l first, end;     /* scanned slices */
-    i16l begin, run_end; /* of the run */
-    i16l fluid;          /* slices of fluid behind it */
-    u8l most;            /* brightest of it */
-    i16l some;           /* there is a run */
+    i16l begin, end; /* of the tissue */
+    u8l begun, over; /* masks */
+    u8l most;        /* brightest of it */
 } walk_t;
 
-/* Front to back: in place of every voxel the length of the tissue up to it. */
-static void mark_runs(const sv_wall_layout *l, __global u8l *voxels, size_t plane, uchar threshold) {
-    u8l run = (u8l)(0);
-    for (uint z = 0; z < l->slices; z++) {
-        const u8l bright = AS_U8(voxels[z * plane] > (u8l)(threshold));
-        run = longer(run) & bright;
-        voxels[z * plane] = run;
-    }
-}
-
-/* Back to front: a mask of tissue in place of the lengths, without what is too thin; and the first run. */
-static void walk_back(const sv_wall_layout *l, __global u8l *voxels, __global const u8l *bright, size_t plane,
-                      walk_t *w) {
-    const u8l thin = (u8l)((uchar)l->thin);
-    u8l tissue = (u8l)(0);
-    w->begin = w->run_end = w->end;
-    w->fluid = w->some = (i16l)(0);
-    w->most = (u8l)(0);
-    for (uint z = l->slices; z-- > 0;) {
-        const u8l run = voxels[z * plane], behind = tissue;
-        tissue = AS_U8(run > (u8l)(0)) & (AS_U8(run >= thin) | behind);
-        voxels[z * plane] = tissue;
-        if (!some_bytes(tissue)) continue;
-        const i16l at = (i16l)((short)z), in = words_of(tissue);
-        const u8l enters = tissue & ~behind;
-        if (some_bytes(enters)) {
-            const i16l fresh = words_of(enters);
-            w->fluid = PICK(w->fluid, w->begin - at - (short)1, fresh);
-            w->run_end = PICK(w->run_end, at + (short)1, fresh);
-            w->some |= fresh;
-            w->most &= ~enters;
-        }
-        w->begin = PICK(w->begin, at, in);
-        const u8l here = bright[z * plane] & tissue;
-        w->most = MOST(w->most, here);
-    }
+static void step(walk_t *w, short z, u8l tissue, u8l bright) {
+    const u8l begins = tissue & ~w->begun;
+    if (some_bytes(begins)) w->begin = PICK(w->begin, (i16l)(z), words_of(begins));
+    w->begun |= begins;
+    const u8l ends = w->begun & ~tissue & ~w->over;
+    if (some_bytes(ends)) w->end = PICK(w->end, (i16l)(z), words_of(ends));
+    w->over |= ends;
+    const u8l here = bright & w->begun & ~w->over;
+    w->most = MOST(w->most, here);
 }
 
 /* Counts the rays that begin in the wall with fluid behind it, and how bright that is. */
-static void count_walls(const sv_wall_layout *l, const walk_t *w, __global uint *histogram) {
-    const i16l gap = (i16l)((short)l->gap);
-    const i16l is_wall = w->some & (w->begin - w->first < gap) & (w->fluid >= gap);
+static void count_walls(const walk_t *w, i16l first, i16l end, __global uint *histogram) {
+    const i16l is_wall = words_of(w->begun) & (w->begin == first) & (w->end < end);
+    if (!some_words(is_wall)) return;
     const uchar *most = (const uchar *)&w->most;
     const short *wall = (const short *)&is_wall;
     for (uint i = 0; i < LANES; i++) {
@@ -66,24 +37,34 @@ static void count_walls(const sv_wall_layout *l, const walk_t *w, __global uint 
     }
 }
 
-/* One work item per row: `voxels` become masks of tissue. */
+/* One work item per row of rays. `bright`: the largest of `beside` over the rows beside every ray. */
 __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
-                         __global const u8l *restrict bright, __global u8l *restrict voxels,
-                         __global ushort *restrict rays, __global uint *restrict histograms) {
-    const uint y = (uint)get_global_id(0), vectors = padded_width_of(&l) / LANES;
-    const size_t plane = (size_t)vectors * l.height, row = (size_t)y * vectors;
+                         __global const uchar *restrict levels, __global const uchar *restrict beside,
+                         __global uchar *restrict bright, __global ushort *restrict rays,
+                         __global uint *restrict histograms) {
+    const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
+    const uint from = row - min(row, l.beside[1]), to = min(row + l.beside[1], l.rows - 1);
+    const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    histograms += (size_t)y * HISTOGRAM_WORDS;
+    histograms += (size_t)row * HISTOGRAM_WORDS;
     for (uint i = 0; i < 256; i++) histograms[i] = 0;
     histograms[HISTOGRAM_WALL_RAYS] = 0;
     for (uint x = 0; x < vectors; x++) {
-        walk_t w;
-        w.first = AS_I16(ray_row(rays, &l, RAY_FIRST, y)[x]);
-        w.end = AS_I16(ray_row(rays, &l, RAY_END, y)[x]);
-        mark_runs(&l, voxels + row + x, plane, (uchar)info[INFO_THRESHOLD]);
-        walk_back(&l, voxels + row + x, bright + row + x, plane, &w);
-        ray_row(rays, &l, RAY_RUN, y)[x] = AS_U16(w.begin);
-        ray_row(rays, &l, RAY_RUN_END, y)[x] = AS_U16(w.run_end);
-        count_walls(&l, &w, histograms);
+        const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, row)[x]);
+        const i16l end = AS_I16(ray_row(rays, &l, RAY_END, row)[x]);
+        walk_t w = {.begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .most = (u8l)(0)};
+        for (uint z = 0; z < l.layers; z++) {
+            u8l most = ((__global const u8l *)(beside + block_row(&l, z, from)))[x];
+            for (uint y = from + 1; y <= to; y++) {
+                const u8l other = ((__global const u8l *)(beside + block_row(&l, z, y)))[x];
+                most = MOST(most, other);
+            }
+            ((__global u8l *)(bright + block_row(&l, z, row)))[x] = most;
+            const u8l level = ((__global const u8l *)(levels + level_row(&l, z, row)))[x];
+            step(&w, (short)z, AS_U8(level > threshold), most);
+        }
+        ray_row(rays, &l, RAY_RUN, row)[x] = AS_U16(w.begin);
+        ray_row(rays, &l, RAY_RUN_END, row)[x] = AS_U16(w.end);
+        count_walls(&w, first, end, histograms);
     }
 }

@@ -1,26 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The surface told by the wall (docs/surface.md): what its kernels, its definition and the C side all need to
- * know. All arithmetic up to the labels is of integers: probabilities in units of 1 / SV_WALL_SURE, costs of
- * rays in units of 1 / SV_WALL_ONE and of cells in units of 1 / SV_WALL_CELL_ONE.
+ * know. The volume is first reduced to blocks of about 2 mm; a column of blocks is a ray, and a slice of them
+ * a layer. All arithmetic up to the cheapest layer is of integers: probabilities in units of 1 /
+ * SV_WALL_SURE, costs in units of 1 / SV_WALL_ONE, and of the Gaussian over them in units of 1 /
+ * SV_WALL_FINE_ONE.
  */
 #ifndef SV_WALL_SHARED_H
 #define SV_WALL_SHARED_H
 
 #define SV_WALL_SURE       32768 /* a probability of 1 */
-#define SV_WALL_ONE        128   /* a cost of 1 on a ray */
-#define SV_WALL_CELL_ONE   2048  /* a cost of 1 in a cell */
+#define SV_WALL_ONE        128   /* a cost of 1 */
+#define SV_WALL_FINE_ONE   2048  /* the same after the Gaussian */
 #define SV_WALL_PER_MILLE  1000  /* shares and ranks of the settings */
-#define SV_WALL_LANES      32    /* rows of what the method keeps of voxels and rays are padded to these */
+#define SV_WALL_LANES      32    /* rows of blocks and of rays are padded to these */
+#define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most: its rows sum up to 16 bits */
 #define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
-#define SV_WALL_KERNEL_ONE 256   /* their sum: two passes without rounding between them fit into 32 bits */
-#define SV_WALL_REACH      7     /* voxels of a mean to either side, at most: its box has less than 2^12 */
-#define SV_WALL_BESIDE     80    /* pixels to either side, at most */
-#define SV_WALL_RUN        255   /* longest length of tissue or fluid that is told from a longer one */
-#define SV_WALL_RATE_BITS  16    /* fraction of sv_wall_layout.rate */
+#define SV_WALL_KERNEL_ONE 64    /* their sum: two passes without rounding are exact in float32 */
+#define SV_WALL_BESIDE     64    /* blocks to either side, at most */
+#define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
+#define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */
 
-/* What the distance to the fluid counts in a cell's own cost, in halves of what it counts elsewhere. */
-#define SV_WALL_OWN_AWAY 5
+/* What the distance to the fluid counts in a ray's own cost, times what it counts elsewhere. */
+#define SV_WALL_OWN_AWAY 4
 
 /* ---- grey levels */
 #define SV_WALL_TURNS         64  /* of the search for the split; it stood still after 12 at most */
@@ -46,26 +48,35 @@ typedef enum {
     SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than it: the same */
 } sv_wall_outcome;
 
-/* What the settings become in voxels, labels and cells of one volume. By value; 32-bit members only, so both
+/* The voxels of a block along one axis: `first` .. first + count - 1. A voxel weighs 2; one that lies on the
+ * border of two blocks weighs 1 in each. */
+typedef struct {
+    unsigned int first, count;
+    unsigned int shares_first, shares_last; /* 1: the first, the last voxel is on a border */
+    unsigned int weight;                    /* of all together */
+} sv_wall_span;
+
+/* What the settings become in voxels, blocks and layers of one volume. By value; 32-bit members only, so both
  * compilers lay it out alike. */
 typedef struct {
-    unsigned int width, height, slices;
-    unsigned int mean[3];         /* voxels to either side along x, y, z */
-    unsigned int beside[2];       /* pixels to either side along x, y */
-    unsigned int thin, gap, skin; /* slices; thin and gap at most 255 */
-    unsigned int far;             /* slices: from this distance on the cost is full, at most 254 */
-    unsigned int rate;         /* cost of a ray per slice of distance, with SV_WALL_RATE_BITS of fraction */
-    unsigned int step, labels; /* slices of a label; label l is depth l * step */
-    unsigned int cells_x, cells_y;
-    unsigned int reach_x, reach_y; /* cells to either side that the Gaussian reaches */
-    unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
-    unsigned int cut, left, other;                                           /* of a ray */
-    unsigned int slack;                                                      /* of a cell */
-    unsigned int valley, fetus_share, wall_share, wall_rank, low_rank, high_rank; /* per mille */
+    unsigned int width, height, slices; /* voxels */
+    unsigned int columns, rows, layers; /* blocks */
+    unsigned int depth;                 /* slices of a layer; the last one may have less */
+    unsigned int beside[2];             /* blocks to either side along x, y */
+    unsigned int skin;                  /* layers */
+    unsigned int far;                   /* layers: from this distance on the cost is full */
+    unsigned int rate;                  /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
+    unsigned int aside[2];              /* blocks to the neighbours that the median looks at */
+    unsigned int around[2];             /* blocks to those that the confidence looks at */
+    unsigned int reach_x, reach_y;      /* blocks to either side that the Gaussian reaches */
+    unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. blocks */
+    unsigned int cut, left, other;
+    unsigned int slack; /* in units of 1 / SV_WALL_FINE_ONE */
+    unsigned int tissue, valley, fetus_share, wall_share, wall_rank, low_rank, high_rank; /* per mille */
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int sure;                         /* sixteenths */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */
-    unsigned int median;              /* 1: 3 x 3 median of the cells */
+    unsigned int median;              /* 1: the median of a block and its eight neighbours */
     float doubt;                      /* own cost at which a surface is as likely wrong as right */
 } sv_wall_layout;
 

@@ -5,6 +5,7 @@
 #include "base/paths.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
+#include "guarded/guard_line.h"
 #include "loop/clipper.h"
 #include "picture/page_html.h"
 #include "plugin/loader_param.h"
@@ -33,6 +34,7 @@ static const char help_text[] =
     "  --quick         smaller scenes and fewer frames\n"
     "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
     "  --light AZ,EL   where the lamp of the lit look is, degrees: right, up [-35,40]\n"
+    "%s"
     "  --help          this text\n"
     "\n";
 
@@ -47,6 +49,7 @@ typedef struct {
     const char *out, *data, *plugin;
     bool quick, help;
     hs_loop_options drawing; /* its renderer's look and lamp are the demo's */
+    hs_guard_options guard;
     demo_case cases[MAX_CASES];
     uint32_t case_count;
     hs_page report;
@@ -203,6 +206,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     hs_run_defaults(&request);
     request.loop.dvr = d->drawing.dvr;
     request.plugin_path = d->plugin;
+    request.guard = d->guard;
     request.scene.name = c->scene;
     request.scene.real = c->scene && c->file[0] ? c->file : NULL;
     request.scene.size = d->quick ? 128 : 256;
@@ -219,7 +223,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
         (void)fprintf(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
         (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
     }
-    hs_run_close(&run);
+    (void)hs_run_close(&run, &d->plugin_error); /* the first failure counts */
     return ok;
 }
 
@@ -278,16 +282,24 @@ static bool set_look(demo *d, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {
-    static const struct option options[] = {
-        {"out", required_argument, NULL, 'o'},    {"data", required_argument, NULL, 'd'},
-        {"plugin", required_argument, NULL, 'p'}, {"quick", no_argument, NULL, 'q'},
-        {"look", required_argument, NULL, 'k'},   {"light", required_argument, NULL, 'l'},
-        {"help", no_argument, NULL, 'h'},         {0}};
+    static const struct option options[] = {{"out", required_argument, NULL, 'o'},
+                                            {"data", required_argument, NULL, 'd'},
+                                            {"plugin", required_argument, NULL, 'p'},
+                                            {"quick", no_argument, NULL, 'q'},
+                                            {"look", required_argument, NULL, 'k'},
+                                            {"light", required_argument, NULL, 'l'},
+                                            HS_GUARD_OPTIONS,
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     hs_loop_defaults(&d->drawing);
     hs_loop_for_pictures(&d->drawing, HS_LOOK_LIT);
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        if (hs_guard_line_is(option)) {
+            if (!hs_guard_line_take(option, optarg, &d->guard, err)) return false;
+            continue;
+        }
         switch (option) {
         case 'o':
             d->out = optarg;
@@ -318,6 +330,11 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
     return hs_cli_no_more(argc, argv, optind, err);
 }
 
+static void print_help(void) {
+    (void)printf(help_text, hs_guard_line_help);
+    (void)printf("%s", hs_exit_codes_help);
+}
+
 int hs_cmd_demo(int argc, char **argv) {
     hs_error err = {0};
     demo *d = calloc(1, sizeof *d);
@@ -326,11 +343,12 @@ int hs_cmd_demo(int argc, char **argv) {
         return hs_cli_fail("demo", &err);
     }
     d->out = "out/demo";
+    hs_guard_defaults(&d->guard);
     int code = HS_OK;
     if (!parse(argc, argv, d, &err))
         code = hs_cli_fail("demo", &err);
     else if (d->help)
-        (void)printf("%s%s", help_text, hs_exit_codes_help);
+        print_help();
     else if (!run_demo(d, &err))
         code = hs_cli_fail("demo", &err);
     else

@@ -2,6 +2,8 @@
 #include "commands/cmd_list.h"
 
 #include "base/cli.h"
+#include "guarded/guard_line.h"
+#include "guarded/guarded.h"
 #include "plugin/loader_param.h"
 #include "smartvis/lookup.h"
 
@@ -21,6 +23,7 @@ static const char help_text[] =
     "  --plugin PATH    library to load, a path or a name [smartvis]\n"
     "  --set KEY=VALUE  a parameter's value, for what depends on it; repeatable [the defaults]\n"
     "  --all            all parameters\n"
+    "%s"
     "  --help           this text\n"
     "\n"
     "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
@@ -66,6 +69,7 @@ typedef struct {
     const char *sets[MAX_SETS];
     uint32_t set_count;
     bool all;
+    hs_guard_options guard;
 } list_line;
 
 static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) {
@@ -149,7 +153,7 @@ static void print_capabilities(const sv_descriptor *d) {
 static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error *err) {
     hs_plugin plugin;
     sv_param_value values[MAX_SETS];
-    if (!hs_plugin_open(&plugin, line->path, d->id, SV_LOG_WARNING, err)) return false;
+    if (!hs_guarded_open(&plugin, line->path, d->id, SV_LOG_WARNING, &line->guard, err)) return false;
     const sv_plugin *p = plugin.instance;
     const uint32_t count = hs_plugin_param_count(&plugin);
     bool ok = true;
@@ -169,20 +173,17 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
     }
     if (ok && left_out > 0)
         (void)printf("%u more parameters do not matter with these values; --all prints them.\n\n", left_out);
-    hs_plugin_close(&plugin);
-    return ok;
+    return hs_guarded_close(&plugin, err) && ok;
 }
 
 static bool print_library(const list_line *line, hs_error *err) {
     hs_plugin first;
-    if (!hs_plugin_open(&first, line->path, NULL, SV_LOG_WARNING, err)) return false;
-    const sv_entry *entry = first.entry;
-    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", first.path, entry->abi_major, entry->abi_minor,
-                 entry->count, entry->count == 1 ? "" : "s");
+    if (!hs_guarded_open(&first, line->path, NULL, SV_LOG_WARNING, &line->guard, err)) return false;
+    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", first.path, first.abi_major, first.abi_minor, first.count,
+                 first.count == 1 ? "" : "s");
     bool ok = true;
-    for (uint32_t i = 0; ok && i < entry->count; i++) ok = print_plugin(line, entry->descriptor(i), err);
-    hs_plugin_close(&first);
-    return ok;
+    for (uint32_t i = 0; ok && i < first.count; i++) ok = print_plugin(line, first.descriptor[i], err);
+    return hs_guarded_close(&first, err) && ok;
 }
 
 static bool take_option(list_line *line, int option, const char *name, const char *text, hs_error *err) {
@@ -205,23 +206,26 @@ static bool take_option(list_line *line, int option, const char *name, const cha
 }
 
 int hs_cmd_list(int argc, char **argv) {
-    static const struct option options[] = {{"plugin", required_argument, NULL, 'p'},
-                                            {"set", required_argument, NULL, 's'},
-                                            {"all", no_argument, NULL, 'a'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
+    static const struct option options[] = {
+        {"plugin", required_argument, NULL, 'p'}, {"set", required_argument, NULL, 's'},
+        {"all", no_argument, NULL, 'a'},          HS_GUARD_OPTIONS,
+        {"help", no_argument, NULL, 'h'},         {0}};
     char path[1024];
     hs_error err = {0};
     hs_plugin_default_path(path, sizeof path);
     list_line line = {.path = path};
+    hs_guard_defaults(&line.guard);
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
         if (option == 'h') {
-            (void)printf("%s%s", help_text, hs_exit_codes_help);
+            (void)printf(help_text, hs_guard_line_help);
+            (void)printf("%s", hs_exit_codes_help);
             return HS_OK;
         }
-        if (!take_option(&line, option, argv[optind - 1], optarg, &err)) return hs_cli_fail("list", &err);
+        const bool ok = hs_guard_line_is(option) ? hs_guard_line_take(option, optarg, &line.guard, &err)
+                                                 : take_option(&line, option, argv[optind - 1], optarg, &err);
+        if (!ok) return hs_cli_fail("list", &err);
     }
     if (!hs_cli_no_more(argc, argv, optind, &err) || !print_library(&line, &err))
         return hs_cli_fail("list", &err);

@@ -108,7 +108,7 @@ static bool run_study(const hs_eval_options *o, hs_error *err) {
                          o->shard.index + 1, o->shard.count, o->out);
         if (ok && study->plugin_error.code != HS_OK)
             ok = hs_fail(err, study->plugin_error.code, "%s", study->plugin_error.text);
-        hs_eval_study_close(study);
+        ok = hs_eval_study_close(study, err) && ok;
     }
     free(study);
     return ok;
@@ -146,7 +146,7 @@ static bool run_comparison(const hs_eval_options *o, hs_error *err) {
     bool ok = hs_eval_compare_open(x, o, err);
     if (ok) {
         ok = compare(x, err);
-        hs_eval_compare_close(x);
+        ok = hs_eval_compare_close(x, err) && ok;
     }
     free(x);
     return ok;

@@ -48,7 +48,11 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
         ok = !line->json || hs_run_write_json(&run, line->json, err);
     }
     *plugin_code = hs_run_plugin_error(&run)->code;
-    hs_run_close(&run);
+    hs_error ended = {0};
+    if (!hs_run_close(&run, &ended) && *plugin_code == HS_OK) {
+        (void)fprintf(stderr, "host_sim run: %s\n", ended.text);
+        *plugin_code = ended.code;
+    }
     return ok;
 }
 

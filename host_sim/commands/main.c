@@ -7,6 +7,9 @@
 #include "commands/cmd_report.h"
 #include "commands/cmd_run.h"
 #include "commands/cmd_scene.h"
+#include "guarded/guard_block.h"
+#include "guarded/guard_options.h"
+#include "guarded/serve.h"
 #include "picture/picture_text.h"
 #include "smartvis_plugin.h"
 
@@ -68,6 +71,8 @@ int main(int argc, char **argv) {
         print_version();
         return HS_OK;
     }
+    if (strcmp(argv[1], HS_GUARD_COMMAND) == 0) return hs_guard_serve();
+    hs_guard_set_program("/proc/self/exe");
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0) {
             const int code = commands[i].run(argc - 1, argv + 1);

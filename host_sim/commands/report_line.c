@@ -4,6 +4,8 @@
 #include "base/cli.h"
 #include "commands/look_line.h"
 
+#include "guarded/guard_line.h"
+
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,6 +37,7 @@ static const char help_text[] =
     "Comparison, instead of the parameter space:\n"
     "  --compare 'PATH [KEY=VALUE]...'  a plugin with its settings; repeatable; '-' is the default plugin\n"
     "  --seeds N        seeds of every scene, for the spread of the differences [3]\n"
+    "%s"
     "  --help           this text\n"
     "\n";
 
@@ -63,27 +66,18 @@ enum {
     OPT_HELP
 };
 
-static const struct option options[] = {{"out", required_argument, NULL, OPT_OUT},
-                                        {"case", required_argument, NULL, OPT_CASE},
-                                        {"real", required_argument, NULL, OPT_REAL},
-                                        {"size", required_argument, NULL, OPT_SIZE},
-                                        {"lowres", required_argument, NULL, OPT_LOWRES},
-                                        {"seed", required_argument, NULL, OPT_SEED},
-                                        {"plugin", required_argument, NULL, OPT_PLUGIN},
-                                        {"set", required_argument, NULL, OPT_SET},
-                                        {"beside", required_argument, NULL, OPT_BESIDE},
-                                        {"coarse", no_argument, NULL, OPT_COARSE},
-                                        {"quick", no_argument, NULL, OPT_QUICK},
-                                        {"frames", required_argument, NULL, OPT_FRAMES},
-                                        {"check", required_argument, NULL, OPT_CHECK},
-                                        {"shard", required_argument, NULL, OPT_SHARD},
-                                        {"merge", no_argument, NULL, OPT_MERGE},
-                                        {"look", required_argument, NULL, OPT_LOOK},
-                                        {"light", required_argument, NULL, OPT_LIGHT},
-                                        {"compare", required_argument, NULL, OPT_COMPARE},
-                                        {"seeds", required_argument, NULL, OPT_SEEDS},
-                                        {"help", no_argument, NULL, OPT_HELP},
-                                        {0}};
+static const struct option options[] = {
+    {"out", required_argument, NULL, OPT_OUT},       {"case", required_argument, NULL, OPT_CASE},
+    {"real", required_argument, NULL, OPT_REAL},     {"size", required_argument, NULL, OPT_SIZE},
+    {"lowres", required_argument, NULL, OPT_LOWRES}, {"seed", required_argument, NULL, OPT_SEED},
+    {"plugin", required_argument, NULL, OPT_PLUGIN}, {"set", required_argument, NULL, OPT_SET},
+    {"beside", required_argument, NULL, OPT_BESIDE}, {"coarse", no_argument, NULL, OPT_COARSE},
+    {"quick", no_argument, NULL, OPT_QUICK},         {"frames", required_argument, NULL, OPT_FRAMES},
+    {"check", required_argument, NULL, OPT_CHECK},   {"shard", required_argument, NULL, OPT_SHARD},
+    {"merge", no_argument, NULL, OPT_MERGE},         {"look", required_argument, NULL, OPT_LOOK},
+    {"light", required_argument, NULL, OPT_LIGHT},   {"compare", required_argument, NULL, OPT_COMPARE},
+    {"seeds", required_argument, NULL, OPT_SEEDS},   HS_GUARD_OPTIONS,
+    {"help", no_argument, NULL, OPT_HELP},           {0}};
 
 static bool integer(const char *option, const char *text, uint64_t low, uint64_t high, uint32_t *out,
                     hs_error *err) {
@@ -168,6 +162,7 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
 
 bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help, hs_error *err) {
     *o = (hs_eval_options){.out = "out/report", .size = 384, .shard = {0, 1}, .frames = 20, .seeds = 3};
+    hs_guard_defaults(&o->guard);
     hs_dvr_settings drawing;
     hs_dvr_defaults(&drawing);
     o->look = HS_LOOK_LIT;
@@ -179,7 +174,9 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
         if (option == ':' || option == '?')
             return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
                            option == ':' ? "needs a value" : "not an option of this command");
-        if (!take(option, o, help, err)) return false;
+        if (hs_guard_line_is(option) ? !hs_guard_line_take(option, optarg, &o->guard, err)
+                                     : !take(option, o, help, err))
+            return false;
         if (*help) return true;
     }
     for (size_t i = 0; o->case_count == 0 && i < sizeof all_cases / sizeof all_cases[0]; i++)
@@ -191,5 +188,6 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
 }
 
 void hs_report_line_help(void) {
-    (void)printf("%s%s", help_text, hs_exit_codes_help);
+    (void)printf(help_text, hs_guard_line_help);
+    (void)printf("%s", hs_exit_codes_help);
 }

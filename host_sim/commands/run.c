@@ -13,6 +13,7 @@
 void hs_run_defaults(hs_run_request *request) {
     *request = (hs_run_request){.log_level = SV_LOG_WARNING, .scene = {.size = 256, .volumes = 1}};
     hs_loop_defaults(&request->loop);
+    hs_guard_defaults(&request->guard);
     hs_loop_for_pictures(&request->loop, HS_LOOK_LIT);
     for (int s = 0; s < HS_SETTING_COUNT; s++) request->settings[s] = true;
 }
@@ -24,8 +25,8 @@ static bool open_plugin(hs_run *run, hs_error *err) {
         (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", r->plugin_path);
     else
         hs_plugin_default_path(run->plugin_path, sizeof run->plugin_path);
-    run->has_plugin =
-        hs_plugin_open(&run->plugin, run->plugin_path, r->plugin_id, r->log_level, &run->earlier_error);
+    run->has_plugin = hs_guarded_open(&run->plugin, run->plugin_path, r->plugin_id, r->log_level, &r->guard,
+                                      &run->earlier_error);
     if (!run->has_plugin) return true;
     run->values = calloc(r->set_count + 1u, sizeof *run->values);
     if (!run->values) return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", r->set_count);
@@ -56,7 +57,8 @@ bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {
                                    &run->request.loop, err);
         if (run->loop) return true;
     }
-    hs_run_close(run);
+    hs_error ignored = {0}; /* the first failure is told */
+    (void)hs_run_close(run, &ignored);
     return false;
 }
 
@@ -69,13 +71,14 @@ bool hs_run_replace_loop(hs_run *run, const hs_loop_options *options, hs_error *
     return run->loop != NULL;
 }
 
-void hs_run_close(hs_run *run) {
+bool hs_run_close(hs_run *run, hs_error *err) {
     hs_loop_destroy(run->loop);
-    if (run->has_plugin) hs_plugin_close(&run->plugin);
+    const bool ok = !run->has_plugin || hs_guarded_close(&run->plugin, err);
     hs_cl_close(&run->cl);
     hs_source_close(&run->source);
     free(run->values);
     *run = (hs_run){0};
+    return ok;
 }
 
 bool hs_run_has_stage(const hs_run *run, hs_setting setting, hs_stage stage) {
@@ -138,6 +141,11 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
     picture_title(run, title, sizeof title);
     const uint32_t middle = run->request.loop.frames / 2;
     if (!hs_loop_view(run->loop, middle, &view, err)) return false;
+    if (run->request.few_pictures) {
+        const bool written = hs_loop_write_result(&view, folder, err);
+        hs_view_free(&view);
+        return written;
+    }
     const bool ok =
         hs_loop_write_pictures(&view, folder, title,
                                hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),

@@ -3,6 +3,7 @@
 #ifndef HS_RUN_H
 #define HS_RUN_H
 
+#include "guarded/guarded.h"
 #include "loop/loop_run.h"
 #include "loop/source.h"
 #include "result/result_write.h"
@@ -11,6 +12,7 @@
 typedef struct {
     const char *plugin_path;    /* NULL: smartvis.so beside the executable */
     const char *plugin_id;      /* NULL: the library's first */
+    hs_guard_options guard;     /* whether the plugin has a process of its own */
     int32_t log_level;          /* SV_LOG_*: less severe lines of the plugin are not printed */
     const char *const *volumes; /* files, or ... */
     uint32_t volume_count;
@@ -21,6 +23,7 @@ typedef struct {
     const char *const *sets; /* key=value for the plugin's parameters */
     uint32_t set_count;
     hs_loop_options loop;            /* values are filled in from sets */
+    bool few_pictures;               /* result.png and full.png alone */
     uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
     bool settings[HS_SETTING_COUNT]; /* which to measure */
     uint32_t write, write_if; /* HS_RESULT_* to be written: these, and these if the plugin gives them */
@@ -71,8 +74,9 @@ bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err);
  * stay. On failure there is no loop, and only hs_run_close may follow. */
 bool hs_run_replace_loop(hs_run *run, const hs_loop_options *options, hs_error *err);
 
-/* Safe on a zeroed struct and after a failed open. */
-void hs_run_close(hs_run *run);
+/* Ends loop and plugin, and everything else. False with HS_ERR_PLUGIN if a guarded plugin failed in that, or
+ * at any other time. Safe on a zeroed struct and after a failed open. */
+bool hs_run_close(hs_run *run, hs_error *err);
 
 /* The first failure of the plugin, of loading or of a frame; code HS_OK if there was none. */
 const hs_error *hs_run_plugin_error(const hs_run *run);

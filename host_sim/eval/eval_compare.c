@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_compare.h"
 
+#include "guarded/guarded.h"
 #include "loop/clipper.h"
 #include "plugin/loader.h"
 
@@ -37,8 +38,9 @@ static double knob_position(const hs_eval_method *m) {
     return position;
 }
 
-static bool open_method(hs_eval_method *m, const char *text, hs_error *err) {
-    if (!parse_method(m, text, err) || !hs_plugin_open(&m->plugin, m->path, NULL, SV_LOG_ERROR, err) ||
+static bool open_method(hs_eval_method *m, const char *text, const hs_guard_options *guard, hs_error *err) {
+    if (!parse_method(m, text, err) ||
+        !hs_guarded_open(&m->plugin, m->path, NULL, SV_LOG_ERROR, guard, err) ||
         !hs_eval_values_parse(&m->values, &m->plugin, m->sets, m->set_count, err))
         return false;
     hs_eval_knob_spread(&m->knob, &m->plugin, 31);
@@ -128,7 +130,7 @@ void hs_eval_compare_rank(hs_eval_comparison *x) {
 static bool open_all(hs_eval_comparison *x, hs_error *err) {
     const hs_eval_options *o = x->options;
     for (; x->count < o->compare_count; x->count++)
-        if (!open_method(&x->method[x->count], o->compare[x->count], err)) return false;
+        if (!open_method(&x->method[x->count], o->compare[x->count], &o->guard, err)) return false;
     return hs_cl_open(&x->cl, err);
 }
 
@@ -137,12 +139,14 @@ bool hs_eval_compare_open(hs_eval_comparison *x, const hs_eval_options *options,
     if (options->compare_count > HS_EVAL_MAX_METHODS)
         return hs_fail(err, HS_ERR_USAGE, "--compare: given more than %u times", HS_EVAL_MAX_METHODS);
     if (open_all(x, err)) return true;
-    hs_eval_compare_close(x);
+    (void)hs_eval_compare_close(x, err);
     return false;
 }
 
-void hs_eval_compare_close(hs_eval_comparison *x) {
+bool hs_eval_compare_close(hs_eval_comparison *x, hs_error *err) {
+    bool ok = true;
     for (uint32_t m = 0; m < HS_EVAL_MAX_METHODS; m++)
-        if (x->method[m].plugin.instance) hs_plugin_close(&x->method[m].plugin);
+        if (x->method[m].plugin.instance) ok = hs_guarded_close(&x->method[m].plugin, err) && ok;
     hs_cl_close(&x->cl);
+    return ok;
 }

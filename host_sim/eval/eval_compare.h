@@ -46,7 +46,8 @@ typedef struct {
 /* Opens the device and every method of options->compare; `options` must outlive it. HS_ERR_USAGE for a text
  * that is no method, HS_ERR_PLUGIN, HS_ERR_DEVICE. On failure everything is freed. */
 bool hs_eval_compare_open(hs_eval_comparison *x, const hs_eval_options *options, hs_error *err);
-void hs_eval_compare_close(hs_eval_comparison *x);
+/* False with HS_ERR_PLUGIN if a guarded plugin ended before it was to. */
+bool hs_eval_compare_close(hs_eval_comparison *x, hs_error *err);
 
 /* Makes the volume of case `index` with seed `seed` (0 .. x->seeds - 1: options->seed and those that follow
  * it) and measures every method on it. Then `c` is open, for pictures, and the caller closes it

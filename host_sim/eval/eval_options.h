@@ -3,6 +3,7 @@
 #ifndef HS_EVAL_OPTIONS_H
 #define HS_EVAL_OPTIONS_H
 
+#include "guarded/guard_options.h"
 #include "render/dvr_settings.h"
 
 #define HS_EVAL_MAX_CASES 32u
@@ -15,8 +16,9 @@ typedef struct {
 
 /* What the command line asks for. Strings are borrowed. */
 typedef struct {
-    const char *out;    /* folder */
-    const char *plugin; /* NULL: smartvis.so beside the executable */
+    const char *out;        /* folder */
+    const char *plugin;     /* NULL: smartvis.so beside the executable */
+    hs_guard_options guard; /* of every plugin */
     const char *cases[HS_EVAL_MAX_CASES];
     uint32_t case_count;
     const char *sets[HS_EVAL_MAX_SETS]; /* key=value */

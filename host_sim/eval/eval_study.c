@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_study.h"
 
-#include "plugin/loader.h"
+#include "guarded/guarded.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,22 +11,24 @@ bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs
     *study = (hs_eval_study){.options = options};
     hs_plugin_default_path(beside, sizeof beside);
     const char *path = options->plugin ? options->plugin : beside;
-    if (!hs_plugin_open(&study->plugin, path, NULL, SV_LOG_ERROR, err)) return false;
+    if (!hs_guarded_open(&study->plugin, path, NULL, SV_LOG_ERROR, &options->guard, err)) return false;
     if (hs_cl_open(&study->cl, err) &&
         hs_eval_plan_make(&study->plan, &study->plugin, options->sets, options->set_count, options->coarse,
                           err) &&
         hs_eval_beside_open(&study->beside, &study->cl, &study->plugin, options, err))
         return true;
-    hs_eval_study_close(study);
+    (void)hs_eval_study_close(study, err);
     return false;
 }
 
-void hs_eval_study_close(hs_eval_study *study) {
+bool hs_eval_study_close(hs_eval_study *study, hs_error *err) {
+    bool ok = true;
     for (uint32_t i = 0; i < study->count; i++) hs_eval_space_close(&study->space[i]);
     hs_eval_mean_free(&study->mean);
-    if (study->plugin.instance) hs_plugin_close(&study->plugin);
+    if (study->plugin.instance) ok = hs_guarded_close(&study->plugin, err);
     hs_cl_close(&study->cl);
     *study = (hs_eval_study){0};
+    return ok;
 }
 
 static hs_eval_request request_of(const hs_eval_study *study, uint32_t index) {

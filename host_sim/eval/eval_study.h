@@ -48,7 +48,8 @@ typedef struct hs_eval_study {
 
 /* Device, plugin, plan. On failure everything is freed. */
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err);
-void hs_eval_study_close(hs_eval_study *study);
+/* False with HS_ERR_PLUGIN if a guarded plugin ended before it was to. */
+bool hs_eval_study_close(hs_eval_study *study, hs_error *err);
 
 /* Opens case `index` with its plugin, for measures and pictures: HS_ERR_INPUT, HS_ERR_PLUGIN, HS_ERR_DEVICE
  * or HS_ERR_MEMORY. End it with hs_eval_case_close. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/clipper.h"
 
+#include "guarded/guarded.h"
 #include "loop/confidence_map.h"
 #include "plugin/loader_param.h"
 #include "render/map_check.h"
@@ -221,6 +222,8 @@ static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
 static bool holds_up(hs_clipper *clipper, sv_status status) {
     const char *path = clipper->plugin->path;
     const sv_status outcome = status == SV_OK ? clipper->stats.outcome : status;
+    if (!hs_guarded_lives(clipper->plugin)) /* it ended in what follows a frame */
+        return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s", hs_guarded_ended(clipper->plugin)->text);
     if (outcome == UNWRITTEN)
         return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: end: returned SV_OK, but wrote no statistics",
                        path);
@@ -244,6 +247,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
      * outcome before it renders. After a failure the plugin's commands may still be under way, too. */
     if (!hs_cl_check(clFinish(clipper->cl->queue), "clFinish (plugin)", err)) return false;
     if (!hs_status_is_success(status)) {
+        call = hs_guarded_call(clipper->plugin, call);
         (void)hs_plugin_check(clipper->plugin, status, call, &clipper->error);
         if (status > SV_OK) clip->outcome = SV_ERR_INTERNAL;
         return true;
@@ -313,7 +317,8 @@ const uint8_t *hs_clipper_status(const hs_clipper *clipper) {
 }
 
 const hs_error *hs_clipper_error(const hs_clipper *clipper) {
-    return &clipper->error;
+    /* A guarded plugin may also end where no frame fails of it. */
+    return clipper->error.code == HS_OK ? hs_guarded_ended(clipper->plugin) : &clipper->error;
 }
 
 const hs_error *hs_clipper_confidence_error(const hs_clipper *clipper) {

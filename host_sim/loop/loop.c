@@ -2,6 +2,7 @@
 #include "loop/loop.h"
 
 #include "base/progress.h"
+#include "guarded/guarded.h"
 #include "loop/loop_state.h"
 
 #include <math.h>
@@ -78,18 +79,23 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
     const hs_volume *first;
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);
-    const hs_clipper_options asked = {.own_queue = o->own_queue,
+    const hs_clipper_options asked = {.own_queue = o->own_queue || hs_is_guarded(plugin),
                                       .spacing_mm = {across, across, along},
                                       .refused = &refused,
                                       .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
                                       .values = o->values,
                                       .value_count = o->value_count};
+    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
+    const bool guarded = hs_is_guarded(plugin);
+    void *memory = NULL;
+    hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
+    if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
     return (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
            (first = hs_source_bring(loop->source, 0, err)) &&
            (loop->volume = hs_device_volume_create(loop->cl, first, err)) &&
            hs_screen_prepare(loop->screen, loop->volume, err) &&
-           (loop->slabs =
-                hs_slabs_create(loop->cl, &layout, o->carrier, o->fan, first->beams != NULL, err)) &&
+           (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
+                                          first->beams != NULL, memory, err)) &&
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 

@@ -17,7 +17,9 @@ struct hs_slabs {
     size_t stride;       /* bytes from one slab to the next, a multiple of ALIGN */
     cl_mem buffer;       /* device, all slabs: what scan conversion writes */
     cl_mem *images;      /* SV_CARRIER_IMAGE: one 2D image a slab */
-    uint8_t *memory;     /* SV_CARRIER_HOST: a copy of `buffer`, aligned to ALIGN */
+    uint8_t *memory;     /* SV_CARRIER_HOST: a copy of `buffer`, aligned to ALIGN, */
+    bool borrowed;       /* which is somebody else's, */
+    bool in_place;       /* or `buffer` itself */
     size_t memory_bytes; /* count * stride */
     hs_fan fan;
     bool gaps;
@@ -91,9 +93,12 @@ static bool create_memory(hs_slabs *slabs, hs_error *err) {
     cl_int code;
     if (!check_buffer_size(slabs, err)) return false;
     if (slabs->carrier == SV_CARRIER_IMAGE && !check_image_size(slabs, err)) return false;
-    slabs->buffer = clCreateBuffer(slabs->cl->context, CL_MEM_READ_WRITE, slabs->memory_bytes, NULL, &code);
+    slabs->in_place = slabs->borrowed && slabs->cl->is_cpu;
+    slabs->buffer =
+        clCreateBuffer(slabs->cl->context, CL_MEM_READ_WRITE | (slabs->in_place ? CL_MEM_USE_HOST_PTR : 0),
+                       slabs->memory_bytes, slabs->in_place ? slabs->memory : NULL, &code);
     if (!hs_cl_check(code, "clCreateBuffer (slabs)", err)) return false;
-    if (slabs->carrier == SV_CARRIER_HOST) {
+    if (slabs->carrier == SV_CARRIER_HOST && !slabs->borrowed) {
         slabs->memory = aligned_alloc(ALIGN, slabs->memory_bytes);
         if (!slabs->memory)
             return hs_fail(err, HS_ERR_MEMORY, "slabs: no memory for %zu bytes", slabs->memory_bytes);
@@ -110,8 +115,16 @@ static bool create_ranges(hs_slabs *slabs, hs_error *err) {
     return hs_scanned_rays_create(&slabs->rays, slabs->cl, &slabs->layout, err);
 }
 
+static size_t stride_of(const hs_slab_layout *layout) {
+    return (hs_slab_bytes(layout, layout->slab_slices) + ALIGN - 1) / ALIGN * ALIGN;
+}
+
+size_t hs_slabs_bytes(const hs_slab_layout *layout) {
+    return stride_of(layout) * hs_slab_count(layout);
+}
+
 hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_fan fan,
-                          bool gaps, hs_error *err) {
+                          bool gaps, void *memory, hs_error *err) {
     hs_slabs *slabs = calloc(1, sizeof *slabs);
     if (!slabs) {
         (void)hs_fail(err, HS_ERR_MEMORY, "slabs: no memory");
@@ -122,12 +135,13 @@ hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_
     slabs->carrier = carrier;
     slabs->fan = fan;
     slabs->gaps = gaps && fan == HS_FAN_RANGES;
+    slabs->memory = memory;
+    slabs->borrowed = memory != NULL;
     slabs->converter = hs_scan_converter_create(cl, layout, err);
     if (slabs->converter) {
-        const size_t bytes = hs_slab_bytes(layout, layout->slab_slices);
         slabs->count = hs_slab_count(layout);
-        slabs->stride = (bytes + ALIGN - 1) / ALIGN * ALIGN;
-        slabs->memory_bytes = slabs->stride * slabs->count;
+        slabs->stride = stride_of(layout);
+        slabs->memory_bytes = hs_slabs_bytes(layout);
         if (create_memory(slabs, err) && create_ranges(slabs, err)) return slabs;
     }
     hs_slabs_destroy(slabs);
@@ -142,7 +156,7 @@ void hs_slabs_destroy(hs_slabs *slabs) {
     if (slabs->buffer) clReleaseMemObject(slabs->buffer);
     hs_scanned_rays_destroy(&slabs->rays);
     free(slabs->ranges);
-    free(slabs->memory);
+    if (!slabs->borrowed) free(slabs->memory);
     hs_scan_converter_destroy(slabs->converter);
     free(slabs);
 }
@@ -152,6 +166,7 @@ static bool fill_carrier(const hs_slabs *slabs, uint32_t index, hs_error *err) {
     const hs_cl *cl = slabs->cl;
     const uint32_t slices = hs_slab_length(&slabs->layout, index);
     const size_t offset = index * slabs->stride;
+    if (slabs->carrier == SV_CARRIER_HOST && slabs->in_place) return true;
     if (slabs->carrier == SV_CARRIER_HOST) {
         cl_int code =
             clEnqueueReadBuffer(cl->queue, slabs->buffer, CL_FALSE, offset,
@@ -179,6 +194,17 @@ static bool find_ranges(hs_slabs *slabs, hs_error *err) {
     return hs_cl_check(code, "clEnqueueReadBuffer (scanned ranges)", err);
 }
 
+/* Memory that the device works in becomes the host's by mapping it; there is nothing to copy. */
+static bool show_memory(const hs_slabs *slabs, hs_error *err) {
+    cl_int code;
+    if (!slabs->in_place) return true;
+    void *at = clEnqueueMapBuffer(slabs->cl->queue, slabs->buffer, CL_FALSE, CL_MAP_READ, 0,
+                                  slabs->memory_bytes, 0, NULL, NULL, &code);
+    return hs_cl_check(code, "clEnqueueMapBuffer (slabs)", err) &&
+           hs_cl_check(clEnqueueUnmapMemObject(slabs->cl->queue, slabs->buffer, at, 0, NULL, NULL),
+                       "clEnqueueUnmapMemObject (slabs)", err);
+}
+
 bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
                       hs_error *err) {
     for (uint32_t i = 0; i < slabs->count; i++)
@@ -186,7 +212,7 @@ bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_
                                   err) ||
             !fill_carrier(slabs, i, err))
             return false;
-    return slabs->fan != HS_FAN_RANGES || find_ranges(slabs, err);
+    return show_memory(slabs, err) && (slabs->fan != HS_FAN_RANGES || find_ranges(slabs, err));
 }
 
 const hs_slab_layout *hs_slabs_layout(const hs_slabs *slabs) {

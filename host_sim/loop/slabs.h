@@ -11,12 +11,17 @@
  * have run. All functions are called from one thread. */
 typedef struct hs_slabs hs_slabs;
 
+/* Bytes of memory that all slabs of a layout lie in. */
+size_t hs_slabs_bytes(const hs_slab_layout *layout);
+
 /* Makes the scan converter and the memory of all slabs for `carrier` (SV_CARRIER_*). `fan`: how the plugin is
  * told what was scanned; not HS_FAN_BEST. `gaps`: a ray may leave what was scanned and come back, so beside
- * its range the padding value tells what lies between. `cl` must outlive it. NULL with HS_ERR_USAGE (a layout
- * or a size that the device does not take), HS_ERR_DEVICE or HS_ERR_MEMORY. */
+ * its range the padding value tells what lies between. `memory`: where the slabs of SV_CARRIER_HOST shall lie
+ * (hs_slabs_bytes, aligned to a page; borrowed), or NULL; a device that shares the host's memory then writes
+ * them there without a copy. `cl` must outlive it. NULL with HS_ERR_USAGE (a layout or a size that the device
+ * does not take), HS_ERR_DEVICE or HS_ERR_MEMORY. */
 hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_fan fan,
-                          bool gaps, hs_error *err);
+                          bool gaps, void *memory, hs_error *err);
 void hs_slabs_destroy(hs_slabs *slabs);
 
 /* Enqueues the conversion of every slab and its way into the carrier, and with HS_FAN_RANGES the search for

@@ -80,29 +80,34 @@ static const void *no_extension(const sv_host *host, const char *id) {
 }
 
 /* dlopen of the resolved path: a bare name would be looked up in the system's library folders instead. */
-static bool open_library(hs_plugin *plugin, const char *name, hs_error *err) {
+static const sv_entry *open_library(hs_plugin *plugin, const char *name, const hs_call_watch *watch,
+                                    hs_error *err) {
     hs_plugin_find(name, plugin->path, sizeof plugin->path);
     const char *path = plugin->path;
     struct stat info;
+    const sv_entry *entry = NULL;
     if (stat(path, &info) != 0)
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", path, strerror(errno));
-    if (!S_ISREG(info.st_mode)) return hs_fail(err, HS_ERR_PLUGIN, "%s: not a file", path);
+        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", path, strerror(errno));
+    else if (!S_ISREG(info.st_mode))
+        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: not a file", path);
+    if (err->code != HS_OK) return NULL;
     char *resolved = realpath(path, NULL);
-    if (!resolved)
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot resolve the path: %s", path, strerror(errno));
+    if (!resolved) {
+        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: cannot resolve the path: %s", path, strerror(errno));
+        return NULL;
+    }
+    watch->enter(watch->context, "dlopen");
     plugin->library = dlopen(resolved, RTLD_NOW | RTLD_LOCAL);
     free(resolved);
     if (!plugin->library)
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: not a loadable library: %s", path, dlerror());
-    plugin->entry = dlsym(plugin->library, SV_ENTRY_SYMBOL);
-    if (!plugin->entry)
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: no symbol " SV_ENTRY_SYMBOL ": not a SmartVis plugin", path);
-    return true;
+        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: not a loadable library: %s", path, dlerror());
+    else if (!(entry = dlsym(plugin->library, SV_ENTRY_SYMBOL)))
+        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: no symbol " SV_ENTRY_SYMBOL ": not a SmartVis plugin", path);
+    return entry;
 }
 
 /* abi_major comes first: with another major nothing else in the struct means what this header says. */
-static bool check_entry(const hs_plugin *plugin, hs_error *err) {
-    const sv_entry *entry = plugin->entry;
+static bool check_entry(hs_plugin *plugin, const sv_entry *entry, hs_error *err) {
     if (entry->abi_major != SV_ABI_MAJOR)
         return hs_fail(err, HS_ERR_PLUGIN, "%s: ABI major %u, this host speaks %u", plugin->path,
                        entry->abi_major, SV_ABI_MAJOR);
@@ -111,27 +116,38 @@ static bool check_entry(const hs_plugin *plugin, hs_error *err) {
                        sizeof(sv_entry));
     if (entry->count == 0)
         return hs_fail(err, HS_ERR_PLUGIN, "%s: entry.count is 0: no plugin inside", plugin->path);
+    if (entry->count > HS_MAX_PLUGINS)
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: entry.count is %u, at most %u plugins are read", plugin->path,
+                       entry->count, HS_MAX_PLUGINS);
     if (!entry->descriptor || !entry->create)
         return hs_fail(err, HS_ERR_PLUGIN, "%s: entry.%s is NULL", plugin->path,
                        entry->descriptor ? "create" : "descriptor");
+    plugin->abi_major = entry->abi_major;
+    plugin->abi_minor = entry->abi_minor;
+    return true;
+}
+
+static bool read_descriptors(hs_plugin *plugin, const sv_entry *entry, const hs_call_watch *watch,
+                             hs_error *err) {
+    watch->enter(watch->context, "descriptor");
     for (uint32_t i = 0; i < entry->count; i++) {
         const sv_descriptor *d = entry->descriptor(i);
         if (!d || d->size < sizeof(sv_descriptor) || !d->id || !d->name || !d->vendor || !d->version ||
             !d->summary)
             return hs_fail(err, HS_ERR_PLUGIN, "%s: descriptor %u of %u is missing or incomplete",
                            plugin->path, i, entry->count);
+        plugin->descriptor[plugin->count++] = d;
     }
     return true;
 }
 
 /* The descriptor of `id`, the first one if id is NULL; a wrong id is answered with the ids there are. */
 static const sv_descriptor *find_descriptor(const hs_plugin *plugin, const char *id, hs_error *err) {
-    const sv_entry *entry = plugin->entry;
-    if (!id) return entry->descriptor(0);
+    if (!id) return plugin->descriptor[0];
     char known[512] = "";
     size_t used = 0;
-    for (uint32_t i = 0; i < entry->count; i++) {
-        const sv_descriptor *d = entry->descriptor(i);
+    for (uint32_t i = 0; i < plugin->count; i++) {
+        const sv_descriptor *d = plugin->descriptor[i];
         if (strcmp(d->id, id) == 0) return d;
         int n = snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", d->id);
         if (n < 0 || (size_t)n >= sizeof known - used) break;
@@ -165,9 +181,11 @@ static bool check_instance(const hs_plugin *plugin, hs_error *err) {
     return true;
 }
 
-static bool create_instance(hs_plugin *plugin, const char *id, hs_error *err) {
+static bool create_instance(hs_plugin *plugin, const sv_entry *entry, const char *id,
+                            const hs_call_watch *watch, hs_error *err) {
     const sv_descriptor *descriptor = find_descriptor(plugin, id, err);
     if (!descriptor) return false;
+    watch->enter(watch->context, "create");
     plugin->host = (sv_host){.size = sizeof(sv_host),
                              .abi_minor = SV_ABI_MINOR,
                              .host_data = plugin,
@@ -175,7 +193,7 @@ static bool create_instance(hs_plugin *plugin, const char *id, hs_error *err) {
                              .version = HS_VERSION,
                              .log = print_log,
                              .get_extension = no_extension};
-    sv_status status = plugin->entry->create(&plugin->host, descriptor->id, &plugin->instance);
+    sv_status status = entry->create(&plugin->host, descriptor->id, &plugin->instance);
     if (status != SV_OK) {
         plugin->instance = NULL; /* by the header it is; a defect there must not become a call through it */
         return hs_fail(err, HS_ERR_PLUGIN, "%s: create '%s': %s (%d)", plugin->path, descriptor->id,
@@ -191,12 +209,25 @@ static bool create_instance(hs_plugin *plugin, const char *id, hs_error *err) {
     return false;
 }
 
-bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err) {
+bool hs_plugin_open_watched(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
+                            const hs_call_watch *watch, hs_error *err) {
     *plugin = (hs_plugin){.log_level = log_level};
-    if (open_library(plugin, path, err) && check_entry(plugin, err) && create_instance(plugin, id, err))
+    const sv_entry *entry = open_library(plugin, path, watch, err);
+    if (entry && check_entry(plugin, entry, err) && read_descriptors(plugin, entry, watch, err) &&
+        create_instance(plugin, entry, id, watch, err))
         return true;
     hs_plugin_close(plugin);
     return false;
+}
+
+static void nobody_watches(void *context, const char *call) {
+    (void)context;
+    (void)call;
+}
+
+bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err) {
+    const hs_call_watch nobody = {.enter = nobody_watches};
+    return hs_plugin_open_watched(plugin, path, id, log_level, &nobody, err);
 }
 
 void hs_plugin_close(hs_plugin *plugin) {

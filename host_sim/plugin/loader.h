@@ -7,10 +7,14 @@
 #include "plugin/plugin_path.h"
 #include "smartvis_plugin.h"
 
+#define HS_MAX_PLUGINS 64u /* of a library; one that claims more is refused */
+
 /* A loaded library with one instance. Owned by the caller; must not move in memory while open. */
 typedef struct {
-    void *library;
-    const sv_entry *entry;
+    void *library; /* NULL while closed, and if the library lives in another process */
+    uint32_t abi_major, abi_minor;
+    const sv_descriptor *descriptor[HS_MAX_PLUGINS]; /* of all its plugins */
+    uint32_t count;
     const sv_plugin *instance;
     sv_host host;
     int32_t log_level; /* lines of lower severity are not printed (SV_LOG_*) */
@@ -22,6 +26,16 @@ typedef struct {
  * a library, no entry symbol, ABI major 2 where this host speaks 1, no plugin of that id (and which there
  * are). */
 bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level, hs_error *err);
+
+/* Is told of every call before it is made: "dlopen" (constructors run), "descriptor", "create". */
+typedef struct {
+    void (*enter)(void *context, const char *call);
+    void *context;
+} hs_call_watch;
+
+/* The same with somebody watching. */
+bool hs_plugin_open_watched(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
+                            const hs_call_watch *watch, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);
 
 /* True for a status that the header names. */

@@ -28,6 +28,23 @@ static const char *list_part(const char *list, unsigned index, size_t *length, u
     return NULL;
 }
 
+/* Of the installation that the program belongs to, without the "..". */
+static bool own_folder(char *out, size_t bytes) {
+    char beside[PATH_MAX];
+    if (!hs_path_beside_program("../lib/smartvis", beside, sizeof beside)) return false;
+    char *resolved = realpath(beside, NULL);
+    const int length = resolved ? snprintf(out, bytes, "%s", resolved) : -1;
+    free(resolved);
+    return length >= 0 && (size_t)length < bytes;
+}
+
+/* Then it has its turn among them. */
+static bool is_one_of(const char *folder, const char *const *list, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(folder, list[i]) == 0) return true;
+    return false;
+}
+
 bool hs_plugin_folder(unsigned index, char *out, size_t bytes) {
     size_t length;
     unsigned listed;
@@ -39,7 +56,7 @@ bool hs_plugin_folder(unsigned index, char *out, size_t bytes) {
     static const char *const fixed[] = {"/usr/local/lib/smartvis", "/usr/lib/smartvis"};
     index -= listed;
     if (index == 0) {
-        (void)hs_path_beside_program("../lib/smartvis", out, bytes);
+        if (!own_folder(out, bytes) || is_one_of(out, fixed, sizeof fixed / sizeof fixed[0])) out[0] = '\0';
         return true;
     }
     if (index - 1 >= sizeof fixed / sizeof fixed[0]) return false;

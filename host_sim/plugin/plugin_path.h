@@ -10,7 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The folder of that number, 0 first; false behind the last one. Empty parts of the variable are left out. */
+/* The folder of that number, 0 first; false behind the last one. Empty parts of the variable are left out. ""
+ * stands for a folder that is not there, or that has its turn later. */
 bool hs_plugin_folder(unsigned index, char *out, size_t bytes);
 
 /* The file that `name` means. What has a '/' in it, or is a file here, is taken as it is. Else it is looked

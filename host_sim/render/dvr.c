@@ -193,7 +193,8 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
     if (termination && !hs_cl_check_size(termination, pixels * sizeof(float), "termination depths", err))
         return false;
     if (!dvr->lit) return render_thesis(dvr, source, camera, depths, rgba, termination, event, err);
-    if (termination && !render_thesis(dvr, source, camera, depths, NULL, termination, rgba ? NULL : event, err))
+    if (termination &&
+        !render_thesis(dvr, source, camera, depths, NULL, termination, rgba ? NULL : event, err))
         return false;
     return !rgba || render_lit(dvr, source, camera, depths, rgba, event, err);
 }

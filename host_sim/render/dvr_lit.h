@@ -19,8 +19,8 @@ typedef struct {
     uint32_t steps; /* of a whole ray (hs_dvr_steps) */
 } hs_dvr_lit_scene;
 
-/* Enqueues one picture of width * height RGBA bytes; does not wait. `depths` NULL: unclipped. HS_ERR_USAGE (too
- * many steps) or HS_ERR_DEVICE. */
+/* Enqueues one picture of width * height RGBA bytes; does not wait. `depths` NULL: unclipped. HS_ERR_USAGE
+ * (too many steps) or HS_ERR_DEVICE. */
 bool hs_dvr_lit_render(const hs_cl *cl, cl_kernel kernel, const hs_dvr_lit_scene *scene,
                        const hs_start_depths *depths, cl_mem rgba, cl_event *event, hs_error *err);
 

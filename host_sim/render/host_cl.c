@@ -142,13 +142,22 @@ bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err) {
     if (lanes != 0 && lanes != 1 && lanes != 16) {
         return hs_fail(err, HS_ERR_USAGE, "OpenCL: %u lanes, expected 1 or 16", lanes);
     }
+    if (!hs_cl_open_bare(cl, err)) return false;
+    if (lanes) cl->lanes = lanes;
+    if (build_kernels(cl, err)) return true;
+    hs_cl_close(cl);
+    return false;
+}
+
+bool hs_cl_open_bare(hs_cl *cl, hs_error *err) {
+    memset(cl, 0, sizeof *cl);
     if (!pick_device(cl, err)) return false;
     cl_device_type type = 0;
     cl_int code = clGetDeviceInfo(cl->device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
     if (!hs_cl_check(code, "clGetDeviceInfo(CL_DEVICE_TYPE)", err)) goto fail;
     cl->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     /* Vectors pay on a CPU; on a GPU the work items themselves are the lanes. */
-    cl->lanes = lanes ? lanes : cl->is_cpu ? 16 : 1;
+    cl->lanes = cl->is_cpu ? 16 : 1;
     /* A name longer than the field is an error for OpenCL; for us it is only a caption. */
     code = clGetDeviceInfo(cl->device, CL_DEVICE_NAME, sizeof cl->device_name, cl->device_name, NULL);
     if (code != CL_SUCCESS) memcpy(cl->device_name, "unnamed device", sizeof "unnamed device");
@@ -156,7 +165,6 @@ bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err) {
     if (!hs_cl_check(code, "clCreateContext", err)) goto fail;
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
     if (!hs_cl_check(code, "clCreateCommandQueue", err)) goto fail;
-    if (!build_kernels(cl, err)) goto fail;
     return true;
 fail:
     hs_cl_close(cl);

@@ -28,6 +28,9 @@ bool hs_cl_open(hs_cl *cl, hs_error *err);
  * kernels of a GPU. 0: as fits. */
 bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err);
 
+/* The same device, context and queue without the host's kernels: for who only hands memory to others. */
+bool hs_cl_open_bare(hs_cl *cl, hs_error *err);
+
 /* Waits for the queue and releases everything. Safe on a zeroed struct. */
 void hs_cl_close(hs_cl *cl);
 

@@ -10,8 +10,8 @@
 
 typedef struct hs_lit_volume hs_lit_volume;
 
-/* For volumes of n[0] * n[1] * n[2] voxels, 2048 an axis at most. Takes no memory of the device yet. NULL with
- * HS_ERR_MEMORY. `cl` must outlive it. */
+/* For volumes of n[0] * n[1] * n[2] voxels, 2048 an axis at most. Takes no memory of the device yet. NULL
+ * with HS_ERR_MEMORY. `cl` must outlive it. */
 hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_error *err);
 void hs_lit_volume_destroy(hs_lit_volume *lit);
 

@@ -103,10 +103,14 @@ static bool write_confidence(const hs_view *view, const char *folder, const char
     return save(made, &picture, folder, "confidence.png", err);
 }
 
+bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err) {
+    return write_plain(view, view->result, folder, "result.png", err) &&
+           write_plain(view, view->full, folder, "full.png", err);
+}
+
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err) {
-    return write_plain(view, view->result, folder, "result.png", err) &&
-           write_plain(view, view->full, folder, "full.png", err) &&
+    return hs_loop_write_result(view, folder, err) &&
            (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
            write_panel(view, folder, title, note, cell, err) &&
            write_depthmap(view, folder, title, note, err) && write_points(view, folder, title, note, err) &&

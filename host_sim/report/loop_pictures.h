@@ -18,6 +18,9 @@
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err);
 
+/* result.png and full.png alone: what a script compares. */
+bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err);
+
 /* What a person must know of a frame beside its picture: that it is unclipped and why (`failure`, what the
  * plugin failed with), or how many pixels have no surface. NULL if there is nothing to say, else `out`. */
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);

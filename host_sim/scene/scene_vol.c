@@ -47,14 +47,15 @@ static bool check(const hs_vol_spec *s, hs_error *err) {
     if (!(s->start >= 0.0))
         return hs_fail(err, HS_ERR_USAGE, "geometry: samples that start at %g mm, expected 0 or more",
                        s->start);
-    if (!(s->theta > 0.0 && s->theta < 180.0 && s->phi > 0.0 && s->phi < 180.0))
-        return hs_fail(err, HS_ERR_USAGE, "geometry: theta %g, phi %g degrees, expected between 0 and 180",
-                       s->theta, s->phi);
     const double nearest = s->start * cos(0.5 * s->theta * RADIANS);
-    return nearest > s->axis ||
-           hs_fail(err, HS_ERR_USAGE,
-                   "geometry: an axis at %g mm, at or behind the samples' start at %g mm on the outer lines",
-                   s->axis, nearest);
+    if (!(nearest > s->axis))
+        return hs_fail(
+            err, HS_ERR_USAGE,
+            "geometry: an axis at %g mm, at or behind the samples' start at %g mm on the outer lines",
+            s->axis, nearest);
+    return (s->theta > 0.0 && s->theta < 180.0 && s->phi > 0.0 && s->phi < 180.0) ||
+           hs_fail(err, HS_ERR_USAGE, "geometry: theta %g, phi %g degrees, expected between 0 and 180",
+                   s->theta, s->phi);
 }
 
 static double *make_table(uint32_t count, double span, double skew, bool descending) {

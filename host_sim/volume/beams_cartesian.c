@@ -48,19 +48,22 @@ static void fill_row(const hs_volume *volume, double plane, double depth, uint8_
     }
 }
 
-static void fill_slice(void *context, uint32_t z) {
+/* All rows of one y. From one slice to the next the samples are neighbours in the same lines, so that the
+ * cache holds most of them; from one y to the next they lie in other planes. */
+static void fill_layer(void *context, uint32_t y) {
     const hs_volume *volume = context;
     const hs_beams *beams = volume->beams;
-    uint8_t *row = volume->voxels + (size_t)z * volume->ny * volume->nx;
-    memset(row, 0, (size_t)volume->ny * volume->nx);
-    for (uint32_t y = 0; y < volume->ny; y++, row += volume->nx) {
+    const double place = beams->corner[1] + (y + 0.5) * volume->spacing[1];
+    for (uint32_t z = 0; z < volume->nz; z++) {
+        uint8_t *row = volume->voxels + ((size_t)z * volume->ny + y) * volume->nx;
         double depth;
-        const double plane = hs_beams_locate_plane(beams, beams->corner[1] + (y + 0.5) * volume->spacing[1],
-                                                   beams->corner[2] + (z + 0.5) * volume->spacing[2], &depth);
+        const double plane =
+            hs_beams_locate_plane(beams, place, beams->corner[2] + (z + 0.5) * volume->spacing[2], &depth);
+        memset(row, 0, volume->nx);
         if (plane >= 0.0) fill_row(volume, plane, depth, row);
     }
 }
 
 void hs_beams_cartesian_fill(hs_volume *volume) {
-    hs_parallel(hs_thread_count(0), volume->nz, fill_slice, volume);
+    hs_parallel(hs_thread_count(0), volume->ny, fill_layer, volume);
 }

@@ -9,44 +9,44 @@
 #include "kernels_wall.h"
 #include "ref/ref_wall.h"
 
+#include <stdlib.h>
+
 enum {
     K_TAKE,
-    K_MEANS,
+    K_BLOCKS,
     K_LEVELS,
-    K_BRIGHTEST,
     K_WALLS,
     K_EVIDENCE,
     K_COSTS,
     K_DECIDE,
-    K_BLUR,
     K_CHEAPEST,
     K_MEDIAN,
     K_TRUST,
     K_LEAVE
 };
-static const char *const kernels[] = {
-    "wall_take",  "wall_means",  "wall_levels", "wall_brightest", "wall_walls",  "wall_evidence",
-    "wall_costs", "wall_decide", "wall_blur",   "wall_cheapest",  "wall_median", "wall_trust",
-    "wall_leave", NULL};
+static const char *const kernels[] = {"wall_take",     "wall_blocks", "wall_levels", "wall_walls",
+                                      "wall_evidence", "wall_costs",  "wall_decide", "wall_cheapest",
+                                      "wall_median",   "wall_trust",  "wall_leave",  NULL};
 enum {
-    VOXELS, /* later masks of tissue */
+    SPANS,
+    SUMS,   /* of the layer that the slabs are in */
+    RANGES, /* of pixels */
+    LEVELS,
     BESIDE, /* brightest of the row */
     BRIGHT,
     RAYS,
-    LINES,
     HISTOGRAMS, /* later FETUS */
     TABLES,
     INFO,
     SCRATCH,
     COSTS,
     AWAYS,
-    BLURRED,
-    CELLS,
+    PLACES,
     CONFIDENCE
 };
-enum { FETUS = HISTOGRAMS }; /* sums of rows of cells */
-enum { RAY_PLANES = 6, CELL_PLANES = 3, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 517 };
+enum { FETUS = HISTOGRAMS }; /* sums of rows of rays */
+enum { RAY_PLANES = 4, PLACE_PLANES = 3, HISTOGRAM_WORDS = 258 };
+enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 518 };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
@@ -63,47 +63,42 @@ static sv_wall_layout layout_of(const sv_map *m) {
     return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
 }
 
-static uint32_t vectors_of(uint32_t values) {
-    return (values + SV_LANES - 1) / SV_LANES;
+static bool is_bounded(const sv_config *c) {
+    return c->ranged || c->padding != SV_NO_PADDING;
 }
 
-static uint32_t padded_width(const sv_wall_layout *l) {
-    return (l->width + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
+static size_t lanes_of(uint32_t values) {
+    return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
 }
 
-/* Words of 16 bits that a row keeps while wall_means walks it: the ring, sums, a line of sums and one of
- * means between their margins; whole vectors. */
-static uint32_t line_words(const sv_wall_layout *l) {
-    const uint32_t margins = 10 * SV_WALL_LANES;
-    return (2 * l->mean[2] + 1 + 5) * padded_width(l) + margins;
+static size_t padded_columns(const sv_wall_layout *l) {
+    return lanes_of(l->columns);
 }
 
-/* Vectors of 16 words of 32 bits that a row of cells keeps while wall_costs walks its rays: costs of
- * SV_WALL_LANES columns, sums of cells, what is kept of every slice, and rays of cells. */
-static uint32_t scratch_vectors(const sv_wall_layout *l) {
-    const uint32_t whole = 2; /* the next row begins with a whole vector of SV_WALL_LANES */
-    const uint32_t wanted = 4 * l->labels + 2 * l->cells_x * vectors_of(l->labels) + (3 * l->slices + 1) / 2 +
-                            vectors_of(l->cells_x);
-    return (wanted + whole - 1) / whole * whole;
+/* Words of 32 bits that a row of rays keeps: wall_cheapest's two lines between margins and the costs of every
+ * layer. wall_costs needs less: 3 bytes a layer for each of SV_WALL_LANES rays. Whole vectors. */
+static size_t scratch_words(const sv_wall_layout *l) {
+    return (l->layers + 2) * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
-    const size_t plane = (size_t)padded_width(&l) * m->height, cells = (size_t)l.cells_x * l.cells_y;
-    const size_t costs = cells * vectors_of(l.labels) * sizeof(cl_uint16);
-    const size_t bytes[] = {[VOXELS] = plane * l.slices,
-                            [BESIDE] = plane * l.slices,
-                            [BRIGHT] = plane * l.slices,
+    const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
+    const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
+    const size_t bytes[] = {[SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
+                            [SUMS] = lanes_of(l.width) * l.rows * sizeof(cl_ushort),
+                            [RANGES] = is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
+                            [LEVELS] = margin + level_row * l.rows * l.layers,
+                            [BESIDE] = plane * l.layers,
+                            [BRIGHT] = plane * l.layers,
                             [RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
-                            [LINES] = (size_t)m->height * line_words(&l) * sizeof(cl_ushort),
-                            [HISTOGRAMS] = (size_t)m->height * HISTOGRAM_WORDS * sizeof(cl_uint),
+                            [HISTOGRAMS] = (size_t)l.rows * HISTOGRAM_WORDS * sizeof(cl_uint),
                             [TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),
                             [INFO] = INFO_WORDS * sizeof(cl_uint),
-                            [SCRATCH] = (size_t)l.cells_y * scratch_vectors(&l) * sizeof(cl_uint16),
-                            [COSTS] = costs,
-                            [AWAYS] = costs,
-                            [BLURRED] = costs,
-                            [CELLS] = CELL_PLANES * cells * sizeof(cl_float),
+                            [SCRATCH] = l.rows * scratch_words(&l) * sizeof(cl_uint),
+                            [COSTS] = plane * l.layers * sizeof(cl_ushort),
+                            [AWAYS] = plane * l.layers,
+                            [PLACES] = PLACE_PLANES * plane * sizeof(cl_float),
                             [CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
     sv_status status = SV_OK;
     for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
@@ -111,12 +106,26 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     return status;
 }
 
-static sv_status prepare(const sv_map *m, sv_method_state *s) {
-    uint32_t tables[SV_WALL_TABLE_WORDS];
-    sv_wall_tables(tables);
-    const cl_int code = clEnqueueWriteBuffer(m->queue->device->queue, s->buffer[TABLES], CL_TRUE, 0,
-                                             sizeof tables, tables, 0, NULL, NULL);
+static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, size_t bytes) {
+    const cl_int code =
+        clEnqueueWriteBuffer(m->queue->device->queue, buffer, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
     return sv_clx_check(m->queue->diag, code, "method wall: clEnqueueWriteBuffer");
+}
+
+static sv_status prepare(const sv_map *m, sv_method_state *s) {
+    const sv_wall_layout l = layout_of(m);
+    uint32_t tables[SV_WALL_TABLE_WORDS];
+    sv_wall_span *const spans = calloc((size_t)l.columns + l.rows, sizeof *spans);
+    if (!spans)
+        return sv_fail(m->queue->diag, SV_ERR_NO_MEMORY, "method wall: no memory for %u spans", l.columns);
+    for (uint32_t x = 0; x < l.columns; x++) spans[x] = sv_wall_span_of(x, l.width, l.columns);
+    for (uint32_t y = 0; y < l.rows; y++) spans[l.columns + y] = sv_wall_span_of(y, l.height, l.rows);
+    sv_wall_tables(tables);
+    sv_status status = write_buffer(m, s->buffer[TABLES], tables, sizeof tables);
+    if (status == SV_OK)
+        status = write_buffer(m, s->buffer[SPANS], spans, ((size_t)l.columns + l.rows) * sizeof *spans);
+    free(spans);
+    return status;
 }
 
 static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
@@ -130,17 +139,19 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     sv_launch_buffer(&l, from->buffer);
     sv_launch_arg(&l, sizeof first_byte, &first_byte);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
-    sv_launch_buffer(&l, c->ranged ? m->scanned : s->buffer[CELLS]); /* without ranges it is not read */
+    sv_launch_buffer(&l, c->ranged ? m->scanned : s->buffer[PLACES]); /* without ranges it is not read */
     sv_launch_arg(&l, sizeof layout, &layout);
-    sv_launch_buffer(&l, s->buffer[VOXELS]);
-    sv_launch_buffer(&l, s->buffer[RAYS]);
-    return sv_launch_items(&l, m->height, SV_STAGE_PROFILE);
+    sv_launch_buffer(&l, s->buffer[SPANS]);
+    sv_launch_buffer(&l, s->buffer[SUMS]);
+    sv_launch_buffer(&l, s->buffer[RANGES]);
+    sv_launch_buffer(&l, s->buffer[LEVELS]);
+    return sv_launch_items(&l, layout.rows, SV_STAGE_PROFILE);
 }
 
-typedef enum { ONCE, SLICES, ROWS_OF_CELLS, ROWS } items;
+typedef enum { ONCE, RAY_ROWS, PIXEL_ROWS } items;
 
 /* Arguments besides the method's buffers: numbers before them, the frame's buffers behind. */
-enum { LINE_WORDS = 1, SCRATCH_VECTORS = 2, RECORD = 4, SURFACES = 8 };
+enum { BOUNDS = 1, SCRATCH_WORDS = 2, RECORD = 4, SURFACES = 8 };
 
 /* What follows the slabs, in this order. */
 static const struct {
@@ -149,36 +160,34 @@ static const struct {
     sv_stage stage;
     int buffers[9]; /* up to -1 */
 } launches[] = {
-    {K_MEANS, LINE_WORDS, ROWS, SV_STAGE_THRESHOLD, {VOXELS, RAYS, LINES, BESIDE, HISTOGRAMS, -1}},
+    {K_BLOCKS, BOUNDS, RAY_ROWS, SV_STAGE_THRESHOLD, {SPANS, RANGES, LEVELS, RAYS, BESIDE, HISTOGRAMS, -1}},
     {K_LEVELS, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
-    {K_BRIGHTEST, 0, SLICES, SV_STAGE_THRESHOLD, {INFO, BESIDE, BRIGHT, -1}},
-    {K_WALLS, 0, ROWS, SV_STAGE_THRESHOLD, {INFO, BRIGHT, VOXELS, RAYS, HISTOGRAMS, -1}},
+    {K_WALLS, 0, RAY_ROWS, SV_STAGE_THRESHOLD, {INFO, LEVELS, BESIDE, BRIGHT, RAYS, HISTOGRAMS, -1}},
     {K_EVIDENCE, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
     {K_COSTS,
-     SCRATCH_VECTORS,
-     ROWS_OF_CELLS,
+     SCRATCH_WORDS,
+     RAY_ROWS,
      SV_STAGE_RECONSTRUCT,
-     {INFO, VOXELS, BRIGHT, RAYS, SCRATCH, COSTS, AWAYS, FETUS, -1}},
+     {INFO, LEVELS, BRIGHT, RAYS, SCRATCH, COSTS, AWAYS, FETUS, -1}},
     {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {FETUS, INFO, -1}},
-    {K_BLUR, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, BLURRED, -1}},
-    {K_CHEAPEST, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, BLURRED, SCRATCH, CELLS, -1}},
-    {K_MEDIAN, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, AWAYS, CELLS, -1}},
-    {K_TRUST, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, CELLS, -1}},
-    {K_LEAVE, SURFACES, ROWS, SV_STAGE_RECONSTRUCT, {INFO, CELLS, CONFIDENCE, -1}},
+    {K_CHEAPEST, SCRATCH_WORDS, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, SCRATCH, PLACES, -1}},
+    {K_MEDIAN, 0, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, AWAYS, PLACES, -1}},
+    {K_TRUST, 0, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, PLACES, -1}},
+    {K_LEAVE, SURFACES, PIXEL_ROWS, SV_STAGE_RECONSTRUCT, {INFO, PLACES, CONFIDENCE, -1}},
 };
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the surface is the same for every q */
     const sv_wall_layout layout = layout_of(m);
-    const size_t count[] = {
-        [ONCE] = 1, [SLICES] = layout.slices, [ROWS_OF_CELLS] = layout.cells_y, [ROWS] = layout.height};
+    const size_t count[] = {[ONCE] = 1, [RAY_ROWS] = layout.rows, [PIXEL_ROWS] = layout.height};
     sv_status status = SV_OK;
     for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
         const int kernel = launches[i].kernel, takes = launches[i].takes;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[kernel], kernels[kernel]);
         sv_launch_arg(&l, sizeof layout, &layout);
-        if (takes & LINE_WORDS) sv_launch_uint(&l, line_words(&layout));
-        if (takes & SCRATCH_VECTORS) sv_launch_uint(&l, scratch_vectors(&layout));
+        if (takes & BOUNDS) sv_launch_uint(&l, is_bounded(m->config));
+        if (takes & BOUNDS) sv_launch_uint(&l, m->padded_width);
+        if (takes & SCRATCH_WORDS) sv_launch_uint(&l, (uint32_t)scratch_words(&layout));
         for (const int *b = launches[i].buffers; *b >= 0; b++) sv_launch_buffer(&l, s->buffer[*b]);
         if (takes & RECORD) sv_launch_buffer(&l, m->record);
         if (takes & SURFACES) sv_launch_uint(&l, m->padded_width);

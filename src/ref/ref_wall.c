@@ -13,28 +13,33 @@ static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidenc
     memset(confidence, 0, plane * sizeof *confidence);
 }
 
-/* The surface of a volume with fluid. `bright` holds the means. */
-static bool surface(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_levels *levels,
-                    uint8_t *bright, float *depth, float *confidence, sv_wall_outcome *outcome,
-                    sv_wall_facts *facts) {
+/* The surface of rays that have been judged. */
+static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, float *depth, float *confidence,
+                  sv_wall_outcome *outcome, sv_wall_facts *facts) {
+    sv_wall_costs costs;
+    if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
+    const uint64_t rays = scan->blocks->rays, least = rays * SV_WALL_SURE * scan->layout->fetus_share;
+    facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_SURE);
+    *outcome = costs.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
+    const bool done =
+        *outcome != SV_WALL_SURFACE || sv_wall_cheapest(scan->layout, &costs, depth, confidence);
+    sv_wall_costs_destroy(&costs);
+    return done;
+}
+
+/* The surface of a volume with fluid. */
+static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const sv_wall_levels *levels,
+                    float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
-    if (!sv_wall_brightest(l, bright) || !sv_wall_evidence_of(v, l, levels, bright, &evidence)) return false;
-    facts->rays = evidence.rays;
+    uint8_t *const bright = sv_wall_brightest(l, blocks);
+    if (!bright) return false;
+    const sv_wall_scan scan = {l, blocks, bright, sv_wall_tissue_above(l, levels)};
+    sv_wall_evidence_of(&scan, levels, &evidence);
     facts->wall_rays = evidence.wall_rays;
     facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
     facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-    const sv_wall_scan scan = {v, l, &evidence, levels->threshold, bright};
-    sv_wall_cells cells;
-    if (!sv_wall_cells_create(&scan, &cells)) return false;
-    facts->fetus = (double)cells.fetus / ((double)evidence.rays * SV_WALL_SURE);
-    const uint64_t least = (uint64_t)evidence.rays * SV_WALL_SURE * l->fetus_share;
-    *outcome = cells.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
-    bool done = true;
-    if (*outcome == SV_WALL_SURFACE)
-        done = sv_wall_cheapest(l, &cells, depth, confidence);
-    else
-        clip_nothing(l, depth, confidence);
-    sv_wall_cells_destroy(&cells);
+    const bool done = place(&scan, &evidence, depth, confidence, outcome, facts);
+    free(bright);
     return done;
 }
 
@@ -44,23 +49,17 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     if (!sv_wall_check(v, text, sizeof text)) return false;
     const sv_wall_settings s = settings ? *settings : sv_wall_settings_default();
     const sv_wall_layout l = sv_wall_layout_of(v->width, v->height, v->slices, v->spacing_mm, &s);
-    const size_t plane = (size_t)l.width * l.height;
-    uint8_t *means = malloc(plane * l.slices);
+    sv_wall_blocks blocks;
+    if (!sv_wall_blocks_create(v, &l, &blocks)) return false;
     uint64_t histogram[256];
-    if (!means || !sv_wall_means(v, &l, means)) {
-        free(means);
-        return false;
-    }
-    sv_wall_histogram(v, &l, means, histogram);
+    sv_wall_histogram(&blocks, histogram);
     const sv_wall_levels levels = sv_wall_levels_of(histogram);
-    sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley};
+    sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley, .rays = blocks.rays};
     bool done = true;
     *outcome = sv_wall_outcome_of(&l, &levels);
-    if (*outcome == SV_WALL_SURFACE)
-        done = surface(v, &l, &levels, means, depth, confidence, outcome, &found);
-    else
-        clip_nothing(&l, depth, confidence);
-    free(means);
+    if (*outcome == SV_WALL_SURFACE) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
+    if (done && *outcome != SV_WALL_SURFACE) clip_nothing(&l, depth, confidence);
+    sv_wall_blocks_destroy(&blocks);
     if (done && facts) *facts = found;
     return done;
 }

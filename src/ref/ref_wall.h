@@ -15,8 +15,8 @@
 typedef struct {
     uint32_t threshold;  /* T: tissue is brighter, grey levels */
     double valley;       /* of the histogram, 0 .. 1 */
-    uint32_t rays;       /* scanned ones */
-    uint32_t wall_rays;  /* rays that begin in tissue and have fluid behind it */
+    uint32_t rays;       /* of blocks: scanned ones */
+    uint32_t wall_rays;  /* that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
     double fetus;        /* mean probability over the rays that the fetus is on them */
 } sv_wall_facts;

@@ -1,56 +1,36 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_evidence.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-void sv_wall_tissue(const sv_wall_volume *v, const sv_wall_layout *l, uint32_t threshold, size_t pixel,
-                    uint8_t *tissue) {
-    const size_t plane = (size_t)l->width * l->height;
-    const uint32_t end = sv_wall_end(v, pixel);
-    memset(tissue, 0, l->slices);
-    uint32_t run = 0;
-    for (uint32_t z = sv_wall_first(v, pixel); z < end; z++) {
-        run = v->voxels[z * plane + pixel] > threshold ? run + 1 : 0;
-        if (run == l->thin) memset(tissue + z + 1 - run, 1, run);
-        if (run > l->thin) tissue[z] = 1;
-    }
+bool sv_wall_is_tissue(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->blocks->levels[z * s->layout->columns * s->layout->rows + ray] > s->threshold;
 }
 
-bool sv_wall_first_run(const sv_wall_volume *v, const sv_wall_layout *l, size_t pixel, const uint8_t *tissue,
-                       sv_wall_run *out) {
-    const uint32_t start = sv_wall_first(v, pixel), end = sv_wall_end(v, pixel);
+sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
+    const uint32_t start = s->blocks->first[ray], end = s->blocks->end[ray];
     uint32_t z = start;
-    while (z < end && !tissue[z]) z++;
-    if (z == end) return false;
-    *out = (sv_wall_run){.begin = z, .touches = z - start < l->gap};
-    while (z < end && tissue[z]) z++;
-    out->end = z;
-    while (z < end && !tissue[z]) z++;
-    out->fluid = z - out->end;
-    return true;
+    while (z < end && !sv_wall_is_tissue(s, ray, z)) z++;
+    sv_wall_run run = {.begin = z, .touches = z == start};
+    while (z < end && sv_wall_is_tissue(s, ray, z)) z++;
+    run.end = z;
+    run.fluid = z < end;
+    return run;
 }
 
 /* Histogram of how bright the walls are: the largest brightness in the first tissue of rays where that
  * touches the start of the scan and has fluid behind it. */
-static bool wall_histogram(const sv_wall_volume *v, const sv_wall_layout *l, uint32_t threshold,
-                           const uint8_t *bright, uint64_t histogram[256], sv_wall_evidence *out) {
-    const size_t plane = (size_t)l->width * l->height;
-    uint8_t *tissue = malloc(l->slices);
-    if (!tissue) return false;
-    for (size_t i = 0; i < plane; i++) {
-        sv_wall_run run;
-        out->rays += sv_wall_first(v, i) < sv_wall_end(v, i);
-        sv_wall_tissue(v, l, threshold, i, tissue);
-        if (!sv_wall_first_run(v, l, i, tissue, &run) || !run.touches || run.fluid < l->gap) continue;
+static uint32_t wall_histogram(const sv_wall_scan *s, uint64_t histogram[256]) {
+    const size_t plane = (size_t)s->layout->columns * s->layout->rows;
+    uint32_t rays = 0;
+    for (size_t ray = 0; ray < plane; ray++) {
+        const sv_wall_run run = sv_wall_first_run(s, ray);
+        if (!run.touches || !run.fluid || run.begin == run.end) continue;
         uint8_t most = 0;
         for (size_t z = run.begin; z < run.end; z++)
-            if (bright[z * plane + i] > most) most = bright[z * plane + i];
+            if (s->bright[z * plane + ray] > most) most = s->bright[z * plane + ray];
         histogram[most]++;
-        out->wall_rays++;
+        rays++;
     }
-    free(tissue);
-    return true;
+    return rays;
 }
 
 /* ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE, fixed-point: as the level nears 255,
@@ -78,15 +58,14 @@ static int32_t evidence(const sv_wall_layout *l, int32_t above) {
     return (above < -most ? -most : above > most ? most : above) * l->sure / 16;
 }
 
-bool sv_wall_evidence_of(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_levels *levels,
-                         const uint8_t *bright, sv_wall_evidence *out) {
+void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out) {
+    const sv_wall_layout *l = scan->layout;
     uint64_t histogram[256] = {0};
     uint32_t tables[SV_WALL_TABLE_WORDS];
-    *out = (sv_wall_evidence){0};
     sv_wall_tables(tables);
-    if (!wall_histogram(v, l, levels->threshold, bright, histogram, out)) return false;
+    *out = (sv_wall_evidence){.wall_rays = wall_histogram(scan, histogram)};
     if (out->wall_rays > 0 &&
-        (uint64_t)out->wall_rays * SV_WALL_PER_MILLE >= (uint64_t)out->rays * l->wall_share) {
+        (uint64_t)out->wall_rays * SV_WALL_PER_MILLE >= (uint64_t)scan->blocks->rays * l->wall_share) {
         out->wall = sv_wall_quantile(histogram, l->wall_rank);
         out->spread = odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
                       odds(tables, sv_wall_quantile(histogram, l->low_rank));
@@ -102,5 +81,4 @@ bool sv_wall_evidence_of(const sv_wall_volume *v, const sv_wall_layout *l, const
         out->other[i] = probability(tables, evidence(l, above));
         out->first[i] = probability(tables, evidence(l, above - l->first));
     }
-    return true;
 }

@@ -6,28 +6,31 @@
 #include "ref/ref_wall_levels.h"
 
 typedef struct {
-    uint32_t rays, wall_rays;
+    uint32_t wall_rays;
     uint32_t wall;                   /* grey level, in units of 1 / SV_WALL_LEVEL_ONE */
     int32_t spread;                  /* ln of the odds, fixed-point */
     uint32_t first[256], other[256]; /* brightness to probability: the first tissue of a ray, any other */
 } sv_wall_evidence;
 
-/* Marks the slices first .. end - 1 of a ray that are tissue: brighter than the threshold, and not in a run
- * thinner than layout->thin. `tissue` has one byte a slice of the volume; 0 outside the scan. */
-void sv_wall_tissue(const sv_wall_volume *volume, const sv_wall_layout *layout, uint32_t threshold,
-                    size_t pixel, uint8_t *tissue);
-
-/* The first tissue of a ray: slices [begin, end). False if it has none. `touches`: it begins within a gap
- * from the start of the scan. `fluid` slices of fluid follow it. */
+/* Everything that rays are judged from. Borrowed. */
 typedef struct {
-    uint32_t begin, end, fluid;
-    bool touches;
-} sv_wall_run;
-bool sv_wall_first_run(const sv_wall_volume *volume, const sv_wall_layout *layout, size_t pixel,
-                       const uint8_t *tissue, sv_wall_run *out);
+    const sv_wall_layout *layout;
+    const sv_wall_blocks *blocks;
+    const uint8_t *bright; /* of every block (sv_wall_brightest) */
+    uint32_t threshold;    /* tissue is brighter */
+} sv_wall_scan;
 
-/* `bright` holds the brightness of every voxel (sv_wall_brightest). False: no memory. */
-bool sv_wall_evidence_of(const sv_wall_volume *volume, const sv_wall_layout *layout,
-                         const sv_wall_levels *levels, const uint8_t *bright, sv_wall_evidence *out);
+/* True if the block in layer z of a ray is tissue. */
+bool sv_wall_is_tissue(const sv_wall_scan *scan, size_t ray, size_t z);
+
+/* The first tissue of a ray: layers [begin, end), both the end of the scan if there is none. `touches`: it
+ * begins where the scan does. `fluid`: fluid follows it. */
+typedef struct {
+    uint32_t begin, end;
+    bool touches, fluid;
+} sv_wall_run;
+sv_wall_run sv_wall_first_run(const sv_wall_scan *scan, size_t ray);
+
+void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out);
 
 #endif

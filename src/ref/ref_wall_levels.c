@@ -1,93 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_levels.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-/* Sums over `reach` neighbours to either side along one axis: `blocks` times `count` values that lie `stride`
- * apart. */
-static void sum_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t count, size_t stride,
-                      size_t reach) {
-    for (size_t block = 0; block < blocks; block++, from += count * stride, to += count * stride)
-        for (size_t i = 0; i < stride; i++) {
-            uint32_t sum = 0;
-            for (size_t at = 0; at < reach && at < count; at++) sum += from[at * stride + i];
-            for (size_t at = 0; at < count; at++) {
-                if (at + reach < count) sum += from[(at + reach) * stride + i];
-                if (at > reach) sum -= from[(at - reach - 1) * stride + i];
-                to[at * stride + i] = sum;
-            }
-        }
-}
-
-bool sv_wall_means(const sv_wall_volume *v, const sv_wall_layout *l, uint8_t *means) {
-    const size_t plane = (size_t)l->width * l->height, all = plane * l->slices;
-    uint32_t *a = calloc(all, sizeof *a), *b = calloc(all, sizeof *b);
-    const bool done = a && b;
-    if (done) {
-        for (size_t i = 0; i < plane; i++)
-            for (size_t z = sv_wall_first(v, i); z < sv_wall_end(v, i); z++)
-                a[z * plane + i] = v->voxels[z * plane + i];
-        sum_along(a, b, (size_t)l->height * l->slices, l->width, 1, l->mean[0]);
-        sum_along(b, a, l->slices, l->height, l->width, l->mean[1]);
-        sum_along(a, b, 1, l->slices, plane, l->mean[2]);
-        const uint32_t box = (2 * l->mean[0] + 1) * (2 * l->mean[1] + 1) * (2 * l->mean[2] + 1);
-        for (size_t i = 0; i < all; i++) means[i] = (uint8_t)((b[i] + box / 2) / box);
-    }
-    free(a);
-    free(b);
-    return done;
-}
-
-static void largest_along(const uint8_t *from, uint8_t *to, size_t blocks, size_t count, size_t stride,
-                          size_t reach) {
-    for (size_t block = 0; block < blocks; block++, from += count * stride)
-        for (size_t at = 0; at < count; at++)
-            for (size_t i = 0; i < stride; i++) {
-                uint8_t most = 0;
-                for (size_t k = at < reach ? 0 : at - reach; k <= at + reach && k < count; k++)
-                    if (from[k * stride + i] > most) most = from[k * stride + i];
-                *to++ = most;
-            }
-}
-
-bool sv_wall_brightest(const sv_wall_layout *l, uint8_t *means) {
-    uint8_t *rows = calloc((size_t)l->width * l->height, l->slices);
-    if (!rows) return false;
-    largest_along(means, rows, (size_t)l->height * l->slices, l->width, 1, l->beside[0]);
-    largest_along(rows, means, l->slices, l->height, l->width, l->beside[1]);
-    free(rows);
-    return true;
-}
-
-/* The slices [first, end) at which the box around the ray was scanned all over. Beyond the image nothing was.
- */
-static void box_range(const sv_wall_volume *v, const sv_wall_layout *l, uint32_t x, uint32_t y,
-                      uint32_t *first, uint32_t *end) {
-    const uint32_t rx = l->mean[0], ry = l->mean[1];
-    *first = *end = 0;
-    if (x < rx || y < ry || x + rx >= l->width || y + ry >= l->height) return;
-    *end = l->slices;
-    for (uint32_t j = y - ry; j <= y + ry; j++)
-        for (uint32_t i = x - rx; i <= x + rx; i++) {
-            const size_t pixel = (size_t)j * l->width + i;
-            if (sv_wall_first(v, pixel) > *first) *first = sv_wall_first(v, pixel);
-            if (sv_wall_end(v, pixel) < *end) *end = sv_wall_end(v, pixel);
-        }
-    *first += l->mean[2];
-}
-
-void sv_wall_histogram(const sv_wall_volume *v, const sv_wall_layout *l, const uint8_t *means,
-                       uint64_t histogram[256]) {
-    const size_t plane = (size_t)l->width * l->height;
+void sv_wall_histogram(const sv_wall_blocks *b, uint64_t histogram[256]) {
+    const size_t plane = (size_t)b->columns * b->rows;
     memset(histogram, 0, 256 * sizeof *histogram);
-    for (uint32_t y = 0; y < l->height; y++)
-        for (uint32_t x = 0; x < l->width; x++) {
-            uint32_t first, end;
-            box_range(v, l, x, y, &first, &end);
-            for (size_t z = first; z + l->mean[2] < end; z++)
-                histogram[means[z * plane + (size_t)y * l->width + x]]++;
-        }
+    for (size_t ray = 0; ray < plane; ray++)
+        for (size_t z = b->first[ray]; z < b->end[ray]; z++) histogram[b->levels[z * plane + ray]]++;
 }
 
 /* Lowest smoothed count between the modes of the two classes, and the lower mode. */
@@ -150,6 +70,11 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     out.bright = (uint32_t)(SV_WALL_LEVEL_ONE * sum / count);
     find_valley(histogram, &out);
     return out;
+}
+
+uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *levels) {
+    const uint32_t way = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
+    return levels->threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
 }
 
 sv_wall_outcome sv_wall_outcome_of(const sv_wall_layout *l, const sv_wall_levels *levels) {

@@ -10,7 +10,7 @@ static size_t inside(int64_t at, size_t count) {
     return at < 0 ? 0 : at >= (int64_t)count ? count - 1 : (size_t)at;
 }
 
-/* A weighted sum along one axis; beyond the border the cell at the border counts. */
+/* A weighted sum along one axis; beyond the border the ray at the border counts. */
 static void blur_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t count, size_t stride,
                        const uint32_t *weights, uint32_t reach) {
     for (size_t block = 0; block < blocks; block++, from += count * stride)
@@ -26,28 +26,28 @@ static void blur_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t
 
 /* The lateral Gaussian, rounded half up at its end only: so the order of the axes does not matter. */
 static void blur(const sv_wall_layout *l, uint32_t *costs, uint32_t *rows) {
-    const size_t all = (size_t)l->cells_x * l->cells_y * l->labels;
-    const uint32_t one = SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE;
-    blur_along(costs, rows, l->cells_y, l->cells_x, l->labels, l->kernel_x, l->reach_x);
-    blur_along(rows, costs, 1, l->cells_y, (size_t)l->cells_x * l->labels, l->kernel_y, l->reach_y);
+    const size_t all = (size_t)l->columns * l->rows * l->layers;
+    const uint32_t one = SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE / (SV_WALL_FINE_ONE / SV_WALL_ONE);
+    blur_along(costs, rows, l->rows, l->columns, l->layers, l->kernel_x, l->reach_x);
+    blur_along(rows, costs, 1, l->rows, (size_t)l->columns * l->layers, l->kernel_y, l->reach_y);
     for (size_t i = 0; i < all; i++) costs[i] = (costs[i] + one / 2) / one;
 }
 
-/* The mean of the labels around the cheapest one that cost at most `slack` more, weighted by what they cost
- * less than that; of several cheapest the one nearest to the viewer counts. In labels. */
-static float cheapest(const uint32_t *cost, uint32_t labels, uint32_t slack) {
+/* The mean of the layers around the cheapest one that cost at most `slack` more, weighted by what they cost
+ * less than that; of several cheapest the one nearest to the viewer counts. In layers. */
+static float cheapest(const uint32_t *cost, uint32_t layers, uint32_t slack) {
     uint32_t best = 0;
-    for (uint32_t i = 1; i < labels; i++)
+    for (uint32_t i = 1; i < layers; i++)
         if (cost[i] < cost[best]) best = i;
     const uint32_t limit = cost[best] + slack;
-    uint64_t weight = slack, sum = (uint64_t)slack * best;
+    uint32_t weight = slack, sum = slack * best;
     for (uint32_t i = best; i > 0 && cost[i - 1] < limit; i--) {
         weight += limit - cost[i - 1];
-        sum += (uint64_t)(limit - cost[i - 1]) * (i - 1);
+        sum += (limit - cost[i - 1]) * (i - 1);
     }
-    for (uint32_t i = best + 1; i < labels && cost[i] < limit; i++) {
+    for (uint32_t i = best + 1; i < layers && cost[i] < limit; i++) {
         weight += limit - cost[i];
-        sum += (uint64_t)(limit - cost[i]) * i;
+        sum += (limit - cost[i]) * i;
     }
     return weight ? (float)sum / (float)weight : (float)best;
 }
@@ -57,54 +57,55 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Of a cell and its eight neighbours; beyond the border the cell at the border counts. */
-static void neighbours(const float *map, uint32_t columns, uint32_t rows, uint32_t x, uint32_t y,
-                       float out[9]) {
+/* Of a ray and its eight neighbours so many blocks away; beyond the border the ray at the border counts. */
+static void neighbours(const sv_wall_layout *l, const uint32_t away[2], const float *map, uint32_t x,
+                       uint32_t y, float out[9]) {
+    const int64_t dx = away[0], dy = away[1];
     for (int v = -1; v <= 1; v++)
         for (int u = -1; u <= 1; u++)
-            *out++ = map[inside((int64_t)y + v, rows) * columns + inside((int64_t)x + u, columns)];
+            *out++ = map[inside(y + v * dy, l->rows) * l->columns + inside(x + u * dx, l->columns)];
 }
 
-static float middle(const float *map, uint32_t columns, uint32_t rows, uint32_t x, uint32_t y) {
+static float middle(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
     float values[9];
-    neighbours(map, columns, rows, x, y, values);
+    neighbours(l, l->aside, map, x, y, values);
     qsort(values, 9, sizeof *values, by_value);
     return values[4];
 }
 
 /* Weights 1 2 1 along both axes. The sum of opposite neighbours comes first, so a mirrored map gives the
  * mirrored result. */
-static float smooth(const float *map, uint32_t columns, uint32_t rows, uint32_t x, uint32_t y) {
+static float smooth(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
     float n[9];
-    neighbours(map, columns, rows, x, y, n);
+    neighbours(l, l->around, map, x, y, n);
     const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
     return (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f;
 }
 
-/* Two cells and their weights. */
+/* Two blocks and their weights. */
 typedef struct {
     uint32_t low, high;
     float low_weight, high_weight;
 } pair;
 
-/* Where pixel i lies between the centres of cells; beyond the outermost centres their value counts. Both
+/* Where pixel i lies between the centres of blocks; beyond the outermost centres their value counts. Both
  * weights are quotients of integers, so that the mirrored pixel has the same. */
-static pair between(uint32_t i, uint32_t pixels, uint32_t cells) {
-    const int64_t at = (int64_t)(2 * (uint64_t)i + 1) * cells - pixels, width = 2 * (int64_t)pixels;
+static pair between(uint32_t i, uint32_t pixels, uint32_t blocks) {
+    const int64_t at = (int64_t)(2 * (uint64_t)i + 1) * blocks - pixels, width = 2 * (int64_t)pixels;
     if (at <= 0) return (pair){0, 0, 1.0f, 0.0f};
-    const uint32_t cell = (uint32_t)(at / width);
-    if (cell + 1 >= cells) return (pair){cells - 1, cells - 1, 1.0f, 0.0f};
+    const uint32_t block = (uint32_t)(at / width);
+    if (block + 1 >= blocks) return (pair){blocks - 1, blocks - 1, 1.0f, 0.0f};
     const int64_t rest = at % width;
-    return (pair){cell, cell + 1, (float)(width - rest) / (float)width, (float)rest / (float)width};
+    return (pair){block, block + 1, (float)(width - rest) / (float)width, (float)rest / (float)width};
 }
 
 /* Bilinear. The four products are added in an order that neither mirroring nor transposing changes. */
-static void interpolate(const sv_wall_layout *l, const float *cells, float scale, float *map) {
+static void interpolate(const sv_wall_layout *l, const float *rays, float scale, float *map) {
     for (uint32_t y = 0; y < l->height; y++)
         for (uint32_t x = 0; x < l->width; x++) {
-            const pair u = between(x, l->width, l->cells_x), v = between(y, l->height, l->cells_y);
-            const float *top = cells + (size_t)v.low * l->cells_x,
-                        *bottom = cells + (size_t)v.high * l->cells_x;
+            const pair u = between(x, l->width, l->columns), v = between(y, l->height, l->rows);
+            const float *top = rays + (size_t)v.low * l->columns,
+                        *bottom = rays + (size_t)v.high * l->columns;
             const float a = u.low_weight * v.low_weight * top[u.low],
                         b = u.high_weight * v.low_weight * top[u.high];
             const float c = u.low_weight * v.high_weight * bottom[u.low];
@@ -113,47 +114,45 @@ static void interpolate(const sv_wall_layout *l, const float *cells, float scale
         }
 }
 
-/* What the cell's own rays say of the depth that its neighbourhood chose. Distance to the fluid counts twice
- * here. */
-static float own_cost(const sv_wall_layout *l, const sv_wall_cells *cells, size_t cell, float label) {
-    const size_t at = cell * l->labels + (size_t)(label + 0.5f);
-    return (float)(SV_WALL_OWN_AWAY * cells->away[at] + 2 * cells->wrong[at]) / (2 * SV_WALL_CELL_ONE);
+/* What the ray itself says of the depth that its neighbourhood chose. */
+static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, size_t ray, float layer) {
+    const size_t at = ray * l->layers + (size_t)(layer + 0.5f);
+    return (float)(SV_WALL_OWN_AWAY * costs->away[at] + costs->wrong[at]) / SV_WALL_ONE;
 }
 
-static void finish(const sv_wall_layout *l, const sv_wall_cells *cells, float *labels, float *chosen,
+static void finish(const sv_wall_layout *l, const sv_wall_costs *costs, float *layers, float *chosen,
                    float *depth, float *confidence) {
-    const uint32_t nx = l->cells_x, ny = l->cells_y;
-    for (uint32_t y = 0; y < ny; y++)
-        for (uint32_t x = 0; x < nx; x++) {
-            const size_t cell = (size_t)y * nx + x;
-            chosen[cell] = l->median ? middle(labels, nx, ny, x, y) : labels[cell];
+    for (uint32_t y = 0; y < l->rows; y++)
+        for (uint32_t x = 0; x < l->columns; x++) {
+            const size_t ray = (size_t)y * l->columns + x;
+            chosen[ray] = l->median ? middle(l, layers, x, y) : layers[ray];
         }
-    for (size_t cell = 0; cell < (size_t)nx * ny; cell++)
-        labels[cell] = own_cost(l, cells, cell, chosen[cell]);
-    interpolate(l, chosen, (float)l->step, depth);
+    for (size_t ray = 0; ray < (size_t)l->columns * l->rows; ray++)
+        layers[ray] = own_cost(l, costs, ray, chosen[ray]);
+    interpolate(l, chosen, (float)l->depth, depth);
     const float doubt = l->doubt;
-    for (uint32_t y = 0; y < ny; y++)
-        for (uint32_t x = 0; x < nx; x++) {
-            const float own = smooth(labels, nx, ny, x, y) / doubt;
-            chosen[(size_t)y * nx + x] = 1.0f / (1.0f + own * own);
+    for (uint32_t y = 0; y < l->rows; y++)
+        for (uint32_t x = 0; x < l->columns; x++) {
+            const float own = smooth(l, layers, x, y) / doubt;
+            chosen[(size_t)y * l->columns + x] = 1.0f / (1.0f + own * own);
         }
     interpolate(l, chosen, 1.0f, confidence);
 }
 
-bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_cells *cells, float *depth, float *confidence) {
-    const size_t count = (size_t)l->cells_x * l->cells_y, all = count * l->labels;
+bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float *depth, float *confidence) {
+    const size_t count = (size_t)l->columns * l->rows, all = count * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
-    float *labels = calloc(count, sizeof *labels), *chosen = calloc(count, sizeof *chosen);
-    const bool done = costs && rows && labels && chosen;
+    float *layers = calloc(count, sizeof *layers), *chosen = calloc(count, sizeof *chosen);
+    const bool done = costs && rows && layers && chosen;
     if (done) {
-        for (size_t i = 0; i < all; i++) costs[i] = cells->away[i] + cells->wrong[i];
+        for (size_t i = 0; i < all; i++) costs[i] = given->away[i] + given->wrong[i];
         blur(l, costs, rows);
-        for (size_t i = 0; i < count; i++) labels[i] = cheapest(costs + i * l->labels, l->labels, l->slack);
-        finish(l, cells, labels, chosen, depth, confidence);
+        for (size_t i = 0; i < count; i++) layers[i] = cheapest(costs + i * l->layers, l->layers, l->slack);
+        finish(l, given, layers, chosen, depth, confidence);
     }
     free(costs);
     free(rows);
-    free(labels);
+    free(layers);
     free(chosen);
     return done;
 }

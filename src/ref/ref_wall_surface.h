@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* From the costs of cells to a surface and its confidence. */
+/* From the costs of rays to a surface and its confidence. */
 #ifndef REF_WALL_SURFACE_H
 #define REF_WALL_SURFACE_H
 
-#include "ref/ref_wall_cells.h"
+#include "ref/ref_wall_rays.h"
 
 /* Maps of width * height. False: no memory. */
-bool sv_wall_cheapest(const sv_wall_layout *layout, const sv_wall_cells *cells, float *depth,
+bool sv_wall_cheapest(const sv_wall_layout *layout, const sv_wall_costs *costs, float *depth,
                       float *confidence);
 
 #endif

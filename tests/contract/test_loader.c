@@ -41,7 +41,7 @@ static void loads_a_good_plugin_again_and_again(void **state) {
         if (!hs_plugin_open(&plugin, plugin_path("plane.so"), NULL, SV_LOG_ERROR, &err))
             fail_msg("%s", err.text);
         assert_string_equal(plugin.instance->descriptor->id, "org.smartvis.test.plane");
-        assert_int_equal(plugin.entry->abi_major, SV_ABI_MAJOR);
+        assert_int_equal(plugin.abi_major, SV_ABI_MAJOR);
         assert_ptr_equal(plugin.host.host_data, &plugin);
         hs_plugin_close(&plugin);
     }

@@ -65,6 +65,9 @@ expect 2 "--setting: 'both' is none of dvr, convert, smartvis, all" "${good[@]}"
 expect 2 "--padding: 'some' is none of auto, none, all" "${good[@]}" --padding some
 expect 2 "--window: '7', expected LOW,HIGH" "${good[@]}" --window 7
 expect 2 "--window: 9,7: LOW must be less than HIGH" "${good[@]}" --window 9,7
+expect 2 "--mirror: is for Kretz files" "${good[@]}" --mirror
+expect 2 "--spacing: is for Kretz files" "${run[@]}" --scene D01 --spacing 1
+expect 2 "--spacing: 0 is outside 0.01 .. 100" info --spacing 0 good.mha
 expect 2 "own queue: needs carrier host, got image" "${good[@]}" --own-queue --carrier image
 expect 2 "--scene D01 and --volume good.mha" "${good[@]}" --scene D01
 expect 2 "'more': unexpected argument" "${good[@]}" more
@@ -173,6 +176,20 @@ holds [ -n "$version" ]
 holds [ "$(cat stdout)" = "host_sim $version, SmartVis plugin ABI $(abi MAJOR).$(abi MINOR)" ]
 expect 0 "" info good.mha "$work/other_size.mha"
 holds grep -q "16 x 16 x 8 voxels" stdout
+# A Kretz file: the mirror is told by the summary and the file of results, and what is for MetaImage is refused.
+"$host_sim" scenes E01 --size 32 --frames 2 --export --format vol --out "$work/kretz" > /dev/null
+kretz=("${run[@]}" --volume "$work/kretz/E01_full.vol" --out "$work/out")
+expect 0 "" "${kretz[@]}" --mirror --spacing 4 --json "$work/kretz.json"
+holds grep -q '"mirrored": true' kretz.json
+holds grep -q "sweep + at +y, mirrored; 2 volumes in turn" stdout
+expect 0 "" "${kretz[@]}" --spacing 4 --json "$work/kretz.json"
+holds grep -q '"mirrored": false' kretz.json
+holds grep -q "sweep + at -y; 2 volumes in turn" stdout
+expect 2 "a window was given" "${kretz[@]}" --window 1,2
+expect 2 "where the probe is" "${kretz[@]}" --probe +y
+expect 3 "a sequence of 2 volumes, which comes alone" "${kretz[@]}" --volume "$work/kretz/E01_full.vol"
+head -c 5000 "$work/kretz/E01_full.vol" > "$work/cut.vol"
+expect 3 "cut.vol: byte" info cut.vol
 # No OpenCL device is needed to describe a plugin.
 export OCL_ICD_VENDORS=$work/no_drivers
 expect 0 "" list

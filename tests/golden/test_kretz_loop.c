@@ -199,7 +199,8 @@ static void gaps_are_told_by_the_padding_value(void **state) {
     for (int gaps = 0; gaps < 2; gaps++) {
         hs_error err = {0};
         sv_format format = {.size = sizeof format};
-        hs_slabs *slabs = hs_slabs_create(&f->cl, &layout, SV_CARRIER_BUFFER, HS_FAN_RANGES, gaps, &err);
+        hs_slabs *slabs =
+            hs_slabs_create(&f->cl, &layout, SV_CARRIER_BUFFER, HS_FAN_RANGES, gaps, NULL, &err);
         if (!slabs) fail_msg("%s", err.text);
         hs_slabs_describe_format(slabs, &format);
         assert_int_equal(format.flags, SV_FORMAT_SCANNED);

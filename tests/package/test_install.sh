@@ -70,7 +70,7 @@ mkdir "$work/elsewhere"
 cd "$work/elsewhere" || exit 1
 run=("$host_sim" run --scene D01 --size 128 --setting smartvis --frames 2 --picture 96 --panel 96 --out "$work/run")
 holds works "$host_sim" list
-holds said "$prefix/bin/../lib/smartvis/smartvis.so"
+holds said "$prefix/lib/smartvis/smartvis.so"
 holds works "${run[@]}"
 holds said 'Frames: 2 clipped'
 holds test -s "$work/run/panel.png"
@@ -100,7 +100,7 @@ SMARTVIS_PLUGIN_PATH=/nowhere::$work/my-plugin/build holds works "$host_sim" lis
 holds said "$work/my-plugin/build/my_plugin.so"
 holds works cmake --install "$work/my-plugin/build" --prefix "$prefix"
 holds works "$host_sim" list --plugin my_plugin.so
-holds said "$prefix/bin/../lib/smartvis/my_plugin.so"
+holds said "$prefix/lib/smartvis/my_plugin.so"
 
 # --- pkg-config: version and paths; C without CMake, C++17
 export PKG_CONFIG_PATH=$prefix/share/pkgconfig

@@ -102,7 +102,7 @@ static inline sva *wrong_self(const sv_plugin *plugin) {
 
 /* Does what the optimiser must not see through. */
 static inline void wrong_crash(void) {
-    int *volatile nowhere = NULL;
+    volatile int *volatile nowhere = NULL;
     *nowhere = 1;
 }
 static inline void wrong_hang(void) {

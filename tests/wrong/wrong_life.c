@@ -22,8 +22,8 @@ static int recurse(volatile int *depth) {
 }
 
 static int divide(void) {
-    volatile int zero = 0;
-    return 1 / zero;
+    volatile int zero = 0, quotient = 7 / zero;
+    return quotient;
 }
 
 /* Takes no more than that, so that a machine without limits outlives it. */
@@ -50,10 +50,9 @@ static void be_noisy(const sva *a) {
 
 static void leak(void) {
     pthread_t thread;
-    char *volatile block =
-        WRONG_IS(leaks_memory) || WRONG_IS(ignores_no_memory) ? (char *)malloc(10000) : NULL;
+    void *volatile block = WRONG_IS(leaks_memory) || WRONG_IS(ignores_no_memory) ? malloc(10000) : NULL;
     if (WRONG_IS(ignores_no_memory)) {
-        memset(block, 1, 10000);
+        *(volatile char *)block = 1;
         free(block);
     }
     if (WRONG_IS(leaks_file) && open("/dev/null", O_RDONLY) < 0) wrong_crash();

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The family of plugins that are wrong on purpose, each in one way: WRONG(id, source, check, what is wrong).
- * CMake builds wrong_<source>.c once for every line, with WRONG_ID=<id>, as <build>/wrong/<id>.so. sv_validate
- * must fail on it by `check`; no host may crash, hang or show a wrong picture because of it. The same sources
- * without a fault are <build>/wrong/right/<source>.so.
+ * CMake builds wrong_<source>.c once for every line, with WRONG_ID=<id>, as <build>/wrong/<id>.so.
+ * sv_validate must fail on it by `check`; no host may crash, hang or show a wrong picture because of it. The
+ * same sources without a fault are <build>/wrong/right/<source>.so.
  *
  * One line an entry: CMake and the tests' scripts read this file, too.
  */
@@ -64,6 +64,7 @@
     WRONG(accepts_unknown_id, params, param-out-of-range, "ids that no parameter has are ignored") \
     WRONG(accepts_fixed, params, param-fixed, "a frame may change what only activate reads") \
     WRONG(first_value_counts, params, param-repeated, "of a repeated id the first value counts") \
+    WRONG(one_setting_wrong, params, every-setting, "with one value of an enum the maps are of no use") \
     WRONG(pair_fails, params, param-pairs, "two values that are fine alone fail together") \
     WRONG(adjust_ignores_value, params, adjust-equals-frame, "adjust gives the frame's map again, whatever the value") \
     WRONG(depth_nan, results, depth-values, "one depth is NaN") \
@@ -76,7 +77,7 @@
     WRONG(begin_partial, results, frame-outcome, "begin returns SV_PARTIAL") \
     WRONG(slab_1, results, frame-outcome, "slab returns SV_NO_SURFACE") \
     WRONG(end_77, results, frame-outcome, "end returns and tells an outcome that nobody knows") \
-    WRONG(end_minus_77, results, frame-outcome, "end fails with a status that nobody knows") \
+    WRONG(end_minus_77, results, first-frame, "end fails with a status that nobody knows") \
     WRONG(outcome_negative, results, frame-outcome, "end returns SV_OK, and the statistics an error") \
     WRONG(outcomes_differ, results, frame-outcome, "end returns SV_OK, and the statistics SV_PARTIAL") \
     WRONG(depths_without_surface, results, frame-outcome, "the outcome is SV_NO_SURFACE, and the map is not zero") \

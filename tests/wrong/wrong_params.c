@@ -100,7 +100,15 @@ static sv_status adjust(const sv_plugin *plugin, const sv_param_value *values, u
     return sva_adjust(&a->api, NULL, 0, result);
 }
 
+static sv_status end(const sv_plugin *plugin, const sv_result *result) {
+    const sva *a = wrong_self(plugin);
+    const sv_status status = sva_end(plugin, result);
+    if (WRONG_IS(one_setting_wrong) && status >= 0 && sva_value(a, SIDE) == 1.0) result->depth[0] = NAN;
+    return status;
+}
+
 static void misbehave(sv_plugin *api) {
+    api->end = end;
     api->param_count = count;
     api->param_info = info;
     api->param_text = text;

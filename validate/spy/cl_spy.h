@@ -1,26 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Between a library under test and OpenCL: counts its calls, and makes one of them fail. A test program that
+ * Between a library under test and OpenCL: counts its calls, and makes one of them fail. A program that
  * links spy/cl_spy.c defines clCreateBuffer and so on itself; exported (-rdynamic), these come before those
  * of the OpenCL loader when a plugin is loaded with dlopen. Only calls that return into the watched library
- * count, so those of the test, of the loader and of the driver do not. One thread only.
+ * count, so those of the program, of the loader and of the driver do not. One thread only.
  */
 #ifndef SV_CL_SPY_H
 #define SV_CL_SPY_H
 
+#include "spy/cl_spy_kind.h"
+
 #include <CL/cl.h>
 #include <stdbool.h>
 #include <stdint.h>
-
-typedef enum {
-    SPY_QUERY,   /* clGet...Info, clSetKernelArg: nothing is made, nothing waits */
-    SPY_ENQUEUE, /* clEnqueue... */
-    SPY_CREATE,  /* clCreate... */
-    SPY_RELEASE, /* clRelease... */
-    SPY_BUILD,   /* clBuildProgram */
-    SPY_WAIT,    /* clFinish */
-    SPY_KINDS
-} spy_kind;
 
 /* Watches the library that holds `address`, and forgets all counts. */
 void spy_watch(const void *address);
@@ -29,9 +21,11 @@ void spy_watch(const void *address);
 void spy_reset(void);
 
 uint32_t spy_count(spy_kind kind);
-uint32_t spy_blocking(void); /* reads and writes that were told to block */
-int32_t spy_live(void);      /* objects and events the library has made and not yet released */
-bool spy_pending(void);      /* it has enqueued something since its last clFinish */
+const char *spy_first(spy_kind kind); /* name of the first of these calls, "" if there was none */
+uint32_t spy_blocking(void);          /* reads, writes and maps that were told to block */
+const char *spy_first_blocking(void);
+int32_t spy_live(void); /* objects and events the library has made or retained and not yet released */
+bool spy_pending(void); /* it has enqueued something since its last clFinish */
 
 /* The nth call from now on (1, 2, ...; clRelease... is not counted) fails with `code`; 0: none. A clFinish
  * that fails does finish: commands in flight with nobody waiting are no error OpenCL can report. */

@@ -5,7 +5,9 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <stdatomic.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #if defined(__has_feature)
@@ -17,13 +19,13 @@
 #define WITHOUT_HEAP_SPY
 #endif
 
-enum { MOST_BLOCKS = 256 };
+enum { PLACES = 1 << 16, MOST_BLOCKS = PLACES / 2 };
 
 static struct {
     library_range watched;
     uint32_t count, fail_in;
     uint32_t live;
-    void *blocks[MOST_BLOCKS]; /* the live ones: whoever frees one, for a tail call hides its caller */
+    void *blocks[PLACES]; /* the live ones, by address: whoever frees one, for a tail call hides its caller */
     bool failed;
 } spy;
 
@@ -76,9 +78,9 @@ void *realloc(void *block, size_t bytes);
 void free(void *block);
 
 /* What becomes of an allocation. Other threads (the driver's) never return into the library. */
-typedef enum { FOREIGN, OURS, FAILS } verdict;
+typedef enum { FOREIGN, OURS, FAILS } spy_heap_verdict;
 
-static verdict judge(const void *caller) {
+static spy_heap_verdict judge(const void *caller) {
     if (!library_range_holds(spy.watched, caller)) return FOREIGN;
     spy.count++;
     if (spy.fail_in == 0 || --spy.fail_in > 0) return OURS;
@@ -87,33 +89,66 @@ static verdict judge(const void *caller) {
     return FAILS;
 }
 
-static void *keep(verdict v, void *block) {
+/* Other threads free blocks, too. */
+static atomic_flag busy = ATOMIC_FLAG_INIT;
+static void lock(void) {
+    while (atomic_flag_test_and_set_explicit(&busy, memory_order_acquire)) {
+    }
+}
+static void unlock(void) {
+    atomic_flag_clear_explicit(&busy, memory_order_release);
+}
+
+/* Where a block's search begins; it goes on to the next empty place. */
+static size_t home_of(const void *block) {
+    return ((uintptr_t)block >> 4) * 0x9e3779b97f4a7c15u >> 48;
+}
+
+static void *keep(spy_heap_verdict v, void *block) {
     if (v != OURS || !block) return block;
+    lock();
     assert(spy.live < MOST_BLOCKS);
-    spy.blocks[spy.live++] = block;
+    size_t i = home_of(block);
+    while (spy.blocks[i]) i = (i + 1) % PLACES;
+    spy.blocks[i] = block;
+    spy.live++;
+    unlock();
     return block;
 }
 
+/* Empties place i, and moves back whatever was found through it. */
+static void empty(size_t i) {
+    for (size_t k = (i + 1) % PLACES; spy.blocks[k]; k = (k + 1) % PLACES) {
+        const size_t home = home_of(spy.blocks[k]);
+        if ((k + PLACES - home) % PLACES < (k + PLACES - i) % PLACES) continue;
+        spy.blocks[i] = spy.blocks[k];
+        i = k;
+    }
+    spy.blocks[i] = NULL;
+    spy.live--;
+}
+
 static void lose(const void *block) {
-    for (uint32_t i = 0; block && i < spy.live; i++)
-        if (spy.blocks[i] == block) {
-            spy.blocks[i] = spy.blocks[--spy.live];
-            return;
-        }
+    if (!block || spy.live == 0) return;
+    lock();
+    size_t i = home_of(block);
+    while (spy.blocks[i] && spy.blocks[i] != block) i = (i + 1) % PLACES;
+    if (spy.blocks[i]) empty(i);
+    unlock();
 }
 
 void *malloc(size_t bytes) {
-    const verdict v = judge(__builtin_return_address(0));
+    const spy_heap_verdict v = judge(__builtin_return_address(0));
     return v == FAILS ? NULL : keep(v, __libc_malloc(bytes));
 }
 
 void *calloc(size_t count, size_t bytes) {
-    const verdict v = judge(__builtin_return_address(0));
+    const spy_heap_verdict v = judge(__builtin_return_address(0));
     return v == FAILS ? NULL : keep(v, __libc_calloc(count, bytes));
 }
 
 void *realloc(void *block, size_t bytes) {
-    const verdict v = judge(__builtin_return_address(0));
+    const spy_heap_verdict v = judge(__builtin_return_address(0));
     if (v == FAILS) return NULL;
     lose(block);
     return keep(v, __libc_realloc(block, bytes));

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The wall's surface, blocks: which of them were scanned, their histogram, and the largest of a row beside
+ * every ray.
+ */
+#ifndef SV_WALL_CLH
+#include "wall/wall.clh"
+#endif
+
+/* The layers at which all voxels of a ray were scanned. `ranges`: planes of the pixels' ranges. */
+static void find_range(const sv_wall_layout *l, const sv_wall_span *across, const sv_wall_span *along,
+                       uint pitch, __global const ushort *ranges, ushort *first, ushort *end) {
+    uint from = 0, to = l->slices;
+    for (uint y = along->first; y < along->first + along->count; y++)
+        for (uint x = across->first; x < across->first + across->count; x++) {
+            __global const ushort *at = ranges + (size_t)y * pitch + x;
+            from = max(from, (uint)at[0]);
+            to = min(to, (uint)at[(size_t)l->height * pitch]);
+        }
+    from = (from + l->depth - 1) / l->depth;
+    to = to == l->slices ? l->layers : to / l->depth;
+    *first = (ushort)(from < to ? from : 0);
+    *end = (ushort)(from < to ? to : 0);
+}
+
+/* The ranges of a row of rays, and how many of them were scanned. */
+static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pitch,
+                        __global const sv_wall_span *spans, __global const ushort *ranges,
+                        __global ushort *rays) {
+    __global ushort *first = (__global ushort *)ray_row(rays, l, RAY_FIRST, row);
+    __global ushort *end = (__global ushort *)ray_row(rays, l, RAY_END, row);
+    const sv_wall_span along = spans[l->columns + row];
+    uint count = 0;
+    for (uint x = 0; x < l->columns; x++) {
+        ushort from = 0, to = (ushort)l->layers;
+        if (bounded) {
+            const sv_wall_span across = spans[x];
+            find_range(l, &across, &along, pitch, ranges, &from, &to);
+        }
+        first[x] = from;
+        end[x] = to;
+        count += to > from;
+    }
+    return count;
+}
+
+/* Counts LANES levels where the mask is set; four histograms, so that equal neighbours do not wait. */
+static void count(uint histogram[4][256], u8l levels, i16l mask) {
+    if (!some_words(~mask)) {
+        const ulong *packed = (const ulong *)&levels;
+        for (uint k = 0; k < LANES / 8; k += 2) {
+            ulong a = packed[k], b = packed[k + 1];
+            for (uint i = 0; i < 4; i++) {
+                histogram[0][a & 255]++;
+                histogram[1][b & 255]++;
+                histogram[2][(a >> 8) & 255]++;
+                histogram[3][(b >> 8) & 255]++;
+                a >>= 16;
+                b >>= 16;
+            }
+        }
+        return;
+    }
+    if (!some_words(mask)) return;
+    const uchar *lanes = (const uchar *)&levels;
+    const short *wanted = (const short *)&mask;
+    for (uint i = 0; i < LANES; i++) histogram[0][lanes[i]] += wanted[i] != 0;
+}
+
+/* The largest of a row's levels and of those up to `reach` to either side. */
+static void largest_of_row(const sv_wall_layout *l, __global const uchar *at, int reach, __global uchar *to) {
+    for (uint x = 0; x < padded_columns_of(l); x += LANES) {
+        u8l most = *(__global const u8l *)(at + x);
+        for (int k = 1; k <= reach; k++) {
+            const u8l left = ((__global const u8l_anywhere *)(at + x - k))->v;
+            const u8l right = ((__global const u8l_anywhere *)(at + x + k))->v;
+            most = MOST(most, left);
+            most = MOST(most, right);
+        }
+        *(__global u8l *)(to + x) = most;
+    }
+}
+
+/* One work item per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
+ * ranges. `beside`: the largest levels of a row beside every ray. */
+__kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
+                          __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
+                          __global uchar *restrict levels, __global ushort *restrict rays,
+                          __global uchar *restrict beside, __global uint *restrict histograms) {
+    const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
+    const int reach = (int)l.beside[0];
+    __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
+    __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
+    uint histogram[4][256];
+    for (uint i = 0; i < 256; i++) histogram[0][i] = histogram[1][i] = histogram[2][i] = histogram[3][i] = 0;
+    histograms += (size_t)row * HISTOGRAM_WORDS;
+    histograms[HISTOGRAM_RAYS] = find_ranges(&l, row, bounded, pitch, spans, ranges, rays);
+    for (uint z = 0; z < l.layers; z++) {
+        const i16l at = (i16l)((short)z);
+        __global u8l *here = (__global u8l *)(levels + level_row(&l, z, row));
+        for (uint x = 0; x < vectors; x++) {
+            const i16l scanned = (first[x] <= at) & (end[x] > at);
+            const u8l level = here[x] & bytes_of(scanned);
+            here[x] = level;
+            count(histogram, level, scanned);
+        }
+        /* one layer later: a vector that was just stored is slow to load in parts */
+        if (z > 0)
+            largest_of_row(&l, levels + level_row(&l, z - 1, row), reach, beside + block_row(&l, z - 1, row));
+    }
+    largest_of_row(&l, levels + level_row(&l, l.layers - 1, row), reach,
+                   beside + block_row(&l, l.layers - 1, row));
+    for (uint i = 0; i < 256; i++)
+        histograms[i] = histogram[0][i] + histogram[1][i] + histogram[2][i] + histogram[3][i];
+}

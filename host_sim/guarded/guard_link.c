@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+#include "guarded/guard_link.h"
+
+#include "base/progress.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#define EXTRA_CALLS 8u /* of a message, beside one a slab: begin, end, the queue, extensions */
+
+/* ------------------------------------------------------------------------------------------- memory -- */
+
+bool hs_guard_link_create(hs_guard *guard, hs_error *err) {
+    /* As large as it can get: only what is touched takes memory. Sealed, so that the child cannot take it
+     * away. */
+    const size_t most = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
+    char path[64];
+    guard->block_fd = memfd_create("guard", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    guard->slabs_fd = memfd_create("guard slabs", MFD_CLOEXEC);
+    guard->slabs_read_fd = -1;
+    if (guard->block_fd < 0 || guard->slabs_fd < 0 || ftruncate(guard->block_fd, (off_t)most) != 0 ||
+        fcntl(guard->block_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
+        return hs_fail(err, HS_ERR_MEMORY, "guard: no shared memory: %s", strerror(errno));
+    /* The child's way to the slabs: opened anew, for reading only. */
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", guard->slabs_fd);
+    guard->slabs_read_fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (guard->slabs_read_fd < 0) return hs_fail(err, HS_ERR_MEMORY, "guard: %s: %s", path, strerror(errno));
+    void *block = mmap(NULL, most, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, guard->block_fd, 0);
+    if (block == MAP_FAILED)
+        return hs_fail(err, HS_ERR_MEMORY, "guard: cannot map %zu bytes: %s", most, strerror(errno));
+    guard->block = block;
+    guard->block->magic = HS_GUARD_MAGIC;
+    return true;
+}
+
+void hs_guard_link_destroy(hs_guard *guard) {
+    const size_t most = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
+    hs_child_close(&guard->child);
+    if (guard->block) (void)munmap(guard->block, most);
+    if (guard->slabs) (void)munmap(guard->slabs, guard->slabs_bytes);
+    if (guard->block_fd >= 0) (void)close(guard->block_fd);
+    if (guard->slabs_fd >= 0) (void)close(guard->slabs_fd);
+    if (guard->slabs_read_fd >= 0) (void)close(guard->slabs_read_fd);
+}
+
+void *hs_guard_map_of(const hs_guard *guard, hs_guard_map map) {
+    return (uint8_t *)guard->block + hs_guard_map_offset(map, guard->pixels);
+}
+
+/* ----------------------------------------------------------------------------------------- messages -- */
+
+sv_status hs_guard_refuse(hs_guard *guard, sv_status status, const char *call, const char *reason) {
+    (void)snprintf(guard->call, sizeof guard->call, "%s", call);
+    (void)snprintf(guard->last_error, sizeof guard->last_error, "%s", reason);
+    return status;
+}
+
+/* The call that the block names, copied and ended. */
+static void note_call(hs_guard *guard) {
+    memcpy(guard->call, guard->block->call, sizeof guard->block->call);
+    guard->call[sizeof guard->block->call] = '\0';
+}
+
+/* The child has ended: how, and in which call. */
+static sv_status tell_end(hs_guard *guard) {
+    char how[128];
+    const uint32_t step = guard->block->step, steps = guard->block->steps;
+    hs_child_tell(&guard->child.end, how, sizeof how);
+    note_call(guard);
+    if (guard->call[0] == '\0')
+        (void)snprintf(guard->last_error, sizeof guard->last_error, "%s between two calls", how);
+    else if (steps > 0)
+        (void)snprintf(guard->last_error, sizeof guard->last_error, "%s in %s %u of %u", how, guard->call,
+                       step, steps);
+    else
+        (void)snprintf(guard->last_error, sizeof guard->last_error, "%s in %s", how, guard->call);
+    (void)hs_fail(&guard->ended, HS_ERR_PLUGIN, "%s: %.900s", guard->path, guard->last_error);
+    hs_child_close(&guard->child);
+    guard->lost_frame = true;
+    return SV_ERR_INTERNAL;
+}
+
+/* Seconds until the call under way has had its time. What the child says of its begin counts only if it can
+ * be: it lies behind the order. */
+static double seconds_left(const hs_guard *guard, double ordered, double limit) {
+    const double now = hs_now();
+    const double since = (double)atomic_load(&guard->block->since_ns) * 1e-9;
+    const double calls = (double)guard->block->slab_count + EXTRA_CALLS;
+    const double call = (since > ordered && since < now ? since : ordered) + limit - now;
+    const double whole = ordered + calls * limit - now;
+    return call < whole ? call : whole;
+}
+
+/* Waits for the reply. False: the child has ended, or was ended. */
+static bool await(hs_guard *guard, hs_guard_order order, double limit, hs_guard_reply *reply) {
+    const double ordered = hs_now();
+    for (;;) {
+        const double left = seconds_left(guard, ordered, limit);
+        const hs_child_news news = hs_child_wait(&guard->child, left > 0 ? left : 0);
+        if (news == HS_CHILD_ENDED) return false;
+        if (news == HS_CHILD_MESSAGE) {
+            if (hs_child_receive(guard->child.channel, reply, sizeof *reply) && reply->op == order.op &&
+                reply->number == order.number)
+                return true;
+            hs_child_kill(&guard->child, HS_CHILD_SILENT, 0);
+            return false;
+        }
+        if (seconds_left(guard, ordered, limit) > 0) continue; /* the next call has begun meanwhile */
+        hs_child_kill(&guard->child, HS_CHILD_LATE, limit);
+        return false;
+    }
+}
+
+void hs_guard_note_error(hs_guard *guard) {
+    memcpy(guard->last_error, guard->block->last_error, sizeof guard->last_error);
+    guard->last_error[sizeof guard->last_error - 1] = '\0';
+}
+
+sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
+    const hs_guard_order order = {.op = op, .number = ++guard->number};
+    hs_guard_reply reply;
+    if (!guard->child.pid) return hs_guard_refuse(guard, SV_ERR_STATE, "guard", "the plugin has no process");
+    guard->block->call[0] = '\0';
+    guard->block->step = guard->block->steps = 0;
+    atomic_store(&guard->block->since_ns, 0);
+    if (!hs_child_send(guard->child.channel, &order, sizeof order)) hs_child_wait_end(&guard->child, limit);
+    if (!await(guard, order, limit, &reply)) return tell_end(guard);
+    note_call(guard);
+    guard->last_error[0] = '\0';
+    if (reply.status != SV_OK) hs_guard_note_error(guard);
+    return reply.status;
+}
+
+/* ------------------------------------------------------------------------------- start and restart -- */
+
+bool hs_guard_start(hs_guard *guard, hs_error *err) {
+    char program[PATH_MAX];
+    const hs_child_limits limits = {.memory_bytes = guard->options.memory_bytes};
+    const int passed[] = {guard->block_fd, guard->slabs_read_fd};
+    (void)snprintf(program, sizeof program, "%s", hs_guard_program());
+    char command[] = HS_GUARD_COMMAND;
+    char *const argv[] = {program, command, NULL};
+    if (!hs_child_exec(&guard->child, &limits, program, argv, passed, 2, err)) return false;
+    hs_guard_block *block = guard->block;
+    (void)snprintf(block->path, sizeof block->path, "%s", guard->path);
+    (void)snprintf(block->id, sizeof block->id, "%s", guard->id);
+    block->has_id = guard->has_id;
+    block->log_level = guard->log_level;
+    block->slab_count = 0;
+    block->error.code = HS_OK;
+    const sv_status status = hs_guard_ask(guard, HS_GUARD_OPEN, guard->options.setup_s);
+    if (status == SV_OK) return true;
+    if (!guard->child.pid) return hs_fail(err, HS_ERR_PLUGIN, "%s: %s", guard->path, guard->last_error);
+    hs_child_close(&guard->child);
+    return hs_fail(err, HS_ERR_PLUGIN, "%s", guard->last_error); /* names the path itself */
+}
+
+sv_status hs_guard_activate(hs_guard *guard) {
+    hs_guard_block *block = guard->block;
+    block->format = guard->format;
+    block->format.values = NULL;
+    block->way = guard->way;
+    block->slabs_bytes = guard->slabs_bytes;
+    block->slab_count = 0;
+    memcpy(block->values, guard->values, guard->format.value_count * sizeof *guard->values);
+    const sv_status status = hs_guard_ask(guard, HS_GUARD_ACTIVATE, guard->options.setup_s);
+    guard->offered = status == SV_OK && block->offered != 0;
+    return status;
+}
+
+bool hs_guard_revive(hs_guard *guard) {
+    hs_error err = {0};
+    if (guard->child.pid) return true;
+    if (guard->restarts >= guard->options.restarts) {
+        (void)snprintf(guard->last_error, sizeof guard->last_error,
+                       "ended %u times, and is not started any more", guard->restarts + 1u);
+        return false;
+    }
+    guard->restarts++;
+    if (!hs_guard_start(guard, &err)) {
+        (void)snprintf(guard->last_error, sizeof guard->last_error, "could not be started anew: %.900s",
+                       err.text);
+        return false;
+    }
+    if (!guard->active || hs_guard_activate(guard) == SV_OK) return true;
+    hs_child_close(&guard->child);
+    return false;
+}

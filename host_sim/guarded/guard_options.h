@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* When a plugin is guarded, and what its child may take. */
+#ifndef HS_GUARD_OPTIONS_H
+#define HS_GUARD_OPTIONS_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum {
+    HS_GUARD_AUTO, /* every library but the host's own */
+    HS_GUARD_ON,
+    HS_GUARD_OFF
+} hs_guard_choice;
+
+typedef struct {
+    hs_guard_choice choice;
+    double frame_s;        /* seconds that a call of a frame may take */
+    double setup_s;        /* and any other: loading, create, activate */
+    uint64_t memory_bytes; /* that the child may take, shared memory not counted */
+    uint32_t restarts;     /* children after the first */
+} hs_guard_options;
+
+/* Auto, 5 s, 60 s, 4 GiB, 3 restarts. */
+void hs_guard_defaults(hs_guard_options *options);
+
+/* True if the library at `path` is to be guarded. */
+bool hs_guard_wanted(const hs_guard_options *options, const char *path);
+
+/* The program that serves as the child: by default host_sim beside the running program. */
+void hs_guard_set_program(const char *path);
+const char *hs_guard_program(void);
+
+#endif

@@ -1,0 +1,58 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# wrong_table.sh [--tsv] [BUILD]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the table
+# of docs/guard.md. With --tsv: id, mode, exit code, picture, reason, parted by tabs, for tests.
+#
+# picture: unclipped, clipped (the plugin's map was used), or none (nothing was written).
+set -u
+cd "$(dirname "$0")/.." || exit
+tsv=0
+[ "${1:-}" != --tsv ] || { tsv=1; shift; }
+build=$(realpath "${1:-build}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+tab=$(printf '\t')
+
+# one ID MODE: a small run; prints its line.
+one() {
+    local id=$1 mode=$2 out=$work/$1-$2 code reason picture=none
+    # Without a guard nothing ends what hangs.
+    local seconds=60
+    [[ $mode$id != no-guardhang* ]] || seconds=5
+    timeout -k 1 $seconds "$build/host_sim" run --scene E01 --size 32 --frames 1 --setting smartvis --picture 16 --few-pictures \
+        --plugin "$build/wrong/$id.so" "--$mode" --guard-time 2,10 --guard-memory 512 --out "$out" \
+        > "$out.text" 2> "$out.errors"
+    code=$?
+    # The host's first word; the file's folder says nothing.
+    reason=$(sed -n "s|$build/wrong/||g; s|^host_sim run: ||p" "$out.errors" | head -n 1 | tr -d '\000-\037' | cut -c 1-160)
+    case $code in
+    124 | 137) reason="hangs" ;;
+    13[0-9]) reason="signal $((code - 128))" ;;
+    esac
+    if [ -f "$out/result.png" ]; then
+        picture=clipped
+        ! grep -q '^Frames: 0 clipped' "$out.text" || picture=unclipped
+    fi
+    printf '%s\t%s\t%s\t%s\t%s\n' "$id" "$mode" "$code" "$picture" "$reason"
+    rm -rf "$out"
+}
+export -f one
+export work build
+
+sed -n 's/^    WRONG(\([a-z0-9_]*\), .*/\1/p' tests/wrong/wrong_list.h > "$work/ids"
+sed "s/\$/ guard/; p; s/guard\$/no-guard/" "$work/ids" |
+    xargs -P "$(nproc)" -L 1 bash -c 'one "$@"' bash > "$work/lines" 2> /dev/null
+sort -o "$work/lines" "$work/lines"
+if [ $tsv = 1 ]; then
+    cat "$work/lines"
+    exit
+fi
+echo '| plugin | guarded | code | unguarded | code |'
+echo '|---|---|---|---|---|'
+# "unclipped: REASON"
+cell() { echo "$1${2:+: $2}" | sed 's/|/\\|/g; s/^none: /no picture: /; s/^none$/no picture/'; }
+while read -r id; do
+    IFS=$tab read -r _ _ code picture reason < <(grep "^$id${tab}guard$tab" "$work/lines")
+    IFS=$tab read -r _ _ code2 picture2 reason2 < <(grep "^$id${tab}no-guard$tab" "$work/lines")
+    echo "| \`$id\` | $(cell "$picture" "$reason") | $code | $(cell "$picture2" "$reason2") | $code2 |"
+done < "$work/ids"

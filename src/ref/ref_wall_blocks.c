@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+#include "ref/ref_wall_blocks.h"
+
+#include <stdlib.h>
+
+/* What voxel `i` of a span weighs. */
+static uint32_t weight_of(const sv_wall_span *s, uint32_t i) {
+    const bool shared = (i == 0 && s->shares_first) || (i + 1 == s->count && s->shares_last);
+    return shared ? 1 : 2;
+}
+
+/* The layers at which all voxels of a ray of blocks were scanned. */
+static void find_range(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_span *sx,
+                       const sv_wall_span *sy, uint16_t *first, uint16_t *end) {
+    uint32_t from = 0, to = l->slices;
+    for (uint32_t y = sy->first; y < sy->first + sy->count; y++)
+        for (uint32_t x = sx->first; x < sx->first + sx->count; x++) {
+            const size_t pixel = (size_t)y * l->width + x;
+            if (sv_wall_first(v, pixel) > from) from = sv_wall_first(v, pixel);
+            if (sv_wall_end(v, pixel) < to) to = sv_wall_end(v, pixel);
+        }
+    from = (from + l->depth - 1) / l->depth;
+    to = to == l->slices ? l->layers : to / l->depth; /* the last layer may have less slices */
+    *first = (uint16_t)(from < to ? from : 0);
+    *end = (uint16_t)(from < to ? to : 0);
+}
+
+static uint8_t mean_of(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_span *sx,
+                       const sv_wall_span *sy, uint32_t layer) {
+    const uint32_t from = layer * l->depth;
+    const uint32_t to = from + l->depth < l->slices ? from + l->depth : l->slices;
+    uint32_t sum = 0;
+    for (uint32_t z = from; z < to; z++)
+        for (uint32_t j = 0; j < sy->count; j++)
+            for (uint32_t i = 0; i < sx->count; i++) {
+                const size_t row = (size_t)z * l->height + sy->first + j;
+                sum += weight_of(sx, i) * weight_of(sy, j) * v->voxels[row * l->width + sx->first + i];
+            }
+    const uint32_t weight = sx->weight * sy->weight * (to - from);
+    return (uint8_t)((sum + weight / 2) / weight);
+}
+
+bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_wall_blocks *b) {
+    const size_t plane = (size_t)l->columns * l->rows;
+    *b = (sv_wall_blocks){.columns = l->columns,
+                          .rows = l->rows,
+                          .layers = l->layers,
+                          .levels = calloc(plane, l->layers),
+                          .first = calloc(plane, sizeof(uint16_t)),
+                          .end = calloc(plane, sizeof(uint16_t))};
+    if (!b->levels || !b->first || !b->end) {
+        sv_wall_blocks_destroy(b);
+        return false;
+    }
+    for (uint32_t y = 0; y < l->rows; y++)
+        for (uint32_t x = 0; x < l->columns; x++) {
+            const sv_wall_span sx = sv_wall_span_of(x, l->width, l->columns),
+                               sy = sv_wall_span_of(y, l->height, l->rows);
+            const size_t ray = (size_t)y * l->columns + x;
+            find_range(v, l, &sx, &sy, &b->first[ray], &b->end[ray]);
+            b->rays += b->first[ray] < b->end[ray];
+            for (uint32_t z = b->first[ray]; z < b->end[ray]; z++)
+                b->levels[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
+        }
+    return true;
+}
+
+void sv_wall_blocks_destroy(sv_wall_blocks *b) {
+    free(b->levels);
+    free(b->first);
+    free(b->end);
+    *b = (sv_wall_blocks){0};
+}
+
+static void largest_along(const uint8_t *from, uint8_t *to, size_t groups, size_t count, size_t stride,
+                          size_t reach) {
+    for (size_t group = 0; group < groups; group++, from += count * stride)
+        for (size_t at = 0; at < count; at++)
+            for (size_t i = 0; i < stride; i++) {
+                uint8_t most = 0;
+                for (size_t k = at < reach ? 0 : at - reach; k <= at + reach && k < count; k++)
+                    if (from[k * stride + i] > most) most = from[k * stride + i];
+                *to++ = most;
+            }
+}
+
+uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
+    const size_t count = (size_t)l->columns * l->rows * l->layers;
+    uint8_t *rows = malloc(count), *bright = malloc(count);
+    if (rows && bright) {
+        largest_along(b->levels, rows, (size_t)l->rows * l->layers, l->columns, 1, l->beside[0]);
+        largest_along(rows, bright, l->layers, l->rows, l->columns, l->beside[1]);
+        free(rows);
+        return bright;
+    }
+    free(rows);
+    free(bright);
+    return NULL;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* The volume in blocks of about 2 mm: all that follows reads these. */
+#ifndef REF_WALL_BLOCKS_H
+#define REF_WALL_BLOCKS_H
+
+#include "ref/ref_wall_volume.h"
+
+/* Block (x, y, z) at levels[(z * rows + y) * columns + x]: the mean of its voxels, rounded half up; 0 if the
+ * block was not scanned. Blocks first .. end - 1 of a ray were scanned: those all of whose voxels were. */
+typedef struct {
+    uint32_t columns, rows, layers;
+    uint8_t *levels;
+    uint16_t *first, *end;
+    uint32_t rays; /* that were scanned */
+} sv_wall_blocks;
+
+/* False: no memory. */
+bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *layout,
+                           sv_wall_blocks *blocks);
+void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
+
+/* The largest level within layout->beside blocks of each ray, in the same layer; as many as there are blocks.
+ * NULL: no memory. The caller frees it. */
+uint8_t *sv_wall_brightest(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
+
+#endif

@@ -1,0 +1,84 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# test_validate_cli.sh SOURCE_FOLDER BUILD_FOLDER: the command line of sv_validate: options, exit codes, what is printed where.
+set -u
+build=$2
+validate=$build/sv_validate
+right=$build/wrong/right/params.so
+wrong=$build/wrong/depth_nan.so
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+# expect CODE TEXT ARGUMENT...: exit code and a pattern in what is printed.
+expect() {
+    local code=$1 text=$2 got
+    shift 2
+    timeout 60 "$validate" "$@" > "$work/out" 2> "$work/err"
+    got=$?
+    if [ $got -ne "$code" ] || ! cat "$work/out" "$work/err" | grep -qE -- "$text"; then
+        echo "sv_validate $*: exit code $got, expected $code and '$text'"
+        cat "$work/out" "$work/err"
+        failed=1
+    fi
+}
+
+expect 0 '^Usage: sv_validate' --help
+expect 0 '^sv_validate [0-9.]+, plugin ABI 1\.0' --version
+expect 0 '^state-walk +[A-Z]' --list
+expect 2 'no library given'
+expect 2 'more than one library' "$right" "$right"
+expect 2 'unknown option' --nonsense "$right"
+expect 2 "no check 'depth'" --only depth "$right"
+expect 2 '--level: 11 is outside 1 .. 10' --level 11 "$right"
+expect 2 '--timeout' --timeout 0 "$right"
+expect 3 'cannot be read' "$work/nothing.so"
+expect 3 'not a file' "$work"
+echo "no library" > "$work/text.so"
+expect 3 'not a shared library' "$work/text.so"
+: > "$work/empty.so"
+expect 3 'not a shared library' "$work/empty.so"
+
+# A library that the loader refuses has failed a check.
+head -c 2000 "$right" > "$work/short.so"
+expect 1 '^(fail|crash) +library-loads .*dlopen' "$work/short.so"
+expect 1 '^fail +instance-whole|no plugin with the id' --only first-frame --id org.nobody "$right"
+expect 0 '1 pass' --only first-frame --id org.smartvis.test.wrong "$right"
+expect 1 '^fail +depth-values .*NaN' --only depth-values "$wrong"
+expect 1 'What to mend' --only depth-values "$wrong"
+expect 0 '1 pass' --in-process --only first-frame "$right"
+expect 0 '2 pass' --only first-frame --only depth-values "$right"
+expect 0 '"verdict": "pass"' --json --only first-frame "$right"
+expect 1 '"passed": false' --json --only depth-values "$wrong"
+expect 1 '^crash +first-frame .*SIGSEGV; under way: slab' "$build/wrong/crash_in_slab.so"
+expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong/exit_in_end.so"
+expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
+expect 1 '^timeout +first-frame .*ran out of time \(0\.5 s\); under way: end' --timeout 0.5 "$build/wrong/hang_in_end.so"
+expect 1 '^skip +state-walk .*first-frame did not pass' "$build/wrong/crash_in_slab.so"
+
+# In a pipe there are no colours, and nothing that the plugin printed or that a terminal would obey.
+expect 1 'param-strings' "$build/wrong/param_key_blank.so"
+if grep -qP '[\x00-\x08\x0b-\x1f\x7f]' "$work/out"; then
+    echo "control characters in the output"
+    failed=1
+fi
+expect 1 'process-untouched' "$build/wrong/prints.so"
+if grep -q '^slab ' "$work/out"; then
+    echo "what the plugin prints is in the output"
+    failed=1
+fi
+
+# The same seed tries the same. A wrong map is found after as many random calls, whatever else the machine does.
+for seed in 1 1 2; do
+    "$validate" --only state-walk --only param-fuzz --seed $seed "$build/wrong/lost_after_adjust.so" |
+        sed -nE 's/^(fail|pass) +([a-z-]+) +[0-9.]+ s/\1 \2/p' >> "$work/seed$seed"
+done
+[ "$(sort -u "$work/seed1" | wc -l)" -eq 2 ] || { echo "the same seed, other findings"; cat "$work/seed1"; failed=1; }
+[ -s "$work/seed2" ] || { echo "nothing with seed 2"; failed=1; }
+
+# A full disk is no success.
+"$validate" --list > /dev/full 2> /dev/null
+[ $? -eq 6 ] || { echo "a full disk is no error: --list"; failed=1; }
+"$validate" --only first-frame "$right" > /dev/full 2> /dev/null
+[ $? -eq 6 ] || { echo "a full disk is no error"; failed=1; }
+exit $failed

@@ -1,0 +1,16 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# test_validate_smartvis.sh SOURCE_FOLDER BUILD_FOLDER: the plugin of this repository passes every check, with every method.
+set -u
+build=$2
+level=5
+# Instrumented code takes its time; the checks are the same.
+[ -z "${SV_SANITIZE:-}" ] || level=1
+out=$("$build/sv_validate" --level $level --timeout 240 "$build/smartvis.so" 2>&1)
+code=$?
+echo "$out"
+[ $code -eq 0 ] || exit 1
+# What it can do, it is tried with.
+for id in carriers confidence adjust-equals-frame scanned-ranges padding-value every-setting param-pairs opencl-faults; do
+    grep -qE "^pass +$id " <<< "$out" || { echo "$id: was not tried"; exit 1; }
+done

@@ -1,0 +1,48 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# test_validate_wrong.sh SOURCE_FOLDER BUILD_FOLDER: sv_validate fails on every plugin of the family (tests/wrong/), by the check
+# that the list names for it, and passes the same sources without a fault. It ends by itself every time.
+set -u
+source_folder=$1
+build=$2
+validate=$build/sv_validate
+list=$source_folder/tests/wrong/wrong_list.h
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+if [ "${4:-}" ]; then
+    # One plugin: ID SOURCE CHECK behind the folders. Kernels take long to compile, so plugins that have some are not tried
+    # with every check.
+    id=$3 check=$5
+    options=(--timeout 4 --level 2)
+    [ "$4" != opencl ] || options=(--timeout 20 --level 10 --only "$check")
+    timeout 120 "$validate" "${options[@]}" "$build/wrong/$id.so" > "$work/$id" 2>&1
+    code=$?
+    line=$(grep -E "^[a-z]+ +$check " "$work/$id")
+    if [ "$code" -ne 1 ]; then
+        echo "$id: exit code $code, expected 1"
+    elif ! [[ $line =~ ^(fail|crash|timeout)\  ]]; then
+        echo "$id: $check should have failed: '$line'"
+        grep -E '^(fail|crash|timeout) ' "$work/$id"
+    fi
+    exit 0
+fi
+
+# Two at a time, and first those that take their time.
+sed -nE 's/^    WRONG\(([a-z0-9_]+), ([a-z]+), ([a-z-]+),.*/\1 \2 \3/p' "$list" > "$work/family"
+count=$(wc -l < "$work/family")
+[ "$count" -ge 40 ] || { echo "$count plugins in the family, expected at least 40"; exit 1; }
+{ grep -E '^(hang|memory)' "$work/family"; grep -vE '^(hang|memory)' "$work/family"; } |
+    xargs -P 2 -L 1 bash "$0" "$source_folder" "$build" > "$work/bad"
+cat "$work/bad"
+failed=0
+[ ! -s "$work/bad" ] || failed=1
+for right in library params results life; do
+    "$validate" --level 2 "$build/wrong/right/$right.so" > "$work/right" || {
+        echo "right/$right.so:"
+        cat "$work/right"
+        failed=1
+    }
+done
+[ "$failed" -ne 0 ] || echo "$count wrong plugins, each caught by its check"
+exit "$failed"
