@@ -17,6 +17,7 @@ DATA ?= $(wildcard ../shared/data)
 SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
 LINT_PACKAGES := scripts/packages-lint.txt
+PYTHON_PACKAGES := scripts/packages-python.txt
 DEB_PACKAGES := scripts/packages-deb.txt
 OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
@@ -56,7 +57,8 @@ report: setup ## set up, build, measure quality and speed over all cases; the pa
 	@$(call build,build)
 	build/host_sim report --out $(OUT)/report
 
-test: setup ## set up, build, run all tests
+test: ## set up, build, run all tests
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build)
 	@scripts/run_tests.sh build $(JOBS) '$(LABELS)'
 
@@ -66,7 +68,7 @@ test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and Unde
 	@scripts/run_tests.sh build-sanitize $(JOBS)
 
 test-clang: ## the tests, built with clang
-	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
+	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang)
 	@scripts/run_tests.sh build-clang $(JOBS)
 

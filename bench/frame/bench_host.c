@@ -107,7 +107,8 @@ bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs
                      &result->lowres, err) &&
             run_view(setup, &source, "still camera, live", 0.0, 0.0, true, &result->live, &result->lowres,
                      err) &&
-            run_pieces(setup, first, result, err);
+            run_pieces(setup, first, result, err) &&
+            bench_lit_run(setup->cl, first, setup->frames, &result->lit, err);
     }
     if (setup->scene) hs_source_close(&source);
     hs_volume_free(&volume);

@@ -3,6 +3,7 @@
 #ifndef BENCH_HOST_H
 #define BENCH_HOST_H
 
+#include "frame/bench_lit.h"
 #include "frame/bench_times.h"
 #include "loop/loop_run.h"
 
@@ -28,6 +29,7 @@ typedef struct {
     bench_view_result still, rotated, live;
     bench_times mip;  /* maximum intensity projection, still camera */
     bench_times grid; /* a volume to the device, with the renderer's grid of maxima */
+    bench_lit_result lit;
 } bench_host_result;
 
 /* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface

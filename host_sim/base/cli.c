@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/cli.h"
 
+#include "base/text.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -71,7 +73,7 @@ bool hs_cli_pick(const char *option, const char *text, const char *const *names,
 }
 
 int hs_cli_fail(const char *command, const hs_error *err) {
-    (void)fprintf(stderr, "host_sim %s: %s\n", command, err->text);
+    hs_print(stderr, "host_sim %s: %s\n", command, err->text);
     if (err->code == HS_ERR_USAGE) (void)fprintf(stderr, "Try 'host_sim %s --help'.\n", command);
     return (int)err->code;
 }

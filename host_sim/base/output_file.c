@@ -3,10 +3,54 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* Temporary names that are in use, for the handler below. Of more at once the rest would stay behind. */
+#define MOST_PENDING 32
+static _Atomic(char *) pending[MOST_PENDING];
+
+/* Removes what is half written, then lets the signal do what it does. Calls what a handler may call only. */
+static void clean_up(int number) {
+    for (int i = 0; i < MOST_PENDING; i++) {
+        const char *name = atomic_load(&pending[i]);
+        if (name) (void)unlink(name);
+    }
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+}
+
+/* Signals that end the program, unless somebody else wants them or they are ignored (nohup). */
+static void watch_signals(void) {
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    static atomic_bool watching;
+    if (atomic_exchange(&watching, true)) return;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        struct sigaction now;
+        const struct sigaction ours = {.sa_handler = clean_up};
+        if (sigaction(numbers[i], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
+            (void)sigaction(numbers[i], &ours, NULL);
+    }
+}
+
+static void remember(char *name) {
+    watch_signals();
+    for (int i = 0; i < MOST_PENDING; i++) {
+        char *nobody = NULL;
+        if (atomic_compare_exchange_strong(&pending[i], &nobody, name)) return;
+    }
+}
+
+static void forget(char *name) {
+    for (int i = 0; i < MOST_PENDING; i++) {
+        char *same = name;
+        if (atomic_compare_exchange_strong(&pending[i], &same, NULL)) return;
+    }
+}
 
 /* Opens a name that no file has yet. open instead of mkstemp, so that the file gets the user's umask. */
 static int create_temporary(hs_output_file *output, const char *path) {
@@ -19,6 +63,7 @@ static int create_temporary(hs_output_file *output, const char *path) {
     for (int attempt = 0; attempt < 1000; attempt++) {
         (void)snprintf(output->temporary, bytes, "%s.tmp%d", path, attempt);
         const int descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0) remember(output->temporary);
         if (descriptor >= 0 || errno != EEXIST) return descriptor;
     }
     return -1;
@@ -61,6 +106,7 @@ bool hs_output_commit(hs_output_file *output, hs_error *err) {
     ok = ok && rename(output->temporary, output->path) == 0;
     if (!ok) hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written: %s", output->path, strerror(errno));
     if (ok) {
+        forget(output->temporary);
         free(output->temporary);
         output->temporary = NULL;
     }
@@ -70,7 +116,10 @@ bool hs_output_commit(hs_output_file *output, hs_error *err) {
 
 void hs_output_discard(hs_output_file *output) {
     if (output->file) (void)fclose(output->file);
-    if (output->temporary) (void)unlink(output->temporary);
+    if (output->temporary) {
+        (void)unlink(output->temporary);
+        forget(output->temporary);
+    }
     free(output->temporary);
     free(output->path);
     memset(output, 0, sizeof *output);

@@ -15,8 +15,9 @@ typedef struct {
     char *temporary; /* the name it has until then, in the same folder */
 } hs_output_file;
 
-/* Creates "<path>.tmp<number>". HS_ERR_OUTPUT names the path and the system's reason; an existing `path` that
- * is no regular file (a folder, a device) is refused, since the rename would replace it. */
+/* Creates "<path>.tmp<number>". SIGINT, SIGTERM and SIGHUP remove it, if they would end the program.
+ * HS_ERR_OUTPUT names the path and the system's reason; an existing `path` that is no regular file (a folder,
+ * a device) is refused, since the rename would replace it. */
 bool hs_output_open(hs_output_file *output, const char *path, hs_error *err);
 
 /* Writes all bytes or fails with HS_ERR_OUTPUT. The file stays open either way. */

@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
 #include "guarded/guard_line.h"
@@ -113,17 +114,23 @@ static void show_pictures(demo *d, const hs_run *run, const char *folder, bool c
     hs_page_row_begin(&d->report);
     show(d, folder, "full.png", "Rendering of the full volume", "Full volume: what the probe delivers");
     show(d, folder, "result.png",
-         clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, unclipped",
-         clipped ? "Result: rays start at the plugin's clipping depthmap" : "Result: rendered unclipped");
+         clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, not clipped",
+         clipped ? "Result: rays start at the plugin's clipping surface; grey is tissue that it cuts"
+                 : "Result: nothing hides the fetus here, as far as fluid tells; not clipped");
     if (hs_source_truth(&run->source, 0))
         show(d, folder, "truth.png", "Rendering of the ground truth",
              "Ground truth: the scene without what hides the fetus");
     hs_page_row_end(&d->report);
     hs_page_row_begin(&d->report);
     show(d, folder, "depthmap.png", "The clipping depthmap in false colour",
-         "Clipping depthmap: where the rays start, in low-resolution slices; hatched clips nothing");
+         "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
     show(d, folder, "points.png", "Initial points over the maximum intensity projection",
          "Initial points over the maximum intensity projection");
+    hs_page_row_end(&d->report);
+    hs_page_row_begin(&d->report);
+    show(d, folder, "slices.png", "The result beside three slices with the clipping surface",
+         "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
+         "dimmed");
     hs_page_row_end(&d->report);
     hs_page_row_begin(&d->report);
     sv_param_info knob;
@@ -213,14 +220,14 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     request.volumes = volumes;
     request.volume_count = c->scene ? 0 : 1;
     request.loop.frames = d->quick ? 10 : 30;
-    (void)fprintf(stderr, "host_sim demo: %s ...\n", c->folder);
+    hs_print(stderr, "host_sim demo: %s ...\n", c->folder);
     if (!hs_path_join(d->out, c->folder, folder, sizeof folder, err) || !hs_path_make_folder(folder, err))
         return false;
     if (!hs_run_open(&run, &request, err)) return false;
     const bool ok = run_opened(d, c, &run, folder, err);
     const hs_error *failure = hs_run_plugin_error(&run);
     if (failure->code != HS_OK) {
-        (void)fprintf(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
+        hs_print(stderr, "host_sim demo: %s\nhost_sim demo: rendering unclipped\n", failure->text);
         (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
     }
     (void)hs_run_close(&run, &d->plugin_error); /* the first failure counts */
@@ -270,7 +277,7 @@ static bool run_demo(demo *d, hs_error *err) {
     /* A page that misses a case would look complete. */
     if (!ok) (void)hs_fail(&d->report.error, err->code, "%s", err->text);
     if (!hs_page_close(&d->report, ok ? err : &d->report.error) || !ok) return false;
-    (void)printf("Pictures are in %s, the page is %s\n", d->out, page);
+    hs_print(stdout, "Pictures are in %s, the page is %s\n", d->out, page);
     return true;
 }
 

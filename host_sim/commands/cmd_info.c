@@ -2,6 +2,7 @@
 #include "commands/cmd_info.h"
 
 #include "base/cli.h"
+#include "base/text.h"
 #include "commands/info_timing.h"
 #include "commands/run.h"
 
@@ -58,17 +59,17 @@ static void print_pose(const hs_volume *v) {
     hs_pose_words(&v->pose, words, sizeof words);
     hs_pose_letters(&v->pose, letters);
     if (v->pose.stated)
-        (void)printf("  in the patient: %s (%s)\n", words, letters);
+        hs_print(stdout, "  in the patient: %s (%s)\n", words, letters);
     else
         (void)printf("  in the patient: not said\n");
     if (v->pose.contradicted[0])
-        (void)printf(
-            "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
-            v->pose.contradicted);
+        hs_print(stdout,
+                 "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
+                 v->pose.contradicted);
     if (hs_pose_is_mirrored(&v->pose))
         (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
-    (void)printf("  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
-                 v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
+    hs_print(stdout, "  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
+             v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
 }
 
 static void print_volume(const hs_volume *v) {
@@ -134,7 +135,7 @@ static void print_sequence(uint32_t volumes, uint32_t left_out, const hs_frame_f
     if (left_out > 0) (void)printf(", beside %u that are left out: their ImageStatus is INVALID", left_out);
     if (seconds > 0) (void)printf("; %g s from the first to the last", seconds);
     for (uint32_t t = 0; t < first->transform_count; t++)
-        (void)printf("%s%s", t ? ", " : "; transforms: ", first->transforms[t].name);
+        hs_print(stdout, "%s%s", t ? ", " : "; transforms: ", first->transforms[t].name);
     (void)printf("\n  the first one:\n");
 }
 
@@ -153,7 +154,7 @@ static bool print_metaimage(const char *path, hs_error *err) {
     }
     if (ok) {
         const uint32_t left_out = hs_metaimage_left_out(file);
-        (void)printf("%s\n", path);
+        hs_print(stdout, "%s\n", path);
         if (volumes > 1 || left_out > 0)
             print_sequence(volumes, left_out, &said,
                            said.has_time && last.has_time ? last.time - said.time : 0);

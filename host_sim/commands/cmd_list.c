@@ -2,6 +2,7 @@
 #include "commands/cmd_list.h"
 
 #include "base/cli.h"
+#include "base/text.h"
 #include "guarded/guard_line.h"
 #include "guarded/guarded.h"
 #include "plugin/loader_param.h"
@@ -77,10 +78,10 @@ static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) 
     flag_names(info->flags, flags, sizeof flags);
     range_text(plugin, info, range, sizeof range);
     hs_plugin_value_text(plugin, info, info->default_value, value, sizeof value);
-    (void)printf("  %-16s %s%s%s%s\n", info->key, info->label, flags[0] ? " (" : "", flags,
-                 flags[0] ? ")" : "");
-    (void)printf("  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
-                 info->unit[0] ? " " : "", info->unit, value);
+    hs_print(stdout, "  %-16s %s%s%s%s\n", info->key, info->label, flags[0] ? " (" : "", flags,
+             flags[0] ? ")" : "");
+    hs_print(stdout, "  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
+             info->unit[0] ? " " : "", info->unit, value);
     (void)printf("  %-16s %s\n", "", info->help);
 }
 
@@ -106,7 +107,7 @@ static bool print_group(const hs_plugin *plugin, const char *group, const list_l
             ++*left_out;
             continue;
         }
-        if (!headed && group[0]) (void)printf("%s\n", group);
+        if (!headed && group[0]) hs_print(stdout, "%s\n", group);
         headed = true;
         print_parameter(plugin, &info);
     }
@@ -126,13 +127,13 @@ static bool is_first_of(const sv_plugin *p, uint32_t index, const char *group) {
 static void print_names(const char *what, uint32_t bits, uint32_t first, const char *const *names,
                         uint32_t count) {
     const char *between = " ";
-    (void)printf("  %-14s", what);
+    hs_print(stdout, "  %-14s", what);
     for (uint32_t i = 0; i < count; i++) {
         if (!(bits >> (first + i) & 1u)) continue;
-        (void)printf("%s%s", between, names[i]);
+        hs_print(stdout, "%s%s", between, names[i]);
         between = ", ";
     }
-    (void)printf("%s\n", bits ? "" : " none");
+    hs_print(stdout, "%s\n", bits ? "" : " none");
 }
 
 static void print_capabilities(const sv_descriptor *d) {
@@ -144,10 +145,10 @@ static void print_capabilities(const sv_descriptor *d) {
     print_names("voxels of", d->voxel_types, SV_VOXEL_U8, voxels, 2);
     print_names("on a queue of", d->queues, 0, queues, 2);
     print_names("makes use of", d->features, 0, features, 3);
-    (void)printf("  %-14s", "extensions");
+    hs_print(stdout, "  %-14s", "extensions");
     for (uint32_t i = 0; d->extensions && d->extensions[i]; i++)
-        (void)printf("%s%s", i ? ", " : " ", d->extensions[i]);
-    (void)printf("%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
+        hs_print(stdout, "%s%s", i ? ", " : " ", d->extensions[i]);
+    hs_print(stdout, "%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
 }
 
 static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error *err) {
@@ -160,8 +161,8 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
     for (uint32_t i = 0; ok && i < line->set_count; i++)
         ok = hs_plugin_parse_param(&plugin, line->sets[i], &values[i], err);
     if (ok) {
-        (void)printf("%s %s: %s\n  %s\n  vendor %s; %u parameters\n", d->id, d->version, d->name, d->summary,
-                     d->vendor, count);
+        hs_print(stdout, "%s %s: %s\n  %s\n  vendor %s; %u parameters\n", d->id, d->version, d->name,
+                 d->summary, d->vendor, count);
         print_capabilities(d);
     }
     uint32_t left_out = 0;
@@ -179,8 +180,8 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
 static bool print_library(const list_line *line, hs_error *err) {
     hs_plugin first;
     if (!hs_guarded_open(&first, line->path, NULL, SV_LOG_WARNING, &line->guard, err)) return false;
-    (void)printf("%s: ABI %u.%u, %u plugin%s\n\n", first.path, first.abi_major, first.abi_minor, first.count,
-                 first.count == 1 ? "" : "s");
+    hs_print(stdout, "%s: ABI %u.%u, %u plugin%s\n\n", first.path, first.abi_major, first.abi_minor,
+             first.count, first.count == 1 ? "" : "s");
     bool ok = true;
     for (uint32_t i = 0; ok && i < first.count; i++) ok = print_plugin(line, first.descriptor[i], err);
     return hs_guarded_close(&first, err) && ok;

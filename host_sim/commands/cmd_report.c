@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/report_line.h"
 #include "eval/eval_compare.h"
 #include "eval/eval_study.h"
@@ -82,11 +83,12 @@ static bool finish(hs_eval_study *study, hs_error *err) {
     hs_eval_study_print(study, stdout);
     (void)fflush(stdout);
     for (uint32_t i = 0; i < study->count; i++) {
-        (void)fprintf(stderr, "host_sim report: pictures of %s ...\n", study->space[i].name);
+        hs_print(stderr, "host_sim report: pictures of %s ...\n", study->space[i].name);
         if (!hs_eval_study_pictures(study, i, err)) return false;
     }
     if (!hs_eval_study_page(study, err)) return false;
-    (void)printf("Results are in %s, the page is %s/index.html\n", study->options->out, study->options->out);
+    hs_print(stdout, "Results are in %s, the page is %s/index.html\n", study->options->out,
+             study->options->out);
     return true;
 }
 
@@ -103,9 +105,10 @@ static bool run_study(const hs_eval_options *o, hs_error *err) {
         if (ok && hs_eval_study_whole(study))
             ok = finish(study, err);
         else if (ok)
-            (void)printf("Results of shard %u of %u are in %s; when all are there, 'host_sim report --merge' "
-                         "with the same options makes the page\n",
-                         o->shard.index + 1, o->shard.count, o->out);
+            hs_print(stdout,
+                     "Results of shard %u of %u are in %s; when all are there, 'host_sim report --merge' "
+                     "with the same options makes the page\n",
+                     o->shard.index + 1, o->shard.count, o->out);
         if (ok && study->plugin_error.code != HS_OK)
             ok = hs_fail(err, study->plugin_error.code, "%s", study->plugin_error.text);
         ok = hs_eval_study_close(study, err) && ok;
@@ -125,7 +128,7 @@ static bool compare_case(hs_eval_comparison *x, uint32_t index, hs_error *err) {
         hs_eval_case_close(&c);
         if (!ok) return false;
     }
-    (void)fprintf(stderr, "host_sim report: %s: %u methods, %u seeds\n", x->name[index], x->count, x->seeds);
+    hs_print(stderr, "host_sim report: %s: %u methods, %u seeds\n", x->name[index], x->count, x->seeds);
     return true;
 }
 
@@ -136,7 +139,7 @@ static bool compare(hs_eval_comparison *x, hs_error *err) {
     hs_eval_compare_rank(x);
     hs_eval_compare_print(x, stdout);
     if (!hs_eval_compare_table(x, err) || !hs_eval_compare_page(x, err)) return false;
-    (void)printf("Results are in %s, the page is %s/index.html\n", out, out);
+    hs_print(stdout, "Results are in %s, the page is %s/index.html\n", out, out);
     return true;
 }
 

@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/run_json.h"
 #include "commands/run_line.h"
 #include "commands/run_print.h"
@@ -22,7 +23,7 @@ static bool can_write(const hs_run_line *line, hs_error *err) {
 static void report_plugin_error(const hs_run *run, bool *reported) {
     const hs_error *failure = hs_run_plugin_error(run);
     if (failure->code == HS_OK || *reported) return;
-    (void)fprintf(stderr, "host_sim run: %s\nhost_sim run: rendering unclipped\n", failure->text);
+    hs_print(stderr, "host_sim run: %s\nhost_sim run: rendering unclipped\n", failure->text);
     *reported = true;
 }
 
@@ -30,8 +31,8 @@ static void report_plugin_error(const hs_run *run, bool *reported) {
 static void report_confidence_error(const hs_run *run) {
     const hs_error *failure = hs_run_confidence_error(run);
     if (failure->code != HS_OK)
-        (void)fprintf(stderr, "host_sim run: %s\nhost_sim run: ghosting without the confidence map\n",
-                      failure->text);
+        hs_print(stderr, "host_sim run: %s\nhost_sim run: ghosting without the confidence map\n",
+                 failure->text);
 }
 
 static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *err) {
@@ -50,7 +51,7 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
     *plugin_code = hs_run_plugin_error(&run)->code;
     hs_error ended = {0};
     if (!hs_run_close(&run, &ended) && *plugin_code == HS_OK) {
-        (void)fprintf(stderr, "host_sim run: %s\n", ended.text);
+        hs_print(stderr, "host_sim run: %s\n", ended.text);
         *plugin_code = ended.code;
     }
     return ok;
@@ -66,6 +67,6 @@ int hs_cmd_run(int argc, char **argv) {
         return HS_OK;
     }
     if (!can_write(&line, &err) || !run_loop(&line, &plugin_code, &err)) return hs_cli_fail("run", &err);
-    (void)printf("Pictures are in %s\n", line.out);
+    hs_print(stdout, "Pictures are in %s\n", line.out);
     return (int)plugin_code;
 }

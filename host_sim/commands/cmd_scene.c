@@ -3,6 +3,7 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/vol_line.h"
 #include "report/scene_sheet.h"
@@ -158,7 +159,7 @@ static bool list_scenes(hs_error *err) {
     for (uint32_t i = 0; hs_scene_builtin(i); i++) {
         hs_scene *scene = hs_scene_open(hs_scene_builtin(i), err);
         if (!scene) return false;
-        printf("%-5s %s\n", hs_scene_name(scene), hs_scene_title(scene));
+        hs_print(stdout, "%-5s %s\n", hs_scene_name(scene), hs_scene_title(scene));
         hs_scene_close(scene);
     }
     return true;
@@ -167,9 +168,9 @@ static bool list_scenes(hs_error *err) {
 static void print_times(const hs_scene_times *times) {
     for (int i = 0; i < HS_SCENE_STEPS; i++) {
         if (times->ms[i] > 0.0)
-            printf("    %-14s %8.1f ms\n", hs_scene_step_name(i), times->ms[i]);
+            hs_print(stdout, "    %-14s %8.1f ms\n", hs_scene_step_name(i), times->ms[i]);
         else
-            printf("    %-14s        -\n", hs_scene_step_name(i));
+            hs_print(stdout, "    %-14s        -\n", hs_scene_step_name(i));
     }
 }
 
@@ -178,11 +179,12 @@ static void print_facts(const char *name, const hs_scene_data *data, const hs_sc
     size_t labels[3] = {0}, pixels = (size_t)data->full.nx * data->full.ny;
     for (size_t i = 0; i < pixels; i++) labels[data->label[i]]++;
     double found = points->right + points->wrong, rays = (double)points->width * points->height;
-    printf("%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%; "
-           "initial points on %.1f %% of the rays, %.0f %% of them right\n",
-           name, data->full.nx, data->full.ny, data->full.nz, times->total_ms,
-           100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels,
-           rays > 0.0 ? 100.0 * found / rays : 0.0, found > 0.0 ? 100.0 * points->right / found : 0.0);
+    hs_print(stdout,
+             "%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%; "
+             "initial points on %.1f %% of the rays, %.0f %% of them right\n",
+             name, data->full.nx, data->full.ny, data->full.nz, times->total_ms,
+             100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels,
+             rays > 0.0 ? 100.0 * found / rays : 0.0, found > 0.0 ? 100.0 * points->right / found : 0.0);
 }
 
 static bool write_sheet(const request *r, const hs_scene *scene, const char *name, const hs_scene_data *data,
@@ -251,7 +253,7 @@ static bool make_scenes(const request *r, char **names, int count, hs_error *err
     for (uint32_t i = 0; ok && r->all && hs_scene_builtin(i); i++)
         if (strcmp(hs_scene_builtin(i), "real") != 0) ok = make_scene(r, hs_scene_builtin(i), &cl, err);
     hs_cl_close(&cl);
-    if (ok && (r->export || r->sheet)) printf("Files are in %s\n", r->out);
+    if (ok && (r->export || r->sheet)) hs_print(stdout, "Files are in %s\n", r->out);
     return ok;
 }
 

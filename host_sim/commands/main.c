@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
+#include "base/text.h"
 #include "commands/cmd_demo.h"
 #include "commands/cmd_info.h"
 #include "commands/cmd_list.h"
+#include "commands/cmd_measure.h"
 #include "commands/cmd_report.h"
 #include "commands/cmd_run.h"
 #include "commands/cmd_scene.h"
@@ -13,6 +15,7 @@
 #include "picture/picture_text.h"
 #include "smartvis_plugin.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -26,6 +29,7 @@ static const command commands[] = {
     {"run", hs_cmd_run, "the scan loop on a volume or a scene: times, statistics, pictures"},
     {"demo", hs_cmd_demo, "the scan loop on a few scenes, with one page of pictures and numbers"},
     {"report", hs_cmd_report, "quality and speed over all cases and the whole parameter space, with a page"},
+    {"measure", hs_cmd_measure, "quality of depthmaps that were made elsewhere, on one case, as JSON"},
     {"scenes", hs_cmd_scene, "synthetic scenes with ground truth: list, generate, export, look at"},
     {"list", hs_cmd_list, "a plugin library's plugins and parameters"},
     {"info", hs_cmd_info, "facts and histogram of a MetaImage volume"},
@@ -58,7 +62,14 @@ static void print_version(void) {
                  (unsigned)SV_ABI_MINOR);
 }
 
-int main(int argc, char **argv) {
+/* What was printed must have arrived: on a full disk it did not, and only the last flush may tell. */
+static int finish_output(int code) {
+    if (fflush(stdout) == 0 && ferror(stdout) == 0) return code;
+    (void)fprintf(stderr, "host_sim: the standard output cannot be written: %s\n", strerror(errno));
+    return code == HS_OK ? HS_ERR_OUTPUT : code;
+}
+
+static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
         return HS_ERR_USAGE;
@@ -79,6 +90,10 @@ int main(int argc, char **argv) {
             hs_picture_finish();
             return code;
         }
-    (void)fprintf(stderr, "host_sim: '%s' is no command\nTry 'host_sim --help'.\n", argv[1]);
+    hs_print(stderr, "host_sim: '%s' is no command\nTry 'host_sim --help'.\n", argv[1]);
     return HS_ERR_USAGE;
+}
+
+int main(int argc, char **argv) {
+    return finish_output(run(argc, argv));
 }

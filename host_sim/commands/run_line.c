@@ -124,8 +124,8 @@ enum {
     OPT_PICTURE,
     OPT_OUT,
     OPT_PANEL,
-    OPT_WRITE,
     OPT_FEW,
+    OPT_WRITE,
     OPT_JSON,
     OPT_HELP
 };
@@ -169,8 +169,8 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"picture", required_argument, NULL, OPT_PICTURE},
                                         {"out", required_argument, NULL, OPT_OUT},
                                         {"panel", required_argument, NULL, OPT_PANEL},
-                                        {"write", required_argument, NULL, OPT_WRITE},
                                         {"few-pictures", no_argument, NULL, OPT_FEW},
+                                        {"write", required_argument, NULL, OPT_WRITE},
                                         {"json", required_argument, NULL, OPT_JSON},
                                         HS_GUARD_OPTIONS,
                                         {"help", no_argument, NULL, OPT_HELP},

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands/run_print.h"
 
+#include "base/text.h"
+
 #include <unistd.h>
 
 #define COLUMN 24 /* characters of a setting's column */
@@ -17,24 +19,23 @@ static void print_facts(const hs_run *run, FILE *out) {
     const hs_slab_layout *l = hs_loop_layout(run->loop);
     char plugin[200];
     hs_run_plugin_name(run, plugin, sizeof plugin);
-    (void)fprintf(out, "Source   %s: %u x %u x %u voxels of %.3g x %.3g x %.3g mm, %.1f %% not scanned",
-                  v->name, v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2],
-                  100 * run->unscanned);
+    hs_print(out, "Source   %s: %u x %u x %u voxels of %.3g x %.3g x %.3g mm, %.1f %% not scanned", v->name,
+             v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2], 100 * run->unscanned);
     if (v->beams) (void)fprintf(out, "; %s", hs_beams_side_name(v->beams));
     if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
     if (run->source.left_out > 0)
         (void)fprintf(out, "; %u left out: their ImageStatus is INVALID", run->source.left_out);
-    (void)fprintf(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
-    (void)fprintf(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
-                  o->own_queue ? "a queue of its own" : "the host's queue");
+    hs_print(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
+    hs_print(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
+             o->own_queue ? "a queue of its own" : "the host's queue");
     if (v->pose.stated) {
         char words[200];
         hs_pose_words(&v->pose, words, sizeof words);
-        (void)fprintf(out, "Patient  %s\n", words);
+        hs_print(out, "Patient  %s\n", words);
     }
     if (v->pose.contradicted[0])
-        (void)fprintf(out, "         AnatomicalOrientation says %s: TransformMatrix counts\n",
-                      v->pose.contradicted);
+        hs_print(out, "         AnatomicalOrientation says %s: TransformMatrix counts\n",
+                 v->pose.contradicted);
     (void)fprintf(out, "Camera   from %s%s, yaw %g, pitch %g, orbit %g degrees; picture %u x %u\n",
                   o->from == HS_FROM_PROBE ? "the probe at " : "",
                   o->from == HS_FROM_PROBE ? hs_probe_name(v->probe) : hs_from_name(o->from), o->yaw,

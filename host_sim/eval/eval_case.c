@@ -96,9 +96,10 @@ bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin
     bool ok = hs_eval_source_open(&c->from, request, err) && make_loop(c, cl, fixed, request->lowres, err) &&
               hs_eval_table_build(&c->table, c->loop, hs_source_volume(&c->from.source, 0),
                                   hs_source_truth(&c->from.source, 0), c->from.label, err) &&
-              allocate(c, err) && hs_loop_convert(c->loop, 0, err) && run_frame(c, fixed, &frame, NULL, err);
+              allocate(c, err) && hs_loop_convert(c->loop, 0, err) &&
+              (!plugin || run_frame(c, fixed, &frame, NULL, err));
     if (ok) {
-        c->volume_max = (double)frame.points.volume_max;
+        c->volume_max = plugin ? (double)frame.points.volume_max : 0.0;
         c->volume_crc = volume_crc(hs_source_volume(&c->from.source, 0), hs_source_truth(&c->from.source, 0));
     } else {
         hs_eval_case_close(c);

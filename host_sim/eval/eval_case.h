@@ -56,7 +56,8 @@ typedef struct {
 
 /* Makes or reads the volume, the loop (with `fixed` for the parameters that only activate reads) and the
  * table, and runs the plugin once for volume_max. A plugin that cannot be activated is HS_ERR_PLUGIN here:
- * there is nothing to evaluate. */
+ * there is nothing to evaluate. `plugin` may be NULL: then there is the table alone, for maps from
+ * elsewhere. */
 bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin, const hs_eval_values *fixed,
                        const hs_eval_request *request, hs_error *err);
 void hs_eval_case_close(hs_eval_case *c);

@@ -10,6 +10,7 @@
 
 #define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis: "about a third" (thesis 5.4) */
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
+#define MOST_OF_ITSELF           1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
 
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
     hs_camera_look_from(camera, hs_source_shape(loop->source), loop->options.from,
@@ -42,6 +43,13 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     if (o->lowres > MAX_LOWRES_AXIS)
         return hs_fail(err, HS_ERR_USAGE, "low resolution: %u pixels, allowed are 1 .. %g (0: a third)",
                        o->lowres, MAX_LOWRES_AXIS);
+    if (!o->lowres && loop->box.extent / (SOURCE_VOXELS_PER_LOWRES * spacing) > MOST_OF_ITSELF)
+        return hs_fail(
+            err, HS_ERR_INPUT,
+            "%s: voxels of %g x %g x %g mm: a third of the finest axis are %.0f pixels, at most %g are "
+            "made without --lowres",
+            volume->name, volume->spacing[0], volume->spacing[1], volume->spacing[2],
+            loop->box.extent / (SOURCE_VOXELS_PER_LOWRES * spacing), MOST_OF_ITSELF);
     const double voxel = o->lowres ? loop->box.extent / o->lowres : SOURCE_VOXELS_PER_LOWRES * spacing;
     layout->width = layout->height = axis_count(loop->box.extent / voxel);
     layout->slices = axis_count(loop->box.depth_extent / voxel);
@@ -164,7 +172,8 @@ static bool bring_volume(hs_loop *loop, uint32_t index, hs_error *err) {
     const hs_volume *volume = hs_source_bring(loop->source, wanted, err);
     if (!volume) return false;
     loop->resident = wanted;
-    return hs_device_volume_replace(loop->volume, volume, err);
+    return hs_device_volume_replace(loop->volume, volume, err) &&
+           hs_screen_prepare(loop->screen, loop->volume, err);
 }
 
 static bool wait_for(const hs_loop *loop, const char *stage, hs_error *err) {

@@ -3,6 +3,8 @@
  * library is trusted unchecked. */
 #include "plugin/loader.h"
 
+#include "base/text.h"
+
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
@@ -69,7 +71,9 @@ static const char *severity_name(int32_t severity) {
 static void print_log(const sv_host *host, int32_t severity, const char *text) {
     const hs_plugin *plugin = host->host_data;
     if (severity < plugin->log_level) return;
-    (void)fprintf(stderr, "plugin: %s: %s\n", severity_name(severity), text ? text : "(null)");
+    char line[2048]; /* one line, whatever the plugin has put into it */
+    (void)fprintf(stderr, "plugin: %s: %s\n", severity_name(severity),
+                  hs_text_escape(line, sizeof line, text ? text : "(null)", 0));
 }
 
 /* sv_host.get_extension: this host offers none. */
@@ -239,6 +243,8 @@ void hs_plugin_close(hs_plugin *plugin) {
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err) {
     if (hs_status_is_success(status)) return true;
     const char *reason = plugin->instance ? plugin->instance->last_error(plugin->instance) : NULL;
-    return hs_fail(err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status),
-                   status, reason && reason[0] ? reason : "the plugin gave no reason");
+    char line[1024]; /* one line, whatever the plugin has put into it */
+    return hs_fail(
+        err, HS_ERR_PLUGIN, "%s: %s: %s (%d): %s", plugin->path, call, hs_status_name(status), status,
+        hs_text_escape(line, sizeof line, reason && reason[0] ? reason : "the plugin gave no reason", 0));
 }

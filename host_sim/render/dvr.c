@@ -75,7 +75,7 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, co
                       ray_view *out, hs_error *err) {
     const uint32_t steps = count_steps(s, &source->shape, camera);
     if (steps > HS_DVR_MAX_STEPS) {
-        return hs_fail(err, HS_ERR_USAGE,
+        return hs_fail(err, HS_ERR_INPUT,
                        "renderer: step %g makes %u steps of this volume, expected at most %u",
                        (double)s->step, steps, HS_DVR_MAX_STEPS);
     }

@@ -3,6 +3,7 @@
 
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/text.h"
 #include "eval/eval_thesis.h"
 #include "report/report_rows_beside.h"
 
@@ -123,13 +124,12 @@ static void print_table(const hs_eval_study *study, hs_eval_table_kind kind, FIL
     char caption[300];
     hs_eval_row row;
     hs_eval_row_caption(study, kind, caption, sizeof caption);
-    (void)fprintf(out, "%s\n", caption);
-    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
-        (void)fprintf(out, "%*s", widths[i], hs_eval_row_head(study)[i]);
+    hs_print(out, "%s\n", caption);
+    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) hs_print(out, "%*s", widths[i], hs_eval_row_head(study)[i]);
     (void)fprintf(out, "\n");
     for (uint32_t r = 0; r <= study->count; r++) {
         hs_eval_row_make(study, kind, r, &row);
-        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) (void)fprintf(out, "%*s", widths[i], row.cell[i]);
+        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) hs_print(out, "%*s", widths[i], row.cell[i]);
         (void)fprintf(out, "\n");
     }
     (void)fprintf(out, "\n");

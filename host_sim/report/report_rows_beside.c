@@ -3,6 +3,7 @@
 
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -97,16 +98,16 @@ void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
                   "Beside each other, one setting for all cases; ratio: %s to %s at its best single knob\n",
                   study->beside.other_name, study->beside.first_name);
     hs_eval_beside_row(study, 0, cell);
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) (void)fprintf(out, "  [%u] %s\n", i, cell[i]);
-    (void)fprintf(out, "%-6s", "case");
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) (void)fprintf(out, "    [%2u]", i);
-    (void)fprintf(out, "\n");
+    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) hs_print(out, "  [%u] %s\n", i, cell[i]);
+    hs_print(out, "%-6s", "case");
+    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) hs_print(out, "    [%2u]", i);
+    hs_print(out, "\n");
     for (uint32_t r = 1; r <= study->count + 1; r++) {
         hs_eval_beside_row(study, r, cell);
-        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) (void)fprintf(out, "%*s", i ? 8 : -6, cell[i]);
-        (void)fprintf(out, "\n");
+        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) hs_print(out, "%*s", i ? 8 : -6, cell[i]);
+        hs_print(out, "\n");
     }
-    (void)fprintf(out, "\n");
+    hs_print(out, "\n");
 }
 
 /* Heads hold commas: quoted. */

@@ -3,6 +3,7 @@
 
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -31,13 +32,12 @@ bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
 }
 
 void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out) {
-    (void)fprintf(out, "%4s %8s %10s %14s %18s  method\n", "rank", "e_abs", "best knob", "fetus cut [%]",
-                  "occluder left [%]");
+    hs_print(out, "%4s %8s %10s %14s %18s  method\n", "rank", "e_abs", "best knob", "fetus cut [%]",
+             "occluder left [%]");
     for (uint32_t r = 0; r < x->count; r++) {
         const uint32_t m = x->rank[r];
-        (void)fprintf(out, "%4u %8.2f %10.2f %14.2f %18.2f  %s\n", r + 1,
-                      hs_eval_method_mean(x, m, HS_METHOD_ABS), hs_eval_method_mean(x, m, HS_METHOD_BEST),
-                      100 * hs_eval_method_mean(x, m, HS_METHOD_CUT),
-                      100 * hs_eval_method_mean(x, m, HS_METHOD_LEFT), x->method[m].label);
+        hs_print(out, "%4u %8.2f %10.2f %14.2f %18.2f  %s\n", r + 1, hs_eval_method_mean(x, m, HS_METHOD_ABS),
+                 hs_eval_method_mean(x, m, HS_METHOD_BEST), 100 * hs_eval_method_mean(x, m, HS_METHOD_CUT),
+                 100 * hs_eval_method_mean(x, m, HS_METHOD_LEFT), x->method[m].label);
     }
 }

@@ -4,8 +4,8 @@
 
 #include "scene/scene_fetus.h"
 #include "scene/scene_json.h"
+#include "volume/metaimage_open.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -313,10 +313,23 @@ static void set_defaults(hs_scene_spec *spec) {
     memcpy(spec->tissue, hs_tissue_defaults, sizeof spec->tissue);
 }
 
+/* The name becomes part of file names. */
+static bool check_name(const hs_json *root, const char *name) {
+    hs_json at;
+    bool fits = name[0] != '\0' && name[0] != '.';
+    for (const char *c = name; *c; c++) fits = fits && *c != '/' && (unsigned char)*c >= 0x20 && *c != 0x7f;
+    return fits || (hs_json_member(root, "name", &at) &&
+                    hs_json_fail(&at,
+                                 "is '%.63s', expected a part of a file's name: no '/', no '.' in front, no "
+                                 "control characters",
+                                 name));
+}
+
 static bool read_scene(const hs_json *root, hs_scene_spec *spec) {
     hs_json part;
     set_defaults(spec);
-    if (!hs_json_read(root, top_fields, COUNT(top_fields), spec)) return false;
+    if (!hs_json_read(root, top_fields, COUNT(top_fields), spec) || !check_name(root, spec->name))
+        return false;
     if (hs_json_member(root, "kind", &part) && !read_kind(&part, spec)) return false;
     if (hs_json_member(root, "lead_mm", &part) && (!spec->real || spec->lead_mm >= spec->extent_mm))
         return hs_json_fail(&part, "is %g, expected less than extent_mm, %g, in a scene of kind real",
@@ -354,8 +367,9 @@ bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec,
 
 bool hs_scene_read(const char *path, hs_scene_spec *spec, hs_error *err) {
     enum { MAX_BYTES = 1 << 20 };
-    FILE *file = fopen(path, "rb");
-    if (!file) return hs_fail(err, HS_ERR_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+    uint64_t bytes;
+    FILE *file = hs_met_open(path, path, &bytes, err); /* a regular file: nothing that waits for a writer */
+    if (!file) return false;
     char *text = malloc(MAX_BYTES + 1);
     size_t length = text ? fread(text, 1, MAX_BYTES + 1, file) : 0;
     bool bad = ferror(file) != 0;

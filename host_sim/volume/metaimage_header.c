@@ -104,6 +104,17 @@ static bool check_encoding(const hs_met_text *p, hs_met_header *h) {
     return true;
 }
 
+/* True for a file in the header's folder or below it. A header from elsewhere must not make a picture of any
+ * file that its reader can read. */
+static bool is_near(const char *name) {
+    bool near = name[0] != '/';
+    for (const char *part = name; near && part; part = strchr(part, '/')) {
+        if (*part == '/') part++;
+        near = !(part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'));
+    }
+    return near;
+}
+
 /* ElementDataFile and HeaderSize. */
 static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     const char *name = p->fields[HS_MET_F_DATA_FILE].value;
@@ -112,8 +123,10 @@ static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     h->local = strcmp(name, "LOCAL") == 0 || strcmp(name, "Local") == 0 || strcmp(name, "local") == 0;
     if (*name == '\0' || strncmp(name, "LIST", 4) == 0 || strchr(name, '%'))
         return hs_met_bad_value(p, HS_MET_F_DATA_FILE, "LOCAL or the name of one file");
+    if (!is_near(name))
+        return hs_met_bad_value(p, HS_MET_F_DATA_FILE, "a file in the header's folder or below");
     const char *slash = strrchr(p->path, '/');
-    const int folder = slash && name[0] != '/' ? (int)(slash - p->path + 1) : 0;
+    const int folder = slash ? (int)(slash - p->path + 1) : 0;
     const int length = h->local
                            ? snprintf(h->data_path, sizeof h->data_path, "%s", p->path)
                            : snprintf(h->data_path, sizeof h->data_path, "%.*s%s", folder, p->path, name);

@@ -128,7 +128,7 @@ static void names_missing_files_and_bad_options(void **state) {
     (void)state;
     hs_error err = {0};
     assert_null(hs_scene_open("/nowhere/at/all.json", &err));
-    assert_non_null(strstr(err.text, "/nowhere/at/all.json: cannot be opened"));
+    assert_non_null(strstr(err.text, "/nowhere/at/all.json: cannot be read"));
     memset(&err, 0, sizeof err);
     assert_null(hs_scene_open("Z99", &err));
     assert_non_null(strstr(err.text, "Z99.json"));

@@ -7,6 +7,7 @@
  *   TP_ENTRY_SIZE    the entry's size
  *   TP_CREATE        what create returns
  *   TP_SLAB          the instance's slab
+ *   TP_FAILS_BY      how it fails where it is told to: not by an error, but by fail_by(), see there
  *   TP_BEGIN         what begin returns: a note changes nothing
  *   TP_PARTIAL       the right half of the map has no surface: SV_PARTIAL
  *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
@@ -16,6 +17,8 @@
 
 #include <CL/cl.h>
 #include <math.h>
+#include <signal.h>
+#include <unistd.h>
 
 #ifndef TP_ABI_MAJOR
 #define TP_ABI_MAJOR SV_ABI_MAJOR
@@ -97,10 +100,27 @@ typedef struct {
     float *sure; /* the same for the confidence */
 } plane;
 
+#ifdef TP_FAILS_BY
+enum { TP_CRASH = 1, TP_HANG, TP_LEAVE, TP_GRAB };
+
+/* What no host can take back. */
+static void fail_by(int how) {
+    if (how == TP_CRASH) (void)raise(SIGSEGV);
+    if (how == TP_LEAVE) exit(0);
+    for (volatile int endless = 1; endless;) {
+        if (how == TP_GRAB) memset(malloc(1u << 20), 1, 1u << 20);
+        (void)usleep(200);
+    }
+}
+#endif
+
 /* SV_ERR_INTERNAL if this is the call, and the frame, that the parameters name. */
 static sv_status fail_here(sva *a, int call) {
     const uint64_t every = (uint64_t)sva_value(a, PARAM_EVERY);
     if ((int)sva_value(a, PARAM_FAIL) != call || a->frame.index % every != 0) return SV_OK;
+#ifdef TP_FAILS_BY
+    fail_by(TP_FAILS_BY);
+#endif
     return sva_error(a, SV_ERR_INTERNAL, "fails in %s on purpose", calls[call]);
 }
 

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""Exceptions. Every one carries the plugin's own reason, word for word, where there is one."""
+
+from . import _abi
+
+_NAMES = {
+    value: name for name, value in vars(_abi).items() if name.startswith("SV_ERR_") and isinstance(value, int)
+}
+
+
+class SmartVisError(Exception):
+    """Base of all exceptions of this package."""
+
+
+class LoadError(SmartVisError):
+    """A file is no SmartVis plugin, or of another ABI version."""
+
+
+class PluginError(SmartVisError):
+    """A call of the plugin failed.
+
+    ``status`` is the number of smartvis_plugin.h, ``name`` its name there, ``reason`` what the plugin says.
+    """
+
+    def __init__(self, call: str, status: int, reason: str) -> None:
+        self.call = call
+        self.status = status
+        self.name = _NAMES.get(status, f"status {status}")
+        self.reason = reason
+        super().__init__(f"{reason or 'the plugin gives no reason'} ({call}: {self.name})")
+
+    def __reduce__(self) -> tuple[type, tuple[str, int, str]]:
+        return type(self), (self.call, self.status, self.reason)
+
+
+class HostError(SmartVisError):
+    """``host_sim`` is not there, or failed. ``code`` is its exit code, or None if it did not run."""
+
+    def __init__(self, message: str, code: int | None = None) -> None:
+        self.code = code
+        super().__init__(message)
+
+
+class MissingExtraError(SmartVisError, ImportError):
+    """A package that only some functions need is not installed."""
+
+    def __init__(self, package: str, extra: str, what: str) -> None:
+        super().__init__(f"{what} needs {package}: pip install 'smartvis[{extra}]'")

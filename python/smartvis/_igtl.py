@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""OpenIGTLink messages on a socket. pyigtl packs and unpacks them; what arrives is checked here first, because a
+size from the network must not decide how much memory is taken."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import MissingExtraError, SmartVisError
+
+HEADER_BYTES = 58
+_HEADER = struct.Struct("> H 12s 20s II Q Q")
+_SPOKEN = (1, 2, 3)
+_CHUNK = 1 << 20
+
+
+class ProtocolError(SmartVisError):
+    """A peer sent what is no OpenIGTLink message, or more than is allowed."""
+
+
+class PeerGone(SmartVisError):
+    """The peer closed the connection, or stopped in the middle of a message."""
+
+
+def messages() -> Any:
+    """pyigtl's messages."""
+    try:
+        import pyigtl.messages
+    except ImportError:
+        raise MissingExtraError("pyigtl", "serve", "smartvis serve") from None
+    return pyigtl.messages
+
+
+class Channel:
+    """Receives whole messages from one peer."""
+
+    def __init__(self, peer: socket.socket, limit: int, patience: float) -> None:
+        """`limit`: bytes of the longest message; `patience`: seconds that one may take to arrive."""
+        self._peer = peer
+        self._limit = limit
+        self._patience = patience
+        self._chunk = bytearray(_CHUNK)
+        self._messages = messages()
+
+    def receive(self) -> Any | None:
+        """The next message; None if it is of a type that pyigtl does not know. PeerGone at the end of the
+        connection, ProtocolError for what is no message."""
+        header = bytearray(HEADER_BYTES)
+        self._peer.settimeout(None)  # a client may be silent for as long as it likes between messages
+        self._fill(memoryview(header)[:1])
+        end = time.monotonic() + self._patience
+        self._fill(memoryview(header)[1:], end)
+        version, raw_type, _, _, _, size, checksum = _HEADER.unpack(header)
+        kind = raw_type.rstrip(b"\0 ")
+        if version not in _SPOKEN or not kind.isalnum() and b"_" not in kind:
+            raise ProtocolError(f"no OpenIGTLink header: version {version}, type {raw_type!r}")
+        if size > self._limit:
+            raise ProtocolError(f"a {kind.decode()} message of {size} bytes, allowed are {self._limit}")
+        body = self._body(size, end)
+        if self._messages.CRC64(body) != checksum:
+            raise ProtocolError(f"a {kind.decode()} message with a wrong checksum")
+        return self._unpack(bytes(header), body)
+
+    def _unpack(self, header: bytes, body: bytes) -> Any | None:
+        try:
+            fields = self._messages.MessageBase.parse_header(header)
+            message = self._messages.MessageBase.create_message(fields["message_type"])
+            if message is None:
+                return None
+            message.unpack(fields, body)
+            return message
+        except Exception as error:  # whatever a hostile body makes of pyigtl's parser
+            raise ProtocolError(f"a message that cannot be read: {type(error).__name__}: {error}") from None
+
+    def _body(self, size: int, end: float) -> bytes:
+        """Memory grows with what has arrived, not with what a header promises."""
+        body = bytearray()
+        with memoryview(self._chunk) as view:
+            while len(body) < size:
+                count = self._some(view[: size - len(body)], end)
+                body += view[:count]
+        return bytes(body)
+
+    def _fill(self, view: memoryview, end: float | None = None) -> None:
+        got = 0
+        while got < len(view):
+            got += self._some(view[got:], end)
+
+    def _some(self, view: memoryview, end: float | None) -> int:
+        if end is not None:
+            left = end - time.monotonic()
+            if left <= 0:
+                raise PeerGone("a message did not arrive in time")
+            self._peer.settimeout(left)
+        try:
+            count = self._peer.recv_into(view)
+        except TimeoutError:
+            raise PeerGone("a message did not arrive in time") from None
+        except OSError as error:
+            raise PeerGone(str(error)) from None
+        if count == 0:
+            raise PeerGone("the connection was closed")
+        return count
+
+
+def image_message(name: str, voxels: NDArray[Any], matrix: NDArray[np.float64], like: Any) -> Any:
+    """An IMAGE with the time and the world of the message that it answers. Names have 20 characters at most."""
+    return messages().ImageMessage(
+        np.ascontiguousarray(voxels),
+        ijk_to_world_matrix=matrix,
+        world_coordinate_system=like.world_coordinate_system,
+        timestamp=like.timestamp,
+        device_name=short(name),
+    )
+
+
+def string_message(name: str, text: str, timestamp: float | None = None) -> Any:
+    """A STRING."""
+    return messages().StringMessage(text.encode("ascii", "replace").decode(), timestamp=timestamp, device_name=short(name))
+
+
+def short(name: str) -> str:
+    """A device name as the protocol takes it: 20 ASCII characters."""
+    return name.encode("ascii", "replace").decode()[:20]

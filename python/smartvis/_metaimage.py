@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: MIT
+"""The MetaImage files that host_sim writes and reads. For files of others there is SimpleITK."""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import SmartVisError
+
+_TYPES: dict[str, np.dtype[Any]] = {"MET_UCHAR": np.dtype("u1"), "MET_USHORT": np.dtype("<u2"), "MET_FLOAT": np.dtype("<f4")}
+
+
+def read(path: Path) -> tuple[NDArray[Any], tuple[float, ...]]:
+    """Voxels, the last axis x, and the spacing x, y, .. in mm of a .mha file that host_sim wrote."""
+    raw = path.read_bytes()
+    marker = raw.find(b"ElementDataFile = LOCAL\n")
+    if marker < 0:
+        raise SmartVisError(f"{path}: no 'ElementDataFile = LOCAL'")
+    fields = dict(line.split(" = ", 1) for line in raw[:marker].decode("ascii").splitlines())
+    data = raw[marker + len(b"ElementDataFile = LOCAL\n") :]
+    if fields.get("CompressedData") == "True":
+        data = zlib.decompress(data)
+    if fields["ElementType"] not in _TYPES:
+        raise SmartVisError(f"{path}: ElementType is '{fields['ElementType']}', expected one of {', '.join(_TYPES)}")
+    shape = [int(n) for n in fields["DimSize"].split()][::-1]
+    spacing = tuple(float(s) for s in fields["ElementSpacing"].split())
+    return np.frombuffer(data, _TYPES[fields["ElementType"]]).reshape(shape).copy(), spacing
+
+
+def write_map(path: Path, values: NDArray[np.float32]) -> None:
+    """A map [y, x] as host_sim measure reads it."""
+    height, width = values.shape
+    header = (
+        f"ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = {width} {height} 1\n"
+        "ElementType = MET_FLOAT\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n"
+    )
+    path.write_bytes(header.encode() + np.ascontiguousarray(values, "<f4").tobytes())

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""What can be made of a result: a depthmap as an image, a mesh of the clipped volume, a quick look."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _images
+from ._errors import MissingExtraError
+from ._result import Result
+
+
+def depth_image(image: Any, result: Result) -> Any:
+    """The depthmap in slices as an image of one slice that lies on the front of the volume, in its world."""
+    sitk = _images.sitk()
+    camera = result.camera
+    made = sitk.GetImageFromArray(result.depth[None])
+    made.SetSpacing([float(s) for s in camera.spacing])
+    direction = np.array(image.GetDirection()).reshape(3, 3)
+    made.SetDirection((direction @ camera.rotation.T).ravel().tolist())
+    first = camera.to_volume_mm(np.zeros(3))
+    made.SetOrigin((np.array(image.GetOrigin()) + direction @ first).tolist())
+    return made
+
+
+def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The surface of what is left, by scikit-image's marching cubes: vertices in the image's world (mm), faces.
+
+    `level`: where tissue begins; None: Otsu's threshold of the volume. Both are empty if nothing is that bright.
+    """
+    try:
+        from skimage.filters import threshold_otsu
+        from skimage.measure import marching_cubes
+    except ImportError:
+        raise MissingExtraError("scikit-image", "files", "a mesh") from None
+    volume = _images.array(image)
+    if level is None:
+        if volume.min() == volume.max():
+            return np.empty((0, 3)), np.empty((0, 3), np.int64)
+        level = float(threshold_otsu(volume))
+    clipped = result.apply(volume, fill=min(float(volume.min()), level - 1) if volume.dtype.kind == "f" else 0)
+    # A shell of nothing around it closes the mesh at the volume's faces.
+    clipped = np.pad(clipped.astype(np.float32), 1, constant_values=min(float(clipped.min()), level - 1))
+    if not clipped.min() < level < clipped.max():
+        return np.empty((0, 3)), np.empty((0, 3), np.int64)
+    vertices, faces, _, _ = marching_cubes(clipped, level)
+    index = vertices[:, ::-1].astype(np.float64) - 1.0
+    direction = np.array(image.GetDirection()).reshape(3, 3)
+    world = (index * np.array(image.GetSpacing())) @ direction.T + np.array(image.GetOrigin())
+    return world, faces.astype(np.int64)
+
+
+def quick_look(volume: NDArray[np.uint8], result: Result) -> NDArray[np.uint8]:
+    """Three panels [y, x, rgb] as the camera sees them: the volume's brightest voxels, what is left shaded by its
+    first tissue, and a cut down the middle with the surface on it."""
+    seen = result.camera.see(volume)
+    tissue = int(seen.mean() + seen.std()) + 1
+    z = np.arange(seen.shape[0], dtype=np.float32)[:, None, None]
+    left = np.where(z >= (result.depth if result.clips else 0), seen, 0)
+    hit = left >= tissue
+    first = np.where(hit.any(axis=0), hit.argmax(axis=0), seen.shape[0]).astype(np.float32)
+    slope_y, slope_x = np.gradient(first)
+    light = (1.0 + 0.4 * slope_x + 0.4 * slope_y) / np.sqrt(1.0 + slope_x**2 + slope_y**2)
+    shaded = np.where(first < seen.shape[0], np.clip(60 + 150 * light, 20, 255), 0)
+    height = seen.shape[1]
+    panels = [_grey(seen.max(axis=0)), _grey(shaded), _cut(seen, result, height)]
+    return np.concatenate([_to_height(p, height) for p in panels], axis=1)
+
+
+def _cut(seen: NDArray[np.uint8], result: Result, height: int) -> NDArray[np.uint8]:
+    """The slice x = middle, depth to the right; what is clipped is dark, the surface is drawn."""
+    x = seen.shape[2] // 2
+    depth = result.depth[:, x] if result.clips else np.zeros(height, np.float32)
+    cut = seen[:, :, x].T.astype(np.float32)
+    cut[np.arange(seen.shape[0]) < depth[:, None]] *= 0.35
+    picture = _grey(cut)
+    rows = np.nonzero((depth > 0) & (depth < seen.shape[0]))[0]
+    picture[rows, depth[rows].astype(int)] = (255, 160, 40)
+    return picture
+
+
+def _grey(values: NDArray[Any]) -> NDArray[np.uint8]:
+    return np.repeat(values.astype(np.uint8)[..., None], 3, axis=2)
+
+
+def _to_height(panel: NDArray[np.uint8], height: int) -> NDArray[np.uint8]:
+    return np.pad(panel, ((0, height - panel.shape[0]), (0, 2), (0, 0)))

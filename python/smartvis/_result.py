@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""What a frame came to, and how to use it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._view import Camera
+
+
+class Outcome(Enum):
+    """What a frame came to; values are those of smartvis_plugin.h."""
+
+    OK = 0  #: every pixel has a surface
+    NO_SURFACE = 1  #: too little fluid, or nothing in the way: nothing is clipped
+    PARTIAL = 2  #: some pixels have no surface; they clip nothing
+
+
+@dataclass
+class Statistics:
+    """Counts of one frame, and what only some methods know (else None)."""
+
+    rays: int = 0
+    points: int = 0  #: rays that the surface rests on; 0 if the method does not count them
+    unfilled: int = 0  #: pixels without a surface
+    fluid_threshold: float | None = None  #: 0 .. 1, methods with a confidence
+    open_rays: int | None = None  #: rays with fluid behind tissue, methods with a confidence
+    bone_threshold: float | None = None  #: 0 .. 1, methods that start from points
+    volume_max: float | None = None  #: 0 .. 1, methods that start from points
+    passes: int | None = None  #: of the reconstruction, methods that start from points
+
+
+@dataclass
+class Result:
+    """The clipping depthmap of one volume.
+
+    Maps are arrays [y, x] as the camera sees them; with the default view that is [y, x] of the volume.
+    """
+
+    depth: NDArray[np.float32]  #: slices along the view; 0 or less clips nothing
+    status: NDArray[np.uint8]  #: 0 no point, 1 the surface rests on this ray, 2 it says "clip nothing"
+    confidence: NDArray[np.float32] | None  #: 0 .. 1, None if the method has none
+    outcome: Outcome
+    statistics: Statistics
+    camera: Camera = field(repr=False)  #: how map and volume lie to one another
+    spacing_known: bool = True  #: False: no spacing was given, and millimetres are voxels
+
+    @property
+    def clips(self) -> bool:
+        """True if the map may be used: it clips something."""
+        return self.outcome is not Outcome.NO_SURFACE
+
+    @property
+    def depth_mm(self) -> NDArray[np.float32]:
+        """The depth in millimetres from the first slice."""
+        return self.depth * np.float32(self.camera.spacing[2])
+
+    def copy(self) -> Result:
+        """A result that owns its maps: a Clipper overwrites its own with the next volume."""
+        confidence = None if self.confidence is None else self.confidence.copy()
+        return replace(
+            self,
+            depth=self.depth.copy(),
+            status=self.status.copy(),
+            confidence=confidence,
+            statistics=replace(self.statistics),
+        )
+
+    def mask(self) -> NDArray[np.bool_]:
+        """True where a voxel of the volume is kept, in the volume's own shape."""
+        if not self.clips:
+            return np.ones(self.camera.source_shape, bool)
+        return self.camera.behind(self.depth)
+
+    def apply(self, volume: Any, fill: float = 0) -> Any:
+        """The clipped volume: a copy in which what hides the fetus holds `fill`.
+
+        `volume` is an array of the shape that was clipped, of any type, or a SimpleITK image of that size; an
+        image comes back as an image with its spacing, origin and directions.
+        """
+        if hasattr(volume, "CopyInformation"):
+            from . import _images
+
+            return _images.like(volume, self.apply(_images.array(volume), fill))
+        volume = np.asarray(volume)
+        if volume.shape != self.camera.source_shape:
+            raise ValueError(f"volume has shape {volume.shape}, what was clipped had {self.camera.source_shape}")
+        return np.where(self.mask(), volume, volume.dtype.type(fill))
+
+    def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The clipping surface as triangles: vertices in mm (x, y, z of the volume) and faces.
+
+        A vertex is a pixel that clips; voxel (0, 0, 0) has its centre at (0, 0, 0). Both are empty if nothing
+        is clipped.
+        """
+        clips = (self.depth > 0) & self.clips
+        number = np.cumsum(clips.ravel()).reshape(clips.shape) - 1
+        y, x = np.nonzero(clips)
+        vertices = self.camera.to_volume_mm(np.stack([x, y, self.depth[y, x]], axis=-1))
+        whole = clips[:-1, :-1] & clips[:-1, 1:] & clips[1:, :-1] & clips[1:, 1:]
+        a, b = number[:-1, :-1][whole], number[:-1, 1:][whole]
+        c, d = number[1:, :-1][whole], number[1:, 1:][whole]
+        faces = np.concatenate([np.stack([a, c, b], -1), np.stack([b, c, d], -1)])
+        return vertices, faces.astype(np.int64)

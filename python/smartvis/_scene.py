@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""The synthetic scenes with their truth, and the quality of a depthmap on them, both by the host."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _host, _metaimage
+from ._result import Result
+
+CASES = ("E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A synthetic volume with its ground truth. Volumes are [z, y, x], maps [y, x]."""
+
+    name: str
+    size: int
+    seed: int  #: 0: the scene's own
+    frame: int  #: of its motion
+    spacing: tuple[float, float, float]  #: mm along x, y, z
+    full: NDArray[np.uint8] = field(repr=False)  #: what the probe sees; 0 was not scanned
+    truth: NDArray[np.uint8] = field(repr=False)  #: the same without what hides the fetus
+    label: NDArray[np.uint8] = field(repr=False)  #: what a ray meets: 0 neither, 1 the sac, 2 the fetus
+    near: NDArray[np.float32] = field(repr=False)  #: slice where the fluid before the fetus begins, -1: none
+    far: NDArray[np.float32] = field(repr=False)  #: slice where it ends, -1: none
+
+    @property
+    def scanned(self) -> NDArray[np.bool_]:
+        """What the probe scanned, for `clip`."""
+        return self.full > 0
+
+    def clip(self, **keywords: Any) -> Result:
+        """`smartvis.clip` on this scene, with its spacing and what was scanned of it."""
+        from ._clip import clip
+
+        return clip(self.full, self.spacing, scanned=self.scanned, **keywords)
+
+
+@dataclass(frozen=True)
+class Measures:
+    """How well a depthmap clips a scene (docs/evaluation.md). Errors are in steps of the renderer, shares
+    are 0 .. 1; None over no ray."""
+
+    e_abs: float | None  #: mean absolute error of the depths at which rays end
+    e_pos: float | None  #: of the rays that end too early: what hides the fetus is left
+    e_neg: float | None  #: of the rays that end too late: the fetus is cut
+    e_abs_sac: float | None
+    e_pos_sac: float | None
+    e_neg_sac: float | None
+    e_abs_fetus: float | None
+    e_pos_fetus: float | None
+    e_neg_fetus: float | None
+    fetus_cut: float | None  #: share of the fetus' rays that are cut by more than two steps
+    occluder_left: float | None  #: share of the hidden rays on which more than two steps are left
+
+
+def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> Scene:
+    """One of the nine cases (`CASES`), or a scene file, made by host_sim. ``frame`` is a frame of its motion.
+
+    HostError: host_sim is not there, or does not know the scene.
+
+    >>> scene("E01", size=64).full.shape
+    (64, 64, 64)
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        arguments = ["scenes", name, "--size", str(size), "--export", "--out", folder]
+        arguments += ["--seed", str(seed)] if seed else []
+        arguments += ["--frames", str(frame + 1)] if frame else []
+        _host.run(arguments)
+        stem = Path(name).stem + (f"_f{frame:03d}" if frame else "")
+        full, spacing = _metaimage.read(Path(folder) / f"{stem}_full.mha")
+        maps = {
+            what: _metaimage.read(Path(folder) / f"{stem}_{what}.mha")[0]
+            for what in ("truth", "label", "near", "far")
+        }
+    mm = (spacing[0], spacing[1], spacing[2])
+    return Scene(name=name, size=size, seed=seed, frame=frame, spacing=mm, full=full, **maps)
+
+
+def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
+    """The quality of a depthmap on a scene, by the measures of the report. `depth`: a result of `clip`, or
+    slices [y, x]; None: unclipped.
+
+    >>> e01 = scene("E01", size=64)
+    >>> measure(e01, e01.clip(method="cost")).e_abs < measure(e01, None).e_abs
+    True
+    """
+    return measure_many(of, {"map": depth})["map"]
+
+
+def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) -> dict[str, Measures]:
+    """`measure` for several maps of one scene, which costs little more than for one."""
+    if of.frame != 0:
+        raise ValueError(f"scene {of.name}, frame {of.frame}: only frame 0 is measured")
+    sizes = {_depth(d).shape[0] for d in maps.values() if d is not None}
+    if len(sizes) > 1:
+        raise ValueError(f"the maps have {sorted(sizes)} pixels a side: measure one size at a time")
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for number, depth in enumerate(maps.values()):
+            path = Path(folder) / f"{number}.mha"
+            if depth is not None:
+                _metaimage.write_map(path, _depth(depth))
+            files.append("-" if depth is None else str(path))
+        lowres = sizes.pop() if sizes else of.size
+        out = _host.run(
+            ["measure", "--case", of.name, "--size", str(of.size), "--seed", str(of.seed)]
+            + ["--lowres", str(lowres), *files]
+        )
+    rows = [{k: v for k, v in row.items() if k != "map"} for row in json.loads(out)]
+    return {name: Measures(**row) for name, row in zip(maps, rows, strict=True)}
+
+
+def _depth(depth: Result | NDArray[Any]) -> NDArray[np.float32]:
+    if isinstance(depth, Result):
+        if depth.camera.rotation.tolist() != np.eye(3).tolist():
+            raise ValueError("the depthmap is of a turned view; scenes are measured from the probe")
+        return depth.depth if depth.clips else np.zeros_like(depth.depth)
+    values = np.asarray(depth, np.float32)
+    if values.ndim != 2 or values.shape[0] != values.shape[1]:
+        raise ValueError(f"the depthmap has shape {values.shape}, expected as many rows as columns")
+    if not np.isfinite(values).all():
+        raise ValueError("the depthmap has values that are not finite; 0 clips nothing")
+    return values
+
+
+def rank(
+    methods: Mapping[str, Callable[[Scene], Result | NDArray[Any] | None]],
+    cases: Iterable[str] = CASES,
+    size: int = 128,
+) -> dict[str, dict[str, Measures]]:
+    """Measures of methods by name and case, best mean e_abs first. A method takes a Scene and returns what
+    `measure` takes."""
+    results: dict[str, dict[str, Measures]] = {name: {} for name in methods}
+    for case in cases:
+        of = scene(case, size=size)
+        for name, measures in measure_many(of, {name: method(of) for name, method in methods.items()}).items():
+            results[name][case] = measures
+    return dict(sorted(results.items(), key=lambda item: mean_error(item[1])))
+
+
+def mean_error(of: Mapping[str, Measures]) -> float:
+    """The mean e_abs over cases."""
+    return float(np.mean([m.e_abs for m in of.values() if m.e_abs is not None]))

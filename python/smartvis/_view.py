@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: MIT
+"""The camera: how the volume that the plugin sees lies in the volume that was given.
+
+The plugin looks along +z of what it gets. A view along an axis of the volume is a transposed copy without any
+interpolation; any other view is resampled by SciPy or SimpleITK.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _images
+from ._errors import MissingExtraError
+
+Shape = tuple[int, int, int]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Two grids around one centre: the volume's and the camera's. Shapes are [z, y, x], spacings x, y, z."""
+
+    source_shape: Shape
+    source_spacing: Vector
+    rotation: NDArray[np.float64]  #: rows: the camera's right, down and forward in the volume's x, y, z (mm)
+    shape: Shape  #: slices, height, width
+    spacing: Vector
+
+    @property
+    def aligned(self) -> bool:
+        """True if the camera's axes are axes of the volume, in any order and direction."""
+        return bool(np.all(np.isin(np.abs(self.rotation), (0.0, 1.0))))
+
+    def _axes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Of an aligned camera: the array axis of the volume for each of its own, and which to reverse."""
+        along = np.abs(self.rotation).argmax(axis=1)[::-1]  # camera z, y, x: 0 is the volume's x
+        signs = self.rotation.sum(axis=1)[::-1]
+        return tuple(int(2 - a) for a in along), tuple(int(i) for i in np.nonzero(signs < 0)[0])
+
+    def see(self, volume: NDArray[Any], how: str | None = None, nearest: bool = False) -> NDArray[Any]:
+        """The volume as the camera sees it; what lies beyond it is 0. `how`: "scipy", "simpleitk", or
+        whichever is there. A view along an axis needs neither."""
+        if self.aligned:
+            order, reverse = self._axes()
+            return np.flip(volume.transpose(order), reverse)
+        return _resample(self, volume, how, nearest)
+
+    def behind(self, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """True where a voxel of the volume does not lie before the surface."""
+        if self.aligned:
+            order, reverse = self._axes()
+            kept = np.arange(self.shape[0], dtype=np.float32)[:, None, None] >= depth
+            return np.ascontiguousarray(np.flip(kept, reverse).transpose(np.argsort(order)))
+        return self._behind_turned(depth)
+
+    def _behind_turned(self, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+        matrix, offset = self.from_volume()
+        out = np.empty(self.source_shape, bool)
+        y, x = np.mgrid[: self.source_shape[1], : self.source_shape[2]]
+        plane = x[..., None] * matrix[:, 0] + y[..., None] * matrix[:, 1] + offset
+        for z in range(self.source_shape[0]):
+            at = plane + z * matrix[:, 2]
+            out[z] = at[..., 2] >= _between(depth, at[..., 0], at[..., 1])
+        return out
+
+    def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Matrix and offset from voxel indices (x, y, z) of the volume to those of the camera."""
+        spacing, own = np.array(self.source_spacing), np.array(self.spacing)
+        matrix = self.rotation * spacing[None, :] / own[:, None]
+        return matrix, _middle(self.shape) - matrix @ _middle(self.source_shape)
+
+    def to_volume_mm(self, index: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where indices (x, y, z) of the camera's grid lie in the volume, in mm from the centre of its first
+        voxel."""
+        from_centre = (index - _middle(self.shape)) * np.array(self.spacing)
+        return np.asarray(from_centre @ self.rotation + _middle(self.source_shape) * np.array(self.source_spacing))
+
+
+def _middle(shape: Shape) -> NDArray[np.float64]:
+    return np.asarray((np.array(shape[::-1], float) - 1.0) / 2.0)
+
+
+def _between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The map at any place, bilinear, as the renderer reads it; beyond its edge it continues."""
+    height, width = depth.shape
+    x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
+    left, top = np.minimum(x.astype(int), max(width - 2, 0)), np.minimum(y.astype(int), max(height - 2, 0))
+    right, bottom = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
+    across, down = x - left, y - top
+    above = depth[top, left] * (1 - across) + depth[top, right] * across
+    below = depth[bottom, left] * (1 - across) + depth[bottom, right] * across
+    return np.asarray(above * (1 - down) + below * down)
+
+
+def rotation_of(view: Any) -> NDArray[np.float64]:
+    """A direction, a rotation matrix or a SciPy Rotation as the camera's axes.
+
+    A direction (x, y, z) is where the camera looks; from +z it is the smallest turn that leads there. The rows
+    of a matrix are the picture's right, its down, and where the camera looks.
+
+    >>> rotation_of((0, 0, 2)).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    if view is None:
+        return np.eye(3)
+    if hasattr(view, "as_matrix"):
+        view = np.asarray(view.as_matrix()).T
+    view = np.asarray(view, float)
+    if view.shape == (3,):
+        return _snapped(_towards(view))
+    if view.shape != (3, 3) or not np.allclose(view @ view.T, np.eye(3), atol=1e-6):
+        raise ValueError(f"view={view.tolist()} is neither a direction (x, y, z) nor a rotation of 3 x 3 numbers")
+    if np.linalg.det(view) < 0:
+        raise ValueError(f"view={view.tolist()} is a mirror image: its determinant is -1")
+    return _snapped(view)
+
+
+def _snapped(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    whole = np.round(rotation)
+    return whole + 0.0 if np.allclose(rotation, whole, atol=1e-9) else rotation
+
+
+def _towards(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    length = float(np.linalg.norm(direction))
+    if not np.isfinite(length) or length == 0.0:
+        raise ValueError(f"view={direction.tolist()} is no direction")
+    to = direction / length
+    if to[2] < -1 + 1e-12:
+        return np.diag([-1.0, 1.0, -1.0])  # from behind: half a turn about y
+    axis = np.cross([0.0, 0.0, 1.0], to)
+    skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.asarray((np.eye(3) + skew + skew @ skew / (1 + to[2])).T)
+
+
+def look(shape: Shape, spacing: Vector, view: Any = None) -> Camera:
+    """The camera for a volume. Of a turned view the voxels are cubes of the volume's smallest spacing, and the
+    box is the smallest that holds the volume."""
+    rotation = rotation_of(view)
+    camera = Camera(shape, spacing, rotation, shape, spacing)
+    if camera.aligned:
+        order, _ = camera._axes()
+        seen = tuple(shape[i] for i in order)
+        own = tuple(spacing[2 - i] for i in order)[::-1]
+        return Camera(shape, spacing, rotation, seen, own)  # type: ignore[arg-type]
+    step = min(spacing)
+    box = np.abs(rotation) @ (np.array(shape[::-1]) * np.array(spacing))
+    count = np.maximum(np.ceil(box / step - 1e-6).astype(int), 1)
+    if count.max() > 8192:
+        raise ValueError(f"seen along this view the volume has {count.tolist()} voxels; at most 8192 are possible")
+    width, height, slices = (int(n) for n in count)
+    return Camera(shape, spacing, rotation, (slices, height, width), (step, step, step))
+
+
+def _resample(camera: Camera, volume: NDArray[Any], how: str | None, nearest: bool) -> NDArray[Any]:
+    ways = {"scipy": _resample_scipy, "simpleitk": _resample_simpleitk}
+    if how is not None:
+        if how not in ways:
+            raise ValueError(f"resample='{how}' is none of {', '.join(ways)}")
+        return ways[how](camera, volume, nearest)
+    try:
+        return _resample_scipy(camera, volume, nearest)
+    except MissingExtraError:
+        return _resample_simpleitk(camera, volume, nearest)
+
+
+def _resample_scipy(camera: Camera, volume: NDArray[Any], nearest: bool) -> NDArray[Any]:
+    try:
+        from scipy.ndimage import affine_transform
+    except ImportError:
+        raise MissingExtraError("SciPy or SimpleITK", "scipy", "a view that is not along an axis") from None
+    matrix, offset = camera.from_volume()
+    back = np.linalg.inv(matrix)
+    out: NDArray[Any] = affine_transform(
+        np.ascontiguousarray(volume),
+        back[::-1, ::-1],
+        offset=(-back @ offset)[::-1],
+        output_shape=camera.shape,
+        order=0 if nearest else 1,
+        mode="constant",
+        cval=0,
+    )
+    return out
+
+
+def _resample_simpleitk(camera: Camera, volume: NDArray[Any], nearest: bool) -> NDArray[Any]:
+    sitk = _images.sitk()
+    image = sitk.GetImageFromArray(np.ascontiguousarray(volume))
+    image.SetSpacing([float(s) for s in camera.source_spacing])
+    grid = sitk.ResampleImageFilter()
+    grid.SetSize([int(n) for n in camera.shape[::-1]])
+    grid.SetOutputSpacing([float(s) for s in camera.spacing])
+    grid.SetOutputDirection(camera.rotation.T.ravel().tolist())
+    grid.SetOutputOrigin(camera.to_volume_mm(np.zeros(3)).tolist())
+    grid.SetInterpolator(sitk.sitkNearestNeighbor if nearest else sitk.sitkLinear)
+    out: NDArray[Any] = sitk.GetArrayFromImage(grid.Execute(image))
+    return out

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""Volumes as the plugin takes them: 8 bits a voxel, and what of them was scanned."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import MissingExtraError
+
+
+def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) -> NDArray[np.uint8]:
+    """The host's mapping to 8 bit (docs/metaimage.md): uint8 stays as it is; other types are mapped linearly,
+    their smallest value to 0 and their largest to 255, or `window` = (low, high) instead.
+
+    >>> to_uint8(np.array([[[-100, 0, 155]]])).tolist()
+    [[[0, 100, 255]]]
+    """
+    if volume.dtype == np.uint8 and window is None:
+        return volume
+    if volume.dtype.kind not in "uifb":
+        raise ValueError(f"the volume holds {volume.dtype}, expected whole or floating-point numbers")
+    if window is None:
+        low, high = float(volume.min()), float(volume.max())
+    else:
+        low, high = float(window[0]), float(window[1])
+    if not (np.isfinite(low) and np.isfinite(high)):
+        at = np.argwhere(~np.isfinite(volume))
+        where = f": the voxel (x, y, z) = {tuple(int(i) for i in at[0][::-1])}" if len(at) else ""
+        raise ValueError(f"the volume has values that are not finite{where}")
+    if not low < high:
+        raise ValueError(f"the values {low:g} .. {high:g} have no range that could become 0 .. 255")
+    if volume.dtype.kind == "f" and not np.isfinite(volume).all():
+        raise ValueError("the volume has values that are not finite")
+    # The host's own arithmetic, halves included, so that both make the same levels.
+    scale = 255.0 / (high * 0.5 - low * 0.5)
+    levels = np.clip((volume.astype(np.float64) * 0.5 - low * 0.5) * scale, 0.0, 255.0)
+    return (levels + 0.5).astype(np.uint8)
+
+
+def fan(volume: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+    """The host's padding "auto": zeros that touch the volume's border through zeros were not scanned. Returns
+    the volume, in which zeros that were scanned are 1, and the mask of what was scanned."""
+    try:
+        from scipy.ndimage import label
+    except ImportError:
+        raise MissingExtraError("SciPy", "scipy", "scanned='auto'") from None
+    zero = volume == 0
+    parts, count = label(zero)
+    outside = np.zeros(count + 1, bool)
+    for axis in range(3):
+        for face in (0, -1):
+            outside[np.unique(np.take(parts, face, axis=axis))] = True
+    outside[0] = False
+    scanned = ~outside[parts]
+    return np.where(zero & scanned, np.uint8(1), volume), scanned
+
+
+def ranges(scanned: NDArray[np.bool_]) -> NDArray[np.uint16]:
+    """Of a mask [z, y, x] the first scanned slice and the first one behind the scan, [y, x, 2]."""
+    first = scanned.argmax(axis=0)
+    end = scanned.shape[0] - scanned[::-1].argmax(axis=0)
+    end[~scanned.any(axis=0)] = 0
+    return np.stack([first, end], axis=-1).astype(np.uint16)

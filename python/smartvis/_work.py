@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: MIT
+"""One volume of a file from reading to results: the command line, batch and its workers share it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _images
+from ._clip import ClipperCache, clip
+from ._errors import PluginError, SmartVisError
+from ._files import FileError, Source, stem, write_image, write_ply
+from ._plugin import Plugin, load
+from ._products import depth_image, mesh, quick_look
+from ._result import Result
+from ._volume import to_uint8
+
+PRODUCTS = ("clipped", "depth", "mesh", "look")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How volumes are clipped; it travels to workers."""
+
+    parameters: dict[str, Any] = field(default_factory=dict)
+    view: tuple[float, float, float] | None = None
+    scanned: str | None = "auto"
+    window: tuple[float, float] | None = None
+    plugin: str | None = None
+    products: tuple[str, ...] = PRODUCTS
+    suffix: str = ".nrrd"
+    level: float | None = None
+
+    def load(self) -> Plugin:
+        """The plugin that clips."""
+        return load(self.plugin)
+
+    def clip(self, image: Any, cache: ClipperCache | None = None) -> Result:
+        """Clips an image."""
+        result: Result = clip(
+            image,
+            view=self.view,
+            scanned=self.scanned,
+            window=self.window,
+            plugin=self.load(),
+            cache=cache,
+            **self.parameters,
+        )
+        return result
+
+
+@dataclass
+class Row:
+    """What became of one volume: a line of the table."""
+
+    file: str
+    frame: int
+    state: str = "ok"  #: ok, input, plugin or output: where it failed
+    reason: str = ""
+    outcome: str = ""
+    width: int = 0
+    height: int = 0
+    slices: int = 0
+    depth_mm: float = 0.0  #: mean over the pixels that clip
+    clipped_share: float = 0.0  #: of the pixels
+    points: int = 0
+    read_ms: float = 0.0
+    clip_ms: float = 0.0
+    write_ms: float = 0.0
+    files: str = ""
+
+
+COLUMNS = tuple(asdict(Row("", 0)))
+
+
+def clip_one(source: Source, frame: int, settings: Settings, out: Path, cache: ClipperCache | None = None) -> Row:
+    """Reads, clips and writes one volume. What is wrong with it is in the row, not an exception."""
+    row = Row(str(source.path), frame)
+    try:
+        start = time.perf_counter()
+        image = source.read(frame)
+        row.read_ms = 1e3 * (time.perf_counter() - start)
+        row.width, row.height, row.slices = image.GetSize()
+        start = time.perf_counter()
+        result = settings.clip(image, cache)
+        row.clip_ms = 1e3 * (time.perf_counter() - start)
+        _describe(row, result)
+    except PluginError as error:
+        row.state, row.reason = "plugin", str(error)
+        return row
+    except (SmartVisError, ValueError, MemoryError) as error:
+        row.state, row.reason = "input", f"{type(error).__name__ if not str(error) else error}"
+        return row
+    try:
+        start = time.perf_counter()
+        name = stem(source.path) + (f"_f{frame:04d}" if source.count > 1 else "")
+        row.files = " ".join(p.name for p in _write(image, result, settings, out / name))
+        row.write_ms = 1e3 * (time.perf_counter() - start)
+    except FileError as error:
+        row.state, row.reason = "output", str(error)
+    return row
+
+
+def _describe(row: Row, result: Result) -> None:
+    row.outcome = result.outcome.name
+    row.points = result.statistics.points
+    clips = result.depth > 0
+    row.clipped_share = float(clips.mean())
+    row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
+
+
+def _write(image: Any, result: Result, settings: Settings, prefix: Path) -> list[Path]:
+    def name(what: str, suffix: str) -> Path:
+        return prefix.with_name(f"{prefix.name}_{what}{suffix}")
+
+    written = []
+    for product in settings.products:
+        if product == "clipped":
+            written.append(write_image(name("clipped", settings.suffix), result.apply(image)))
+        elif product == "depth":
+            written.append(write_image(name("depth", settings.suffix), depth_image(image, result)))
+        elif product == "mesh":
+            written.append(write_ply(name("mesh", ".ply"), *mesh(image, result, settings.level)))
+        elif product == "look":
+            look = quick_look(to_uint8(_images.array(image), settings.window), result)
+            picture = _images.sitk().GetImageFromArray(np.ascontiguousarray(look), isVector=True)
+            written.append(write_image(name("look", ".png"), picture))
+    return written

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: MIT
+"""The command ``smartvis``. Exit codes are those of host_sim: 0 all went well, 1 a part failed, 2 the command
+line is wrong, 3 bad input, 4 the plugin failed, 6 a result cannot be written."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from . import __version__
+from ._errors import HostError, LoadError, MissingExtraError, PluginError, SmartVisError
+from ._files import FileError, Source
+from ._plugin import Parameter, load
+from ._work import PRODUCTS, Row, Settings, clip_one
+
+OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
+CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "output": OUTPUT}
+
+
+def numbers(count: int) -> Any:
+    """An argparse type: `count` numbers with commas between them."""
+
+    def parse(text: str) -> tuple[float, ...]:
+        try:
+            values = tuple(float(part) for part in text.split(","))
+        except ValueError:
+            values = ()
+        if len(values) != count:
+            raise argparse.ArgumentTypeError(f"'{text}', expected {count} numbers with commas between them")
+        return values
+
+    return parse
+
+
+def add_clip_options(parser: argparse.ArgumentParser, scanned: str = "auto") -> None:
+    """The options of everything that clips."""
+    parser.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
+    parser.add_argument("--method", metavar="NAME", help="short for --set method=NAME")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter; repeatable")
+    parser.add_argument("--view", metavar="X,Y,Z", type=numbers(3), help="where the camera looks [0,0,1]")
+    parser.add_argument("--window", metavar="LOW,HIGH", type=numbers(2), help="values that become 0 and 255")
+    parser.add_argument(
+        "--scanned",
+        choices=("auto", "rays", "all"),
+        default=scanned,
+        help=f"auto: all but the zeros that touch the border; rays: on every ray from the first voxel that is not 0 "
+        f"to the last; all: everything [{scanned}]",
+    )
+
+
+def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
+    """The options of what writes files."""
+    parser.add_argument("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
+    parser.add_argument("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
+    parser.add_argument("--level", type=float, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
+
+
+def settings_of(args: argparse.Namespace) -> Settings:
+    """Settings from the options; ValueError names key and value."""
+    values: dict[str, Any] = dict(split(pair) for pair in args.set)
+    if args.method:
+        values["method"] = args.method
+    known = load(args.plugin).parameters
+    load(args.plugin).encode(values)
+    products = tuple(p for p in getattr(args, "write", "").split(",") if p)
+    for product in products:
+        if product not in PRODUCTS:
+            raise ValueError(f"--write: '{product}' is none of {', '.join(PRODUCTS)}")
+    return Settings(
+        parameters={k: v if known[k].choices else float(v) for k, v in values.items()},
+        view=args.view,
+        scanned=None if args.scanned == "all" else args.scanned,
+        window=args.window,
+        plugin=args.plugin,
+        products=products,
+        suffix=getattr(args, "format", ".nrrd"),
+        level=getattr(args, "level", None),
+    )
+
+
+def split(pair: str) -> tuple[str, str]:
+    """Key and value of "key=value"."""
+    key, mark, value = pair.partition("=")
+    if not mark or not key or not value:
+        raise ValueError(f"--set: '{pair}', expected KEY=VALUE")
+    return key, value
+
+
+@contextlib.contextmanager
+def progress(total: int, what: str) -> Iterator[Any]:
+    """A progress bar on stderr, if that is a terminal and tqdm is there."""
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        yield lambda: None
+        return
+    with tqdm(total=total, desc=what, unit="volume", disable=None, file=sys.stderr) as bar:
+        yield bar.update
+
+
+def make_folder(path: str) -> Path:
+    """The folder for results; FileError if it cannot be made."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"{folder}: {error.strerror}") from None
+    return folder
+
+
+def command_clip(args: argparse.Namespace) -> int:
+    settings = settings_of(args)
+    sources = [Source(path) for path in args.file]
+    out = make_folder(args.out)
+    code = OK
+    with progress(sum(s.count for s in sources), "clip") as step:
+        for source in sources:
+            for frame in range(source.count):
+                row = clip_one(source, frame, settings, out)
+                print(line_of(row, source.count > 1))
+                code = code or CODES[row.state]
+                step()
+    print(f"Files are in {out}")
+    return code
+
+
+def line_of(row: Row, sequence: bool = False) -> str:
+    """One line about one volume."""
+    name = row.file + (f" [{row.frame}]" if sequence else "")
+    if row.state != "ok":
+        return f"{name}: {row.reason}"
+    size = f"{row.width} x {row.height} x {row.slices}"
+    found = f"{100 * row.clipped_share:.0f} % of the rays clipped, {row.depth_mm:.1f} mm on average"
+    return f"{name}: {size}, {row.outcome}, {found}; {row.clip_ms:.0f} ms"
+
+
+def command_serve(args: argparse.Namespace) -> int:
+    from .serve import Server
+
+    settings = settings_of(args)
+    try:
+        server = Server(settings, args.host, args.port, limit=args.limit << 20, clients=args.clients)
+    except (OSError, OverflowError) as error:
+        raise ValueError(f"--host {args.host} --port {args.port}: {error}") from None
+    host, port = server.server_address[:2]
+    print(f"smartvis: listening at {host!s}:{port}; Ctrl-C ends it", flush=True)
+    with server:
+        server.serve_forever()
+    return OK
+
+
+def command_parameters(args: argparse.Namespace) -> int:
+    plugin = load(args.plugin)
+    if args.json:
+        facts = [{k: v for k, v in vars(p).items() if k != "id"} for p in plugin.parameters.values()]
+        print(json.dumps({"id": plugin.id, "version": plugin.version, "parameters": facts}, indent=1))
+        return OK
+    print(f"{plugin.name} {plugin.version} ({plugin.id}): {plugin.summary}")
+    for parameter in plugin.parameters.values():
+        print(f"  {parameter.key:18} {value_range(parameter):34} {parameter.help}")
+    return OK
+
+
+def value_range(p: Parameter) -> str:
+    """What values a parameter takes, in a few words."""
+    if p.choices:
+        return f"{p.default} [{'|'.join(p.choices)}]"
+    if p.type == "bool":
+        return f"{int(bool(p.default))} [0|1]"
+    return f"{p.default:g} [{p.minimum:g} .. {p.maximum:g}] {p.unit}".rstrip()
+
+
+def parser_of() -> argparse.ArgumentParser:
+    """The whole command line."""
+    parser = argparse.ArgumentParser(prog="smartvis", description="Removes what hides the fetus in 3D ultrasound.")
+    parser.add_argument("--version", action="version", version=f"smartvis {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    one = commands.add_parser("clip", help="clip files: volume, depthmap, mesh, picture")
+    one.add_argument("file", nargs="+", help="NRRD, NIfTI, MetaImage, DICOM (also a folder), sequences of them")
+    one.add_argument("--out", default="out", help="folder for the results [out]")
+    add_clip_options(one)
+    add_product_options(one, ",".join(PRODUCTS))
+    one.set_defaults(run=command_clip)
+
+    serve = commands.add_parser("serve", help="clip volumes that come by OpenIGTLink, as from 3D Slicer")
+    serve.add_argument("--host", default="127.0.0.1", help="address to listen at; who can reach it can use it [127.0.0.1]")
+    serve.add_argument("--port", type=int, default=18944, help="[18944]; 0: any, which is printed")
+    serve.add_argument("--limit", type=int, default=512, help="MiB of the longest message [512]")
+    serve.add_argument("--clients", type=int, default=8, help="connections at a time [8]")
+    add_clip_options(serve, scanned="rays")
+    serve.set_defaults(run=command_serve)
+
+    facts = commands.add_parser("parameters", help="the plugin's parameters")
+    facts.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
+    facts.add_argument("--json", action="store_true", help="as JSON")
+    facts.set_defaults(run=command_parameters)
+    return parser
+
+
+def fail(code: int, error: Exception) -> int:
+    print(f"smartvis: {error}", file=sys.stderr)
+    return code
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command line and returns the exit code."""
+    args = parser_of().parse_args(arguments)
+    try:
+        return int(args.run(args))
+    except MissingExtraError as error:
+        return fail(USAGE, error)
+    except (PluginError, LoadError) as error:
+        return fail(PLUGIN, error)
+    except (FileError, HostError) as error:
+        return fail(INPUT, error)
+    except (SmartVisError, ValueError) as error:
+        return fail(USAGE, error)
+    except KeyboardInterrupt:
+        return 130
+
+
+def run() -> NoReturn:
+    """The entry of the console script."""
+    sys.exit(main())

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: MIT
+"""What tests share. SV_SOURCE_DIR and SV_BUILD_DIR are the repository and its build folder."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import smartvis
+
+SOURCE = Path(os.environ["SV_SOURCE_DIR"])
+BUILD = Path(os.environ["SV_BUILD_DIR"])
+os.environ.setdefault("SMARTVIS_HOST_SIM", str(BUILD / "host_sim"))
+
+SKIN, FLUID, FETUS = 100, 10, 200
+
+
+def layers(shape: tuple[int, int, int], near: float = 0.2, far: float = 0.6) -> np.ndarray:
+    """Skin, fluid, fetus; the fluid is slices near .. far of the depth, tilted a little along x."""
+    slices, height, width = shape
+    z, _, x = np.mgrid[:slices, :height, :width]
+    tilt = x / width * 0.1 * slices
+    volume = np.full(shape, FETUS, np.uint8)
+    volume[z < far * slices + tilt] = FLUID
+    volume[z < near * slices + tilt] = SKIN
+    return volume
+
+
+@pytest.fixture
+def volume() -> np.ndarray:
+    return layers((64, 48, 56))
+
+
+@pytest.fixture(scope="session")
+def d01() -> smartvis.Scene:
+    return smartvis.scene("D01", size=96)

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""The command line: any file in, volume, depthmap, mesh and picture out, in the file's own geometry; exit codes."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from conftest import layers
+
+import smartvis
+from smartvis.cli import main
+
+
+@pytest.fixture
+def image(volume: np.ndarray):
+    made = sitk.GetImageFromArray(volume)
+    made.SetSpacing((0.5, 0.6, 0.7))
+    made.SetOrigin((5, -6, 7))
+    made.SetDirection((0, 1, 0, -1, 0, 0, 0, 0, 1))
+    return made
+
+
+@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".nii.gz"])
+def test_files_of_every_format_keep_their_geometry(tmp_path: Path, image, volume, suffix: str, capsys) -> None:
+    path = tmp_path / f"head{suffix}"
+    sitk.WriteImage(image, str(path))
+    out = tmp_path / "out"
+    arguments = ["clip", str(path), "--out", str(out), "--method", "cost", "--write", "clipped,depth"]
+    assert main([*arguments, "--format", suffix]) == 0
+    assert "OK" in capsys.readouterr().out
+    clipped = sitk.ReadImage(str(out / f"head_clipped{suffix}"))
+    expected = smartvis.clip(volume, (0.5, 0.6, 0.7), method="cost")
+    assert np.array_equal(sitk.GetArrayFromImage(clipped), expected.apply(volume))
+    depth = sitk.ReadImage(str(out / f"head_depth{suffix}"))
+    assert np.allclose(sitk.GetArrayFromImage(depth)[0], expected.depth)
+    for made in (clipped, depth):
+        assert np.allclose(made.GetSpacing(), image.GetSpacing(), atol=1e-5)
+        assert np.allclose(made.GetOrigin(), image.GetOrigin(), atol=1e-4)
+        assert np.allclose(made.GetDirection(), image.GetDirection(), atol=1e-5)
+    assert sorted(p.name for p in out.iterdir()) == [f"head_clipped{suffix}", f"head_depth{suffix}"]
+
+
+def test_mesh_and_picture(tmp_path: Path, image) -> None:
+    sitk.WriteImage(image, str(tmp_path / "head.nrrd"))
+    command = ["clip", str(tmp_path / "head.nrrd"), "--out", str(tmp_path), "--write", "mesh,look", "--method", "cost"]
+    assert main(command) == 0
+    raw = (tmp_path / "head_mesh.ply").read_bytes()
+    head, body = raw.split(b"end_header\n", 1)
+    count = int(head.split(b"element vertex ")[1].split()[0])
+    corners = np.frombuffer(body[: 12 * count], "<f4").reshape(-1, 3)
+    index = np.array([image.TransformPhysicalPointToContinuousIndex(c) for c in corners[::50].astype(float)])
+    z_of_the_fetus = 0.6 * 64
+    assert index[:, 2].min() > z_of_the_fetus - 1.5  # of the skin nothing is left
+    assert index.min() > -1.5 and (index.max(axis=0) < np.array([56, 48, 64]) + 0.5).all()
+    look = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "head_look.png")))
+    assert look.shape[0] == 48 and look.shape[2] == 3 and look.std() > 10
+
+
+def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) -> None:
+    frames = [volume, np.roll(volume, 4, axis=2), np.full_like(volume, 120)]
+    series = sitk.JoinSeries([sitk.GetImageFromArray(f) for f in frames])
+    sitk.WriteImage(series, str(tmp_path / "beat.nii.gz"))
+    assert main(["clip", str(tmp_path / "beat.nii.gz"), "--out", str(tmp_path), "--write", "clipped"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "[0]" in lines[0] and "NO_SURFACE" in lines[2]
+    for number, frame in enumerate(frames[:2]):
+        clipped = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / f"beat_f{number:04d}_clipped.nrrd")))
+        assert np.array_equal(clipped, smartvis.clip(frame, (1, 1, 1)).apply(frame))
+    sequence = sitk.Compose([sitk.GetImageFromArray(f) for f in frames[:2]])
+    sitk.WriteImage(sequence, str(tmp_path / "list.seq.nrrd"))
+    raw = (tmp_path / "list.seq.nrrd").read_bytes().replace(b"kinds: vector", b"kinds: list")
+    (tmp_path / "list.seq.nrrd").write_bytes(raw)
+    assert main(["clip", str(tmp_path / "list.seq.nrrd"), "--out", str(tmp_path), "--write", "clipped"]) == 0
+    other = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "list.seq_f0001_clipped.nrrd")))
+    assert np.array_equal(other, smartvis.clip(frames[1], (1, 1, 1)).apply(frames[1]))
+
+
+def test_a_dicom_folder_is_one_volume(tmp_path: Path, volume) -> None:
+    folder = tmp_path / "series"
+    folder.mkdir()
+    writer = sitk.ImageFileWriter()
+    writer.KeepOriginalImageUIDOn()
+    for z, plane in enumerate(volume):
+        slice_ = sitk.GetImageFromArray(plane)
+        for tag, value in {"0020|000e": "1.2.3.4", "0020|0032": f"0\\0\\{z}", "0020|0013": str(z),
+                           "0008|0060": "US", "0008|0018": f"1.2.3.4.{z}"}.items():  # fmt: skip
+            slice_.SetMetaData(tag, value)
+        writer.SetFileName(str(folder / f"{z:03d}.dcm"))
+        writer.Execute(slice_)
+    assert main(["clip", str(folder), "--out", str(tmp_path), "--write", "clipped", "--method", "cost"]) == 0
+    clipped = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "series_clipped.nrrd")))
+    assert np.array_equal(clipped, smartvis.clip(volume, (1, 1, 1), method="cost").apply(volume))
+
+
+def test_files_that_are_no_volumes_are_named(tmp_path: Path, image, capsys) -> None:
+    (tmp_path / "text.nrrd").write_text("no volume")
+    sitk.WriteImage(sitk.GetImageFromArray(np.zeros((8, 8), np.uint8)), str(tmp_path / "flat.nrrd"))
+    (tmp_path / "empty").mkdir()
+    cut = tmp_path / "cut.mha"
+    sitk.WriteImage(image, str(cut))
+    cut.write_bytes(cut.read_bytes()[:5000])
+    pictures = tmp_path / "plus.mha"
+    sitk.WriteImage(image, str(pictures))
+    pictures.write_bytes(pictures.read_bytes().replace(b"NDims", b"Kinds = domain domain list\nNDims", 1))
+    for name, words in {"text.nrrd": "", "flat.nrrd": "2 dimensions", "empty": "no DICOM series", "cut.mha": "",
+                        "none.nrrd": "no such file", "plus.mha": "pictures over time"}.items():  # fmt: skip
+        assert main(["clip", str(tmp_path / name), "--out", str(tmp_path / "out")]) == 3, name
+        told = "".join(capsys.readouterr())
+        assert name in told and words in told and "Traceback" not in told
+
+
+def test_exit_codes(tmp_path: Path, image, capsys) -> None:
+    path = str(tmp_path / "head.nrrd")
+    sitk.WriteImage(image, path)
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["clip", path, *out, "--set", "knob=1"]) == 2 and "'knob'" in capsys.readouterr().err
+    assert main(["clip", path, *out, "--write", "volume"]) == 2 and "'volume'" in capsys.readouterr().err
+    assert main(["clip", path, *out, "--set", "q=99"]) == 4 and "q" in capsys.readouterr().out
+    assert main(["clip", path, *out, "--plugin", "nope.so"]) == 4 and "nope.so" in capsys.readouterr().err
+    (tmp_path / "file").write_text("")
+    assert main(["clip", path, "--out", str(tmp_path / "file")]) == 3
+    with pytest.raises(SystemExit) as caught:
+        main(["clip", path, "--view", "1,2"])
+    assert caught.value.code == 2
+    folder = tmp_path / "taken" / "head_clipped.nrrd"
+    folder.mkdir(parents=True)
+    assert main(["clip", path, "--out", str(tmp_path / "taken"), "--write", "clipped"]) == 6
+    assert [p.name for p in (tmp_path / "taken").iterdir()] == ["head_clipped.nrrd"]  # no part is left
+
+
+def test_parameters_are_listed(capsys) -> None:
+    assert main(["parameters", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert [p["key"] for p in facts["parameters"]] == list(smartvis.parameters())
+    assert main(["parameters"]) == 0 and "method" in capsys.readouterr().out
+
+
+def test_the_program_is_installed() -> None:
+    program = Path(sys.executable).with_name("smartvis")
+    assert subprocess.run([program, "--version"], capture_output=True, text=True).stdout.startswith("smartvis 0.")
+    assert layers((4, 4, 4)).shape == (4, 4, 4)

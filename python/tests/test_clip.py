@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: MIT
+"""clip() and Result: where the surface lies, what is kept, any camera, and what is said of bad input."""
+
+import numpy as np
+import pytest
+from conftest import FETUS, FLUID, SKIN, layers
+
+import smartvis
+from smartvis import Outcome, PluginError
+
+
+def in_the_fluid(result: smartvis.Result, seen: np.ndarray) -> float:
+    """The share of the inner rays whose surface is in the fluid of what the camera saw."""
+    inner = (slice(6, -6), slice(6, -6))
+    near = (seen == FLUID).argmax(axis=0)[inner]
+    far = seen.shape[0] - (seen[::-1] == FLUID).argmax(axis=0)[inner]
+    depth = result.depth[inner]
+    return float(np.mean((depth >= near - 0.5) & (depth <= far + 0.5)))
+
+
+@pytest.mark.parametrize("method", ["mean", "cost", "wall"])
+def test_surface_lies_in_the_fluid(volume: np.ndarray, method: str) -> None:
+    result = smartvis.clip(volume, spacing=(1, 1, 1), method=method)
+    assert result.outcome in (Outcome.OK, Outcome.PARTIAL)
+    assert in_the_fluid(result, volume) > 0.95
+    assert result.statistics.rays == 48 * 56
+    assert (result.confidence is not None) == (method != "mean")
+
+
+def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:
+    result = smartvis.clip(volume, spacing=(0.5, 0.5, 0.8), method="cost")
+    z = np.arange(64)[:, None, None]
+    kept = z >= result.depth
+    assert np.array_equal(result.mask(), kept)
+    clipped = result.apply(volume, fill=7)
+    assert np.array_equal(clipped, np.where(kept, volume, 7))
+    assert not (clipped[:, 8:-8, 8:-8] == SKIN).any()
+    assert (clipped[-1] == FETUS).all()
+    assert np.allclose(result.depth_mm, result.depth * 0.8)
+    other = result.apply(volume.astype(np.float32) / 2)
+    assert other.dtype == np.float32 and np.array_equal(other, np.where(kept, volume / 2, 0))
+
+
+def test_surface_is_the_depthmap_in_millimetres(volume: np.ndarray) -> None:
+    result = smartvis.clip(volume, spacing=(0.5, 0.6, 0.8), method="cost")
+    vertices, faces = result.surface()
+    clips = result.depth > 0
+    y, x = np.nonzero(clips)
+    assert np.allclose(vertices, np.stack([x * 0.5, y * 0.6, result.depth[y, x] * 0.8], -1), atol=1e-4)
+    assert faces.shape == (2 * 47 * 55 if clips.all() else len(faces), 3) and faces.max() == len(vertices) - 1
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    assert (np.cross(b - a, c - a)[:, 2] < 0).all()  # all faces look at the viewer
+
+
+def test_nothing_to_clip_keeps_everything() -> None:
+    blank = np.full((32, 32, 32), 150, np.uint8)
+    result = smartvis.clip(blank, spacing=(1, 1, 1))
+    assert result.outcome is Outcome.NO_SURFACE and not result.clips
+    assert result.mask().all() and np.array_equal(result.apply(blank), blank)
+    assert len(result.surface()[0]) == 0
+
+
+AXES = [(0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0)]
+
+
+@pytest.mark.parametrize("direction", AXES)
+def test_views_along_an_axis_are_exact(volume: np.ndarray, direction: tuple[int, int, int]) -> None:
+    """The volume is turned so that its front lies where the camera looks from: the map must be the same."""
+    camera = smartvis.look(volume.shape, (0.7, 0.8, 0.9), direction)
+    straight = smartvis.clip(volume, spacing=(0.7, 0.8, 0.9), method="cost")
+    # A volume that this camera sees as `volume`: the inverse of what the camera does to arrays.
+    order, reverse = camera._axes()
+    turned = np.ascontiguousarray(np.flip(volume, reverse).transpose(np.argsort(order)))
+    along = [0.0, 0.0, 0.0]
+    for own, axis in enumerate(order):
+        along[2 - axis] = (0.9, 0.8, 0.7)[own]
+    seen = smartvis.clip(turned, spacing=along, view=direction, method="cost")
+    assert np.array_equal(seen.depth, straight.depth)
+    assert np.array_equal(np.flip(seen.mask().transpose(order), reverse), straight.mask())
+
+
+@pytest.mark.parametrize("resample", ["scipy", "simpleitk"])
+def test_a_turned_view_clips_along_its_own_rays(resample: str) -> None:
+    volume = layers((72, 64, 64))
+    tilt = np.deg2rad(12)
+    direction = np.array([np.sin(tilt), 0, np.cos(tilt)])
+    result = smartvis.clip(volume, spacing=(1, 1, 1), view=direction, resample=resample, method="cost")
+    assert result.clips and result.depth.shape != (64, 64)
+    inner = np.s_[:, 16:-16, 16:-16]
+    clipped = result.apply(volume)[inner]
+    assert not (clipped == SKIN).any()
+    lost = (volume[inner] == FETUS) & (clipped == 0)
+    assert lost.mean() < 0.002
+    vertices, _ = result.surface()
+    middle = vertices[np.abs(vertices[:, :2] - 31.5).max(axis=1) < 16]
+    index = np.rint(middle[:, ::-1]).astype(int)
+    assert np.mean(volume[tuple(index.T)] == FLUID) > 0.97
+
+
+def test_both_resamplers_see_the_same() -> None:
+    volume = layers((40, 36, 32))
+    camera = smartvis.look(volume.shape, (1, 1.5, 2), (0.3, -0.2, 1))
+    one, other = camera.see(volume, "scipy"), camera.see(volume, "simpleitk")
+    inner = camera.see(np.ones(volume.shape, np.uint8), "scipy", nearest=True) > 0
+    assert np.abs(one.astype(int) - other)[inner].mean() < 1.0
+    x, y, z = camera.to_volume_mm(np.array([0.0, 0.0, 0.0]))
+    matrix, offset = camera.from_volume()
+    assert np.allclose(matrix @ (np.array([x, y, z]) / camera.source_spacing) + offset, 0, atol=1e-9)
+
+
+def test_rotations_of_scipy_and_matrices_agree() -> None:
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_euler("xy", [10, 20], degrees=True)
+    ours = smartvis.look((8, 8, 8), (1, 1, 1), turn).rotation
+    assert np.allclose(ours, smartvis.look((8, 8, 8), (1, 1, 1), turn.as_matrix().T).rotation)
+    assert np.allclose(ours[2], turn.apply([0, 0, 1]))
+
+
+def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
+    fan = volume.copy()
+    fan[:5] = 0
+    fan[58:] = 0
+    first, end = np.full((48, 56), 5), np.full((48, 56), 58)
+    by_maps = smartvis.clip(fan, (1, 1, 1), scanned=(first, end), method="cost")
+    by_mask = smartvis.clip(fan, (1, 1, 1), scanned=fan > 0, method="cost")
+    by_itself = smartvis.clip(fan, (1, 1, 1), scanned="auto", method="cost")
+    assert by_maps.clips
+    assert np.array_equal(by_maps.depth, by_mask.depth) and np.array_equal(by_maps.depth, by_itself.depth)
+    everything = smartvis.clip(fan, (1, 1, 1), method="cost")
+    assert not np.array_equal(everything.depth, by_maps.depth)
+
+
+def test_other_types_are_mapped_as_the_host_maps_them(volume: np.ndarray) -> None:
+    wide = volume.astype(np.int16) * 16 - 500
+    low, high = int(wide.min()), int(wide.max())
+    levels = smartvis.to_uint8(wide)
+    assert levels.min() == 0 and levels.max() == 255
+    assert np.array_equal(levels, np.floor((wide - low) * (255 / (high - low)) + 0.5))
+    assert np.array_equal(smartvis.to_uint8(wide, (low, high)), levels)
+    same = smartvis.clip(wide, (1, 1, 1), window=(-500, 255 * 16 - 500), method="cost")
+    assert np.array_equal(same.depth, smartvis.clip(volume, (1, 1, 1), method="cost").depth)
+
+
+def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
+    import SimpleITK as sitk
+
+    image = sitk.GetImageFromArray(volume)
+    image.SetSpacing((0.5, 0.6, 0.7))
+    image.SetOrigin((1, 2, 3))
+    image.SetDirection((0, 1, 0, -1, 0, 0, 0, 0, 1))
+    result = smartvis.clip(image, method="cost")
+    clipped = result.apply(image)
+    for what in ("GetSpacing", "GetOrigin", "GetDirection", "GetSize", "GetPixelID"):
+        assert getattr(clipped, what)() == getattr(image, what)(), what
+    assert np.array_equal(sitk.GetArrayFromImage(clipped), result.apply(volume))
+    assert np.array_equal(result.depth, smartvis.clip(volume, (0.5, 0.6, 0.7), method="cost").depth)
+
+
+@pytest.mark.parametrize(
+    "keywords, words",
+    [
+        ({"method": "guess"}, "method='guess' is none of mean,"),
+        ({"knob": 1}, "no parameter 'knob'"),
+        ({"q": "half"}, "q='half' is not a number"),
+        ({"spacing": (1, 1)}, "spacing=(1, 1)"),
+        ({"spacing": (1, 0, 1)}, "spacing=(1, 0, 1)"),
+        ({"view": (0, 0, 0)}, "is no direction"),
+        ({"view": np.diag([1, 1, -1])}, "mirror image"),
+        ({"view": [1, 2, 3, 4]}, "neither a direction"),
+        ({"view": (1, 1, 1), "resample": "magic"}, "resample='magic'"),
+        ({"scanned": "fan"}, "scanned='fan'"),
+        ({"scanned": np.ones((2, 2, 2), bool)}, "scanned has shape (2, 2, 2)"),
+        ({"scanned": (np.ones((2, 2)), np.ones((2, 2)))}, "scanned maps of (2, 2)"),
+        ({"window": (5, 5)}, "5 .. 5 have no range"),
+    ],
+)
+def test_wrong_values_are_named(volume: np.ndarray, keywords: dict, words: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        smartvis.clip(volume, **({"spacing": (1, 1, 1)} | keywords))
+    assert words in str(caught.value)
+
+
+def test_volumes_that_are_none_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"shape \(4, 4\)"):
+        smartvis.clip(np.zeros((4, 4), np.uint8))
+    with pytest.raises(ValueError, match="complex"):
+        smartvis.clip(np.zeros((4, 4, 4), complex))
+    lost = np.zeros((4, 5, 6))
+    lost[3, 2, 1] = np.nan
+    with pytest.raises(ValueError, match=r"\(1, 2, 3\)"):
+        smartvis.clip(lost)
+
+
+def test_the_plugin_s_own_reason_is_the_exception_s(volume: np.ndarray) -> None:
+    with pytest.raises(PluginError) as caught:
+        smartvis.clip(volume, spacing=(1, 1, 1), q=99.0)
+    assert caught.value.name == "SV_ERR_PARAM_RANGE" and caught.value.status == -14
+    assert "99" in caught.value.reason and caught.value.reason in str(caught.value)

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: MIT
+"""Clipper: activated once, no allocation a volume, nothing copied that need not be; other plugins."""
+
+import gc
+import logging
+import pickle
+import subprocess
+import threading
+import tracemalloc
+
+import numpy as np
+import pytest
+from conftest import BUILD, SOURCE, layers
+
+import smartvis
+from smartvis import Clipper, LoadError, Outcome, PluginError
+
+SHAPE = (64, 48, 56)
+
+
+def test_every_volume_is_clipped_as_clip_does_it(volume: np.ndarray) -> None:
+    with Clipper(SHAPE, (1, 1, 1), method="cost") as clipper:
+        for shift in (0, 3, 6):
+            moved = np.roll(volume, shift, axis=2)
+            alone = smartvis.clip(moved, (1, 1, 1), method="cost")
+            result = clipper(moved, discontinuity=True)
+            assert result is clipper.result
+            assert np.array_equal(result.depth, alone.depth)
+            assert np.array_equal(result.confidence, alone.confidence)
+            assert result.statistics == alone.statistics
+
+
+@pytest.mark.parametrize("method", ["mean", "cost"])
+def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
+    with Clipper(SHAPE, (1, 1, 1), method=method) as clipper:
+        clipper(volume)
+        maps = [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
+        gc.collect()
+        tracemalloc.start()
+        for _ in range(10):
+            clipper(volume)  # what Python and ctypes keep for themselves comes once
+        before = tracemalloc.get_traced_memory()[0]
+        tracemalloc.reset_peak()
+        for _ in range(400):
+            clipper(volume)
+        after, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert maps == [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
+    assert after - before < 4096  # the bound methods that Python keeps; ten bytes a volume
+    assert most - before < 8192 < clipper.result.depth.nbytes  # nowhere a copy, not even of a map
+
+
+def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:
+    with Clipper(SHAPE, (1, 1, 1), method="cost", buffer=True) as clipper:
+        clipper.buffer[:] = volume
+        inside = clipper(clipper.buffer).copy()
+        other = clipper(np.roll(volume, 5, axis=2), discontinuity=True).copy()
+        assert np.array_equal(clipper.buffer, np.roll(volume, 5, axis=2))  # from elsewhere: copied into it
+    ring = np.stack([volume, np.roll(volume, 5, axis=2)])
+    with Clipper(SHAPE, (1, 1, 1), method="cost", buffer=ring) as clipper:
+        assert np.array_equal(clipper(ring[0]).depth, inside.depth)
+        assert np.array_equal(clipper(ring[1], discontinuity=True).depth, other.depth)
+        assert np.array_equal(ring[0], volume)
+    alone = smartvis.clip(volume, (1, 1, 1), method="cost")
+    assert np.array_equal(inside.depth, alone.depth)
+
+
+def test_adjust_is_a_frame_with_the_knob_turned(volume: np.ndarray) -> None:
+    with Clipper(SHAPE, (1, 1, 1)) as clipper:
+        first = clipper(volume).copy()
+        turned = clipper.adjust(q=0.9).copy()
+        clipper.set(q=0.9)
+        assert np.array_equal(clipper(volume).depth, turned.depth)
+        assert not np.array_equal(first.depth, turned.depth)
+        clipper.reset()
+        assert np.array_equal(clipper(volume).depth, first.depth)
+
+
+def test_fixed_parameters_are_refused_later(volume: np.ndarray) -> None:
+    with Clipper(SHAPE, (1, 1, 1), method="mean") as clipper:
+        clipper.set(method="cost")
+        with pytest.raises(PluginError) as caught:
+            clipper(volume)
+        assert caught.value.name == "SV_ERR_PARAM_FIXED" and "method" in caught.value.reason
+
+
+def test_threads_have_clippers_of_their_own(volume: np.ndarray) -> None:
+    expected = smartvis.clip(volume, (1, 1, 1)).depth
+    same = []
+
+    def work() -> None:
+        with Clipper(SHAPE, (1, 1, 1)) as clipper:
+            same.extend(np.array_equal(clipper(volume).depth, expected) for _ in range(5))
+
+    threads = [threading.Thread(target=work) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert same == [True] * 15
+
+
+def test_wrong_calls_are_named(volume: np.ndarray) -> None:
+    with Clipper(SHAPE, (1, 1, 1)) as clipper:
+        with pytest.raises(ValueError, match=r"shape \(64, 48, 55\), expected uint8 of shape \(64, 48, 56\)"):
+            clipper(volume[:, :, 1:])
+        with pytest.raises(ValueError, match="float32"):
+            clipper(volume.astype(np.float32))
+        with pytest.raises(ValueError, match="scanned=True"):
+            clipper(volume, np.zeros((48, 56, 2), np.uint16))
+        assert clipper(np.asfortranarray(volume)).clips
+    with pytest.raises(ValueError, match="closed"):
+        clipper(volume)
+    with Clipper(SHAPE, (1, 1, 1), scanned=True) as clipper:
+        with pytest.raises(ValueError, match="missing"):
+            clipper(volume)
+        with pytest.raises(ValueError, match=r"scanned is int64 of shape \(48, 56\)"):
+            clipper(volume, np.zeros((48, 56), np.int64))
+    with pytest.raises(ValueError, match="each 1 .. 8192"):
+        Clipper((0, 1, 1))
+    with pytest.raises(ValueError, match="C-contiguous"):
+        Clipper(SHAPE, buffer=np.zeros(SHAPE, np.float32))
+
+
+def test_messages_of_the_plugin_go_to_logging(volume: np.ndarray, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG, "smartvis.plugin"):
+        with pytest.raises(PluginError) as caught:
+            Clipper(SHAPE, (1, 1, 1), kernel=4, q=1e9)(volume)
+    assert any(caught.value.reason in record.message for record in caplog.records)
+
+
+def test_exceptions_travel_between_processes() -> None:
+    error = pickle.loads(pickle.dumps(PluginError("end", -32, "clFinish failed")))
+    assert str(error) == "clFinish failed (end: SV_ERR_OPENCL)" and error.status == -32
+
+
+def test_another_plugin_is_loaded_and_clips(volume: np.ndarray) -> None:
+    first_edge = smartvis.load(BUILD / "examples" / "first_edge.so")
+    assert first_edge.id == "org.smartvis.example.first_edge"
+    assert set(smartvis.parameters(first_edge)) == {"q", "level", "gap"}
+    result = smartvis.clip(volume, (1, 1, 1), plugin=first_edge, level=0.2)
+    assert result.outcome is Outcome.OK and result.confidence is None
+    fluid_end = 64 - (volume[::-1] == 10).argmax(axis=0)
+    inner = np.s_[4:-4, 4:-4]
+    assert np.abs(result.depth[inner] - (fluid_end[inner] - 0.5 - 0.25 * 0.4 * 64)).max() < 2
+
+
+def test_files_that_are_no_plugins_are_refused(tmp_path) -> None:
+    with pytest.raises(LoadError, match="no such file"):
+        smartvis.load(tmp_path / "none.so")
+    (tmp_path / "text.so").write_text("no library")
+    with pytest.raises(LoadError, match="text.so"):
+        smartvis.load(tmp_path / "text.so")
+    with pytest.raises(LoadError, match="there are org.smartvis.clip"):
+        smartvis.load(id="org.example.none")
+
+
+WRONG_RESULTS = [
+    "depth_nan", "depth_1e30", "depth_infinite", "depth_far", "map_not_written", "last_row_missing",
+    "begin_77", "begin_partial", "slab_1", "end_77", "end_minus_77", "outcome_negative", "outcomes_differ",
+    "depths_without_surface",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", WRONG_RESULTS)
+def test_what_a_wrong_plugin_tells_never_reaches_the_user(volume, fault: str) -> None:
+    with pytest.raises(PluginError):
+        smartvis.clip(volume, (1, 1, 1), plugin=smartvis.load(BUILD / "wrong" / f"{fault}.so"))
+
+
+@pytest.mark.parametrize("fault", ["confidence_above", "confidence_nan"])
+def test_a_wrong_confidence_is_left_out(volume, fault: str) -> None:
+    plugin = smartvis.load(BUILD / "wrong" / f"{fault}.so")
+    right = smartvis.clip(volume, (1, 1, 1), plugin=smartvis.load(BUILD / "wrong" / "right" / "results.so"))
+    result = smartvis.clip(volume, (1, 1, 1), plugin=plugin)
+    assert result.confidence is None and right.confidence is not None
+    assert np.array_equal(result.depth, right.depth)
+
+
+@pytest.mark.parametrize("fault", ["other_major", "short_entry", "count_zero", "no_create", "descriptor_missing",
+                                   "descriptor_short", "no_instance", "short_instance", "null_function"])  # fmt: skip
+def test_libraries_that_are_not_whole_are_refused(volume, fault: str) -> None:
+    with pytest.raises((LoadError, PluginError)):
+        smartvis.clip(volume, (1, 1, 1), plugin=smartvis.load(BUILD / "wrong" / f"{fault}.so"))
+
+
+@pytest.mark.parametrize("fault", ["param_count_endless", "param_label_null", "range_nan", "step_zero",
+                                   "enum_without_names", "text_without_nul", "name_not_utf8"])  # fmt: skip
+def test_wrong_descriptions_hurt_nobody(volume, fault: str) -> None:
+    plugin = smartvis.load(BUILD / "wrong" / f"{fault}.so")
+    assert 0 < len(plugin.parameters) <= 4096 and isinstance(plugin.name, str)
+
+
+def test_another_abi_is_not_called(tmp_path) -> None:
+    (tmp_path / "old.c").write_text("const unsigned smartvis_plugin_entry[16] = {2, 0, 40, 1};\n")
+    subprocess.run(["cc", "-shared", "-fPIC", "old.c", "-o", "old.so"], cwd=tmp_path, check=True)
+    with pytest.raises(LoadError, match="ABI 2, this package knows 1"):
+        smartvis.load(tmp_path / "old.so")
+
+
+def test_what_is_tested_is_the_installed_wheel() -> None:
+    assert "site-packages" in smartvis.__file__
+    assert smartvis.load().path.startswith(smartvis.__path__[0])
+    assert layers((8, 8, 8)).shape == (8, 8, 8)

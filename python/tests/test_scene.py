@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""Scenes and measures are the host's: the same volumes, the same figures as its report."""
+
+import csv
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import BUILD
+
+import smartvis
+from smartvis import HostError
+
+
+def test_a_scene_and_its_truth(d01: smartvis.Scene) -> None:
+    assert d01.full.shape == d01.truth.shape == (96, 96, 96)
+    assert set(np.unique(d01.label)) == {0, 1, 2}
+    seen = d01.label > 0
+    assert (d01.near[~seen] == -1).all() and (d01.far[seen] >= d01.near[seen]).all()
+    assert d01.spacing[0] == pytest.approx(d01.spacing[2])
+
+
+def test_a_known_map_has_the_known_error(d01: smartvis.Scene) -> None:
+    """The middle of the fluid is as good as a map can be; in front of it all is left, behind it all is cut."""
+    middle = np.where(d01.label > 0, (d01.near + d01.far) / 2, 0)
+    measures = smartvis.measure_many(d01, {"middle": middle, "none": None, "beyond": np.full((96, 96), 95.0)})
+    assert measures["middle"].e_abs < 1.0
+    assert measures["none"].occluder_left == 1.0 and measures["none"].fetus_cut == 0.0
+    assert measures["beyond"].fetus_cut > 0.9 and measures["beyond"].e_neg > 10
+
+
+def test_measures_are_those_of_the_report(tmp_path) -> None:
+    """A map made in Python from the scene has the e_abs that the report's own run of the plugin has."""
+    scene = smartvis.scene("E02", size=64)
+    ours = {}
+    for q in (0.0, 0.5):
+        ours[q] = smartvis.measure(scene, scene.clip(method="cost", q=q))
+    command = [BUILD / "host_sim", "report", "--case", "E02", "--size", "64", "--lowres", "64", "--frames", "0"]
+    command += ["--coarse", "--set", "method=cost", "--beside", "none", "--shard", "1/40", "--out", tmp_path]
+    subprocess.run(command, check=True, capture_output=True)
+    rows = [line for line in (tmp_path / "space_E02.part1of40.csv").read_text().splitlines() if not line.startswith("#")]
+    found = {float(row["q"]): row for row in reversed(list(csv.DictReader(rows)))}  # the method knows q alone
+    for q, measured in ours.items():
+        assert float(found[q]["e_abs"]) == pytest.approx(measured.e_abs, rel=1e-5)
+        assert float(found[q]["fetus_cut"]) == pytest.approx(measured.fetus_cut, abs=1e-4)
+
+
+def test_ranking_puts_the_better_first() -> None:
+    methods = {
+        "nothing": lambda scene: None,
+        "ours": lambda scene: scene.clip(method="cost"),
+        "truth": lambda scene: np.where(scene.label > 0, (scene.near + scene.far) / 2, 0),
+    }
+    ranked = smartvis.rank(methods, cases=["D01", "E01"], size=64)
+    assert list(ranked) == ["truth", "ours", "nothing"] and set(ranked["ours"]) == {"D01", "E01"}
+
+
+def test_what_the_host_refuses_is_an_exception(d01: smartvis.Scene, monkeypatch) -> None:
+    with pytest.raises(HostError) as caught:
+        smartvis.scene("Z99")
+    assert "Z99" in str(caught.value) and caught.value.code == 3
+    with pytest.raises(HostError, match="31 is outside 32 .. 512"):
+        smartvis.scene("D01", size=31)
+    with pytest.raises(ValueError, match="as many rows as columns"):
+        smartvis.measure(d01, np.zeros((3, 4)))
+    with pytest.raises(ValueError, match="not finite"):
+        smartvis.measure(d01, np.full((96, 96), np.nan))
+    with pytest.raises(ValueError, match="turned view"):
+        smartvis.measure(d01, d01.clip(view=(0, 0, -1)))
+    monkeypatch.setenv("SMARTVIS_HOST_SIM", "/nowhere/host_sim")
+    with pytest.raises(HostError, match="SMARTVIS_HOST_SIM=/nowhere/host_sim"):
+        smartvis.scene("D01")

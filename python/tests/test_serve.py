@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: MIT
+"""smartvis serve against real peers: pyigtl's client and one on libOpenIGTLink, and peers that mean harm."""
+
+import contextlib
+import os
+import resource
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pyigtl
+import pytest
+from conftest import FETUS, SKIN, layers
+from pyigtl.messages import CRC64, ImageMessage, MessageBase, StringMessage
+
+import smartvis
+from smartvis._work import Settings
+from smartvis.serve import Server
+
+
+@contextlib.contextmanager
+def serving(**keywords):
+    """A server in this process at a free port; yields the port."""
+    server = Server(Settings(parameters={"method": "cost"}, scanned="rays"), port=0, **keywords)
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
+    thread.start()
+    try:
+        yield server.server_address[1]
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+@pytest.fixture(scope="module")
+def port():
+    with serving(limit=64 << 20, clients=4, patience=1.5) as number:
+        yield number
+
+
+def connect(port: int) -> socket.socket:
+    peer = socket.create_connection(("127.0.0.1", port), timeout=30)
+    peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return peer
+
+
+def read_exactly(peer: socket.socket, count: int) -> bytes:
+    data = b""
+    while len(data) < count:
+        part = peer.recv(count - len(data))
+        if not part:
+            raise ConnectionResetError("the server closed the connection")
+        data += part
+    return data
+
+
+def read_message(peer: socket.socket, check: bool = True):
+    header = read_exactly(peer, 58)
+    fields = MessageBase.parse_header(header)
+    body = read_exactly(peer, fields["body_size"])
+    assert not check or CRC64(body) == struct.unpack("> Q", header[50:])[0]
+    message = MessageBase.create_message(fields["message_type"])
+    message.unpack(fields, body)
+    return message
+
+
+def image(volume: np.ndarray, name: str = "Scan", spacing=(0.5, 0.6, 0.7)) -> ImageMessage:
+    matrix = np.diag([*spacing, 1.0])
+    matrix[:3, 3] = (10, 20, 30)
+    return ImageMessage(volume, ijk_to_world_matrix=matrix, device_name=name, timestamp=1234.5)
+
+
+def serves(port: int) -> None:
+    """A volume goes through as if nothing had happened."""
+    with connect(port) as peer:
+        peer.sendall(image(layers((32, 32, 32))).pack())
+        assert [read_message(peer).message_type for _ in range(3)] == ["IMAGE", "IMAGE", "STRING"]
+
+
+def test_what_comes_back_is_what_clip_gives(port: int, volume: np.ndarray) -> None:
+    with connect(port) as peer:
+        peer.sendall(image(volume).pack())
+        clipped, depth, outcome = (read_message(peer) for _ in range(3))
+    expected = smartvis.clip(volume, (0.5, 0.6, 0.7), scanned="rays", method="cost")
+    assert np.array_equal(clipped.image, expected.apply(volume))
+    assert np.array_equal(depth.image[0], expected.depth)
+    assert outcome.string == "OK" and clipped.timestamp == pytest.approx(1234.5, abs=1e-6)
+    assert [m.device_name for m in (clipped, depth, outcome)] == ["Scan_clipped", "Scan_depth", "Scan_outcome"]
+    assert np.allclose(clipped.ijk_to_world_matrix, image(volume).ijk_to_world_matrix, atol=1e-4)
+    assert np.allclose(depth.ijk_to_world_matrix[:3, 3], (10, 20, 30), atol=1e-4)
+
+
+def test_pyigtl_s_client_is_served(port: int, volume: np.ndarray) -> None:
+    client = pyigtl.OpenIGTLinkClient("127.0.0.1", port)
+    try:
+        client.send_message(image(volume, "Slicer"))
+        outcome = client.wait_for_message("Slicer_outcome", timeout=30)
+        clipped = client.wait_for_message("Slicer_clipped", timeout=30)
+        assert outcome.string == "OK"
+        assert not (clipped.image[:, 8:-8, 8:-8] == SKIN).any() and (clipped.image[-1] == FETUS).all()
+    finally:
+        client.stop()
+
+
+def test_a_client_on_libopenigtlink_is_served(port: int, tmp_path: Path) -> None:
+    if not shutil.which("g++") or not Path("/usr/include/openigtlink/igtlClientSocket.h").exists():
+        pytest.fail("g++ and the Debian package libopenigtlink-dev are needed: scripts/packages-python.txt")
+    program = tmp_path / "igtl_client"
+    source = Path(__file__).with_name("igtl_client.cpp")
+    command = ["g++", "-std=c++17", "-isystem", "/usr/include/openigtlink", source, "-o", program]
+    subprocess.run([*command, "-lOpenIGTLink", "-pthread"], check=True)
+    out = subprocess.run([program, str(port), "48"], capture_output=True, text=True, timeout=60)
+    assert out.returncode == 0, out.stderr
+    lines = dict(line.partition(" ")[::2] for line in out.stdout.splitlines())
+    assert lines["Knob_set"].startswith("OK method=cost") and lines["Scan_outcome"] == "OK"
+    assert 9 <= float(lines["Scan_depth"]) <= 29 and "Scan_clipped" in lines
+
+
+def test_parameters_come_by_string(port: int, volume: np.ndarray) -> None:
+    with connect(port) as peer:
+        depths = []
+        for text in ("q=0.25", "q=0.75 method=mean"):
+            peer.sendall(StringMessage(text, device_name="Knob").pack())
+            assert read_message(peer).string.startswith("OK q=")
+            peer.sendall(image(volume).pack())
+            depths.append([read_message(peer) for _ in range(3)][1].image[0])
+        for wrong in ("knob=1", "q=far", "q", "method=guess"):
+            peer.sendall(StringMessage(wrong, device_name="Knob").pack())
+            assert read_message(peer).string.startswith("ERROR "), wrong
+        peer.sendall(StringMessage("q=99", device_name="Knob").pack())
+        read_message(peer)
+        peer.sendall(image(volume).pack())
+        assert "q" in read_message(peer).string  # the plugin's own reason, and the connection stays
+    for depth, keywords in zip(depths, ({"q": 0.25, "method": "cost"}, {"q": 0.75, "method": "mean"}), strict=True):
+        assert np.array_equal(depth, smartvis.clip(volume, (0.5, 0.6, 0.7), scanned="rays", **keywords).depth)
+
+
+def test_other_types_and_byte_orders(port: int, volume: np.ndarray) -> None:
+    with connect(port) as peer:
+        for kind in (">i2", "<u2", "<f4", ">f8"):
+            peer.sendall(in_byte_order(volume, kind))
+            clipped, depth, outcome = (read_message(peer) for _ in range(3))
+            assert outcome.string == "OK" and clipped.image.dtype.str[1:] == kind[1:], kind
+            assert np.array_equal(clipped.image > 0, smartvis.clip(
+                volume.astype(kind[1:]), (0.5, 0.6, 0.7), scanned="rays", method="cost"
+            ).apply(volume) > 0)  # fmt: skip
+        peer.sendall(image(np.full((8, 8, 8), np.nan, np.float32)).pack())
+        assert read_message(peer).string.startswith("ERROR the volume has values that are not finite")
+
+
+def in_byte_order(volume: np.ndarray, kind: str) -> bytes:
+    """pyigtl sends little endian only: the voxels are turned here, and byte 4 of the body says so."""
+    little = image(volume.astype("<" + kind[1:])).pack()
+    body = bytearray(little[58:])
+    if kind[0] == ">":
+        body[4] = 1
+        body[72:] = volume.astype(kind).tobytes()
+    return little[:50] + struct.pack("> Q", CRC64(bytes(body))) + bytes(body)
+
+
+def header(kind: bytes = b"IMAGE", size: int = 0, version: int = 1, checksum: int = 0) -> bytes:
+    return struct.pack("> H 12s 20s II Q Q", version, kind, b"Scan", 0, 0, size, checksum)
+
+
+def damaged() -> bytes:
+    whole = bytearray(image(layers((16, 16, 16))).pack())
+    whole[200] ^= 1
+    return bytes(whole)
+
+
+def absurd_image() -> bytes:
+    """A right checksum over an image whose size is not that of its voxels."""
+    body = bytearray(image(layers((8, 8, 8))).pack()[58:])
+    body[6:8] = b"\xff\xff"
+    return header(size=len(body), checksum=CRC64(bytes(body))) + bytes(body)
+
+
+HARM = {
+    "nonsense": os.urandom(4096),
+    "http": b"GET / HTTP/1.1\r\nHost: here\r\n\r\n" * 4,
+    "four gigabytes": header(size=4 << 30),
+    "all the bytes there are": header(size=(1 << 64) - 1),
+    "a wrong checksum": damaged(),
+    "an image that lies": absurd_image(),
+    "an empty image": header(checksum=CRC64(b"")),
+    "an unreadable type": header(kind=b"\xff" * 12),
+    "a string that lies": header(b"STRING", 4, checksum=CRC64(b"\0\3\xff\xff")) + b"\0\3\xff\xff",
+}
+
+
+@pytest.mark.parametrize("harm", [k for k in HARM if k != "a string that lies"])
+def test_harm_ends_the_connection_that_did_it(port: int, harm: str) -> None:
+    with connect(port) as other:
+        other.sendall(image(layers((32, 32, 32))).pack()[:1000])  # one that is in the middle of its own message
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        with connect(port) as peer:
+            with contextlib.suppress(OSError):
+                peer.sendall(HARM[harm])
+            with contextlib.suppress(ConnectionResetError):
+                assert peer.recv(1) == b""  # closed, and nothing said
+        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10  # KiB: no gigabytes
+        other.sendall(image(layers((32, 32, 32))).pack()[1000:])
+        assert [read_message(other).message_type for _ in range(3)] == ["IMAGE", "IMAGE", "STRING"]
+
+
+def test_a_string_that_lies_is_answered(port: int) -> None:
+    with connect(port) as peer:
+        peer.sendall(HARM["a string that lies"])
+        assert read_message(peer).string.startswith(("OK", "ERROR"))
+    serves(port)
+
+
+def test_half_a_message_is_not_waited_for(port: int) -> None:
+    whole = image(layers((32, 32, 32))).pack()
+    for part in (whole[:20], whole[:58], whole[:5000]):
+        with connect(port) as peer:
+            peer.sendall(part)
+            start = time.monotonic()
+            with contextlib.suppress(ConnectionResetError):
+                assert peer.recv(1) == b""
+            assert time.monotonic() - start < 10
+    serves(port)
+
+
+def test_clients_that_vanish_leave_nothing(port: int) -> None:
+    whole = image(layers((48, 48, 48))).pack()
+    for _ in range(8):
+        peer = connect(port)
+        peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # a reset, not an end
+        peer.sendall(whole)
+        peer.close()
+        time.sleep(0.05)
+    deadline = time.monotonic() + 20
+    while True:  # the room of the vanished is free again
+        try:
+            return serves(port)
+        except (ConnectionResetError, BrokenPipeError):
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+
+
+def test_a_client_too_many_is_turned_away() -> None:
+    with serving(clients=1) as number:
+        with connect(number) as first:
+            first.sendall(image(layers((16, 16, 16))).pack())
+            assert read_message(first)
+            with connect(number) as second:
+                second.sendall(b"\0")
+                with contextlib.suppress(ConnectionResetError):
+                    assert second.recv(1) == b""
+        time.sleep(0.3)
+        serves(number)
+
+
+def test_the_command_serves_and_ends(volume: np.ndarray) -> None:
+    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", "--method", "cost"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        line = process.stdout.readline()
+        assert "listening at 127.0.0.1:" in line
+        serves(int(line.split(":")[2].split(";")[0]))
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_a_port_that_is_taken_is_named(port: int) -> None:
+    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", str(port)]
+    out = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert out.returncode == 2 and f"--port {port}" in out.stderr

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Plugins behind the guard. What works comes to the same bits as without it, extensions and texts included;
+ * what crashes, leaves, hangs or takes all memory costs its frame, is told with its call, and is started anew
+ * a few times.
+ */
+#include "guarded/guarded.h"
+#include "loop/loop_stages.h"
+#include "plugin/loader_param.h"
+#include "support/loop_fixture.h"
+
+#include <unistd.h>
+
+static const char *file(const char *name) {
+    static char path[1024];
+    const char *build = getenv("SV_BUILD_DIR");
+    (void)snprintf(path, sizeof path, "%s/%s", build ? build : ".", name);
+    return path;
+}
+
+static hs_guard_options guard_of(hs_guard_choice choice) {
+    hs_guard_options options;
+    hs_guard_set_program(file("host_sim"));
+    hs_guard_defaults(&options);
+    options.choice = choice;
+    options.memory_bytes = UINT64_C(1024) << 20;
+    return options;
+}
+
+static void open_with(hs_plugin *plugin, const char *name, const hs_guard_options *options) {
+    hs_error err = {0};
+    if (!hs_guarded_open(plugin, file(name), NULL, SV_LOG_ERROR, options, &err)) fail_msg("%s", err.text);
+    assert_int_equal(hs_is_guarded(plugin), options->choice == HS_GUARD_ON);
+}
+
+/* ------------------------------------------------------------------------------------ the same as without --
+ */
+
+static void expect_same(const void *a, const void *b, size_t bytes, const char *what, size_t way) {
+    if ((a == NULL) != (b == NULL) || (a && memcmp(a, b, bytes) != 0))
+        fail_msg("way %zu: another %s", way, what);
+}
+
+static void expect_same_view(const hs_view *a, const hs_view *b, size_t way) {
+    const size_t rays = (size_t)a->map_width * a->map_height;
+    assert_int_equal(a->frame.outcome, b->frame.outcome);
+    assert_int_equal(a->frame.clipped, b->frame.clipped);
+    assert_int_equal(a->frame.sure, b->frame.sure);
+    expect_same(a->depth, b->depth, rays * sizeof(float), "depthmap", way);
+    expect_same(a->status, b->status, rays, "status map", way);
+    expect_same(a->sure, b->sure, rays * sizeof(float), "confidence", way);
+    expect_same(&a->frame.stats, &b->frame.stats, sizeof a->frame.stats, "statistics", way);
+    expect_same(&a->frame.points, &b->frame.points, sizeof a->frame.points, "points", way);
+    expect_same(a->result, b->result, (size_t)4 * PICTURE * PICTURE, "picture", way);
+}
+
+/* Frames, an adjust and a frame after it, guarded beside unguarded. */
+static void compare(const fixture *f, const hs_plugin *direct, const hs_plugin *guarded,
+                    const hs_loop_options *o, size_t way) {
+    sv_param_info knob;
+    hs_loop *loops[] = {make_loop_of(f, direct, o), make_loop_of(f, guarded, o)};
+    for (uint32_t i = 0; i < 3; i++) {
+        hs_view views[] = {view_of(loops[0], i), view_of(loops[1], i)};
+        expect_same_view(&views[0], &views[1], way);
+        hs_view_free(&views[0]);
+        hs_view_free(&views[1]);
+    }
+    if (hs_plugin_find_primary(direct, &knob) && (knob.flags & SV_PARAM_ADJUST)) {
+        hs_error err = {0};
+        hs_frame frames[2];
+        float maps[2][LOW * LOW];
+        for (int i = 0; i < 2; i++)
+            assert_true(hs_loop_adjust(loops[i], (sv_param_value){.id = knob.id, .value = 0.5}, &frames[i],
+                                       maps[i], &err));
+        assert_true(frames[1].outcome >= SV_OK && frames[0].outcome == frames[1].outcome);
+        expect_same(maps[0], maps[1], sizeof maps[0], "map of adjust", way);
+    }
+    for (int i = 0; i < 2; i++) {
+        if (hs_loop_plugin_error(loops[i])->code != HS_OK)
+            fail_msg("%s", hs_loop_plugin_error(loops[i])->text);
+        hs_loop_destroy(loops[i]);
+    }
+}
+
+static void every_way_gives_the_same_bits(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        const char *plugin, *set, *more;
+        uint32_t carrier;
+        bool own_queue;
+    } ways[] = {{"smartvis.so", NULL, NULL, SV_CARRIER_BUFFER, false},
+                {"smartvis.so", NULL, NULL, SV_CARRIER_HOST, false},
+                {"smartvis.so", NULL, NULL, SV_CARRIER_HOST, true},
+                {"smartvis.so", NULL, NULL, SV_CARRIER_IMAGE, false},
+                {"smartvis.so", "method=cost", "q=0.3", SV_CARRIER_BUFFER, false},
+                {"smartvis.so", "method=wall", NULL, SV_CARRIER_HOST, true},
+                {"tests/plugins/sure_ramp.so", "depth=4", "shape=tilted", SV_CARRIER_BUFFER, false},
+                {"tests/plugins/sure_ramp.so", "depth=4", NULL, SV_CARRIER_HOST, true},
+                {"tests/plugins/partial.so", "depth=6", NULL, SV_CARRIER_BUFFER, false}};
+    for (size_t n = 0; n < sizeof ways / sizeof *ways; n++) {
+        hs_plugin direct, guarded;
+        sv_param_value values[2];
+        uint32_t count = 0;
+        hs_error err = {0};
+        const hs_guard_options off = guard_of(HS_GUARD_OFF), on = guard_of(HS_GUARD_ON);
+        open_with(&direct, ways[n].plugin, &off);
+        open_with(&guarded, ways[n].plugin, &on);
+        if (ways[n].set) assert_true(hs_plugin_parse_param(&guarded, ways[n].set, &values[count++], &err));
+        if (ways[n].more) assert_true(hs_plugin_parse_param(&guarded, ways[n].more, &values[count++], &err));
+        hs_loop_options o = options_with(values, count);
+        o.carrier = ways[n].carrier;
+        o.own_queue = ways[n].own_queue;
+        o.dvr.ghost_width = 9;
+        o.dvr.ghost_doubt = 2;
+        o.live = n % 2;
+        compare(f, &direct, &guarded, &o, n);
+        hs_plugin_close(&direct);
+        if (!hs_guarded_close(&guarded, &err)) fail_msg("%s", err.text);
+    }
+}
+
+static void parameters_tell_the_same(void **state) {
+    (void)state;
+    hs_plugin direct, guarded;
+    const hs_guard_options off = guard_of(HS_GUARD_OFF), on = guard_of(HS_GUARD_ON);
+    open_with(&direct, "smartvis.so", &off);
+    open_with(&guarded, "smartvis.so", &on);
+    const uint32_t count = hs_plugin_param_count(&direct);
+    assert_int_equal(hs_plugin_param_count(&guarded), count);
+    assert_string_equal(direct.descriptor[0]->summary, guarded.descriptor[0]->summary);
+    assert_int_equal(direct.descriptor[0]->features, guarded.descriptor[0]->features);
+    for (uint32_t i = 0; i < count; i++) {
+        sv_param_info a = {.size = sizeof a}, b = {.size = sizeof b};
+        char x[128], y[128];
+        assert_int_equal(direct.instance->param_info(direct.instance, i, &a), SV_OK);
+        assert_int_equal(guarded.instance->param_info(guarded.instance, i, &b), SV_OK);
+        assert_string_equal(a.key, b.key);
+        assert_string_equal(a.label, b.label);
+        assert_string_equal(a.unit, b.unit);
+        assert_string_equal(a.help, b.help);
+        assert_string_equal(a.group, b.group);
+        assert_true(a.id == b.id && a.type == b.type && a.flags == b.flags && a.depends_on == b.depends_on &&
+                    a.depends_values == b.depends_values && a.default_value == b.default_value &&
+                    a.min_value == b.min_value && a.max_value == b.max_value && a.step == b.step);
+        hs_plugin_value_text(&direct, &a, a.default_value, x, sizeof x);
+        hs_plugin_value_text(&guarded, &b, b.default_value, y, sizeof y);
+        assert_string_equal(x, y);
+    }
+    hs_plugin_close(&direct);
+    hs_plugin_close(&guarded);
+}
+
+static void extensions_reach_through(void **state) {
+    const fixture *f = *state;
+    hs_plugin plugin;
+    hs_error err = {0};
+    sv_param_value value;
+    const hs_guard_options on = guard_of(HS_GUARD_ON);
+    open_with(&plugin, "smartvis.so", &on);
+    assert_true(hs_plugin_parse_param(&plugin, "method=spline", &value, &err));
+    const hs_loop_options o = options_with(&value, 1);
+    hs_loop *loop = make_loop_of(f, &plugin, &o);
+    hs_loop_result result;
+    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+    assert_int_equal(result.failed_frames, 0);
+    assert_true(result.has_plugin_stages && result.plugin_stages.profile_ms > 0);
+    const sv_ext_spline *spline = hs_plugin_spline(plugin.instance);
+    assert_non_null(spline);
+    sv_spline_report report = {.size = sizeof report};
+    assert_int_equal(spline->report(plugin.instance, &report), SV_OK);
+    assert_true(report.points > 0 && report.size == sizeof report);
+    /* A report of an older host is filled no further than its size. */
+    report = (sv_spline_report){.size = 8, .rank = 77};
+    assert_int_equal(spline->report(plugin.instance, &report), SV_OK);
+    assert_true(report.points > 0 && report.rank == 77 && report.size == 8);
+    const sv_ext_confidence *sure = hs_plugin_confidence(plugin.instance);
+    assert_true(sure && !sure->offered(plugin.instance));
+    assert_null(plugin.instance->get_extension(plugin.instance, "nobody/1"));
+    hs_loop_destroy(loop);
+    assert_true(hs_guarded_close(&plugin, &err));
+}
+
+/* --------------------------------------------------------------------------------------- what goes wrong --
+ */
+
+/* Frames 0, 3, 6 and 9 of ten end the child; all others are clipped. */
+static void a_crash_costs_its_frame(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        const char *plugin, *says;
+        double call;
+    } table[] = {
+        {"tests/plugins/by_crash.so", ": slab: SV_ERR_INTERNAL (-1): crashed: SIGSEGV in slab 2 of 3",
+         FAIL_SLAB},
+        {"tests/plugins/by_leave.so", ": end: SV_ERR_INTERNAL (-1): left by exit(0) in end", FAIL_END}};
+    for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
+        hs_plugin plugin;
+        hs_error err = {0};
+        hs_loop_result result;
+        hs_guard_options on = guard_of(HS_GUARD_ON);
+        on.restarts = 5; /* frame 0 runs twice: once before it counts */
+        open_with(&plugin, table[n].plugin, &on);
+        const sv_param_value values[3] = {
+            {.id = FAIL, .value = table[n].call}, {.id = EVERY, .value = 3}, {.id = DEPTH, .value = 5}};
+        const hs_loop_options o = options_with(values, 3);
+        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+        assert_int_equal(result.failed_frames, 4);
+        assert_int_equal(result.clipped_frames, 6);
+        if (!strstr(hs_loop_plugin_error(loop)->text, table[n].says))
+            fail_msg("'%s' does not say '%s'", hs_loop_plugin_error(loop)->text, table[n].says);
+        hs_loop_destroy(loop);
+        assert_false(hs_guarded_close(&plugin, &err));
+        assert_int_equal(err.code, HS_ERR_PLUGIN);
+    }
+}
+
+static void restarts_are_bounded(void **state) {
+    const fixture *f = *state;
+    hs_plugin plugin;
+    hs_error err = {0};
+    hs_loop_result result;
+    hs_guard_options on = guard_of(HS_GUARD_ON);
+    on.restarts = 2;
+    open_with(&plugin, "tests/plugins/by_crash.so", &on);
+    const sv_param_value value = {.id = FAIL, .value = FAIL_BEGIN};
+    const hs_loop_options o = options_with(&value, 1);
+    hs_loop *loop = make_loop_of(f, &plugin, &o);
+    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+    assert_int_equal(result.failed_frames, FRAMES);
+    assert_string_equal(plugin.instance->last_error(plugin.instance),
+                        "ended 3 times, and is not started any more");
+    assert_non_null(strstr(hs_loop_plugin_error(loop)->text, "crashed: SIGSEGV in begin"));
+    hs_loop_destroy(loop);
+    assert_false(hs_guarded_close(&plugin, &err));
+}
+
+/* Neither a call without end nor one that takes all memory holds the loop. */
+static void limits_hold(void **state) {
+    const fixture *f = *state;
+    static const char *const table[][2] = {
+        {"tests/plugins/by_hang.so", "end: SV_ERR_INTERNAL (-1): ran out of time (0.5 s) in end"},
+        {"tests/plugins/by_grab.so", "end: SV_ERR_INTERNAL (-1): took more than 1024 MiB in end"}};
+    for (size_t n = 0; n < 2; n++) {
+        hs_plugin plugin;
+        hs_error err = {0};
+        hs_guard_options on = guard_of(HS_GUARD_ON);
+        on.restarts = 0;
+        on.frame_s = n == 0 ? 0.5 : 100;
+        open_with(&plugin, table[n][0], &on);
+        const sv_param_value value = {.id = FAIL, .value = FAIL_END};
+        const hs_loop_options o = options_with(&value, 1);
+        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_view view = view_of(loop, 0);
+        assert_false(view.frame.clipped);
+        expect_same(view.result, view.full, (size_t)4 * PICTURE * PICTURE, "picture than the unclipped one",
+                    n);
+        if (!strstr(hs_loop_plugin_error(loop)->text, table[n][1]))
+            fail_msg("%s", hs_loop_plugin_error(loop)->text);
+        hs_view_free(&view);
+        hs_loop_destroy(loop);
+        assert_false(hs_guarded_close(&plugin, &err));
+    }
+}
+
+/* A plugin's own error is told as it is without the guard, and ends no child. */
+static void an_error_is_an_error(void **state) {
+    const fixture *f = *state;
+    char texts[2][1024];
+    for (int i = 0; i < 2; i++) {
+        hs_plugin plugin;
+        hs_error err = {0};
+        const hs_guard_options options = guard_of(i ? HS_GUARD_ON : HS_GUARD_OFF);
+        open_with(&plugin, "tests/plugins/plane.so", &options);
+        const sv_param_value value = {.id = FAIL, .value = FAIL_SLAB};
+        const hs_loop_options o = options_with(&value, 1);
+        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_view view = view_of(loop, 0);
+        assert_int_equal(view.frame.outcome, SV_ERR_INTERNAL);
+        (void)snprintf(texts[i], sizeof texts[i], "%s", hs_loop_plugin_error(loop)->text);
+        assert_true(hs_guarded_lives(&plugin));
+        hs_view_free(&view);
+        hs_loop_destroy(loop);
+        assert_true(hs_guarded_close(&plugin, &err));
+    }
+    assert_string_equal(texts[0], texts[1]);
+}
+
+/* On by default for others' libraries, wherever the host's own lies. */
+static void who_is_guarded(void **state) {
+    (void)state;
+    hs_guard_options options = guard_of(HS_GUARD_AUTO);
+    assert_true(hs_guard_wanted(&options, file("tests/plugins/plane.so")));
+    assert_true(hs_guard_wanted(&options, "/nowhere/smartvis.so"));
+    options.choice = HS_GUARD_OFF;
+    assert_false(hs_guard_wanted(&options, file("tests/plugins/plane.so")));
+    options.choice = HS_GUARD_ON;
+    assert_true(hs_guard_wanted(&options, file("smartvis.so")));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_way_gives_the_same_bits), cmocka_unit_test(parameters_tell_the_same),
+        cmocka_unit_test(extensions_reach_through),      cmocka_unit_test(a_crash_costs_its_frame),
+        cmocka_unit_test(restarts_are_bounded),          cmocka_unit_test(limits_hold),
+        cmocka_unit_test(an_error_is_an_error),          cmocka_unit_test(who_is_guarded)};
+    return cmocka_run_group_tests_name("guarded", tests, set_up, tear_down);
+}
