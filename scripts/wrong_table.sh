@@ -3,7 +3,8 @@
 # wrong_table.sh [--tsv] [BUILD]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the table
 # of docs/guard.md. With --tsv: id, mode, exit code, picture, reason, parted by tabs, for tests.
 #
-# picture: unclipped, clipped (the plugin's map was used), or none (nothing was written).
+# picture: unclipped, clipped (the plugin's map was used), none (nothing was written), or WRONG (said to be unclipped, but
+# another picture than that of the full volume).
 set -u
 cd "$(dirname "$0")/.." || exit
 tsv=0
@@ -26,12 +27,13 @@ one() {
     # The host's first word; the file's folder says nothing.
     reason=$(sed -n "s|$build/wrong/||g; s|^host_sim run: ||p" "$out.errors" | head -n 1 | tr -d '\000-\037' | cut -c 1-160)
     case $code in
-    124 | 137) reason="hangs" ;;
+    124 | 137) reason="ended from outside" ;;
     13[0-9]) reason="signal $((code - 128))" ;;
     esac
     if [ -f "$out/result.png" ]; then
         picture=clipped
         ! grep -q '^Frames: 0 clipped' "$out.text" || picture=unclipped
+        [ $picture = clipped ] || cmp -s "$out/result.png" "$out/full.png" || picture=WRONG
     fi
     printf '%s\t%s\t%s\t%s\t%s\n' "$id" "$mode" "$code" "$picture" "$reason"
     rm -rf "$out"

@@ -45,6 +45,13 @@ static void csv_host(FILE *file, const bench_host_result *host) {
                   host->mip.min, host->mip.p95);
     (void)fprintf(file, "loop,%u,,,still,grid,%.6g,%.6g,%.6g,,,,\n", host->size, host->grid.median,
                   host->grid.min, host->grid.p95);
+    for (int v = 0; v < BENCH_LIT_VIEWS; v++) {
+        const bench_lit_view *l = &host->lit.view[v];
+        const bench_times *const looks[2] = {&l->thesis, &l->lit};
+        for (int i = 0; i < 2; i++)
+            (void)fprintf(file, "look,%u,,,%s,%s,%.6g,%.6g,%.6g,,,,\n", host->size, l->label,
+                          hs_look_key((hs_look)i), looks[i]->median, looks[i]->min, looks[i]->p95);
+    }
 }
 
 /* A number, or nothing where it is not known. */

@@ -8,9 +8,8 @@
 
 static const double rotated_yaw = 30.0, rotated_pitch = 20.0; /* degrees */
 
-/* The benchmark's volume as the host keeps one. */
-static bool layered_source(hs_source *source, hs_volume *volume, const hs_volume **list, uint32_t n,
-                           hs_error *err) {
+bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume **list, uint32_t n,
+                          hs_error *err) {
     if (!hs_volume_init(volume, n, n, n, err)) return false;
     uint8_t **slice = malloc(n * sizeof *slice);
     if (!slice) return hs_fail(err, HS_ERR_MEMORY, "benchmark volume: no memory for %u slices", n);
@@ -97,7 +96,7 @@ bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs
     const hs_source_scene scene = {.name = setup->scene, .size = setup->size, .volumes = 1};
     *result = (bench_host_result){.size = setup->size};
     bool ok = setup->scene ? hs_source_open_scene(&source, &scene, err)
-                           : layered_source(&source, &volume, list, setup->size, err);
+                           : bench_layered_source(&source, &volume, list, setup->size, err);
     if (ok) {
         const hs_volume *first = hs_source_volume(&source, 0);
         (void)snprintf(result->volume, sizeof result->volume, "%s", first->name);
@@ -107,7 +106,8 @@ bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs
                      &result->lowres, err) &&
             run_view(setup, &source, "still camera, live", 0.0, 0.0, true, &result->live, &result->lowres,
                      err) &&
-            run_pieces(setup, first, result, err);
+            run_pieces(setup, first, result, err) &&
+            bench_lit_run(setup->cl, first, setup->frames, &result->lit, err);
     }
     if (setup->scene) hs_source_close(&source);
     hs_volume_free(&volume);

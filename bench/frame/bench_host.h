@@ -3,6 +3,7 @@
 #ifndef BENCH_HOST_H
 #define BENCH_HOST_H
 
+#include "frame/bench_lit.h"
 #include "frame/bench_times.h"
 #include "loop/loop_run.h"
 
@@ -28,7 +29,13 @@ typedef struct {
     bench_view_result still, rotated, live;
     bench_times mip;  /* maximum intensity projection, still camera */
     bench_times grid; /* a volume to the device, with the renderer's grid of maxima */
+    bench_lit_result lit;
 } bench_host_result;
+
+/* The benchmark's volume of n voxels an axis as the host keeps one; hs_volume_free `volume`. The source
+ * points to `list`, one entry. HS_ERR_MEMORY. */
+bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume **list, uint32_t n,
+                          hs_error *err);
 
 /* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface
  * for are counted in the results. */

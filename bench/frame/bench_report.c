@@ -66,6 +66,7 @@ void bench_print_host(const bench_host_result *h) {
     printf("maximum intensity projection %.2f (p95 %.2f); volume to the device, with the grid of maxima "
            "%.2f (p95 %.2f)\n",
            h->mip.median, h->mip.p95, h->grid.median, h->grid.p95);
+    bench_print_lit(&h->lit);
 }
 
 static const char *verdict(bool holds) {

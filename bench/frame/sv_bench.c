@@ -2,6 +2,7 @@
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
 #include "frame/bench_cli.h"
 #include "frame/bench_files.h"
+#include "frame/bench_guard.h"
 #include "frame/bench_method.h"
 #include "frame/bench_report.h"
 #include "plugin/loader_param.h"
@@ -24,7 +25,7 @@ typedef struct {
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
-    bool plugin_part, host_part;
+    bool plugin_part, guard_part, host_part;
     const char *value_texts[MAX_VALUES];
     uint32_t value_count;
 } options;
@@ -42,7 +43,7 @@ static const char help[] =
     "  --id ID            the library's plugin of that id (default: its first)\n"
     "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
     "                     change the result make the comparison with plain C fail\n"
-    "  --only PART        'plugin' or 'loop' (default: both)\n"
+    "  --only PART        'plugin', 'guard' or 'loop' (default: all)\n"
     "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
     "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
     "0)\n"
@@ -79,9 +80,10 @@ static bool parse_slab(options *o, const char *text, hs_error *err) {
 
 static bool parse_part(options *o, const char *text, hs_error *err) {
     o->plugin_part = strcmp(text, "plugin") == 0;
+    o->guard_part = strcmp(text, "guard") == 0;
     o->host_part = strcmp(text, "loop") == 0;
-    return o->plugin_part || o->host_part ||
-           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is neither 'plugin' nor 'loop'", text);
+    return o->plugin_part || o->guard_part || o->host_part ||
+           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'guard' and 'loop'", text);
 }
 
 static void make_quick(options *o) {
@@ -181,8 +183,12 @@ static bool set_option(void *all, int option, hs_error *err) {
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
-    *o =
-        (options){.frames = 100, .host_frames = 20, .host_size = 400, .plugin_part = true, .host_part = true};
+    *o = (options){.frames = 100,
+                   .host_frames = 20,
+                   .host_size = 400,
+                   .plugin_part = true,
+                   .guard_part = true,
+                   .host_part = true};
     hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     fill_defaults(o);
@@ -266,6 +272,24 @@ static bool run_plugin_part(bench_run *run, hs_error *err) {
     return true;
 }
 
+/* Both ways of every size; a plugin of the user's is started both ways, too. */
+static bool run_guard_part(bench_run *run, hs_error *err) {
+    const bench_guard_setup setup = {.path = run->o.plugin,
+                                     .id = run->o.id,
+                                     .cl = &run->cl,
+                                     .frames = run->o.frames,
+                                     .values = run->values,
+                                     .value_count = run->o.value_count};
+    bench_guard_print_head();
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        bench_guard_result result;
+        if (!run->o.size[size]) continue;
+        if (!bench_guard_run(&setup, bench_sizes[size], &result, err)) return false;
+        bench_guard_print(&result);
+    }
+    return true;
+}
+
 static bool run_host_part(bench_run *run, hs_error *err) {
     const bench_host_setup setup = {.plugin = &run->plugin,
                                     .cl = &run->cl,
@@ -289,7 +313,7 @@ static bool measure(bench_run *run, hs_error *err) {
     run->team = bench_team_create(err);
     run->report.plugin = run->results;
     if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
-        (run->o.host_part && !run_host_part(run, err)))
+        (run->o.guard_part && !run_guard_part(run, err)) || (run->o.host_part && !run_host_part(run, err)))
         return false;
     bench_print_targets(&run->report);
     return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&

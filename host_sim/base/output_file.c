@@ -12,7 +12,7 @@
 
 /* Temporary names that are in use, for the handler below. Of more at once the rest would stay behind. */
 #define MOST_PENDING 32
-static _Atomic(char *) pending[MOST_PENDING];
+static _Atomic(const char *) pending[MOST_PENDING];
 
 /* Removes what is half written, then lets the signal do what it does. Calls what a handler may call only. */
 static void clean_up(int number) {
@@ -37,17 +37,17 @@ static void watch_signals(void) {
     }
 }
 
-static void remember(char *name) {
+static void remember(const char *name) {
     watch_signals();
     for (int i = 0; i < MOST_PENDING; i++) {
-        char *nobody = NULL;
+        const char *nobody = NULL;
         if (atomic_compare_exchange_strong(&pending[i], &nobody, name)) return;
     }
 }
 
-static void forget(char *name) {
+static void forget(const char *name) {
     for (int i = 0; i < MOST_PENDING; i++) {
-        char *same = name;
+        const char *same = name;
         if (atomic_compare_exchange_strong(&pending[i], &same, NULL)) return;
     }
 }

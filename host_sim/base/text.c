@@ -47,17 +47,15 @@ char *hs_text_escape(char *out, size_t bytes, const char *text, int keep_newline
 }
 
 void hs_print(FILE *out, const char *format, ...) {
-    va_list args, again;
+    va_list args;
+    char *line = NULL;
     va_start(args, format);
-    va_copy(again, args);
-    const int length = vsnprintf(NULL, 0, format, args);
-    const size_t bytes = length < 0 ? 0 : (size_t)length + 1;
-    char *line = bytes ? malloc(bytes + bytes * ESCAPE_BYTES) : NULL;
-    if (line) {
-        (void)vsnprintf(line, bytes, format, again);
-        (void)fputs(hs_text_escape(line + bytes, bytes * ESCAPE_BYTES, line, 1), out);
-    }
-    free(line);
-    va_end(again);
+    const int length = vasprintf(&line, format, args);
     va_end(args);
+    if (length < 0) return; /* and line means nothing */
+    const size_t bytes = (size_t)length * ESCAPE_BYTES + 1;
+    char *shown = malloc(bytes);
+    if (shown) (void)fputs(hs_text_escape(shown, bytes, line, 1), out);
+    free(shown);
+    free(line);
 }

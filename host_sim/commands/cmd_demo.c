@@ -114,17 +114,23 @@ static void show_pictures(demo *d, const hs_run *run, const char *folder, bool c
     hs_page_row_begin(&d->report);
     show(d, folder, "full.png", "Rendering of the full volume", "Full volume: what the probe delivers");
     show(d, folder, "result.png",
-         clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, unclipped",
-         clipped ? "Result: rays start at the plugin's clipping depthmap" : "Result: rendered unclipped");
+         clipped ? "Rendering that starts at the clipping depthmap" : "Rendering, not clipped",
+         clipped ? "Result: rays start at the plugin's clipping surface; grey is tissue that it cuts"
+                 : "Result: nothing hides the fetus here, as far as fluid tells; not clipped");
     if (hs_source_truth(&run->source, 0))
         show(d, folder, "truth.png", "Rendering of the ground truth",
              "Ground truth: the scene without what hides the fetus");
     hs_page_row_end(&d->report);
     hs_page_row_begin(&d->report);
     show(d, folder, "depthmap.png", "The clipping depthmap in false colour",
-         "Clipping depthmap: where the rays start, in low-resolution slices; hatched clips nothing");
+         "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
     show(d, folder, "points.png", "Initial points over the maximum intensity projection",
          "Initial points over the maximum intensity projection");
+    hs_page_row_end(&d->report);
+    hs_page_row_begin(&d->report);
+    show(d, folder, "slices.png", "The result beside three slices with the clipping surface",
+         "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
+         "dimmed");
     hs_page_row_end(&d->report);
     hs_page_row_begin(&d->report);
     sv_param_info knob;

@@ -172,7 +172,8 @@ static bool bring_volume(hs_loop *loop, uint32_t index, hs_error *err) {
     const hs_volume *volume = hs_source_bring(loop->source, wanted, err);
     if (!volume) return false;
     loop->resident = wanted;
-    return hs_device_volume_replace(loop->volume, volume, err);
+    return hs_device_volume_replace(loop->volume, volume, err) &&
+           hs_screen_prepare(loop->screen, loop->volume, err);
 }
 
 static bool wait_for(const hs_loop *loop, const char *stage, hs_error *err) {

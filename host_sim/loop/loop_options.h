@@ -55,7 +55,7 @@ double hs_loop_yaw(const hs_loop_options *options, uint32_t index);
 
 /* The stages of a frame. Each is timed by the wall clock, from the host's enqueue to the device's end. */
 typedef enum {
-    HS_STAGE_UPLOAD,  /* a new volume to the device, with the renderer's grid of maxima; 0 if it stays */
+    HS_STAGE_UPLOAD,  /* a new volume to the device, with what the renderer makes of it; 0 if it stays */
     HS_STAGE_CONVERT, /* scan conversion of all slabs into the plugin's carrier */
     HS_STAGE_PLUGIN,  /* begin, slab x n, end, and the depthmap on its way to the renderer */
     HS_STAGE_DVR,     /* the picture */

@@ -79,8 +79,11 @@ static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *er
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     *view = (hs_view){0};
     hs_loop_camera(loop, index, &view->camera);
+    view->look = loop->options.dvr.look;
+    view->ghosted = loop->options.dvr.ghost_width > 0;
     const bool ok =
         allocate(loop, view, err) && run_frame(loop, index, view, err) &&
+        (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
         render_to(loop, loop->volume, &view->camera, &view->frame, view->result, view->termination, err) &&
         render_to(loop, loop->volume, &view->camera, NULL, view->full, view->full_termination, err) &&
         (!view->truth || render_truth(loop, index, view, err)) &&

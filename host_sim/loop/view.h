@@ -22,6 +22,9 @@ typedef struct {
     uint8_t *status; /* SV_POINT_* */
     float *sure;     /* the plugin's confidence, 0 .. 1; NULL if it gave none */
     hs_camera camera;
+    const hs_volume *volume; /* the frame's; the source's, until the loop's next frame */
+    hs_look look;            /* of the pictures */
+    bool ghosted;            /* what is before the clipping surface fades */
     hs_frame frame;
 } hs_view;
 

@@ -3,18 +3,18 @@
 
 #include <math.h>
 
-#define SLICES_A_SAMPLE 2.0   /* a smoothed voxel */
-#define UNITS           256.0 /* of thickness along the volume's mean edge ... */
-#define THICKNESS       1.5   /* ... each with this optical depth at opacity 1 */
-#define LIGHT_UNITS     64.0  /* of light along the same edge: distances of occlusion and shadow */
-#define FLAT_GRADIENT   0.5   /* grey levels a smoothed voxel: below, a normal turns to the viewer */
-#define DEGREE          0.017453292519943295
+#define UNITS         256.0 /* of thickness along the volume's mean edge ... */
+#define THICKNESS     1.5   /* ... each with this optical depth at opacity 1 */
+#define LIGHT_UNITS   64.0  /* of light along the same edge: distances of occlusion and shadow */
+#define FLAT_GRADIENT 0.5   /* grey levels a smoothed voxel: below, a normal turns to the viewer */
+#define DEGREE        0.017453292519943295
 
 /* The geometry as render_lit takes it (cl/lit_render.cl). */
 typedef struct {
     cl_int4 dims, bricks;
     cl_float4 origin, dx, dy, dn, mx, my, mz, per_mm;
-    double slices, slice_mm, edge_mm; /* edge: of a cube of the volume's size */
+    double slices, edge_mm; /* source slices along the box' depth; edge of a cube of the volume's size */
+    double sample_steps, sample_mm; /* from sample to sample, a smoothed voxel */
 } lit_plan;
 
 static lit_plan plan_geometry(const hs_dvr_lit_scene *scene) {
@@ -25,31 +25,32 @@ static lit_plan plan_geometry(const hs_dvr_lit_scene *scene) {
     hs_camera_box_map(scene->camera, shape, &map);
     lit_plan p = {.dims = scene->volume.dims, .bricks = scene->volume.bricks};
     p.slices = hs_dvr_slices(shape, scene->camera);
-    p.slice_mm = scene->camera->depth_extent / p.slices;
+    const double factor = scene->volume.factor;
     double first[3], du[3], dv[3], dw[3], size = 1.0, finest = shape->spacing[0];
     cl_float4 *const rows[3] = {&p.mx, &p.my, &p.mz};
     for (int k = 0; k < 3; k++) {
-        /* Index i of the source is (i - 0.5) / 2 + HS_LIT_BORDER here. */
+        /* Index i of the source, here: hs_lit_view. */
         first[k] = map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height;
-        first[k] = 0.5 * (first[k] - 0.5) + HS_LIT_BORDER;
-        du[k] = 0.5 * map.du[k] / s->width;
-        dv[k] = 0.5 * map.dv[k] / s->height;
-        dw[k] = 0.5 * map.dw[k] * SLICES_A_SAMPLE * (double)s->step / p.slices;
-        *rows[k] = hs_dvr_float4(scene->camera->rotation + (size_t)k * 3, 0.5 / shape->spacing[k]);
+        first[k] = (first[k] - 0.5 * (factor - 1.0)) / factor + HS_LIT_BORDER;
+        du[k] = map.du[k] / (factor * s->width);
+        dv[k] = map.dv[k] / (factor * s->height);
+        dw[k] = map.dw[k] * (double)s->step / p.slices;
+        *rows[k] = hs_dvr_float4(scene->camera->rotation + (size_t)k * 3, 1.0 / (factor * shape->spacing[k]));
         size *= n[k] * shape->spacing[k];
         finest = fmin(finest, shape->spacing[k]);
     }
     p.edge_mm = cbrt(size);
-    p.mx.s[3] = (cl_float)(FLAT_GRADIENT / (2.0 * finest));
+    p.mx.s[3] = (cl_float)(FLAT_GRADIENT / (factor * finest));
     p.origin = hs_dvr_float4(first, 1.0);
     p.dx = hs_dvr_float4(du, 1.0);
     p.dy = hs_dvr_float4(dv, 1.0);
     p.dn = hs_dvr_float4(dw, 1.0);
-    const double sample_mm = SLICES_A_SAMPLE * (double)s->step * p.slice_mm;
-    p.dims.s[3] = (cl_int)ceil(scene->camera->depth_extent / sample_mm) + 1;
+    p.sample_steps = factor;
+    p.sample_mm = factor * (double)s->step * scene->camera->depth_extent / p.slices;
+    p.dims.s[3] = (cl_int)ceil(scene->camera->depth_extent / p.sample_mm) + 1;
     p.bricks.s[3] = hs_dvr_transparent(s);
     p.per_mm = (cl_float4){{(cl_float)(s->width / scene->camera->extent),
-                            (cl_float)(s->height / scene->camera->extent), (cl_float)(1.0 / sample_mm),
+                            (cl_float)(s->height / scene->camera->extent), (cl_float)(1.0 / p.sample_mm),
                             (cl_float)(p.edge_mm / LIGHT_UNITS)}};
     return p;
 }
@@ -62,17 +63,17 @@ static void set_start(hs_launch *launch, const hs_dvr_lit_scene *scene, const li
     cl_float4 to_samples = {{0}};
     cl_mem map = NULL, confidence = NULL;
     if (depths && depths->depth) {
-        const double slice = p->slices / (depths->slices * (double)s->step * SLICES_A_SAMPLE);
+        const double slice = p->slices / (depths->slices * (double)s->step * p->sample_steps);
         const double width = s->ghost_width > HS_DVR_HARD_CUT ? (double)s->ghost_width : 0.0;
         map = depths->depth;
         map_dims.s[0] = (cl_int)depths->width;
         map_dims.s[1] = (cl_int)depths->height;
         to_samples.s[0] = (cl_float)slice;
-        to_samples.s[1] = (cl_float)(0.5 * slice + (width - (double)s->ghost_offset) / SLICES_A_SAMPLE);
-        if (width > 0.0) to_samples.s[2] = (cl_float)(SLICES_A_SAMPLE / width);
+        to_samples.s[1] = (cl_float)(0.5 * slice + (width - (double)s->ghost_offset) / p->sample_steps);
+        if (width > 0.0) to_samples.s[2] = (cl_float)(p->sample_steps / width);
         if (width > 0.0 && depths->confidence) {
             confidence = depths->confidence;
-            to_samples.s[3] = (cl_float)(width * (double)s->ghost_doubt / SLICES_A_SAMPLE);
+            to_samples.s[3] = (cl_float)(width * (double)s->ghost_doubt / p->sample_steps);
         }
     }
     hs_launch_buffer(launch, map);
@@ -84,20 +85,20 @@ static void set_start(hs_launch *launch, const hs_dvr_lit_scene *scene, const li
 static void set_window(hs_launch *launch, const hs_dvr_lit_scene *scene, const lit_plan *p) {
     const hs_dvr_settings *s = scene->settings;
     const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
-    const double sample_mm = SLICES_A_SAMPLE * (double)s->step * p->slice_mm;
     const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)),
-                               (cl_float)(THICKNESS * sample_mm * UNITS / p->edge_mm), s->exposure}};
+                               (cl_float)(THICKNESS * p->sample_mm * UNITS / p->edge_mm), s->exposure}};
     hs_launch_arg(launch, sizeof window, &window);
 }
 
-static void set_light(hs_launch *launch, const hs_dvr_settings *s) {
+static void set_light(hs_launch *launch, const hs_dvr_settings *s, const lit_plan *p) {
     const double azimuth = (double)s->light[0] * DEGREE, elevation = (double)s->light[1] * DEGREE;
     const double lamp[3] = {sin(azimuth) * cos(elevation), -sin(elevation), -cos(azimuth) * cos(elevation)};
     double between[3] = {lamp[0], lamp[1], lamp[2] - 1.0}, length = 0.0;
     for (int k = 0; k < 3; k++) length += between[k] * between[k];
     const cl_float4 lamp4 = hs_dvr_float4(lamp, 1.0);
     const cl_float4 between4 = hs_dvr_float4(between, length > 0.0 ? 1.0 / sqrt(length) : 0.0);
-    const cl_float4 skin = {{s->skin[0], s->skin[1], s->skin[2], 0.0f}};
+    const cl_float4 skin = {
+        {s->skin[0], s->skin[1], s->skin[2], (cl_float)(p->sample_steps * (double)s->step / p->slices)}};
     hs_launch_arg(launch, sizeof lamp4, &lamp4);
     hs_launch_arg(launch, sizeof between4, &between4);
     hs_launch_arg(launch, sizeof skin, &skin);
@@ -124,7 +125,7 @@ bool hs_dvr_lit_render(const hs_cl *cl, cl_kernel kernel, const hs_dvr_lit_scene
     set_window(&launch, scene, &p);
     const cl_float4 *const axes[4] = {&p.mx, &p.my, &p.mz, &p.per_mm};
     for (int i = 0; i < 4; i++) hs_launch_arg(&launch, sizeof *axes[i], axes[i]);
-    set_light(&launch, scene->settings);
+    set_light(&launch, scene->settings, &p);
     hs_launch_buffer(&launch, rgba);
     return hs_dvr_launch(&launch, scene->settings, event, err);
 }

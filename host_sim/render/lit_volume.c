@@ -6,10 +6,13 @@
 #include <stdlib.h>
 
 #define BRICK_EDGE 8u  /* 1 << BRICK_SHIFT in cl/base.cl */
+#define SMALL      96u /* voxels along the longest axis: such a volume is not halved */
+#define PASSES     2   /* of smoothing, to and fro between two buffers */
 #define CELLS      48u /* along the longest axis, about: light does not depend on the volume's resolution */
 
-typedef enum { HALVE, SMOOTH, BRICKS, OPACITY, STEPS } step;
-static const char *const kernel_names[STEPS] = {"lit_halve", "lit_smooth", "build_brick_grid", "lit_opacity"};
+typedef enum { HALVE, KEEP, SMOOTH, BRICKS, OPACITY, STEPS } step;
+static const char *const kernel_names[STEPS] = {"lit_halve", "lit_keep", "lit_smooth", "build_brick_grid",
+                                                "lit_opacity"};
 
 struct hs_lit_volume {
     const hs_cl *cl;
@@ -29,8 +32,10 @@ hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_err
     }
     cl_int longest = 0;
     lit->cl = cl;
+    const uint32_t most = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
+    const uint32_t factor = lit->view.factor = most > SMALL ? 2 : 1;
     for (int k = 0; k < 3; k++) {
-        const cl_int count = (cl_int)((n[k] + 1) / 2);
+        const cl_int count = (cl_int)((n[k] + factor - 1) / factor);
         lit->source.s[k] = (cl_int)n[k];
         lit->view.dims.s[k] = count + 2 * HS_LIT_BORDER;
         lit->view.bricks.s[k] = (lit->view.dims.s[k] - 1 + (cl_int)BRICK_EDGE - 1) / (cl_int)BRICK_EDGE;
@@ -98,16 +103,20 @@ static hs_launch begin(const hs_lit_volume *lit, step which, cl_mem from, const 
 
 static bool make_smooth(hs_lit_volume *lit, cl_mem voxels, hs_error *err) {
     hs_lit_view *v = &lit->view;
-    hs_launch halve = begin(lit, HALVE, voxels, &lit->source);
+    const cl_mem to_and_fro[2] = {v->smooth, lit->half};
+    hs_launch halve = begin(lit, v->factor == 2 ? HALVE : KEEP, voxels, &lit->source);
     hs_launch_arg(&halve, sizeof v->dims, &v->dims);
-    hs_launch_buffer(&halve, lit->half);
-    hs_launch smooth = begin(lit, SMOOTH, lit->half, &v->dims);
-    hs_launch_buffer(&smooth, v->smooth);
+    hs_launch_buffer(&halve, to_and_fro[PASSES % 2]);
     hs_launch bricks = begin(lit, BRICKS, v->smooth, &v->dims);
     hs_launch_arg(&bricks, sizeof v->bricks, &v->bricks);
     hs_launch_buffer(&bricks, v->brick_maxima);
-    return run_over(lit, &halve, v->dims, err) && run_over(lit, &smooth, v->dims, err) &&
-           run_over(lit, &bricks, v->bricks, err);
+    if (!run_over(lit, &halve, v->dims, err)) return false;
+    for (int i = PASSES; i > 0; i--) { /* the last one ends in `smooth` */
+        hs_launch smooth = begin(lit, SMOOTH, to_and_fro[i % 2], &v->dims);
+        hs_launch_buffer(&smooth, to_and_fro[1 - i % 2]);
+        if (!run_over(lit, &smooth, v->dims, err)) return false;
+    }
+    return run_over(lit, &bricks, v->bricks, err);
 }
 
 static bool make_opacity(hs_lit_volume *lit, float low, float high, hs_error *err) {

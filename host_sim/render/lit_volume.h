@@ -18,11 +18,14 @@ void hs_lit_volume_destroy(hs_lit_volume *lit);
 /* There is another volume: what was made of the last one does not hold any more. */
 void hs_lit_volume_expire(hs_lit_volume *lit);
 
-/* Index i of the source's voxels along an axis is (i - 0.5) / 2 + HS_LIT_BORDER in the smoothed volume. */
-#define HS_LIT_BORDER 2
+#define HS_LIT_BORDER 2 /* empty voxels on every side */
 
 /* Buffers are owned by the lit volume. */
 typedef struct {
+    /* Source voxels along a smoothed one's edge, f: 2, or 1 up to 96 voxels along the longest axis. Index i
+     * of the source's voxels along an axis is (i - (f - 1) / 2) / f + HS_LIT_BORDER in the smoothed volume.
+     */
+    uint32_t factor;
     cl_mem smooth, brick_maxima; /* one byte each, x fastest */
     cl_int4 dims, bricks;        /* smoothed voxels, bricks (hs_device_view) */
     cl_mem opacity;              /* one byte each, 0 .. 255: 0 .. 1 */

@@ -4,6 +4,7 @@
 #include "base/paths.h"
 #include "picture/picture_colour.h"
 #include "report/picture_map.h"
+#include "report/picture_slices.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -13,18 +14,51 @@
 #define ORBIT_CELL 256u /* pixels */
 
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes) {
-    const char *status = hs_status_name(frame->outcome);
     if (frame->clipped && frame->outcome == SV_OK) return NULL;
     if (frame->clipped)
         (void)snprintf(out, bytes,
-                       "In part: the plugin says %s, %u of %u pixels have no surface and clip nothing.",
-                       status, frame->stats.unfilled, frame->stats.rays);
+                       "Clipped in part: %u of %u rays have no clipping surface and show everything.",
+                       frame->stats.unfilled, frame->stats.rays);
+    else if (frame->outcome == SV_NO_SURFACE)
+        (void)snprintf(out, bytes, "Nothing hides the fetus here, as far as fluid tells: not clipped.");
     else if (frame->outcome > SV_OK)
-        (void)snprintf(out, bytes, "Unclipped: the plugin says %s%s.", status,
-                       frame->outcome == SV_NO_SURFACE ? ", nothing is sure" : "");
+        (void)snprintf(out, bytes, "Not clipped: the plugin says %s.", hs_status_name(frame->outcome));
     else
-        (void)snprintf(out, bytes, "Unclipped: %s", failure);
+        (void)snprintf(out, bytes, "Not clipped: %s", failure);
     return out;
+}
+
+const char *hs_view_legend(const hs_view *view) {
+    if (view->look != HS_LOOK_LIT) return NULL;
+    if (!view->frame.clipped) return "Skin tones: surfaces, darker and redder with depth.";
+    if (view->ghosted)
+        return "Skin tones: surfaces, darker and redder with depth. Grey: tissue cut by the clipping "
+               "surface. Blue veil: "
+               "removed tissue, shown faintly.";
+    return "Skin tones: surfaces, darker and redder with depth. Grey: tissue cut by the clipping surface.";
+}
+
+/* The colours' meaning, and below it the note; NULL if there is neither. */
+static const char *foot_of(const hs_view *view, const char *note, char *out, size_t bytes) {
+    const char *legend = hs_view_legend(view);
+    if (!legend) return note;
+    (void)snprintf(out, bytes, "%s%s%s", legend, note ? "\n" : "", note ? note : "");
+    return out;
+}
+
+/* The depthmap in millimetres from the front of the box; what clips nothing stays 0 or below. The caller
+ * frees it. NULL without memory. */
+static float *depth_in_mm(const hs_view *view, hs_error *err) {
+    const size_t rays = (size_t)view->map_width * view->map_height;
+    const double slice = view->camera.depth_extent / view->slices;
+    float *mm = malloc(rays * sizeof *mm);
+    if (!mm) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu rays", rays);
+        return NULL;
+    }
+    for (size_t i = 0; i < rays; i++)
+        mm[i] = view->depth[i] > 0.0f ? (float)(((double)view->depth[i] + 0.5) * slice) : view->depth[i];
+    return mm;
 }
 
 /* Saves and frees; `made` tells whether the picture is there. */
@@ -52,32 +86,36 @@ static bool write_plain(const hs_view *view, const uint8_t *pixels, const char *
 
 static bool write_panel(const hs_view *view, const char *folder, const char *title, const char *note,
                         uint32_t cell, hs_error *err) {
-    const hs_panel_item items[3] = {{.caption = view->frame.clipped ? "Result" : "Result: unclipped",
+    const hs_panel_item items[3] = {{.caption = view->frame.clipped ? "Result" : "Result: not clipped",
                                      .image = rgba_image(view, view->result)},
                                     {.caption = "Full volume", .image = rgba_image(view, view->full)},
                                     {.caption = "Ground truth", .image = rgba_image(view, view->truth)}};
-    const hs_caption caption = {.title = title, .footer = note};
+    char foot[1400];
+    const hs_caption caption = {.title = title, .footer = foot_of(view, note, foot, sizeof foot)};
     hs_picture picture;
     const bool made = hs_picture_panel(&picture, items, view->truth ? 3 : 2, cell, &caption, err);
     return save(made, &picture, folder, "panel.png", err);
 }
 
-static bool write_depthmap(const hs_view *view, const char *folder, const char *title, const char *note,
-                           hs_error *err) {
-    char facts[256];
-    (void)snprintf(facts, sizeof facts, "%u x %u rays, volume of %u slices%s%s", view->map_width,
-                   view->map_height, view->slices, note ? "\n" : "", note ? note : "");
+static bool write_depthmap(const hs_view *view, const float *mm, const char *folder, const char *title,
+                           const char *note, hs_error *err) {
+    char facts[1400];
+    const hs_camera *c = &view->camera;
+    (void)snprintf(facts, sizeof facts,
+                   "%u x %u rays over %.0f x %.0f mm, %.0f mm deep, seen from the viewer%s%s",
+                   view->map_width, view->map_height, c->extent, c->extent, c->depth_extent, note ? "\n" : "",
+                   note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
-    const bool made = hs_picture_depthmap(&picture, view->depth, view->map_width, view->map_height,
-                                          (hs_range){0, 0}, &caption, err);
+    const bool made =
+        hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, (hs_range){0, 0}, &caption, err);
     return save(made, &picture, folder, "depthmap.png", err);
 }
 
-static bool write_points(const hs_view *view, const char *folder, const char *title, const char *note,
-                         hs_error *err) {
+static bool write_points(const hs_view *view, const float *mm, const char *folder, const char *title,
+                         const char *note, hs_error *err) {
     const hs_image mip = {.data = view->mip, .width = view->width, .height = view->height, .channels = 1};
-    char facts[256];
+    char facts[1400];
     char threshold[32] = "";
     if (view->frame.points.size > 0)
         (void)snprintf(threshold, sizeof threshold, ", T_B %.3f", (double)view->frame.points.bone_threshold);
@@ -85,9 +123,19 @@ static bool write_points(const hs_view *view, const char *folder, const char *ti
                    threshold, note ? "\n" : "", note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
-    const bool made = hs_picture_points(&picture, &mip, view->status, view->depth, view->map_width,
-                                        view->map_height, (hs_range){0, 0}, &caption, err);
+    const bool made = hs_picture_points(&picture, &mip, view->status, mm, view->map_width, view->map_height,
+                                        (hs_range){0, 0}, &caption, err);
     return save(made, &picture, folder, "points.png", err);
+}
+
+/* Both maps are about depths. */
+static bool write_depths(const hs_view *view, const char *folder, const char *title, const char *note,
+                         hs_error *err) {
+    float *mm = depth_in_mm(view, err);
+    const bool ok = mm && write_depthmap(view, mm, folder, title, note, err) &&
+                    write_points(view, mm, folder, title, note, err);
+    free(mm);
+    return ok;
 }
 
 /* Only a plugin that has one gives a confidence. */
@@ -103,6 +151,15 @@ static bool write_confidence(const hs_view *view, const char *folder, const char
     return save(made, &picture, folder, "confidence.png", err);
 }
 
+static bool write_slices(const hs_view *view, const char *folder, const char *title, const char *note,
+                         uint32_t cell, hs_error *err) {
+    char foot[1400];
+    const hs_caption caption = {.title = title, .footer = foot_of(view, note, foot, sizeof foot)};
+    hs_picture picture;
+    const bool made = hs_picture_slices(&picture, view, cell, &caption, err);
+    return save(made, &picture, folder, "slices.png", err);
+}
+
 bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err) {
     return write_plain(view, view->result, folder, "result.png", err) &&
            write_plain(view, view->full, folder, "full.png", err);
@@ -113,8 +170,8 @@ bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char 
     return hs_loop_write_result(view, folder, err) &&
            (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
            write_panel(view, folder, title, note, cell, err) &&
-           write_depthmap(view, folder, title, note, err) && write_points(view, folder, title, note, err) &&
-           write_confidence(view, folder, title, err);
+           write_slices(view, folder, title, note, cell, err) &&
+           write_depths(view, folder, title, note, err) && write_confidence(view, folder, title, err);
 }
 
 /* `upper` above `lower`, on a picture as wide as the wider one. */
@@ -135,7 +192,7 @@ static bool draw_orbit(const hs_view *views, const char captions[][32], const ch
     hs_panel_item full[HS_ORBIT_VIEWS], result[HS_ORBIT_VIEWS];
     for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) {
         full[i] = (hs_panel_item){.caption = captions[i], .image = rgba_image(&views[i], views[i].full)};
-        result[i] = (hs_panel_item){.caption = views[i].frame.clipped ? "result" : "result: unclipped",
+        result[i] = (hs_panel_item){.caption = views[i].frame.clipped ? "result" : "result: not clipped",
                                     .image = rgba_image(&views[i], views[i].result)};
     }
     const hs_caption upper_caption = {.title = title}, lower_caption = {0};

@@ -9,6 +9,7 @@
  * Writes, from one view:
  *   result.png, full.png, truth.png   the pictures alone (truth: scenes only)
  *   panel.png                         the same side by side
+ *   slices.png                        the result beside three slices with the clipping surface drawn in
  *   depthmap.png                      the clipping depthmap in false colour, with a legend
  *   points.png                        initial points over the maximum intensity projection
  *   confidence.png                    the plugin's confidence, if it gave one
@@ -21,9 +22,12 @@ bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char 
 /* result.png and full.png alone: what a script compares. */
 bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err);
 
-/* What a person must know of a frame beside its picture: that it is unclipped and why (`failure`, what the
- * plugin failed with), or how many pixels have no surface. NULL if there is nothing to say, else `out`. */
+/* What a person must know of a frame beside its picture: that it is not clipped and why (`failure`, what the
+ * plugin failed with), or how many rays are not. NULL if there is nothing to say, else `out`. */
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);
+
+/* What the colours of a view's renderings mean; NULL in the thesis' look, whose brightness is the echo's. */
+const char *hs_view_legend(const hs_view *view);
 
 #define HS_ORBIT_VIEWS 6u
 

@@ -153,7 +153,7 @@ static double draw_depth_bar(cairo_t *cr, const layout *l, hs_range range, const
     hs_colour_bar bar = {.low = range.low,
                          .high = range.high,
                          .colour = hs_colour_viridis,
-                         .heading = "depth [slices]",
+                         .heading = "depth [mm]",
                          .high_word = "far",
                          .low_word = "near"};
     return draw_bar(cr, l, &bar, rows);

@@ -16,17 +16,17 @@
 /* Colour of a label of the label map (0 neither, 1 sac only, 2 fetus); HS_COLOUR_INVALID for any other. */
 uint32_t hs_colour_label(uint8_t label);
 
-/* The ends of a depth colour bar in slices. low >= high: the smallest and the largest drawn depth. */
+/* The ends of a depth colour bar in millimetres. low >= high: the smallest and the largest drawn depth. */
 typedef struct {
     float low, high;
 } hs_range;
 
-/* A depthmap (width * height float32, slices) in viridis with a colour bar. A depth <= 0 clips nothing: grey
+/* A depthmap (width * height float32, mm) in viridis with a colour bar. A depth <= 0 clips nothing: grey
  * hatch, its share in the legend. NaN and infinities are drawn in HS_COLOUR_INVALID and counted. */
 bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height, hs_range range,
                          const hs_caption *caption, hs_error *err);
 
-/* Initial points over the MIP. `mip` is scaled to the map; `status` (SV_POINT_*) and `depth` (slices) are
+/* Initial points over the MIP. `mip` is scaled to the map; `status` (SV_POINT_*) and `depth` (mm) are
  * width * height: a point in an interval has the colour of its depth, one with an empty interval
  * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of `low`. */
 bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,

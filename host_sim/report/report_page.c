@@ -61,10 +61,12 @@ static void put_pictures(hs_page *report, const hs_eval_study *study, uint32_t i
     hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
-    hs_eval_page_show(report, study, index, "result.png",
-                      clipped ? "rendering clipped at the plugin's depthmap" : "rendering, unclipped",
-                      clipped ? "Result at the common setting"
-                              : "Result at the common setting: unclipped, no surface");
+    hs_eval_page_show(
+        report, study, index, "result.png",
+        clipped ? "rendering clipped at the plugin's depthmap" : "rendering, not clipped",
+        clipped
+            ? "Result at the common setting"
+            : "Result at the common setting: nothing hides the fetus, as far as fluid tells; not clipped");
     hs_eval_page_show(
         report, study, index, "error_rays.png",
         "error per ray, blue where the fetus is cut, red where an occluder is left",
@@ -118,8 +120,14 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     put_pictures(report, study, index);
     hs_page_row_begin(report);
     hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
-                      "Clipping depthmap: where the rays start, in low-resolution slices");
+                      "Clipping depthmap: where the rays start, in mm; hatched: nothing is clipped");
     put_slider(report, study, index);
+    hs_page_row_end(report);
+    hs_page_row_begin(report);
+    hs_eval_page_show(
+        report, study, index, "slices.png", "the result beside three slices",
+        "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
+        "dimmed; scales in mm");
     hs_page_row_end(report);
     put_numbers(report, study, index);
     hs_eval_figure_space(report, study, index);
@@ -131,6 +139,12 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
     if (!hs_path_join(study->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: evaluation");
     put_intro(&report, study);
+    if (study->options->look == HS_LOOK_LIT)
+        hs_page_text(
+            &report,
+            "Renderings are lit: skin tones are surfaces, darker and redder with depth; grey is tissue "
+            "that the clipping surface cuts; a blue veil is removed tissue, shown faintly. Measures use "
+            "the thesis' look.");
     hs_page_heading(&report, 2, "All cases");
     put_table(&report, study, HS_TABLE_BEST);
     put_table(&report, study, HS_TABLE_COMMON);

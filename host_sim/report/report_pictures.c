@@ -89,8 +89,7 @@ static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, co
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
         const char *said = hs_frame_note(&view.frame, "the plugin failed", note, sizeof note);
-        ok = hs_loop_write_pictures(&view, folder, study->space[index].name,
-                                    view.frame.clipped ? said : "Unclipped", HS_EVAL_PICTURE, err);
+        ok = hs_loop_write_pictures(&view, folder, study->space[index].name, said, HS_EVAL_PICTURE, err);
         clipped = view.frame.clipped;
         hs_view_free(&view);
     }

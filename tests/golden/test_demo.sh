@@ -26,7 +26,7 @@ if [ $code -ne 0 ]; then
 fi
 page=$work/demo/index.html
 for case in D01 E01 D02; do
-    for picture in result full truth panel depthmap points knob orbit; do holds [ -s "$work/demo/$case/$picture.png" ]; done
+    for picture in result full truth panel slices depthmap points knob orbit; do holds [ -s "$work/demo/$case/$picture.png" ]; done
     # The rendering of the ground truth differs from the full volume's: something hides the fetus.
     holds [ "$(cmp -s "$work/demo/$case/full.png" "$work/demo/$case/truth.png"; echo $?)" = 1 ]
     # And the plugin takes some of it away.
@@ -38,7 +38,7 @@ holds [ -s "$work/demo/hidden_layers_mha/truth.png" ]
 
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
-holds [ "$pictures" -eq $((4 * 7 + 6)) ]
+holds [ "$pictures" -eq $((4 * 8 + 7)) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"

@@ -30,7 +30,7 @@ page=$work/whole/index.html
 for case in E04 D01; do
     # 11 thresholds x 4 kernels x 7 knob positions, an identity and the names of the columns.
     holds [ "$(wc -l < "$work/whole/space_$case.csv")" -eq $((11 * 4 * 7 + 2)) ]
-    for picture in full truth result error error_rays depthmap; do holds [ -s "$work/whole/$case/$picture.png" ]; done
+    for picture in full truth result error error_rays depthmap slices; do holds [ -s "$work/whole/$case/$picture.png" ]; done
 done
 holds [ -z "$(find "$work/whole" -name '*.part*')" ]
 # The best settings are not worse than the common ones, and those are better than nothing.
@@ -62,7 +62,7 @@ holds [ "$(cmp -s "$work/whole/E04/beside_ghost.png" "$work/whole/E04/beside_oth
 
 # --- the page: self-contained, every picture with a text, balanced tags, figures with titles
 pictures=$(grep -o '<img ' "$page" | wc -l)
-holds [ "$pictures" -ge $((2 * (5 + 7))) ]
+holds [ "$pictures" -ge $((2 * (6 + 7))) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<link\|url(\|src="[^d]' "$page")" -eq 0 ]
 for tag in figure figcaption div table svg title g h2 h3 p label script; do

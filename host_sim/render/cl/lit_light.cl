@@ -29,18 +29,14 @@ typedef struct {
 } lit_scene;
 
 /* Weights of the quadratic B-spline and of its slope around the nearest voxel; f in -0.5 .. 0.5. */
-#define SPLINE(f, w)                                                                                         \
-    {                                                                                                        \
-        w[0] = 0.5f * (0.5f - f) * (0.5f - f);                                                               \
-        w[1] = 0.75f - f * f;                                                                                \
-        w[2] = 0.5f * (0.5f + f) * (0.5f + f);                                                               \
-    }
-#define SLOPE(f, w)                                                                                          \
-    {                                                                                                        \
-        w[0] = f - 0.5f;                                                                                     \
-        w[1] = -2.0f * f;                                                                                    \
-        w[2] = f + 0.5f;                                                                                     \
-    }
+INLINE void spline_weights(vf f, vf weight[3], vf slope[3]) {
+    weight[0] = 0.5f * (0.5f - f) * (0.5f - f);
+    weight[1] = 0.75f - f * f;
+    weight[2] = 0.5f * (0.5f + f) * (0.5f + f);
+    slope[0] = f - 0.5f;
+    slope[1] = -2.0f * f;
+    slope[2] = f + 0.5f;
+}
 
 #if LANES == 16
 #define LEVELS(p, i)                                                                                         \
@@ -62,9 +58,10 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
     vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
     vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
     vi iz = spline_voxel(at.z, s->dims.z, &fz);
-    SPLINE(fx, wx)
-    SPLINE(fy, wy) SPLINE(fz, wz) SLOPE(fx, dx) SLOPE(fy, dy) SLOPE(fz, dz) vi i =
-        (iz * s->dims.y + iy) * s->dims.x + ix;
+    spline_weights(fx, wx, dx);
+    spline_weights(fy, wy, dy);
+    spline_weights(fz, wz, dz);
+    vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     for (int z = 0; z < 3; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
@@ -93,12 +90,11 @@ INLINE directions normal_at(const lit_scene *s, packet at) {
     return normalised(n);
 }
 
-/* What the depthmap has at a pixel of it, in samples; far before the box where nothing is clipped. */
-INLINE float surface_sample(__global const float *map, int4 map_dims, float4 to_samples, int x, int y) {
-    int at = clamp(y, 0, map_dims.y - 1) * map_dims.x + clamp(x, 0, map_dims.x - 1);
-    float depth = map[at];
-    return depth > 0.0f && depth < INFINITY ? depth * to_samples.x + to_samples.y : UNCLIPPED;
+INLINE bool is_depth(float depth) {
+    return depth > 0.0f && depth < INFINITY;
 }
+
+#define MAP_REACH 2.0f /* pixels of the depthmap to either side: its slope is rougher than it is */
 
 /* The clipping surface's normal under a packet's pixels. */
 INLINE directions map_normal(const lit_scene *s, int px, int py) {
@@ -108,14 +104,13 @@ INLINE directions map_normal(const lit_scene *s, int px, int py) {
     for (int lane = 0; lane < LANES; lane++) {
         float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
         float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
-        float left = map_at(s->map, s->map_dims.x, s->map_dims.y, x - 1.0f, y);
-        float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + 1.0f, y);
-        float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - 1.0f);
-        float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + 1.0f);
-        bool flat = !(min(min(left, right), min(above, below)) > 0.0f) ||
-                    !(max(max(left, right), max(above, below)) < INFINITY);
-        float mm =
-            0.5f * s->to_samples.x / s->per_mm.z; /* millimetres a slice of difference over two pixels */
+        float left = map_at(s->map, s->map_dims.x, s->map_dims.y, x - MAP_REACH, y);
+        float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + MAP_REACH, y);
+        float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - MAP_REACH);
+        float below = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y + MAP_REACH);
+        bool flat = !(is_depth(left) && is_depth(right) && is_depth(above) && is_depth(below));
+        /* Millimetres a slice of difference, over 2 * MAP_REACH pixels. */
+        float mm = 0.5f / MAP_REACH * s->to_samples.x / s->per_mm.z;
         nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * scale_x;
         ny[lane] = flat ? 0.0f : (below - above) * mm * s->per_mm.y * scale_y;
     }
@@ -160,15 +155,21 @@ INLINE vi removed(const lit_scene *s, lit_place p) {
     return MASK((d > 0.0f) & (d < INFINITY) & (p.n < d * s->to_samples.x + s->to_samples.y));
 }
 
-/* Mean opacity at a place, 0 .. 1; none outside the volume and in what was removed. */
-INLINE vf opacity_at(const lit_scene *s, lit_place p) {
+/* Mean opacity at a place, 0 .. 1; none outside the volume. */
+INLINE vf mean_opacity_at(const lit_scene *s, lit_place p) {
     float block = (float)s->cells.w, shift = 0.5f * (block - 1.0f), scale = 1.0f / block;
     vf x = (p.at.x - shift) * scale, y = (p.at.y - shift) * scale, z = (p.at.z - shift) * scale;
     vf value = blend(fetch(s->opacity, s->cells, x, y, z)) * (1.0f / 255.0f);
     vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
                       (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
-    if (s->map_dims.x > 0) outside |= removed(s, p);
     return select(value, (vf)(0.0f), outside);
+}
+
+/* The same, and none in what was removed. */
+INLINE vf opacity_at(const lit_scene *s, lit_place p) {
+    vf value = mean_opacity_at(s, p);
+    if (s->map_dims.x > 0) value = select(value, (vf)(0.0f), removed(s, p));
+    return value;
 }
 
 #define OCCLUSION_REACH 3 /* samples along the normal */

@@ -7,6 +7,7 @@
 #define SURFACE_DEPTH 0.6931472f /* ln 2: an opacity of a half */
 #define LOOK_BACK     2          /* samples before the surface among which its edge is sought ... */
 #define LOOK_AHEAD    3          /* ... and behind it */
+#define LOOK_FAR      5          /* one more, for rays that graze a surface */
 #define HALVINGS      6          /* of a step */
 
 /* Opacity above T_L's, on a scale where T_H is 1; not limited. */
@@ -23,11 +24,11 @@ INLINE vf mean_opacity(vf a, vf b) {
 
 /* What a packet has met. */
 typedef struct {
-    vf depth;                   /* optical depth behind the clipping surface */
+    vf depth;                    /* optical depth behind the clipping surface */
     vf begin, first, last, rest; /* the step that made the surface: from where, its two ramps, what lacked */
-    vi found;                   /* -1: there is such a step */
-    vf most, at;                /* the thickest step, and its middle: for rays without a surface */
-    vf cut;                     /* opacity in the clipping surface itself */
+    vi found;                    /* -1: there is such a step */
+    vf most, at;                 /* the thickest step, and its middle: for rays without a surface */
+    vf cut;                      /* opacity in the clipping surface itself */
     vf veil, veil_most, veil_at; /* the same of what is ghosted */
 } met;
 
@@ -92,8 +93,8 @@ INLINE void take_veil(met *m, ghost_range ghost, float a, vf y0, vf y1, float th
 /* Walks from sample `n` until every ray has its surface or is through. */
 INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *grid, int4 bricks, packet p,
                  float4 dn, ghost_range ghost, float4 window, bool veiled, int n, int end) {
-    met m = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vi)(0),     (vf)(0.0f),
-             (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
+    met m = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vi)(0),
+             (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     bounds b = packet_bounds(p);
     bool known = false; /* y0 is the ramp at sample n - 1 */
     vf y0 = (vf)(0.0f);
@@ -107,7 +108,8 @@ INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *
         }
         if (!known) y0 = ramp_of(sample_packet(smooth, dims, p, dn, (float)(n - 1)), window);
         known = !clear;
-        int stop = clear ? n + 1 : min(n + run, end); /* a clear brick's first sample ends the step before it */
+        int stop =
+            clear ? n + 1 : min(n + run, end); /* a clear brick's first sample ends the step before it */
         for (; n < stop; n++) {
             vf y1 = ramp_of(sample_packet(smooth, dims, p, dn, (float)n), window);
             if (veiled) take_veil(&m, ghost, (float)(n - 1), y0, y1, window.z);
@@ -128,8 +130,8 @@ INLINE vf surface_of(met m, float thickness) {
     vf length = 1.0f - (m.begin - floor(m.begin)), low = (vf)(0.0f), high = (vf)(1.0f);
     for (int i = 0; i < HALVINGS; i++) {
         vf half_way = 0.5f * (low + high);
-        vf depth = thickness * length * half_way *
-                   mean_opacity(m.first, m.first + half_way * (m.last - m.first));
+        vf depth =
+            thickness * length * half_way * mean_opacity(m.first, m.first + half_way * (m.last - m.first));
         vi beyond = MASK(depth >= m.rest);
         high = select(high, half_way, beyond);
         low = select(half_way, low, beyond);
@@ -141,7 +143,8 @@ INLINE vf surface_of(met m, float thickness) {
  * The edge: where the intensity first reaches half of its maximum around the surface. There the gradient is
  * steepest, and the place does not depend on how bright the tissue is and how wide the smoothing.
  */
-INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, vf surface, vf full) {
+INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, vf surface, vf full,
+                  float4 window) {
     vf value[LOOK_BACK + LOOK_AHEAD + 1], where[LOOK_BACK + LOOK_AHEAD + 1], most = (vf)(0.0f);
     for (int i = 0; i <= LOOK_BACK + LOOK_AHEAD; i++) {
         where[i] = max(max(surface + (float)(i - LOOK_BACK), full), (vf)(0.0f));
@@ -149,7 +152,9 @@ INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, 
         value[i] = blend(fetch(smooth, dims, p.x + n * dn.x, p.y + n * dn.y, p.z + n * dn.z));
         most = max(most, value[i]);
     }
-    vf level = 0.5f * most, edge = where[0];
+    vf ahead = surface + (float)LOOK_FAR;
+    most = max(most, blend(fetch(smooth, dims, p.x + ahead * dn.x, p.y + ahead * dn.y, p.z + ahead * dn.z)));
+    vf level = min(0.5f * most, window.x + 1.0f / window.y), edge = where[0];
     vi open = MASK(value[0] < level);
     for (int i = 0; i < LOOK_BACK + LOOK_AHEAD; i++) {
         vi here = open & MASK(value[i + 1] >= level);

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* The lit look (host_sim/render/dvr_lit.h): a surface a ray, lit, with a veil of what is ghosted before it. */
+/* The lit look (host_sim/render/dvr_lit.h): a surface a ray, lit, with a veil of what is ghosted before it.
+ */
 #define VEIL_OPACITY 0.35f /* of the thickest veil: what lies behind stays readable */
-#define CUT_REACH    4.0f  /* samples behind the clipping surface in which a cut fades out */
+#define CUT_REACH    6.0f  /* samples behind the clipping surface in which a cut fades out */
+#define CUT_FROM     0.25f /* mean opacity around the clipping surface from which on it cuts tissue ... */
+#define CUT_ALL      0.5f  /* ... and where it does so wholly */
 
 typedef struct {
     vf red, green, blue;
 } colours;
 
 INLINE colours mixed(colours a, colours b, vf t) {
-    colours c = {a.red + t * (b.red - a.red), a.green + t * (b.green - a.green), a.blue + t * (b.blue - a.blue)};
+    colours c = {a.red + t * (b.red - a.red), a.green + t * (b.green - a.green),
+                 a.blue + t * (b.blue - a.blue)};
     return c;
 }
 
@@ -42,12 +46,20 @@ INLINE lit_place place_at(packet p, float4 dn, int px, int py, vf n) {
     return at;
 }
 
+/* How much of a surface at sample n is a cut: the clipping surface (at `at`) lies in tissue itself, or in a
+ * dark speckle of it, and the surface is near. 0 on rays that nothing clips. */
+INLINE vf cut_of(const lit_scene *s, lit_place at, vf here, vf n) {
+    vf around = (mean_opacity_at(s, at) - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
+    vf near = clamp(1.0f - (n - at.n) * (1.0f / CUT_REACH), 0.0f, 1.0f);
+    return select(near * clamp(max(here, around), 0.0f, 1.0f), (vf)(0.0f), MASK(at.n <= 0.0f));
+}
+
 /* The surface's colour. `cut`: 0 where it is tissue's own, 1 where it is the clipping surface's. */
 INLINE colours surface_colour(const lit_scene *s, packet p, float4 dn, int px, int py, vf n, vf cut,
                               float4 lamp, float4 half_way, float4 skin) {
     lit_place at = place_at(p, dn, px, py, n);
     directions normal = normal_at(s, at.at);
-    vf t = clamp(n * (1.0f / (float)s->dims.w), 0.0f, 1.0f);
+    vf t = clamp(n * skin.w, 0.0f, 1.0f);
     colours tone = skin_at(t, skin);
     if (lanes_max(cut) > 0.0f) {
         directions flat = map_normal(s, px, py);
@@ -100,13 +112,15 @@ INLINE void store_colours(__global uchar *rgba, int4 map_dims, int px, int py, c
  * to_samples: x samples a low-resolution slice, y sample of depth 0 where ghosting is over, z 1 / w (0: hard
  *             cut), w growth where nothing is sure; all in samples
  * window:     x T_L * 255, y 1 / ((T_H - T_L) * 255), z optical depth a sample at opacity 1, w gain
- * lamp, half_way: directions to the lamp, and between it and the viewer. skin: its colour.
+ * lamp, half_way: directions to the lamp, and between it and the viewer. skin: its colour, w the box' depth a
+ * sample.
  */
-WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global const uchar *grid, int4 bricks,
-                              __global const uchar *opacity, int4 cells, float4 origin, float4 dx, float4 dy,
-                              float4 dn, __global const float *map, __global const float *confidence,
-                              int4 map_dims, float4 to_samples, float4 window, float4 mx, float4 my, float4 mz,
-                              float4 per_mm, float4 lamp, float4 half_way, float4 skin, __global uchar *rgba) {
+WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global const uchar *grid,
+                              int4 bricks, __global const uchar *opacity, int4 cells, float4 origin,
+                              float4 dx, float4 dy, float4 dn, __global const float *map,
+                              __global const float *confidence, int4 map_dims, float4 to_samples,
+                              float4 window, float4 mx, float4 my, float4 mz, float4 per_mm, float4 lamp,
+                              float4 half_way, float4 skin, __global uchar *rgba) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
     if (px >= map_dims.z || py >= map_dims.w) return;
     const lit_scene s = {smooth, opacity, map, dims, cells, map_dims, mx, my, mz, to_samples, per_mm};
@@ -116,15 +130,16 @@ WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global 
     clip_packet(p, dn, dims, &first, &end);
     bool veiled = to_samples.z > 0.0f;
     vf begin = max(first, floor(veiled ? ghost.rise : ghost.full) + 1.0f);
-    int n = (int)clamp(lanes_min(begin), 0.0f, (float)dims.w), last = (int)lanes_max(end);
+    int n = (int)clamp(lanes_min(begin), 0.0f, (float)dims.w), last = min((int)lanes_max(end) + 1, dims.w);
     met m = march(smooth, dims, grid, bricks, p, dn, ghost, window, veiled, n, last);
 
     colours c = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
     vf cover = clamp(m.depth * (1.0f / SURFACE_DEPTH), 0.0f, 1.0f);
     if (lanes_max(cover) > 0.0f) {
         vf surface = select(m.at, surface_of(m, window.z), m.found);
-        vf edge = edge_of(smooth, dims, p, dn, surface, ghost.full);
-        vf cut = m.cut * clamp(1.0f - (edge - ghost.full) * (1.0f / CUT_REACH), 0.0f, 1.0f);
+        vf edge = edge_of(smooth, dims, p, dn, surface, ghost.full, window);
+        vf cut = (vf)(0.0f);
+        if (map_dims.x > 0) cut = cut_of(&s, place_at(p, dn, px, py, max(ghost.full, 0.0f)), m.cut, edge);
         colours lit = surface_colour(&s, p, dn, px, py, edge, cut, lamp, half_way, skin);
         c = mixed(c, lit, cover);
     }

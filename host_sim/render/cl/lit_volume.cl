@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the lit look draws (host_sim/render/lit_volume.h): the volume halved, then smoothed, and a coarse grid
- * of opacities for light. A halved voxel is the mean of 2 x 2 x 2; the smoothing has the weights 1, 2, 1 along
- * every axis. Both round to the nearest level, halves up. LIT_PAD voxels of 0 surround the halved volume, so
- * that a volume's own faces are edges like any other and nothing is ever read outside.
+ * What the lit look draws (host_sim/render/lit_volume.h): the volume halved (if large), then smoothed, and a
+ * coarse grid of opacities for light. A halved voxel is the mean of 2 x 2 x 2; the smoothing has the weights
+ * 1, 2, 1 along every axis. Both round to the nearest level, halves up. LIT_PAD voxels of 0 surround the
+ * halved volume, so that a volume's own faces are edges like any other and nothing is ever read outside.
  *
  * CPU: a work item makes a row; global (1, y, z). GPU: a work item makes a voxel; global (x, y, z).
  */
@@ -31,7 +31,19 @@ INLINE uchar halved(four_rows r, int count, int x) {
     return (uchar)(sum >> 3);
 }
 
-#define SMOOTH_AT(rows, i) (((rows)[(i) - 1] + 2 * (rows)[i] + (rows)[(i) + 1] + 32) >> 6)
+/* A small volume is not halved: it has no voxel to spare. */
+__kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
+    int y = (int)get_global_id(1), z = (int)get_global_id(2), sy = y - LIT_PAD, sz = z - LIT_PAD;
+    bool inside = min(sy, sz) >= 0 && sy < dims.y && sz < dims.z;
+    for (int x = (int)get_global_id(0); x < out_dims.x; x += (int)get_global_size(0)) {
+        int sx = x - LIT_PAD;
+        uchar value = 0;
+        if (inside && sx >= 0 && sx < dims.x) value = voxels[((size_t)sz * dims.y + sy) * dims.x + sx];
+        out[((size_t)z * out_dims.y + y) * out_dims.x + x] = value;
+    }
+}
+
+#define SMOOTH_AT(rows, i) (((rows)[(i)-1] + 2 * (rows)[i] + (rows)[(i) + 1] + 32) >> 6)
 
 #if LANES == 16
 #define MAX_HALF 1028 /* half of MAX_ROW, and the padding */
@@ -132,9 +144,36 @@ __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uc
  * The mean opacity of blocks of `block` smoothed voxels an edge, 0 .. 255; what stands out of the volume is
  * 0. window: x T_L * 255, y 1 / ((T_H - T_L) * 255). cells.w: block.
  */
-INLINE void make_cell(__global const uchar *smooth, int4 dims, int4 cells, float4 window, int x, int y, int z,
-                      __global uchar *out) {
-    int block = cells.w, x1 = min((x + 1) * block, dims.x);
+#if LANES == 16
+/* A row of cells: sums down the columns first, then along the row. */
+WIDE __kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, float4 window,
+                               __global uchar *out) {
+    int y = (int)get_global_id(1), z = (int)get_global_id(2), block = cells.w;
+    int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
+    float sums[MAX_HALF + 16];
+    for (int x = 0; x < dims.x; x += 16) vstore16((float16)(0.0f), 0, sums + x);
+    for (int k = z * block; k < z1; k++)
+        for (int j = y * block; j < y1; j++) {
+            __global const uchar *row = smooth + ((size_t)k * dims.y + j) * dims.x;
+            int x = 0;
+            for (; x + 16 <= dims.x; x += 16) {
+                float16 value = (convert_float16(vload16(0, row + x)) - window.x) * window.y;
+                vstore16(vload16(0, sums + x) + clamp(value, 0.0f, 1.0f), 0, sums + x);
+            }
+            for (; x < dims.x; x++) sums[x] += clamp(((float)row[x] - window.x) * window.y, 0.0f, 1.0f);
+        }
+    float scale = 255.0f / (float)(block * block * block);
+    for (int x = 0; x < cells.x; x++) {
+        float sum = 0.0f;
+        for (int i = x * block; i < min((x + 1) * block, dims.x); i++) sum += sums[i];
+        out[(z * cells.y + y) * cells.x + x] = convert_uchar_sat_rte(scale * sum);
+    }
+}
+#else
+__kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, float4 window,
+                          __global uchar *out) {
+    int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2), block = cells.w;
+    int x1 = min((x + 1) * block, dims.x);
     int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
     float sum = 0.0f;
     for (int k = z * block; k < z1; k++)
@@ -144,12 +183,6 @@ INLINE void make_cell(__global const uchar *smooth, int4 dims, int4 cells, float
                 sum += clamp(((float)row[i] - window.x) * window.y, 0.0f, 1.0f);
         }
     out[(z * cells.y + y) * cells.x + x] =
-        convert_uchar_sat_rte(255.0f * sum / (float)(block * block * block));
+        convert_uchar_sat_rte(255.0f / (float)(block * block * block) * sum);
 }
-
-__kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, float4 window,
-                          __global uchar *out) {
-    int y = (int)get_global_id(1), z = (int)get_global_id(2);
-    for (int x = (int)get_global_id(0); x < cells.x; x += (int)get_global_size(0))
-        make_cell(smooth, dims, cells, window, x, y, z, out);
-}
+#endif

@@ -1,0 +1,58 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# The family of wrong plugins (tests/wrong) against host_sim run. Guarded, none of them crashes or hangs the host, and
+# there always is a picture; in both modes a frame that failed is rendered unclipped. Called with the source and the
+# build folder.
+set -u
+build=$2
+table=$(mktemp)
+trap 'rm -f "$table"' EXIT
+# The sanitizers' own handlers would turn a crash into an exit.
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:handle_segv=0:handle_abort=0:handle_sigfpe=0:handle_sigbus=0:detect_leaks=0"
+"$1/scripts/wrong_table.sh" --tsv "$build" > "$table"
+failed=0
+complain() {
+    echo "FAIL: $*"
+    failed=1
+}
+
+ids=$(grep -c '^    WRONG(' "$1/tests/wrong/wrong_list.h")
+[ "$(wc -l < "$table")" -eq $((2 * ids)) ] || complain "$(wc -l < "$table") lines for $ids plugins in two modes"
+[ "$ids" -ge 40 ] || complain "only $ids plugins"
+
+while IFS=$(printf '\t') read -r id mode code picture reason; do
+    what="$id $mode: code $code, picture $picture, $reason"
+    [ "$picture" != WRONG ] || complain "$what"
+    # What fails while the library is unloaded comes behind the pictures.
+    [ "$code" != 4 ] || [ "$picture" = unclipped ] || [[ $mode$reason == guard*"in destroy" ]] || complain "$what"
+    [ "$mode" = guard ] || continue
+    [ "$code" = 0 ] || [ "$code" = 4 ] || complain "$what"
+    [ "$picture" != none ] || complain "$what"
+    [ "$code" = 0 ] || [ -n "$reason" ] || complain "$what: no reason"
+done < "$table"
+
+# ends ID REASON: guarded, the plugin ends in this way.
+ends() {
+    grep -P "^$1\tguard\t4\t[a-z]*\t.*$2" "$table" > /dev/null || complain "$1 does not end as '$2': $(grep -P "^$1\tguard\t" "$table")"
+}
+if [ "${SV_SANITIZE:-0}" = 0 ]; then # a sanitizer finds many of them first
+    ends crash_in_constructor 'crashed: SIGSEGV in dlopen'
+    ends crash_in_create 'crashed: SIGSEGV in create'
+    ends crash_in_activate 'crashed: SIGSEGV in activate'
+    ends crash_in_slab 'crashed: SIGSEGV in slab 1 of 1'
+    ends crash_in_destructor 'crashed: SIGSEGV in destroy'
+    ends abort_in_slab 'aborted in slab 1 of 1'
+    ends endless_recursion 'crashed: SIGSEGV in end'
+    ends divides_by_zero 'crashed: SIGFPE in end'
+    ends writes_into_slab 'crashed: SIGSEGV in slab'
+fi
+ends exit_in_constructor 'left by exit\(0\) in dlopen'
+ends exit_in_end 'left by exit\(0\) in end'
+ends hang_in_constructor 'ran out of time \(10.0 s\) in dlopen'
+ends hang_in_activate 'ran out of time \(10.0 s\) in activate'
+ends hang_in_end 'ran out of time \(2.0 s\) in end'
+ends memory_grab '(took more than 512 MiB|ran out of time \(2.0 s\)) in end'
+ends count_endless 'at most 64 plugins are read'
+ends begin_77 'begin: unknown status \(77\)'
+[ $failed = 0 ] && echo "$ids plugins: none crashes or hangs the guarded host"
+exit $failed

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/lit_shapes.h"
+
+#include <math.h>
+
+#define EXTENT  100.0 /* mm */
+#define PICTURE 256u
+#define DEGREE  0.017453292519943295
+#define STEEP   0.2588190451025207 /* cosine of 75 degrees */
+
+const lit_shape lit_shapes[LIT_SHAPES] = {
+    {"ball", false, {36, 36, 36}, 0, 0, 0, 0, 1, 200},
+    {"ball, turned camera", false, {36, 36, 36}, 0, 0, 31, 17, 1, 200},
+    {"ball, dim", false, {36, 36, 36}, 0, 0, 0, 0, 1, 110},
+    {"ball, bright, soft", false, {36, 36, 36}, 0, 0, 0, 0, 3, 255},
+    {"ellipsoid", false, {40, 28, 24}, 35, 0, 0, 0, 1, 200},
+    {"ellipsoid, turned camera", false, {30, 38, 26}, 20, 0, -40, 25, 1, 200},
+    {"plane, straight", true, {0}, 0, 0, 0, 0, 1, 200},
+    {"plane, 9 degrees", true, {0}, 9, 4, 0, 0, 1, 200},
+    {"ball, hard edge", false, {36, 36, 36}, 0, 0, 0, 0, 0, 200},
+    {"plane, 40 degrees", true, {0}, 40, -23, 0, 0, 1, 200},
+};
+
+/* A body's way of telling how far outside a point is: a rotation's columns are its axes. */
+typedef struct {
+    const lit_shape *shape;
+    double axes[9];
+} body;
+
+static body body_of(const lit_shape *s) {
+    const double a = s->turn * DEGREE, b = (s->plane ? s->tilt : s->turn) * DEGREE;
+    body out = {.shape = s};
+    /* About y then x for a plane (whose normal is the last row), about z then x for an ellipsoid. */
+    const double plane[9] = {cos(a), 0, sin(a), 0, 1, 0, -sin(a), 0, cos(a)};
+    const double round[9] = {cos(a), sin(a), 0, -sin(a), cos(a), 0, 0, 0, 1};
+    const double *first = s->plane ? plane : round;
+    const double second[9] = {1, 0, 0, 0, cos(b), sin(b), 0, -sin(b), cos(b)};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++) out.axes[3 * i + j] += second[3 * i + k] * first[3 * k + j];
+    return out;
+}
+
+/* A point in the body's own coordinates. */
+static void to_body(const body *b, const double p[3], double out[3]) {
+    for (int i = 0; i < 3; i++)
+        out[i] = b->axes[3 * i] * p[0] + b->axes[3 * i + 1] * p[1] + b->axes[3 * i + 2] * p[2];
+}
+
+/* Millimetres outside the surface, to first order. */
+static double distance_of(const body *b, const double p[3]) {
+    double q[3], value = 0.0, slope = 0.0;
+    to_body(b, p, q);
+    if (b->shape->plane) return -q[2];
+    for (int i = 0; i < 3; i++) {
+        const double r = b->shape->radius[i];
+        value += q[i] * q[i] / (r * r);
+        slope += q[i] * q[i] / (r * r * r * r);
+    }
+    return slope > 0.0 ? (value - 1.0) / (2.0 * sqrt(slope)) : -EXTENT;
+}
+
+static hs_volume fill_volume(const body *b, uint32_t size) {
+    hs_volume v;
+    hs_error err = {0};
+    const double spacing = EXTENT / size, edge = b->shape->edge * spacing;
+    if (!hs_volume_init(&v, size, size, size, &err)) fail_msg("%s", err.text);
+    for (int k = 0; k < 3; k++) v.spacing[k] = spacing;
+    uint8_t *out = v.voxels;
+    for (uint32_t z = 0; z < size; z++)
+        for (uint32_t y = 0; y < size; y++)
+            for (uint32_t x = 0; x < size; x++) {
+                const double p[3] = {(x + 0.5) * spacing - 0.5 * EXTENT, (y + 0.5) * spacing - 0.5 * EXTENT,
+                                     (z + 0.5) * spacing - 0.5 * EXTENT};
+                const double d = distance_of(b, p);
+                const double share = edge > 0.0 ? fmin(fmax(0.5 - d / edge, 0.0), 1.0) : d <= 0.0;
+                *out++ = (uint8_t)lround(share * b->shape->level);
+            }
+    return v;
+}
+
+double lit_brightness(const hs_dvr_settings *s, const double n[3], double t) {
+    const double azimuth = (double)s->light[0] * DEGREE, elevation = (double)s->light[1] * DEGREE;
+    const double lamp[3] = {sin(azimuth) * cos(elevation), -sin(elevation), -cos(azimuth) * cos(elevation)};
+    const double between[3] = {lamp[0], lamp[1], lamp[2] - 1.0};
+    const double length = sqrt(between[0] * between[0] + between[1] * between[1] + between[2] * between[2]);
+    double facing = 0.0, shine = 0.0;
+    for (int k = 0; k < 3; k++) {
+        facing += n[k] * lamp[k];
+        shine += n[k] * between[k] / length;
+    }
+    const double light = 0.24 - 0.24 * n[2] + 0.58 * fmax(facing, 0.0);
+    const double tone[3] = {1.0 - 0.30 * t, 1.0 - 0.55 * t, 1.0 - 0.62 * t};
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++)
+        sum += fmin((double)s->skin[k] * tone[k] * light + 0.14 * pow(fmax(shine, 0.0), 24.0), 1.0);
+    return sum / 3.0;
+}
+
+/* Where a pixel's ray meets the body, as the brightness of that place; negative where it is not compared. */
+static double expected_at(const body *b, const hs_camera *camera, const hs_dvr_settings *s, uint32_t x,
+                          uint32_t y) {
+    const double eye[3] = {((x + 0.5) / PICTURE - 0.5) * camera->extent,
+                           ((y + 0.5) / PICTURE - 0.5) * camera->extent, -0.5 * camera->depth_extent};
+    double start[3], along[3], q[3], d[3], t;
+    for (int k = 0; k < 3; k++) {
+        const double *row = camera->rotation + (size_t)k * 3;
+        start[k] = row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2];
+        along[k] = row[2];
+    }
+    to_body(b, start, q);
+    to_body(b, along, d);
+    double normal[3] = {0, 0, -1};
+    if (b->shape->plane) {
+        t = -q[2] / d[2];
+    } else {
+        double aa = 0.0, bb = 0.0, cc = -1.0;
+        for (int k = 0; k < 3; k++) {
+            const double r = b->shape->radius[k] * b->shape->radius[k];
+            aa += d[k] * d[k] / r;
+            bb += q[k] * d[k] / r;
+            cc += q[k] * q[k] / r;
+        }
+        if (bb * bb < aa * cc) return -1.0;
+        t = (-bb - sqrt(bb * bb - aa * cc)) / aa;
+        for (int k = 0; k < 3; k++)
+            normal[k] = (q[k] + t * d[k]) / (b->shape->radius[k] * b->shape->radius[k]);
+    }
+    /* The cut of a plane through the volume's own faces is no plane any more. */
+    for (int k = 0; k < 3; k++)
+        if (fabs(start[k] + t * along[k]) > 0.42 * EXTENT) return -1.0;
+    double world[3], seen[3], length = 0.0;
+    for (int k = 0; k < 3; k++)
+        world[k] = b->axes[k] * normal[0] + b->axes[3 + k] * normal[1] + b->axes[6 + k] * normal[2];
+    for (int k = 0; k < 3; k++) length += world[k] * world[k];
+    for (int a = 0; a < 3; a++)
+        seen[a] = (camera->rotation[a] * world[0] + camera->rotation[3 + a] * world[1] +
+                   camera->rotation[6 + a] * world[2]) /
+                  sqrt(length);
+    return -seen[2] < STEEP ? -1.0 : lit_brightness(s, seen, t / camera->depth_extent);
+}
+
+static void render(const hs_cl *cl, const hs_volume *v, const hs_camera *camera, const hs_dvr_settings *s,
+                   uint8_t *rgba) {
+    hs_error err = {0};
+    hs_device_volume *source = hs_device_volume_create(cl, v, &err);
+    hs_dvr *dvr = source ? hs_dvr_create(cl, s, &err) : NULL;
+    cl_mem to = test_buffer(cl, (size_t)PICTURE * PICTURE * 4, NULL);
+    if (!dvr || !hs_dvr_render(dvr, source, camera, NULL, to, NULL, NULL, &err)) fail_msg("%s", err.text);
+    test_read(cl, to, (size_t)PICTURE * PICTURE * 4, rgba);
+    clReleaseMemObject(to);
+    hs_dvr_destroy(dvr);
+    hs_device_volume_destroy(source);
+}
+
+lit_difference lit_shape_measure(const hs_cl *cl, const lit_shape *shape, uint32_t size) {
+    const body b = body_of(shape);
+    hs_volume v = fill_volume(&b, size);
+    hs_camera camera;
+    hs_dvr_settings s;
+    lit_difference out = {0};
+    double squares = 0.0, known = 0.0;
+    uint8_t *rgba = malloc((size_t)PICTURE * PICTURE * 4);
+    assert_non_null(rgba);
+    hs_camera_look(&camera, &v, shape->yaw, shape->pitch);
+    hs_dvr_defaults(&s);
+    s.look = HS_LOOK_LIT;
+    s.width = s.height = PICTURE;
+    render(cl, &v, &camera, &s, rgba);
+    for (uint32_t i = 0; i < PICTURE * PICTURE; i++) {
+        const double expected = expected_at(&b, &camera, &s, i % PICTURE, i / PICTURE);
+        if (expected < 0.0) continue;
+        const double seen = (rgba[4 * i] + rgba[4 * i + 1] + rgba[4 * i + 2]) / 765.0;
+        squares += (seen - expected) * (seen - expected);
+        known += expected;
+        out.mean += seen;
+        out.pixels++;
+    }
+    assert_true(out.pixels > 2000);
+    out.rms = sqrt(squares / (double)out.pixels) / (known / (double)out.pixels);
+    out.mean /= (double)out.pixels;
+    free(rgba);
+    hs_volume_free(&v);
+    return out;
+}

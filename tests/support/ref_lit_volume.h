@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* What the lit look draws of a volume (docs/rendering.md), voxel by voxel. */
+#ifndef REF_LIT_VOLUME_H
+#define REF_LIT_VOLUME_H
+
+#include "render/dvr.h"
+
+#define REF_LIT_BORDER 2 /* empty voxels on every side */
+
+/* What is drawn of a volume. */
+typedef struct {
+    uint32_t n[3], factor; /* smoothed voxels; source voxels along the edge of one */
+    uint8_t *smooth;
+    uint32_t cells[3], block; /* cubes of block^3 smoothed voxels */
+    uint8_t *opacity;
+} ref_lit_volume;
+
+/* The caller frees it. The test fails without memory. */
+ref_lit_volume ref_lit_make(const hs_volume *volume, const hs_dvr_settings *s);
+void ref_lit_free(ref_lit_volume *lit);
+
+/* Where a voxel stands among n[0] * n[1] * n[2]. */
+size_t ref_lit_index(const uint32_t n[3], uint32_t x, uint32_t y, uint32_t z);
+
+/* Opacity of an intensity (0 .. 255) on a scale where T_L is 0 and T_H 1, not limited; and a value between
+ * them. */
+double ref_lit_ramp(const hs_dvr_settings *s, double intensity);
+double ref_lit_limited(double value);
+
+#endif
