@@ -4,6 +4,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # ON: compiler warnings are errors. Off by default, so that a newer compiler's new warnings stop no user.
 SV_WERROR ?= OFF
 OUT ?= out
+PLUGIN ?= build/smartvis.so
 # Where `make install` puts everything; DESTDIR is put before it, as packagers do.
 PREFIX ?= /usr/local
 DESTDIR ?=
@@ -27,7 +28,7 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz oclgrind lint format bench clean help
+.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz oclgrind lint format bench validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -80,7 +81,7 @@ fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it
 oclgrind: ## every method on a small frame in a simulated device that sees wrong accesses and data races
 	@$(SETUP) $(PACKAGES) $(OCLGRIND_PACKAGES)
 	@$(call build,build) --target every_method smartvis
-	@scripts/oclgrind.sh build $(OUT)
+	@scripts/oclgrind.sh build $(JOBS) $(OUT)/oclgrind
 
 lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
@@ -94,8 +95,13 @@ format: ## apply .clang-format to all C and OpenCL C
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)
 	build/sv_bench
+	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
+
+validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
+	@$(call build,build)
+	build/sv_validate $(PLUGIN)
 
 clean: ## remove everything that was built
 	rm -rf build build-sanitize build-clang build-fuzz out

@@ -45,7 +45,7 @@ body() {
 
 help=$("$program" --help)
 version=$("$program" --version | head -n 1 | escape)
-summary=$(grep -vE -m 1 '^(Usage: |       |$)' <<< "$help" | sed 's/\.$//' | escape)
+summary=$(grep -vE -m 1 '^(Usage: |       |$)' <<< "$help" | sed 's/\.\( .*\)*$//' | escape)
 [ -n "$summary" ] || { echo "man_page: $program --help has no sentence behind its usage" >&2; exit 1; }
 commands=()
 if grep -q "^Usage: $name COMMAND" <<< "$help"; then

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, blocks: which of them were scanned, their histogram, and the largest of a row beside
+ * The wall's surface, blocks: which of them were scanned, their histogram, and the brightest of a row beside
  * every ray.
  */
 #ifndef SV_WALL_CLH
@@ -67,28 +67,35 @@ static void count(uint histogram[4][256], u8l levels, i16l mask) {
     for (uint i = 0; i < LANES; i++) histogram[0][lanes[i]] += wanted[i] != 0;
 }
 
-/* The largest of a row's levels and of those up to `reach` to either side. */
-static void largest_of_row(const sv_wall_layout *l, __global const uchar *at, int reach, __global uchar *to) {
-    for (uint x = 0; x < padded_columns_of(l); x += LANES) {
-        u8l most = *(__global const u8l *)(at + x);
-        for (int k = 1; k <= reach; k++) {
-            const u8l left = ((__global const u8l_anywhere *)(at + x - k))->v;
-            const u8l right = ((__global const u8l_anywhere *)(at + x + k))->v;
-            most = MOST(most, left);
-            most = MOST(most, right);
+/* Means of LANES levels and of those behind them, rounded half up. */
+static u8l mean_at(__global const uchar *at, __global const uchar *behind) {
+    const u8l a = ((__global const u8l_anywhere *)at)->v, b = ((__global const u8l_anywhere *)behind)->v;
+    return TO_U8((TO_U16(a) + TO_U16(b) + (ushort)1) >> (ushort)1);
+}
+
+/* The largest of these means in row `row` of layer `z` and of those up to `reach` to either side. */
+static void largest_of_row(const sv_wall_layout *l, __global const uchar *levels, uint z, uint row,
+                           __global uchar *to) {
+    __global const uchar *at = levels + level_row(l, z, row), *behind = levels + level_row(l, z + 1, row);
+    const int reach = (int)l->beside[0];
+    to += block_row(l, z, row);
+    for (int x = 0; x < (int)padded_columns_of(l); x += LANES) {
+        u8l most = mean_at(at + x, behind + x);
+        for (int k = -reach; k <= reach; k++) {
+            const u8l other = mean_at(at + x + k, behind + x + k);
+            most = MOST(most, other);
         }
         *(__global u8l *)(to + x) = most;
     }
 }
 
 /* One work item per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
- * ranges. `beside`: the largest levels of a row beside every ray. */
+ * ranges. `beside`: the largest means of a row beside every ray. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
                           __global uchar *restrict beside, __global uint *restrict histograms) {
     const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
-    const int reach = (int)l.beside[0];
     __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
     __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
     uint histogram[4][256];
@@ -104,12 +111,11 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
             here[x] = level;
             count(histogram, level, scanned);
         }
-        /* one layer later: a vector that was just stored is slow to load in parts */
-        if (z > 0)
-            largest_of_row(&l, levels + level_row(&l, z - 1, row), reach, beside + block_row(&l, z - 1, row));
+        /* a layer later: a vector that was just stored is slow to load in parts */
+        if (z > 1) largest_of_row(&l, levels, z - 2, row, beside);
     }
-    largest_of_row(&l, levels + level_row(&l, l.layers - 1, row), reach,
-                   beside + block_row(&l, l.layers - 1, row));
+    if (l.layers > 1) largest_of_row(&l, levels, l.layers - 2, row, beside);
+    largest_of_row(&l, levels, l.layers - 1, row, beside); /* zeros lie behind the last layer */
     for (uint i = 0; i < 256; i++)
         histograms[i] = histogram[0][i] + histogram[1][i] + histogram[2][i] + histogram[3][i];
 }

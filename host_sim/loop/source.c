@@ -196,7 +196,8 @@ const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_err
 }
 
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {
-    return source->volumes[index % source->count];
+    hs_error unused = {0};
+    return hs_source_bring(source, index, &unused);
 }
 
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {

@@ -70,7 +70,8 @@ const hs_volume *hs_source_shape(const hs_source *source);
  * again; NULL with the errors of hs_stream_get. */
 const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_error *err);
 
-/* The volume of frame `index` of a source that is no sequence file, and its ground truth or NULL. */
+/* The volume of frame `index` without a reason if there is none, for sources that are no stream and have all
+ * of them; and its ground truth or NULL. */
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
 

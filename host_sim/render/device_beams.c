@@ -2,7 +2,6 @@
 #include "render/device_beams.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 struct hs_device_beams {
     const hs_cl *cl;
@@ -28,12 +27,15 @@ static bool send(hs_device_beams *db, cl_mem to, const float *table, uint32_t co
 /* The tables of a sequence seldom change, and only then they are sent, and waited for. */
 static bool take_tables(hs_device_beams *db, const hs_beams *beams, hs_error *err) {
     const uint32_t lines = beams->lines, planes = beams->planes;
-    const size_t bytes = ((size_t)lines + planes) * sizeof *db->tables;
+    bool same = true;
     float *fresh = db->tables + lines + planes;
     take_table(beams->theta, lines, fresh, db->shape.theta);
     take_table(beams->phi, planes, fresh + lines, db->shape.phi);
-    if (memcmp(fresh, db->tables, bytes) == 0) return true;
-    memcpy(db->tables, fresh, bytes);
+    for (uint32_t i = 0; i < lines + planes; i++) {
+        same = same && fresh[i] == db->tables[i];
+        db->tables[i] = fresh[i];
+    }
+    if (same) return true;
     return send(db, db->theta, db->tables, lines, err) && send(db, db->phi, db->tables + lines, planes, err);
 }
 

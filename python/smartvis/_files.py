@@ -16,6 +16,7 @@ from ._errors import SmartVisError
 
 SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk", ".tif", ".tiff")
 _HEADER = 65536
+_KEPT_VOXELS = 1 << 28
 
 
 class FileError(SmartVisError):
@@ -74,15 +75,25 @@ class Source:
             if len(size) == 3:
                 return self._reader.Execute()
         if self._reader is not None and self._reader.GetDimension() == 4:
-            size = list(self._reader.GetSize())
-            self._reader.SetExtractSize([*size[:3], 0])
-            self._reader.SetExtractIndex([0, 0, 0, number])
-            return self._reader.Execute()
+            return self._read_of_four(number)
         if self._whole is None:
             self._whole = self._reader.Execute()
         if self._whole.GetNumberOfComponentsPerPixel() > 1:
             return sitk.VectorIndexSelectionCast(self._whole, number)
         return self._whole
+
+
+    def _read_of_four(self, number: int) -> Any:
+        """A file that is compressed is unpacked for every read, so what is not too large is read once."""
+        size = list(self._reader.GetSize())
+        part, first = [*size[:3], 0], [0, 0, 0, number]
+        if self._whole is None and int(np.prod(size)) <= _KEPT_VOXELS:
+            self._whole = self._reader.Execute()
+        if self._whole is not None:
+            return _images.sitk().Extract(self._whole, part, first)
+        self._reader.SetExtractSize(part)
+        self._reader.SetExtractIndex(first)
+        return self._reader.Execute()
 
 
 def _kinds(path: Path) -> list[str]:
@@ -115,7 +126,7 @@ def stem(path: Path) -> str:
     return name
 
 
-def whole(path: Path, write: Callable[[Path], None]) -> Path:
+def whole(path: Path, write: Callable[[Path], object]) -> Path:
     """Calls `write` with a name beside `path`, which becomes `path` when all of it is there."""
     part = path.with_name(f".part-{os.getpid()}-{path.name}")
     try:

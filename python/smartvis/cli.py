@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -92,12 +93,12 @@ def split(pair: str) -> tuple[str, str]:
 
 
 @contextlib.contextmanager
-def progress(total: int, what: str) -> Iterator[Any]:
+def progress(total: int | None, what: str) -> Iterator[Any]:
     """A progress bar on stderr, if that is a terminal and tqdm is there."""
     try:
         from tqdm import tqdm
     except ImportError:
-        yield lambda: None
+        yield lambda *_: None
         return
     with tqdm(total=total, desc=what, unit="volume", disable=None, file=sys.stderr) as bar:
         yield bar.update
@@ -154,6 +155,55 @@ def command_serve(args: argparse.Namespace) -> int:
     return OK
 
 
+def command_batch(args: argparse.Namespace) -> int:
+    from . import _study
+
+    settings = settings_of(args)
+    files = _study.find_files(args.folder)
+    if not files:
+        raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(_study.SUFFIXES)}")
+    out = make_folder(args.out)
+    with _study.cluster(args.scheduler, args.workers, tell_dashboard) as client:
+        with progress(None, "batch") as step:
+            rows = _study.batch(files, settings, out, client, step)
+    failed = [row for row in rows if row["state"] != "ok"]
+    for row in failed:
+        print(f"{row['file']} [{row['frame']}]: {row['reason']}", file=sys.stderr)
+    print(f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not; the table is {out / 'table.csv'}")
+    return FAILED if failed else OK
+
+
+def command_study(args: argparse.Namespace) -> int:
+    from . import _study
+
+    out = make_folder(args.out)
+    shards = args.shards or 4 * args.workers
+    report = [a for a in args.report if a != "--"]
+    with _study.cluster(args.scheduler, args.workers, tell_dashboard) as client:
+        with progress(shards, "study") as step:
+            print(_study.study(report, out, shards, client, step), end="")
+    return OK
+
+
+def tell_dashboard(link: str) -> None:
+    """Where to look on."""
+    print(f"smartvis: dashboard at {link}", file=sys.stderr, flush=True)
+
+
+def add_cluster_options(parser: argparse.ArgumentParser) -> None:
+    """Where the work is done."""
+    count = len(os.sched_getaffinity(0))
+    parser.add_argument("--workers", type=positive, default=count, help=f"processes on this machine [{count}]")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead; it sees the same files")
+
+
+def positive(text: str) -> int:
+    """An argparse type: a whole number above 0."""
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}', expected a whole number above 0")
+    return int(text)
+
+
 def command_parameters(args: argparse.Namespace) -> int:
     plugin = load(args.plugin)
     if args.json:
@@ -195,6 +245,21 @@ def parser_of() -> argparse.ArgumentParser:
     serve.add_argument("--clients", type=int, default=8, help="connections at a time [8]")
     add_clip_options(serve, scanned="rays")
     serve.set_defaults(run=command_serve)
+
+    batch = commands.add_parser("batch", help="clip every volume of a study, on many workers")
+    batch.add_argument("folder", nargs="+", help="folders and files; folders with all below them")
+    batch.add_argument("--out", default="out", help="folder for results and table.csv [out]")
+    add_cluster_options(batch)
+    add_clip_options(batch)
+    add_product_options(batch, "clipped,depth")
+    batch.set_defaults(run=command_batch)
+
+    study = commands.add_parser("study", help="the whole parameter space on the nine cases, on many workers")
+    study.add_argument("--out", default="out/study", help="folder for the report [out/study]")
+    study.add_argument("--shards", type=positive, help="parts of the work [four a worker]")
+    add_cluster_options(study)
+    study.add_argument("report", nargs=argparse.REMAINDER, help="-- and options of 'host_sim report'")
+    study.set_defaults(run=command_study)
 
     facts = commands.add_parser("parameters", help="the plugin's parameters")
     facts.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")

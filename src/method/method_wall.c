@@ -88,7 +88,8 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t bytes[] = {[SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
                             [SUMS] = lanes_of(l.width) * l.rows * sizeof(cl_ushort),
                             [RANGES] = is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
-                            [LEVELS] = margin + level_row * l.rows * l.layers,
+                            [LEVELS] =
+                                margin + level_row * l.rows * (l.layers + 1), /* zeros behind the last */
                             [BESIDE] = plane * l.layers,
                             [BRIGHT] = plane * l.layers,
                             [RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),

@@ -86,9 +86,14 @@ static void largest_along(const uint8_t *from, uint8_t *to, size_t groups, size_
 
 uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
     const size_t count = (size_t)l->columns * l->rows * l->layers;
+    const size_t plane = (size_t)l->columns * l->rows;
     uint8_t *rows = malloc(count), *bright = malloc(count);
     if (rows && bright) {
-        largest_along(b->levels, rows, (size_t)l->rows * l->layers, l->columns, 1, l->beside[0]);
+        for (size_t i = 0; i < count; i++) {
+            const uint32_t behind = i + plane < count ? b->levels[i + plane] : 0;
+            bright[i] = (uint8_t)((b->levels[i] + behind + 1) / 2);
+        }
+        largest_along(bright, rows, (size_t)l->rows * l->layers, l->columns, 1, l->beside[0]);
         largest_along(rows, bright, l->layers, l->rows, l->columns, l->beside[1]);
         free(rows);
         return bright;

@@ -19,8 +19,9 @@ bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *l
                            sv_wall_blocks *blocks);
 void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
 
-/* The largest level within layout->beside blocks of each ray, in the same layer; as many as there are blocks.
- * NULL: no memory. The caller frees it. */
+/* The brightness of every block: the largest within layout->beside blocks of its ray, in the same layer, of
+ * the means of a block and the one behind it, rounded half up; what was not scanned counts as 0. NULL: no
+ * memory. The caller frees it. */
 uint8_t *sv_wall_brightest(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
 
 #endif

@@ -257,7 +257,7 @@ static void samples_of(const hs_volume *v, const hs_camera *camera, const hs_sla
 static void check_view(const hs_cl *cl, const view *w) {
     hs_camera camera;
     int grid[3];
-    hs_volume v = make_volume(&geometries[w->geometry], 0.6, NULL);
+    hs_volume v = make_volume(&geometries[w->geometry], 1.0, NULL);
     const hs_slab_layout layout = {w->lowres[0], w->lowres[1], w->lowres[2], 7, 1,
                                    w->lowres[0], w->lowres[1], w->lowres[0]};
     hs_camera_look(&camera, &v, w->yaw, w->pitch);

@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: MIT
+"""Many scans and whole parameter spaces on Dask distributed.
+
+``batch``: every volume of files and folders is a task. A worker process keeps its clippers active between volumes
+of one format. A task writes its files by rename, and last its row, as JSON; a volume whose row is there is done.
+So a batch goes on where it stopped, and a worker that is killed loses nothing: Dask gives its tasks to another.
+
+``study``: every shard of ``host_sim report`` is a task; the report itself goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import hashlib
+import json
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from . import _host
+from ._clip import ClipperCache
+from ._errors import HostError, MissingExtraError
+from ._files import SUFFIXES as SUFFIXES
+from ._files import FileError, Source, whole
+from ._work import COLUMNS, Row, Settings, clip_one
+
+ROWS = "rows"  #: folder of the rows beside the results
+_AHEAD = 4  # tasks a worker has in hand: enough to keep it busy, few enough for a list of any length
+
+
+def distributed() -> Any:
+    """Dask's distributed."""
+    try:
+        import distributed as module
+    except ImportError:
+        raise MissingExtraError("distributed", "batch", "this") from None
+    return module
+
+
+@contextlib.contextmanager
+def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) -> Iterator[Any]:
+    """A client: of the scheduler at an address, or of `workers` processes of its own, a thread each. `link` is told
+    where the dashboard is."""
+    dask = distributed()
+    if scheduler is not None:
+        try:
+            client = dask.Client(scheduler, timeout="20s")
+        except (OSError, ValueError) as error:
+            raise ValueError(f"--scheduler {scheduler}: {error}") from None
+        with client:
+            link(client.dashboard_link)
+            yield client
+        return
+    with (
+        _configured(),
+        dask.LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0", silence_logs=50
+        ) as local,
+        dask.Client(local) as client,
+    ):
+        link(client.dashboard_link)
+        yield client
+
+
+def _configured() -> Any:
+    """A task that was on two workers when they died is put aside."""
+    import dask
+
+    return dask.config.set({"distributed.scheduler.allowed-failures": 1})
+
+
+# --------------------------------------------------------------------------------------------------- batch
+
+
+def find_files(paths: Sequence[str]) -> list[Path]:
+    """The files named, and of folders all below them with a suffix of a volume. A folder whose files are DICOM is
+    one volume. FileError: a path is not there."""
+    found: list[Path] = []
+    for path in map(Path, paths):
+        if not path.exists():
+            raise FileError(f"{path}: no such file or folder")
+        if path.is_file():
+            found.append(path)
+            continue
+        inside = sorted(p for p in path.rglob("*") if p.is_file() and p.name.lower().endswith(SUFFIXES))
+        slices = {p.parent for p in inside if p.suffix.lower() == ".dcm"}
+        found += [p for p in inside if p.parent not in slices] + sorted(slices)
+    return found
+
+
+def row_path(out: Path, file: Path, frame: int) -> Path:
+    """Where a volume's row lies: one name for one file, wherever it was started from."""
+    key = hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:16]
+    return out / ROWS / f"{key}_{frame:05d}.json"
+
+
+def folder_of(out: Path, file: Path) -> Path:
+    """Files of one name in several folders do not overwrite one another."""
+    return out / hashlib.sha256(str(file.resolve().parent).encode()).hexdigest()[:8]
+
+
+_worker_cache: ClipperCache | None = None
+_worker_source: Source | None = None
+
+
+def task(path: str, frame: int, settings: Settings, out: str) -> dict[str, Any]:
+    """One volume, in a worker: its clippers outlive the task. Every trouble with a volume is in its row."""
+    global _worker_cache, _worker_source
+    if _worker_cache is None:
+        _worker_cache = ClipperCache(most=2)
+    file, results = Path(path), Path(out)
+    folder = folder_of(results, file)
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        if _worker_source is None or _worker_source.path != file:
+            _worker_source = Source(file)
+        row = clip_one(_worker_source, frame, settings, folder, _worker_cache)
+    except FileError as error:
+        row = Row(path, frame, "input", str(error))
+    return _keep(row, results)
+
+
+def _keep(row: Row, out: Path) -> dict[str, Any]:
+    facts = asdict(row)
+    path = row_path(out, Path(row.file), row.frame)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    whole(path, lambda part: part.write_text(json.dumps(facts)))
+    return facts
+
+
+def frames_of(files: Sequence[Path], out: Path) -> tuple[list[tuple[Path, int]], list[dict[str, Any]]]:
+    """The volumes to do, and the rows of those that are done. A file that cannot be opened is a row at once."""
+    todo: list[tuple[Path, int]] = []
+    done: list[dict[str, Any]] = []
+    for file in files:
+        try:
+            count = Source(file).count
+        except FileError as error:
+            done.append(_keep(Row(str(file), 0, "input", str(error)), out))
+            continue
+        for frame in range(count):
+            row = _read_row(row_path(out, file, frame))
+            if row is not None and row["state"] == "ok":
+                done.append(row)
+            else:
+                todo.append((file, frame))
+    return todo, done
+
+
+def _read_row(path: Path) -> dict[str, Any] | None:
+    try:
+        row = json.loads(path.read_text())
+    except (OSError, ValueError):
+        return None
+    return row if isinstance(row, dict) and set(row) == set(COLUMNS) else None
+
+
+def same_settings(out: Path, settings: Settings) -> None:
+    """Results of other settings are never mixed in: ValueError."""
+    path = out / ROWS / "settings.json"
+    facts = json.dumps(asdict(replace(settings, plugin=settings.load().path)), sort_keys=True)
+    if path.exists() and path.read_text() != facts:
+        raise ValueError(f"{out} holds a batch with other settings, {path}; choose another --out")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    whole(path, lambda part: part.write_text(facts))
+
+
+def batch(
+    files: Sequence[Path], settings: Settings, out: Path, client: Any, step: Callable[[], Any]
+) -> list[dict[str, Any]]:
+    """Clips what is not done yet, and returns the rows of all; table.csv has them, too. Failed volumes are tried
+    anew by the next batch."""
+    same_settings(out, settings)
+    todo, rows = frames_of(files, out)
+    for _ in rows:
+        step()
+    suspects = []
+    ahead = _AHEAD * max(len(client.scheduler_info()["workers"]), 1)
+    for (file, frame), future in _done(todo, settings, out, client, ahead):
+        if future.status == "finished":
+            rows.append(future.result())
+            step()
+        else:
+            suspects.append((file, frame))
+    # Dask suspects whatever was in hand on a worker that died. Alone, only what really kills one fails again.
+    for (file, frame), future in _done(suspects, settings, out, client, 1):
+        if future.status == "finished":
+            rows.append(future.result())
+        else:
+            rows.append(_keep(Row(str(file), frame, "plugin", f"the worker died: {future.exception()}"), out))
+        step()
+    rows.sort(key=lambda row: (row["file"], row["frame"]))
+    write_table(out / "table.csv", rows)
+    return rows
+
+
+def _done(
+    volumes: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, ahead: int
+) -> Iterator[tuple[tuple[Path, int], Any]]:
+    """Volumes with their futures as they end, `ahead` of them in hand at a time."""
+    completed = distributed().as_completed()
+    left = iter(volumes)
+    waiting: dict[str, tuple[Path, int]] = {}
+
+    def submit() -> None:
+        for file, frame in left:
+            future = client.submit(task, str(file), frame, settings, str(out), pure=False)
+            waiting[future.key] = (file, frame)
+            completed.add(future)
+            return
+
+    for _ in range(ahead):
+        submit()
+    for future in completed:
+        yield waiting.pop(future.key), future
+        submit()
+
+
+def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
+    """The rows as CSV."""
+
+    def write(part: Path) -> None:
+        with open(part, "w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+
+    return whole(path, write)
+
+
+# --------------------------------------------------------------------------------------------------- study
+
+
+def shard(arguments: Sequence[str], out: str, number: int, count: int) -> float:
+    """One shard of host_sim report, in a worker; returns its seconds."""
+    start = time.perf_counter()
+    _host.run(["report", *arguments, "--out", out, "--shard", f"{number}/{count}"])
+    return time.perf_counter() - start
+
+
+def study(arguments: Sequence[str], out: Path, shards: int, client: Any, step: Callable[[], Any]) -> str:
+    """All shards of a parameter space, then one report of them. Returns what the report says.
+
+    HostError: a shard failed; the others are there, and the next study begins with what is missing.
+    """
+    os.makedirs(out, exist_ok=True)
+    futures = [
+        client.submit(shard, list(arguments), str(out.resolve()), n, shards, pure=False, retries=2)
+        for n in range(1, shards + 1)
+    ]
+    failed: list[str] = []
+    for future in distributed().as_completed(futures):
+        if future.status != "finished":
+            failed.append(str(future.exception()))
+        step()
+    if failed:
+        raise HostError(f"{len(failed)} of {shards} shards failed, the first: {failed[0]}", 1)
+    return _host.run(["report", *arguments, "--out", str(out.resolve()), "--merge"])

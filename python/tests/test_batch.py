@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""smartvis batch and study: every volume of a study, also if one is broken, one kills its worker, or a worker or
+the whole batch is killed in the middle."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from conftest import BUILD, SOURCE, layers
+
+import smartvis
+from smartvis import _study
+from smartvis._work import Settings
+from smartvis.cli import main
+
+SETTINGS = Settings(parameters={"method": "cost"}, products=("clipped",), scanned=None)
+SHAPE = (40, 32, 36)
+
+
+def shifted(number: int) -> np.ndarray:
+    return np.roll(layers(SHAPE), number, axis=2)
+
+
+@pytest.fixture(scope="module")
+def client():
+    links: list[str] = []
+    with _study.cluster(None, 2, links.append) as made:
+        assert links[0].startswith("http://127.0.0.1:") and links[0].endswith("/status")
+        yield made
+
+
+def write_study(folder: Path, count: int) -> list[Path]:
+    files = []
+    for number in range(count):
+        path = folder / f"patient{number % 3}" / f"scan{number // 3}.nrrd"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        sitk.WriteImage(sitk.GetImageFromArray(shifted(number)), str(path))
+        files.append(path)
+    return files
+
+
+def table(out: Path) -> list[dict[str, str]]:
+    with open(out / "table.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def rows_of(out: Path) -> dict[Path, int]:
+    return {p: p.stat().st_mtime_ns for p in (out / "rows").glob("[0-9a-f]*_*.json")}
+
+
+def nothing_is_half(out: Path) -> None:
+    assert not list(out.rglob(".part-*"))
+
+
+def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> None:
+    files = write_study(tmp_path / "study", 4)
+    series = sitk.JoinSeries([sitk.GetImageFromArray(shifted(n)) for n in range(3)])
+    sitk.WriteImage(series, str(tmp_path / "study" / "beat.nii.gz"))
+    (tmp_path / "study" / "bad.nrrd").write_text("no volume")
+    cut = tmp_path / "study" / "cut.mha"
+    sitk.WriteImage(sitk.GetImageFromArray(shifted(0)), str(cut))
+    cut.write_bytes(cut.read_bytes()[:9000])
+    out = tmp_path / "out"
+    found = _study.find_files([str(tmp_path / "study")])
+    assert len(found) == 7
+    steps: list[int] = []
+    rows = _study.batch(found, SETTINGS, out, client, lambda: steps.append(1))
+    assert len(steps) == len(rows) == len(table(out)) == 9
+    states = {(Path(r["file"]).name, r["frame"]): r["state"] for r in rows}
+    assert states.pop(("bad.nrrd", 0)) == states.pop(("cut.mha", 0)) == "input" and set(states.values()) == {"ok"}
+    for number, file in enumerate(files):
+        clipped = _study.folder_of(out, file) / f"scan{number // 3}_clipped.nrrd"
+        expected = smartvis.clip(shifted(number), (1, 1, 1), method="cost").apply(shifted(number))
+        assert np.array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(clipped))), expected)
+    assert len(list(out.rglob("beat_f000?_clipped.nrrd"))) == 3
+    nothing_is_half(out)
+    assert all(n == 1 for n in client.run(lambda: len(_study._worker_cache._clippers)).values())  # one format
+
+    before = rows_of(out)
+    again = _study.batch(found, SETTINGS, out, client, lambda: None)
+    changed = {p for p, t in rows_of(out).items() if before[p] != t}
+    assert len(changed) == 2 and [r["state"] for r in again] == [r["state"] for r in rows]  # the broken are tried anew
+    with pytest.raises(ValueError, match="other settings"):
+        _study.batch(found, Settings(parameters={"method": "mean"}), out, client, lambda: None)
+
+
+def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, client) -> None:
+    files = write_study(tmp_path / "study", 24)
+    out = tmp_path / "out"
+    victims = list(client.run(os.getpid).values())
+    done: list[int] = []
+
+    def step() -> None:
+        done.append(1)
+        if len(done) == 4:
+            os.kill(victims[0], signal.SIGKILL)
+
+    rows = _study.batch(files, SETTINGS, out, client, step)
+    assert [r["state"] for r in rows] == ["ok"] * 24 and len({r["file"] for r in rows}) == 24
+    assert len(list(out.rglob("*_clipped.nrrd"))) == 24
+    client.wait_for_workers(2, timeout=60)
+    assert victims[0] not in client.run(os.getpid).values()
+    for path in out.rglob("*_clipped.nrrd"):
+        assert sitk.ReadImage(str(path)).GetSize() == SHAPE[::-1]
+
+
+CRASHES_AT_77 = r"""
+#include "smartvis/author.h"
+static sv_status finish(sva *a, float *depth) {
+    if (sva_voxel(a, 0, 0, 0) == 77) __builtin_trap();
+    for (uint32_t i = 0; i < sva_rays(a); i++) depth[i] = 5.0f;
+    return SV_OK;
+}
+static const sv_descriptor descriptor =
+    SVA_DESCRIPTOR("org.smartvis.test.crash", "Crash", "tests", "1", "Crashes on one volume.", 0);
+static const sva_method method = {.descriptor = &descriptor, .finish = finish};
+SVA_ENTRY(method);
+"""
+
+
+def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, client) -> None:
+    files = write_study(tmp_path / "study", 3)
+    killer = tmp_path / "study" / "killer.nrrd"
+    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, 77, np.uint8)), str(killer))
+    (tmp_path / "crash.c").write_text(CRASHES_AT_77)
+    command = ["cc", "-std=c11", "-shared", "-fPIC", "-I", SOURCE / "include", "crash.c", "-o", "crash.so"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    settings = Settings(plugin=str(tmp_path / "crash.so"), products=("clipped",), scanned=None)
+    rows = _study.batch([killer, *files], settings, tmp_path / "out", client, lambda: None)
+    killed = [r for r in rows if r["state"] != "ok"]
+    assert len(rows) == 4 and [Path(r["file"]).name for r in killed] == ["killer.nrrd"]
+    assert killed[0]["state"] == "plugin" and "worker died" in killed[0]["reason"]
+
+
+def test_a_batch_that_is_killed_goes_on(tmp_path: Path) -> None:
+    write_study(tmp_path / "study", 30)
+    out = tmp_path / "out"
+    command = [sys.executable, "-P", "-m", "smartvis", "batch", tmp_path / "study", "--out", out]
+    command += ["--workers", "1", "--write", "clipped", "--scanned", "all", "--method", "cost"]
+    first = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    deadline = time.monotonic() + 120
+    while len(rows_of(out)) < 3 and time.monotonic() < deadline and first.poll() is None:
+        time.sleep(0.005)
+    os.killpg(first.pid, signal.SIGKILL)  # the batch and its workers, wherever they are
+    first.wait()
+    before = rows_of(out)
+    assert 3 <= len(before) < 30, "the batch was to be killed in its middle"
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0 and "30 volumes clipped, 0 not" in done.stdout, done.stderr
+    assert "dashboard at http://127.0.0.1:" in done.stderr
+    after = rows_of(out)
+    assert len(after) == 30 and all(after[p] == t for p, t in before.items())
+
+
+def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:
+    write_study(tmp_path / "study", 3)
+    address = client.scheduler.address
+    codes: list[int] = []
+    arguments = ["batch", str(tmp_path / "study"), "--out", str(tmp_path / "out"), "--scheduler", address]
+    thread = threading.Thread(target=lambda: codes.append(main(arguments)))
+    thread.start()
+    thread.join()
+    assert codes == [0] and len(table(tmp_path / "out")) == 3
+
+
+def test_a_study_is_the_report_s_own(tmp_path: Path, client) -> None:
+    report = ["--case", "E01", "--size", "32", "--lowres", "16", "--coarse", "--frames", "0", "--beside", "none"]
+    steps: list[int] = []
+    said = _study.study(report, tmp_path / "shards", 3, client, lambda: steps.append(1))
+    assert len(steps) == 3 and said
+    alone = tmp_path / "alone"
+    subprocess.run([BUILD / "host_sim", "report", *report, "--out", alone], check=True, capture_output=True)
+    ours = (tmp_path / "shards" / "best.csv").read_text()
+    assert ours == (alone / "best.csv").read_text() and (tmp_path / "shards" / "index.html").exists()
+    with pytest.raises(smartvis.HostError, match="3 of 3 shards failed.*Z99"):
+        _study.study(["--case", "Z99"], tmp_path / "none", 3, client, lambda: None)
+
+
+def test_wrong_calls(tmp_path: Path, capsys) -> None:
+    assert main(["batch", str(tmp_path / "nowhere")]) == 3 and "nowhere" in capsys.readouterr().err
+    (tmp_path / "empty").mkdir()
+    assert main(["batch", str(tmp_path / "empty")]) == 3 and "there is no volume" in capsys.readouterr().err
+    write_study(tmp_path / "study", 1)
+    arguments = ["batch", str(tmp_path / "study"), "--scheduler", "nonsense://x"]
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2 and "nonsense" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["batch", str(tmp_path / "study"), "--workers", "0"])

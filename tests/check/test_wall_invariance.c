@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Method wall through the ABI, on scenes of ours at 128^3, or on the folder of volumes that the first
+ * argument names: what turns, moves or brightens the scan must turn, move or keep the surface
+ * (docs/surface.md). Errors are those of sv_wall, the mean over the cases.
+ */
+#include "support/rig.h"
+#include "wall/wall_judge.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { CASES = 3 };
+static const char *const names[CASES] = {"E01", "E04", "M01"};
+static wall_case cases[CASES];
+
+static size_t plane_of(const wall_case *c) {
+    return (size_t)c->nx * c->ny;
+}
+
+/* A case of the same kind with room for voxels and ranges; without a truth. */
+static wall_case like(const wall_case *from, uint32_t nx, uint32_t ny, uint32_t nz) {
+    wall_case c = {.nx = nx, .ny = ny, .nz = nz};
+    memcpy(c.spacing_mm, from->spacing_mm, sizeof c.spacing_mm);
+    c.full = calloc(plane_of(&c), nz);
+    c.first = calloc(plane_of(&c), sizeof *c.first);
+    c.end = calloc(plane_of(&c), sizeof *c.end);
+    assert_true(c.full && c.first && c.end);
+    return c;
+}
+
+static wall_case copy_of(const wall_case *from) {
+    wall_case c = like(from, from->nx, from->ny, from->nz);
+    memcpy(c.full, from->full, plane_of(&c) * c.nz);
+    memcpy(c.first, from->first, plane_of(&c) * sizeof *c.first);
+    memcpy(c.end, from->end, plane_of(&c) * sizeof *c.end);
+    return c;
+}
+
+/* The plugin's map. The caller frees it. */
+static float *map_of(rig *r, const wall_case *c, int32_t padding, bool ranged) {
+    sv_scanned *ranges = calloc(plane_of(c), sizeof *ranges);
+    assert_non_null(ranges);
+    for (size_t i = 0; i < plane_of(c); i++) ranges[i] = (sv_scanned){c->first[i], c->end[i]};
+    const rig_format f = {.width = c->nx,
+                          .height = c->ny,
+                          .slices = c->nz,
+                          .slab_slices = 16,
+                          .padding = padding,
+                          .scanned = ranged ? ranges : NULL,
+                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
+                          .fixed_count = 1};
+    rig_textures *t = rig_textures_make(r, &f, c->full);
+    for (int axis = 0; axis < 3; axis++) t->format.spacing_mm[axis] = (float)c->spacing_mm[axis];
+    rig_result out = rig_result_make(c->nx, c->ny);
+    const sv_status active = r->plugin->activate(r->plugin, &t->format);
+    if (active != SV_OK) fail_msg("activate: %s", r->last_log);
+    assert_int_equal(rig_frame(r, t, NULL, 0, &out), SV_OK);
+    r->plugin->deactivate(r->plugin);
+    float *map = malloc(plane_of(c) * sizeof *map);
+    assert_non_null(map);
+    memcpy(map, out.depth, plane_of(c) * sizeof *map);
+    rig_textures_free(t);
+    rig_result_free(&out);
+    free(ranges);
+    return map;
+}
+
+/* Error of a map of the case's own size. */
+static double error_of(const wall_case *c, const float *map) {
+    wall_trust trust = {0};
+    float *confidence = calloc(plane_of(c), sizeof *confidence);
+    assert_non_null(confidence);
+    const double error = wall_judge(c, c->full, map, confidence, &trust).error;
+    free(confidence);
+    return error;
+}
+
+static double error_unchanged(rig *r) {
+    double sum = 0.0;
+    for (int n = 0; n < CASES; n++) {
+        float *map = map_of(r, &cases[n], SV_NO_PADDING, true);
+        sum += error_of(&cases[n], map) / CASES;
+        free(map);
+    }
+    return sum;
+}
+
+/* Pixel (x, y) of a turned case is pixel source(x, y) of the case it was made from. */
+typedef struct {
+    bool mirror_x, mirror_y, transpose;
+} turn;
+
+static size_t source(const wall_case *from, turn t, uint32_t x, uint32_t y) {
+    const uint32_t u = t.transpose ? y : x, v = t.transpose ? x : y;
+    return (size_t)(t.mirror_y ? from->ny - 1 - v : v) * from->nx + (t.mirror_x ? from->nx - 1 - u : u);
+}
+
+static wall_case turned(const wall_case *from, turn t) {
+    wall_case c = like(from, t.transpose ? from->ny : from->nx, t.transpose ? from->nx : from->ny, from->nz);
+    if (t.transpose) c.spacing_mm[0] = from->spacing_mm[1];
+    if (t.transpose) c.spacing_mm[1] = from->spacing_mm[0];
+    for (uint32_t y = 0; y < c.ny; y++)
+        for (uint32_t x = 0; x < c.nx; x++) {
+            const size_t here = (size_t)y * c.nx + x, there = source(from, t, x, y);
+            c.first[here] = from->first[there];
+            c.end[here] = from->end[there];
+            for (size_t z = 0; z < c.nz; z++)
+                c.full[z * plane_of(&c) + here] = from->full[z * plane_of(from) + there];
+        }
+    return c;
+}
+
+static void test_mirrored_and_transposed(void **state) {
+    static const turn turns[] = {{true, false, false}, {false, true, false}, {false, false, true}};
+    for (int n = 0; n < CASES; n++) {
+        float *map = map_of(*state, &cases[n], SV_NO_PADDING, true);
+        for (size_t k = 0; k < sizeof turns / sizeof *turns; k++) {
+            wall_case c = turned(&cases[n], turns[k]);
+            float *other = map_of(*state, &c, SV_NO_PADDING, true);
+            for (uint32_t y = 0; y < c.ny; y++)
+                for (uint32_t x = 0; x < c.nx; x++)
+                    assert_true(fabsf(other[(size_t)y * c.nx + x] - map[source(&cases[n], turns[k], x, y)]) <=
+                                1e-3f);
+            free(other);
+            wall_case_free(&c);
+        }
+        free(map);
+    }
+}
+
+/* Room in front that was not scanned. Eight slices are no whole number of layers at every spacing. */
+static void test_room_in_front(void **state) {
+    enum { ROOM = 8 };
+    for (int n = 0; n < CASES; n++) {
+        const wall_case *from = &cases[n];
+        wall_case c = like(from, from->nx, from->ny, from->nz + ROOM);
+        memcpy(c.full + plane_of(&c) * ROOM, from->full, plane_of(&c) * from->nz);
+        for (size_t i = 0; i < plane_of(&c); i++) {
+            const uint16_t room = from->end[i] > from->first[i] ? ROOM : 0;
+            c.first[i] = (uint16_t)(from->first[i] + room);
+            c.end[i] = (uint16_t)(from->end[i] + room);
+        }
+        float *map = map_of(*state, from, SV_NO_PADDING, true),
+              *far = map_of(*state, &c, SV_NO_PADDING, true);
+        double sum = 0.0, rays = 0.0;
+        for (size_t i = 0; i < plane_of(&c); i++) {
+            if (from->label[i] == 0) continue;
+            sum += fabs((double)(far[i] - map[i]) - ROOM);
+            rays += 1.0;
+        }
+        print_message("%s: room in front: %.4f slices\n", from->name, sum / rays);
+        assert_true(sum / rays <= 0.3);
+        free(map);
+        free(far);
+        wall_case_free(&c);
+    }
+}
+
+/* Unscanned voxels, and only those, hold 0: as ranges, and as a padding value. */
+static void test_ranges_are_padding(void **state) {
+    wall_case c = copy_of(&cases[0]);
+    for (size_t i = 0; i < plane_of(&c); i++)
+        for (size_t z = 0; z < c.nz; z++) {
+            uint8_t *v = &c.full[z * plane_of(&c) + i];
+            *v = z >= c.first[i] && z < c.end[i] ? (uint8_t)(*v | 1) : 0;
+        }
+    float *told = map_of(*state, &c, SV_NO_PADDING, true), *padded = map_of(*state, &c, 0, false);
+    assert_memory_equal(told, padded, plane_of(&c) * sizeof *told);
+    free(told);
+    free(padded);
+    wall_case_free(&c);
+}
+
+/* More speckle: up to a quarter more or less, the same wherever the voxel is. */
+static void add_speckle(wall_case *c) {
+    uint32_t state = 12345;
+    for (size_t i = 0; i < plane_of(c) * c->nz; i++) {
+        state = state * 1664525u + 1013904223u;
+        const double level = c->full[i] * (0.75 + 0.5 * (state >> 8) / 16777216.0);
+        c->full[i] = (uint8_t)fmin(level + 0.5, 255.0);
+    }
+}
+
+/* Weights 1 2 1 along an axis, twice: a Gaussian of one voxel. */
+static void blur_along(wall_case *c, size_t stride, size_t count) {
+    const size_t all = plane_of(c) * c->nz;
+    uint8_t *from = malloc(all);
+    assert_non_null(from);
+    memcpy(from, c->full, all);
+    for (size_t i = 0; i < all; i++) {
+        const size_t at = i / stride % count;
+        const int low = at > 0 ? from[i - stride] : from[i],
+                  high = at + 1 < count ? from[i + stride] : from[i];
+        c->full[i] = (uint8_t)((low + 2 * from[i] + high + 2) / 4);
+    }
+    free(from);
+}
+
+static void blur(wall_case *c) {
+    blur_along(c, 1, c->nx);
+    blur_along(c, c->nx, c->ny);
+    blur_along(c, plane_of(c), c->nz);
+}
+
+static void test_grey_levels(void **state) {
+    static const double changes[][3] = {{0.5, 1, 0}, {1, 0.7, 0}, {1, 1.4, 0}, {1, 1, 15}, {1, 1, -15}};
+    enum { LEVELS = sizeof changes / sizeof *changes, SPECKLE = LEVELS, BLUR, ALL };
+    const double base = error_unchanged(*state);
+    print_message("unchanged: %.3f slices\n", base);
+    for (int k = 0; k < ALL; k++) {
+        double sum = 0.0;
+        for (int n = 0; n < CASES; n++) {
+            wall_case c = copy_of(&cases[n]);
+            if (k == SPECKLE) add_speckle(&c);
+            if (k == BLUR) blur(&c);
+            if (k < LEVELS) wall_case_change(&c, changes[k][0], changes[k][1], changes[k][2]);
+            float *map = map_of(*state, &c, SV_NO_PADDING, true);
+            sum += error_of(&cases[n], map) / CASES;
+            free(map);
+            wall_case_free(&c);
+        }
+        if (k < LEVELS)
+            print_message("gain %.1f, gamma %.1f, black level %+.0f: %.3f slices\n", changes[k][0],
+                          changes[k][1], changes[k][2], sum);
+        else
+            print_message("%s: %.3f slices\n", k == SPECKLE ? "more speckle" : "blurred", sum);
+        assert_true(sum <= 1.25 * base);
+    }
+}
+
+static bool read_cases(const char *folder, hs_error *err) {
+    for (int n = 0; n < CASES; n++)
+        if (folder ? !wall_case_read(folder, names[n], &cases[n], err)
+                   : !wall_case_make(names[n], 1, 0, &cases[n], err))
+            return false;
+    return true;
+}
+
+int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_room_in_front),
+                                       RIG_TEST(test_ranges_are_padding), RIG_TEST(test_grey_levels)};
+    hs_error err = {0};
+    if (!read_cases(argc > 1 ? argv[1] : NULL, &err)) {
+        (void)fprintf(stderr, "%s\n", err.text);
+        return 1;
+    }
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    for (int n = 0; n < CASES; n++) wall_case_free(&cases[n]);
+    return failed;
+}
