@@ -52,10 +52,8 @@ static bool take(const char *key, const char *value, hs_vol_spec *s, hs_error *e
         uint32_t count = 0;
         if (!take_count(option, value, (uint32_t)keys[i].low, (uint32_t)keys[i].high, &count, err))
             return false;
-        if (keys[i].count)
-            *keys[i].count = count;
-        else
-            *keys[i].flag = count == 1;
+        if (keys[i].count) *keys[i].count = count;
+        if (keys[i].flag) *keys[i].flag = count == 1;
         return true;
     }
     return hs_fail(err, HS_ERR_USAGE, "--vol: '%.40s' is none of %s", key, known);

@@ -17,8 +17,8 @@ extern "C" {
 typedef struct sv_confidence_report {
     uint32_t size;
     float fluid_threshold; /* T_L that was found from the volume's own grey levels, 0 .. 1 */
-    uint32_t rays;         /* that have a scanned voxel */
-    uint32_t open_rays;    /* with an interval of fluid behind tissue; too few of them: SV_NO_SURFACE */
+    uint32_t rays; /* that have a scanned voxel; a method that works on blocks counts columns of blocks */
+    uint32_t open_rays; /* of these, with fluid behind tissue; too few of them: SV_NO_SURFACE */
 } sv_confidence_report;
 
 typedef struct sv_ext_confidence {

@@ -135,6 +135,34 @@ static void test_mirrored_and_transposed(void **state) {
     }
 }
 
+/* One pixel sideways is less than a block, so every block is another one. The aim is 0.2 slices (not met,
+ * docs/surface.md); the bound is that it gets no worse than before there were blocks. */
+static void test_moved_sideways(void **state) {
+    double sum = 0.0, rays = 0.0;
+    for (int n = 0; n < CASES; n++) {
+        const wall_case *from = &cases[n];
+        wall_case c = copy_of(from);
+        for (size_t i = plane_of(&c) * c.nz; i-- > 1;) /* to the right; the first column stays */
+            if (i % c.nx > 0) c.full[i] = from->full[i - 1];
+        for (size_t i = 0; i < plane_of(&c); i++)
+            if (i % c.nx > 0) c.first[i] = from->first[i - 1];
+        for (size_t i = 0; i < plane_of(&c); i++)
+            if (i % c.nx > 0) c.end[i] = from->end[i - 1];
+        float *map = map_of(*state, from, SV_NO_PADDING, true),
+              *moved = map_of(*state, &c, SV_NO_PADDING, true);
+        for (size_t i = 0; i + 1 < plane_of(&c); i++) {
+            if (from->label[i] == 0 || i % c.nx + 1 == c.nx) continue;
+            sum += fabs((double)(moved[i + 1] - map[i]));
+            rays += 1.0;
+        }
+        free(map);
+        free(moved);
+        wall_case_free(&c);
+    }
+    print_message("one pixel sideways: %.3f slices\n", sum / rays);
+    assert_true(sum / rays <= 0.78);
+}
+
 /* Room in front that was not scanned. Eight slices are no whole number of layers at every spacing. */
 static void test_room_in_front(void **state) {
     enum { ROOM = 8 };
@@ -244,8 +272,9 @@ static bool read_cases(const char *folder, hs_error *err) {
 }
 
 int main(int argc, char **argv) {
-    const struct CMUnitTest tests[] = {RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_room_in_front),
-                                       RIG_TEST(test_ranges_are_padding), RIG_TEST(test_grey_levels)};
+    const struct CMUnitTest tests[] = {RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_moved_sideways),
+                                       RIG_TEST(test_room_in_front), RIG_TEST(test_ranges_are_padding),
+                                       RIG_TEST(test_grey_levels)};
     hs_error err = {0};
     if (!read_cases(argc > 1 ? argv[1] : NULL, &err)) {
         (void)fprintf(stderr, "%s\n", err.text);
