@@ -81,6 +81,8 @@ class _Connection(socketserver.BaseRequestHandler):
     def handle(self) -> None:
         session = Session(self.server.settings)
         self.request.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        # A client whose machine is gone says nothing: the system asks, and its room becomes free again.
+        self.request.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         channel = Channel(self.request, self.server.limit, self.server.patience)
         try:
             while True:

@@ -3,6 +3,7 @@
 # run_pytest.sh SOURCE BUILD FILE: one file of tests with the installed package, from a folder where its sources are not seen.
 set -eu
 export SMARTVIS_HOST_SIM=$2/host_sim
+export PYTHONUNBUFFERED=1 # what a test that is ended had to say
 unset SMARTVIS_PLUGIN
 cd "$2/python"
 exec venv/bin/python -P -m pytest -q -c "$1/python/pyproject.toml" --rootdir "$1/python" "$3"
