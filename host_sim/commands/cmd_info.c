@@ -117,7 +117,7 @@ static bool print_kretz(const char *path, const hs_kretz_options *options, hs_er
     const uint32_t volumes = kretz ? hs_kretz_count(kretz) : 0;
     bool ok = kretz != NULL;
     for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
-    if (ok) {
+    if (ok && volume.voxels) {
         (void)printf("%s\n", path);
         if (volumes > 1) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
         if (volume.beams) print_beams(volume.beams);
