@@ -95,6 +95,7 @@ format: ## apply .clang-format to all C and OpenCL C
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)
 	build/sv_bench
+	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 

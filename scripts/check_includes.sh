@@ -53,6 +53,7 @@ validate/drive             | abi host_sim/base host_sim/plugin validate/spy .   
 validate/checks            | abi host_sim/base host_sim/plugin validate/spy validate/drive . | libc opencl elf
 validate                   | abi host_sim/base host_sim/guard validate/drive validate/checks . | libc json
 examples/*                 | abi .                                                      | libc opencl
+python/bench               | abi .                                                      | libc
 tests/*                    | any kernels                                                | any
 tests/*/*                  | any kernels                                                | any
 TABLE
@@ -83,6 +84,7 @@ src      include src cl
 host_sim include host_sim
 bench    include bench host_sim src cl
 examples include
+python   include
 validate include validate host_sim
 tests    include tests bench validate host_sim src cl
 TABLE

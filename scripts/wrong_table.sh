@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# wrong_table.sh [--tsv] [BUILD]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the table
+# wrong_table.sh [--tsv] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the table
 # of docs/guard.md. With --tsv: id, mode, exit code, picture, reason, parted by tabs, for tests.
 #
 # picture: unclipped, clipped (the plugin's map was used), none (nothing was written), or WRONG (said to be unclipped, but
@@ -10,6 +10,7 @@ cd "$(dirname "$0")/.." || exit
 tsv=0
 [ "${1:-}" != --tsv ] || { tsv=1; shift; }
 build=$(realpath "${1:-build}")
+[ $# = 0 ] || shift
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 tab=$(printf '\t')
@@ -41,7 +42,11 @@ one() {
 export -f one
 export work build
 
-sed -n 's/^    WRONG(\([a-z0-9_]*\), .*/\1/p' tests/wrong/wrong_list.h > "$work/ids"
+if [ $# -gt 0 ]; then
+    printf '%s\n' "$@" > "$work/ids"
+else
+    sed -n 's/^    WRONG(\([a-z0-9_]*\), .*/\1/p' tests/wrong/wrong_list.h > "$work/ids"
+fi
 sed "s/\$/ guard/; p; s/guard\$/no-guard/" "$work/ids" |
     xargs -P "$(nproc)" -L 1 bash -c 'one "$@"' bash > "$work/lines" 2> /dev/null
 sort -o "$work/lines" "$work/lines"

@@ -115,7 +115,7 @@ static bool print_kretz(const char *path, const hs_kretz_options *options, hs_er
     hs_kretz *kretz = hs_kretz_open(path, options, err);
     hs_volume volume = {0};
     const uint32_t volumes = kretz ? hs_kretz_count(kretz) : 0;
-    bool ok = kretz != NULL;
+    bool ok = volumes > 0; /* none: it could not be opened */
     for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
     if (ok && volume.voxels) {
         (void)printf("%s\n", path);

@@ -20,8 +20,7 @@ static const char help_head[] =
     "Prints times and statistics, and writes pictures to one folder.\n"
     "\n"
     "Source:\n"
-    "  --volume FILE         MetaImage (.mha, .mhd) or Kretz (.vol), volume or sequence; repeatable: in "
-    "turn\n"
+    "  --volume FILE         MetaImage (.mha, .mhd) or Kretz (.vol), volume or sequence; repeatable\n"
     "  --padding MODE        what a 0 in FILE is: auto (not scanned if connected to the border), none, all"
     " [auto]\n"
     "  --probe FACE          where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z "
@@ -173,22 +172,6 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
-static bool set_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
-                    hs_error *err) {
-    uint64_t value;
-    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
-static bool set_float(const char *option, const char *text, double low, double high, float *out,
-                      hs_error *err) {
-    double value;
-    if (!hs_cli_number(option, text, low, high, &value, err)) return false;
-    *out = (float)value;
-    return true;
-}
-
 static bool append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
                    hs_error *err) {
     if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
@@ -222,11 +205,11 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
         r->scene.name = text;
         return true;
     case OPT_SIZE:
-        return set_u32("--size", text, 32, 512, &r->scene.size, err);
+        return hs_value_u32("--size", text, 32, 512, &r->scene.size, err);
     case OPT_SEED:
         return hs_cli_integer("--seed", text, 0, UINT64_MAX, &r->scene.seed, err);
     case OPT_MOVING:
-        return set_u32("--moving", text, 1, 16, &r->scene.volumes, err);
+        return hs_value_u32("--moving", text, 1, 16, &r->scene.volumes, err);
     case OPT_REAL:
         r->scene.real = text;
         return true;
@@ -263,9 +246,9 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         r->loop.fan = (hs_fan)(HS_FAN_RANGES + index);
         return true;
     case OPT_SLAB:
-        return set_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
+        return hs_value_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
     case OPT_LOWRES:
-        return set_u32("--lowres", text, 1, 8192, &r->loop.lowres, err);
+        return hs_value_u32("--lowres", text, 1, 8192, &r->loop.lowres, err);
     default:
         r->log_level = SV_LOG_DEBUG;
         return true;
@@ -286,7 +269,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_SETTING:
         return take_setting(r, text, err);
     case OPT_FRAMES:
-        return set_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
+        return hs_value_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
     case OPT_VIEW:
         return hs_value_view(text, &r->loop, err);
     case OPT_YAW:
@@ -300,23 +283,24 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_LIGHT:
         return hs_look_line_light(text, r->loop.dvr.light, err);
     case OPT_T_LOW:
-        return set_float("--t-low", text, 0, 1, &r->loop.dvr.threshold_low, err);
+        return hs_value_float("--t-low", text, 0, 1, &r->loop.dvr.threshold_low, err);
     case OPT_T_HIGH:
-        return set_float("--t-high", text, 0, 1, &r->loop.dvr.threshold_high, err);
+        return hs_value_float("--t-high", text, 0, 1, &r->loop.dvr.threshold_high, err);
     case OPT_GHOST_OFFSET:
-        return set_float("--ghost-offset", text, -8192, 8192, &r->loop.dvr.ghost_offset, err);
+        return hs_value_float("--ghost-offset", text, -8192, 8192, &r->loop.dvr.ghost_offset, err);
     case OPT_GHOST_WIDTH:
-        return set_float("--ghost-width", text, 0, 8192, &r->loop.dvr.ghost_width, err);
+        return hs_value_float("--ghost-width", text, 0, 8192, &r->loop.dvr.ghost_width, err);
     case OPT_GHOST_DOUBT:
-        return set_float("--ghost-doubt", text, 0, (double)HS_DVR_MAX_DOUBT, &r->loop.dvr.ghost_doubt, err);
+        return hs_value_float("--ghost-doubt", text, 0, (double)HS_DVR_MAX_DOUBT, &r->loop.dvr.ghost_doubt,
+                              err);
     case OPT_EXPOSURE:
-        return set_float("--exposure", text, 0.1, 10, &line->exposure, err);
+        return hs_value_float("--exposure", text, 0.1, 10, &line->exposure, err);
     case OPT_PICTURE:
-        if (!set_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
+        if (!hs_value_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
         r->loop.dvr.height = r->loop.dvr.width;
         return true;
     case OPT_PANEL:
-        return set_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+        return hs_value_u32("--panel", text, 64, 1024, &r->panel_cell, err);
     case OPT_FEW:
         r->few_pictures = true;
         return true;

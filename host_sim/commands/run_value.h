@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Values of `host_sim run`'s options that are more than a number: one of a few words, or several things. */
+/* Values of `host_sim run`'s options: a number, one of a few words, or several things. */
 #ifndef HS_RUN_VALUE_H
 #define HS_RUN_VALUE_H
 
@@ -7,6 +7,11 @@
 #include "loop/source.h"
 
 /* All of them: HS_ERR_USAGE names the option, the text and what is expected. */
+
+/* A number in low .. high. */
+bool hs_value_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
+                  hs_error *err);
+bool hs_value_float(const char *option, const char *text, double low, double high, float *out, hs_error *err);
 
 /* --window "LOW,HIGH" */
 bool hs_value_window(const char *text, hs_metaimage_options *read, hs_error *err);

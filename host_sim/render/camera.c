@@ -40,8 +40,8 @@ static void rotation_of(double yaw_deg, double pitch_deg, double out[9]) {
 }
 
 static void multiply(const double a[9], const double b[9], double out[9]) {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < 3; j++)
             out[i * 3 + j] = a[i * 3] * b[j] + a[i * 3 + 1] * b[3 + j] + a[i * 3 + 2] * b[6 + j];
 }
 
@@ -52,7 +52,7 @@ static void probe_axes(const hs_volume *volume, double out[9]) {
         [HS_PROBE_HIGH_Y] = {0, 90}, [HS_PROBE_LOW_X] = {90, 0},   [HS_PROBE_HIGH_X] = {-90, 0}};
     rotation_of(turns[volume->probe][0], turns[volume->probe][1], out);
     if (!hs_pose_is_mirrored(&volume->pose)) return;
-    for (int k = 0; k < 3; k++) out[k * 3] = -out[k * 3];
+    for (size_t k = 0; k < 3; k++) out[k * 3] = -out[k * 3];
 }
 
 /* The same for a place around the patient. World to volume is the transpose of the directions. */

@@ -143,24 +143,23 @@ static void draw_planes(cairo_t *cr, double x, double y, double width, double he
 }
 
 static void draw_frame_of(const slices *s, cairo_t *cr, plane p, double x, double y) {
-    static const char *const sides[3][2] = {
-        {"to the right [mm]", "depth [mm]"}, {"depth [mm]", "down [mm]"}, {"to the right [mm]", "down [mm]"}};
+    /* Which way the sides run. */
+    static const char *const sides[3] = {"→ right, ↓ depth [mm]", "→ depth, ↓ down [mm]",
+                                         "→ right, ↓ down [mm]"};
     const hs_camera *c = &s->view->camera;
     const double n = s->cell, right = side_mm(s, p, true), down = side_mm(s, p, false);
     const double width = n * right / s->mm, height = n * down / s->mm;
     char text[96];
     if (p == ACROSS)
-        (void)snprintf(text, sizeof text, "Slice across, %.0f mm down (depth downwards)", 0.5 * c->extent);
+        (void)snprintf(text, sizeof text, "Across, %.0f mm down", 0.5 * c->extent);
     else if (p == ALONG)
-        (void)snprintf(text, sizeof text, "Slice along, %.0f mm right (depth to the right)", 0.5 * c->extent);
+        (void)snprintf(text, sizeof text, "Along, %.0f mm right", 0.5 * c->extent);
     else
-        (void)snprintf(text, sizeof text, "Slice %.0f mm deep, seen from the viewer",
-                       s->depth * c->depth_extent);
+        (void)snprintf(text, sizeof text, "%.0f mm deep", s->depth * c->depth_extent);
     hs_draw_text(cr, x, y - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
     draw_scale(cr, x, y + height, width, right, true);
     draw_scale(cr, x, y, height, down, false);
-    hs_draw_text(cr, x + width / 2, y + height + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n,
-                 sides[p][0]);
+    hs_draw_text(cr, x + width / 2, y + height + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n, sides[p]);
     draw_planes(cr, x, y, width, height, p == ALONG ? s->depth : 0.5, p == ACROSS ? s->depth : 0.5);
 }
 
@@ -173,13 +172,13 @@ static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double 
 static void draw_legend(const slices *s, cairo_t *cr, double y) {
     double x = GAP;
     if (hs_view_clip_depth(s->view) >= 0.0) {
-        x = draw_key(cr, x, y, LINE_COLOUR, 4, "clipping surface: rays start here");
-        x = draw_key(cr, x, y, 0x606060u, 14, "dimmed: before it, removed from the picture");
+        x = draw_key(cr, x, y, LINE_COLOUR, 4, "clipping surface");
+        x = draw_key(cr, x, y, 0x606060u, 14, "removed (dimmed)");
     } else {
-        x = draw_key(cr, x, y, 0xa0a0a0u, 14, "nothing is removed: there is no clipping surface");
+        x = draw_key(cr, x, y, 0xa0a0a0u, 14, "nothing is removed");
     }
-    x = draw_key(cr, x, y, 0x000000u, 14, "black: fluid, or not scanned");
-    (void)draw_key(cr, x, y, PLANE_COLOUR, 2, "where the other slices lie");
+    x = draw_key(cr, x, y, 0x000000u, 14, "fluid, or not scanned");
+    (void)draw_key(cr, x, y, PLANE_COLOUR, 2, "the other slices");
 }
 
 static int by_value(const void *a, const void *b) {
@@ -254,6 +253,8 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
                  view->frame.clipped ? "Result" : "Result: not clipped");
     draw_scale(cr, GAP, top + s.cell, s.cell, view->camera.extent, true);
     draw_legend(&s, cr, top + s.cell + FOOT + 22);
+    hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, s.cell,
+                 "→ right, ↓ down [mm]");
     hs_draw_lines(cr, GAP, top + s.cell + FOOT + LEGEND + 16, FACT_STEP, 15, HS_COLOUR_FAINT_TEXT,
                   width - 2.0 * GAP, caption->footer);
     if (hs_draw_end(cr, err) && draw_slices(&s, out, top, err)) return true;

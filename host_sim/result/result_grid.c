@@ -84,7 +84,8 @@ static void mask_slice(void *context, uint32_t z) {
     }
 }
 
-void hs_result_mask(const hs_maps *maps, const hs_volume *volume, uint8_t *mask) {
+void hs_result_mask(const hs_maps *maps, const hs_volume *volume,
+                    uint8_t *mask) { /* NOLINT(readability-non-const-parameter) */
     masking m = {.maps = maps, .volume = volume, .mask = mask};
     hs_result_to_map_of(maps, volume, &m.to_map);
     hs_parallel(hs_thread_count(0), volume->nz, mask_slice, &m);

@@ -164,13 +164,14 @@ static bool write_clipped(writing *w, uint32_t index, hs_metaimage_stream *out) 
     const uint8_t *fill = hs_result_voxels_fill(w->voxels);
     uint8_t *kept = malloc(CHUNK * width);
     if (!kept) return hs_fail(w->err, HS_ERR_MEMORY, "clipped: no memory");
-    bool ok = hs_result_voxels_turn(w->voxels, index);
+    const uint8_t *mask = w->mask; /* open_files made it */
+    bool ok = mask && hs_result_voxels_turn(w->voxels, index);
     for (size_t first = 0; ok && first < count; first += CHUNK) {
         const size_t n = count - first < CHUNK ? count - first : CHUNK;
         const uint8_t *bytes = hs_result_voxels_next(w->voxels, n);
         ok = bytes != NULL;
         for (size_t i = 0; ok && i < n; i++)
-            memcpy(kept + i * width, w->mask[first + i] ? bytes + i * width : fill, width);
+            memcpy(kept + i * width, mask[first + i] ? bytes + i * width : fill, width);
         ok = ok && hs_metaimage_stream_write(out, kept, n * width);
     }
     free(kept);

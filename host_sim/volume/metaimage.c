@@ -140,12 +140,12 @@ hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *op
     return NULL;
 }
 
-uint32_t hs_metaimage_volumes(const hs_metaimage *m) {
-    return m->valid;
+uint32_t hs_metaimage_volumes(const hs_metaimage *file) {
+    return file->valid;
 }
 
-uint32_t hs_metaimage_left_out(const hs_metaimage *m) {
-    return m->header->frames - m->valid;
+uint32_t hs_metaimage_left_out(const hs_metaimage *file) {
+    return file->header->frames - file->valid;
 }
 
 bool hs_metaimage_next(hs_metaimage *m, hs_volume *out, hs_frame_fields *fields) {
@@ -163,10 +163,10 @@ bool hs_metaimage_next(hs_metaimage *m, hs_volume *out, hs_frame_fields *fields)
     return ok;
 }
 
-void hs_metaimage_close(hs_metaimage *m) {
-    if (!m) return;
-    hs_met_voxels_close(m->voxels);
-    free(m);
+void hs_metaimage_close(hs_metaimage *file) {
+    if (!file) return;
+    hs_met_voxels_close(file->voxels);
+    free(file);
 }
 
 bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_volume *out, hs_error *err) {

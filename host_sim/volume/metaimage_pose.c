@@ -24,7 +24,7 @@ static double dot(const double *m, int a, int b) {
 /* The file lists one axis' direction after the other: the columns of our matrix. In four dimensions the
  * fourth axis must be apart from the others; some programs leave it out. */
 static bool read_directions(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
-    double file[16];
+    double file[16] = {0};
     uint64_t found;
     const bool numbers = read_numbers(text->fields[HS_MET_F_TRANSFORM].value, dims * dims, 9, file, &found);
     const uint64_t row = found == 16 ? 4 : 3;
@@ -46,7 +46,7 @@ static bool read_directions(const hs_met_text *text, uint64_t dims, hs_pose *pos
 }
 
 static bool read_offset(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
-    double file[4];
+    double file[4] = {0};
     uint64_t found;
     if (!hs_met_has(text, HS_MET_F_OFFSET)) return true;
     if (!read_numbers(text->fields[HS_MET_F_OFFSET].value, dims, 3, file, &found))

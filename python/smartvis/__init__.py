@@ -11,6 +11,7 @@ from ._clip import ClipperCache, clip
 from ._clipper import Clipper
 from ._errors import HostError, LoadError, MissingExtraError, PluginError, SmartVisError
 from ._plugin import Parameter, Plugin, load, parameters
+from ._products import quick_look
 from ._result import Outcome, Result, Statistics
 from ._scene import CASES, Measures, Scene, mean_error, measure, measure_many, rank, scene
 from ._view import Camera, look
@@ -41,6 +42,7 @@ __all__ = [
     "measure",
     "measure_many",
     "parameters",
+    "quick_look",
     "rank",
     "scene",
     "to_uint8",

@@ -115,7 +115,7 @@ class Clipper:
         at_activate = _value_list({i: v for i, v in self._ids.items() if i in fixed})
         made.values, made.value_count = at_activate, len(at_activate)
         if self.buffer is not None:
-            made.host_memory, made.host_memory_bytes = self.buffer.ctypes.data, self.buffer.nbytes
+            made.host_memory, made.host_memory_bytes = _at(self.buffer), self.buffer.nbytes
         self._takes_ranges = scanned
         return made
 
@@ -125,8 +125,11 @@ class Clipper:
             self._confidence = None
         if self._confidence is not None:
             self._confidence_map = np.zeros(self._shape[1:], np.float32)
-            self._confidence_at = self._confidence_map.ctypes.data
+            self._confidence_at = _at(self._confidence_map)
+            self._read_confidence = self._confidence.read
         self._points = self._extension(_abi.SV_EXT_POINTS, _abi.sv_ext_points)
+        if self._points is not None:
+            self._write_points = self._points.write
         self._confidence_report = _abi.sized(_abi.sv_confidence_report)
         self._points_report = _abi.sized(_abi.sv_points_report)
 
@@ -135,13 +138,14 @@ class Clipper:
         return ctypes.cast(address, ctypes.POINTER(table)).contents if address else None
 
     def _structs(self) -> None:
-        """The structs of a frame, made once; a call only changes fields."""
+        """The structs and functions of a frame, made once; a call only changes fields."""
+        self._begin, self._take, self._end = self._calls.begin, self._calls.slab, self._calls.end
         self._frame = _abi.sized(_abi.sv_frame, values=self._values, value_count=len(self._values))
         self._slab = _abi.sized(_abi.sv_slab, slice_count=self._shape[0], bytes=self._bytes)
         self._out = _abi.sized(
             _abi.sv_result,
-            depth=self.result.depth.ctypes.data,
-            status=self.result.status.ctypes.data,
+            depth=_at(self.result.depth),
+            status=_at(self.result.status),
             stats=ctypes.pointer(self._stats),
         )
 
@@ -160,17 +164,17 @@ class Clipper:
         not continue the volume before."""
         address = self._address(volume)
         ranges = self._ranges(scanned)
-        frame, slab, calls, instance = self._frame, self._slab, self._calls, self._active()
+        frame, slab, instance = self._frame, self._slab, self._active()
         frame.index = self._frame_index
         frame.time_ns = time_ns
         frame.flags = _abi.SV_FRAME_DISCONTINUITY if discontinuity else 0
-        frame.scanned = None if ranges is None else ranges.ctypes.data
+        frame.scanned = None if ranges is None else _at(ranges)
         slab.memory = address
         self._frame_index += 1
         self.result.depth.fill(np.nan)
-        self._check("begin", calls.begin(instance, ctypes.byref(frame)), plain=True)
-        self._check("slab", calls.slab(instance, ctypes.byref(slab)), plain=True)
-        return self._finish("end", calls.end(instance, ctypes.byref(self._out)))
+        self._check("begin", self._begin(instance, ctypes.byref(frame)), plain=True)
+        self._check("slab", self._take(instance, ctypes.byref(slab)), plain=True)
+        return self._finish("end", self._end(instance, ctypes.byref(self._out)))
 
     def adjust(self, **parameters: object) -> Result:
         """The last volume again with other values of adjustable parameters, such as the knob."""
@@ -231,13 +235,13 @@ class Clipper:
         if not volume.flags.c_contiguous:
             volume = np.ascontiguousarray(volume)
         if self.buffer is not None:
-            first = self.buffer.ctypes.data
-            if not first <= volume.ctypes.data <= first + self.buffer.nbytes - self._bytes:
+            first = _at(self.buffer)
+            if not first <= _at(volume) <= first + self.buffer.nbytes - self._bytes:
                 own = self.buffer.reshape(-1)[: self._bytes].reshape(self._shape)
                 np.copyto(own, volume)
                 volume = own
         self._volume = volume  # adjust reads it again, so it must live
-        return volume.ctypes.data
+        return _at(volume)
 
     def _ranges(self, scanned: NDArray[np.uint16] | None) -> NDArray[np.uint16] | None:
         if (scanned is not None) != self._takes_ranges:
@@ -286,7 +290,7 @@ class Clipper:
         statistics = self.result.statistics
         if self._confidence is not None:
             sure = self._confidence_map
-            status = self._confidence.read(self._instance, self._confidence_at, ctypes.byref(self._confidence_report))
+            status = self._read_confidence(self._instance, self._confidence_at, ctypes.byref(self._confidence_report))
             self._check("confidence", status)
             # As the host does it: a wrong confidence costs the result its confidence, not its surface.
             self.result.confidence = sure if sure.min() >= 0.0 and sure.max() <= 1.0 else None
@@ -295,10 +299,15 @@ class Clipper:
             statistics.fluid_threshold = self._confidence_report.fluid_threshold
             statistics.open_rays = self._confidence_report.open_rays
         elif self._points is not None and self._stats.points > 0:
-            self._check("points", self._points.write(self._instance, ctypes.byref(self._points_report)))
+            self._check("points", self._write_points(self._instance, ctypes.byref(self._points_report)))
             statistics.bone_threshold = self._points_report.bone_threshold
             statistics.volume_max = self._points_report.volume_max
             statistics.passes = self._points_report.passes
+
+
+def _at(array: NDArray[Any]) -> int:
+    """The address of an array's first byte. numpy's `ctypes` makes objects that only the collector frees."""
+    return int(array.__array_interface__["data"][0])
 
 
 def _value_list(values: dict[int, float]) -> Any:

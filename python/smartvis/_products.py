@@ -14,10 +14,11 @@ from ._result import Result
 
 
 def depth_image(image: Any, result: Result) -> Any:
-    """The depthmap in slices as an image of one slice that lies on the front of the volume, in its world."""
+    """The depthmap in mm as an image of one slice that lies on the front of the volume, in its world; as host_sim
+    writes it."""
     sitk = _images.sitk()
     camera = result.camera
-    made = sitk.GetImageFromArray(result.depth[None])
+    made = sitk.GetImageFromArray(result.depth_mm[None])
     made.SetSpacing([float(s) for s in camera.spacing])
     direction = np.array(image.GetDirection()).reshape(3, 3)
     made.SetDirection((direction @ camera.rotation.T).ravel().tolist())
@@ -41,7 +42,7 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
         if volume.min() == volume.max():
             return np.empty((0, 3)), np.empty((0, 3), np.int64)
         level = float(threshold_otsu(volume))
-    clipped = result.apply(volume, fill=min(float(volume.min()), level - 1) if volume.dtype.kind == "f" else 0)
+    clipped = result.apply(volume)
     # A shell of nothing around it closes the mesh at the volume's faces.
     clipped = np.pad(clipped.astype(np.float32), 1, constant_values=min(float(clipped.min()), level - 1))
     if not clipped.min() < level < clipped.max():

@@ -77,8 +77,9 @@ class Result:
             return np.ones(self.camera.source_shape, bool)
         return self.camera.behind(self.depth)
 
-    def apply(self, volume: Any, fill: float = 0) -> Any:
-        """The clipped volume: a copy in which what hides the fetus holds `fill`.
+    def apply(self, volume: Any, fill: float | None = None) -> Any:
+        """The clipped volume: a copy in which what hides the fetus holds `fill`. None: 0 in uint8, in other types the
+        volume's smallest value, so that black stays black.
 
         `volume` is an array of the shape that was clipped, of any type, or a SimpleITK image of that size; an
         image comes back as an image with its spacing, origin and directions.
@@ -90,6 +91,8 @@ class Result:
         volume = np.asarray(volume)
         if volume.shape != self.camera.source_shape:
             raise ValueError(f"volume has shape {volume.shape}, what was clipped had {self.camera.source_shape}")
+        if fill is None:
+            fill = 0 if volume.dtype == np.uint8 else volume.min()
         return np.where(self.mask(), volume, volume.dtype.type(fill))
 
     def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

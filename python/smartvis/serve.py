@@ -4,7 +4,7 @@
 A client sends an IMAGE named NAME. It gets three messages back:
 
 - IMAGE ``NAME_clipped``, the clipped volume in the place of the one that it sent,
-- IMAGE ``NAME_depth``, the depthmap in slices, one slice on the volume's front,
+- IMAGE ``NAME_depth``, the depthmap in mm, one slice on the volume's front,
 - STRING ``NAME_outcome``: ``OK``, ``PARTIAL``, ``NO_SURFACE``, or ``ERROR`` and the reason.
 
 A STRING with ``KEY=VALUE ...`` sets parameters of this connection from the next volume on. Names are cut to 20
@@ -143,7 +143,7 @@ class Session:
             return [string_message(f"{name}_outcome", f"ERROR {error}", message.timestamp)]
         return [
             image_message(f"{name}_clipped", clipped, message.ijk_to_world_matrix, message),
-            image_message(f"{name}_depth", result.depth[None], _front(message.ijk_to_world_matrix, result), message),
+            image_message(f"{name}_depth", result.depth_mm[None], _front(message.ijk_to_world_matrix, result), message),
             string_message(f"{name}_outcome", result.outcome.name, message.timestamp),
         ]
 

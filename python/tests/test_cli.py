@@ -36,7 +36,7 @@ def test_files_of_every_format_keep_their_geometry(tmp_path: Path, image, volume
     expected = smartvis.clip(volume, (0.5, 0.6, 0.7), method="cost")
     assert np.array_equal(sitk.GetArrayFromImage(clipped), expected.apply(volume))
     depth = sitk.ReadImage(str(out / f"head_depth{suffix}"))
-    assert np.allclose(sitk.GetArrayFromImage(depth)[0], expected.depth)
+    assert np.allclose(sitk.GetArrayFromImage(depth)[0], expected.depth_mm)
     for made in (clipped, depth):
         assert np.allclose(made.GetSpacing(), image.GetSpacing(), atol=1e-5)
         assert np.allclose(made.GetOrigin(), image.GetOrigin(), atol=1e-4)

@@ -38,7 +38,7 @@ def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:
     assert (clipped[-1] == FETUS).all()
     assert np.allclose(result.depth_mm, result.depth * 0.8)
     other = result.apply(volume.astype(np.float32) / 2)
-    assert other.dtype == np.float32 and np.array_equal(other, np.where(kept, volume / 2, 0))
+    assert other.dtype == np.float32 and np.array_equal(other, np.where(kept, volume / 2, FLUID / 2))
 
 
 def test_surface_is_the_depthmap_in_millimetres(volume: np.ndarray) -> None:

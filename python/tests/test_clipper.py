@@ -46,7 +46,7 @@ def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
         after, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert maps == [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
-    assert after - before < 4096  # the bound methods that Python keeps; ten bytes a volume
+    assert after - before < 1024  # over 400 volumes
     assert most - before < 8192 < clipper.result.depth.nbytes  # nowhere a copy, not even of a map
 
 

@@ -42,6 +42,20 @@ def test_a_file_becomes_a_mesh(tmp_path: Path) -> None:
     assert len(raw) == 84 + 50 * count and count > 1000
 
 
+def test_the_notebook_runs_headless(monkeypatch) -> None:
+    import nbformat
+    from nbclient import NotebookClient
+
+    real = SOURCE.parent / "shared" / "data" / "fetal_head_21w.mha"  # where `make demo` looks for scans, too
+    if real.exists():
+        monkeypatch.setenv("SMARTVIS_VOLUME", str(real))
+    notebook = nbformat.read(EXAMPLES / "smartvis.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells), "the notebook is kept without its outputs"
+    NotebookClient(notebook, timeout=120, kernel_name="python3").execute()  # a cell that fails is an exception
+    pictures = [o for c in notebook.cells for o in c.get("outputs", []) if "image/png" in o.get("data", {})]
+    assert len(pictures) >= 5
+
+
 def test_a_method_in_numpy_is_ranked() -> None:
     lines = run("own_method.py", 64, "D01", "E01").splitlines()
     errors = {line.split()[0]: float(line.split()[1]) for line in lines}

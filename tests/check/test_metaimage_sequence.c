@@ -277,9 +277,10 @@ static void sequences_of_pictures_are_refused_by_name(void **state) {
 static void other_formats_are_named(void **state) {
     (void)state;
     uint8_t nifti[352] = {0x5c, 1}, nifti2[544] = {0x1c, 2}, dicom[140] = {0}, analyze[348] = {0x5c, 1};
+    const uint8_t dicm[4] = {'D', 'I', 'C', 'M'};
     memcpy(nifti + 344, "n+1", 4);
     memcpy(nifti2 + 4, "n+2", 4);
-    memcpy(dicom + 128, "DICM", 4);
+    memcpy(dicom + 128, dicm, sizeof dicm);
     static const uint8_t bare[] = {8, 0, 5, 0, 'C', 'S', 10, 0, 'I', 'S', 'O'};
     const uint8_t big[4] = {0, 0, 1, 0x5c};
     files_write("a.mha", NULL, "NRRD0005\n# Complete", 19);

@@ -163,18 +163,33 @@ static void the_maps_lie_as_the_camera_looks(void **state) {
     result_close(&map);
 }
 
-/* A flat map at depth 9 lies 9 slices deep everywhere. */
+/* A flat map at depth 9 lies 9 slices deep everywhere; from the probe at slice 0, voxels are kept from the
+ * slice on whose middle is that deep; and the middle of the view box is the middle of the volume. */
 static void depths_are_millimetres(void **state) {
     const result_fixture *f = *state;
     const char *const paths[] = {f->source};
     const sv_param_value values[] = {{.id = DEPTH, .value = 9}};
     const hs_loop_options options = options_with(values, 1);
-    result_write(f, paths, 1, NULL, &options, HS_RESULT_DEPTHMAP);
-    result_file map;
+    result_write(f, paths, 1, NULL, &options, HS_RESULT_DEPTHMAP | HS_RESULT_MASK);
+    result_file map, mask;
     result_open(&map, result_path("depthmap.mha"));
+    result_open(&mask, result_path("mask.mha"));
     for (uint32_t y = 0; y < map.size[1]; y++)
         for (uint32_t x = 0; x < map.size[0]; x++)
             assert_true(fabs(result_map_at(&map, x, y) - 9 * map.spacing[2]) < 1e-5);
+    for (size_t i = 0; i < mask.voxels; i++) {
+        const double deep = ((double)(i / SOURCE_X / SOURCE_Y) + 0.5) * source_spacing[2];
+        assert_int_equal(mask.data[i], deep >= (9 + 0.5) * map.spacing[2]);
+    }
+    const double slices = SOURCE_Z * source_spacing[2] / map.spacing[2];
+    assert_true(fabs(slices - nearbyint(slices)) < 1e-9);
+    const double box[3] = {0.5 * (map.size[0] - 1), 0.5 * (map.size[1] - 1), 0.5 * (slices - 1)};
+    const double middle[3] = {0.5 * (SOURCE_X - 1), 0.5 * (SOURCE_Y - 1), 0.5 * (SOURCE_Z - 1)};
+    double box_world[3], middle_world[3];
+    result_world(&map, box, box_world);
+    result_world(&mask, middle, middle_world);
+    for (int k = 0; k < 3; k++) assert_true(fabs(box_world[k] - middle_world[k]) < 1e-9);
+    result_close(&mask);
     result_close(&map);
 }
 

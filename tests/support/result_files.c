@@ -122,8 +122,8 @@ double result_map_at(const result_file *map, double x, double y) {
     double weights = 0, sum = 0;
     x = x < 0 ? 0 : x > map->size[0] - 1.0 ? map->size[0] - 1.0 : x;
     y = y < 0 ? 0 : y > map->size[1] - 1.0 ? map->size[1] - 1.0 : y;
-    for (uint32_t j = 0; j < map->size[1]; j++)
-        for (uint32_t i = 0; i < map->size[0]; i++) {
+    for (uint32_t j = (uint32_t)y; j <= (uint32_t)y + 1 && j < map->size[1]; j++)
+        for (uint32_t i = (uint32_t)x; i <= (uint32_t)x + 1 && i < map->size[0]; i++) {
             const double w = fmax(0, 1 - fabs(x - i)) * fmax(0, 1 - fabs(y - j));
             if (w == 0) continue;
             float value;

@@ -21,9 +21,10 @@ static uint32_t choose_values(const sv_param_info *p, double out[MOST_VALUES]) {
         for (uint32_t n = 0; n < values; n++) out[n] = p->min_value + n * p->step;
         return values;
     }
+    const uint32_t half = values / 2;
     out[0] = p->min_value;
     out[1] = values > 0 ? p->min_value + (values - 1) * p->step : p->max_value;
-    out[2] = values > 0 ? p->min_value + values / 2 * p->step : 0.5 * (p->min_value + p->max_value);
+    out[2] = values > 0 ? p->min_value + half * p->step : 0.5 * (p->min_value + p->max_value);
     return values > 0 && values < 3 ? values : 3;
 }
 

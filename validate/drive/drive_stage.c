@@ -65,7 +65,7 @@ static void describe(v_stage *st) {
                              .flags = w->ranges ? SV_FORMAT_SCANNED : 0,
                              .values = w->fixed_count ? st->way.fixed : NULL,
                              .value_count = w->fixed_count};
-    if (w->own_queue) return;
+    if (!st->device) return;
     st->format.context = st->device->context;
     st->format.device = st->device->device;
     st->format.queue = st->device->queue;
