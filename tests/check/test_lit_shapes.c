@@ -23,8 +23,8 @@ static void shading_is_the_analytic_one(void **state) {
             print_message("\n");
             if (d.rms > LIMIT) fail_msg("%s at %u^3: off by %g", lit_shapes[i].name, size, d.rms);
             if (before > 0.0 && (d.mean > before * (1 + LIMIT) || d.mean < before * (1 - LIMIT)))
-                fail_msg("%s at %u^3: mean %g, at half the size %g", lit_shapes[i].name, size,
-                              d.mean, before);
+                fail_msg("%s at %u^3: mean %g, at half the size %g", lit_shapes[i].name, size, d.mean,
+                         before);
             before = d.mean;
         }
     }
