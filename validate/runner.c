@@ -2,6 +2,7 @@
 #include "runner.h"
 
 #include "base/progress.h"
+#include "base/text.h"
 #include "guard/child.h"
 
 #include <fcntl.h>
@@ -23,11 +24,11 @@ bool v_is_bad(v_verdict verdict) {
     return verdict == V_FAIL || verdict == V_CRASH || verdict == V_TIMEOUT;
 }
 
-/* The text of a finding quotes the plugin: what a terminal would obey becomes a question mark. */
+/* The text of a finding quotes the plugin: a terminal must not obey it. */
 static void keep_text(v_finding *out, const char *format, const char *first, const char *second) {
-    (void)snprintf(out->text, sizeof out->text, format, first, second);
-    for (unsigned char *c = (unsigned char *)out->text; *c; c++)
-        if (*c < 0x20 || *c >= 0x7f) *c = '?';
+    char text[sizeof out->text];
+    (void)snprintf(text, sizeof text, format, first, second);
+    (void)hs_text_escape(out->text, sizeof out->text, text, 0);
 }
 
 /* ---- in the check's process */

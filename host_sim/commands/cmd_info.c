@@ -117,8 +117,8 @@ static bool print_kretz(const char *path, const hs_kretz_options *options, hs_er
     const uint32_t volumes = kretz ? hs_kretz_count(kretz) : 0;
     bool ok = volumes > 0; /* none: it could not be opened */
     for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
-    if (ok) {
-        (void)printf("%s\n", path);
+    if (ok && volume.voxels) {
+        hs_print(stdout, "%s\n", path);
         if (volumes > 1) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
         if (volume.beams) print_beams(volume.beams);
         print_volume(&volume);

@@ -82,7 +82,7 @@ static void print_parameter(const hs_plugin *plugin, const sv_param_info *info) 
              flags[0] ? ")" : "");
     hs_print(stdout, "  %-16s %s, %s%s%s, default %s\n", "", type_name(info->type), range,
              info->unit[0] ? " " : "", info->unit, value);
-    (void)printf("  %-16s %s\n", "", info->help);
+    hs_print(stdout, "  %-16s %s\n", "", info->help);
 }
 
 static bool read_parameter(const hs_plugin *plugin, uint32_t index, sv_param_info *info, hs_error *err) {

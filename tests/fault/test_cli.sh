@@ -135,8 +135,9 @@ for queue in "" --own-queue; do
     holds [ "$(cmp -s out/result.png out/full.png; echo $?)" = 1 ]
 done
 
-# A confidence that is none: said once, and the picture is the one without it.
-ghost=(--set depth=3 --ghost-offset 8 --ghost-width 8)
+# A confidence that is none: said once, and the picture is the one without it. The lit veil is as strong as it gets here, sure
+# or not; the thesis' look tells the two apart.
+ghost=(--look thesis --set depth=3 --ghost-offset 8 --ghost-width 8)
 expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" "${ghost[@]}"
 holds cp "$work/out/result.png" "$work/plain.png"
 expect 0 "sure_nan.so: confidence: 1 of " "${good[@]}" --plugin "$plugins/sure_nan.so" "${ghost[@]}" --frames 4

@@ -108,6 +108,33 @@ static void data(void **state) {
     files_refused("edge.mha", "47 bytes of data, expected 48");
 }
 
+/* A header reaches into its own folder and below, and nowhere else. */
+static void data_files(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        bool near;
+    } names[] = {{"near.raw", true}, {"./near.raw", true}, {"../near.raw", false}, {"./../near.raw", false},
+                 {"..", false},      {"/near.raw", false}, {"..near.raw", true}};
+    static const uint8_t voxels[48] = {1};
+    files_write("near.raw", NULL, voxels, sizeof voxels);
+    files_write("..near.raw", NULL, voxels, sizeof voxels);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char text[400];
+        hs_volume volume;
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = 4 3 4\nElementType = MET_UCHAR\nElementDataFile = %s\n",
+                       names[i].name);
+        files_write("near.mhd", text, NULL, 0);
+        if (!names[i].near) {
+            files_refused("near.mhd", "expected a file in the header's folder or below");
+            continue;
+        }
+        files_read("near.mhd", NULL, &volume);
+        hs_volume_free(&volume);
+    }
+}
+
 /* The compressed stream's length, by one byte more and less, and the best that compression can do. */
 static void compressed(void **state) {
     (void)state;
@@ -133,10 +160,8 @@ static void compressed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sizes),
-        cmocka_unit_test(encodings),
-        cmocka_unit_test(data),
-        cmocka_unit_test(compressed),
+        cmocka_unit_test(sizes),      cmocka_unit_test(encodings),  cmocka_unit_test(data),
+        cmocka_unit_test(data_files), cmocka_unit_test(compressed),
     };
     return cmocka_run_group_tests(tests, files_setup, files_teardown);
 }

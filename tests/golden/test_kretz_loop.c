@@ -105,7 +105,10 @@ static void volumes_come_in_any_order(void **state) {
         for (uint32_t turn = 0; turn < 40; turn++) {
             at = (at * 5 + turn * 3 + 1) % volumes;
             const hs_volume *volume = hs_source_bring(&source, at, &err);
-            if (!volume) fail_msg("%s", err.text);
+            if (!volume) {
+                fail_msg("%s", err.text);
+                return;
+            }
             assert_int_equal(brightest(volume), level_of(at));
             assert_int_equal(volume->beams->voxels[turn], level_of(at));
         }
@@ -131,7 +134,10 @@ static void every_frame_shows_its_volume(void **state) {
     hs_loop_result result;
     options.frames = VOLUMES + 5;
     hs_loop *loop = hs_loop_create(&f->cl, &source, &f->plugin, &options, &err);
-    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) fail_msg("%s", err.text);
+    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
+        fail_msg("%s", err.text);
+        return;
+    }
     assert_int_equal(result.failed_frames, 0);
     for (uint32_t i = 0; i < VOLUMES; i += 6) {
         hs_view view = view_of(loop, i);

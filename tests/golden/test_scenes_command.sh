@@ -53,8 +53,9 @@ for probe in 'start=30,axis=-20' 'start=20,axis=8,theta=70,phi=60,skew=0.4,desce
     code 0 E02 --size 48 --export --format vol --vol "$probe" --out "$folder/vol"
     [ -s "$folder/vol/E02_truth.vol" ] || fail "no truth as a Kretz file"
     "$host_sim" info "$folder/vol/E02_full.vol" > "$folder/out" || fail "info does not read the Kretz file of $probe"
-    grep -qF "samples of" "$folder/out" && grep -qF 'sweep + at -y: a choice' "$folder/out" ||
-        fail "info does not tell the geometry: $(cat "$folder/out")"
+    for words in 'samples of' 'sweep + at -y: a choice'; do
+        grep -qF "$words" "$folder/out" || fail "info does not tell '$words': $(cat "$folder/out")"
+    done
 done
 grep -qF 'from 20 mm on; the sweep'"'"'s axis at 8 mm' "$folder/out" || fail "info tells another probe: $(cat "$folder/out")"
 grep -qF 'planes over 60.0 degrees, from high to low, in uneven steps' "$folder/out" || fail "info does not tell the tables"

@@ -57,18 +57,20 @@ static uint32_t symbol_end(const tables *t) {
     return last + 1;
 }
 
-static bool is_linkers_own(const char *name) {
+/* Also what AddressSanitizer adds beside every variable. */
+static bool is_toolchains_own(const char *name) {
     static const char *const own[] = {"_init", "_fini", "_end", "_edata", "__bss_start"};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         if (strcmp(name, own[i]) == 0) return true;
-    return false;
+    return strncmp(name, "__odr_asan", strlen("__odr_asan")) == 0;
 }
 
 static void look_at_symbol(v_run *run, const tables *t, uint32_t i) {
     const ElfW(Sym) *symbol = &t->symbols[i];
     const char *name = t->names + symbol->st_name;
     const unsigned binding = symbol->st_info >> 4u;
-    if (symbol->st_shndx == SHN_UNDEF || is_linkers_own(name) || strcmp(name, SV_ENTRY_SYMBOL) == 0) return;
+    if (symbol->st_shndx == SHN_UNDEF || is_toolchains_own(name) || strcmp(name, SV_ENTRY_SYMBOL) == 0)
+        return;
     if (binding == STB_WEAK)
         v_warn(run, "the library also exports the weak symbol %s", name);
     else if (binding != STB_LOCAL)
