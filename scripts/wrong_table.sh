@@ -1,14 +1,15 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# wrong_table.sh [--tsv] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the table
-# of docs/guard.md. With --tsv: id, mode, exit code, picture, reason, parted by tabs, for tests.
+# wrong_table.sh [--tsv MODE] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the
+# table of docs/guard.md. With --tsv, for tests: id, mode, exit code, picture, reason, parted by tabs, in that mode (guard,
+# no-guard) only.
 #
 # picture: unclipped, clipped (the plugin's map was used), none (nothing was written), or WRONG (said to be unclipped, but
 # another picture than that of the full volume).
 set -u
 cd "$(dirname "$0")/.." || exit
-tsv=0
-[ "${1:-}" != --tsv ] || { tsv=1; shift; }
+modes="guard no-guard" tsv=0
+[ "${1:-}" != --tsv ] || { tsv=1 modes=$2; shift 2; }
 build=$(realpath "${1:-build}")
 [ $# = 0 ] || shift
 work=$(mktemp -d)
@@ -47,8 +48,10 @@ if [ $# -gt 0 ]; then
 else
     sed -n 's/^    WRONG(\([a-z0-9_]*\), .*/\1/p' tests/wrong/wrong_list.h > "$work/ids"
 fi
-sed "s/\$/ guard/; p; s/guard\$/no-guard/" "$work/ids" |
-    xargs -P "$(nproc)" -L 1 bash -c 'one "$@"' bash > "$work/lines" 2> /dev/null
+# Those that hang take the longest, and no processor.
+for mode in $modes; do sed "s/\$/ $mode/" "$work/ids"; done | sort -k 1,1 | awk '/^(hang|memory|count)/ { print; next } { rest[++n] = $0 }
+    END { for (i = 1; i <= n; i++) print rest[i] }' |
+    xargs -P "$((2 * $(nproc)))" -L 1 bash -c 'one "$@"' bash > "$work/lines" 2> /dev/null
 sort -o "$work/lines" "$work/lines"
 if [ $tsv = 1 ]; then
     cat "$work/lines"
