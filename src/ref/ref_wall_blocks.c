@@ -72,22 +72,28 @@ void sv_wall_blocks_destroy(sv_wall_blocks *b) {
     *b = (sv_wall_blocks){0};
 }
 
+static uint8_t largest_of(const uint8_t *from, size_t stride, size_t count) {
+    uint8_t most = 0;
+    for (size_t k = 0; k < count; k++)
+        if (from[k * stride] > most) most = from[k * stride];
+    return most;
+}
+
 static void largest_along(const uint8_t *from, uint8_t *to, size_t groups, size_t count, size_t stride,
                           size_t reach) {
     for (size_t group = 0; group < groups; group++, from += count * stride)
-        for (size_t at = 0; at < count; at++)
-            for (size_t i = 0; i < stride; i++) {
-                uint8_t most = 0;
-                for (size_t k = at < reach ? 0 : at - reach; k <= at + reach && k < count; k++)
-                    if (from[k * stride + i] > most) most = from[k * stride + i];
-                *to++ = most;
-            }
+        for (size_t at = 0; at < count; at++) {
+            const size_t low = at < reach ? 0 : at - reach,
+                         high = at + reach < count ? at + reach : count - 1;
+            for (size_t i = 0; i < stride; i++)
+                *to++ = largest_of(from + low * stride + i, stride, high - low + 1);
+        }
 }
 
 uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
     const size_t count = (size_t)l->columns * l->rows * l->layers;
     const size_t plane = (size_t)l->columns * l->rows;
-    uint8_t *rows = malloc(count), *bright = malloc(count);
+    uint8_t *rows = calloc(count, 1), *bright = calloc(count, 1);
     if (rows && bright) {
         for (size_t i = 0; i < count; i++) {
             const uint32_t behind = i + plane < count ? b->levels[i + plane] : 0;

@@ -222,12 +222,13 @@ static void blur_along(wall_case *c, size_t stride, size_t count) {
     uint8_t *from = malloc(all);
     assert_non_null(from);
     memcpy(from, c->full, all);
-    for (size_t i = 0; i < all; i++) {
-        const size_t at = i / stride % count;
-        const int low = at > 0 ? from[i - stride] : from[i],
-                  high = at + 1 < count ? from[i + stride] : from[i];
-        c->full[i] = (uint8_t)((low + 2 * from[i] + high + 2) / 4);
-    }
+    for (size_t group = 0; group < all; group += stride * count)
+        for (size_t at = 0; at < count; at++)
+            for (size_t i = group + at * stride; i < group + (at + 1) * stride; i++) {
+                const int low = at > 0 ? from[i - stride] : from[i],
+                          high = at + 1 < count ? from[i + stride] : from[i];
+                c->full[i] = (uint8_t)((low + 2 * from[i] + high + 2) / 4);
+            }
     free(from);
 }
 
