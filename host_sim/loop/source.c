@@ -2,7 +2,6 @@
 #include "loop/source.h"
 
 #include "base/progress.h"
-#include "volume/scanned_maps.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,29 +36,6 @@ static bool grow_files(hs_source *source, uint32_t more, hs_error *err) {
     return (files && origins) || hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %zu volumes", count);
 }
 
-/* All volumes of a MetaImage file, behind those that are there. */
-static bool append_metaimage(hs_source *source, const char *const *paths, uint32_t which,
-                             const hs_source_files *how, hs_error *err) {
-    const hs_source_scanned *scanned = &how->scanned;
-    hs_metaimage_options read = how->metaimage;
-    if (scanned->first) read.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
-    hs_metaimage *file = hs_metaimage_open(paths[which], &read, err);
-    const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
-    bool ok = file && grow_files(source, volumes, err);
-    for (uint32_t i = 0; ok && i < volumes; i++) {
-        hs_volume *volume = &source->files[source->count];
-        hs_source_origin *origin = &source->origins[source->count];
-        *origin = (hs_source_origin){.path = paths[which], .index = i};
-        ok = hs_metaimage_next(file, volume, &origin->fields);
-        source->count += ok;
-        ok = ok && (!scanned->first || hs_scanned_maps_apply(volume, scanned->first, scanned->end, err)) &&
-             same_grid(&source->files[0], volume, paths[0], paths[which], err);
-    }
-    if (ok) source->left_out += hs_metaimage_left_out(file);
-    hs_metaimage_close(file);
-    return ok;
-}
-
 /* What only MetaImage files take must not be asked of others in vain. */
 static bool check_kretz(const char *path, const hs_source_files *how, hs_error *err) {
     if (how->scanned.first)
@@ -72,72 +48,102 @@ static bool check_kretz(const char *path, const hs_source_files *how, hs_error *
            hs_fail(err, HS_ERR_USAGE, "%s: a window was given, but a Kretz file has 8 bits", path);
 }
 
-static hs_kretz *open_kretz(const char *path, const hs_source_files *how, hs_error *err) {
-    hs_kretz_options options = how->kretz;
-    options.padding = how->metaimage.padding;
-    return check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
+static bool open_file(hs_sequence_file *file, const char *path, const hs_source_files *how, hs_error *err) {
+    *file = (hs_sequence_file){0};
+    if (hs_kretz_is_file(path)) {
+        hs_kretz_options options = how->kretz;
+        options.padding = how->metaimage.padding;
+        file->kretz = check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
+        return file->kretz != NULL;
+    }
+    hs_metaimage_options options = how->metaimage;
+    if (how->scanned.first) options.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
+    file->scanned = how->scanned;
+    file->metaimage = hs_metaimage_open(path, &options, err);
+    return file->metaimage != NULL;
 }
 
-/* The one volume of a Kretz file, behind those that are there. */
-static bool append_kretz(hs_source *source, const char *const *paths, uint32_t which,
-                         const hs_source_files *how, hs_error *err) {
-    hs_kretz *kretz = open_kretz(paths[which], how, err);
-    if (!kretz) return false;
-    bool ok = hs_kretz_count(kretz) == 1 ||
-              hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, which comes alone", paths[which],
-                      hs_kretz_count(kretz));
-    ok = ok && grow_files(source, 1, err);
-    if (ok) {
+/* What is known of a file's volumes, behind that of those before. */
+static void note_origins(hs_source *source, const hs_sequence_file *file, const char *path) {
+    const uint32_t volumes = hs_sequence_file_count(file);
+    for (uint32_t i = 0; i < volumes; i++) {
+        hs_source_origin *origin = &source->origins[source->count + i];
+        const hs_frame_fields *said = file->metaimage ? hs_metaimage_fields(file->metaimage, i) : NULL;
+        *origin = (hs_source_origin){.path = path, .metaimage = file->metaimage != NULL, .index = i};
+        if (said) origin->fields = *said;
+    }
+    if (file->metaimage) source->left_out += hs_metaimage_left_out(file->metaimage);
+}
+
+/* All volumes of a file, behind those that are there. */
+static bool read_file(hs_source *source, const char *first_path, const char *path, hs_sequence_file *file,
+                      hs_error *err) {
+    const uint32_t volumes = hs_sequence_file_count(file);
+    if (file->kretz && volumes > 1)
+        return hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, which comes alone", path, volumes);
+    if (!grow_files(source, volumes, err)) return false;
+    note_origins(source, file, path);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < volumes; i++) {
         hs_volume *volume = &source->files[source->count];
         *volume = (hs_volume){0};
-        source->origins[source->count] = (hs_source_origin){.path = paths[which]};
-        ok = hs_kretz_read(kretz, 0, volume, err);
+        ok = hs_sequence_file_read(file, i, volume, err);
         source->count += ok;
-        ok = ok && same_grid(&source->files[0], volume, paths[0], paths[which], err);
+        ok = ok && same_grid(&source->files[0], volume, first_path, path, err);
     }
-    hs_kretz_close(kretz);
     return ok;
 }
 
-/* *is: the files are one Kretz file that is a sequence, and it is open as a stream. */
-static bool open_stream(hs_source *source, const char *const *paths, uint32_t count,
-                        const hs_source_files *how, bool *is, hs_error *err) {
-    *is = false;
-    if (count != 1 || !hs_kretz_is_file(paths[0])) return true;
-    hs_kretz *kretz = open_kretz(paths[0], how, err);
-    if (!kretz) return false;
-    *is = hs_kretz_count(kretz) > 1;
-    if (!*is) {
-        hs_kretz_close(kretz);
-        return true;
-    }
-    source->stream = hs_stream_open(kretz, err);
-    if (source->stream) source->count = hs_stream_count(source->stream);
-    return source->stream != NULL;
+static bool point_to_files(hs_source *source, hs_error *err) {
+    source->volumes = calloc(source->count, sizeof *source->volumes);
+    if (!source->volumes)
+        return hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", source->count);
+    for (uint32_t i = 0; i < source->count; i++) source->volumes[i] = &source->files[i];
+    return true;
 }
 
 static bool read_all(hs_source *source, const char *const *paths, uint32_t count, const hs_source_files *how,
                      hs_error *err) {
     bool ok = true;
-    for (uint32_t i = 0; ok && i < count; i++)
-        ok = hs_kretz_is_file(paths[i]) ? append_kretz(source, paths, i, how, err)
-                                        : append_metaimage(source, paths, i, how, err);
-    source->volumes = ok ? calloc(source->count, sizeof *source->volumes) : NULL;
-    if (ok && !source->volumes)
-        ok = hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u volumes", source->count);
-    for (uint32_t i = 0; ok && i < source->count; i++) source->volumes[i] = &source->files[i];
+    for (uint32_t i = 0; ok && i < count; i++) {
+        hs_sequence_file file;
+        ok = open_file(&file, paths[i], how, err) && read_file(source, paths[0], paths[i], &file, err);
+        hs_sequence_file_close(&file);
+    }
+    return ok && point_to_files(source, err);
+}
+
+/* The file goes to the stream, or is closed. */
+static bool play(hs_source *source, const char *path, hs_sequence_file *file, hs_error *err) {
+    const uint32_t volumes = hs_sequence_file_count(file);
+    source->origins = calloc(volumes, sizeof *source->origins);
+    if (!source->origins) {
+        hs_sequence_file_close(file);
+        return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u volumes", path, volumes);
+    }
+    note_origins(source, file, path);
+    source->count = volumes;
+    source->stream = hs_stream_open(file, err);
+    return source->stream != NULL;
+}
+
+static bool open_one(hs_source *source, const char *path, const hs_source_files *how, hs_error *err) {
+    hs_sequence_file file;
+    if (!open_file(&file, path, how, err)) return false;
+    if (hs_sequence_file_count(&file) > 1) return play(source, path, &file, err);
+    const bool ok = read_file(source, path, path, &file, err) && point_to_files(source, err);
+    hs_sequence_file_close(&file);
     return ok;
 }
 
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_source_files *how, hs_error *err) {
     const hs_source_files defaults = {0};
-    bool is_stream = false;
     if (!how) how = &defaults;
     *source = (hs_source){0};
     if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no volume given");
-    const bool ok = open_stream(source, paths, count, how, &is_stream, err) &&
-                    (is_stream || read_all(source, paths, count, how, err));
+    const bool ok =
+        count == 1 ? open_one(source, paths[0], how, err) : read_all(source, paths, count, how, err);
     if (!ok) hs_source_close(source);
     return ok;
 }

@@ -3,6 +3,7 @@
 #ifndef HS_SOURCE_H
 #define HS_SOURCE_H
 
+#include "loop/sequence_file.h"
 #include "loop/stream.h"
 #include "scene/scene.h"
 #include "volume/kretz.h"
@@ -10,6 +11,7 @@
 /* Where a volume was read from. */
 typedef struct {
     const char *path;       /* borrowed from who opened the source */
+    bool metaimage;         /* a MetaImage file, whose voxels lie as the volume's do */
     uint32_t index;         /* among the file's valid volumes */
     hs_frame_fields fields; /* what the file says about it */
 } hs_source_origin;
@@ -23,16 +25,10 @@ typedef struct {
     char title[256];           /* what a scene is about; "" for files */
     hs_scene_data *scenes;     /* what volumes and truths point into: scenes ... */
     hs_volume *files;          /* ... or volumes read from files */
-    hs_source_origin *origins; /* where those were; NULL for others */
+    hs_source_origin *origins; /* where the volumes of files were; NULL for scenes */
     uint32_t left_out;         /* volumes of the files that are invalid, as they say themselves */
     hs_stream *stream;         /* or a sequence that is read as it is played: `volumes` is NULL then */
 } hs_source;
-
-/* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
- * the scan. */
-typedef struct {
-    const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
-} hs_source_scanned;
 
 /* How files are read: MetaImage, with maps that hold for all of them, and Kretz. Zeros are the defaults. */
 typedef struct {
@@ -42,9 +38,10 @@ typedef struct {
 } hs_source_files;
 
 /* Reads `count` files, MetaImage (.mha, .mhd) or Kretz (.vol), each of one volume or of a sequence; `paths`
- * must outlive it; `how` may be NULL. A Kretz sequence comes alone and is read as it is played, all others
- * are kept. HS_ERR_INPUT if one cannot be read, or differs from the first in size, spacing or orientation:
- * the message names both. HS_ERR_USAGE: a window, maps or a probe for a Kretz file. */
+ * must outlive it; `how` may be NULL. One file that is a sequence is read as it is played; the volumes of
+ * several files are kept, and a Kretz sequence comes alone. HS_ERR_INPUT if one cannot be read, or differs
+ * from the first in size, spacing or orientation: the message names both. HS_ERR_USAGE: a window, maps or a
+ * probe for a Kretz file. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_source_files *how, hs_error *err);
 

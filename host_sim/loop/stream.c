@@ -14,7 +14,7 @@ typedef struct {
 } slot;
 
 struct hs_stream {
-    hs_kretz *kretz;
+    hs_sequence_file file;
     uint32_t count;
     slot slots[HS_STREAM_VOLUMES];
     pthread_t thread;
@@ -59,7 +59,7 @@ static slot *next_to_load(hs_stream *s) {
 
 static void load(hs_stream *s, slot *at) {
     at->error = (hs_error){0};
-    const bool ok = hs_kretz_read(s->kretz, at->index, &at->volume, &at->error);
+    const bool ok = hs_sequence_file_read(&s->file, at->index, &at->volume, &at->error);
     pthread_mutex_lock(&s->lock);
     at->state = ok ? READY : FAILED;
     pthread_cond_broadcast(&s->changed);
@@ -83,18 +83,19 @@ static void *read_ahead(void *argument) {
     return NULL;
 }
 
-hs_stream *hs_stream_open(hs_kretz *kretz, hs_error *err) {
+hs_stream *hs_stream_open(const hs_sequence_file *file, hs_error *err) {
     hs_stream *s = calloc(1, sizeof *s);
     if (!s) {
-        hs_kretz_close(kretz);
+        hs_sequence_file unused = *file;
+        hs_sequence_file_close(&unused);
         (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory");
         return NULL;
     }
-    s->kretz = kretz;
-    s->count = hs_kretz_count(kretz);
+    s->file = *file;
+    s->count = hs_sequence_file_count(file);
     (void)pthread_mutex_init(&s->lock, NULL);
     (void)pthread_cond_init(&s->changed, NULL);
-    if (hs_kretz_read(kretz, 0, &s->slots[0].volume, err)) {
+    if (hs_sequence_file_read(&s->file, 0, &s->slots[0].volume, err)) {
         s->slots[0].state = READY;
         s->running = pthread_create(&s->thread, NULL, read_ahead, s) == 0;
         if (s->running) return s;
@@ -116,7 +117,7 @@ void hs_stream_close(hs_stream *s) {
     for (uint32_t i = 0; i < HS_STREAM_VOLUMES; i++) hs_volume_free(&s->slots[i].volume);
     (void)pthread_cond_destroy(&s->changed);
     (void)pthread_mutex_destroy(&s->lock);
-    hs_kretz_close(s->kretz);
+    hs_sequence_file_close(&s->file);
     free(s);
 }
 

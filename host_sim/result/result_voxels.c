@@ -95,11 +95,11 @@ static bool find_fill(hs_result_voxels *v) {
     return true;
 }
 
-/* A Kretz file holds beams: what is clipped of it is its Cartesian copy. */
+/* A Kretz file holds beams: what is clipped of it is its Cartesian copy, or its voxels as they were read. */
 static bool all_from_metaimage(const hs_source *source) {
-    if (!source->origins) return false;
+    if (!hs_source_origin_of(source, 0)) return false;
     for (uint32_t i = 0; i < source->count; i++)
-        if (hs_source_volume(source, i)->beams) return false;
+        if (!hs_source_origin_of(source, i)->metaimage) return false;
     return true;
 }
 

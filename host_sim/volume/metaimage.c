@@ -15,8 +15,9 @@ struct hs_metaimage {
     hs_met_voxels *voxels;
     const hs_met_header *header;
     double low, high; /* what becomes 0 and 255, unless the bytes are taken as they are */
-    uint32_t next;    /* the file's volume that comes next, invalid ones included */
+    uint32_t next;    /* the volume that comes next */
     uint32_t valid;   /* volumes whose image is one */
+    uint32_t *frames; /* where those are in the file, invalid ones included */
 };
 
 static size_t volume_voxels(const hs_met_header *h) {
@@ -51,7 +52,7 @@ static bool find_range(hs_metaimage *m) {
     if (!hs_met_voxels_finish(m->voxels)) return false;
     m->low = low;
     m->high = high;
-    if (low < high) return hs_met_voxels_rewind(m->voxels);
+    if (low < high) return true;
     return hs_fail(m->err, HS_ERR_INPUT,
                    "%s:%u: ElementDataFile '%s': every voxel is %g: no range to map to 8 bit, give a window",
                    m->path, m->header->data_line, m->header->data_name, low);
@@ -117,7 +118,11 @@ static bool start(hs_metaimage *m) {
     m->voxels = hs_met_voxels_open(m->path, m->err);
     if (!m->voxels) return false;
     m->header = hs_met_voxels_header(m->voxels);
-    for (uint32_t frame = 0; frame < m->header->frames; frame++) m->valid += !is_invalid(m->header, frame);
+    m->frames = calloc(m->header->frames, sizeof *m->frames);
+    if (!m->frames)
+        return hs_fail(m->err, HS_ERR_MEMORY, "%s: no memory for %u volumes", m->path, m->header->frames);
+    for (uint32_t frame = 0; frame < m->header->frames; frame++)
+        if (!is_invalid(m->header, frame)) m->frames[m->valid++] = frame;
     if (m->valid == 0)
         return hs_fail(m->err, HS_ERR_INPUT, "%s: ImageStatus is INVALID for every volume", m->path);
     m->low = m->options.window_low;
@@ -148,24 +153,46 @@ uint32_t hs_metaimage_left_out(const hs_metaimage *file) {
     return file->header->frames - file->valid;
 }
 
+const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t index) {
+    return file->header->fields ? &file->header->fields[file->frames[index]] : NULL;
+}
+
+/* The voxels of volume `index`, and behind those of the last one that the data ends. */
+static bool fill(hs_metaimage *m, uint32_t index, hs_volume *out) {
+    const size_t count = hs_volume_count(out);
+    if (!hs_met_voxels_seek(m->voxels, (uint64_t)m->frames[index] * count)) return false;
+    if (!(takes_bytes(m) ? hs_met_voxels_take(m->voxels, count, out->voxels) : read_mapped(m, out)))
+        return false;
+    return index + 1 < m->valid || (hs_met_voxels_seek(m->voxels, (uint64_t)m->header->frames * count) &&
+                                    hs_met_voxels_finish(m->voxels));
+}
+
+static bool read_volume(hs_metaimage *m, uint32_t index, hs_volume *volume) {
+    const bool fresh = volume->voxels == NULL;
+    if (fresh && !make_volume(m, volume)) return false;
+    const bool ok = fill(m, index, volume) && apply_padding(volume, m->options.padding, m->err);
+    if (!ok && fresh) hs_volume_free(volume);
+    return ok;
+}
+
+bool hs_metaimage_read_at(hs_metaimage *file, uint32_t index, hs_volume *volume, hs_error *err) {
+    file->err = err;
+    hs_met_voxels_report_to(file->voxels, err);
+    return read_volume(file, index, volume);
+}
+
 bool hs_metaimage_next(hs_metaimage *m, hs_volume *out, hs_frame_fields *fields) {
     memset(out, 0, sizeof *out);
-    const size_t count = volume_voxels(m->header);
-    for (; is_invalid(m->header, m->next); m->next++)
-        if (!hs_met_voxels_skip(m->voxels, count)) return false;
-    bool ok = make_volume(m, out) &&
-              (takes_bytes(m) ? hs_met_voxels_take(m->voxels, count, out->voxels) : read_mapped(m, out));
-    if (ok && fields) *fields = m->header->fields ? m->header->fields[m->next] : (hs_frame_fields){0};
-    m->next++;
-    if (ok && m->next == m->header->frames) ok = hs_met_voxels_finish(m->voxels);
-    ok = ok && apply_padding(out, m->options.padding, m->err);
-    if (!ok) hs_volume_free(out);
-    return ok;
+    const uint32_t index = m->next++;
+    const hs_frame_fields *said = hs_metaimage_fields(m, index);
+    if (fields) *fields = said ? *said : (hs_frame_fields){0};
+    return read_volume(m, index, out);
 }
 
 void hs_metaimage_close(hs_metaimage *file) {
     if (!file) return;
     hs_met_voxels_close(file->voxels);
+    free(file->frames);
     free(file);
 }
 

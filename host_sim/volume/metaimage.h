@@ -24,8 +24,8 @@ typedef struct {
 /*
  * A file that is being read, of one volume or of a sequence of them. One thread at a time.
  *
- * Open: `path` and `err` must outlive it, and `err` receives the errors of _next, too. A type that must be
- * mapped to 8 bit is read through for its range first, all volumes together, so that brightness means the
+ * Open: `path` must outlive it, and `err` the calls of _next, whose errors it receives, too. A type that must
+ * be mapped to 8 bit is read through for its range first, all volumes together, so that brightness means the
  * same in all of them. NULL on failure; errors as in hs_metaimage_read.
  */
 typedef struct hs_metaimage hs_metaimage;
@@ -40,6 +40,19 @@ uint32_t hs_metaimage_left_out(const hs_metaimage *file);
 /* The next volume, which the caller frees, and what the file says about it (`fields` may be NULL). Called at
  * most hs_metaimage_volumes times; with the last one it is checked that the data ends there. */
 bool hs_metaimage_next(hs_metaimage *file, hs_volume *out, hs_frame_fields *fields);
+
+/*
+ * Reads volume `index` (0 .. hs_metaimage_volumes - 1), in any order. A zeroed `volume` is made, and the
+ * caller frees it with hs_volume_free; one that an earlier call made from the same file is filled again,
+ * without new memory but for the padding. Plain data is read where it stands. Compressed data is inflated
+ * forward from where the last call ended, and anew from the first byte if that lies behind: going round a
+ * file in order inflates it once a round. From then on `err` receives the errors of the file, those of
+ * hs_metaimage_read; a volume that was to be made is zeroed then.
+ */
+bool hs_metaimage_read_at(hs_metaimage *file, uint32_t index, hs_volume *volume, hs_error *err);
+
+/* What the file says about volume `index`; NULL: nothing about any of them. The file's. */
+const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t index);
 
 /*
  * Reads the volume of a file that holds one. `opt` may be NULL (padding auto, no window). On success the

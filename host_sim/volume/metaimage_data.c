@@ -17,10 +17,12 @@ struct hs_met_data {
     uint64_t bytes; /* bytes of the data in the file */
     uint64_t left;  /* of those, not yet read */
     uint64_t voxel_bytes;
-    uint64_t delivered; /* voxel bytes handed out since the last rewind */
+    uint64_t delivered; /* compressed: the voxel bytes that have come since the first one */
     z_stream zlib;
     bool zlib_ready, zlib_ended;
+    bool lost; /* compressed: a failure left the stream somewhere; only a new start helps */
     uint8_t input[1 << 16];
+    uint8_t passed[1 << 15]; /* what is inflated to get past it */
 };
 
 /* "<header file>:<line>: ElementDataFile '<name>': " starts every message about the data. */
@@ -62,6 +64,12 @@ static bool check_compressed_size(hs_met_data *d, uint64_t file_bytes, hs_error 
     return true;
 }
 
+static bool go_to(hs_met_data *d, uint64_t offset, hs_error *err) {
+    d->left = d->bytes - offset;
+    if (fseeko(d->file, (off_t)(d->first + offset), SEEK_SET) == 0) return true;
+    return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d), strerror(errno));
+}
+
 hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err) {
     hs_met_data *d = calloc(1, sizeof *d);
     if (!d) {
@@ -85,21 +93,9 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
         d->zlib_ready = inflateInit2(&d->zlib, 15 + 32) == Z_OK;
         if (!d->zlib_ready) ok = hs_fail(err, HS_ERR_MEMORY, "%s: no memory for zlib", path);
     }
-    if (ok && hs_met_data_rewind(d, err)) return d;
+    if (ok && go_to(d, 0, err)) return d;
     hs_met_data_close(d);
     return NULL;
-}
-
-bool hs_met_data_rewind(hs_met_data *d, hs_error *err) {
-    d->left = d->bytes;
-    d->delivered = 0;
-    d->zlib_ended = false;
-    if (d->zlib_ready) {
-        (void)inflateReset(&d->zlib); /* fails on a stream that was never made only */
-        d->zlib.avail_in = 0;
-    }
-    if (fseeko(d->file, (off_t)d->first, SEEK_SET) == 0) return true;
-    return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d), strerror(errno));
 }
 
 static bool read_file(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
@@ -136,8 +132,8 @@ static bool inflate_some(hs_met_data *d, void *out, size_t *bytes, hs_error *err
     return true;
 }
 
-bool hs_met_data_read(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
-    if (!d->header->compressed) return read_file(d, out, bytes, err);
+static bool inflate_all(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
+    d->lost = true; /* until all is there */
     for (uint8_t *at = out; bytes > 0;) {
         size_t got = bytes;
         if (!inflate_some(d, at, &got, err)) return false;
@@ -149,6 +145,31 @@ bool hs_met_data_read(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
         at += got;
         bytes -= got;
     }
+    d->lost = false;
+    return true;
+}
+
+bool hs_met_data_read(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
+    return d->header->compressed ? inflate_all(d, out, bytes, err) : read_file(d, out, bytes, err);
+}
+
+static bool start_anew(hs_met_data *d, hs_error *err) {
+    (void)inflateReset(&d->zlib); /* fails on a stream that was never made only */
+    d->zlib.avail_in = 0;
+    d->zlib_ended = false;
+    d->delivered = 0;
+    d->lost = false;
+    return go_to(d, 0, err);
+}
+
+bool hs_met_data_seek(hs_met_data *d, uint64_t offset, hs_error *err) {
+    if (!d->header->compressed) return go_to(d, offset, err);
+    if ((d->lost || offset < d->delivered) && !start_anew(d, err)) return false;
+    while (d->delivered < offset) {
+        const uint64_t left = offset - d->delivered;
+        const size_t n = left < sizeof d->passed ? (size_t)left : sizeof d->passed;
+        if (!inflate_all(d, d->passed, n, err)) return false;
+    }
     return true;
 }
 
@@ -156,6 +177,7 @@ bool hs_met_data_finish(hs_met_data *d, hs_error *err) {
     if (!d->header->compressed) return true; /* its size was checked when it was opened */
     uint8_t extra;
     size_t got = 1;
+    d->lost = true; /* a byte may have gone by */
     if (!inflate_some(d, &extra, &got, err)) return false;
     if (got > 0)
         return hs_fail(err, HS_ERR_INPUT,

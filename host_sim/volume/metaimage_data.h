@@ -11,8 +11,9 @@ typedef struct hs_met_data hs_met_data;
  * header's file; it and `header` must outlive the stream. NULL on failure. */
 hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err);
 
-/* Back to the first voxel. */
-bool hs_met_data_rewind(hs_met_data *data, hs_error *err);
+/* To byte `offset` of the voxels, 0 .. their number. Compressed data knows one way only: forward costs the
+ * inflating of what is passed over, backward that of all from the first byte on. */
+bool hs_met_data_seek(hs_met_data *data, uint64_t offset, hs_error *err);
 
 /* The next `bytes` bytes. */
 bool hs_met_data_read(hs_met_data *data, void *out, size_t bytes, hs_error *err);

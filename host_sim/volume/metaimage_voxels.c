@@ -85,6 +85,10 @@ void hs_met_voxels_close(hs_met_voxels *v) {
     free(v);
 }
 
+void hs_met_voxels_report_to(hs_met_voxels *v, hs_error *err) {
+    v->err = err;
+}
+
 const hs_met_header *hs_met_voxels_header(const hs_met_voxels *v) {
     return &v->header;
 }
@@ -124,17 +128,12 @@ bool hs_met_voxels_take(hs_met_voxels *v, size_t count, uint8_t *out) {
 }
 
 bool hs_met_voxels_skip(hs_met_voxels *v, size_t count) {
-    v->at += count;
-    for (size_t done = 0; done < count; done += HS_MET_CHUNK) {
-        const size_t n = count - done < HS_MET_CHUNK ? count - done : HS_MET_CHUNK;
-        if (!hs_met_data_read(v->data, v->raw, n * v->header.element_bytes, v->err)) return false;
-    }
-    return true;
+    return hs_met_voxels_seek(v, v->at + count);
 }
 
-bool hs_met_voxels_rewind(hs_met_voxels *v) {
-    v->at = 0;
-    return hs_met_data_rewind(v->data, v->err);
+bool hs_met_voxels_seek(hs_met_voxels *v, uint64_t at) {
+    v->at = (size_t)at;
+    return hs_met_data_seek(v->data, at * v->header.element_bytes, v->err);
 }
 
 bool hs_met_voxels_finish(hs_met_voxels *v) {

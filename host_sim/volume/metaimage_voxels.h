@@ -11,9 +11,11 @@ enum { HS_MET_CHUNK = 32768 }; /* voxels that are read at once, at most */
 typedef struct hs_met_voxels hs_met_voxels;
 
 /* Opens the file and checks all that can be checked before a voxel is read. `err` must outlive the stream and
- * receives the errors of all functions below. NULL on failure. */
+ * receives the errors of all functions below, unless _report_to names another. NULL on failure. */
 hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err);
 void hs_met_voxels_close(hs_met_voxels *voxels); /* NULL is allowed */
+
+void hs_met_voxels_report_to(hs_met_voxels *voxels, hs_error *err);
 
 const hs_met_header *hs_met_voxels_header(const hs_met_voxels *voxels);
 
@@ -29,8 +31,8 @@ bool hs_met_voxels_take(hs_met_voxels *voxels, size_t count, uint8_t *out);
 /* Passes over the next `count` voxels, whatever they hold. */
 bool hs_met_voxels_skip(hs_met_voxels *voxels, size_t count);
 
-/* Back to the first voxel. */
-bool hs_met_voxels_rewind(hs_met_voxels *voxels);
+/* To voxel `at`, counted from the file's first; what it costs says hs_met_data_seek. */
+bool hs_met_voxels_seek(hs_met_voxels *voxels, uint64_t at);
 
 /* Succeeds if all voxels have been read and nothing follows. */
 bool hs_met_voxels_finish(hs_met_voxels *voxels);

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A MetaImage sequence in the scan loop: 25 volumes are read ahead and never kept, in order and in any other,
+ * plain and compressed, as bytes and mapped to 8 bit. Two volumes of the file are invalid: they are left out
+ * and shift neither times nor transforms. Volume n of the valid ones has one value all over.
+ */
+#include "support/loop_fixture.h"
+#include "support/metaimage_files.h"
+
+#include <unistd.h>
+
+enum { VOLUMES = 25, IN_FILE = VOLUMES + 2, FIRST_INVALID = 3, SECOND_INVALID = 11 };
+enum { NX = 128, NY = 120, NZ = 96, VOXELS = NX * NY * NZ };
+
+/* How a sequence is stored. */
+typedef struct {
+    const char *name;
+    bool wide; /* MET_USHORT, mapped from its own range; else MET_UCHAR */
+    bool compressed;
+} kind;
+
+static const kind kinds[] = {{"bytes.mha", false, false},
+                             {"wide.mha", true, false},
+                             {"packed.mha", false, true},
+                             {"wide_packed.mha", true, true}};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static const hs_source_files all_scanned = {.metaimage = {.padding = HS_PADDING_NONE}};
+
+/* Where valid volume `n` stands in the file. */
+static uint32_t frame_of(uint32_t n) {
+    const uint32_t behind_first = n + (n >= FIRST_INVALID);
+    return behind_first + (behind_first >= SECOND_INVALID);
+}
+
+/* What the host makes of volume `n`: 10 + 9 n as it is; 100 n from 0 .. 2400; a 0 that was scanned is 1. */
+static uint8_t level_of(const kind *k, uint32_t n) {
+    if (!k->wide) return (uint8_t)(10 + 9 * n);
+    const uint8_t level = (uint8_t)(n * 255.0 / (VOLUMES - 1) + 0.5);
+    return level ? level : 1;
+}
+
+/* The file's text up to the data. An invalid volume says so, every other one has its time and transform. */
+static size_t write_text(char *text, size_t room, const kind *k, uint32_t nz) {
+    int at = snprintf(text, room,
+                      "NDims = 4\nDimSize = %d %d %u %d\nKinds = domain domain domain list\n"
+                      "CompressedData = %s\n",
+                      NX, NY, nz, IN_FILE, k->compressed ? "True" : "False");
+    for (int f = 0; f < IN_FILE; f++) {
+        const bool invalid = f == FIRST_INVALID || f == SECOND_INVALID;
+        at += snprintf(text + at, room - (size_t)at,
+                       "Seq_Frame%04d_ProbeToTrackerTransform = 1 0 0 %d 0 1 0 0 0 0 1 0 0 0 0 1\n"
+                       "Seq_Frame%04d_Timestamp = %g\nSeq_Frame%04d_ImageStatus = %s\n",
+                       f, f, f, 0.5 * f, f, invalid ? "INVALID" : "OK");
+    }
+    at += snprintf(text + at, room - (size_t)at, "ElementType = %s\nElementDataFile = LOCAL\n",
+                   k->wide ? "MET_USHORT" : "MET_UCHAR");
+    assert_true((size_t)at < room);
+    return (size_t)at;
+}
+
+/* All volumes of the file; an invalid one has the largest value there is. */
+static uint8_t *make_voxels(const kind *k, uint32_t nz, size_t *bytes) {
+    const size_t width = k->wide ? 2 : 1, volume = (size_t)NX * NY * nz * width;
+    *bytes = volume * IN_FILE;
+    uint8_t *data = malloc(*bytes);
+    assert_non_null(data);
+    memset(data, 255, *bytes);
+    for (uint32_t n = 0; n < VOLUMES; n++) {
+        const unsigned value = k->wide ? 100 * n : 10 + 9 * n;
+        uint8_t *at = data + volume * frame_of(n);
+        for (size_t i = 0; i < volume; i++) at[i] = (uint8_t)(value >> 8 * (i % width));
+    }
+    return data;
+}
+
+/* Writes the file with `more` bytes behind it and returns its path, good until the next call. */
+static const char *write_sequence(const kind *k, uint32_t nz, size_t more) {
+    static char path[256], text[16384];
+    size_t bytes;
+    uint8_t *data = make_voxels(k, nz, &bytes);
+    if (k->compressed) {
+        uint8_t *packed = files_deflate(data, bytes, &bytes);
+        free(data);
+        data = packed;
+    }
+    (void)snprintf(path, sizeof path, "%s", files_path(k->name));
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    const size_t length = write_text(text, sizeof text, k, nz);
+    assert_int_equal(fwrite(text, 1, length, file), length);
+    assert_int_equal(fwrite(data, 1, bytes, file), bytes);
+    for (size_t i = 0; i < more; i++) assert_int_equal(fputc(0, file), 0);
+    assert_int_equal(fclose(file), 0);
+    free(data);
+    return path;
+}
+
+static hs_source open_source(const char *path) {
+    hs_source source;
+    hs_error err = {0};
+    if (!hs_source_open_files(&source, &path, 1, &all_scanned, &err)) fail_msg("%s", err.text);
+    return source;
+}
+
+/* Every voxel of the volume, the first and the last one, too, is that of volume `n`. */
+static void expect_volume(const hs_source *source, const kind *k, uint32_t index) {
+    hs_error err = {0};
+    const hs_volume *volume = hs_source_bring(source, index, &err);
+    if (!volume) {
+        fail_msg("%s", err.text);
+        return;
+    }
+    const uint8_t level = level_of(k, index % VOLUMES);
+    for (size_t i = 0; i < hs_volume_count(volume); i++)
+        if (volume->voxels[i] != level)
+            fail_msg("%s: voxel %zu of volume %u is %u, expected %u", k->name, i, index, volume->voxels[i],
+                     level);
+}
+
+/* Bytes of this process that are in memory. */
+static size_t resident(void) {
+    size_t pages[2] = {0};
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%zu %zu", &pages[0], &pages[1]), 2);
+    (void)fclose(file);
+    return pages[1] * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+/* A round and some more take no more memory than five volumes; the file has 25. */
+static void memory_stays_flat(void **state) {
+    (void)state;
+    for (size_t which = 0; which < KINDS; which++) {
+        const kind *k = &kinds[which];
+        const char *path = write_sequence(k, NZ, 0);
+        const size_t before = resident();
+        hs_source source = open_source(path);
+        assert_non_null(source.stream);
+        assert_int_equal(source.count, VOLUMES);
+        size_t most = 0;
+        for (uint32_t i = 0; i < VOLUMES + 5; i++) {
+            expect_volume(&source, k, i);
+            const size_t now = resident();
+            if (now > most) most = now;
+        }
+        if (most > before + 5 * (size_t)VOXELS)
+            fail_msg("%s: %zu bytes more in memory, a volume has %d", k->name, most - before, VOXELS);
+        hs_source_close(&source);
+    }
+}
+
+static void volumes_come_in_any_order(void **state) {
+    (void)state;
+    for (size_t which = 0; which < KINDS; which++) {
+        hs_source source = open_source(write_sequence(&kinds[which], 2, 0));
+        uint32_t at = 0;
+        for (uint32_t turn = 0; turn < 60; turn++) {
+            at = (at * 5 + turn * 3 + 1) % VOLUMES;
+            expect_volume(&source, &kinds[which], at);
+        }
+        hs_source_close(&source);
+    }
+}
+
+static void what_is_said_stays_with_its_volume(void **state) {
+    (void)state;
+    for (size_t which = 0; which < KINDS; which++) {
+        const char *path = write_sequence(&kinds[which], 2, 0);
+        hs_source source = open_source(path);
+        assert_int_equal(source.left_out, 2);
+        for (uint32_t i = 0; i < VOLUMES + 1; i++) {
+            const hs_source_origin *origin = hs_source_origin_of(&source, i);
+            const uint32_t frame = frame_of(i % VOLUMES);
+            assert_string_equal(origin->path, path);
+            assert_int_equal(origin->index, i % VOLUMES);
+            assert_true(origin->fields.has_time && origin->fields.time == 0.5 * frame);
+            assert_int_equal(origin->fields.transform_count, 1);
+            assert_true(origin->fields.transforms[0].matrix[3] == frame);
+            assert_false(origin->fields.invalid);
+        }
+        hs_source_close(&source);
+    }
+}
+
+/* A stream is closed while its thread reads. */
+static void a_stream_ends_at_once(void **state) {
+    (void)state;
+    const char *path = write_sequence(&kinds[3], NZ / 4, 0);
+    for (int turn = 0; turn < 5; turn++) {
+        hs_source source = open_source(path);
+        hs_source_close(&source);
+    }
+}
+
+static void every_frame_shows_its_volume(void **state) {
+    fixture *f = *state;
+    hs_source source = open_source(write_sequence(&kinds[2], 40, 0));
+    hs_loop_options options = options_with(NULL, 0);
+    hs_error err = {0};
+    hs_loop_result result;
+    options.frames = VOLUMES + 5;
+    hs_loop *loop = hs_loop_create(&f->cl, &source, &f->plugin, &options, &err);
+    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
+        fail_msg("%s", err.text);
+        return;
+    }
+    assert_int_equal(result.failed_frames, 0);
+    for (uint32_t i = 0; i < VOLUMES; i += 6) {
+        hs_view view = view_of(loop, i);
+        uint8_t most = 0;
+        for (size_t p = 0; p < (size_t)view.width * view.height; p++)
+            if (view.mip[p] > most) most = view.mip[p];
+        assert_int_equal(most, level_of(&kinds[2], i));
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+    hs_source_close(&source);
+}
+
+/* Volume `index` fails, whenever it is asked for, and says why; volume 1 is there all the same. */
+static void expect_failure(const hs_source *source, const kind *k, uint32_t index, const char *told) {
+    for (int turn = 0; turn < 3; turn++) {
+        hs_error err = {0};
+        assert_null(hs_source_bring(source, index, &err));
+        assert_int_equal(err.code, HS_ERR_INPUT);
+        assert_non_null(strstr(err.text, k->name));
+        if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
+        expect_volume(source, k, 1);
+    }
+}
+
+/* The file loses its end while it is played. */
+static void a_failing_file_is_told(void **state) {
+    (void)state;
+    const char *path = write_sequence(&kinds[0], NZ, 0);
+    hs_source source = open_source(path);
+    expect_volume(&source, &kinds[0], 1);
+    assert_int_equal(truncate(path, 20 * (off_t)VOXELS), 0);
+    expect_failure(&source, &kinds[0], 22, "it became shorter");
+    hs_source_close(&source);
+}
+
+/* Compressed bytes that are wrong are met when they are inflated: the volumes before them are played. */
+static void damaged_data_is_told(void **state) {
+    (void)state;
+    const kind *k = &kinds[2];
+    const char *path = write_sequence(k, NZ, 0);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseeko(file, -20000, SEEK_END), 0);
+    for (int i = 0; i < 200; i++) assert_int_equal(fputc(0xFF, file), 0xFF);
+    assert_int_equal(fclose(file), 0);
+    hs_source source = open_source(path);
+    expect_failure(&source, k, VOLUMES - 1, "CompressedData is damaged");
+    hs_source_close(&source);
+}
+
+/* That the data ends behind the last volume is checked with it. */
+static void trailing_data_is_told(void **state) {
+    (void)state;
+    const kind *k = &kinds[2];
+    hs_source source = open_source(write_sequence(k, 2, 3));
+    expect_failure(&source, k, VOLUMES - 1, "3 bytes follow after the compressed data");
+    expect_volume(&source, k, VOLUMES - 2);
+    hs_source_close(&source);
+}
+
+static int set_up_all(void **state) {
+    return files_setup(state) == 0 ? set_up(state) : -1;
+}
+
+static int tear_down_all(void **state) {
+    const int loop = tear_down(state), files = files_teardown(state);
+    return loop || files;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory_stays_flat),
+        cmocka_unit_test(volumes_come_in_any_order),
+        cmocka_unit_test(what_is_said_stays_with_its_volume),
+        cmocka_unit_test(a_stream_ends_at_once),
+        cmocka_unit_test(every_frame_shows_its_volume),
+        cmocka_unit_test(a_failing_file_is_told),
+        cmocka_unit_test(damaged_data_is_told),
+        cmocka_unit_test(trailing_data_is_told),
+    };
+    return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
+}
