@@ -5,6 +5,7 @@
  * over.
  */
 #include "loop/slabs.h"
+#include "result/result_voxels.h"
 #include "support/kretz_files.h"
 #include "support/loop_fixture.h"
 #include "volume/kretz_write.h"
@@ -215,6 +216,29 @@ static void gaps_are_told_by_the_padding_value(void **state) {
     }
 }
 
+/* Results on a Cartesian file: its voxels, as they were read. */
+static void cartesian_voxels_are_handed_on(void **state) {
+    (void)state;
+    kretz_plan plan = kretz_good();
+    kretz_drop(&plan, 0xC200, 1);
+    kretz_drop(&plan, 0xC200, 2);
+    kretz_drop(&plan, 0xC300, 1);
+    kretz_drop(&plan, 0xC300, 2);
+    kretz_find(&plan, 0x0001, 0x0100)->value[0] = 1;
+    kretz_file("cartesian.vol", &plan);
+    hs_source source = open_source(files_path("cartesian.vol"), NULL);
+    hs_error err = {0};
+    hs_result_voxels *voxels = hs_result_voxels_open(&source, &err);
+    if (!voxels || !hs_result_voxels_turn(voxels, 0)) {
+        fail_msg("%s", err.text);
+        return;
+    }
+    const uint8_t *bytes = hs_result_voxels_next(voxels, KRETZ_VOXELS);
+    for (uint32_t i = 0; i < KRETZ_VOXELS; i++) assert_int_equal(bytes[i], i + 1);
+    hs_result_voxels_close(voxels);
+    hs_source_close(&source);
+}
+
 static int set_up_all(void **state) {
     return files_setup(state) == 0 ? set_up(state) : -1;
 }
@@ -233,6 +257,7 @@ int main(void) {
         cmocka_unit_test(a_failing_file_is_told),
         cmocka_unit_test(what_does_not_fit_is_refused),
         cmocka_unit_test(gaps_are_told_by_the_padding_value),
+        cmocka_unit_test(cartesian_voxels_are_handed_on),
     };
     return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
 }
