@@ -109,7 +109,7 @@ static bool take(found *f, const hs_kretz_item *item, hs_error *err) {
     const field w = field_of(item, &bank);
     if (w == FIELDS) return true;
     if (bank > 0) {
-        f->other_bank |= w == VOXELS || w == SEQUENCE;
+        f->other_bank |= w == VOXELS || w == SEQUENCE || w == COMPRESSED;
         return true;
     }
     if (w < NUMBERS) {
