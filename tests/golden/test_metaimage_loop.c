@@ -7,6 +7,7 @@
 #include "support/loop_fixture.h"
 #include "support/metaimage_files.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 enum { VOLUMES = 25, IN_FILE = VOLUMES + 2, FIRST_INVALID = 3, SECOND_INVALID = 11 };
@@ -266,6 +267,38 @@ static void trailing_data_is_told(void **state) {
     hs_source_close(&source);
 }
 
+/* A compressed file that is cut while it is read, and whole again later: what was half read is no state to go
+ * on from. Noise, so that its bytes come in many pieces. */
+static void a_read_that_failed_starts_anew(void **state) {
+    (void)state;
+    enum { SIDE = 64, VOLUME = SIDE * SIDE * SIDE };
+    static const char text[] = "NDims = 4\nDimSize = 64 64 64 2\nElementType = MET_UCHAR\n"
+                               "CompressedData = True\nElementDataFile = LOCAL\n";
+    static uint8_t data[2 * VOLUME];
+    uint32_t random = 1;
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)((random = random * 1664525u + 1013904223u) >> 24 | 1u);
+    size_t bytes;
+    uint8_t *packed = files_deflate(data, sizeof data, &bytes);
+    files_write("noise.mha", text, packed, bytes);
+    hs_error err = {0};
+    hs_volume volume = {0};
+    hs_metaimage *file = hs_metaimage_open(files_path("noise.mha"), NULL, &err);
+    assert_non_null(file);
+    assert_int_equal(truncate(files_path("noise.mha"), 200000), 0);
+    assert_false(hs_metaimage_read_at(file, 1, &volume, &err));
+    assert_non_null(strstr(err.text, "it became shorter"));
+    assert_null(volume.voxels);
+    files_write("noise.mha", text, packed, bytes);
+    for (uint32_t i = 2; i-- > 0;) {
+        if (!hs_metaimage_read_at(file, i, &volume, &err)) fail_msg("%s", err.text);
+        assert_memory_equal(volume.voxels, data + i * VOLUME, VOLUME);
+    }
+    hs_volume_free(&volume);
+    hs_metaimage_close(file);
+    free(packed);
+}
+
 static int set_up_all(void **state) {
     return files_setup(state) == 0 ? set_up(state) : -1;
 }
@@ -276,6 +309,8 @@ static int tear_down_all(void **state) {
 }
 
 int main(void) {
+    /* What is freed goes back to the system at once, so that memory that was in use before hides none. */
+    (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_stays_flat),
         cmocka_unit_test(volumes_come_in_any_order),
@@ -285,6 +320,7 @@ int main(void) {
         cmocka_unit_test(a_failing_file_is_told),
         cmocka_unit_test(damaged_data_is_told),
         cmocka_unit_test(trailing_data_is_told),
+        cmocka_unit_test(a_read_that_failed_starts_anew),
     };
     return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
 }
