@@ -24,7 +24,8 @@ static const char help_text[] =
     "  --mirror         Kretz files: positive sweep angles lie at +y (default: at -y)\n"
     "  --spacing MM     Kretz files: voxels of the Cartesian copy\n"
     "                   (default: the samples' pitch, or a 400th of the longest side)\n"
-    "  --timing         print how long reading takes, beside reading the bytes of the file\n"
+    "  --timing         print how long reading takes, beside reading the bytes of the file; of a probe's\n"
+    "                   volume how long sampling takes, in its own grid and in the Cartesian copy\n"
     "  --help           this text\n"
     "\n";
 

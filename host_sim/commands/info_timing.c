@@ -2,6 +2,7 @@
 #include "commands/info_timing.h"
 
 #include "base/progress.h"
+#include "commands/info_sampling.h"
 #include "volume/metaimage_open.h"
 
 #include <math.h>
@@ -79,6 +80,17 @@ static void print_line(const char *what, double ms, double bytes_ms) {
     (void)printf("    %-26s %9.2f ms, %.2f times its bytes\n", what, ms, ms / bytes_ms);
 }
 
+/* Only a volume that was scanned by a probe has two grids to sample. */
+static bool time_sampling(const char *path, const hs_kretz_options *options, hs_error *err) {
+    hs_volume volume = {0};
+    hs_kretz *kretz = hs_kretz_open(path, options, err);
+    bool ok = kretz && hs_kretz_read(kretz, 0, &volume, err);
+    hs_kretz_close(kretz);
+    ok = ok && (!volume.beams || hs_info_sampling(&volume, err));
+    hs_volume_free(&volume);
+    return ok;
+}
+
 bool hs_info_timing(const char *path, const hs_kretz_options *kretz, hs_error *err) {
     const bool is_kretz = hs_kretz_is_file(path);
     double samples_ms = 0, volume_ms, bytes_ms;
@@ -91,5 +103,5 @@ bool hs_info_timing(const char *path, const hs_kretz_options *kretz, hs_error *e
                  bytes_ms, bytes);
     if (is_kretz) print_line("samples", samples_ms, bytes_ms);
     print_line(is_kretz ? "with the Cartesian copy" : "volume", volume_ms, bytes_ms);
-    return true;
+    return !is_kretz || time_sampling(path, kretz, err);
 }

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* How long reading a volume takes, beside reading the bytes of its file. */
+/* How long reading a volume takes, beside reading the bytes of its file; and sampling it, if it is a probe's.
+ */
 #ifndef HS_INFO_TIMING_H
 #define HS_INFO_TIMING_H
 
 #include "volume/kretz.h"
 
 /* Reads the file several times, as bytes and as a volume, each time into new memory, and prints the shortest
- * times and their ratio. Of a sequence the first volume. HS_ERR_INPUT, HS_ERR_USAGE or HS_ERR_MEMORY. */
+ * times and their ratio. Of a sequence the first volume. If it is in probe geometry, hs_info_sampling
+ * follows. HS_ERR_INPUT, HS_ERR_USAGE, HS_ERR_DEVICE or HS_ERR_MEMORY. */
 bool hs_info_timing(const char *path, const hs_kretz_options *kretz, hs_error *err);
 
 #endif

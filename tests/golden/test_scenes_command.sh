@@ -62,6 +62,7 @@ grep -qF 'planes over 60.0 degrees, from high to low, in uneven steps' "$folder/
 "$host_sim" info --mirror --timing "$folder/vol/E02_full.vol" > "$folder/out" || fail "info --mirror --timing"
 grep -qF 'sweep + at +y, mirrored' "$folder/out" || fail "info does not tell the mirror"
 grep -qE 'with the Cartesian copy +[0-9.]+ ms' "$folder/out" || fail "info --timing tells no time"
+grep -qE "in the probe's grid +[0-9.]+ ms, [0-9.]+ times" "$folder/out" || fail "info --timing does not tell the grids apart"
 code 0 E02 --size 48 --frames 3 --export --format vol --out "$folder/sequence"
 written=("$folder"/sequence/*)
 [ ${#written[@]} -eq 2 ] || fail "a sequence is not two files: ${written[*]}"
