@@ -132,8 +132,13 @@ static void test_128(void **state) {
 static void test_171(void **state) {
     check_size(*state, 171, 171, 0);
 }
+/* Under a sanitizer, which finds nothing at this size that it does not find at 171, with few points only. */
 static void test_512(void **state) {
+#ifdef __SANITIZE_ADDRESS__
+    check_size(*state, 512, 512, SETS - 1);
+#else
     check_size(*state, 512, 512, 1);
+#endif
 }
 
 int main(void) {

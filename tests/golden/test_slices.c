@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Slices beside a rendering, and what is said of a frame: over layers whose every pixel can be computed by
  * hand. */
+#include "picture/picture_text.h"
 #include "report/loop_pictures.h"
 #include "report/picture_slices.h"
 #include "support/loop_fixture.h"
@@ -70,5 +71,7 @@ static void nothing_clipped_is_said_in_words(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_line_is_where_the_plane_is),
                                        cmocka_unit_test(nothing_clipped_is_said_in_words)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    const int failed = cmocka_run_group_tests(tests, set_up, tear_down);
+    hs_picture_finish(); /* or the fonts count as leaks */
+    return failed;
 }
