@@ -72,7 +72,7 @@ static bool time_once(const sampler *s, const hs_device_volume *from, double *ms
     const uint32_t slabs = slabs_of(s);
     const double start = hs_now();
     for (uint32_t i = 0; i < slabs; i++) {
-        const uint32_t slice = (uint32_t)((2 * (uint64_t)i + 1) * s->layout.slices / (2 * slabs));
+        const uint32_t slice = (uint32_t)((2 * (uint64_t)i + 1) * s->layout.slices / (2 * (uint64_t)slabs));
         if (!hs_scan_convert_slab(s->converter, from, &s->camera, slice, s->slab, 0, NULL, err)) return false;
     }
     if (!hs_cl_check(clFinish(s->cl.queue), "clFinish (sampling)", err)) return false;

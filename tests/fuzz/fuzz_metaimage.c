@@ -16,6 +16,19 @@ static void check_volume(const hs_volume *v) {
     FUZZ_HOLDS(sum <= 255u * hs_volume_count(v));
 }
 
+/* Volumes out of order, one into the memory of the other, failed ones between them. */
+static void read_at_random(hs_metaimage *file, uint32_t volumes) {
+    hs_volume volume = {0};
+    for (uint32_t turn = 0; turn < 6 && volumes > 0; turn++) {
+        hs_error err = {0};
+        if (hs_metaimage_read_at(file, turn * 7u % volumes, &volume, &err))
+            check_volume(&volume);
+        else
+            FUZZ_HOLDS(err.code != HS_OK && err.text[0]);
+    }
+    hs_volume_free(&volume);
+}
+
 /* The same file as a sequence: no more volumes than it promised, each as its header says. */
 static void read_sequence(const char *path, const hs_metaimage_options *options) {
     hs_error err = {0};
@@ -33,6 +46,7 @@ static void read_sequence(const char *path, const hs_metaimage_options *options)
         FUZZ_HOLDS(fields.transform_count <= HS_FRAME_TRANSFORMS && !fields.invalid);
         hs_volume_free(&volume);
     }
+    if (file) read_at_random(file, volumes);
     hs_metaimage_close(file);
 }
 
