@@ -58,11 +58,13 @@ static bool read_kretz(const char *path, const hs_kretz_options *options, size_t
 
 static bool read_metaimage(const char *path, const hs_kretz_options *options, size_t *bytes, hs_error *err) {
     (void)options;
-    hs_volume volume;
-    if (!hs_metaimage_read(path, NULL, &volume, err)) return false;
-    *bytes = hs_volume_count(&volume);
+    hs_volume volume = {0};
+    hs_metaimage *file = hs_metaimage_open(path, NULL, err);
+    const bool ok = file && hs_metaimage_read_at(file, 0, &volume, err);
+    if (ok) *bytes = hs_volume_count(&volume);
     hs_volume_free(&volume);
-    return true;
+    hs_metaimage_close(file);
+    return ok;
 }
 
 static bool shortest(reader read_it, const char *path, const hs_kretz_options *kretz, size_t *bytes,

@@ -72,6 +72,7 @@ expect 0 "sequences of 2 volumes" "${run[@]}" --volume plain.mha --volume plain.
 holds grep -aqxF "DimSize = 24 24 24 2" out/clipped.mha
 holds [ -s out/surface_0001.ply ]
 expect 0 "a sequence of 2 volumes" info out/clipped.mha
+expect 0 "reading it, the shortest of" info --timing out/clipped.mha
 expect 4 "confidence: the plugin gave none" "${run[@]}" --volume plain.mha --write confidence
 expect 4 "nothing is cut away in 1" "${run[@]}" --volume plain.mha --write mask --set fail=end
 expect 2 "--write: 'depth' is none of depthmap, confidence, status, clipped, mask, surface, or all" "${run[@]}" --volume plain.mha --write depth
