@@ -202,7 +202,7 @@ def _done(
     volumes: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, ahead: int
 ) -> Iterator[tuple[tuple[Path, int], Any]]:
     """Volumes with their futures as they end, `ahead` of them in hand at a time."""
-    completed = distributed().as_completed()
+    completed = distributed().as_completed(loop=client.loop)  # not that of another client in this process
     left = iter(volumes)
     waiting: dict[str, tuple[Path, int]] = {}
 
