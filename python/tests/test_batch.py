@@ -37,6 +37,13 @@ def client():
         yield made
 
 
+@pytest.fixture()
+def doomed():
+    """Workers of one test that kills them: Dask's nannies may give up on a busy machine, and later tests need theirs."""
+    with _study.cluster(None, 2, lambda link: None) as made:
+        yield made
+
+
 def write_study(folder: Path, count: int) -> list[Path]:
     files = []
     for number in range(count):
@@ -92,10 +99,10 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
         _study.batch(found, Settings(parameters={"method": "mean"}), out, client, lambda: None)
 
 
-def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, client) -> None:
+def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
     files = write_study(tmp_path / "study", 24)
     out = tmp_path / "out"
-    victims = list(client.run(os.getpid).values())
+    victims = list(doomed.run(os.getpid).values())
     done: list[int] = []
 
     def step() -> None:
@@ -103,11 +110,11 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, client) -> None:
         if len(done) == 4:
             os.kill(victims[0], signal.SIGKILL)
 
-    rows = _study.batch(files, SETTINGS, out, client, step)
+    rows = _study.batch(files, SETTINGS, out, doomed, step)
     assert [r["state"] for r in rows] == ["ok"] * 24 and len({r["file"] for r in rows}) == 24
     assert len(list(out.rglob("*_clipped.nrrd"))) == 24
-    client.wait_for_workers(2, timeout=60)
-    assert victims[0] not in client.run(os.getpid).values()
+    doomed.wait_for_workers(2, timeout=60)
+    assert victims[0] not in doomed.run(os.getpid).values()
     for path in out.rglob("*_clipped.nrrd"):
         assert sitk.ReadImage(str(path)).GetSize() == SHAPE[::-1]
 
@@ -126,7 +133,7 @@ SVA_ENTRY(method);
 """
 
 
-def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, client) -> None:
+def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, doomed) -> None:
     files = write_study(tmp_path / "study", 3)
     killer = tmp_path / "study" / "killer.nrrd"
     sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, 77, np.uint8)), str(killer))
@@ -134,7 +141,7 @@ def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, client) -> Non
     command = ["cc", "-std=c11", "-shared", "-fPIC", "-I", SOURCE / "include", "crash.c", "-o", "crash.so"]
     subprocess.run(command, cwd=tmp_path, check=True)
     settings = Settings(plugin=str(tmp_path / "crash.so"), products=("clipped",), scanned=None)
-    rows = _study.batch([killer, *files], settings, tmp_path / "out", client, lambda: None)
+    rows = _study.batch([killer, *files], settings, tmp_path / "out", doomed, lambda: None)
     killed = [r for r in rows if r["state"] != "ok"]
     assert len(rows) == 4 and [Path(r["file"]).name for r in killed] == ["killer.nrrd"]
     assert killed[0]["state"] == "plugin" and "worker died" in killed[0]["reason"]
