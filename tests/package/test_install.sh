@@ -44,8 +44,9 @@ holds test "$(cd "$prefix/include" && find . -name '*.h' | sort)" = "$(cd "$sour
 holds test "$(ls "$prefix/lib/smartvis")" = smartvis.so
 
 # --- no path of the build in it, neither in texts nor in programs
+# A checkout in /smartvis is none of the /smartvis in "lib/smartvis".
 for path in "$source_dir" "$build_dir" /opt/somewhere; do
-    holds test -z "$(grep -rlF -- "$path" "$prefix")"
+    holds test -z "$(LC_ALL=C grep -rlP -- "(?<![\w.}/-])\Q$path\E(?![\w-])" "$prefix")"
 done
 for file in "$prefix/bin/"* "$prefix/lib/smartvis/smartvis.so"; do
     holds test -z "$(readelf -d "$file" | grep -E 'R(UN)?PATH')"
