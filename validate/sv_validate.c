@@ -87,7 +87,6 @@ enum { ONLY = 1000, LIST, ID, SEED, LEVEL, TIMEOUT, JSON, VERBOSE, IN_PROCESS, H
 
 /* One option. False with an error, or with *done if there is nothing left to do. */
 static bool take(command *c, int option, bool *done, hs_error *err) {
-    uint64_t number = 0;
     switch (option) {
     case ONLY:
         return choose(c, optarg, err);
@@ -97,9 +96,7 @@ static bool take(command *c, int option, bool *done, hs_error *err) {
     case SEED:
         return hs_cli_integer("--seed", optarg, 0, INT64_MAX, &c->run.seed, err);
     case LEVEL:
-        if (!hs_cli_integer("--level", optarg, 1, 10, &number, err)) return false;
-        c->run.level = (uint32_t)number;
-        return true;
+        return hs_cli_u32("--level", optarg, 1, 10, &c->run.level, err);
     case TIMEOUT:
         return hs_cli_number("--timeout", optarg, 0.1, 86400.0, &c->run.timeout_s, err);
     case JSON:

@@ -30,14 +30,6 @@ bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err)
     return hs_fail(err, HS_ERR_USAGE, "--size: %s is none of 128, 171, 512", text);
 }
 
-bool bench_parse_count(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
-                       hs_error *err) {
-    uint64_t value = 0;
-    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
 int bench_choose_all_if_none(bool *chosen, int count) {
     int found = 0;
     for (int i = 0; i < count; i++) found += chosen[i];

@@ -23,8 +23,6 @@ bool bench_parse(int argc, char **argv, const struct option *known, bench_set_op
                  bool *wants_help, hs_error *err);
 
 bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err);
-bool bench_parse_count(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
-                       hs_error *err);
 
 /* What was not chosen is all chosen. Returns how many were. */
 int bench_choose_all_if_none(bool *chosen, int count);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
+#include "base/cli.h"
 #include "frame/bench_cli.h"
 #include "frame/bench_files.h"
 #include "frame/bench_guard.h"
@@ -75,7 +76,7 @@ static bool parse_route(options *o, const char *text, hs_error *err) {
 static bool parse_slab(options *o, const char *text, hs_error *err) {
     if (o->slab_count == MAX_SLABS)
         return hs_fail(err, HS_ERR_USAGE, "--slab: given more than %d times", MAX_SLABS);
-    return bench_parse_count("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
+    return hs_cli_u32("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
 }
 
 static bool parse_part(options *o, const char *text, hs_error *err) {
@@ -162,11 +163,11 @@ static bool set_option(void *all, int option, hs_error *err) {
     case OPT_ROUTE:
         return parse_route(o, optarg, err);
     case OPT_FRAMES:
-        return bench_parse_count("--frames", optarg, 1, 100000, &o->frames, err);
+        return hs_cli_u32("--frames", optarg, 1, 100000, &o->frames, err);
     case OPT_HOST_FRAMES:
-        return bench_parse_count("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
+        return hs_cli_u32("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
     case OPT_HOST_SIZE:
-        return bench_parse_count("--loop-size", optarg, 32, 1024, &o->host_size, err);
+        return hs_cli_u32("--loop-size", optarg, 32, 1024, &o->host_size, err);
     case OPT_SCENE:
         o->scene = optarg;
         return true;

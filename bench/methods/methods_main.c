@@ -111,7 +111,7 @@ static bool set_option(void *all, int option, hs_error *err) {
     case OPT_METHOD:
         return parse_method(o, optarg, err);
     case OPT_FRAMES:
-        return bench_parse_count("--frames", optarg, 3, 100000, &o->frames, err);
+        return hs_cli_u32("--frames", optarg, 3, 100000, &o->frames, err);
     case OPT_SECONDS:
         return hs_cli_number("--seconds", optarg, 0.0, 3600.0, &o->seconds, err);
     case OPT_OPERATIONS:

@@ -4,6 +4,7 @@
 #include "base/text.h"
 
 #include <errno.h>
+#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,6 +47,14 @@ bool hs_cli_integer(const char *option, const char *text, uint64_t low, uint64_t
     return true;
 }
 
+bool hs_cli_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
+                hs_error *err) {
+    uint64_t value;
+    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
+    *out = (uint32_t)value;
+    return true;
+}
+
 bool hs_cli_pair(const char *option, const char *text, const char *names, double low, double high,
                  double out[2], hs_error *err) {
     char first[64];
@@ -70,6 +79,12 @@ bool hs_cli_pick(const char *option, const char *text, const char *const *names,
         (void)strncat(known, names[i], sizeof known - strlen(known) - 1);
     }
     return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
+}
+
+bool hs_cli_known(int option, char **argv, hs_error *err) {
+    if (option != ':' && option != '?') return true;
+    return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
+                   option == ':' ? "needs a value" : "not an option of this command");
 }
 
 int hs_cli_fail(const char *command, const hs_error *err) {

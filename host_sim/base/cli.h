@@ -14,6 +14,8 @@ extern const char hs_exit_codes_help[];
 bool hs_cli_number(const char *option, const char *text, double low, double high, double *out, hs_error *err);
 bool hs_cli_integer(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *out,
                     hs_error *err);
+bool hs_cli_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
+                hs_error *err);
 
 /* "A,B": two numbers in low .. high, of which `names` tells what they are ("LOW,HIGH"). */
 bool hs_cli_pair(const char *option, const char *text, const char *names, double low, double high,
@@ -22,6 +24,10 @@ bool hs_cli_pair(const char *option, const char *text, const char *names, double
 /* The index of `text` among `count` names; HS_ERR_USAGE lists them. */
 bool hs_cli_pick(const char *option, const char *text, const char *const *names, uint32_t count,
                  uint32_t *index, hs_error *err);
+
+/* Whether getopt_long, with opterr 0 and the short options ":", knew the option that it returned and its
+ * value was there; HS_ERR_USAGE names it. */
+bool hs_cli_known(int option, char **argv, hs_error *err);
 
 /* Prints "host_sim <command>: <error>", and for HS_ERR_USAGE where help is. Returns the exit code. */
 int hs_cli_fail(const char *command, const hs_error *err);

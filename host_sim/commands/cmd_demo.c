@@ -303,6 +303,7 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        if (!hs_cli_known(option, argv, err)) return false;
         if (hs_guard_line_is(option)) {
             if (!hs_guard_line_take(option, optarg, &d->guard, err)) return false;
             continue;
@@ -326,12 +327,9 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
         case 'l':
             if (!hs_look_line_light(optarg, d->drawing.dvr.light, err)) return false;
             break;
-        case 'h':
+        default:
             d->help = true;
             return true;
-        default:
-            return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
-                           option == ':' ? "needs a value" : "not an option of this command");
         }
     }
     return hs_cli_no_more(argc, argv, optind, err);

@@ -181,9 +181,7 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == ':') return hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
-        if (option == '?')
-            return hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
+        if (!hs_cli_known(option, argv, err)) return false;
         if (option == 's' && !hs_cli_number("--spacing", optarg, 0.01, 100, &r->kretz.spacing, err))
             return false;
         r->kretz.mirrored |= option == 'm';

@@ -187,13 +187,10 @@ static bool print_library(const list_line *line, hs_error *err) {
     return hs_guarded_close(&first, err) && ok;
 }
 
-static bool take_option(list_line *line, int option, const char *name, const char *text, hs_error *err) {
+static bool take_option(list_line *line, int option, const char *text, hs_error *err) {
     switch (option) {
     case 'p':
         line->path = text;
-        return true;
-    case 'a':
-        line->all = true;
         return true;
     case 's':
         if (line->set_count == MAX_SETS)
@@ -201,8 +198,8 @@ static bool take_option(list_line *line, int option, const char *name, const cha
         line->sets[line->set_count++] = text;
         return true;
     default:
-        return hs_fail(err, HS_ERR_USAGE, "%s: %s", name,
-                       option == ':' ? "needs a value" : "not an option of this command");
+        line->all = true;
+        return true;
     }
 }
 
@@ -224,8 +221,9 @@ int hs_cmd_list(int argc, char **argv) {
             (void)printf("%s", hs_exit_codes_help);
             return HS_OK;
         }
-        const bool ok = hs_guard_line_is(option) ? hs_guard_line_take(option, optarg, &line.guard, &err)
-                                                 : take_option(&line, option, argv[optind - 1], optarg, &err);
+        const bool ok = hs_cli_known(option, argv, &err) &&
+                        (hs_guard_line_is(option) ? hs_guard_line_take(option, optarg, &line.guard, &err)
+                                                  : take_option(&line, option, optarg, &err));
         if (!ok) return hs_cli_fail("list", &err);
     }
     if (!hs_cli_no_more(argc, argv, optind, &err) || !print_library(&line, &err))

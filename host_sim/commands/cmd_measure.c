@@ -41,13 +41,6 @@ static const struct option options[] = {{"case", required_argument, NULL, OPT_CA
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
-static bool set_u32(const char *option, uint32_t low, uint32_t high, uint32_t *out, hs_error *err) {
-    uint64_t value;
-    if (!hs_cli_integer(option, optarg, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
 static bool set_option(int option, request *r, hs_error *err) {
     switch (option) {
     case OPT_CASE:
@@ -57,9 +50,9 @@ static bool set_option(int option, request *r, hs_error *err) {
         r->of.real = optarg;
         return true;
     case OPT_SIZE:
-        return set_u32("--size", 32, 512, &r->of.size, err);
+        return hs_cli_u32("--size", optarg, 32, 512, &r->of.size, err);
     case OPT_LOWRES:
-        return set_u32("--lowres", 8, 1024, &r->of.lowres, err);
+        return hs_cli_u32("--lowres", optarg, 8, 1024, &r->of.lowres, err);
     case OPT_SEED:
         return hs_cli_integer("--seed", optarg, 0, UINT64_MAX, &r->of.seed, err);
     default:
@@ -73,10 +66,7 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == ':') return hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
-        if (option == '?')
-            return hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
-        if (!set_option(option, r, err)) return false;
+        if (!hs_cli_known(option, argv, err) || !set_option(option, r, err)) return false;
     }
     return r->help || optind < argc || hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
 }

@@ -82,26 +82,19 @@ static const struct option options[] = {{"all", no_argument, NULL, OPT_ALL},
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
-static bool set_u32(const char *option, uint32_t low, uint32_t high, uint32_t *out, hs_error *err) {
-    uint64_t value;
-    if (!hs_cli_integer(option, optarg, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
 static bool set_option(int option, request *r, hs_error *err) {
     switch (option) {
     case OPT_ALL:
         r->all = true;
         return true;
     case OPT_SIZE:
-        return set_u32("--size", 32, 512, &r->options.size, err);
+        return hs_cli_u32("--size", optarg, 32, 512, &r->options.size, err);
     case OPT_SEED:
         return hs_cli_integer("--seed", optarg, 1, UINT64_MAX, &r->options.seed, err);
     case OPT_FRAMES:
-        return set_u32("--frames", 1, 1000, &r->frames, err);
+        return hs_cli_u32("--frames", optarg, 1, 1000, &r->frames, err);
     case OPT_THREADS:
-        return set_u32("--threads", 1, 64, &r->options.threads, err);
+        return hs_cli_u32("--threads", optarg, 1, 64, &r->options.threads, err);
     case OPT_REAL:
         r->options.real = optarg;
         return true;
@@ -142,10 +135,7 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == ':') return hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
-        if (option == '?')
-            return hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
-        if (!set_option(option, r, err)) return false;
+        if (!hs_cli_known(option, argv, err) || !set_option(option, r, err)) return false;
     }
     if ((r->vol || r->geometry_given) && !r->export)
         return hs_fail(err, HS_ERR_USAGE, "%s: is for --export", r->vol ? "--format" : "--vol");

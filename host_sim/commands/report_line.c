@@ -79,14 +79,6 @@ static const struct option options[] = {
     {"seeds", required_argument, NULL, OPT_SEEDS},   HS_GUARD_OPTIONS,
     {"help", no_argument, NULL, OPT_HELP},           {0}};
 
-static bool integer(const char *option, const char *text, uint64_t low, uint64_t high, uint32_t *out,
-                    hs_error *err) {
-    uint64_t value;
-    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
 static bool append(const char *option, const char *text, const char **list, uint32_t *count, hs_error *err) {
     if (*count >= HS_EVAL_MAX_CASES)
         return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, HS_EVAL_MAX_CASES);
@@ -116,9 +108,9 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         o->real = optarg;
         return append("--real", "real", o->cases, &o->case_count, err);
     case OPT_SIZE:
-        return integer("--size", optarg, 32, 512, &o->size, err);
+        return hs_cli_u32("--size", optarg, 32, 512, &o->size, err);
     case OPT_LOWRES:
-        return integer("--lowres", optarg, 1, 512, &o->lowres, err);
+        return hs_cli_u32("--lowres", optarg, 1, 512, &o->lowres, err);
     case OPT_SEED:
         return hs_cli_integer("--seed", optarg, 0, UINT64_MAX, &o->seed, err);
     case OPT_PLUGIN:
@@ -138,9 +130,9 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         o->frames = 3;
         return true;
     case OPT_FRAMES:
-        return integer("--frames", optarg, 0, 10000, &o->frames, err);
+        return hs_cli_u32("--frames", optarg, 0, 10000, &o->frames, err);
     case OPT_CHECK:
-        return integer("--check", optarg, 0, 1000000, &o->check, err);
+        return hs_cli_u32("--check", optarg, 0, 1000000, &o->check, err);
     case OPT_SHARD:
         return parse_shard(optarg, &o->shard, err);
     case OPT_MERGE:
@@ -153,7 +145,7 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
     case OPT_COMPARE:
         return append("--compare", optarg, o->compare, &o->compare_count, err);
     case OPT_SEEDS:
-        return integer("--seeds", optarg, 1, 100, &o->seeds, err);
+        return hs_cli_u32("--seeds", optarg, 1, 100, &o->seeds, err);
     default:
         *help = true;
         return true;
@@ -171,9 +163,7 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == ':' || option == '?')
-            return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
-                           option == ':' ? "needs a value" : "not an option of this command");
+        if (!hs_cli_known(option, argv, err)) return false;
         if (hs_guard_line_is(option) ? !hs_guard_line_take(option, optarg, &o->guard, err)
                                      : !take(option, o, help, err))
             return false;

@@ -205,11 +205,11 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
         r->scene.name = text;
         return true;
     case OPT_SIZE:
-        return hs_value_u32("--size", text, 32, 512, &r->scene.size, err);
+        return hs_cli_u32("--size", text, 32, 512, &r->scene.size, err);
     case OPT_SEED:
         return hs_cli_integer("--seed", text, 0, UINT64_MAX, &r->scene.seed, err);
     case OPT_MOVING:
-        return hs_value_u32("--moving", text, 1, 16, &r->scene.volumes, err);
+        return hs_cli_u32("--moving", text, 1, 16, &r->scene.volumes, err);
     case OPT_REAL:
         r->scene.real = text;
         return true;
@@ -246,9 +246,9 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         r->loop.fan = (hs_fan)(HS_FAN_RANGES + index);
         return true;
     case OPT_SLAB:
-        return hs_value_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
+        return hs_cli_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
     case OPT_LOWRES:
-        return hs_value_u32("--lowres", text, 1, 8192, &r->loop.lowres, err);
+        return hs_cli_u32("--lowres", text, 1, 8192, &r->loop.lowres, err);
     default:
         r->log_level = SV_LOG_DEBUG;
         return true;
@@ -269,7 +269,7 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_SETTING:
         return take_setting(r, text, err);
     case OPT_FRAMES:
-        return hs_value_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
+        return hs_cli_u32("--frames", text, 1, MAX_FRAMES, &r->loop.frames, err);
     case OPT_VIEW:
         return hs_value_view(text, &r->loop, err);
     case OPT_YAW:
@@ -296,11 +296,11 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
     case OPT_EXPOSURE:
         return hs_value_float("--exposure", text, 0.1, 10, &line->exposure, err);
     case OPT_PICTURE:
-        if (!hs_value_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
+        if (!hs_cli_u32("--picture", text, 16, 2048, &r->loop.dvr.width, err)) return false;
         r->loop.dvr.height = r->loop.dvr.width;
         return true;
     case OPT_PANEL:
-        return hs_value_u32("--panel", text, 64, 1024, &r->panel_cell, err);
+        return hs_cli_u32("--panel", text, 64, 1024, &r->panel_cell, err);
     case OPT_FEW:
         r->few_pictures = true;
         return true;
@@ -354,13 +354,9 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
     opterr = 0;
     while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
         bool ok = true;
-        if (option == OPT_HELP)
-            return (line->help = true);
-        else if (option == ':')
-            ok = hs_fail(err, HS_ERR_USAGE, "%s: needs a value", argv[optind - 1]);
-        else if (option == '?')
-            ok = hs_fail(err, HS_ERR_USAGE, "%s: not an option of this command", argv[optind - 1]);
-        else if (hs_guard_line_is(option))
+        if (option == OPT_HELP) return (line->help = true);
+        if (!hs_cli_known(option, argv, err)) return false;
+        if (hs_guard_line_is(option))
             ok = hs_guard_line_take(option, optarg, &line->request.guard, err);
         else if (option <= OPT_LIVE)
             ok = take_source_option(line, option, optarg, err);

@@ -5,14 +5,6 @@
 
 #include <string.h>
 
-bool hs_value_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
-                  hs_error *err) {
-    uint64_t value;
-    if (!hs_cli_integer(option, text, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
 bool hs_value_float(const char *option, const char *text, double low, double high, float *out,
                     hs_error *err) {
     double value;

@@ -9,8 +9,6 @@
 /* All of them: HS_ERR_USAGE names the option, the text and what is expected. */
 
 /* A number in low .. high. */
-bool hs_value_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
-                  hs_error *err);
 bool hs_value_float(const char *option, const char *text, double low, double high, float *out, hs_error *err);
 
 /* --window "LOW,HIGH" */

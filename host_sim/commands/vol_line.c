@@ -18,14 +18,6 @@ hs_vol_spec hs_vol_line_defaults(void) {
     return (hs_vol_spec){.start = NAN, .axis = NAN};
 }
 
-static bool take_count(const char *option, const char *value, uint32_t low, uint32_t high, uint32_t *out,
-                       hs_error *err) {
-    uint64_t number;
-    if (!hs_cli_integer(option, value, low, high, &number, err)) return false;
-    *out = (uint32_t)number;
-    return true;
-}
-
 static bool take(const char *key, const char *value, hs_vol_spec *s, hs_error *err) {
     const struct {
         const char *key;
@@ -50,7 +42,7 @@ static bool take(const char *key, const char *value, hs_vol_spec *s, hs_error *e
         if (keys[i].number)
             return hs_cli_number(option, value, keys[i].low, keys[i].high, keys[i].number, err);
         uint32_t count = 0;
-        if (!take_count(option, value, (uint32_t)keys[i].low, (uint32_t)keys[i].high, &count, err))
+        if (!hs_cli_u32(option, value, (uint32_t)keys[i].low, (uint32_t)keys[i].high, &count, err))
             return false;
         if (keys[i].count) *keys[i].count = count;
         if (keys[i].flag) *keys[i].flag = count == 1;
