@@ -119,7 +119,9 @@ static bool write_points(const hs_view *view, const float *mm, const char *folde
     char threshold[32] = "";
     if (view->frame.points.size > 0)
         (void)snprintf(threshold, sizeof threshold, ", T_B %.3f", (double)view->frame.points.bone_threshold);
-    (void)snprintf(facts, sizeof facts, "coloured by the depth of the clipping surface there%s%s%s",
+    (void)snprintf(facts, sizeof facts, "%s%s%s%s",
+                   view->frame.clipped ? "coloured by the depth of the clipping surface there"
+                                       : "initial points",
                    threshold, note ? "\n" : "", note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;

@@ -23,6 +23,8 @@ enum {
     MIN_HEIGHT = 420 /* the legend needs it */
 };
 
+#define POINT_SHADE 0.6 /* of the depths' colours: an initial point in the legend */
+
 uint32_t hs_colour_label(uint8_t label) {
     /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): colour-blind readers can
      * tell them apart. */
@@ -128,7 +130,10 @@ static hs_range find_range(hs_range range, const float *depth, const uint8_t *st
     return range;
 }
 
+/* A depth's place in the range. In an empty range, where no ray has a surface, all are of the legend's
+ * colour. */
 static uint32_t depth_colour(float depth, hs_range range) {
+    if (range.low > range.high) return hs_colour_viridis(POINT_SHADE);
     const double span = (double)range.high - range.low;
     return hs_colour_viridis(span > 0.0 ? ((double)depth - range.low) / span : 1.0);
 }
@@ -216,9 +221,9 @@ bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *stat
     }
     cairo_t *cr = hs_draw_begin(out);
     char text[96];
-    const double y = draw_depth_bar(cr, &l, range, "no point in an interval", 3);
+    const double y = draw_depth_bar(cr, &l, range, "no point has a surface", 3);
     (void)snprintf(text, sizeof text, "%zu points, %.1f %% of the rays", points, percent(points, count));
-    draw_entry(cr, &l, y, hs_colour_viridis(0.6), false, text);
+    draw_entry(cr, &l, y, hs_colour_viridis(POINT_SHADE), false, text);
     (void)snprintf(text, sizeof text, "%zu points with an empty interval", empty);
     draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_EMPTY, false, text);
     draw_entry(cr, &l, y + 2.0 * ROW_STEP, 0x808080, false, "maximum intensity, no point");

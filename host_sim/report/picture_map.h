@@ -28,7 +28,8 @@ bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, ui
 
 /* Initial points over the MIP. `mip` is scaled to the map; `status` (SV_POINT_*) and `depth` (mm) are
  * width * height: a point in an interval has the colour of its depth, one with an empty interval
- * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of `low`. */
+ * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of `low`,
+ * or the legend's if no depth is above 0. */
 bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
                        uint32_t width, uint32_t height, hs_range range, const hs_caption *caption,
                        hs_error *err);

@@ -360,6 +360,14 @@ static void points_lie_over_the_mip(void **state) {
     assert_int_equal(map_pixel(&p, 3, 1), HS_COLOUR_EMPTY);
     assert_int_equal(map_pixel(&p, 4, 1), 90 * 0x010101);
     hs_picture_free(&p);
+
+    memset(depth, 0, sizeof depth); /* no surface: the legend's colour, and none that it does not explain */
+    assert_true(hs_picture_points(&p, &(hs_image){mip, 16, 16, 1}, status, depth, 8, 8, (hs_range){0, 0},
+                                  &(hs_caption){"points", "facts"}, &err));
+    assert_int_equal(map_pixel(&p, 1, 1), hs_colour_viridis(0.6));
+    assert_int_equal(map_pixel(&p, 2, 1), hs_colour_viridis(0.6));
+    assert_int_equal(map_pixel(&p, 3, 1), HS_COLOUR_EMPTY);
+    hs_picture_free(&p);
 }
 
 static void signed_maps_labels_and_shares_use_their_colours(void **state) {
