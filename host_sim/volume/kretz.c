@@ -4,6 +4,7 @@
 #include "volume/beams_cartesian.h"
 #include "volume/kretz_header.h"
 #include "volume/metaimage_open.h"
+#include "volume/volume_fill.h"
 
 #include <stdlib.h>
 #include <string.h>
