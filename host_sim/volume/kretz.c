@@ -96,6 +96,17 @@ static bool make(const hs_kretz *kretz, hs_volume *volume, hs_error *err) {
     return true;
 }
 
+bool hs_kretz_shape(const hs_kretz *kretz, hs_volume *shape, hs_error *err) {
+    *shape = (hs_volume){0};
+    if (!make(kretz, shape, err)) return false;
+    free(shape->voxels);
+    shape->voxels = NULL;
+    if (!shape->beams) return true;
+    free(shape->beams->voxels);
+    shape->beams->voxels = NULL;
+    return true;
+}
+
 static bool mark(const hs_kretz *kretz, hs_volume *volume, hs_error *err) {
     switch (kretz->options.padding) {
     case HS_PADDING_AUTO:

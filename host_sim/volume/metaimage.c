@@ -125,17 +125,24 @@ static bool read_piece(void *context, size_t first, size_t count, uint8_t *out, 
     return ok;
 }
 
+void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape) {
+    const hs_met_header *h = m->header;
+    *shape = (hs_volume){.nx = h->size[0], .ny = h->size[1], .nz = h->size[2], .pose = h->pose};
+    memcpy(shape->spacing, h->spacing, sizeof h->spacing);
+    shape->probe = m->options.has_probe ? m->options.probe : h->probe;
+    const char *slash = strrchr(m->path, '/');
+    (void)snprintf(shape->name, sizeof shape->name, "%s", slash ? slash + 1 : m->path);
+}
+
 /* Allocates the volume the header describes, named after the file. */
 static bool make_volume(const hs_metaimage *m, hs_volume *out) {
     const hs_met_header *h = m->header;
     hs_error cause = {0};
     if (!hs_volume_init(out, h->size[0], h->size[1], h->size[2], &cause))
         return hs_fail(m->err, cause.code, "%s:%u: DimSize: %s", m->path, h->dim_line, cause.text);
-    memcpy(out->spacing, h->spacing, sizeof h->spacing);
-    out->pose = h->pose;
-    out->probe = m->options.has_probe ? m->options.probe : h->probe;
-    const char *slash = strrchr(m->path, '/');
-    (void)snprintf(out->name, sizeof out->name, "%s", slash ? slash + 1 : m->path);
+    uint8_t *voxels = out->voxels;
+    hs_metaimage_shape(m, out);
+    out->voxels = voxels;
     return true;
 }
 
@@ -191,6 +198,12 @@ uint32_t hs_metaimage_volumes(const hs_metaimage *file) {
 
 uint32_t hs_metaimage_left_out(const hs_metaimage *file) {
     return file->header->frames - file->valid;
+}
+
+bool hs_metaimage_range(const hs_metaimage *file, double *low, double *high) {
+    *low = file->low;
+    *high = file->high;
+    return !takes_bytes(file);
 }
 
 const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t index) {
