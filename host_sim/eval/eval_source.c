@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_source.h"
 
+#include "volume/volume_file.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +55,7 @@ static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
         return hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", full,
                        s->source.count);
     const hs_volume *volume = hs_source_volume(&s->source, 0);
-    if (!hs_metaimage_read(part[1], NULL, &s->given_truth, err) ||
+    if (!hs_volume_file_read(part[1], &s->given_truth, err) ||
         !check_truth(volume, &s->given_truth, part[1], err) ||
         !hs_metaimage_read(part[2], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[2], err))

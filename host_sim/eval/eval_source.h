@@ -6,8 +6,9 @@
 #include "loop/source.h"
 
 typedef struct {
-    /* A built-in scene, a scene file, or "FULL,TRUTH,LABEL": three MetaImage files. FULL and TRUTH are
-     * volumes of the same size and spacing; LABEL has one slice of as many columns, with HS_LABEL_* in it. */
+    /* A built-in scene, a scene file, or "FULL,TRUTH,LABEL": three files. FULL and TRUTH are volumes of the
+     * same size and spacing, MetaImage or Kretz, of which the Cartesian copy counts; LABEL is MetaImage, and
+     * has one slice of as many columns, with HS_LABEL_* in it. */
     const char *name;
     uint32_t size;    /* voxels per axis of a scene */
     uint32_t lowres;  /* pixels of the map per axis; 0: a third of the source */
