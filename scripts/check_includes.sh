@@ -44,7 +44,8 @@ host_sim/result            | abi MACHINE host_sim/loop .                        
 host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
 host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
 host_sim/commands          | abi HOST .                                                 | libc opencl json
-bench/frame                | abi HOST .                                                 | libc opencl json futex
+bench/frame                | abi HOST kernels .                                         | libc opencl json futex
+bench/frame/cl             | .                                                          |
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
 bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
