@@ -126,6 +126,9 @@ def stem(path: Path) -> str:
     return name
 
 
+PARTS = ".part-*"  #: names of files that are being written
+
+
 def whole(path: Path, write: Callable[[Path], object]) -> Path:
     """Calls `write` with a name beside `path`, which becomes `path` when all of it is there."""
     part = path.with_name(f".part-{os.getpid()}-{path.name}")
