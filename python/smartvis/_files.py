@@ -82,7 +82,6 @@ class Source:
             return sitk.VectorIndexSelectionCast(self._whole, number)
         return self._whole
 
-
     def _read_of_four(self, number: int) -> Any:
         """A file that is compressed is unpacked for every read, so what is not too large is read once."""
         size = list(self._reader.GetSize())
