@@ -2,6 +2,7 @@
 /* sv_sites: how good surfaces are on volumes that nobody tuned on, and what they do where nothing hides
  * (docs/surface.md). */
 #include "base/cli.h"
+#include "sites/site_harm.h"
 #include "sites/site_reverse.h"
 #include "sites/site_table.h"
 
@@ -15,6 +16,8 @@ static const char help[] =
     "  table    every method on every site: error, cut, left, worst case, AUC and calibration of the "
     "confidence\n"
     "  reverse  the constants of wall chosen on one site alone, judged on the others\n"
+    "  harm     bare cases, cases without a fetus, with a bladder; volumes that nothing hides, from 36 "
+    "sides\n"
     "Options, repeatable but --plugin:\n"
     "  --scenes SEED,POSE  the nine scenes at 128^3; all of them are one site [201,0]\n"
     "  --site FOLDER       nine cases NAME_full.mha, NAME_truth.mha, NAME_label.mha, with scan_first.mha "
@@ -22,27 +25,30 @@ static const char help[] =
     "                      scan_end.mha; every folder is a site\n"
     "  --case FILES        FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all of them are one "
     "site\n"
+    "  --volume FILE       harm: a volume that nothing hides, MetaImage\n"
     "  --method SETTINGS   table: 'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
     "                      [best method=mean; method=cost; method=wall]\n"
     "  --plugin PATH       library to judge [the build's smartvis.so]\n"
     "  --help              this text\n"
     "\n";
 
+enum { MAX_VOLUMES = 16 };
+
 typedef struct {
     site_list sites;
     site_methods methods;
+    const char *volumes[MAX_VOLUMES];
+    uint32_t volume_count;
     bool help;
 } request;
 
-enum { OPT_SCENES = 256, OPT_SITE, OPT_CASE, OPT_METHOD, OPT_PLUGIN, OPT_HELP };
+enum { OPT_SCENES = 256, OPT_SITE, OPT_CASE, OPT_VOLUME, OPT_METHOD, OPT_PLUGIN, OPT_HELP };
 
-static const struct option options[] = {{"scenes", required_argument, NULL, OPT_SCENES},
-                                        {"site", required_argument, NULL, OPT_SITE},
-                                        {"case", required_argument, NULL, OPT_CASE},
-                                        {"method", required_argument, NULL, OPT_METHOD},
-                                        {"plugin", required_argument, NULL, OPT_PLUGIN},
-                                        {"help", no_argument, NULL, OPT_HELP},
-                                        {0}};
+static const struct option options[] = {
+    {"scenes", required_argument, NULL, OPT_SCENES}, {"site", required_argument, NULL, OPT_SITE},
+    {"case", required_argument, NULL, OPT_CASE},     {"volume", required_argument, NULL, OPT_VOLUME},
+    {"method", required_argument, NULL, OPT_METHOD}, {"plugin", required_argument, NULL, OPT_PLUGIN},
+    {"help", no_argument, NULL, OPT_HELP},           {0}};
 
 static bool add_method(const char *text, site_methods *m, hs_error *err) {
     static const char best[] = "best ";
@@ -61,6 +67,11 @@ static bool take(int option, request *r, hs_error *err) {
         return site_add_folder(&r->sites, optarg, err);
     case OPT_CASE:
         return site_add_files(&r->sites, optarg, err);
+    case OPT_VOLUME:
+        if (r->volume_count == MAX_VOLUMES)
+            return hs_fail(err, HS_ERR_USAGE, "--volume: given more than %d times", MAX_VOLUMES);
+        r->volumes[r->volume_count++] = optarg;
+        return true;
     case OPT_METHOD:
         return add_method(optarg, &r->methods, err);
     case OPT_PLUGIN:
@@ -87,7 +98,9 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
 static bool run(const char *command, request *r, hs_error *err) {
     if (strcmp(command, "table") == 0) return site_table(&r->sites, &r->methods, err);
     if (strcmp(command, "reverse") == 0) return site_reverse(&r->sites, err);
-    return hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table or reverse", command);
+    if (strcmp(command, "harm") == 0)
+        return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
+    return hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table, reverse or harm", command);
 }
 
 int main(int argc, char **argv) {

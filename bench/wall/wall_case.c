@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "wall/wall_case.h"
 
-#include "eval/eval_source.h"
 #include "quality/surf_case.h"
 #include "volume/metaimage.h"
 
@@ -107,6 +106,24 @@ static bool has_maps(const char *files) {
     return commas == 4;
 }
 
+bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err) {
+    const hs_volume *const full = hs_source_volume(&source->source, 0);
+    const hs_volume *const truth = hs_source_truth(&source->source, 0);
+    const size_t plane = (size_t)full->nx * full->ny;
+    hs_volume copy = *full;
+    *out = (wall_case){0};
+    copy.beams = NULL;
+    copy.voxels = copy_of(full->voxels, plane * full->nz, full->name, err);
+    if (!copy.voxels) return false;
+    take(out, &copy, full->name);
+    shorten(out->name);
+    out->label = copy_of(source->label, plane, out->name, err);
+    out->clean = copy_of(truth->voxels, plane * out->nz, out->name, err);
+    if (out->label && out->clean && find_truth(out, truth, err) && make_ranges(out, err)) return true;
+    wall_case_free(out);
+    return false;
+}
+
 bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
     hs_eval_source source;
     const hs_eval_request request = {.name = files};
@@ -114,20 +131,7 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
     if (!strchr(files, ','))
         return hs_fail(err, HS_ERR_USAGE, "'%s': expected FULL,TRUTH,LABEL[,FIRST,END]", files);
     if (!hs_eval_source_open(&source, &request, err)) return false;
-    const hs_volume *const full = hs_source_volume(&source.source, 0);
-    hs_volume copy = *full;
-    const size_t plane = (size_t)full->nx * full->ny;
-    copy.beams = NULL;
-    copy.voxels = copy_of(full->voxels, plane * full->nz, full->name, err);
-    bool ok = copy.voxels != NULL;
-    if (ok) {
-        take(out, &copy, full->name);
-        shorten(out->name);
-        out->label = copy_of(source.label, plane, out->name, err);
-        out->clean = copy_of(source.given_truth.voxels, plane * out->nz, out->name, err);
-        ok = out->label && out->clean && find_truth(out, &source.given_truth, err) && make_ranges(out, err) &&
-             (!has_maps(files) || take_black(files, out, err));
-    }
+    const bool ok = wall_case_take(&source, out, err) && (!has_maps(files) || take_black(files, out, err));
     hs_eval_source_close(&source);
     if (!ok) wall_case_free(out);
     return ok;

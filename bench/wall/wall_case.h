@@ -4,7 +4,7 @@
 #ifndef WALL_CASE_H
 #define WALL_CASE_H
 
-#include "base/error.h"
+#include "eval/eval_source.h"
 
 #include "ref/ref_wall.h"
 
@@ -18,6 +18,9 @@ typedef struct {
     float *truth;          /* per ray: slice at which it ends in the ground truth; NULL with `label` */
     uint8_t *clean;        /* the ground truth: `full` without what hides; NULL with `label` */
 } wall_case;
+
+/* A case of the report's: a copy of its volume, truth and label. Voxels of 0 were not scanned. */
+bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err);
 
 /* Reads "FULL,TRUTH,LABEL[,FIRST,END]" as `host_sim report --case` does (eval/eval_source.h), with its
  * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
