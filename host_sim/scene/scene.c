@@ -5,14 +5,18 @@
 #include "base/paths.h"
 #include "base/threads.h"
 #include "scene/scene_attenuation.h"
+#include "scene/scene_camera.h"
 #include "scene/scene_compress.h"
+#include "scene/scene_corner.h"
 #include "scene/scene_echo.h"
 #include "scene/scene_edge.h"
 #include "scene/scene_fan.h"
 #include "scene/scene_far_band.h"
 #include "scene/scene_field.h"
+#include "scene/scene_haze.h"
 #include "scene/scene_motion.h"
 #include "scene/scene_noise.h"
+#include "scene/scene_place.h"
 #include "scene/scene_random.h"
 #include "scene/scene_raster.h"
 #include "scene/scene_read.h"
@@ -36,8 +40,9 @@ struct hs_scene {
 };
 
 static const char *const step_names[HS_SCENE_STEPS] = {
-    "raster",  "echo",       "attenuation", "edge shadow", "reverberation", "far band",
-    "speckle", "side lobes", "noise",       "compress",    "fan",           "truth"};
+    "raster", "echo",        "attenuation", "edge shadow", "reverberation",
+    "haze",   "dark corner", "far band",    "speckle",     "side lobes",
+    "noise",  "compress",    "fan",         "camera",      "truth"};
 
 const char *hs_scene_step_name(int step) {
     return step >= 0 && step < HS_SCENE_STEPS ? step_names[step] : "?";
@@ -86,7 +91,7 @@ hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
         hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
         return NULL;
     }
-    if (!hs_scene_read(path, &scene->spec, err)) {
+    if (!hs_scene_read(path, &scene->spec, err) || !hs_scene_place(&scene->spec, err)) {
         free(scene);
         return NULL;
     }
@@ -146,6 +151,12 @@ static bool run_step(making *m, int step) {
     case HS_SCENE_STEP_REVERBERATION:
         hs_scene_reverberation(f, spec);
         break;
+    case HS_SCENE_STEP_HAZE:
+        hs_scene_haze(f, spec);
+        break;
+    case HS_SCENE_STEP_CORNER:
+        hs_scene_dark_corner(f, spec);
+        break;
     case HS_SCENE_STEP_FAR_BAND:
         hs_scene_far_band(f, spec);
         break;
@@ -162,6 +173,8 @@ static bool run_step(making *m, int step) {
     case HS_SCENE_STEP_FAN:
         hs_scene_fan(f, spec, &m->data->full);
         break;
+    case HS_SCENE_STEP_CAMERA:
+        return hs_scene_camera(f, spec, &m->solids, &m->data->full, m->err);
     case HS_SCENE_STEP_TRUTH:
         return truth(m);
     default:
@@ -176,6 +189,9 @@ static void listed(const hs_scene_spec *spec, bool on[HS_SCENE_STEPS]) {
     on[HS_SCENE_STEP_ATTENUATION] = spec->attenuation.on;
     on[HS_SCENE_STEP_EDGE_SHADOW] = spec->edge.on;
     on[HS_SCENE_STEP_REVERBERATION] = spec->reverberation.on;
+    on[HS_SCENE_STEP_HAZE] = spec->haze.on;
+    on[HS_SCENE_STEP_CORNER] = spec->corner.on;
+    on[HS_SCENE_STEP_CAMERA] = hs_scene_camera_turned(spec);
     on[HS_SCENE_STEP_FAR_BAND] = spec->far_band.on;
     on[HS_SCENE_STEP_SPECKLE] = spec->speckle.on;
     on[HS_SCENE_STEP_SIDE_LOBES] = spec->side_lobe.on;
@@ -217,8 +233,15 @@ static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     return hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for %zu pixels", name, pixels);
 }
 
+static bool has_style(const hs_scene_spec *spec) {
+    for (uint32_t i = 0; i < spec->structure_count; i++)
+        if (hs_scene_style(&spec->structure[i])) return true;
+    return false;
+}
+
 static bool make(making *m, const uint32_t n[3], const float h[3]) {
     if (!allocate(m, n, h) || !hs_field_init(&m->field, n, h, m->err)) return false;
+    if (has_style(&m->spec) && !hs_field_add_style(&m->field, m->err)) return false;
     if (!hs_scene_solids(&m->spec, m->field.seed, &m->solids, m->err)) return false;
     if (!run_steps(m)) return false;
     m->data->tissue = m->field.tissue; /* handed over */

@@ -13,12 +13,15 @@ enum {
     HS_SCENE_STEP_ATTENUATION,   /* attenuation and time-gain compensation */
     HS_SCENE_STEP_EDGE_SHADOW,   /* refraction at the edges */
     HS_SCENE_STEP_REVERBERATION, /* bands behind parallel reflectors */
+    HS_SCENE_STEP_HAZE,          /* haze and clutter behind the wall */
+    HS_SCENE_STEP_CORNER,        /* a corner without contact */
     HS_SCENE_STEP_FAR_BAND,      /* dark gap and bright band at the far head bone */
     HS_SCENE_STEP_SPECKLE,       /* scatterers and point spread */
     HS_SCENE_STEP_SIDE_LOBES,    /* haze beside strong reflectors */
     HS_SCENE_STEP_NOISE,         /* electronic noise */
     HS_SCENE_STEP_COMPRESS,      /* log compression to 8 bits */
     HS_SCENE_STEP_FAN,           /* zeros outside the probe's fan */
+    HS_SCENE_STEP_CAMERA,        /* voxels of a turned camera */
     HS_SCENE_STEP_TRUTH,         /* intervals, label map, clipped volume */
     HS_SCENE_STEPS
 };
