@@ -73,6 +73,16 @@ bool hs_scene_camera_turned(const hs_scene_spec *spec) {
     return spec->camera_deg[0] != 0.0f || spec->camera_deg[1] != 0.0f || spec->camera_deg[2] != 0.0f;
 }
 
+void hs_scene_camera_point(const hs_scene_spec *spec, const float p[3], float out[3]) {
+    float turn[9];
+    const float m = 0.5f * spec->extent_mm;
+    memcpy(out, p, 3 * sizeof *out);
+    if (!hs_scene_camera_turned(spec)) return;
+    hs_rotation(spec->camera_deg, turn);
+    for (int a = 0; a < 3; a++)
+        out[a] = m + (p[0] - m) * turn[a] + (p[1] - m) * turn[3 + a] + (p[2] - m) * turn[6 + a];
+}
+
 bool hs_scene_camera(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, hs_volume *full,
                      hs_error *err) {
     const size_t count = hs_volume_count(full);

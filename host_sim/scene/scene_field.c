@@ -35,6 +35,7 @@ bool hs_field_add_style(hs_field *field, hs_error *err) {
 void hs_field_free(hs_field *field) {
     free(field->style);
     free(field->share);
+    free(field->haze_end);
     free(field->tissue);
     free(field->surface);
     free(field->bone);

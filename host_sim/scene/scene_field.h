@@ -26,6 +26,7 @@ typedef struct {
     /* Of occluders with an echo or an edge of their own: hs_solid.style, and how much of the tissue's
      * scatterers are there, 255: all. NULL if the scene has none. */
     uint8_t *style, *share;
+    float *haze_end;   /* per beam, mm from the probe: haze can be seen before it; NULL if there is none */
     int16_t *diffuse;  /* level of scattered echo */
     int16_t *coherent; /* level of interface echo */
     int16_t *envelope; /* level of what the probe receives */

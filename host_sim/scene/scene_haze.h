@@ -5,7 +5,7 @@
 
 #include "scene/scene_pass.h"
 
-/* Adds the haze to the field's scattered echo. */
-void hs_scene_haze(hs_field *field, const hs_scene_spec *spec);
+/* Adds the haze to the field's scattered echo, and makes its haze_end. HS_ERR_MEMORY. */
+bool hs_scene_haze(hs_field *field, const hs_scene_spec *spec, hs_error *err);
 
 #endif

@@ -176,25 +176,24 @@ bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec,
     return ok;
 }
 
-bool hs_scene_read(const char *path, hs_scene_spec *spec, hs_error *err) {
+char *hs_scene_read_file(const char *path, hs_error *err) {
     enum { MAX_BYTES = 1 << 20 };
     uint64_t bytes;
     FILE *file = hs_met_open(path, path, &bytes, err); /* a regular file: nothing that waits for a writer */
-    if (!file) return false;
+    if (!file) return NULL;
     char *text = malloc(MAX_BYTES + 1);
     size_t length = text ? fread(text, 1, MAX_BYTES + 1, file) : 0;
     bool bad = ferror(file) != 0;
     fclose(file);
-    bool ok = false;
     if (!text) {
         hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
     } else if (bad || length > MAX_BYTES) {
         hs_fail(err, HS_ERR_INPUT, "%s: %s", path,
                 bad ? "cannot be read" : "longer than a scene file may be (1 MiB)");
+        free(text);
+        text = NULL;
     } else {
         text[length] = '\0';
-        ok = hs_scene_read_text(path, text, spec, err);
     }
-    free(text);
-    return ok;
+    return text;
 }
