@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Method wall against its definition (docs/surface.md): on scenes, on any volume, by any split into slabs,
- * with ranges, padding and spacing, at any place of the knob. Everything up to the labels is integer arithmetic, so on a device that
- * divides exactly the maps are the same bits.
+ * with ranges, padding and spacing, at any place of the knob. Everything up to the labels is integer
+ * arithmetic, so on a device that divides exactly the maps are the same bits.
  */
 #include "ref/ref_wall.h"
 #include "scene/scene.h"
