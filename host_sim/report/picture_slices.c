@@ -251,7 +251,7 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
                      caption->title);
     hs_draw_text(cr, GAP, top - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
                  view->frame.clipped ? "Result" : "Result: not clipped");
-    draw_scale(cr, GAP, top + s.cell, s.cell, view->camera.extent, true);
+    draw_scale(cr, GAP, top + s.cell, s.cell, view->picture_mm, true);
     draw_legend(&s, cr, top + s.cell + FOOT + 22);
     hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, s.cell,
                  "→ right, ↓ down [mm]");
