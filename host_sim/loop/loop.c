@@ -200,6 +200,10 @@ const hs_error *hs_loop_confidence_error(const hs_loop *loop) {
     return hs_clipper_confidence_error(loop->clipper);
 }
 
+void hs_loop_want(hs_loop *loop, bool status, bool confidence) {
+    hs_clipper_want(loop->clipper, status, confidence);
+}
+
 void hs_loop_look(hs_loop *loop, double yaw, double pitch, double zoom) {
     hs_loop_options *o = &loop->options;
     loop->turned |= yaw != o->yaw || pitch != o->pitch;
@@ -234,11 +238,11 @@ const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const 
     return out;
 }
 
-static bool render(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_error *err) {
+bool hs_loop_draw(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_error *err) {
     hs_start_depths start;
     hs_camera window;
     const hs_start_depths *from = hs_loop_start(loop, index, frame, &window, &start);
-    return hs_screen_render(loop->screen, loop->volume, &window, from, false, err);
+    return hs_screen_render(screen, loop->volume, &window, from, false, err);
 }
 
 #define FRAME_NS UINT64_C(50000000) /* the simulated machine scans 20 volumes a second */
@@ -265,7 +269,7 @@ void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
     frame->points = clip->points;
 }
 
-static bool ask_plugin(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
+bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
     hs_clip clip;
     if (!hs_clipper_frame(loop->clipper, hs_loop_moment(loop, index), &clip, err)) return false;
     hs_loop_note_clip(&clip, frame);
@@ -283,9 +287,10 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
                                       !wait_for(loop, "clFinish (scan conversion)", err)))
         return false;
     const double converted = hs_now();
-    if (setting == HS_SETTING_SMARTVIS && !ask_plugin(loop, index, frame, err)) return false;
+    if (setting == HS_SETTING_SMARTVIS && !hs_loop_ask(loop, index, frame, err)) return false;
     const double clipped = hs_now();
-    if (!render(loop, index, frame, err) || !wait_for(loop, "clFinish (DVR)", err)) return false;
+    if (!hs_loop_draw(loop, loop->screen, index, frame, err) || !wait_for(loop, "clFinish (DVR)", err))
+        return false;
     const double end = hs_now();
     frame->ms[HS_STAGE_UPLOAD] = (uploaded - start) * 1e3;
     frame->ms[HS_STAGE_CONVERT] = (converted - uploaded) * 1e3;

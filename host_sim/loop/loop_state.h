@@ -4,7 +4,7 @@
 #define HS_LOOP_STATE_H
 
 #include "loop/clipper.h"
-#include "loop/loop.h"
+#include "loop/loop_frame.h"
 #include "loop/screen.h"
 #include "loop/slabs.h"
 #include "loop/source.h"
