@@ -96,7 +96,7 @@ static void follow(hs_console_page *page, hs_console_show *show) {
     hs_console_message deed;
     double due = 0.0;
     uint32_t index = 0;
-    bool plays = false, alive = true;
+    bool plays = false, alive = true, slow = false;
     while (alive) {
         const work what = wait_for_work(page, due, &deed);
         if (what == WORK_END) return;
@@ -107,8 +107,14 @@ static void follow(hs_console_page *page, hs_console_show *show) {
         if (what == WORK_NEXT) index++;
         if (!page->now.playing || !plays) index = page->now.index;
         if (what == WORK_NEXT || !plays) due = next_due(due, page->now.speed);
+        if (what == WORK_STATE) slow = false;
         plays = page->now.playing;
-        alive = hs_console_show_frame(show, &page->now, index, next_frame(page));
+        hs_console_state state = page->now;
+        state.hurried |= slow;
+        const double start = hs_now();
+        alive = hs_console_show_frame(show, &state, index, next_frame(page));
+        /* What plays slower than it should goes on in drafts. */
+        slow |= plays && what == WORK_NEXT && hs_now() - start > 1.0 / state.speed;
     }
 }
 

@@ -5,6 +5,7 @@
 const STAGES = [["upload", "#8c6bb1"], ["convert", "#2b8cbe"], ["plugin", "#31a354"], ["draw", "#e6842a"], ["encode", "#969696"]];
 const STAGE_NAMES = { upload: "upload", convert: "scan conversion", plugin: "plugin", draw: "renderer", encode: "JPEG" };
 const HISTORY = 120;
+const DRAFT_MS = 40;
 
 const history_ = [], painted = [];
 let lastFigures = null;
@@ -83,9 +84,18 @@ function showSource(source, index) {
   document.getElementById("player").hidden = source.volumes < 2;
 }
 
+/* Drafts as large as the console draws them in the time of a picture: 20 a second, and a little more. */
+function fitDrafts(ms) {
+  const sizes = [128, 192, 256, 384, 512];
+  const at_ = Math.max(0, sizes.indexOf(state.draft));
+  if (ms > DRAFT_MS && at_ > 0) state.draft = sizes[at_ - 1];
+  else if (ms < DRAFT_MS / 4 && at_ + 1 < sizes.length) state.draft = sizes[at_ + 1];
+}
+
 function showFigures(text) {
   notice("", true);
   lastFigures = text;
+  if (text.draft) fitDrafts(text.ms.all);
   painted.push(performance.now());
   history_.push(text.ms);
   if (history_.length > HISTORY) history_.shift();

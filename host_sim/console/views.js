@@ -182,6 +182,7 @@ function layOut() {
     canvases[view] = before[view] && before[view].screen ? before[view] : figureOf(view);
     (view in AXES ? slices : rendered).append(canvases[view].figure);
   }
+  rendered.classList.toggle("four", look.compare === "side");
   for (const extra of canvases.result.screen.querySelectorAll(".other, .seam")) extra.remove();
   if (look.compare === "wipe") addWipe();
   document.getElementById("wipe-bar").hidden = look.compare !== "wipe";
@@ -200,7 +201,7 @@ function paint(view, bitmap) {
 function captionOf(view, lane, name) {
   const one = canvases[view];
   if (!one || !one.caption) return;
-  one.caption.textContent = TITLES[view] + (name ? " — " + name : "") + (lane.clipped ? "" : ": not clipped");
+  one.caption.textContent = "Result" + (name ? " " + name : "") + (lane.clipped ? "" : ": not clipped");
   if (lane.failed) one.caption.append(make("span", { class: "why", text: lane.words }));
   one.figure.classList.toggle("failed", lane.failed);
 }
