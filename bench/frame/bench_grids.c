@@ -112,9 +112,12 @@ static bool render_probe(const bench *b, const hs_dvr_settings *s, const hs_came
     const hs_device_view view = hs_device_volume_view(b->volume);
     const hs_beams_view beams = hs_device_beams_view(view.beams);
     const double edge = b->copy.spacing[0];
+    hs_brick_view bricks;
     hs_ray_view v;
     cl_float4 to_mm = {{0.0f, 0.0f, 0.0f, (cl_float)edge}};
-    if (!hs_ray_view_of(s, &view, camera, &v, err)) return false;
+    if (!hs_device_volume_bricks(b->volume, &bricks, err) ||
+        !hs_ray_view_of(s, &view, &bricks, camera, &v, err))
+        return false;
     for (int k = 0; k < 3; k++) to_mm.s[k] = (cl_float)(beams.shape.corner[k] + 0.5 * edge);
     const double depth = ((double)PLANE * SLICES + 0.5) * v.slices / (SLICES * (double)s->step) - 0.5;
     const cl_float4 rest = {
@@ -123,7 +126,7 @@ static bool render_probe(const bench *b, const hs_dvr_settings *s, const hs_came
     hs_launch_beams(&launch, &beams);
     hs_launch_arg(&launch, sizeof to_mm, &to_mm);
     hs_launch_arg(&launch, sizeof v.dims, &v.dims);
-    hs_launch_buffer(&launch, view.brick_maxima);
+    hs_launch_buffer(&launch, v.maxima);
     hs_launch_arg(&launch, sizeof v.bricks, &v.bricks);
     hs_launch_arg(&launch, sizeof v.origin, &v.origin);
     hs_launch_arg(&launch, sizeof v.dx, &v.dx);

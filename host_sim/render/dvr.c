@@ -17,7 +17,7 @@ struct hs_dvr {
 typedef struct {
     cl_mem map, confidence; /* NULL: none */
     cl_int4 map_dims;
-    cl_float4 to_steps;
+    cl_float4 to_map, to_steps;
 } ray_start;
 
 static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
@@ -59,12 +59,11 @@ uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *s
 }
 
 /* The view: the first arguments of both kernels. */
-static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name,
-                              const hs_device_view *source, const hs_ray_view *v) {
+static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name, const hs_ray_view *v) {
     hs_launch launch = hs_launch_begin(dvr->cl, kernel, name);
-    hs_launch_buffer(&launch, source->voxels);
+    hs_launch_buffer(&launch, v->voxels);
     hs_launch_arg(&launch, sizeof v->dims, &v->dims);
-    hs_launch_buffer(&launch, source->brick_maxima);
+    hs_launch_buffer(&launch, v->maxima);
     hs_launch_arg(&launch, sizeof v->bricks, &v->bricks);
     hs_launch_arg(&launch, sizeof v->origin, &v->origin);
     hs_launch_arg(&launch, sizeof v->dx, &v->dx);
@@ -81,6 +80,7 @@ static ray_start plan_start(const hs_dvr_settings *s, const hs_ray_view *v, cons
     out.map = depths->depth;
     out.map_dims.s[0] = (cl_int)depths->width;
     out.map_dims.s[1] = (cl_int)depths->height;
+    out.to_map = hs_dvr_to_map(s, depths);
     out.to_steps.s[0] = (cl_float)(v->slices / ((double)depths->slices * (double)s->step));
     out.to_steps.s[2] = s->ghost_width > HS_DVR_HARD_CUT ? 1.0f / s->ghost_width : 0.0f;
     if (depths->confidence && out.to_steps.s[2] > 0.0f) {
@@ -98,9 +98,12 @@ static void set_output(hs_launch *launch, cl_mem buffer) {
 }
 
 bool hs_dvr_prepare(hs_dvr *dvr, const hs_device_volume *source, hs_error *err) {
+    const hs_dvr_settings *s = &dvr->settings;
     hs_lit_view lit;
-    return dvr->settings.look != HS_LOOK_LIT ||
-           hs_device_volume_lit(source, dvr->settings.threshold_low, dvr->settings.threshold_high, &lit, err);
+    hs_brick_view bricks;
+    return s->look == HS_LOOK_LIT
+               ? hs_device_volume_lit(source, s->threshold_low, s->threshold_high, &lit, err)
+               : hs_device_volume_bricks(source, &bricks, err);
 }
 
 static bool render_lit(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
@@ -121,11 +124,15 @@ static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_
                           hs_error *err) {
     hs_ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
-    if (!hs_ray_view_of(&dvr->settings, &view, camera, &v, err)) return false;
+    hs_brick_view bricks;
+    if (!hs_device_volume_bricks(source, &bricks, err) ||
+        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
+        return false;
     const ray_start rays = plan_start(&dvr->settings, &v, depths);
-    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &view, &v);
+    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &v);
     hs_launch_buffer(&launch, rays.map);
     hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
+    hs_launch_arg(&launch, sizeof rays.to_map, &rays.to_map);
     hs_launch_arg(&launch, sizeof rays.to_steps, &rays.to_steps);
     hs_launch_transfer(&launch, &dvr->settings);
     set_output(&launch, rgba);
@@ -155,9 +162,12 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
     hs_ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
-    if (!hs_ray_view_of(&dvr->settings, &view, camera, &v, err)) return false;
+    hs_brick_view bricks;
+    if (!hs_device_volume_bricks(source, &bricks, err) ||
+        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
+        return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
-    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &view, &v);
+    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &v);
     hs_launch_arg(&launch, sizeof picture, &picture);
     hs_launch_buffer(&launch, gray);
     return hs_dvr_launch(&launch, &dvr->settings, event, err);

@@ -22,13 +22,22 @@ cl_float4 hs_dvr_float4(const double v[3], double factor) {
     return out;
 }
 
+cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths) {
+    const double share = depths->share > 0.0f ? (double)depths->share : 1.0;
+    cl_float4 out = {{(cl_float)(share * depths->width / settings->width),
+                      (cl_float)(share * depths->height / settings->height),
+                      (cl_float)(0.5 * (1.0 - share) * depths->width),
+                      (cl_float)(0.5 * (1.0 - share) * depths->height)}};
+    return out;
+}
+
 cl_int hs_dvr_transparent(const hs_dvr_settings *s) {
     if (!s->skip_empty) return -1;
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
 }
 
-bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, const hs_camera *camera,
-                    hs_ray_view *out, hs_error *err) {
+bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, const hs_brick_view *bricks,
+                    const hs_camera *camera, hs_ray_view *out, hs_error *err) {
     const uint32_t steps = hs_dvr_count_steps(s, &source->shape, camera);
     if (steps > HS_DVR_MAX_STEPS) {
         return hs_fail(err, HS_ERR_INPUT,
@@ -37,7 +46,10 @@ bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, cons
     }
     hs_box_map map;
     hs_camera_box_map(camera, &source->shape, &map);
-    hs_ray_view v = {.slices = hs_dvr_slices(&source->shape, camera)};
+    hs_ray_view v = {.voxels = source->voxels,
+                     .maxima = bricks->maxima,
+                     .bricks = bricks->count,
+                     .slices = hs_dvr_slices(&source->shape, camera)};
     const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
@@ -45,7 +57,6 @@ bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, cons
         first[k] =
             map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height + map.dw[k] * 0.5 * step;
         v.dims.s[k] = (cl_int)n[k];
-        v.bricks.s[k] = (cl_int)source->bricks[k];
     }
     v.dims.s[3] = (cl_int)steps;
     v.bricks.s[3] = hs_dvr_transparent(s);
