@@ -86,33 +86,61 @@ static bool judge(const site_set *frames, const char *plugin, const site_method 
     return ok;
 }
 
-bool site_flicker(const site_methods *methods, hs_error *err) {
-    double mean[SITE_MAX_METHODS] = {0};
-    printf("Flicker: move of the rendered ends from frame to frame beyond the truth's, slices of 128 (goal "
-           "%.1f); "
-           "error\n",
-           goal);
+/* Adds every method's flicker beyond the truth's to `sum`. */
+static bool print_sequence(const site_set *frames, const char *name, const site_methods *methods,
+                           double sum[SITE_MAX_METHODS], hs_error *err) {
+    const double true_moves = truth_moves(frames);
+    printf("  %s, %u frames: the truth moves by %.2f\n", name, frames->count, true_moves);
+    for (uint32_t i = 0; i < methods->count; i++) {
+        site_score score;
+        double moves = 0.0;
+        if (!judge(frames, methods->plugin, &methods->method[i], &moves, &score, err)) return false;
+        printf("    %-28s %+5.2f   error %5.2f\n", methods->method[i].settings, moves - true_moves,
+               site_score_mean(&score).error);
+        sum[i] += moves - true_moves;
+    }
+    (void)fflush(stdout);
+    return true;
+}
+
+/* The frames' rays must be the same. */
+static bool print_files(const site_set *set, const site_methods *methods, hs_error *err) {
+    double unused[SITE_MAX_METHODS] = {0};
+    for (uint32_t n = 1; n < set->count; n++)
+        if (set->cases[n].nx != set->cases[0].nx || set->cases[n].ny != set->cases[0].ny)
+            return hs_fail(err, HS_ERR_INPUT, "%s: %u x %u rays, the first frame has %u x %u",
+                           set->cases[n].name, set->cases[n].nx, set->cases[n].ny, set->cases[0].nx,
+                           set->cases[0].ny);
+    if (set->count < 2) return hs_fail(err, HS_ERR_USAGE, "flicker: a sequence of %u frame", set->count);
+    return print_sequence(set, set->title, methods, unused, err);
+}
+
+static bool print_scenes(const site_methods *methods, hs_error *err) {
+    double sum[SITE_MAX_METHODS] = {0};
     for (int k = 0; k < SCENES; k++) {
         site_set frames;
-        bool ok = make_frames(scenes[k], &frames, err);
-        const double true_moves = ok ? truth_moves(&frames) : 0.0;
-        if (ok) printf("  %s, %d frames: the truth moves by %.2f\n", scenes[k], FRAMES, true_moves);
-        for (uint32_t i = 0; ok && i < methods->count; i++) {
-            site_score score;
-            double moves = 0.0;
-            ok = judge(&frames, methods->plugin, &methods->method[i], &moves, &score, err);
-            if (ok)
-                printf("    %-28s %+5.2f   error %5.2f\n", methods->method[i].settings, moves - true_moves,
-                       site_score_mean(&score).error);
-            mean[i] += (moves - true_moves) / SCENES;
-        }
-        (void)fflush(stdout);
+        const bool ok =
+            make_frames(scenes[k], &frames, err) && print_sequence(&frames, scenes[k], methods, sum, err);
         free_frames(&frames);
         if (!ok) return false;
     }
     for (uint32_t i = 0; i < methods->count; i++)
-        printf("  mean of %d: %-28s %+5.2f%s\n", SCENES, methods->method[i].settings, mean[i],
-               mean[i] <= goal ? "" : "  above the goal");
-    printf("\n");
+        printf("  mean of %d: %-28s %+5.2f%s\n", SCENES, methods->method[i].settings, sum[i] / SCENES,
+               sum[i] <= goal * SCENES ? "" : "  above the goal");
     return true;
+}
+
+bool site_flicker(const site_list *list, const site_methods *methods, hs_error *err) {
+    printf("Flicker: move of the rendered ends from frame to frame beyond the truth's, slices of 128 (goal "
+           "%.1f); error\n",
+           goal);
+    bool given = false, ok = true;
+    for (uint32_t i = 0; ok && i < list->count; i++) {
+        if (!site_is_files(&list->set[i])) continue;
+        given = true;
+        ok = print_files(&list->set[i], methods, err);
+    }
+    ok = ok && (given || print_scenes(methods, err));
+    printf("\n");
+    return ok;
 }

@@ -5,9 +5,10 @@
 
 #include "sites/site_table.h"
 
-/* Four scenes that move, 20 frames each. Prints for every method and scene the mean over labelled rays of
+/* The set of files in `list` as the frames of one sequence, or without one four scenes that move, 20 frames
+ * each. Prints for every method and scene the mean over labelled rays of
  * |end in this frame - end in the one before|, slices of 128, less the same of the ground truth. A method at
  * its best q takes the one that is best for these frames. Nothing remembers unless its settings say so. */
-bool site_flicker(const site_methods *methods, hs_error *err);
+bool site_flicker(const site_list *list, const site_methods *methods, hs_error *err);
 
 #endif

@@ -70,6 +70,33 @@ bool site_add_scenes(site_list *list, const char *text, hs_error *err) {
     return true;
 }
 
+bool site_add_scene(site_list *list, const char *name, hs_error *err) {
+    site_set *s = set_of(list, "named scenes", err);
+    wall_case *c = s ? new_case(s, err) : NULL;
+    if (!c || !wall_case_make(name, 0, 0, 0, c, err)) return false;
+    s->count++;
+    return true;
+}
+
+bool site_add_random(site_list *list, const char *text, hs_error *err) {
+    unsigned long seed = 0, count = 0;
+    int length = 0;
+    if (sscanf(text, "%9lu,%9lu%n", &seed, &count, &length) != 2 || text[length] != '\0' || count < 1 ||
+        count > SITE_MAX_CASES)
+        return hs_fail(err, HS_ERR_USAGE, "--random: '%s' is no SEED,COUNT with a count of 1 .. %d", text,
+                       SITE_MAX_CASES);
+    for (unsigned long n = 0; n < count; n++) {
+        char name[48];
+        (void)snprintf(name, sizeof name, "R%lu_%lu", seed, n);
+        if (!site_add_scene(list, name, err)) return false;
+    }
+    return true;
+}
+
+bool site_is_files(const site_set *set) {
+    return strcmp(set->title, "files") == 0;
+}
+
 void site_free(site_list *list) {
     for (uint32_t i = 0; i < list->count; i++) {
         for (uint32_t n = 0; n < list->set[i].count; n++) wall_case_free(&list->set[i].cases[n]);

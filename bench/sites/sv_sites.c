@@ -20,10 +20,14 @@ static const char help[] =
     "  reverse  the constants of wall chosen on one site alone, judged on the others\n"
     "  harm     bare cases, cases without a fetus, with a bladder; volumes that nothing hides, from 36 "
     "sides\n"
-    "  flicker  what the renderings of four moving scenes flicker beyond the truth's\n"
+    "  flicker  what the renderings of four moving scenes, or of the frames given by --case, flicker beyond "
+    "the\n"
+    "           truth's\n"
     "  page     every case in pictures, with bare ones and views of the volumes, on one page\n"
     "Options, repeatable but the last three:\n"
     "  --scenes SEED,POSE  the nine scenes at 128^3; all of them are one site [201,0]\n"
+    "  --scene NAME        one scene by name or file, at 128^3; all of them are one site\n"
+    "  --random SEED,COUNT the first random scenes of a set, with those of --scene\n"
     "  --site FOLDER       nine cases NAME_full.mha, NAME_truth.mha, NAME_label.mha, with scan_first.mha "
     "and\n"
     "                      scan_end.mha; every folder is a site\n"
@@ -49,9 +53,22 @@ typedef struct {
     bool help;
 } request;
 
-enum { OPT_SCENES = 256, OPT_SITE, OPT_CASE, OPT_VOLUME, OPT_METHOD, OPT_PLUGIN, OPT_OUT, OPT_HELP };
+enum {
+    OPT_SCENES = 256,
+    OPT_SCENE,
+    OPT_RANDOM,
+    OPT_SITE,
+    OPT_CASE,
+    OPT_VOLUME,
+    OPT_METHOD,
+    OPT_PLUGIN,
+    OPT_OUT,
+    OPT_HELP
+};
 
 static const struct option options[] = {{"scenes", required_argument, NULL, OPT_SCENES},
+                                        {"scene", required_argument, NULL, OPT_SCENE},
+                                        {"random", required_argument, NULL, OPT_RANDOM},
                                         {"site", required_argument, NULL, OPT_SITE},
                                         {"case", required_argument, NULL, OPT_CASE},
                                         {"volume", required_argument, NULL, OPT_VOLUME},
@@ -74,6 +91,10 @@ static bool take(int option, request *r, hs_error *err) {
     switch (option) {
     case OPT_SCENES:
         return site_add_scenes(&r->sites, optarg, err);
+    case OPT_SCENE:
+        return site_add_scene(&r->sites, optarg, err);
+    case OPT_RANDOM:
+        return site_add_random(&r->sites, optarg, err);
     case OPT_SITE:
         return site_add_folder(&r->sites, optarg, err);
     case OPT_CASE:
@@ -106,7 +127,8 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     if (optind + 1 != argc)
         return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - optind);
     if (r->methods.count == 0) r->methods = site_methods_default(r->methods.plugin);
-    return r->sites.count > 0 || site_add_scenes(&r->sites, "201,0", err);
+    const bool all_given = r->sites.count > 0 || strcmp(argv[optind], "flicker") == 0;
+    return all_given || site_add_scenes(&r->sites, "201,0", err);
 }
 
 static bool write_page(const request *r, hs_error *err) {
@@ -124,7 +146,7 @@ static bool run(const char *command, request *r, hs_error *err) {
     if (strcmp(command, "reverse") == 0) return site_reverse(&r->sites, err);
     if (strcmp(command, "harm") == 0)
         return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
-    if (strcmp(command, "flicker") == 0) return site_flicker(&r->methods, err);
+    if (strcmp(command, "flicker") == 0) return site_flicker(&r->sites, &r->methods, err);
     if (strcmp(command, "page") == 0) return write_page(r, err);
     return hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table, reverse, harm, flicker or page", command);
 }
