@@ -4,6 +4,7 @@
 #include "volume/beams_cartesian.h"
 #include "volume/kretz_header.h"
 #include "volume/metaimage_open.h"
+#include "volume/volume_fill.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,6 +93,17 @@ static bool make(const hs_kretz *kretz, hs_volume *volume, hs_error *err) {
     }
     const char *slash = strrchr(kretz->path, '/');
     (void)snprintf(volume->name, sizeof volume->name, "%.255s", slash ? slash + 1 : kretz->path);
+    return true;
+}
+
+bool hs_kretz_shape(const hs_kretz *kretz, hs_volume *shape, hs_error *err) {
+    *shape = (hs_volume){0};
+    if (!make(kretz, shape, err)) return false;
+    free(shape->voxels);
+    shape->voxels = NULL;
+    if (!shape->beams) return true;
+    free(shape->beams->voxels);
+    shape->beams->voxels = NULL;
     return true;
 }
 

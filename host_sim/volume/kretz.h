@@ -27,6 +27,10 @@ void hs_kretz_close(hs_kretz *kretz);
 /* Volumes in the file, >= 1. */
 uint32_t hs_kretz_count(const hs_kretz *kretz);
 
+/* Size, spacing, geometry and name of its volumes; no voxels. Free it with hs_volume_free. HS_ERR_USAGE (the
+ * spacing) or HS_ERR_MEMORY. */
+bool hs_kretz_shape(const hs_kretz *kretz, hs_volume *shape, hs_error *err);
+
 /*
  * Reads volume `index` (0 .. count - 1). A zeroed `volume` is made, and the caller frees it with
  * hs_volume_free; one that an earlier call made from the same file is filled again, without new memory. In

@@ -38,6 +38,7 @@ run=(run --frames 1 --setting smartvis --picture 32 --lowres 48 --out out --plug
 
 # ------------------------------------------------------------------------------------------ orientation
 expect 0 "in the patient: not said" info plain.mha
+expect 0 "first voxel at (0, 0, 0) mm; probe at -z" info plain.mha
 expect 0 "in the patient: x to the right, y to the head, z to the back (LIA)" info lying.mha
 expect 0 "first voxel at (1, 2, 3) mm (left, back, head); probe at -z" info lying.mha
 expect 0 "AnatomicalOrientation says LPI instead: TransformMatrix counts" info doubt.mha
@@ -66,13 +67,14 @@ rm -rf out
 expect 0 "Results: mask.mha" "${run[@]}" --volume plain.mha --write mask
 holds [ -s out/mask.mha ]
 holds [ ! -e out/clipped.mha ]
+expect 0 "inflating alone" info --timing out/mask.mha
 expect 0 "confidence.mha" "${run[@]}" --plugin "$build/tests/plugins/sure_ramp.so" --volume plain.mha --write confidence,depthmap
 holds [ -s out/confidence.mha ]
 expect 0 "sequences of 2 volumes" "${run[@]}" --volume plain.mha --volume plain.mha --write clipped,surface
 holds grep -aqxF "DimSize = 24 24 24 2" out/clipped.mha
 holds [ -s out/surface_0001.ply ]
 expect 0 "a sequence of 2 volumes" info out/clipped.mha
-expect 0 "reading it, the shortest of" info --timing out/clipped.mha
+expect 0 "its bytes alone" info --timing out/clipped.mha
 expect 4 "confidence: the plugin gave none" "${run[@]}" --volume plain.mha --write confidence
 expect 4 "nothing is cut away in 1" "${run[@]}" --volume plain.mha --write mask --set fail=end
 expect 2 "--write: 'depth' is none of depthmap, confidence, status, clipped, mask, surface, or all" "${run[@]}" --volume plain.mha --write depth
