@@ -26,6 +26,8 @@ double *wall_constant(sv_wall_settings *s, const char *key) {
                {"around_mm", &s->around_mm},
                {"tissue", &s->tissue},
                {"slack", &s->slack},
+               {"reach", &s->reach},
+               {"q", &s->q},
                {"doubt", &s->doubt},
                {"wall_share", &s->wall_share},
                {"fetus_share", &s->fetus_share},

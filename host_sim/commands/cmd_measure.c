@@ -18,7 +18,7 @@ static const char help_text[] =
     "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
     "low-resolution volume, 0 or less clips nothing. '-' is the map that clips nothing at all.\n"
     "\n"
-    "  --case NAME      a built-in scene, a scene file, or MetaImage files FULL,TRUTH,LABEL[,FIRST,END]\n"
+    "  --case NAME      a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END]\n"
     "                   (see 'host_sim report --help') [D01]\n"
     "  --real FILE      the volume of the scene 'real'\n"
     "  --size N         voxels per axis of a scene, 32 .. 512 [384]\n"

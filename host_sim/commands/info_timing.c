@@ -4,12 +4,11 @@
 #include "base/progress.h"
 #include "commands/info_sampling.h"
 #include "volume/metaimage_header.h"
-#include "volume/metaimage_open.h"
+#include "volume/plain_bytes.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
-#include <zlib.h>
 
 #define TURNS 5
 
@@ -25,64 +24,24 @@ typedef struct {
 /* What is timed: false with an error. */
 typedef bool (*reader)(const target *t, hs_error *err);
 
-static uint8_t *make_room(const target *t, size_t bytes, hs_error *err) {
-    uint8_t *memory = malloc(bytes ? bytes : 1);
-    if (!memory) (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", t->path, bytes);
-    return memory;
-}
-
-/* The file's bytes from `first` on, up to *bytes of them, as fast as the system gives them; the caller frees.
- */
-static uint8_t *take_bytes(const target *t, uint64_t first, size_t *bytes, hs_error *err) {
-    uint64_t size = 0;
-    FILE *file = hs_met_open(t->data_path, t->path, &size, err);
-    if (!file) return NULL;
-    if (size - first < *bytes) *bytes = (size_t)(size - first);
-    uint8_t *memory = make_room(t, *bytes, err);
-    bool ok = memory != NULL;
-    for (size_t at = 0; ok && at < *bytes;) {
-        const ssize_t got = pread(fileno(file), memory + at, *bytes - at, (off_t)(first + at));
-        ok = got > 0 || hs_fail(err, HS_ERR_INPUT, "%s: cannot be read", t->path);
-        at += ok ? (size_t)got : 0;
-    }
-    (void)fclose(file);
-    if (ok) return memory;
-    free(memory);
-    return NULL;
-}
-
 static bool read_bytes(const target *t, hs_error *err) {
     size_t bytes = t->bytes;
-    uint8_t *memory = take_bytes(t, 0, &bytes, err);
+    uint8_t *memory = hs_plain_bytes(t->data_path, 0, &bytes, err);
     free(memory);
     return memory != NULL;
 }
 
-/* Compressed bytes in one piece, and what zlib makes of them in another. */
 static bool inflate_bytes(const target *t, hs_error *err) {
-    size_t packed = SIZE_MAX;
-    uint8_t *in = take_bytes(t, t->first, &packed, err), *out = in ? make_room(t, t->bytes, err) : NULL;
-    z_stream z = {.next_in = in, .next_out = out};
-    bool ok = out && (inflateInit2(&z, 15 + 32) == Z_OK || hs_fail(err, HS_ERR_MEMORY, "%s: zlib", t->path));
-    const bool started = ok;
-    for (int code = Z_OK; ok && code == Z_OK && z.total_out < t->bytes;) {
-        const size_t in_left = packed - z.total_in, out_left = t->bytes - z.total_out;
-        z.avail_in = (uInt)(in_left < 1u << 30 ? in_left : 1u << 30); /* zlib counts in 32 bit */
-        z.avail_out = (uInt)(out_left < 1u << 30 ? out_left : 1u << 30);
-        code = inflate(&z, Z_NO_FLUSH);
-        ok = code == Z_OK || code == Z_STREAM_END || hs_fail(err, HS_ERR_INPUT, "%s: zlib", t->path);
-    }
-    if (started) (void)inflateEnd(&z);
-    free(in);
-    free(out);
-    return ok;
+    return hs_plain_inflate(t->data_path, t->first, t->bytes, err);
 }
 
 /* The samples of a Kretz file, its header checked, without their Cartesian copy. */
 static bool read_samples(const target *t, hs_error *err) {
     hs_kretz *kretz = hs_kretz_open(t->path, t->kretz, err);
-    uint8_t *memory = kretz ? make_room(t, t->bytes, err) : NULL;
-    const bool ok = memory && hs_kretz_read_bytes(kretz, 0, memory, err);
+    uint8_t *memory = kretz ? malloc(t->bytes) : NULL;
+    const bool ok =
+        kretz && (memory ? hs_kretz_read_bytes(kretz, 0, memory, err)
+                         : hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", t->path, t->bytes));
     free(memory);
     hs_kretz_close(kretz);
     return ok;

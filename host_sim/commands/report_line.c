@@ -16,7 +16,7 @@ static const char help_text[] =
     "CSV files, pictures and one page, index.html. A run that was ended goes on where it stopped.\n"
     "\n"
     "  --out DIR        folder for everything [out/report]\n"
-    "  --case NAME      a built-in scene, a scene file, or MetaImage files FULL,TRUTH,LABEL[,FIRST,END];\n"
+    "  --case NAME      a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END];\n"
     "                   the last two are every ray's first scanned slice and the first one behind the scan;\n"
     "                   repeatable [E01 .. E04, M01 .. M03, D01, D02]\n"
     "  --real FILE      the scene 'real' as a case: synthetic occluders before the volume in FILE\n"

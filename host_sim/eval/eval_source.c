@@ -2,6 +2,7 @@
 #include "eval/eval_source.h"
 
 #include "volume/scanned_maps.h"
+#include "volume/volume_file.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -91,8 +92,9 @@ static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
     const bool ranged = parts == PARTS;
     if (!open_full(s, part, ranged, err)) return false;
     const hs_volume *volume = hs_source_volume(&s->source, 0);
-    if (!hs_metaimage_read(part[TRUTH], ranged ? &as_it_is : NULL, &s->given_truth, err) ||
-        !check_truth(volume, &s->given_truth, part[TRUTH], err) ||
+    const bool read = ranged ? hs_metaimage_read(part[TRUTH], &as_it_is, &s->given_truth, err)
+                             : hs_volume_file_read(part[TRUTH], &s->given_truth, err);
+    if (!read || !check_truth(volume, &s->given_truth, part[TRUTH], err) ||
         !hs_metaimage_read(part[LABEL], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[LABEL], err))
         return false;

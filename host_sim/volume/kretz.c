@@ -29,12 +29,16 @@ static bool has_magic(const char *path) {
     return ours;
 }
 
-bool hs_kretz_is_file(const char *path) {
+bool hs_kretz_is_name(const char *name) {
     static const char *const endings[] = {".vol", ".v00", ".v01", ".v02", ".v03", ".v04", ".v05"};
-    const char *dot = strrchr(path, '.');
+    const char *dot = strrchr(name, '.');
     for (size_t i = 0; dot && i < sizeof endings / sizeof endings[0]; i++)
         if (strcasecmp(dot, endings[i]) == 0) return true;
-    return has_magic(path);
+    return false;
+}
+
+bool hs_kretz_is_file(const char *path) {
+    return hs_kretz_is_name(path) || has_magic(path);
 }
 
 hs_kretz *hs_kretz_open(const char *path, const hs_kretz_options *options, hs_error *err) {

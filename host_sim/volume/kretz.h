@@ -13,7 +13,10 @@ typedef struct {
 
 typedef struct hs_kretz hs_kretz;
 
-/* True if the name ends in .vol or .v00 .. .v05, or the file begins as a KRETZFILE does: read it here. */
+/* True if the name ends in .vol or .v00 .. .v05. */
+bool hs_kretz_is_name(const char *name);
+
+/* The same, or the file begins as a KRETZFILE does: read it here. */
 bool hs_kretz_is_file(const char *path);
 
 /*

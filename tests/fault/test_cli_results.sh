@@ -54,6 +54,9 @@ expect 2 "--probe +x: is for --volume" "${run[@]}" --scene D01 --size 32 --probe
 make_volume turned.mha 'ElementSpacing = 1 1 2\nTransformMatrix = -1 0 0 0 0 1 0 1 0\n'
 expect 3 "turned.mha: lies otherwise in the patient than plain.mha" "${run[@]}" --volume plain.mha --volume turned.mha
 
+expect 0 "in the pictures: patient's right at the right, feet at the top" "${run[@]}" --few-pictures --volume lying.mha
+expect 0 "in the pictures: patient's left at the right, head at the top" "${run[@]}" --few-pictures --volume lying.mha --view anterior
+
 # ---------------------------------------------------------------------------------------------- results
 rm -rf out
 expect 0 "Results: depthmap.mha, status.mha, clipped.mha, mask.mha, surface.ply; what is cut away became 0" "${run[@]}" --volume plain.mha --write all --json r.json
