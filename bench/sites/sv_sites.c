@@ -24,7 +24,7 @@ static const char help[] =
     "the\n"
     "           truth's\n"
     "  page     every case in pictures, with bare ones and views of the volumes, on one page\n"
-    "Options, repeatable but the last three:\n"
+    "Options, repeatable but the last four:\n"
     "  --scenes SEED,POSE  the nine scenes at 128^3 [201,0]\n"
     "  --scene NAME        one scene by name or file, at 128^3\n"
     "  --random SEED,COUNT the first random scenes of a set, at 128^3; all scenes together are one site\n"
@@ -37,6 +37,7 @@ static const char help[] =
     "  --method SETTINGS   'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
     "                      [best method=mean; method=cost; method=wall];\n"
     "                      page: the last of them\n"
+    "  --rounds N          reverse: rounds of the search at most, 1 .. 100 [4]\n"
     "  --plugin PATH       library to judge [the build's smartvis.so]\n"
     "  --out FOLDER        page: where it goes [out/sites]\n"
     "  --help              this text\n"
@@ -49,6 +50,7 @@ typedef struct {
     site_methods methods;
     const char *volumes[MAX_VOLUMES];
     uint32_t volume_count;
+    uint32_t rounds;
     const char *out;
     bool help;
 } request;
@@ -61,22 +63,19 @@ enum {
     OPT_CASE,
     OPT_VOLUME,
     OPT_METHOD,
+    OPT_ROUNDS,
     OPT_PLUGIN,
     OPT_OUT,
     OPT_HELP
 };
 
-static const struct option options[] = {{"scenes", required_argument, NULL, OPT_SCENES},
-                                        {"scene", required_argument, NULL, OPT_SCENE},
-                                        {"random", required_argument, NULL, OPT_RANDOM},
-                                        {"site", required_argument, NULL, OPT_SITE},
-                                        {"case", required_argument, NULL, OPT_CASE},
-                                        {"volume", required_argument, NULL, OPT_VOLUME},
-                                        {"method", required_argument, NULL, OPT_METHOD},
-                                        {"plugin", required_argument, NULL, OPT_PLUGIN},
-                                        {"out", required_argument, NULL, OPT_OUT},
-                                        {"help", no_argument, NULL, OPT_HELP},
-                                        {0}};
+static const struct option options[] = {
+    {"scenes", required_argument, NULL, OPT_SCENES}, {"scene", required_argument, NULL, OPT_SCENE},
+    {"random", required_argument, NULL, OPT_RANDOM}, {"site", required_argument, NULL, OPT_SITE},
+    {"case", required_argument, NULL, OPT_CASE},     {"volume", required_argument, NULL, OPT_VOLUME},
+    {"method", required_argument, NULL, OPT_METHOD}, {"rounds", required_argument, NULL, OPT_ROUNDS},
+    {"plugin", required_argument, NULL, OPT_PLUGIN}, {"out", required_argument, NULL, OPT_OUT},
+    {"help", no_argument, NULL, OPT_HELP},           {0}};
 
 static bool add_method(const char *text, site_methods *m, hs_error *err) {
     static const char best[] = "best ";
@@ -106,6 +105,8 @@ static bool take(int option, request *r, hs_error *err) {
         return true;
     case OPT_METHOD:
         return add_method(optarg, &r->methods, err);
+    case OPT_ROUNDS:
+        return hs_cli_u32("--rounds", optarg, 1, 100, &r->rounds, err);
     case OPT_PLUGIN:
         r->methods.plugin = optarg;
         return true;
@@ -119,7 +120,7 @@ static bool take(int option, request *r, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, request *r, hs_error *err) {
-    *r = (request){.methods = {.plugin = SURF_PLUGIN}, .out = "out/sites"};
+    *r = (request){.methods = {.plugin = SURF_PLUGIN}, .rounds = 4, .out = "out/sites"};
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;)
         if (!hs_cli_known(option, argv, err) || !take(option, r, err)) return false;
@@ -143,7 +144,7 @@ static bool write_page(const request *r, hs_error *err) {
 
 static bool run(const char *command, request *r, hs_error *err) {
     if (strcmp(command, "table") == 0) return site_table(&r->sites, &r->methods, err);
-    if (strcmp(command, "reverse") == 0) return site_reverse(&r->sites, err);
+    if (strcmp(command, "reverse") == 0) return site_reverse(&r->sites, r->rounds, err);
     if (strcmp(command, "harm") == 0)
         return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
     if (strcmp(command, "flicker") == 0) return site_flicker(&r->sites, &r->methods, err);
