@@ -46,8 +46,10 @@ host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim
 host_sim/commands          | abi HOST .                                                 | libc opencl json
 bench/frame                | abi HOST .                                                 | libc opencl json futex
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
+bench/quality/sv_surfaces.c| abi HOST shared src src/ref bench/sites bench/quality       | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
 bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
+bench/sites                | abi HOST shared src src/ref bench/quality bench/wall .     | libc opencl json
 validate/spy               | .                                                          | libc opencl elf
 validate/drive             | abi host_sim/base host_sim/plugin validate/spy .           | libc opencl
 validate/checks            | abi host_sim/base host_sim/plugin validate/spy validate/drive . | libc opencl elf

@@ -104,6 +104,7 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
            hs_screen_prepare(loop->screen, loop->volume, err) &&
            (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
                                           first->beams != NULL, memory, err)) &&
+           hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err) &&
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 
