@@ -25,7 +25,7 @@ typedef struct {
 typedef struct {
     cl_mem map, confidence; /* NULL: none */
     cl_int4 map_dims;
-    cl_float4 to_steps;
+    cl_float4 to_map, to_steps;
 } ray_start;
 
 static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
@@ -126,6 +126,7 @@ static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const h
     out.map = depths->depth;
     out.map_dims.s[0] = (cl_int)depths->width;
     out.map_dims.s[1] = (cl_int)depths->height;
+    out.to_map = hs_dvr_to_map(s, depths);
     out.to_steps.s[0] = (cl_float)(v->slices / ((double)depths->slices * (double)s->step));
     out.to_steps.s[2] = s->ghost_width > HS_DVR_HARD_CUT ? 1.0f / s->ghost_width : 0.0f;
     if (depths->confidence && out.to_steps.s[2] > 0.0f) {
@@ -184,6 +185,7 @@ static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_
     hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &v);
     hs_launch_buffer(&launch, rays.map);
     hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
+    hs_launch_arg(&launch, sizeof rays.to_map, &rays.to_map);
     hs_launch_arg(&launch, sizeof rays.to_steps, &rays.to_steps);
     set_transfer(&launch, &dvr->settings);
     set_output(&launch, rgba);
