@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROOM = 16384, MIDDLE = 6000, EXTENT = 12000, BLADDER_WALL = 300, MANY = 3200 };
+enum { ROOM = 16384, MIDDLE = 6000, EXTENT = 12000, BLADDER_WALL = 300, DEEP = 4800 };
 
 /* A scene being written. Lengths in hundredths. */
 typedef struct {
@@ -138,22 +138,24 @@ static void put_pose(drawn *d, uint32_t body) {
     }
 }
 
-/* How far the skin lies behind the wall where it is nearest to it. */
-static int32_t wall_gap(const drawn *d, uint32_t body) {
+/* How far the skin lies behind the wall where it is nearest to it; the fetus, some 48 mm deep at scale 1, is
+ * not to be pressed into the sac's far side. */
+static int32_t wall_gap(const drawn *d, uint32_t body, int32_t scale) {
     if (has(d, HS_RANGE_LIMB_CONTACT)) return -draw(d, HS_RANGE_OVERLAP, 8 + body);
-    const int32_t most = 2 * d->sac[2] - MANY, wanted = (d->gap > 0 ? d->gap : 0) + d->protrusion;
+    const int32_t most = 2 * d->sac[2] - DEEP * scale / 100,
+                  wanted = (d->gap > 0 ? d->gap : 0) + d->protrusion;
     return wanted < most ? wanted : most;
 }
 
 static void put_fetus(drawn *d, uint32_t body, int32_t aside) {
-    const hs_range_id scale = d->twins ? HS_RANGE_TWIN_SCALE : HS_RANGE_SCALE;
+    const int32_t scale = draw(d, d->twins ? HS_RANGE_TWIN_SCALE : HS_RANGE_SCALE, body);
     put(d, "    { \"type\": \"fetus\"");
     put_vector(d, "position_mm", MIDDLE + aside + draw(d, HS_RANGE_PLACE, 4 * body),
                MIDDLE + 300 + draw(d, HS_RANGE_PLACE, 4 * body + 1), d->bare ? MIDDLE : d->sac_z);
     put_vector(d, "rotation_deg", draw(d, HS_RANGE_NOD, 4 * body),
                body ? draw(d, HS_RANGE_TURN, body) : d->turn, draw(d, HS_RANGE_NOD, 4 * body + 1));
-    put_field(d, "scale", draw(d, scale, body));
-    if (!d->bare) put_field(d, "gap_mm", wall_gap(d, body));
+    put_field(d, "scale", scale);
+    if (!d->bare) put_field(d, "gap_mm", wall_gap(d, body, scale));
     put_pose(d, body);
     put(d, " },\n");
 }
