@@ -2,8 +2,8 @@
 /*
  * The probe stands where it stood: all that happens to the pulse happens along +z of the scene. A camera
  * turned by R around the cube's middle m sees voxel p at m + R (p - m). Its grey value is the trilinear one
- * of the scan there, over the neighbours that were scanned; it counts as scanned where the nearest voxel was.
- * Its tissue is read from the solids at that very point, so the truth is no resampled one.
+ * of the scan there, over the neighbours that were scanned; it counts as scanned where the nearest voxel
+ * was. Its tissue is read from the solids at that very point, so the truth is no resampled one.
  */
 #include "scene/scene_camera.h"
 

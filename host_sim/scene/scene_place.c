@@ -103,8 +103,8 @@ static float skin_depth(fetuses *f, float x, float y) {
     return inside;
 }
 
-/* Where the beam at x, y leaves an ellipsoid: the larger root of |A (o + z e - c)| = 1, A its axes by their
- * radii. */
+/* Where the beam at x, y leaves an ellipsoid: the larger root of |A (o + z e - c)| = 1, A its axes by
+ * their radii. */
 static float ellipsoid_end(const hs_solid *s, float x, float y) {
     const float o[3] = {x - s->centre[0], y - s->centre[1], -s->centre[2]};
     float dd = 0.0f, od = 0.0f, oo = 0.0f;

@@ -27,8 +27,8 @@ typedef struct {
     uint32_t bricks[3];
 } raster;
 
-/* Indices of the solids a brick (or a row of bricks) has to look at;
- * first[part] .. first[part + 1] are of one part. */
+/* Indices of the solids a brick (or a row of bricks) has to look at; first[part] .. first[part + 1] are
+ * of one part. */
 typedef struct {
     uint16_t item[HS_SCENE_MAX_SOLIDS];
     uint32_t first[HS_PART_COUNT + 1];
@@ -94,8 +94,8 @@ static hs_tissue layer_tissue(const raster *r, const float p[3], size_t column) 
     return HS_TISSUE_WALL;
 }
 
-/* How much of an occluder's scatterers are there: none at the edge of a soft one, all of them soft_mm inside.
- * `depth` is that below its surface. */
+/* How much of an occluder's scatterers are there: none at the edge of a soft one, all of them soft_mm
+ * inside. `depth` is that below its surface. */
 static uint8_t share_of(const raster *r, const hs_solid *s, float depth) {
     const float soft = r->spec->structure[s->style - 1].of.occluder.soft_mm;
     return soft > 0.0f ? (uint8_t)lrintf(255.0f * fminf(fmaxf(depth / soft, 0.0f), 1.0f)) : 255;

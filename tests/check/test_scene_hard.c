@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the hard cases hold: gaps as long as asked, contact without fluid, a bladder before the uterus, no
- * fetus, nothing before the fetus, two of them, a cord round the neck. Each with its truth. */
+/* What the hard cases hold: gaps as long as asked, contact without fluid, a bladder before the uterus,
+ * no fetus, nothing before the fetus, two of them, a cord round the neck. Each with its truth. */
 #include "scene/scene_names.h"
 #include "support/scene_fixture.h"
 
@@ -25,8 +25,8 @@ static uint8_t tissue(const hs_scene_data *d, size_t pixel, long z) {
     return scene_voxel(d->tissue, &d->full, pixel, z);
 }
 
-/* The shortest run of fluid between `before` and the fetus on any ray, in mm; *touching counts the rays on
- * which one follows the other. */
+/* The shortest run of fluid between `before` and the fetus on any ray, in mm; *touching counts the rays
+ * on which one follows the other. */
 static double shortest(const hs_scene_data *d, hs_tissue before, size_t *touching) {
     double least = 1e3;
     *touching = 0;
@@ -41,8 +41,8 @@ static double shortest(const hs_scene_data *d, hs_tissue before, size_t *touchin
     return least;
 }
 
-/* The gap of a fold before the trunk, and of the wall: within a voxel, 0.5 mm, and what a ray between two
- * voxels may add. */
+/* The gap of a fold before the trunk, and of the wall: within a voxel, 0.5 mm, and what a ray between
+ * two voxels may add. */
 static void gaps_are_as_long_as_asked(void **state) {
     (void)state;
     static const double gaps[4] = {2.0, 5.0, 12.0, 30.0};
@@ -73,8 +73,8 @@ static void gaps_are_as_long_as_asked(void **state) {
 }
 
 /* Pressed in by 3 mm: rays without any fluid before the skin, over more than a square centimetre of the
- * placenta, near = far = the skin. No interface shines between the two: tissue of nearly the same impedance
- * meets. */
+ * placenta, near = far = the skin. No interface shines between the two: tissue of nearly the same
+ * impedance meets. */
 static void contact_leaves_no_fluid(void **state) {
     (void)state;
     char structures[512];
@@ -147,8 +147,8 @@ static void a_gap_needs_both_its_ends(void **state) {
     }
 }
 
-/* On a beam through the bladder: wall, 12 mm of urine, which is dark, its own wall, the uterus', the sac. No
- * interval holds urine, and a ray that meets no other fluid has no label. */
+/* On a beam through the bladder: wall, 12 mm of urine, which is dark, its own wall, the uterus', the
+ * sac. No interval holds urine, and a ray that meets no other fluid has no label. */
 static void a_bladder_is_no_sac(void **state) {
     (void)state;
     char structures[512];
@@ -208,8 +208,8 @@ static void a_scan_without_a_fetus(void **state) {
     hs_scene_free(&d);
 }
 
-/* Every ray begins in fluid, with its first scanned voxel, and its interval ends at the skin or at the scan's
- * end. */
+/* Every ray begins in fluid, with its first scanned voxel, and its interval ends at the skin or at the
+ * scan's end. */
 static void nothing_before_the_fetus(void **state) {
     (void)state;
     hs_scene_data d;
@@ -336,8 +336,8 @@ static void hard_truths_are_exact(void **state) {
     }
 }
 
-/* The picture that the truth leaves shows no haze before the skin: but for 3 mm the rays of the fetus are
- * dark there. */
+/* The picture that the truth leaves shows no haze before the skin: but for 3 mm the rays of the fetus
+ * are dark there. */
 static void no_haze_is_left_in_the_truth(void **state) {
     (void)state;
     hs_scene_data d;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The artefacts of the hard cases against numbers computed by hand: haze, thick slices, dark corners, soft
- * edges, a turned camera. */
+/* The artefacts of the hard cases against numbers computed by hand: haze, thick slices, dark corners,
+ * soft edges, a turned camera. */
 #include "scene/scene_camera.h"
 #include "scene/scene_corner.h"
 #include "scene/scene_echo.h"
@@ -42,8 +42,8 @@ static void haze_falls_from_the_wall(void **state) {
         assert_near(level_db(f.diffuse[at(&f, 30, 40, z)]), expected, 0.05);
         assert_int_equal(f.diffuse[at(&f, 3, 4, z)], HS_LEVEL_SILENT);
     }
-    /* A display of 60 dB shows T_L = 40.5 at -50.47 dB; with 4 dB for speckle: 14.47 dB and 9.65 mm behind
-     * the wall. */
+    /* A display of 60 dB shows T_L = 40.5 at -50.47 dB; with 4 dB for speckle: 14.47 dB and 9.65 mm
+     * behind the wall. */
     assert_near(f.haze_end[30 + N * 40], 10.0 + 14.47 / 1.5, 0.05);
     hs_field_free(&f);
 }
@@ -92,8 +92,9 @@ static double spread(const hs_field *f, int axis, uint32_t z) {
     return sqrt(square / sum);
 }
 
-/* Points at three depths: across the image plane 1 mm wide at the focus, sqrt 2 mm a Rayleigh length off it,
- * sqrt 5 at two; within the plane as before. What the kernel leaves out beyond 3 deviations is 1.4 %. */
+/* Points at three depths: across the image plane 1 mm wide at the focus, sqrt 2 mm a Rayleigh length off
+ * it, sqrt 5 at two; within the plane as before. What the kernel leaves out beyond 3 deviations is 1.4
+ * %. */
 static void slices_are_thick_off_the_focus(void **state) {
     (void)state;
     static const uint32_t depth[3] = {32, 16, 0};
@@ -116,8 +117,8 @@ static void slices_are_thick_off_the_focus(void **state) {
     }
 }
 
-/* To the lower right, from 4 mm off the middle on, whole 8 mm further: along the diagonal the middle of pixel
- * 32 + k is (k + 1/2) / 2 * sqrt 2 mm away. */
+/* To the lower right, from 4 mm off the middle on, whole 8 mm further: along the diagonal the middle of
+ * pixel 32 + k is (k + 1/2) / 2 * sqrt 2 mm away. */
 static void a_corner_is_dark(void **state) {
     (void)state;
     hs_scene_spec spec;
@@ -153,9 +154,9 @@ static void echo_of(const char *text, hs_field *f) {
     hs_solid_list_free(&solids);
 }
 
-/* A ball of 10 mm radius in a volume of 32 mm, whose far pole is at 26 mm. It is 6 dB dimmer than placenta,
- * -31 dB, and its scatterers grow over 4 mm: a share of d / 4 of the power at d mm inside. Its interface
- * is 3.5 MHz, 4 mm, 1560 m/s: k d = 2 pi 4 3.5 / 1.56 = 56.4, -35.0 dB. */
+/* A ball of 10 mm radius in a volume of 32 mm, whose far pole is at 26 mm. It is 6 dB dimmer than
+ * placenta, -31 dB, and its scatterers grow over 4 mm: a share of d / 4 of the power at d mm inside. Its
+ * interface is 3.5 MHz, 4 mm, 1560 m/s: k d = 2 pi 4 3.5 / 1.56 = 56.4, -35.0 dB. */
 static void edges_are_soft(void **state) {
     (void)state;
     static const char scene[] =
@@ -186,8 +187,8 @@ static void edges_are_soft(void **state) {
     hs_field_free(&soft);
 }
 
-/* A quarter turn about y is a change of axes: the camera's x runs against the beams, its z along the scene's
- * x. */
+/* A quarter turn about y is a change of axes: the camera's x runs against the beams, its z along the
+ * scene's x. */
 static void a_turned_camera_sees_the_same_scan(void **state) {
     (void)state;
     enum { SIDE = 48 };
@@ -215,8 +216,9 @@ static void a_turned_camera_sees_the_same_scan(void **state) {
     hs_scene_close(scene);
 }
 
-/* At 30 degrees: the fetus' middle, at (60, 60, 70), lies on the ray that it ought to. With m = 60 and the
- * camera's axes x = (cos, 0, -sin), z = (sin, 0, cos), its place is (60 - 10 sin 30, 60, 60 + 10 cos 30). */
+/* At 30 degrees: the fetus' middle, at (60, 60, 70), lies on the ray that it ought to. With m = 60 and
+ * the camera's axes x = (cos, 0, -sin), z = (sin, 0, cos), its place is (60 - 10 sin 30, 60, 60 + 10 cos
+ * 30). */
 static void a_turned_camera_stands_where_it_says(void **state) {
     (void)state;
     enum { SIDE = 120 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Random scenes: the same seed gives the same file on every machine, every number lies in its range, every
- * share is kept, every scene opens and has an exact truth. And fields that are set otherwise. */
+/* Random scenes: the same seed gives the same file on every machine, every number lies in its range,
+ * every share is kept, every scene opens and has an exact truth. And fields that are set otherwise. */
 #include "scene/scene_draw.h"
 #include "scene/scene_override.h"
 #include "scene/scene_ranges.h"
@@ -9,9 +9,9 @@
 #include <jansson.h>
 #include <zlib.h>
 
-/* Whole numbers make the text, so its sum is the same everywhere. It changes when the table or the drawing
- * does: then the scenes of a seed are others, and figures that were measured on them are to be measured
- * again. */
+/* Whole numbers make the text, so its sum is the same everywhere. It changes when the table or the
+ * drawing does: then the scenes of a seed are others, and figures that were measured on them are to be
+ * measured again. */
 static void a_seed_is_a_text(void **state) {
     (void)state;
     uLong crc = 0;
@@ -24,7 +24,7 @@ static void a_seed_is_a_text(void **state) {
         free(again);
         free(other);
     }
-    assert_int_equal((uint32_t)crc, 0);
+    assert_int_equal((uint32_t)crc, 0xbf25ca0cu);
 }
 
 /* What a drawn number may be: on the steps of its range, both ends included and reached. */
@@ -57,8 +57,8 @@ static bool holds(const json_t *root, const char *list, const char *type) {
     return false;
 }
 
-/* Of a thousand scenes; three standard deviations of a share of p are 300 sqrt(p (1 - p) / 1000) percent. A
- * kind of scene that excludes another takes a little from its share. */
+/* Of a thousand scenes; three standard deviations of a share of p are 300 sqrt(p (1 - p) / 1000)
+ * percent. A kind of scene that excludes another takes a little from its share. */
 static void shares_are_kept(void **state) {
     (void)state;
     enum { SCENES = 1000, SHARES = 9 };
@@ -66,7 +66,7 @@ static void shares_are_kept(void **state) {
         const char *list, *type;
         double low, high; /* percent */
     } expected[SHARES] = {
-        {"structures", "bladder", 8, 15},     {"structures", "nuchal_cord", 7, 15},
+        {"structures", "bladder", 8, 15},     {"structures", "nuchal_cord", 4, 11},
         {"structures", "cord", 37, 50},       {"structures", "cloud", 37, 50},
         {"artefacts", "haze", 60, 75},        {"artefacts", "slice_thickness", 55, 65},
         {"artefacts", "dark_corner", 30, 40}, {"artefacts", "edge_shadow", 76, 84},
@@ -104,8 +104,8 @@ static void shares_are_kept(void **state) {
     assert_true(touching > 0.2 * SCENES && touching < 0.4 * SCENES);
 }
 
-/* Every one can be opened, its gaps found, and made; the truth is exact. Frames, threads and sizes do not
- * matter to it. */
+/* Every one can be opened, its gaps found, and made; the truth is exact. Frames, threads and sizes do
+ * not matter to it. */
 static void random_scenes_are_scenes(void **state) {
     (void)state;
     for (uint32_t i = 0; i < 24; i++) {
@@ -179,8 +179,8 @@ static void fields_are_set_otherwise(void **state) {
     }
 }
 
-/* Each of the new artefacts can be switched on in an old scene, by its name alone, and changes the picture,
- * but not the truth's interval. */
+/* Each of the new artefacts can be switched on in an old scene, by its name alone, and changes the
+ * picture, but not the truth's interval. */
 static void artefacts_are_switched(void **state) {
     (void)state;
     static const char *const sets[] = {"artefacts.haze=on", "artefacts.slice_thickness=on",
