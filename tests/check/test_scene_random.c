@@ -108,7 +108,7 @@ static void shares_are_kept(void **state) {
  * not matter to it. */
 static void random_scenes_are_scenes(void **state) {
     (void)state;
-    for (uint32_t i = 0; i < 24; i++) {
+    for (uint32_t i = 0; i < 16; i++) {
         char name[32];
         hs_scene_data d;
         hs_error err = {0};
