@@ -28,7 +28,7 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz oclgrind lint format bench validate clean help
+.PHONY: all setup install dist deb try-deb demo console report test test-sanitize test-clang fuzz oclgrind lint format bench validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -53,6 +53,10 @@ try-deb: ## install out/deb on this machine (needs root), then the template's th
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+
+console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
+	@$(call build,build)
+	build/host_sim console $(DATA)
 
 report: setup ## set up, build, measure quality and speed over all cases; the page is out/report/index.html
 	@$(call build,build)
@@ -83,14 +87,16 @@ oclgrind: ## every method on a small frame in a simulated device that sees wrong
 	@$(call build,build) --target every_method smartvis
 	@scripts/oclgrind.sh build $(JOBS) $(OUT)/oclgrind
 
-lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
+lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels, ruff and mypy
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON)
 	@scripts/lint.sh build-clang $(JOBS)
 
-format: ## apply .clang-format to all C and OpenCL C
+format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
+	@mkdir -p build-clang && scripts/python_env.sh build-clang/python python/requirements-lint.txt
+	@cd python && ../build-clang/python/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)

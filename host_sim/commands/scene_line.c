@@ -26,11 +26,12 @@ static const char help_text[] =
     "  --seed N         another seed than the scene's own: speckle, noise and particles change\n"
     "  --frames N       N frames of the scene's motion, 1 .. 1000 (default 1)\n"
     "  --threads N      threads, 1 .. 64 (default: one per processor); the bytes do not depend on it\n"
-    "  --real FILE      the MetaImage volume that the scene 'real' puts its occluders before\n"
+    "  --real FILE      the volume that the scene 'real' puts its occluders before\n"
     "  --json           write <name>.json, the scene as a file; on its own it makes no volume\n"
     "  --export         write <name>.json, _full.mha, _truth.mha, _label.mha, _near.mha and _far.mha\n"
-    "  --format WHAT    of --export: mha, or vol for Kretz files: <name>_full.vol and _truth.vol, several\n"
-    "                   frames as a sequence (default mha)\n";
+    "  --format WHAT    of --export: mha, or vol for Kretz files: <name>_full.vol and _truth.vol, with\n"
+    "                   _label.mha for their Cartesian copies; several frames as a sequence, without\n"
+    "                   (default mha)\n";
 
 static const char help_tail[] =
     "  --sheet          write <name>_sheet.png, a contact sheet (needs an OpenCL device)\n"

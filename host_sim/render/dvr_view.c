@@ -16,6 +16,15 @@ cl_float4 hs_dvr_float4(const double v[3], double factor) {
     return out;
 }
 
+cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths) {
+    const double share = depths->share > 0.0f ? (double)depths->share : 1.0;
+    cl_float4 out = {{(cl_float)(share * depths->width / settings->width),
+                      (cl_float)(share * depths->height / settings->height),
+                      (cl_float)(0.5 * (1.0 - share) * depths->width),
+                      (cl_float)(0.5 * (1.0 - share) * depths->height)}};
+    return out;
+}
+
 cl_int hs_dvr_transparent(const hs_dvr_settings *s) {
     if (!s->skip_empty) return -1;
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);

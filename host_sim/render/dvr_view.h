@@ -15,6 +15,9 @@ double hs_dvr_slices(const hs_volume *shape, const hs_camera *camera);
 /* factor * v, as kernels take it. */
 cl_float4 hs_dvr_float4(const double v[3], double factor);
 
+/* How pixels of the picture lie in the map, as kernels take it: to_map of cl/dvr.cl. */
+cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths);
+
 /* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
  * 0. */
 cl_int hs_dvr_transparent(const hs_dvr_settings *settings);

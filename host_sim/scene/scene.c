@@ -27,7 +27,7 @@
 #include "scene/scene_solids.h"
 #include "scene/scene_speckle.h"
 #include "scene/scene_truth.h"
-#include "volume/metaimage.h"
+#include "volume/volume_file.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -285,7 +285,7 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     m->field.threads = hs_thread_count(options->threads);
     m->field.seed = options->seed ? options->seed : m->spec.seed;
     m->field.noise_seed = hs_random_key(m->field.seed, 1000u + (uint64_t)options->frame);
-    bool ok = !options->real || (hs_metaimage_read(options->real, NULL, &given, err) &&
+    bool ok = !options->real || (hs_volume_file_read(options->real, &given, err) &&
                                  hs_scene_real_lead(&given, m->spec.lead_mm / m->spec.extent_mm, err));
     if (ok) {
         uint32_t n[3];
