@@ -10,12 +10,13 @@
 
 static const char help[] =
     "Usage: sv_wall [--KEY VALUE]... --site FOLDER | --case FILES... | --scenes SEED,POSE... |\n"
-    "               --views FILE...\n"
+    "               --named NAME... | --views FILE...\n"
     "  --site FOLDER          the nine cases of a folder with NAME_full.mha, NAME_truth.mha, "
     "NAME_label.mha,\n"
     "                         scan_first.mha and scan_end.mha\n"
     "  --case FILES...        cases of FULL,TRUTH,LABEL[,FIRST,END], as host_sim report takes them\n"
     "  --scenes SEED,POSE...  the nine scenes at 128^3 for each seed and pose\n"
+    "  --named NAME...        these scenes at 128^3: H01, or R7_3, number 3 of the random set with seed 7\n"
     "  --views FILE...        a volume with nothing to remove, from 12 x 3 sides: what is cut\n"
     "  --gain G --gamma G --black B   change the grey levels first; the judgement is on the unchanged ones\n"
     "  --KEY VALUE            another value of a constant: a field of sv_wall_settings\n"
@@ -149,6 +150,16 @@ static bool judge_scenes(char **sets, int count, const options *o, hs_error *err
     return true;
 }
 
+static bool judge_named(char **scenes, int count, const options *o, hs_error *err) {
+    totals all = {0};
+    for (int i = 0; i < count; i++) {
+        wall_case c;
+        if (!wall_case_make(scenes[i], 0, 0, 0, &c, err) || !judge(&c, o, &all, err)) return false;
+    }
+    print_totals("named", &all);
+    return true;
+}
+
 static bool judge_view(const wall_case *c, const options *o, double *worst, int *refused, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
     float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
@@ -201,6 +212,8 @@ int main(int argc, char **argv) {
             ok = judge_site(argv[i + 1], &o, &err);
         } else if (strcmp(key, "--case") == 0 && more) {
             ok = judge_files(argv + i + 1, argc - i - 1, &o, &err);
+        } else if (strcmp(key, "--named") == 0 && more) {
+            ok = judge_named(argv + i + 1, argc - i - 1, &o, &err);
         } else if (strcmp(key, "--scenes") == 0 && more) {
             ok = judge_scenes(argv + i + 1, argc - i - 1, &o, &err);
         } else if (strcmp(key, "--views") == 0 && more) {
