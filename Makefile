@@ -87,14 +87,16 @@ oclgrind: ## every method on a small frame in a simulated device that sees wrong
 	@$(call build,build) --target every_method smartvis
 	@scripts/oclgrind.sh build $(JOBS) $(OUT)/oclgrind
 
-lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels
+lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels, ruff and mypy
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON)
 	@scripts/lint.sh build-clang $(JOBS)
 
-format: ## apply .clang-format to all C and OpenCL C
+format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
+	@mkdir -p build-clang && scripts/python_env.sh build-clang/python python/requirements-lint.txt
+	@cd python && ../build-clang/python/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)

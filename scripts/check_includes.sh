@@ -47,8 +47,10 @@ host_sim/console           | abi HOST kernels .                                 
 host_sim/commands          | abi HOST host_sim/console .                                | libc opencl json
 bench/frame                | abi HOST .                                                 | libc opencl json futex
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
+bench/quality/sv_surfaces.c| abi HOST shared src src/ref bench/sites bench/quality       | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
 bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
+bench/sites                | abi HOST shared src src/ref bench/quality bench/wall .     | libc opencl json
 validate/spy               | .                                                          | libc opencl elf
 validate/drive             | abi host_sim/base host_sim/plugin validate/spy .           | libc opencl
 validate/checks            | abi host_sim/base host_sim/plugin validate/spy validate/drive . | libc opencl elf

@@ -22,6 +22,18 @@ bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume 
     return ok;
 }
 
+bool bench_open_source(const char *scene, uint32_t n, hs_source *source, hs_volume *volume,
+                       const hs_volume **list, hs_error *err) {
+    const hs_source_scene what = {.name = scene, .size = n, .volumes = 1};
+    return scene ? hs_source_open_scene(source, &what, err)
+                 : bench_layered_source(source, volume, list, n, err);
+}
+
+void bench_close_source(const char *scene, hs_source *source, hs_volume *volume) {
+    if (scene) hs_source_close(source);
+    hs_volume_free(volume);
+}
+
 /* The three settings under one camera. */
 static bool run_view(const bench_host_setup *setup, const hs_source *source, const char *label, double yaw,
                      double pitch, bool live, bench_view_result *view, uint32_t *lowres, hs_error *err) {
@@ -55,6 +67,7 @@ static bool run_pieces(const bench_host_setup *setup, const hs_volume *volume, b
                        hs_error *err) {
     hs_dvr_settings settings;
     hs_dvr_defaults(&settings);
+    settings.look = HS_LOOK_THESIS;
     hs_camera camera;
     hs_camera_look(&camera, volume, 0.0, 0.0);
     bench_samples mip = {0}, grid = {0};
@@ -70,7 +83,7 @@ static bool run_pieces(const bench_host_setup *setup, const hs_volume *volume, b
     ok = ok && hs_cl_check(code, "clCreateBuffer (benchmark)", err);
     for (uint32_t i = 0; ok && i < setup->frames + 1; i++) { /* the first is not counted */
         const double start = hs_now();
-        ok = hs_device_volume_replace(device, volume, err) &&
+        ok = hs_device_volume_replace(device, volume, err) && hs_dvr_prepare(dvr, device, err) &&
              hs_cl_check(clFinish(setup->cl->queue), "clFinish (benchmark)", err);
         const double placed = hs_now();
         ok = ok && hs_dvr_mip(dvr, device, &camera, gray, NULL, err) &&
@@ -93,10 +106,8 @@ bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs
     hs_source source = {0};
     hs_volume volume = {0};
     const hs_volume *list[1];
-    const hs_source_scene scene = {.name = setup->scene, .size = setup->size, .volumes = 1};
     *result = (bench_host_result){.size = setup->size};
-    bool ok = setup->scene ? hs_source_open_scene(&source, &scene, err)
-                           : bench_layered_source(&source, &volume, list, setup->size, err);
+    bool ok = bench_open_source(setup->scene, setup->size, &source, &volume, list, err);
     if (ok) {
         const hs_volume *first = hs_source_volume(&source, 0);
         (void)snprintf(result->volume, sizeof result->volume, "%s", first->name);
@@ -109,7 +120,6 @@ bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs
             run_pieces(setup, first, result, err) &&
             bench_lit_run(setup->cl, first, setup->frames, &result->lit, err);
     }
-    if (setup->scene) hs_source_close(&source);
-    hs_volume_free(&volume);
+    bench_close_source(setup->scene, &source, &volume);
     return ok;
 }

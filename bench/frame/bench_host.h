@@ -37,6 +37,12 @@ typedef struct {
 bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume **list, uint32_t n,
                           hs_error *err);
 
+/* A scene of n voxels an axis, or without one the layered volume, in `volume` and `list`; all to be closed,
+ * even after a failure. */
+bool bench_open_source(const char *scene, uint32_t n, hs_source *source, hs_volume *volume,
+                       const hs_volume **list, hs_error *err);
+void bench_close_source(const char *scene, hs_source *source, hs_volume *volume);
+
 /* HS_ERR_* of whatever fails, the plugin included. Frames it gave no surface
  * for are counted in the results. */
 bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs_error *err);

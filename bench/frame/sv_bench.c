@@ -2,6 +2,7 @@
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
 #include "base/cli.h"
 #include "frame/bench_cli.h"
+#include "frame/bench_convert.h"
 #include "frame/bench_files.h"
 #include "frame/bench_guard.h"
 #include "frame/bench_method.h"
@@ -26,7 +27,7 @@ typedef struct {
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
-    bool plugin_part, guard_part, host_part;
+    bool plugin_part, guard_part, convert_part, host_part;
     const char *value_texts[MAX_VALUES];
     uint32_t value_count;
 } options;
@@ -44,7 +45,7 @@ static const char help[] =
     "  --id ID            the library's plugin of that id (default: its first)\n"
     "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
     "                     change the result make the comparison with plain C fail\n"
-    "  --only PART        'plugin', 'guard' or 'loop' (default: all)\n"
+    "  --only PART        'plugin', 'guard', 'convert' or 'loop' (default: all)\n"
     "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
     "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
     "0)\n"
@@ -82,9 +83,11 @@ static bool parse_slab(options *o, const char *text, hs_error *err) {
 static bool parse_part(options *o, const char *text, hs_error *err) {
     o->plugin_part = strcmp(text, "plugin") == 0;
     o->guard_part = strcmp(text, "guard") == 0;
+    o->convert_part = strcmp(text, "convert") == 0;
     o->host_part = strcmp(text, "loop") == 0;
-    return o->plugin_part || o->guard_part || o->host_part ||
-           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'guard' and 'loop'", text);
+    return o->plugin_part || o->guard_part || o->convert_part || o->host_part ||
+           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'guard', 'convert' and 'loop'",
+                   text);
 }
 
 static void make_quick(options *o) {
@@ -189,6 +192,7 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
                    .host_size = 400,
                    .plugin_part = true,
                    .guard_part = true,
+                   .convert_part = true,
                    .host_part = true};
     hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
@@ -204,6 +208,7 @@ typedef struct {
     bench_team *team;
     sv_param_value values[MAX_VALUES];
     bench_plugin_result results[MAX_RESULTS];
+    bench_convert_result convert;
     bench_host_result host;
     bench_report report;
 } bench_run;
@@ -291,6 +296,18 @@ static bool run_guard_part(bench_run *run, hs_error *err) {
     return true;
 }
 
+static bool run_convert_part(bench_run *run, hs_error *err) {
+    const bench_convert_setup setup = {.cl = &run->cl, .team = run->team, .frames = run->o.host_frames};
+    hs_source source = {0};
+    hs_volume volume = {0};
+    const hs_volume *list[1];
+    const bool ok = bench_open_source(run->o.scene, run->o.host_size, &source, &volume, list, err) &&
+                    bench_convert_run(&setup, hs_source_volume(&source, 0), &run->convert, err);
+    if (ok) bench_print_convert(&run->convert);
+    bench_close_source(run->o.scene, &source, &volume);
+    return ok;
+}
+
 static bool run_host_part(bench_run *run, hs_error *err) {
     const bench_host_setup setup = {.plugin = &run->plugin,
                                     .cl = &run->cl,
@@ -314,7 +331,9 @@ static bool measure(bench_run *run, hs_error *err) {
     run->team = bench_team_create(err);
     run->report.plugin = run->results;
     if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
-        (run->o.guard_part && !run_guard_part(run, err)) || (run->o.host_part && !run_host_part(run, err)))
+        (run->o.guard_part && !run_guard_part(run, err)) ||
+        (run->o.convert_part && !run_convert_part(run, err)) ||
+        (run->o.host_part && !run_host_part(run, err)))
         return false;
     bench_print_targets(&run->report);
     return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&

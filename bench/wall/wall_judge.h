@@ -19,6 +19,9 @@ typedef struct {
     uint64_t right[WALL_BINS], wrong[WALL_BINS];
 } wall_trust;
 
+/* Slice at which ray `pixel` ends when it starts at a surface of that depth. */
+float wall_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth);
+
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
                       const float *confidence, wall_trust *trust);
 

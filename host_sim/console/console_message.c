@@ -2,7 +2,7 @@
 #include "console/console_message.h"
 
 #include "console/console_json.h"
-#include "scene/scene.h"
+#include "scene/scene_names.h"
 
 #include <string.h>
 
@@ -26,8 +26,9 @@ static bool read_scene(const json_t *object, hs_console_source *source, hs_error
         !hs_console_count(object, "size", 32, 256, &source->size, err) ||
         !hs_console_count(object, "volumes", 1, 16, &source->volumes, err))
         return false;
-    for (uint32_t i = 0; (name = hs_scene_builtin(i)) != NULL; i++)
-        if (strcmp(name, source->scene) == 0 && strcmp(name, "real") != 0) return true;
+    for (int group = 0; group < HS_SCENES_REAL; group++)
+        for (uint32_t i = 0; (name = hs_scene_of_group((hs_scene_group)group, i)) != NULL; i++)
+            if (strcmp(name, source->scene) == 0) return true;
     return hs_fail(err, HS_ERR_INPUT, "message: scene: '%s' is none that is built in", source->scene);
 }
 

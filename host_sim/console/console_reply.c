@@ -5,6 +5,7 @@
 #include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
 #include "scene/scene.h"
+#include "scene/scene_names.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -42,19 +43,23 @@ char *hs_console_reply_text(const char *type, const char *text) {
 
 /* -------------------------------------------------------------------------------------------- hello -- */
 
-static json_t *scenes(void) {
-    json_t *list = json_array();
-    for (uint32_t i = 0; hs_scene_builtin(i); i++) {
+static void add_scenes(json_t *list, hs_scene_group group) {
+    const char *name;
+    for (uint32_t i = 0; (name = hs_scene_of_group(group, i)) != NULL; i++) {
         hs_error ignored = {0};
-        if (strcmp(hs_scene_builtin(i), "real") == 0) continue;
-        hs_scene *scene = hs_scene_open(hs_scene_builtin(i), &ignored);
+        hs_scene *scene = hs_scene_open(name, &ignored);
         if (!scene) continue;
         json_t *one = json_object();
-        put(one, "name", json_string(hs_scene_builtin(i)));
+        put(one, "name", json_string(name));
         put(one, "title", text_of(hs_scene_title(scene)));
         (void)json_array_append_new(list, one);
         hs_scene_close(scene);
     }
+}
+
+static json_t *scenes(void) {
+    json_t *list = json_array();
+    for (int group = 0; group < HS_SCENES_REAL; group++) add_scenes(list, (hs_scene_group)group);
     return list;
 }
 

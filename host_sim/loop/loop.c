@@ -100,19 +100,20 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
     if (!make_layout(loop, &layout, err)) return false;
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);
-    const hs_clipper_options asked = {.own_queue = o->own_queue || hs_is_guarded(plugin),
+    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
+    const bool guarded = hs_is_guarded(plugin);
+    const hs_clipper_options asked = {.own_queue = o->own_queue || guarded,
                                       .spacing_mm = {across, across, along},
                                       .refused = &refused,
                                       .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
                                       .values = o->values,
                                       .value_count = o->value_count};
-    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
-    const bool guarded = hs_is_guarded(plugin);
     void *memory = NULL;
     hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
     if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
     return (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
                                           gaps, memory, err)) &&
+           hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err) &&
            (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
 }
 

@@ -205,6 +205,11 @@ static bool show_memory(const hs_slabs *slabs, hs_error *err) {
                        "clEnqueueUnmapMemObject (slabs)", err);
 }
 
+bool hs_slabs_prepare(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
+                      hs_error *err) {
+    return hs_scan_convert_prepare(slabs->converter, source, camera, err);
+}
+
 bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
                       hs_error *err) {
     for (uint32_t i = 0; i < slabs->count; i++)

@@ -24,6 +24,10 @@ hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_
                           bool gaps, void *memory, hs_error *err);
 void hs_slabs_destroy(hs_slabs *slabs);
 
+/* Makes what conversion needs of the volume, and its memory, ahead of time (hs_scan_convert_prepare). */
+bool hs_slabs_prepare(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
+                      hs_error *err);
+
 /* Enqueues the conversion of every slab and its way into the carrier, and with HS_FAN_RANGES the search for
  * every ray's scanned range; does not wait. HS_ERR_DEVICE. */
 bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,

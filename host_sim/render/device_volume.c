@@ -2,21 +2,18 @@
 #include "render/device_volume.h"
 
 #include "render/device_bytes.h"
-#include "render/host_launch.h"
 
 #include <stdlib.h>
-
-#define BRICK_EDGE 8u /* 1 << BRICK_SHIFT in cl/base.cl */
 
 struct hs_device_volume {
     const hs_cl *cl;
     uint32_t n[3];          /* voxels */
-    uint32_t bricks[3];     /* max(1, ceil((n - 1) / brick edge)) */
     double spacing[3];      /* mm */
     hs_device_bytes voxels; /* n[0] * n[1] * n[2] bytes, x fastest */
     hs_device_beams *beams; /* what the volume is the Cartesian copy of, or NULL */
-    cl_mem grid;            /* brick maxima, one byte each, x fastest */
-    cl_kernel build_grid;
+    /* Made of the voxels when somebody asks. */
+    hs_brick_grid *bricks;
+    hs_halved *halved;
     hs_lit_volume *lit;
 };
 
@@ -38,24 +35,10 @@ static bool upload(hs_device_volume *dv, const hs_volume *volume, hs_error *err)
     return bring_beams(dv, volume->beams, err) && hs_device_bytes_bring(&dv->voxels, volume->voxels, err);
 }
 
-static bool enqueue_grid(hs_device_volume *dv, hs_error *err) {
-    cl_int4 dims = {{(cl_int)dv->n[0], (cl_int)dv->n[1], (cl_int)dv->n[2], 0}};
-    cl_int4 bricks = {{(cl_int)dv->bricks[0], (cl_int)dv->bricks[1], (cl_int)dv->bricks[2], 0}};
-    hs_launch launch = hs_launch_begin(dv->cl, dv->build_grid, "build_brick_grid");
-    hs_launch_buffer(&launch, dv->voxels.buffer);
-    hs_launch_arg(&launch, sizeof dims, &dims);
-    hs_launch_arg(&launch, sizeof bricks, &bricks);
-    hs_launch_buffer(&launch, dv->grid);
-    /* On a CPU a work item makes a whole row of bricks, and is a work group, so that all cores get some. */
-    const bool rows = dv->cl->lanes > 1;
-    const size_t global[3] = {rows ? 1 : dv->bricks[0], dv->bricks[1], dv->bricks[2]};
-    const size_t local[3] = {1, 1, 1};
-    return hs_launch_run(&launch, 3, global, rows ? local : NULL, NULL, err);
-}
-
 static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
     const uint32_t n[3] = {volume->nx, volume->ny, volume->nz};
-    uint64_t count = 1, brick_count = 1;
+    cl_int4 dims = {{0}};
+    uint64_t count = 1;
     for (int k = 0; k < 3; k++) {
         if (n[k] == 0 || n[k] > HS_VOLUME_MAX_AXIS) { /* the kernels' rows are as long as that (MAX_ROW) */
             return hs_fail(err, HS_ERR_INPUT, "%s: size %c is %u, expected 1 .. %u", volume->name, "xyz"[k],
@@ -63,22 +46,17 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
         }
         dv->n[k] = n[k];
         dv->spacing[k] = volume->spacing[k];
-        dv->bricks[k] = n[k] > 1 ? (n[k] - 1 + BRICK_EDGE - 1) / BRICK_EDGE : 1;
+        dims.s[k] = (cl_int)n[k];
         count *= n[k];
-        brick_count *= dv->bricks[k];
     }
     if (count >= 1ull << 31) { /* the kernels index voxels with 31 bits */
         return hs_fail(err, HS_ERR_INPUT, "%s: %u x %u x %u voxels, expected at most 2^31 - 1 in all",
                        volume->name, n[0], n[1], n[2]);
     }
-    cl_int code = CL_SUCCESS;
-    if (!hs_device_bytes_init(&dv->voxels, dv->cl, (size_t)count, wraps_host_memory(dv), err)) return false;
-    dv->grid = clCreateBuffer(dv->cl->context, CL_MEM_READ_WRITE, (size_t)brick_count, NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer(brick grid)", err)) return false;
-    dv->build_grid = clCreateKernel(dv->cl->program, "build_brick_grid", &code);
-    if (!hs_cl_check(code, "clCreateKernel(build_brick_grid)", err)) return false;
-    dv->lit = hs_lit_volume_create(dv->cl, dv->n, err);
-    return dv->lit && upload(dv, volume, err) && enqueue_grid(dv, err);
+    return hs_device_bytes_init(&dv->voxels, dv->cl, (size_t)count, wraps_host_memory(dv), err) &&
+           (dv->bricks = hs_brick_grid_create(dv->cl, dims, err)) &&
+           (dv->halved = hs_halved_create(dv->cl, n, hs_lit_volume_factor(n) == 2, err)) &&
+           (dv->lit = hs_lit_volume_create(dv->cl, n, err)) && upload(dv, volume, err);
 }
 
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
@@ -102,8 +80,10 @@ bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_
         return hs_fail(err, HS_ERR_INPUT, "%s: %s in a sequence that is not", volume->name,
                        volume->beams ? "in probe geometry" : "Cartesian");
     for (int k = 0; k < 3; k++) dv->spacing[k] = volume->spacing[k];
+    hs_brick_grid_expire(dv->bricks);
+    hs_halved_expire(dv->halved);
     hs_lit_volume_expire(dv->lit);
-    return upload(dv, volume, err) && enqueue_grid(dv, err);
+    return upload(dv, volume, err);
 }
 
 void hs_device_volume_destroy(hs_device_volume *dv) {
@@ -111,8 +91,8 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     /* The host memory may go as soon as this returns, so nothing may be reading it any more. */
     (void)clFinish(dv->cl->queue);
     hs_lit_volume_destroy(dv->lit);
-    if (dv->build_grid) (void)clReleaseKernel(dv->build_grid);
-    if (dv->grid) (void)clReleaseMemObject(dv->grid);
+    hs_halved_destroy(dv->halved);
+    hs_brick_grid_destroy(dv->bricks);
     hs_device_beams_destroy(dv->beams);
     hs_device_bytes_free(&dv->voxels);
     free(dv);
@@ -124,12 +104,19 @@ hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
                                       .nz = dv->n[2],
                                       .spacing = {dv->spacing[0], dv->spacing[1], dv->spacing[2]}},
                             .voxels = dv->voxels.buffer,
-                            .beams = dv->beams,
-                            .brick_maxima = dv->grid,
-                            .bricks = {dv->bricks[0], dv->bricks[1], dv->bricks[2]}};
+                            .beams = dv->beams};
+}
+
+bool hs_device_volume_bricks(const hs_device_volume *dv, hs_brick_view *view, hs_error *err) {
+    return hs_brick_grid_make(dv->bricks, dv->voxels.buffer, view, err);
+}
+
+bool hs_device_volume_halved(const hs_device_volume *dv, hs_halved_view *view, hs_error *err) {
+    return hs_halved_make(dv->halved, dv->voxels.buffer, view, err);
 }
 
 bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
                           hs_lit_view *view, hs_error *err) {
-    return hs_lit_volume_make(dv->lit, dv->voxels.buffer, threshold_low, threshold_high, view, err);
+    return hs_lit_volume_make(dv->lit, dv->voxels.buffer, dv->halved, threshold_low, threshold_high, view,
+                              err);
 }

@@ -3,6 +3,7 @@
 #ifndef HS_DEVICE_VOLUME_H
 #define HS_DEVICE_VOLUME_H
 
+#include "render/brick_grid.h"
 #include "render/device_beams.h"
 #include "render/lit_volume.h"
 #include "volume/volume.h"
@@ -10,11 +11,10 @@
 typedef struct hs_device_volume hs_device_volume;
 
 /*
- * Uploads the volume, and what it is the Cartesian copy of, and builds the renderer's grid of brick maxima;
- * does not wait: the voxels must stay, unchanged, until the commands that read them have run. On a CPU device
- * they are not copied but read where they are, so they must stay allocated until hs_device_volume_destroy,
- * which waits for the queue. (A volume one voxel wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or
- * more), HS_ERR_DEVICE or HS_ERR_MEMORY.
+ * Uploads the volume, and what it is the Cartesian copy of; does not wait: the voxels must stay, unchanged,
+ * until the commands that read them have run. On a CPU device they are not copied but read where they are, so
+ * they must stay allocated until hs_device_volume_destroy, which waits for the queue. (A volume one voxel
+ * wide is copied.) NULL with HS_ERR_INPUT (2^31 voxels or more), HS_ERR_DEVICE or HS_ERR_MEMORY.
  */
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err);
 
@@ -29,15 +29,14 @@ typedef struct {
     hs_volume shape;              /* size and spacing; no voxels, no name */
     cl_mem voxels;                /* one byte each, x fastest, then y, then z */
     const hs_device_beams *beams; /* what it is the Cartesian copy of, or NULL */
-    /* The largest voxel of each brick, one byte each, x fastest. A brick has 8 sample positions per edge
-     * (BRICK_SHIFT in cl/base.cl) and its maximum covers one voxel more on the far sides, so that it bounds
-     * every trilinear sample whose lower corner lies in the brick. */
-    cl_mem brick_maxima;
-    uint32_t bricks[3]; /* max(1, ceil((n - 1) / brick edge)) */
 } hs_device_view;
 hs_device_view hs_device_volume_view(const hs_device_volume *dv);
 
-/* What the lit look draws of it (hs_lit_volume_make): made once per volume, at the first call. */
+/* What is made of the voxels, each once per volume, when it is first asked for; it takes its memory at the
+ * first time of all, and does not wait. For the thesis' look and projections; for scan conversion and the lit
+ * look; for the lit look (hs_lit_volume_make). HS_ERR_DEVICE. */
+bool hs_device_volume_bricks(const hs_device_volume *dv, hs_brick_view *view, hs_error *err);
+bool hs_device_volume_halved(const hs_device_volume *dv, hs_halved_view *view, hs_error *err);
 bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
                           hs_lit_view *view, hs_error *err);
 

@@ -15,6 +15,7 @@ struct hs_dvr {
 
 /* The view as the kernels take it (cl/base_rays.cl). */
 typedef struct {
+    cl_mem voxels, maxima;
     cl_int4 dims, bricks;
     cl_float4 origin, dx, dy, dn;
     double slices; /* source slices along the box' depth */
@@ -71,8 +72,8 @@ uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *s
     return count_steps(settings, &view.shape, camera);
 }
 
-static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, const hs_camera *camera,
-                      ray_view *out, hs_error *err) {
+static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, const hs_brick_view *bricks,
+                      const hs_camera *camera, ray_view *out, hs_error *err) {
     const uint32_t steps = count_steps(s, &source->shape, camera);
     if (steps > HS_DVR_MAX_STEPS) {
         return hs_fail(err, HS_ERR_INPUT,
@@ -81,7 +82,10 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, co
     }
     hs_box_map map;
     hs_camera_box_map(camera, &source->shape, &map);
-    ray_view v = {.slices = hs_dvr_slices(&source->shape, camera)};
+    ray_view v = {.slices = hs_dvr_slices(&source->shape, camera),
+                  .voxels = source->voxels,
+                  .maxima = bricks->maxima,
+                  .bricks = bricks->count};
     const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
@@ -89,7 +93,6 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, co
         first[k] =
             map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height + map.dw[k] * 0.5 * step;
         v.dims.s[k] = (cl_int)n[k];
-        v.bricks.s[k] = (cl_int)source->bricks[k];
     }
     v.dims.s[3] = (cl_int)steps;
     v.bricks.s[3] = hs_dvr_transparent(s);
@@ -102,12 +105,11 @@ static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, co
 }
 
 /* The view: the first arguments of both kernels. */
-static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name,
-                              const hs_device_view *source, const ray_view *v) {
+static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name, const ray_view *v) {
     hs_launch launch = hs_launch_begin(dvr->cl, kernel, name);
-    hs_launch_buffer(&launch, source->voxels);
+    hs_launch_buffer(&launch, v->voxels);
     hs_launch_arg(&launch, sizeof v->dims, &v->dims);
-    hs_launch_buffer(&launch, source->brick_maxima);
+    hs_launch_buffer(&launch, v->maxima);
     hs_launch_arg(&launch, sizeof v->bricks, &v->bricks);
     hs_launch_arg(&launch, sizeof v->origin, &v->origin);
     hs_launch_arg(&launch, sizeof v->dx, &v->dx);
@@ -151,9 +153,12 @@ static void set_output(hs_launch *launch, cl_mem buffer) {
 }
 
 bool hs_dvr_prepare(hs_dvr *dvr, const hs_device_volume *source, hs_error *err) {
+    const hs_dvr_settings *s = &dvr->settings;
     hs_lit_view lit;
-    return dvr->settings.look != HS_LOOK_LIT ||
-           hs_device_volume_lit(source, dvr->settings.threshold_low, dvr->settings.threshold_high, &lit, err);
+    hs_brick_view bricks;
+    return s->look == HS_LOOK_LIT
+               ? hs_device_volume_lit(source, s->threshold_low, s->threshold_high, &lit, err)
+               : hs_device_volume_bricks(source, &bricks, err);
 }
 
 static bool render_lit(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
@@ -172,9 +177,12 @@ static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_
                           hs_error *err) {
     ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
-    if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
+    hs_brick_view bricks;
+    if (!hs_device_volume_bricks(source, &bricks, err) ||
+        !plan_view(&dvr->settings, &view, &bricks, camera, &v, err))
+        return false;
     const ray_start rays = plan_start(&dvr->settings, &v, depths);
-    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &view, &v);
+    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &v);
     hs_launch_buffer(&launch, rays.map);
     hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
     hs_launch_arg(&launch, sizeof rays.to_map, &rays.to_map);
@@ -207,9 +215,12 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
     ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
-    if (!plan_view(&dvr->settings, &view, camera, &v, err)) return false;
+    hs_brick_view bricks;
+    if (!hs_device_volume_bricks(source, &bricks, err) ||
+        !plan_view(&dvr->settings, &view, &bricks, camera, &v, err))
+        return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
-    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &view, &v);
+    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &v);
     hs_launch_arg(&launch, sizeof picture, &picture);
     hs_launch_buffer(&launch, gray);
     return hs_dvr_launch(&launch, &dvr->settings, event, err);

@@ -29,3 +29,10 @@ bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *gl
     (void)snprintf(what, sizeof what, "%s(%s)", call, launch->name);
     return hs_cl_check(code, what, err);
 }
+
+bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err) {
+    const bool rows = launch->cl->lanes > 1;
+    const size_t global[3] = {rows ? 1 : (size_t)dims.s[0], (size_t)dims.s[1], (size_t)dims.s[2]};
+    const size_t local[3] = {1, global[1] <= launch->cl->max_group ? global[1] : 1, 1};
+    return hs_launch_run(launch, 3, global, rows ? local : NULL, NULL, err);
+}

@@ -30,4 +30,9 @@ void hs_launch_buffer(hs_launch *launch, cl_mem buffer);
 bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *global, const size_t *local,
                    cl_event *event, hs_error *err);
 
+/* Enqueues a kernel that makes a volume of dims.xyz voxels: on a CPU one work item a row, and a work group a
+ * slice, so that all cores get some and few enough are started; else one work item a voxel. Otherwise as
+ * hs_launch_run. */
+bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err);
+
 #endif

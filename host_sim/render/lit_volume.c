@@ -1,28 +1,32 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/lit_volume.h"
 
+#include "render/brick_grid.h"
 #include "render/host_launch.h"
 
 #include <stdlib.h>
 
-#define BRICK_EDGE 8u  /* 1 << BRICK_SHIFT in cl/base.cl */
-#define SMALL      96u /* voxels along the longest axis: such a volume is not halved */
-#define PASSES     2   /* of smoothing, to and fro between two buffers */
-#define CELLS      48u /* along the longest axis, about: light does not depend on the volume's resolution */
+#define SMALL 96u /* voxels along the longest axis: such a volume is not halved */
+#define CELLS 48u /* along the longest axis, about: light does not depend on the volume's resolution */
 
-typedef enum { HALVE, KEEP, SMOOTH, BRICKS, OPACITY, STEPS } step;
-static const char *const kernel_names[STEPS] = {"lit_halve", "lit_keep", "lit_smooth", "build_brick_grid",
-                                                "lit_opacity"};
+typedef enum { KEEP, SMOOTH, OPACITY, STEPS } step;
+static const char *const kernel_names[STEPS] = {"lit_keep", "lit_smooth", "lit_opacity"};
 
 struct hs_lit_volume {
     const hs_cl *cl;
     cl_int4 source; /* voxels */
     hs_lit_view view;
-    cl_mem half; /* halved, not yet smoothed */
+    hs_brick_grid *bricks;
+    cl_mem between; /* after the first smoothing */
     cl_kernel kernel[STEPS];
     bool fresh, has_opacity;
     float low, high; /* what `opacity` was made with */
 };
+
+uint32_t hs_lit_volume_factor(const uint32_t n[3]) {
+    const uint32_t most = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
+    return most > SMALL ? 2 : 1;
+}
 
 hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_error *err) {
     hs_lit_volume *lit = calloc(1, sizeof *lit);
@@ -32,26 +36,28 @@ hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_err
     }
     cl_int longest = 0;
     lit->cl = cl;
-    const uint32_t most = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
-    const uint32_t factor = lit->view.factor = most > SMALL ? 2 : 1;
+    const uint32_t factor = lit->view.factor = hs_lit_volume_factor(n);
     for (int k = 0; k < 3; k++) {
         const cl_int count = (cl_int)((n[k] + factor - 1) / factor);
         lit->source.s[k] = (cl_int)n[k];
         lit->view.dims.s[k] = count + 2 * HS_LIT_BORDER;
-        lit->view.bricks.s[k] = (lit->view.dims.s[k] - 1 + (cl_int)BRICK_EDGE - 1) / (cl_int)BRICK_EDGE;
         if (count > longest) longest = count;
     }
     const cl_int block = longest > (cl_int)CELLS ? (longest + (cl_int)CELLS / 2) / (cl_int)CELLS : 1;
     for (int k = 0; k < 3; k++) lit->view.cells.s[k] = (lit->view.dims.s[k] + block - 1) / block;
     lit->view.cells.s[3] = block;
-    return lit;
+    lit->bricks = hs_brick_grid_create(cl, lit->view.dims, err);
+    if (lit->bricks) return lit;
+    hs_lit_volume_destroy(lit);
+    return NULL;
 }
 
 void hs_lit_volume_destroy(hs_lit_volume *lit) {
     if (!lit) return;
     for (int i = 0; i < STEPS; i++)
         if (lit->kernel[i]) (void)clReleaseKernel(lit->kernel[i]);
-    const cl_mem buffers[] = {lit->half, lit->view.smooth, lit->view.brick_maxima, lit->view.opacity};
+    hs_brick_grid_destroy(lit->bricks);
+    const cl_mem buffers[] = {lit->between, lit->view.smooth, lit->view.opacity};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
         if (buffers[i]) (void)clReleaseMemObject(buffers[i]);
     free(lit);
@@ -59,6 +65,7 @@ void hs_lit_volume_destroy(hs_lit_volume *lit) {
 
 void hs_lit_volume_expire(hs_lit_volume *lit) {
     lit->fresh = lit->has_opacity = false;
+    hs_brick_grid_expire(lit->bricks);
 }
 
 static size_t count_of(cl_int4 dims) {
@@ -80,18 +87,9 @@ static bool take_memory(hs_lit_volume *lit, hs_error *err) {
         if (!hs_cl_check(code, "clCreateKernel(lit volume)", err)) return false;
     }
     hs_lit_view *v = &lit->view;
-    return take_buffer(lit, &lit->half, v->dims, "clCreateBuffer(halved volume)", err) &&
+    return take_buffer(lit, &lit->between, v->dims, "clCreateBuffer(volume smoothed once)", err) &&
            take_buffer(lit, &v->smooth, v->dims, "clCreateBuffer(smoothed volume)", err) &&
-           take_buffer(lit, &v->brick_maxima, v->bricks, "clCreateBuffer(smoothed bricks)", err) &&
            take_buffer(lit, &v->opacity, v->cells, "clCreateBuffer(opacities)", err);
-}
-
-/* CPU: a work item makes a row, and is a work group, so that all cores get some. */
-static bool run_over(hs_lit_volume *lit, hs_launch *launch, cl_int4 dims, hs_error *err) {
-    const bool rows = lit->cl->lanes > 1;
-    const size_t global[3] = {rows ? 1 : (size_t)dims.s[0], (size_t)dims.s[1], (size_t)dims.s[2]};
-    const size_t local[3] = {1, 1, 1};
-    return hs_launch_run(launch, 3, global, rows ? local : NULL, NULL, err);
 }
 
 static hs_launch begin(const hs_lit_volume *lit, step which, cl_mem from, const cl_int4 *dims) {
@@ -101,22 +99,39 @@ static hs_launch begin(const hs_lit_volume *lit, step which, cl_mem from, const 
     return launch;
 }
 
-static bool make_smooth(hs_lit_volume *lit, cl_mem voxels, hs_error *err) {
+/* The voxels with their border: the halved volume's, or a copy of a small volume's. */
+static bool find_source(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, cl_mem *source, hs_error *err) {
     hs_lit_view *v = &lit->view;
-    const cl_mem to_and_fro[2] = {v->smooth, lit->half};
-    hs_launch halve = begin(lit, v->factor == 2 ? HALVE : KEEP, voxels, &lit->source);
-    hs_launch_arg(&halve, sizeof v->dims, &v->dims);
-    hs_launch_buffer(&halve, to_and_fro[PASSES % 2]);
-    hs_launch bricks = begin(lit, BRICKS, v->smooth, &v->dims);
-    hs_launch_arg(&bricks, sizeof v->bricks, &v->bricks);
-    hs_launch_buffer(&bricks, v->brick_maxima);
-    if (!run_over(lit, &halve, v->dims, err)) return false;
-    for (int i = PASSES; i > 0; i--) { /* the last one ends in `smooth` */
-        hs_launch smooth = begin(lit, SMOOTH, to_and_fro[i % 2], &v->dims);
-        hs_launch_buffer(&smooth, to_and_fro[1 - i % 2]);
-        if (!run_over(lit, &smooth, v->dims, err)) return false;
+    hs_halved_view half;
+    if (v->factor == 2) {
+        if (!hs_halved_make(halved, voxels, &half, err)) return false;
+        *source = half.mean;
+        return true;
     }
-    return run_over(lit, &bricks, v->bricks, err);
+    *source = v->smooth; /* the second smoothing writes there, when nobody needs the source any more */
+    hs_launch keep = begin(lit, KEEP, voxels, &lit->source);
+    hs_launch_arg(&keep, sizeof v->dims, &v->dims);
+    hs_launch_buffer(&keep, v->smooth);
+    return hs_launch_rows(&keep, v->dims, err);
+}
+
+static bool smooth_once(hs_lit_volume *lit, cl_mem from, cl_mem to, hs_error *err) {
+    hs_launch smooth = begin(lit, SMOOTH, from, &lit->view.dims);
+    hs_launch_buffer(&smooth, to);
+    return hs_launch_rows(&smooth, lit->view.dims, err);
+}
+
+static bool make_smooth(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, hs_error *err) {
+    hs_lit_view *v = &lit->view;
+    hs_brick_view bricks;
+    cl_mem source;
+    if (!find_source(lit, voxels, halved, &source, err) || !smooth_once(lit, source, lit->between, err) ||
+        !smooth_once(lit, lit->between, v->smooth, err) ||
+        !hs_brick_grid_make(lit->bricks, v->smooth, &bricks, err))
+        return false;
+    v->brick_maxima = bricks.maxima;
+    v->bricks = bricks.count;
+    return true;
 }
 
 static bool make_opacity(hs_lit_volume *lit, float low, float high, hs_error *err) {
@@ -127,13 +142,13 @@ static bool make_opacity(hs_lit_volume *lit, float low, float high, hs_error *er
     hs_launch_arg(&opacity, sizeof v->cells, &v->cells);
     hs_launch_arg(&opacity, sizeof window, &window);
     hs_launch_buffer(&opacity, v->opacity);
-    return run_over(lit, &opacity, v->cells, err);
+    return hs_launch_rows(&opacity, v->cells, err);
 }
 
-bool hs_lit_volume_make(hs_lit_volume *lit, cl_mem voxels, float threshold_low, float threshold_high,
-                        hs_lit_view *view, hs_error *err) {
+bool hs_lit_volume_make(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, float threshold_low,
+                        float threshold_high, hs_lit_view *view, hs_error *err) {
     if (!take_memory(lit, err)) return false;
-    if (!lit->fresh && !make_smooth(lit, voxels, err)) return false;
+    if (!lit->fresh && !make_smooth(lit, voxels, halved, err)) return false;
     lit->fresh = true;
     if (!lit->has_opacity || lit->low < threshold_low || lit->low > threshold_low ||
         lit->high < threshold_high || lit->high > threshold_high) {

@@ -11,23 +11,29 @@
 #define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
 #define MAX_SAMPLES_PER_AXIS 8
 #define NEAREST_MIN_SPAN     2.0  /* source voxels a box spans each way for a mean of nearest ones */
-#define NEAREST_MIN_BITS     12   /* fraction bits a fixed-point position must have */
+#define HALVED_MIN_SPAN      2.7  /* the same for samples of the halved volume */
+#define FIXED_MIN_BITS       12   /* fraction bits a fixed-point position must have */
+#define RUN                  8    /* packets of a work item of convert_halved on a CPU (its cl file) */
 #define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
+
+/* How a voxel's samples are taken. */
+typedef enum { NEAREST, TRILINEAR, HALVED, BEAMS, WAYS } sampling_way;
+static const char *const kernel_names[WAYS] = {"convert_nearest", "convert_trilinear", "convert_halved",
+                                               "convert_beams"};
 
 struct hs_scan_converter {
     const hs_cl *cl;
     hs_slab_layout layout;
-    cl_kernel nearest, trilinear, beams;
-    size_t max_group; /* work items of a group, as far as the device goes */
+    cl_kernel kernel[WAYS];
 };
 
 /* How the samples of a volume lie: sample (i, j, k) of width * grid[0] x ... stands at voxel index
  * origin + i * step[0] + j * step[1] + k * step[2]. */
 typedef struct {
     uint32_t grid[3]; /* samples per low-resolution voxel */
-    bool nearest;
+    sampling_way way;
     int bits;                     /* fraction bits of fixed-point positions */
-    double origin[3], step[3][3]; /* voxels; of a volume in probe geometry millimetres (in_probe) */
+    double origin[3], step[3][3]; /* voxels, or halved voxels; BEAMS: millimetres (in_probe) */
 } sampling;
 
 uint32_t hs_slab_count(const hs_slab_layout *layout) {
@@ -71,15 +77,11 @@ static bool init(hs_scan_converter *converter, const hs_slab_layout *layout, hs_
     if (!check_layout(layout, err)) return false;
     converter->layout = *layout;
     cl_int code = CL_SUCCESS;
-    converter->nearest = clCreateKernel(converter->cl->program, "convert_nearest", &code);
-    if (!hs_cl_check(code, "clCreateKernel(convert_nearest)", err)) return false;
-    converter->trilinear = clCreateKernel(converter->cl->program, "convert_trilinear", &code);
-    if (!hs_cl_check(code, "clCreateKernel(convert_trilinear)", err)) return false;
-    converter->beams = clCreateKernel(converter->cl->program, "convert_beams", &code);
-    if (!hs_cl_check(code, "clCreateKernel(convert_beams)", err)) return false;
-    code = clGetDeviceInfo(converter->cl->device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof converter->max_group,
-                           &converter->max_group, NULL);
-    return hs_cl_check(code, "clGetDeviceInfo(CL_DEVICE_MAX_WORK_GROUP_SIZE)", err);
+    for (int i = 0; i < WAYS; i++) {
+        converter->kernel[i] = clCreateKernel(converter->cl->program, kernel_names[i], &code);
+        if (!hs_cl_check(code, "clCreateKernel(scan conversion)", err)) return false;
+    }
+    return true;
 }
 
 hs_scan_converter *hs_scan_converter_create(const hs_cl *cl, const hs_slab_layout *layout, hs_error *err) {
@@ -96,50 +98,76 @@ hs_scan_converter *hs_scan_converter_create(const hs_cl *cl, const hs_slab_layou
 
 void hs_scan_converter_destroy(hs_scan_converter *converter) {
     if (!converter) return;
-    if (converter->nearest) (void)clReleaseKernel(converter->nearest);
-    if (converter->trilinear) (void)clReleaseKernel(converter->trilinear);
-    if (converter->beams) (void)clReleaseKernel(converter->beams);
+    for (int i = 0; i < WAYS; i++)
+        if (converter->kernel[i]) (void)clReleaseKernel(converter->kernel[i]);
     free(converter);
 }
 
-/* The most fraction bits with which every position a packet may meet fits an
- * int, the parts of its sum too. */
-static int position_bits(const sampling *s, const hs_slab_layout *layout) {
+/* The most fraction bits with which every position a packet may meet fits an int, the parts of its sum and
+ * the volume's own faces too. */
+static int position_bits(const sampling *s, const hs_slab_layout *layout, const hs_volume *shape) {
     /* Packets may overhang the picture. */
     const uint32_t size[3] = {layout->width + 4, layout->height + 4, layout->slices};
+    const uint32_t n[3] = {shape->nx, shape->ny, shape->nz};
     double reach = 0.0;
     for (int k = 0; k < 3; k++) {
         double along = fabs(s->origin[k]) + 1.0;
         for (int a = 0; a < 3; a++) along += fabs(s->step[a][k]) * s->grid[a] * size[a];
-        reach = fmax(reach, along);
+        reach = fmax(fmax(reach, along), n[k]);
     }
     int bits = 0;
     while (bits < 30 && ldexp(reach, bits + 1) < 0x1p31) bits++;
     return bits;
 }
 
-static sampling plan_sampling(const hs_slab_layout *layout, const hs_volume *shape, const hs_camera *camera) {
+/* Samples along an edge that spans so many of the voxels that are sampled. */
+static uint32_t samples_along(double span, double most_for_one) {
+    const double fewest = span >= most_for_one * (1.0 - TOLERANCE) ? 2.0 : 1.0;
+    return (uint32_t)fmin(fmax(round(span / SAMPLE_SPACING), fewest), MAX_SAMPLES_PER_AXIS);
+}
+
+/* The same places among the halved volume's voxels. */
+static void halve_places(sampling *s) {
+    for (int k = 0; k < 3; k++) {
+        s->origin[k] = 0.5 * (s->origin[k] - 0.5);
+        for (int a = 0; a < 3; a++) s->step[a][k] *= 0.5;
+    }
+}
+
+static sampling lay_samples(const hs_slab_layout *layout, const hs_volume *shape, const hs_camera *camera,
+                            const double edge[3], sampling_way way) {
     hs_box_map map;
     hs_camera_box_map(camera, shape, &map);
     const double *const axis[3] = {map.du, map.dv, map.dw};
     const uint32_t size[3] = {layout->width, layout->height, layout->slices};
-    const double extent[3] = {camera->extent, camera->extent, camera->depth_extent};
-    double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
-    double coarsest = fmax(shape->spacing[0], fmax(shape->spacing[1], shape->spacing[2]));
-    sampling s = {.nearest = true, .origin = {map.origin[0], map.origin[1], map.origin[2]}};
+    const double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
+    sampling s = {.way = way, .origin = {map.origin[0], map.origin[1], map.origin[2]}};
     for (int a = 0; a < 3; a++) {
-        double edge_mm = extent[a] / size[a];
-        double span = edge_mm / finest, fewest = span >= MIN_SHARED_SPAN * (1.0 - TOLERANCE) ? 2.0 : 1.0;
-        s.grid[a] = (uint32_t)fmin(fmax(round(span / SAMPLE_SPACING), fewest), MAX_SAMPLES_PER_AXIS);
-        if (edge_mm < NEAREST_MIN_SPAN * coarsest * (1.0 - TOLERANCE)) s.nearest = false;
+        const double span = edge[a] / finest;
+        s.grid[a] =
+            way == HALVED ? samples_along(0.5 * span, INFINITY) : samples_along(span, MIN_SHARED_SPAN);
         for (int k = 0; k < 3; k++) {
             s.step[a][k] = axis[a][k] / ((double)size[a] * s.grid[a]);
             s.origin[k] += 0.5 * s.step[a][k];
         }
     }
-    s.bits = position_bits(&s, layout);
-    if (s.bits < NEAREST_MIN_BITS) s.nearest = false;
+    if (way == HALVED) halve_places(&s);
+    s.bits = position_bits(&s, layout, shape);
     return s;
+}
+
+static sampling plan_sampling(const hs_slab_layout *layout, const hs_device_view *source,
+                              const hs_camera *camera) {
+    const double *spacing = source->shape.spacing;
+    const double edge[3] = {camera->extent / layout->width, camera->extent / layout->height,
+                            camera->depth_extent / layout->slices};
+    const double coarsest = fmax(spacing[0], fmax(spacing[1], spacing[2]));
+    const double span = fmin(edge[0], fmin(edge[1], edge[2])) / coarsest * (1.0 + TOLERANCE);
+    sampling_way way = TRILINEAR;
+    if (span >= NEAREST_MIN_SPAN) way = NEAREST;
+    if (span >= HALVED_MIN_SPAN && !source->beams) way = HALVED;
+    const sampling s = lay_samples(layout, &source->shape, camera, edge, way);
+    return s.bits >= FIXED_MIN_BITS ? s : lay_samples(layout, &source->shape, camera, edge, TRILINEAR);
 }
 
 static cl_int4 fixed4(const double v[3], double offset, int bits) {
@@ -157,8 +185,8 @@ static cl_float4 float4_of(const double v[3]) {
 static void set_positions(hs_launch *launch, const sampling *s) {
     for (cl_uint i = 0; i < 4; i++) {
         const double *v = i == 0 ? s->origin : s->step[i - 1];
-        if (s->nearest) {
-            cl_int4 fixed = fixed4(v, i == 0 ? 0.5 : 0.0, s->bits);
+        if (s->way == NEAREST || s->way == HALVED) {
+            cl_int4 fixed = fixed4(v, i == 0 && s->way == NEAREST ? 0.5 : 0.0, s->bits);
             hs_launch_arg(launch, sizeof fixed, &fixed);
         } else {
             cl_float4 plain = float4_of(v);
@@ -167,27 +195,36 @@ static void set_positions(hs_launch *launch, const sampling *s) {
     }
 }
 
-/* On a CPU a work item makes 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work group
- * one row of packets in all slices: few enough groups to cost nothing, enough that all cores get some. */
-static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
-                    cl_event *event, hs_error *err) {
+/*
+ * On a CPU a work item makes packets of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work
+ * group rows of them in all slices: few enough groups to cost nothing, enough that all cores get some. From
+ * the halved volume an item makes a run of packets, and a group is a block: what it reads of the source fits
+ * the first-level cache, and its pages the address cache, however the camera is turned.
+ */
+static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, sampling_way way,
+                    uint32_t slices, cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
     const bool packets = converter->cl->lanes > 1;
-    const size_t edge = packets ? 4 : 1;
-    const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
-    const size_t local[3] = {global[0], global[0] * slices <= converter->max_group ? slices : 1, 1};
-    const bool rows = packets && global[0] <= converter->max_group;
-    return hs_launch_run(launch, 3, global, rows ? local : NULL, event, err);
+    const size_t most = converter->cl->max_group, edge = packets ? 4 : 1;
+    const size_t across = edge * (packets && way == HALVED ? RUN : 1);
+    const size_t global[3] = {(l->width + across - 1) / across, slices, (l->height + edge - 1) / edge};
+    const size_t row = way == HALVED ? 1 : global[0];
+    const size_t local[3] = {row, row * slices <= most ? slices : 1, 1};
+    return hs_launch_run(launch, 3, global, packets && row <= most ? local : NULL, event, err);
 }
 
 /* The same places in millimetres from the array's centre of curvature. */
 static sampling in_probe(sampling s, const hs_volume *shape, const double corner[3]) {
-    s.nearest = false;
+    s.way = BEAMS;
     for (int k = 0; k < 3; k++) {
         s.origin[k] = corner[k] + (s.origin[k] + 0.5) * shape->spacing[k];
         for (int a = 0; a < 3; a++) s.step[a][k] *= shape->spacing[k];
     }
     return s;
+}
+
+static hs_launch begin(const hs_scan_converter *converter, sampling_way way) {
+    return hs_launch_begin(converter->cl, converter->kernel[way], kernel_names[way]);
 }
 
 /* The arguments that say what is sampled. */
@@ -196,7 +233,7 @@ static hs_launch begin_beams(const hs_scan_converter *converter, const hs_beams_
     const cl_int4 dims = {{(cl_int)b->samples, (cl_int)b->lines, (cl_int)b->planes, 0}};
     const cl_float4 reach = {{b->start, b->per_mm, b->axis, b->side}};
     const cl_float4 even = {{b->theta[0], b->theta[1], b->phi[0], b->phi[1]}};
-    hs_launch launch = hs_launch_begin(converter->cl, converter->beams, "convert_beams");
+    hs_launch launch = begin(converter, BEAMS);
     hs_launch_buffer(&launch, view->voxels);
     hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_buffer(&launch, view->theta);
@@ -206,23 +243,55 @@ static hs_launch begin_beams(const hs_scan_converter *converter, const hs_beams_
     return launch;
 }
 
-static hs_launch begin_voxels(const hs_scan_converter *converter, const hs_device_view *view, bool nearest) {
+static hs_launch begin_voxels(const hs_scan_converter *converter, const hs_device_view *view,
+                              sampling_way way) {
     const hs_volume *v = &view->shape;
     const cl_int4 dims = {{(cl_int)v->nx, (cl_int)v->ny, (cl_int)v->nz, 0}};
-    hs_launch launch = nearest ? hs_launch_begin(converter->cl, converter->nearest, "convert_nearest")
-                               : hs_launch_begin(converter->cl, converter->trilinear, "convert_trilinear");
+    hs_launch launch = begin(converter, way);
     hs_launch_buffer(&launch, view->voxels);
     hs_launch_arg(&launch, sizeof dims, &dims);
     return launch;
 }
 
-static hs_launch begin_source(const hs_scan_converter *converter, const hs_device_volume *source,
-                              sampling *s) {
+/* The volume's far faces, half a source voxel behind the last centre, are arguments of their own: where an
+ * axis is odd they do not lie half a halved voxel behind the last one. */
+static hs_launch begin_halved(const hs_scan_converter *converter, const hs_volume *shape,
+                              const hs_halved_view *half, int bits) {
+    const double n[3] = {shape->nx, shape->ny, shape->nz};
+    const double faces[3] = {0.5 * (n[0] - 1.0), 0.5 * (n[1] - 1.0), 0.5 * (n[2] - 1.0)};
+    const cl_int4 limit = fixed4(faces, 0.0, bits);
+    hs_launch launch = begin(converter, HALVED);
+    hs_launch_buffer(&launch, half->scanned);
+    hs_launch_arg(&launch, sizeof half->dims, &half->dims);
+    hs_launch_arg(&launch, sizeof limit, &limit);
+    return launch;
+}
+
+/* The kernel with the arguments that say what is sampled. The halved volume is made where it is missing. */
+static bool begin_source(const hs_scan_converter *converter, const hs_device_volume *source,
+                         const hs_device_view *view, sampling *s, hs_launch *launch, hs_error *err) {
+    hs_halved_view half;
+    if (view->beams) {
+        const hs_beams_view beams = hs_device_beams_view(view->beams);
+        *s = in_probe(*s, &view->shape, beams.shape.corner);
+        *launch = begin_beams(converter, &beams);
+        return true;
+    }
+    if (s->way != HALVED) {
+        *launch = begin_voxels(converter, view, s->way);
+        return true;
+    }
+    if (!hs_device_volume_halved(source, &half, err)) return false;
+    *launch = begin_halved(converter, &view->shape, &half, s->bits);
+    return true;
+}
+
+bool hs_scan_convert_prepare(const hs_scan_converter *converter, const hs_device_volume *source,
+                             const hs_camera *camera, hs_error *err) {
     const hs_device_view view = hs_device_volume_view(source);
-    if (!view.beams) return begin_voxels(converter, &view, s->nearest);
-    const hs_beams_view beams = hs_device_beams_view(view.beams);
-    *s = in_probe(*s, &view.shape, beams.shape.corner);
-    return begin_beams(converter, &beams);
+    hs_halved_view half;
+    return plan_sampling(&converter->layout, &view, camera).way != HALVED ||
+           hs_device_volume_halved(source, &half, err);
 }
 
 bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
@@ -236,8 +305,9 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const uint64_t bytes = hs_slab_bytes(l, slices), end = bytes + offset;
     if (!hs_cl_check_size(slab, end < bytes ? UINT64_MAX : end, "a slab", err)) return false;
     const hs_device_view view = hs_device_volume_view(source);
-    sampling s = plan_sampling(l, &view.shape, camera);
-    hs_launch launch = begin_source(converter, source, &s);
+    sampling s = plan_sampling(l, &view, camera);
+    hs_launch launch;
+    if (!begin_source(converter, source, &view, &s, &launch, err)) return false;
     const cl_int4 grid = {{(cl_int)s.grid[0], (cl_int)s.grid[1], (cl_int)s.grid[2], 0}};
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
     const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
@@ -248,5 +318,5 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     hs_launch_arg(&launch, sizeof layout, &layout);
     hs_launch_buffer(&launch, slab);
     hs_launch_arg(&launch, sizeof start, &start);
-    return enqueue(converter, &launch, slices, event, err);
+    return enqueue(converter, &launch, s.way, slices, event, err);
 }

@@ -32,23 +32,28 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
  * command's event.
  *
  * A low-resolution voxel is the mean of the source over its own box, by samples on a regular grid in it.
- * Along each camera axis the edge of the box, in finest source voxels, is divided by 1.5 and rounded: that
- * many samples, 8 at most, 2 at least where the edge is 1.5 voxels or longer, else 1. Sample i of g stands at
- * (i + 0.5) / g of the edge.
+ * Sample i of g along an edge of the box stands at (i + 0.5) / g of it. Spans are edges in source voxels.
  *
- * Nearest: where every box edge spans two source voxels or more (by the coarsest spacing, with a millionth of
- * tolerance) a sample is the nearest source voxel, and all is integer arithmetic: the same bytes on every
- * device. Positions are fixed-point with as many fraction bits as 32-bit sums allow (20 to 22 for 400^3
- * voxels), so a sample is placed to a thousandth of a voxel or better. (A box so long that fewer than 12 bits
- * are left is sampled as below.)
+ * Halved: where every edge spans 2.7 voxels or more (by the coarsest spacing, with a millionth of tolerance),
+ * the source is halved once per volume (hs_halved_view.scanned), and a sample is trilinear between halved
+ * voxels; in the outer half voxel the nearest one counts. g is the edge in halved voxels of the finest spacing
+ * over 1.5, rounded, 1 .. 8. All is integer arithmetic: the same bytes on every device. Positions are
+ * fixed-point with as many fraction bits as 32-bit sums allow (20 to 22 for 400^3 voxels); a fraction is
+ * rounded to 1/256. Intensities and scanned shares (1 for a scanned halved voxel, 0 for another) are blended
+ * alike: within two slices, then between them, both rounded half up to 1/256.
  *
- * Trilinear: elsewhere a sample is trilinear between the voxel centres; in the outer half voxel the nearest
- * voxel counts. "Half covered", below, then has a tolerance of a thousandth.
+ * Nearest: where every edge spans two voxels or more a sample is the nearest source voxel, in integers, too.
+ * g is the edge in finest source voxels over 1.5, rounded, 8 at most, 2 at least.
+ *
+ * Trilinear: elsewhere, and where a box is so long that fewer than 12 fraction bits are left, a sample is
+ * trilinear between the source voxels; in the outer half voxel the nearest one counts. g is the same, but 1
+ * at least, and 2 at least where the edge is 1.5 voxels or longer. "Half covered", below, then has a
+ * tolerance of a thousandth.
  *
  * A source in probe geometry (hs_volume.beams) is sampled where it was scanned, in one step: a sample is
  * linear between the eight echoes around it in radius, line and plane (hs_beams), and its Cartesian copy only
- * says how many samples there are. Echoes of 0 count: what was scanned is known. A voxel is scanned if half
- * its samples or more are.
+ * says how many samples there are (as for Trilinear). Echoes of 0 count: what was scanned is known. A voxel
+ * is scanned if half its samples or more are.
  *
  * Only scanned source voxels (> 0) inside the volume have weight; a voxel less than half covered by them
  * becomes 0 (not scanned), any other their mean, rounded half up, 1 .. 255.
@@ -56,5 +61,10 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
 bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
                           const hs_camera *camera, uint32_t index, cl_mem slab, size_t offset,
                           cl_event *event, hs_error *err);
+
+/* Makes what conversion needs of the volume beside its voxels, and its memory, ahead of time; does not wait.
+ * Otherwise the first slab of a volume does. HS_ERR_DEVICE. */
+bool hs_scan_convert_prepare(const hs_scan_converter *converter, const hs_device_volume *source,
+                             const hs_camera *camera, hs_error *err);
 
 #endif

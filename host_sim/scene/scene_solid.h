@@ -9,6 +9,8 @@
 
 #include <stddef.h>
 
+#define HS_SCENE_MAX_SOLIDS 4096u
+
 typedef enum {
     HS_SOLID_ELLIPSOID,
     HS_SOLID_CONE,  /* a tube from `centre` to `end` with radii r0 and r1 and round ends */
@@ -23,7 +25,8 @@ typedef enum {
     HS_PART_PATCH,    /* joined to the body after the carving (eyelids) */
     HS_PART_ORGAN,    /* inside the body: a tissue of its own */
     HS_PART_BONE,     /* inside the body */
-    HS_PART_OCCLUDER, /* placenta, cord, particles */
+    HS_PART_OCCLUDER, /* placenta, cord, particles, the bladder with its wall */
+    HS_PART_BLADDER,  /* urine: cut out of the occluders */
     HS_PART_COUNT
 } hs_solid_part;
 
@@ -32,7 +35,9 @@ typedef struct {
     hs_solid_part part;
     uint32_t order; /* place in the list; blending depends on it */
     hs_tissue tissue;
-    float blend; /* width over which it melts into the solids of its part before it; 0: a hard union */
+    uint8_t body;  /* of the fetus: which one, from 0 */
+    uint8_t style; /* of an occluder: 1 + its structure if that has an echo or an edge of its own, else 0 */
+    float blend;   /* width over which it melts into the solids of its part before it; 0: a hard union */
     float centre[3], end[3];
     float axis[9]; /* rows: the solid's own x, y, z axes */
     float radii[3];
@@ -80,6 +85,10 @@ hs_solid *hs_solid_shell(hs_solid_list *list, const hs_solid_frame *frame, hs_so
                          hs_tissue tissue, const float centre[3], const float radii[3], float thickness);
 hs_solid *hs_solid_ribs(hs_solid_list *list, const hs_solid_frame *frame, const float centre[3],
                         const float radii[3], float thickness, float pitch, float tilt, float span);
+/* Groups the solids by their part, and leaves them in their order within it. */
+void hs_solid_list_sort(hs_solid_list *list);
+/* Bodies: one more than the largest hs_solid.body. */
+uint32_t hs_solid_list_bodies(const hs_solid_list *list);
 void hs_solid_list_free(hs_solid_list *list);
 
 #endif

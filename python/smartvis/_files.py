@@ -82,7 +82,6 @@ class Source:
             return sitk.VectorIndexSelectionCast(self._whole, number)
         return self._whole
 
-
     def _read_of_four(self, number: int) -> Any:
         """A file that is compressed is unpacked for every read, so what is not too large is read once."""
         size = list(self._reader.GetSize())
@@ -124,6 +123,9 @@ def stem(path: Path) -> str:
         if name.lower().endswith(suffix) and len(name) > len(suffix):
             return name[: -len(suffix)]
     return name
+
+
+PARTS = ".part-*"  #: names of files that are being written
 
 
 def whole(path: Path, write: Callable[[Path], object]) -> Path:

@@ -18,6 +18,7 @@ from conftest import BUILD, SOURCE, layers
 
 import smartvis
 from smartvis import _study
+from smartvis._files import PARTS
 from smartvis._work import Settings
 from smartvis.cli import main
 
@@ -64,7 +65,7 @@ def rows_of(out: Path) -> dict[Path, int]:
 
 
 def nothing_is_half(out: Path) -> None:
-    assert not list(out.rglob(".part-*"))
+    assert not list(out.rglob(PARTS))
 
 
 def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> None:
@@ -104,6 +105,9 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
     out = tmp_path / "out"
     victims = list(doomed.run(os.getpid).values())
     done: list[int] = []
+    half = _study.folder_of(out, files[0]) / f".part-{victims[0]}-scan0_clipped.nrrd"
+    half.parent.mkdir(parents=True)
+    half.write_text("what a worker leaves that is killed while it writes")
 
     def step() -> None:
         done.append(1)
@@ -112,11 +116,25 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
 
     rows = _study.batch(files, SETTINGS, out, doomed, step)
     assert [r["state"] for r in rows] == ["ok"] * 24 and len({r["file"] for r in rows}) == 24
+    nothing_is_half(out)
     assert len(list(out.rglob("*_clipped.nrrd"))) == 24
     doomed.wait_for_workers(2, timeout=60)
     assert victims[0] not in doomed.run(os.getpid).values()
     for path in out.rglob("*_clipped.nrrd"):
         assert sitk.ReadImage(str(path)).GetSize() == SHAPE[::-1]
+
+
+def test_workers_that_are_gone_for_good_are_replaced(tmp_path: Path, doomed) -> None:
+    files = write_study(tmp_path / "study", 12)
+    done: list[int] = []
+
+    def step() -> None:
+        done.append(1)
+        if len(done) == 2:
+            doomed.cluster.scale(0)
+
+    rows = _study.batch(files, SETTINGS, tmp_path / "out", doomed, step)
+    assert [r["state"] for r in rows] == ["ok"] * 12 and len(doomed.nthreads()) >= 1
 
 
 CRASHES_AT_77 = r"""
@@ -165,6 +183,7 @@ def test_a_batch_that_is_killed_goes_on(tmp_path: Path) -> None:
     assert "dashboard at http://127.0.0.1:" in done.stderr
     after = rows_of(out)
     assert len(after) == 18 and all(after[p] == t for p, t in before.items())
+    nothing_is_half(out)
 
 
 def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:

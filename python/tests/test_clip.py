@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """clip() and Result: where the surface lies, what is kept, any camera, and what is said of bad input."""
 
+import re
+
 import numpy as np
 import pytest
 from conftest import FETUS, FLUID, SKIN, layers
@@ -158,7 +160,7 @@ def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize(
-    "keywords, words",
+    ("keywords", "words"),
     [
         ({"method": "guess"}, "method='guess' is none of mean,"),
         ({"knob": 1}, "no parameter 'knob'"),
@@ -176,9 +178,8 @@ def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
     ],
 )
 def test_wrong_values_are_named(volume: np.ndarray, keywords: dict, words: str) -> None:
-    with pytest.raises(ValueError) as caught:
+    with pytest.raises(ValueError, match=re.escape(words)):
         smartvis.clip(volume, **({"spacing": (1, 1, 1)} | keywords))
-    assert words in str(caught.value)
 
 
 def test_volumes_that_are_none_are_refused() -> None:

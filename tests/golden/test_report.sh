@@ -146,6 +146,19 @@ holds grep -q 'label 7' "$work/stderr"
 code 3 --quick --out "$work/bad" --case "$full,$work/fetus.mha,$work/fetus.mha"
 holds grep -q '48 x 48 x 1 voxels, the volume has 48 x 48 x 48' "$work/stderr"
 code 2 --quick --out "$work/bad" --case "$full,$truth"
+# The same with maps of what was scanned, here from slice 10 on: the measures of a map that clips everything before it.
+label from.mha '\12'
+label to.mha '\60'
+measure() { "$build/host_sim" measure --lowres 48 --case "$@" | grep -v '"map"'; }
+label="$(find "$work/scene" -name 'D01*_label.mha')"
+holds [ "$(measure "$full,$truth,$label,$work/from.mha,$work/to.mha" -)" = "$(measure "$full,$truth,$label" "$work/from.mha")" ]
+holds [ "$(measure "$full,$truth,$label" -)" != "$(measure "$full,$truth,$label" "$work/from.mha")" ]
+code 0 --quick --out "$work/ranged" --case "$full,$truth,$label,$work/from.mha,$work/to.mha" --frames 0
+code 0 --quick --out "$work/unranged" --case "$full,$truth,$label" --frames 0
+holds [ "$(cmp -s "$work"/ranged/beside.csv "$work"/unranged/beside.csv; echo $?)" = 1 ]
+code 3 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha,$work/from.mha"
+holds grep -q 'to.mha: pixel (0, 0) is 48, behind 10 in ' "$work/stderr"
+code 2 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha"
 # Occluders before a given volume, which is its own ground truth.
 code 0 --quick --out "$work/real" --real "$truth" --frames 0
 holds [ -s "$work/real/space_real.csv" ]

@@ -52,6 +52,7 @@ head -c 400 "$folder/one/E02_f000_near.mha" | grep -aq 'ElementType = MET_FLOAT'
 for probe in 'start=30,axis=-20' 'start=20,axis=8,theta=70,phi=60,skew=0.4,descending=1,pitch=1.5'; do
     code 0 E02 --size 48 --export --format vol --vol "$probe" --out "$folder/vol"
     [ -s "$folder/vol/E02_truth.vol" ] || fail "no truth as a Kretz file"
+    [ -s "$folder/vol/E02_label.mha" ] || fail "no label map beside the Kretz files"
     "$host_sim" info "$folder/vol/E02_full.vol" > "$folder/out" || fail "info does not read the Kretz file of $probe"
     for words in 'samples of' 'sweep + at -y: a choice'; do
         grep -qF "$words" "$folder/out" || fail "info does not tell '$words': $(cat "$folder/out")"
@@ -78,6 +79,10 @@ grep -q "at or behind the samples' start" "$folder/err" || fail "an impossible p
 
 code 0 real --real "$folder/one/E02_f000_truth.mha" --export --out "$folder/real"
 [ -s "$folder/real/real_full.mha" ] || fail "real wrote no volume"
+code 0 real --real "$folder/vol/E02_truth.vol" --export --out "$folder/real_vol"
+[ -s "$folder/real_vol/real_full.mha" ] || fail "real wrote no volume before a Kretz file"
+code 3 real --real "$folder/sequence/E02_truth.vol" --export --out "$folder/none"
+grep -q 'E02_truth.vol: a sequence of 3 volumes, expected one volume' "$folder/err" || fail "a sequence is not named: $(cat "$folder/err")"
 
 code 0 D01 --size 64 --sheet --out "$folder/sheet"
 [ "$(head -c 4 "$folder/sheet/D01_sheet.png" | tail -c 3)" = PNG ] || fail "the contact sheet is no PNG"

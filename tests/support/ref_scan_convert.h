@@ -11,12 +11,16 @@
 typedef struct {
     int value;   /* 0 .. 255 */
     double mean; /* before rounding */
-    /* Smallest distance of a decision: nearest voxel and face of the box (voxels), half covered (share). */
+    /* Smallest distance of a decision: nearest voxel and face of the box (voxels), half covered (share),
+     * rounding of a fraction (twentieths of 1/256 of a halved voxel). */
     double margin;
 } ref_lowres;
 
-/* Samples per axis; true if they are nearest voxels, false if trilinear. */
-bool ref_grid(const hs_volume *volume, const hs_camera *camera, const hs_slab_layout *layout, int grid[3]);
+/* Where samples are taken. */
+typedef enum { REF_TRILINEAR, REF_NEAREST, REF_HALVED } ref_way;
+
+/* Samples per axis, and how they are taken. */
+ref_way ref_grid(const hs_volume *volume, const hs_camera *camera, const hs_slab_layout *layout, int grid[3]);
 
 /* Voxel (x, y, z) of the low-resolution volume. */
 ref_lowres ref_convert_voxel(const hs_volume *volume, const hs_camera *camera, const hs_slab_layout *layout,

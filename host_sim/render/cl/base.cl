@@ -57,6 +57,29 @@ typedef int vi;
 #define LOAD(p)         (*(p))
 #endif
 
+#if LANES == 16
+/* Stores of 16 lanes in one piece, wherever they go: PoCL takes the lanes of vstore16 one by one. */
+typedef struct __attribute__((packed)) {
+    uchar16 lanes;
+} packed_bytes;
+typedef struct __attribute__((packed)) {
+    ushort16 lanes;
+} packed_words;
+typedef struct __attribute__((packed)) {
+    float16 lanes;
+} packed_floats;
+
+INLINE void store_bytes(uchar16 v, __global uchar *p) {
+    ((__global packed_bytes *)p)->lanes = v;
+}
+INLINE void store_words(ushort16 v, ushort *p) {
+    ((packed_words *)p)->lanes = v;
+}
+INLINE void store_floats(float16 v, float *p) {
+    ((packed_floats *)p)->lanes = v;
+}
+#endif
+
 /* Least and largest lane. */
 #if LANES == 16
 INLINE float lanes_min(vf v) {
@@ -79,3 +102,12 @@ INLINE float lanes_max(vf v) {
     return v;
 }
 #endif
+
+/* (sum + count / 2) / count in integers, exact whatever the device's float division. */
+INLINE vi rounded_mean(vi sum, vi count) {
+    vi a = 2 * sum + count, b = 2 * count;
+    vi q = TO_VI(TO_VF(a) / TO_VF(b));
+    q -= select((vi)(0), (vi)(1), MASK(q * b > a));
+    q += select((vi)(0), (vi)(1), MASK(a - q * b >= b));
+    return q;
+}

@@ -1,35 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the lit look draws (host_sim/render/lit_volume.h): the volume halved (if large), then smoothed, and a
- * coarse grid of opacities for light. A halved voxel is the mean of 2 x 2 x 2; the smoothing has the weights
- * 1, 2, 1 along every axis. Both round to the nearest level, halves up. LIT_PAD voxels of 0 surround the
- * halved volume, so that a volume's own faces are edges like any other and nothing is ever read outside.
+ * What the lit look draws (host_sim/render/lit_volume.h): the volume halved (cl/halve.cl; if large), then
+ * smoothed, and a coarse grid of opacities for light. The smoothing has the weights 1, 2, 1 along every axis
+ * and rounds to the nearest level, halves up. LIT_PAD voxels of 0 surround the volume, so that its own faces
+ * are edges like any other and nothing is ever read outside.
  *
  * CPU: a work item makes a row; global (1, y, z). GPU: a work item makes a voxel; global (x, y, z).
  */
 #define LIT_PAD 2 /* the host's (lit_volume.c) */
-
-/* Where 2 x 2 rows of the source begin; the last one stands twice where an axis is odd. */
-typedef struct {
-    __global const uchar *row[4];
-} four_rows;
-
-INLINE four_rows rows_below(__global const uchar *voxels, int4 dims, int y, int z) {
-    int y1 = min(y + 1, dims.y - 1), z1 = min(z + 1, dims.z - 1);
-    four_rows r;
-    r.row[0] = voxels + ((size_t)z * dims.y + y) * dims.x;
-    r.row[1] = voxels + ((size_t)z * dims.y + y1) * dims.x;
-    r.row[2] = voxels + ((size_t)z1 * dims.y + y) * dims.x;
-    r.row[3] = voxels + ((size_t)z1 * dims.y + y1) * dims.x;
-    return r;
-}
-
-INLINE uchar halved(four_rows r, int count, int x) {
-    int x1 = min(x + 1, count - 1);
-    uint sum = 4;
-    for (int i = 0; i < 4; i++) sum += (uint)r.row[i][x] + r.row[i][x1];
-    return (uchar)(sum >> 3);
-}
 
 /* A small volume is not halved: it has no voxel to spare. */
 __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
@@ -47,31 +25,6 @@ __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, _
 
 #if LANES == 16
 #define MAX_HALF 1028 /* half of MAX_ROW, and the padding */
-
-INLINE ushort16 pair_sums(__global const uchar *p) {
-    uchar16 a = vload16(0, p), b = vload16(1, p);
-    return (ushort16)(convert_ushort8(a.even) + convert_ushort8(a.odd),
-                      convert_ushort8(b.even) + convert_ushort8(b.odd));
-}
-
-WIDE __kernel void lit_halve(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *out) {
-    int y = (int)get_global_id(1), z = (int)get_global_id(2);
-    __global uchar *to = out + ((size_t)z * half_dims.y + y) * half_dims.x;
-    int sy = 2 * (y - LIT_PAD), sz = 2 * (z - LIT_PAD);
-    if (sy < 0 || sz < 0 || sy >= dims.y || sz >= dims.z) {
-        for (int x = 0; x < half_dims.x; x++) to[x] = 0;
-        return;
-    }
-    four_rows r = rows_below(voxels, dims, sy, sz);
-    for (int i = 0; i < LIT_PAD; i++) to[i] = to[half_dims.x - 1 - i] = 0;
-    int x = 0;
-    for (; x + 32 <= dims.x; x += 32) {
-        ushort16 sum = pair_sums(r.row[0] + x) + pair_sums(r.row[1] + x) + pair_sums(r.row[2] + x) +
-                       pair_sums(r.row[3] + x);
-        vstore16(convert_uchar16((sum + (ushort)4) >> (ushort)3), 0, to + LIT_PAD + x / 2);
-    }
-    for (; x < dims.x; x += 2) to[LIT_PAD + x / 2] = halved(r, dims.x, x);
-}
 
 /* Sums of 3 x 3 rows with the weights of y and z. */
 INLINE ushort16 weigh_rows(__global const uchar *at, size_t row, size_t slice) {
@@ -104,25 +57,16 @@ WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __glob
     }
     ushort sums[MAX_HALF + 16];
     int x = 0;
-    for (; x + 16 <= dims.x; x += 16) vstore16(weigh_rows(half_size + begin + x, row, slice), 0, sums + x);
+    for (; x + 16 <= dims.x; x += 16) store_words(weigh_rows(half_size + begin + x, row, slice), sums + x);
     for (; x < dims.x; x++) sums[x] = weigh_row(half_size + begin + x, row, slice);
     out[begin] = out[begin + dims.x - 1] = 0;
     for (x = 1; x + 16 < dims.x; x += 16) {
         ushort16 sum = vload16(0, sums + x - 1) + vload16(0, sums + x) * (ushort)2 + vload16(0, sums + x + 1);
-        vstore16(convert_uchar16((sum + (ushort)32) >> (ushort)6), 0, out + begin + x);
+        store_bytes(convert_uchar16((sum + (ushort)32) >> (ushort)6), out + begin + x);
     }
     for (; x < dims.x - 1; x++) out[begin + x] = (uchar)SMOOTH_AT(sums, x);
 }
 #else
-__kernel void lit_halve(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *out) {
-    int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2);
-    int sx = 2 * (x - LIT_PAD), sy = 2 * (y - LIT_PAD), sz = 2 * (z - LIT_PAD);
-    uchar value = 0;
-    if (min(sx, min(sy, sz)) >= 0 && sx < dims.x && sy < dims.y && sz < dims.z)
-        value = halved(rows_below(voxels, dims, sy, sz), dims.x, sx);
-    out[((size_t)z * half_dims.y + y) * half_dims.x + x] = value;
-}
-
 __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
     int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2);
     size_t at = ((size_t)z * dims.y + y) * dims.x + x;
@@ -151,14 +95,14 @@ WIDE __kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cel
     int y = (int)get_global_id(1), z = (int)get_global_id(2), block = cells.w;
     int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
     float sums[MAX_HALF + 16];
-    for (int x = 0; x < dims.x; x += 16) vstore16((float16)(0.0f), 0, sums + x);
+    for (int x = 0; x < dims.x; x += 16) store_floats((float16)(0.0f), sums + x);
     for (int k = z * block; k < z1; k++)
         for (int j = y * block; j < y1; j++) {
             __global const uchar *row = smooth + ((size_t)k * dims.y + j) * dims.x;
             int x = 0;
             for (; x + 16 <= dims.x; x += 16) {
                 float16 value = (convert_float16(vload16(0, row + x)) - window.x) * window.y;
-                vstore16(vload16(0, sums + x) + clamp(value, 0.0f, 1.0f), 0, sums + x);
+                store_floats(vload16(0, sums + x) + clamp(value, 0.0f, 1.0f), sums + x);
             }
             for (; x < dims.x; x++) sums[x] += clamp(((float)row[x] - window.x) * window.y, 0.0f, 1.0f);
         }

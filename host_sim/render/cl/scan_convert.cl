@@ -11,15 +11,6 @@ typedef struct {
     int x, y, z; /* of the packet's first voxel; z: slice of the whole volume */
 } place;
 
-/* (sum + count / 2) / count in integers, exact whatever the device's float division. */
-INLINE vi rounded_mean(vi sum, vi count) {
-    vi a = 2 * sum + count, b = 2 * count;
-    vi q = TO_VI(TO_VF(a) / TO_VF(b));
-    q -= select((vi)(0), (vi)(1), MASK(q * b > a));
-    q += select((vi)(0), (vi)(1), MASK(a - q * b >= b));
-    return q;
-}
-
 /* Writes the packet's bytes into its tile, and only those inside the picture. */
 INLINE void store_packet(__global uchar *slab, int4 layout, int4 size, place at, int slice, vi value) {
     __global uchar *tile =

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/halved.h"
+
+#include "render/host_launch.h"
+
+#include <stdlib.h>
+
+struct hs_halved {
+    const hs_cl *cl;
+    cl_int4 source; /* voxels */
+    hs_halved_view view;
+    cl_kernel kernel;
+    bool with_mean, fresh;
+};
+
+hs_halved *hs_halved_create(const hs_cl *cl, const uint32_t n[3], bool with_mean, hs_error *err) {
+    hs_halved *halved = calloc(1, sizeof *halved);
+    if (!halved) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "halved volume: no memory");
+        return NULL;
+    }
+    halved->cl = cl;
+    halved->with_mean = with_mean;
+    for (int k = 0; k < 3; k++) {
+        halved->source.s[k] = (cl_int)n[k];
+        halved->view.dims.s[k] = (cl_int)((n[k] + 1) / 2);
+    }
+    halved->view.dims.s[3] = HS_HALVED_BORDER;
+    return halved;
+}
+
+void hs_halved_destroy(hs_halved *halved) {
+    if (!halved) return;
+    if (halved->kernel) (void)clReleaseKernel(halved->kernel);
+    if (halved->view.mean) (void)clReleaseMemObject(halved->view.mean);
+    if (halved->view.scanned) (void)clReleaseMemObject(halved->view.scanned);
+    free(halved);
+}
+
+void hs_halved_expire(hs_halved *halved) {
+    halved->fresh = false;
+}
+
+/* Lookups read two neighbours in x, so that the last voxel needs one behind it: one more. */
+static bool take_buffer(hs_halved *halved, cl_mem *buffer, cl_int border, const char *call, hs_error *err) {
+    const cl_int4 d = halved->view.dims;
+    const cl_uchar nothing = 0;
+    size_t bytes = 1;
+    cl_int code = CL_SUCCESS;
+    if (*buffer) return true;
+    for (int k = 0; k < 3; k++) bytes *= (size_t)(d.s[k] + 2 * border);
+    *buffer = clCreateBuffer(halved->cl->context, CL_MEM_READ_WRITE, bytes + 1, NULL, &code);
+    if (!hs_cl_check(code, call, err)) return false;
+    /* The border is never written again. */
+    code = clEnqueueFillBuffer(halved->cl->queue, *buffer, &nothing, 1, 0, bytes + 1, 0, NULL, NULL);
+    return hs_cl_check(code, "clEnqueueFillBuffer(halved volume)", err);
+}
+
+static bool take_memory(hs_halved *halved, hs_error *err) {
+    cl_int code = CL_SUCCESS;
+    if (!halved->kernel) halved->kernel = clCreateKernel(halved->cl->program, "halve_volume", &code);
+    return hs_cl_check(code, "clCreateKernel(halve_volume)", err) &&
+           take_buffer(halved, &halved->view.scanned, 0, "clCreateBuffer(halved volume)", err) &&
+           (!halved->with_mean || take_buffer(halved, &halved->view.mean, HS_HALVED_BORDER,
+                                              "clCreateBuffer(halved volume with a border)", err));
+}
+
+static bool enqueue(hs_halved *halved, cl_mem voxels, hs_error *err) {
+    cl_int4 dims = halved->view.dims;
+    if (!halved->with_mean) dims.s[3] = -1;
+    hs_launch launch = hs_launch_begin(halved->cl, halved->kernel, "halve_volume");
+    hs_launch_buffer(&launch, voxels);
+    hs_launch_arg(&launch, sizeof halved->source, &halved->source);
+    hs_launch_arg(&launch, sizeof dims, &dims);
+    hs_launch_buffer(&launch, halved->view.mean);
+    hs_launch_buffer(&launch, halved->view.scanned);
+    /* On a CPU a work item makes a slice, few enough groups to cost nothing. */
+    const bool slices = halved->cl->lanes > 1;
+    const size_t global[3] = {slices ? 1 : (size_t)dims.s[0], slices ? 1 : (size_t)dims.s[1],
+                              (size_t)dims.s[2]};
+    const size_t local[3] = {1, 1, 1};
+    return hs_launch_run(&launch, 3, global, slices ? local : NULL, NULL, err);
+}
+
+bool hs_halved_make(hs_halved *halved, cl_mem voxels, hs_halved_view *view, hs_error *err) {
+    if (!take_memory(halved, err)) return false;
+    if (!halved->fresh && !enqueue(halved, voxels, err)) return false;
+    halved->fresh = true;
+    *view = halved->view;
+    return true;
+}
