@@ -230,6 +230,13 @@ def a_crash(b):
     holds("crashed: SIGSEGV" in words, f"the outcome is '{words}'")
     holds("crashed: SIGSEGV" in b.run("return canvases.result.caption.textContent"), "the view does not say why")
     holds(pixels(b, "result") == pixels(b, "full") != clipped, "the view is not unclipped")
+    for i in range(5):  # more often than the guard starts it anew
+        b.run("turn(3, 0)")
+        settle(b, f"the crash, {i + 2}")
+    holds(b.run("return lastFigures.lanes[0].restarts") == 3, "the guard does not give it up")
+    b.run("resetCamera(); setValue(0, lanes[0].params.find(p => p.key === 'fail'), 0, false)")
+    settle(b, "the plugin without its fault")
+    holds(b.run("return lastFigures.lanes[0].clipped") and pixels(b, "result") == clipped, "it gets no other chance")
     b.run("at('plugin0').value = '0'; at('plugin0').dispatchEvent(new Event('change'))")
     settle(b, "another plugin after the crash")
     holds(b.run("return lastFigures.lanes[0].clipped"), "nothing clips after the crash")
