@@ -30,7 +30,7 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb demo console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
@@ -56,6 +56,10 @@ try-deb: ## install out/deb on this machine (needs root), then the template's th
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+
+console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
+	@$(call build,build)
+	build/host_sim console $(DATA)
 
 report: setup ## set up, build, measure quality and speed over all cases; the page is out/report/index.html
 	@$(call build,build)

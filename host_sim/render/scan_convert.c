@@ -196,10 +196,10 @@ static void set_positions(hs_launch *launch, const sampling *s) {
 }
 
 /*
- * On a CPU a work item makes packets of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work
- * group rows of them in all slices: few enough groups to cost nothing, enough that all cores get some. From
- * the halved volume an item makes a run of packets, and a group is a block: what it reads of the source fits
- * the first-level cache, and its pages the address cache, however the camera is turned.
+ * On a CPU a work item makes packets of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a
+ * work group rows of them in all slices: few enough groups to cost nothing, enough that all cores get some.
+ * From the halved volume an item makes a run of packets, and a group is a block: what it reads of the source
+ * fits the first-level cache, and its pages the address cache, however the camera is turned.
  */
 static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, sampling_way way,
                     uint32_t slices, cl_event *event, hs_error *err) {
@@ -229,17 +229,8 @@ static hs_launch begin(const hs_scan_converter *converter, sampling_way way) {
 
 /* The arguments that say what is sampled. */
 static hs_launch begin_beams(const hs_scan_converter *converter, const hs_beams_view *view) {
-    const hs_beams_shape *b = &view->shape;
-    const cl_int4 dims = {{(cl_int)b->samples, (cl_int)b->lines, (cl_int)b->planes, 0}};
-    const cl_float4 reach = {{b->start, b->per_mm, b->axis, b->side}};
-    const cl_float4 even = {{b->theta[0], b->theta[1], b->phi[0], b->phi[1]}};
     hs_launch launch = begin(converter, BEAMS);
-    hs_launch_buffer(&launch, view->voxels);
-    hs_launch_arg(&launch, sizeof dims, &dims);
-    hs_launch_buffer(&launch, view->theta);
-    hs_launch_buffer(&launch, view->phi);
-    hs_launch_arg(&launch, sizeof reach, &reach);
-    hs_launch_arg(&launch, sizeof even, &even);
+    hs_launch_beams(&launch, view);
     return launch;
 }
 

@@ -36,8 +36,8 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
  *
  * Halved: where every edge spans 2.7 voxels or more (by the coarsest spacing, with a millionth of tolerance),
  * the source is halved once per volume (hs_halved_view.scanned), and a sample is trilinear between halved
- * voxels; in the outer half voxel the nearest one counts. g is the edge in halved voxels of the finest spacing
- * over 1.5, rounded, 1 .. 8. All is integer arithmetic: the same bytes on every device. Positions are
+ * voxels; in the outer half voxel the nearest one counts. g is the edge in halved voxels of the finest
+ * spacing over 1.5, rounded, 1 .. 8. All is integer arithmetic: the same bytes on every device. Positions are
  * fixed-point with as many fraction bits as 32-bit sums allow (20 to 22 for 400^3 voxels); a fraction is
  * rounded to 1/256. Intensities and scanned shares (1 for a scanned halved voxel, 0 for another) are blended
  * alike: within two slices, then between them, both rounded half up to 1/256.

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets the
- * fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that meets
- * the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a ray, its
- * longest stretch of fluid counts.
+ * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets
+ * the fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that
+ * meets the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a
+ * ray, its longest stretch of fluid counts.
  */
 #include "scene/scene_truth.h"
 
@@ -151,8 +151,9 @@ static float behind_haze(const truth *t, size_t pixel, float clip) {
 
 /*
  * The clipping surface: the middle of the interval, but no nearer than where the occluders of the
- * neighbourhood end, because the point spread makes them visible beside themselves, and no nearer than where
- * haze can be seen, but for the last REACH_MM before the skin. It never leaves the pixel's own interval.
+ * neighbourhood end, because the point spread makes them visible beside themselves, and no nearer than
+ * where haze can be seen, but for the last REACH_MM before the skin. It never leaves the pixel's own
+ * interval.
  */
 static void clip_row(void *context, uint32_t y) {
     const truth *t = context;

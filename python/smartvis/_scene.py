@@ -65,7 +65,8 @@ class Measures:
 
 
 def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> Scene:
-    """One of the nine cases (`CASES`), or a scene file, made by host_sim. ``frame`` is a frame of its motion.
+    """One of the nine cases (`CASES`), a hard one ("H01" and on), a random one ("R7_3": number 3 of the set with
+    seed 7), or a scene file, made by host_sim. ``frame`` is a frame of its motion.
 
     HostError: host_sim is not there, or does not know the scene.
 
