@@ -108,7 +108,8 @@ bench: setup ## times as ratios to plain C; speed against error of every method,
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
-# Scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
+# Hard scenes, scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
+HARD := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,--scene H$(n))
 UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
 CHOICE := --scenes 201,0 --scenes 104,3
 FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
@@ -116,6 +117,7 @@ FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard 
 sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
 	@$(call build,build)
 	build/sv_sites table $(UNSEEN) $(FOREIGN)
+	build/sv_sites table $(HARD)
 	build/sv_sites harm --scenes 201,0 $(FOREIGN)
 	build/sv_sites flicker
 	$(if $(SITE),build/sv_sites reverse $(CHOICE) $(FOREIGN))
