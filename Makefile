@@ -14,6 +14,8 @@ LABELS ?=
 FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
+# A folder of volumes of another program with their truth, for `make sites` and `make surface-page`.
+SITE ?= $(wildcard $(addsuffix /site_b,$(DATA)))
 
 SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
@@ -28,7 +30,8 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo console report test test-sanitize test-clang fuzz oclgrind lint format bench validate clean help
+.PHONY: all setup install dist deb try-deb demo console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+	validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -104,6 +107,22 @@ bench: setup ## times as ratios to plain C; speed against error of every method,
 	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
+
+# Scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
+UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
+CHOICE := --scenes 201,0 --scenes 104,3
+FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
+
+sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
+	@$(call build,build)
+	build/sv_sites table $(UNSEEN) $(FOREIGN)
+	build/sv_sites harm --scenes 201,0 $(FOREIGN)
+	build/sv_sites flicker
+	$(if $(SITE),build/sv_sites reverse $(CHOICE) $(FOREIGN))
+
+surface-page: setup ## method wall on scenes and on SITE in pictures: out/sites/index.html
+	@$(call build,build)
+	build/sv_sites page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
 
 validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
 	@$(call build,build)

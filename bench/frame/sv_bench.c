@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define GRIDS_SCENE "D01"
+#define GRIDS_SIZE  256u
+
 enum {
     MAX_VALUES = 16,
     MAX_SLABS = 8,
@@ -27,7 +30,7 @@ typedef struct {
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
-    bool plugin_part, guard_part, convert_part, host_part;
+    bool plugin_part, guard_part, convert_part, host_part, grids_part;
     const char *value_texts[MAX_VALUES];
     uint32_t value_count;
 } options;
@@ -38,6 +41,7 @@ static const char help[] =
     "C,\n"
     "both on two threads; then its methods cost and wall, if it has them; then the host's scan loop around "
     "the plugin.\n"
+    "Last, the renderer of a probe's volume in the Cartesian copy and in the probe's own grid.\n"
     "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
     "and\n"
     "kernel is timed as it is.\n\n"
@@ -45,7 +49,7 @@ static const char help[] =
     "  --id ID            the library's plugin of that id (default: its first)\n"
     "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
     "                     change the result make the comparison with plain C fail\n"
-    "  --only PART        'plugin', 'guard', 'convert' or 'loop' (default: all)\n"
+    "  --only PART        'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n"
     "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
     "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
     "0)\n"
@@ -85,9 +89,10 @@ static bool parse_part(options *o, const char *text, hs_error *err) {
     o->guard_part = strcmp(text, "guard") == 0;
     o->convert_part = strcmp(text, "convert") == 0;
     o->host_part = strcmp(text, "loop") == 0;
-    return o->plugin_part || o->guard_part || o->convert_part || o->host_part ||
-           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'guard', 'convert' and 'loop'",
-                   text);
+    o->grids_part = strcmp(text, "grids") == 0;
+    return o->plugin_part || o->guard_part || o->convert_part || o->host_part || o->grids_part ||
+           hs_fail(err, HS_ERR_USAGE,
+                   "--only: '%s' is none of 'plugin', 'guard', 'convert', 'loop' and 'grids'", text);
 }
 
 static void make_quick(options *o) {
@@ -193,7 +198,8 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
                    .plugin_part = true,
                    .guard_part = true,
                    .convert_part = true,
-                   .host_part = true};
+                   .host_part = true,
+                   .grids_part = true};
     hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     fill_defaults(o);
@@ -210,6 +216,7 @@ typedef struct {
     bench_plugin_result results[MAX_RESULTS];
     bench_convert_result convert;
     bench_host_result host;
+    bench_grids_result grids;
     bench_report report;
 } bench_run;
 
@@ -322,6 +329,15 @@ static bool run_host_part(bench_run *run, hs_error *err) {
     return true;
 }
 
+/* A scene, since the layered volume fills no fan. */
+static bool run_grids_part(bench_run *run, hs_error *err) {
+    const char *scene = run->o.scene ? run->o.scene : GRIDS_SCENE;
+    if (!bench_grids_run(&run->cl, scene, GRIDS_SIZE, run->o.host_frames, &run->grids, err)) return false;
+    bench_print_grids(&run->grids);
+    run->report.grids = &run->grids;
+    return true;
+}
+
 static bool measure(bench_run *run, hs_error *err) {
     if (!bench_try_output(run->o.csv, err) || !bench_try_output(run->o.json, err)) return false;
     for (uint32_t i = 0; i < run->o.value_count; i++)
@@ -333,7 +349,7 @@ static bool measure(bench_run *run, hs_error *err) {
     if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
         (run->o.guard_part && !run_guard_part(run, err)) ||
         (run->o.convert_part && !run_convert_part(run, err)) ||
-        (run->o.host_part && !run_host_part(run, err)))
+        (run->o.host_part && !run_host_part(run, err)) || (run->o.grids_part && !run_grids_part(run, err)))
         return false;
     bench_print_targets(&run->report);
     return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&

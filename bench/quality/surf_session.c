@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "quality/surf_session.h"
 
+#include "loop/clipper.h"
 #include "plugin/loader_param.h"
 
 #include <stdio.h>
@@ -154,6 +155,10 @@ bool surf_session_frame(surf_session *s, const surf_volume *v, hs_error *err) {
     if (!hs_plugin_check(&s->plugin, p->begin(p, &frame), "begin", err) || !send(s, v, err)) return false;
     s->outcome = p->end(p, &result);
     return hs_plugin_check(&s->plugin, s->outcome, "end", err);
+}
+
+bool surf_session_clips(const surf_session *s) {
+    return hs_outcome_clips(s->outcome);
 }
 
 bool surf_session_confidence(surf_session *s, sv_confidence_report *report, hs_error *err) {

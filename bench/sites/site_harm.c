@@ -18,7 +18,7 @@ typedef struct {
 } tally;
 
 static void add(tally *t, const wall_case *c, const surf_session *s, const wall_score *score) {
-    const bool refused = s->outcome != SV_OK && s->outcome != SV_PARTIAL;
+    const bool refused = !surf_session_clips(s);
     double sure = 0.0, rays = 0.0;
     for (size_t i = 0; i < (size_t)c->nx * c->ny; i++) {
         if (c->label[i] == 0) continue;

@@ -21,12 +21,16 @@ static bool is_slice(hs_console_view view) {
     return view == HS_CONSOLE_ACROSS || view == HS_CONSOLE_ALONG || view == HS_CONSOLE_DEEP;
 }
 
+static bool same_place(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 bool hs_console_is_stale(const hs_console_stage *stage, hs_console_view view, hs_console_sent *sent) {
     const bool clips = view != HS_CONSOLE_FULL && view != HS_CONSOLE_TRUTH;
     const uint64_t clip_epoch = clips ? stage->clip_epoch : 0;
     const bool same = sent->sent && sent->size == stage->screen_dvr.width &&
                       sent->scene_epoch == stage->scene_epoch && sent->clip_epoch == clip_epoch &&
-                      (!is_slice(view) || memcmp(sent->cross, stage->state.cross, sizeof sent->cross) == 0);
+                      (!is_slice(view) || same_place(sent->cross, stage->state.cross));
     *sent = (hs_console_sent){.sent = true,
                               .size = stage->screen_dvr.width,
                               .scene_epoch = stage->scene_epoch,

@@ -103,7 +103,7 @@ static void put_renderer(FILE *out, const hs_console_state *s) {
                   {"exposure", s->dvr.exposure, pictures.dvr.exposure}};
     char text[32], other[32];
     if (s->dvr.look != HS_LOOK_LIT) (void)fprintf(out, " --look %s", hs_look_key(s->dvr.look));
-    if (memcmp(s->dvr.light, usual.light, sizeof usual.light) != 0) {
+    if (s->dvr.light[0] != usual.light[0] || s->dvr.light[1] != usual.light[1]) {
         float_text(s->dvr.light[0], text, sizeof text);
         float_text(s->dvr.light[1], other, sizeof other);
         (void)fprintf(out, " --light %s,%s", text, other);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define MAX_INDEX  1000000u
+#define MAX_DEPTH  8                          /* of objects and arrays; a state has four */
 #define MAX_SERIAL UINT64_C(9007199254740991) /* what a page can count to */
 
 static const char *const view_names[HS_CONSOLE_VIEWS] = {"result", "full",  "truth", "depthmap",
@@ -186,11 +187,35 @@ static bool read_message(const json_t *root, hs_console_message *out, hs_error *
            hs_console_whole(root, "frame", 0, MAX_SERIAL, &out->seen, err);
 }
 
+/* The parser calls itself for every level, thousands deep if it is let, and a server's threads have little
+ * stack. */
+static bool is_too_deep(const char *text, size_t bytes) {
+    int depth = 0;
+    bool quoted = false;
+    for (size_t i = 0; i < bytes; i++) {
+        if (quoted) {
+            if (text[i] == '\\')
+                i++;
+            else if (text[i] == '"')
+                quoted = false;
+        } else if (text[i] == '"') {
+            quoted = true;
+        } else if (text[i] == '[' || text[i] == '{') {
+            if (++depth > MAX_DEPTH) return true;
+        } else if (text[i] == ']' || text[i] == '}') {
+            depth--;
+        }
+    }
+    return false;
+}
+
 bool hs_console_message_read(const char *text, size_t bytes, hs_console_message *out, hs_error *err) {
     *out = (hs_console_message){0};
     if (bytes > HS_CONSOLE_MAX_MESSAGE)
         return hs_fail(err, HS_ERR_INPUT, "message: %zu bytes, expected at most %u", bytes,
                        HS_CONSOLE_MAX_MESSAGE);
+    if (is_too_deep(text, bytes))
+        return hs_fail(err, HS_ERR_INPUT, "message: more than %d levels deep", MAX_DEPTH);
     json_error_t at;
     json_t *root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, &at);
     if (!root) return hs_fail(err, HS_ERR_INPUT, "message: no JSON: %s (byte %d)", at.text, at.position);

@@ -18,15 +18,16 @@ struct hs_console_page {
     hs_console_send send;
     void *connection;
     pthread_t thread;
-    pthread_mutex_t lock; /* of all that follows but the last two */
+    pthread_mutex_t lock; /* of all that follows but the last three */
     pthread_cond_t changed;
     bool closed;
     bool has_state, has_deed; /* the mailbox: something new lies in it */
     hs_console_state state;
     hs_console_message deed;
-    uint64_t frame, seen; /* sent, and painted by the page */
-    uint32_t refused;     /* of hs_console_page_say's thread */
-    hs_console_state now; /* of the page's own thread: what it draws */
+    uint64_t frame, seen;     /* sent, and painted by the page */
+    uint32_t refused;         /* of hs_console_page_say's thread, and so is */
+    hs_console_message heard; /* what it reads: its stack is small */
+    hs_console_state now;     /* of the page's own thread: what it draws */
 };
 
 /* What the thread has to do next. */
@@ -172,10 +173,9 @@ static void post(hs_console_page *page, const hs_console_message *message) {
 }
 
 bool hs_console_page_say(hs_console_page *page, const char *text, size_t bytes) {
-    hs_console_message message;
     hs_error err = {0};
-    if (hs_console_message_read(text, bytes, &message, &err)) {
-        post(page, &message);
+    if (hs_console_message_read(text, bytes, &page->heard, &err)) {
+        post(page, &page->heard);
         return true;
     }
     char *reply = hs_console_reply_text("refused", err.text);

@@ -87,6 +87,21 @@ static hs_loop_options loop_options(const hs_console_state *state) {
     return o;
 }
 
+static bool same_values(const hs_console_lane *a, const hs_console_lane *b) {
+    bool same = a->count == b->count;
+    for (uint32_t i = 0; same && i < a->count; i++)
+        same = strcmp(a->values[i].key, b->values[i].key) == 0 && a->values[i].value == b->values[i].value;
+    return same;
+}
+
+/* A plugin that ended so often that its guard has given it up gets another chance when its values change. */
+static bool is_given_up(const hs_console_stage *stage, const hs_lane *lane, const hs_console_lane *before,
+                        const hs_console_lane *wanted) {
+    return lane->has_plugin && !hs_guarded_lives(&lane->plugin) &&
+           hs_guarded_restarts(&lane->plugin) >= stage->offers->guard.restarts &&
+           !same_values(before, wanted);
+}
+
 static bool follow_lane(hs_console_stage *stage, const hs_console_state *state, uint32_t i, hs_error *err) {
     hs_lane *lane = &stage->lane[i];
     const hs_console_lane *wanted = &state->lane[i];
@@ -99,7 +114,7 @@ static bool follow_lane(hs_console_stage *stage, const hs_console_state *state, 
         return hs_fail(err, HS_ERR_INPUT, "plugin %u: the console offers %u", wanted->plugin,
                        stage->offers->count);
     const hs_console_offer *offer = &stage->offers->offer[wanted->plugin];
-    if (lane->offer != offer) {
+    if (lane->offer != offer || is_given_up(stage, lane, &stage->state.lane[i], wanted)) {
         if (i == 0) end_truth(stage);
         hs_lane_choose(lane, offer, &stage->offers->guard);
         stage->told[i] = false;
@@ -120,12 +135,10 @@ static bool follow_lanes(hs_console_stage *stage, const hs_console_state *state,
 
 /* But for its size. */
 static bool same_renderer(const hs_dvr_settings *a, const hs_dvr_settings *b) {
-    return a->look == b->look && memcmp(a->light, b->light, sizeof a->light) == 0 &&
-           memcmp((const float[]){a->threshold_low, a->threshold_high, a->ghost_offset, a->ghost_width,
-                                  a->ghost_doubt, a->exposure},
-                  (const float[]){b->threshold_low, b->threshold_high, b->ghost_offset, b->ghost_width,
-                                  b->ghost_doubt, b->exposure},
-                  6 * sizeof(float)) == 0;
+    return a->look == b->look && a->light[0] == b->light[0] && a->light[1] == b->light[1] &&
+           a->threshold_low == b->threshold_low && a->threshold_high == b->threshold_high &&
+           a->ghost_offset == b->ghost_offset && a->ghost_width == b->ghost_width &&
+           a->ghost_doubt == b->ghost_doubt && a->exposure == b->exposure;
 }
 
 static bool follow_screen(hs_console_stage *stage, const hs_console_state *state, hs_error *err) {

@@ -94,10 +94,11 @@ function fitDrafts(ms) {
 
 function showFigures(text) {
   notice("", true);
+  const opened = !lastFigures || lastFigures.source.opened_ms !== text.source.opened_ms;
   lastFigures = text;
   if (text.draft) fitDrafts(text.ms.all);
   painted.push(performance.now());
-  history_.push(text.ms);
+  if (!opened) history_.push(text.ms); /* the first frame of a source waits for what is made once */
   if (history_.length > HISTORY) history_.shift();
   rate();
   drawChart();

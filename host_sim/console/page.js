@@ -102,7 +102,7 @@ function renderField(label, value, low, high, step, take) {
     output.textContent = input.value;
     changed(true);
   });
-  return make("div", { class: "param" }, make("label", { class: "name" }, make("span", { text: label }), output, input));
+  return make("div", { class: "param plain" }, make("label", {}, make("span", { text: label }), input, output));
 }
 
 function buildRenderer() {

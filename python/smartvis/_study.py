@@ -24,8 +24,8 @@ from typing import Any
 from . import _host
 from ._clip import ClipperCache
 from ._errors import HostError, MissingExtraError
-from ._files import SUFFIXES as SUFFIXES
 from ._files import PARTS, FileError, Source, whole
+from ._files import SUFFIXES as SUFFIXES
 from ._work import COLUMNS, Row, Settings, clip_one
 
 ROWS = "rows"  #: folder of the rows beside the results
