@@ -5,6 +5,7 @@
 #include "frame/bench_convert.h"
 #include "frame/bench_files.h"
 #include "frame/bench_guard.h"
+#include "frame/bench_loop.h"
 #include "frame/bench_method.h"
 #include "frame/bench_report.h"
 #include "plugin/loader_param.h"
@@ -308,6 +309,19 @@ static bool run_convert_part(bench_run *run, hs_error *err) {
     return ok;
 }
 
+/* The loop as a scan runs it. */
+static bool run_live_part(bench_run *run, const bench_host_setup *setup, hs_error *err) {
+    bench_loop_result result;
+    hs_source source = {0};
+    hs_volume volume = {0};
+    const hs_volume *list[1];
+    const bool ok = bench_open_source(setup->scene, setup->size, &source, &volume, list, err) &&
+                    bench_loop_run(setup, run->team, &source, &result, err);
+    if (ok) bench_print_loop(&result);
+    bench_close_source(setup->scene, &source, &volume);
+    return ok;
+}
+
 static bool run_host_part(bench_run *run, hs_error *err) {
     const bench_host_setup setup = {.plugin = &run->plugin,
                                     .cl = &run->cl,
@@ -319,7 +333,7 @@ static bool run_host_part(bench_run *run, hs_error *err) {
     if (!bench_host_run(&setup, &run->host, err)) return false;
     bench_print_host(&run->host);
     run->report.host = &run->host;
-    return true;
+    return run_live_part(run, &setup, err);
 }
 
 static bool measure(bench_run *run, hs_error *err) {

@@ -95,6 +95,7 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
                                       .value_count = o->value_count};
     /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
     const bool guarded = hs_is_guarded(plugin);
+    if (guarded || o->own_queue) loop->options.in_flow = false;
     void *memory = NULL;
     hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
     if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
@@ -181,6 +182,11 @@ static bool wait_for(const hs_loop *loop, const char *stage, hs_error *err) {
     return hs_cl_check(clFinish(loop->cl->queue), stage, err);
 }
 
+/* Between stages: only for their times. */
+static bool stage_ends(const hs_loop *loop, const char *stage, hs_error *err) {
+    return loop->options.in_flow || wait_for(loop, stage, err);
+}
+
 static bool render(hs_loop *loop, const hs_camera *camera, const hs_frame *frame, hs_error *err) {
     hs_start_depths start;
     return hs_screen_render(loop->screen, loop->volume, camera,
@@ -218,10 +224,10 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
     hs_camera camera;
     const double start = hs_now();
     hs_loop_camera(loop, index, &camera);
-    if (!bring_volume(loop, index, err) || !wait_for(loop, "clFinish (upload)", err)) return false;
+    if (!bring_volume(loop, index, err) || !stage_ends(loop, "clFinish (upload)", err)) return false;
     const double uploaded = hs_now();
     if (setting != HS_SETTING_DVR && (!hs_slabs_convert(loop->slabs, loop->volume, &camera, err) ||
-                                      !wait_for(loop, "clFinish (scan conversion)", err)))
+                                      !stage_ends(loop, "clFinish (scan conversion)", err)))
         return false;
     const double converted = hs_now();
     if (setting == HS_SETTING_SMARTVIS && !ask_plugin(loop, index, frame, err)) return false;
