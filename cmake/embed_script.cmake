@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: MIT
-# Run by sv_embed (embed.cmake) at build time: OUT, SYMBOL, INPUTS (separated by |), ROOT.
+# Run by sv_embed and sv_embed_text (embed.cmake) at build time: HOW (lines, plain), OUT, SYMBOL, INPUTS (separated by |), ROOT.
 string(REPLACE "|" ";" inputs "${INPUTS}")
 set(bytes "")
 foreach(path ${inputs})
   file(RELATIVE_PATH name ${ROOT} ${path})
   string(HEX "#line 1 \"${name}\"\n" line)
   file(READ ${path} text HEX)
-  string(APPEND bytes "${line}${text}0a")
+  if(HOW STREQUAL "plain")
+    string(APPEND bytes "${text}")
+  else()
+    string(APPEND bytes "${line}${text}0a")
+  endif()
 endforeach()
 string(LENGTH "${bytes}" digits)
 math(EXPR size "${digits} / 2")
 string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
 string(REGEX REPLACE "(................................................................................)" "\\1\n" bytes "${bytes}")
-file(WRITE ${OUT} "/* Generated from the kernel sources; do not edit. */\n#include <stddef.h>\nstatic const unsigned char ${SYMBOL}[] = {\n${bytes}\n};\nstatic const size_t ${SYMBOL}_size = ${size};\n")
+file(WRITE ${OUT} "/* Generated from the sources it holds; do not edit. */\n#include <stddef.h>\nstatic const unsigned char ${SYMBOL}[] = {\n${bytes}\n};\nstatic const size_t ${SYMBOL}_size = ${size};\n")

@@ -9,8 +9,8 @@ Usage: scripts/bare_root.sh [OPTION...] SUITE TARGET...
 
 Makes a root of the Debian SUITE (bookworm, trixie) that holds the essential packages, make and ca-certificates, puts a
 clean clone of this checkout in it, and runs `make TARGET` there for each TARGET. Everything else must come from the
-targets themselves. A TARGET of the form NAME=VALUE is a variable for all of them (SV_WERROR=ON). The clone has what is
-committed.
+targets themselves, but for the certificates that this machine trusts beyond Debian's. A TARGET of the form NAME=VALUE is a
+variable for all of them (SV_WERROR=ON). The clone has what is committed.
 
   --dir FOLDER   where the root is made: a folder that is empty or not there (default: a new one in $TMPDIR or /tmp)
   --mirror URL   Debian mirror (default: the first repository of apt's configuration that has the SUITE)
@@ -55,6 +55,22 @@ export_proxies() {
     done
 }
 
+# Prints the certificates of the bundle HERE that the bundle THERE lacks, one after the other.
+certificates_beyond() { # certificates_beyond THERE HERE
+    awk '/BEGIN CERTIFICATE/ { one = "" } { one = one $0 "\n" }
+        /END CERTIFICATE/ { if (FILENAME == ARGV[1]) known[one] = 1; else if (!(one in known)) printf "%s", one }' "$1" "$2"
+}
+
+# Whom the machine trusts beyond Debian's list, such as the proxy of a company, the root trusts, too: what comes by https
+# passes there as here.
+trust_as_here() { # trust_as_here ROOT
+    local bundle=etc/ssl/certs/ca-certificates.crt own=$1/usr/local/share/ca-certificates/machine
+    [ -s "/$bundle" ] && [ -s "$1/$bundle" ] || return 0
+    mkdir -p "$own"
+    certificates_beyond "$1/$bundle" "/$bundle" | awk -v own="$own" '/BEGIN CERTIFICATE/ { n++ } { print > (own "/" n ".crt") }'
+    chroot "$1" update-ca-certificates > /dev/null
+}
+
 make_root() { # make_root ROOT SUITE MIRROR CHECKOUT BRING
     # A mount point of its own: only so can what runs in it make namespaces, as a test of this script does.
     mount --bind "$1" "$1" || return 1
@@ -65,6 +81,7 @@ make_root() { # make_root ROOT SUITE MIRROR CHECKOUT BRING
         apt-config dump | grep -E '^Acquire::(https?::Proxy|Check-Date|Check-Valid-Until) ' \
             > "$1/etc/apt/apt.conf.d/10machine" || true
     fi
+    trust_as_here "$1" || return 1
     git clone --quiet --no-hardlinks "$4" "$1/smartvis" || return 1
     [ -z "$5" ] || { mkdir -p "$1/smartvis/out" && cp -r "$5" "$1/smartvis/out/"; } || return 1
     mount -t proc proc "$1/proc" && mount --rbind /sys "$1/sys" && mount --rbind /dev "$1/dev"

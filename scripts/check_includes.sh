@@ -13,7 +13,7 @@ cd "${1:-$(dirname "$0")/..}"
 # One line a floor: folder or file | what its "..." includes may name | which <...> groups it may use.
 #   FOLDER  a file directly in it        .         its own folder
 #   abi     include/, include/smartvis/  shared    cl/*/*_shared.h
-#   any     whatever is found            kernels   the embedded kernels that the build generates
+#   any     whatever is found            kernels   the embedded kernels and pages that the build generates
 # The first line that fits a file counts; * is any name, or a part of one.
 floors() {
     cat <<'TABLE'
@@ -43,11 +43,15 @@ host_sim/loop              | abi MACHINE .                                      
 host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
 host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
 host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
-host_sim/commands          | abi HOST .                                                 | libc opencl json
-bench/frame                | abi HOST .                                                 | libc opencl json futex
+host_sim/console           | abi HOST kernels .                                         | libc opencl json web
+host_sim/commands          | abi HOST host_sim/console .                                | libc opencl json
+bench/frame                | abi HOST kernels .                                         | libc opencl json futex
+bench/frame/cl             | .                                                          |
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
+bench/quality/sv_surfaces.c| abi HOST shared src src/ref bench/sites bench/quality       | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
 bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
+bench/sites                | abi HOST shared src src/ref bench/quality bench/wall .     | libc opencl json
 validate/spy               | .                                                          | libc opencl elf
 validate/drive             | abi host_sim/base host_sim/plugin validate/spy .           | libc opencl
 validate/checks            | abi host_sim/base host_sim/plugin validate/spy validate/drive . | libc opencl elf
@@ -73,6 +77,7 @@ elf     elf.h link.h
 futex   linux/futex.h
 zlib    zlib.h
 json    jansson.h
+web     civetweb.h arpa/*
 drawing png.h turbojpeg.h cairo.h fontconfig/*
 TABLE
 }
@@ -133,7 +138,7 @@ function resolve(from, name,    top, n, i, place, path) {
 function may_name(floor, from, name, path,    n, i, word) {
     n = split(floor_may[floor], word, " ")
     for (i = 1; i <= n; i++) {
-        if (word[i] == "kernels" && name ~ /^(hs_)?kernels_[a-z_]+\.h$/) return 1
+        if (word[i] == "kernels" && name ~ /^((hs_)?kernels|hs_page)_[a-z_]+\.h$/) return 1
         if (path == "") continue
         if (word[i] == "any") return 1
         if (name ~ /\.\./) return 0

@@ -4,14 +4,14 @@
 # has compile_commands.json. Runs all checks, then ends with 1 if any of them failed.
 set -u
 cd "$(dirname "$0")/.."
-build=$1
+build=$(realpath "$1")
 jobs=$2
 failed=()
 
 check() { # check NAME COMMAND...: runs it, says how it went
     local name=$1 start=$SECONDS
     shift
-    if "$@"; then
+    if ("$@"); then
         echo "lint: $name: ok ($((SECONDS - start)) s)"
     else
         echo "lint: $name: FAILED"
@@ -53,10 +53,26 @@ kernels() {
     return $code
 }
 
+# mypy and ruff in the versions of python/requirements-lint.txt. The tests' functions need no types of their own.
+python_tools() { scripts/python_env.sh "$build/python" python/requirements-lint.txt; }
+python_ruff() {
+    python_tools && cd python &&
+        "$build/python/bin/ruff" check --quiet --no-cache . ../examples/python --config pyproject.toml &&
+        "$build/python/bin/ruff" format --quiet --no-cache --check . ../examples/python --config pyproject.toml
+}
+python_types() {
+    python_tools && cd python &&
+        "$build/python/bin/mypy" --no-error-summary --cache-dir "$build/mypy" &&
+        MYPYPATH=tests:bench "$build/python/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --allow-untyped-defs \
+            --allow-incomplete-defs --allow-untyped-calls --allow-any-generics --no-warn-return-any tests ../examples/python
+}
+
 check "house rules" scripts/check_rules.sh
 check "include rule" scripts/check_includes.sh
 check "clang-format" format
 check "kernels" kernels
+check "ruff" python_ruff
+check "mypy" python_types
 check "clang-tidy" tidy
 
 if [ ${#failed[@]} -gt 0 ]; then

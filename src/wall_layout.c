@@ -23,6 +23,8 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .other = 1.15,
                               .sigma_mm = 3.0,
                               .slack = 0.5,
+                              .reach = 0.25,
+                              .q = 0.5,
                               .median = true,
                               .aside_mm = 5.0,
                               .around_mm = 4.0,
@@ -72,6 +74,8 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->left = rounded(s->left * SV_WALL_ONE);
     l->other = rounded(s->other * SV_WALL_ONE);
     l->slack = rounded(s->slack * SV_WALL_FINE_ONE);
+    l->reach = rounded(s->reach * SV_WALL_FINE_ONE);
+    l->q = (float)s->q;
     l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
     l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);

@@ -29,6 +29,8 @@ typedef struct {
     double cut, left, other;
     double sigma_mm;       /* lateral Gaussian over the costs */
     double slack;          /* layers that cost at most this much more than the cheapest are averaged */
+    double reach;          /* the knob moves the surface over layers that cost at most so much more */
+    double q;              /* the knob: 0 far, 0.5 the surface itself, 1 near */
     bool median;           /* of a ray and its eight neighbours */
     double aside_mm;       /* that lie so far aside */
     double around_mm;      /* the confidence is smoothed with neighbours so far aside */

@@ -35,7 +35,8 @@ typedef struct {
     uint32_t frames;
 } bench_convert_setup;
 
-/* A third of the source's resolution, cubic, slabs of 16, from several cameras. HS_ERR_*. */
+/* A third of the source's resolution, cubic, slabs of 16, from several cameras. `volume` may be in probe
+ * geometry; NULL: none could be had, and `err` says why. HS_ERR_*. */
 bool bench_convert_run(const bench_convert_setup *setup, const hs_volume *volume, bench_convert_result *out,
                        hs_error *err);
 void bench_print_convert(const bench_convert_result *result);

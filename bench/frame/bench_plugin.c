@@ -14,6 +14,7 @@ enum { WARM_UP = 5, STAGE_FRAMES = 20, OWN_VALUES = 3 };
 static const double tolerance = 1e-3; /* slices */
 static const double default_q = 0.25, other_q = 0.75;
 static const double bone_offset = 0.24;
+#define PLAIN_METHOD "mean" /* what plain C computes */
 
 /* One variant under way. Zeroed: nothing to free. */
 typedef struct {
@@ -92,8 +93,11 @@ static bool make_values(bench *b, hs_error *err) {
     if (!b->fixed || !b->values)
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u values", s->value_count);
     own_values(b);
-    if (s->method && strcmp(s->method, BENCH_OWN) != 0) {
-        if (!method_value(s->plugin, s->method, &b->fixed[0], err)) return false;
+    const char *const method = s->method ? s->method : PLAIN_METHOD;
+    const bool named =
+        s->method ? strcmp(method, BENCH_OWN) != 0 : bench_plugin_has_method(s->plugin, method);
+    if (named) {
+        if (!method_value(s->plugin, method, &b->fixed[0], err)) return false;
         b->values[b->value_count++] = b->fixed[b->fixed_count++];
     }
     for (uint32_t v = 0; v < s->value_count; v++) {
@@ -340,7 +344,7 @@ bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs,
                .instance = setup->plugin->instance,
                .host_queue = routes[variant->route].host_queue};
     *result = (bench_plugin_result){
-        .variant = *variant, .method = setup->method ? setup->method : "mean", .frames = setup->frames};
+        .variant = *variant, .method = setup->method ? setup->method : PLAIN_METHOD, .frames = setup->frames};
     const bool ok = make_values(&b, err) && make_memory(&b, err) && activate(&b, err) &&
                     verify(&b, &result->difference, err) && time_frames(&b, progress, err) &&
                     time_stages(&b, result, err);

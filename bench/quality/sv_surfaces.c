@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth;
  * their flicker and their time. */
-#include "plugin/loader.h"
-#include "plugin/loader_param.h"
-#include "plugin/plugin_ext.h"
 #include "quality/surf_ablation.h"
+#include "quality/surf_session.h"
+#include "sites/site_table.h"
 #include "volume/metaimage.h"
 
 #include <math.h>
@@ -20,79 +19,27 @@ static const char *const names[CASES] = {"E01", "E02", "E03", "E04", "M01", "M02
 static const char help[] =
     "Usage: sv_surfaces [PLUGIN] [VOLUME.mha...]\n"
     "       sv_surfaces --ablation\n"
+    "       sv_surfaces --site FOLDER | --case FULL,TRUTH,LABEL[,FIRST,END]...\n"
     "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed and a pose: the ray\n"
     "termination error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the q that is best\n"
     "for the whole set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others were not. Then\n"
     "both in motion, their times at 128^3 and 171^3, and what cost says of the volumes that are given.\n"
+    "--site, --case: these methods on volumes of other programs, as sv_sites table judges them.\n"
     "--ablation: what each part of the cost volume is worth, by its scalar definition.\n";
 /* clang-format on */
 
-/* An instance that is active for volumes of one size, and its map. */
-typedef struct {
-    hs_plugin plugin;
-    uint32_t width, height, slices;
-    float *depth;
-    sv_stats stats;
-} session;
-
-static void session_close(session *s) {
-    if (s->depth) s->plugin.instance->deactivate(s->plugin.instance);
-    free(s->depth);
-    if (s->plugin.instance) hs_plugin_close(&s->plugin);
-    *s = (session){0};
-}
-
-static bool session_open(session *s, const char *path, const char *method, uint32_t width, uint32_t height,
-                         uint32_t slices, hs_error *err) {
-    *s = (session){.width = width, .height = height, .slices = slices};
-    if (!hs_plugin_open(&s->plugin, path, NULL, SV_LOG_ERROR, err)) return false;
+static bool open_method(surf_session *s, const char *path, const char *method, hs_error *err) {
     char text[64];
     (void)snprintf(text, sizeof text, "method=%s", method);
-    sv_param_value value;
-    if (!hs_plugin_parse_param(&s->plugin, text, &value, err)) return false;
-    /* One tile to a texture row: a slab lies in memory as the volume does. */
-    const sv_format format = {.size = sizeof format,
-                              .width = width,
-                              .height = height,
-                              .slices = slices,
-                              .max_slab_slices = slices < 16 ? slices : 16,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_HOST,
-                              .padding_value = 0,
-                              .tiles_x = 1,
-                              .tile_w = width,
-                              .tile_h = height,
-                              .row_pitch = width,
-                              .values = &value,
-                              .value_count = 1};
-    const sv_plugin *p = s->plugin.instance;
-    if (!hs_plugin_check(&s->plugin, p->activate(p, &format), "activate", err)) return false;
-    s->depth = malloc((size_t)width * height * sizeof *s->depth);
-    return s->depth || hs_fail(err, HS_ERR_MEMORY, "no memory for a map of %u x %u pixels", width, height);
+    return surf_session_open(s, path, text, err);
 }
 
-static bool session_frame(session *s, const uint8_t *voxels, float q, double memory, hs_error *err) {
-    const sv_plugin *p = s->plugin.instance;
-    sv_param_info info = {.size = sizeof info};
-    (void)hs_plugin_find_primary(&s->plugin, &info);
-    sv_param_value values[2] = {{.id = info.id, .value = (double)q}, {.value = memory}};
-    if (memory > 0.0 && !hs_plugin_find_param(&s->plugin, "memory", &info))
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: no parameter 'memory'", s->plugin.path);
-    values[1].id = info.id;
-    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = memory > 0.0 ? 2 : 1};
-    s->stats = (sv_stats){.size = sizeof s->stats};
-    const sv_result result = {.size = sizeof result, .depth = s->depth, .stats = &s->stats};
-    if (!hs_plugin_check(&s->plugin, p->begin(p, &frame), "begin", err)) return false;
-    for (uint32_t first = 0; first < s->slices; first += 16) {
-        const uint32_t count = s->slices - first < 16 ? s->slices - first : 16;
-        const sv_slab slab = {.size = sizeof slab,
-                              .first_slice = first,
-                              .slice_count = count,
-                              .bytes = (uint64_t)count * s->width * s->height,
-                              .memory = voxels + (size_t)first * s->width * s->height};
-        if (!hs_plugin_check(&s->plugin, p->slab(p, &slab), "slab", err)) return false;
-    }
-    return hs_plugin_check(&s->plugin, p->end(p, &result), "end", err);
+/* A cube of n^3 voxels, whose zeros were not scanned. */
+static bool cube_frame(surf_session *s, const uint8_t *voxels, uint32_t n, float q, double memory,
+                       hs_error *err) {
+    const surf_volume v = {.voxels = voxels, .width = n, .height = n, .slices = n};
+    return surf_session_set(s, "q", (double)q, err) && surf_session_set(s, "memory", memory, err) &&
+           surf_session_frame(s, &v, err);
 }
 
 /* ---- the table */
@@ -101,12 +48,13 @@ typedef struct {
     surf_score mean[QS], cost, truth;
 } case_scores;
 
-static bool score_case(session *mean, session *cost, const surf_case *c, case_scores *out, hs_error *err) {
+static bool score_case(surf_session *mean, surf_session *cost, const surf_case *c, case_scores *out,
+                       hs_error *err) {
     for (int i = 0; i < QS; i++) {
-        if (!session_frame(mean, c->voxels, 0.05f * (float)i, 0.0, err)) return false;
+        if (!cube_frame(mean, c->voxels, N, 0.05f * (float)i, 0.0, err)) return false;
         out->mean[i] = surf_judge(c, mean->depth);
     }
-    if (!session_frame(cost, c->voxels, 0.5f, 0.0, err)) return false;
+    if (!cube_frame(cost, c->voxels, N, 0.5f, 0.0, err)) return false;
     out->cost = surf_judge(c, cost->depth);
     for (size_t y = 0; y < N; y++)
         for (size_t x = 0; x < N; x++)
@@ -121,8 +69,8 @@ typedef struct {
     double mean, cost, mean_cut, cost_cut;
 } totals;
 
-static bool score_set(session *mean, session *cost, uint64_t seed, uint32_t pose, bool tuned, totals *sum,
-                      hs_error *err) {
+static bool score_set(surf_session *mean, surf_session *cost, uint64_t seed, uint32_t pose, bool tuned,
+                      totals *sum, hs_error *err) {
     case_scores scores[CASES];
     double at_q[QS] = {0};
     for (int n = 0; n < CASES; n++) {
@@ -166,14 +114,15 @@ enum { STILL = 8, MOVING = 8 };
 
 /* One unmoved scene with other speckle in every frame: mean absolute change of the
  * map over the fetus and the sac. */
-static bool flicker(session *s, const char *scene, float q, double memory, double *change, hs_error *err) {
+static bool flicker(surf_session *s, const char *scene, float q, double memory, double *change,
+                    hs_error *err) {
     static float before[PIXELS];
     uint32_t counted = 0;
     *change = 0.0;
     for (uint32_t n = 0; n < STILL; n++) {
         surf_case c;
         if (!surf_case_make(scene, N, 301 + n, 0, 0, &c, err)) return false;
-        const bool ok = session_frame(s, c.voxels, q, memory, err);
+        const bool ok = cube_frame(s, c.voxels, N, q, memory, err);
         for (uint32_t i = 0; ok && n > 0 && i < PIXELS; i++) {
             const size_t fine =
                 (size_t)(i / N) * SURF_FINE_PER_VOXEL * c.fine.full.nx + i % N * SURF_FINE_PER_VOXEL;
@@ -190,12 +139,12 @@ static bool flicker(session *s, const char *scene, float q, double memory, doubl
 }
 
 /* A scene that moves, five frames of its motion at a time: mean e_abs. What memory adds to it is its lag. */
-static bool moving(session *s, const char *scene, double memory, double *error, hs_error *err) {
+static bool moving(surf_session *s, const char *scene, double memory, double *error, hs_error *err) {
     *error = 0.0;
     for (uint32_t n = 0; n < MOVING; n++) {
         surf_case c;
         if (!surf_case_make(scene, N, 401, 0, 5 * n, &c, err)) return false;
-        const bool ok = session_frame(s, c.voxels, 0.5f, memory, err);
+        const bool ok = cube_frame(s, c.voxels, N, 0.5f, memory, err);
         if (ok) *error += surf_judge(&c, s->depth).error / MOVING;
         surf_case_free(&c);
         if (!ok) return false;
@@ -204,12 +153,12 @@ static bool moving(session *s, const char *scene, double memory, double *error, 
 }
 
 /* Adds up the maps of `count` frames of a scene that stands at `at` of its motion. */
-static bool add_maps(session *s, const char *scene, uint64_t seed, uint32_t at, int count, double memory,
+static bool add_maps(surf_session *s, const char *scene, uint64_t seed, uint32_t at, int count, double memory,
                      double *sum, hs_error *err) {
     for (int n = 0; n < count; n++) {
         surf_case c;
         if (!surf_case_make(scene, N, seed + (uint64_t)n, 0, at, &c, err)) return false;
-        const bool ok = session_frame(s, c.voxels, 0.5f, memory, err);
+        const bool ok = cube_frame(s, c.voxels, N, 0.5f, memory, err);
         surf_case_free(&c);
         if (!ok) return false;
         for (int i = 0; sum && i < PIXELS; i++) sum[i] += (double)s->depth[i] / count;
@@ -221,7 +170,7 @@ enum { JUMP = 15, STEPS = 4 };
 
 /* A scene that stands still, jumps on by JUMP frames of its motion and stands still again: how much of its
  * way the surface has gone in each of the frames after that. 1: no lag. */
-static bool lag(session *s, const char *scene, double memory, double share[STEPS], hs_error *err) {
+static bool lag(surf_session *s, const char *scene, double memory, double share[STEPS], hs_error *err) {
     static double from[PIXELS], to[PIXELS], now[PIXELS];
     memset(from, 0, sizeof from);
     memset(to, 0, sizeof to);
@@ -241,7 +190,7 @@ static bool lag(session *s, const char *scene, double memory, double share[STEPS
     return true;
 }
 
-static bool print_motion(session *mean, session *cost, hs_error *err) {
+static bool print_motion(surf_session *mean, surf_session *cost, hs_error *err) {
     static const char *const scenes[] = {"E01", "E03", "M02", "D01"};
     printf(
         "In motion: mean change of the map from one speckle to the next, slices (mean at q = 0.40); e_abs of "
@@ -277,19 +226,19 @@ static int ascending(const void *a, const void *b) {
 
 static bool print_times(const char *path, const char *method, uint32_t n, hs_error *err) {
     hs_scene_data scene;
-    session s = {0};
+    surf_session s = {0};
     if (!hs_scene_generate("E01", n, 1, &scene, err)) return false;
-    bool ok = session_open(&s, path, method, n, n, n, err);
+    bool ok = open_method(&s, path, method, err);
     const sv_ext_timing *stats = ok ? hs_plugin_timing(s.plugin.instance) : NULL;
     double ms[FRAMES];
     sv_stage_times t = {.size = sizeof t};
     for (int i = 0; ok && i < FRAMES; i++) {
         const double start = now_ms();
-        ok = session_frame(&s, scene.full.voxels, 0.5f, 0.0, err);
+        ok = cube_frame(&s, scene.full.voxels, n, 0.5f, 0.0, err);
         ms[i] = now_ms() - start;
     }
     if (ok && stats && stats->enable(s.plugin.instance, 1) == SV_OK) {
-        ok = session_frame(&s, scene.full.voxels, 0.5f, 0.0, err);
+        ok = cube_frame(&s, scene.full.voxels, n, 0.5f, 0.0, err);
         (void)stats->stage_times(s.plugin.instance, &t);
     }
     if (ok) {
@@ -300,7 +249,7 @@ static bool print_times(const char *path, const char *method, uint32_t n, hs_err
                method, n, ms[FRAMES / 2], FRAMES, ms[0], t.transfer_ms, t.profile_ms, t.threshold_ms,
                t.reconstruct_ms, t.output_ms);
     }
-    session_close(&s);
+    surf_session_close(&s);
     hs_scene_free(&scene);
     return ok;
 }
@@ -310,26 +259,23 @@ static bool print_times(const char *path, const char *method, uint32_t n, hs_err
 static bool print_volume(const char *path, const char *file, hs_error *err) {
     hs_volume v;
     if (!hs_metaimage_read(file, NULL, &v, err)) return false;
-    session s = {0};
-    bool ok =
-        session_open(&s, path, "cost", v.nx, v.ny, v.nz, err) && session_frame(&s, v.voxels, 0.5f, 0.0, err);
-    const sv_plugin *p = s.plugin.instance;
-    const sv_ext_confidence *ext = ok ? hs_plugin_confidence(p) : NULL;
+    surf_session s = {0};
     sv_confidence_report r = {.size = sizeof r};
-    float *map = malloc((size_t)v.nx * v.ny * sizeof *map);
-    if (ok && ext && map && ext->read(p, map, &r) == SV_OK) {
+    const surf_volume volume = {.voxels = v.voxels, .width = v.nx, .height = v.ny, .slices = v.nz};
+    const bool ok = open_method(&s, path, "cost", err) && surf_session_frame(&s, &volume, err) &&
+                    surf_session_confidence(&s, &r, err);
+    if (ok) {
         double depth = 0.0, sure = 0.0;
         for (size_t i = 0; i < (size_t)v.nx * v.ny; i++) {
             depth += (double)s.depth[i] / ((double)v.nx * v.ny);
-            sure += (double)map[i] / ((double)v.nx * v.ny);
+            sure += (double)s.confidence[i] / ((double)v.nx * v.ny);
         }
         printf("  %s: outcome %d, T_L %.0f, %u of %u rays with fluid, mean depth %.1f of %u slices, "
                "confidence %.2f\n",
                v.name, s.stats.outcome, 255.0 * (double)r.fluid_threshold, r.open_rays, r.rays, depth, v.nz,
                sure);
     }
-    free(map);
-    session_close(&s);
+    surf_session_close(&s);
     hs_volume_free(&v);
     return ok;
 }
@@ -342,10 +288,9 @@ static bool judge_all(const char *path, hs_error *err) {
     } sets[] = {{101, 0, true},   {102, 1, true},   {201, 0, false},  {202, 11, false},
                 {203, 12, false}, {301, 0, false},  {302, 21, false}, {303, 22, false},
                 {401, 0, false},  {402, 31, false}, {403, 32, false}};
-    session mean = {0}, cost = {0};
+    surf_session mean = {0}, cost = {0};
     totals sum = {0};
-    bool ok =
-        session_open(&mean, path, "mean", N, N, N, err) && session_open(&cost, path, "cost", N, N, N, err);
+    bool ok = open_method(&mean, path, "mean", err) && open_method(&cost, path, "cost", err);
     for (size_t i = 0; ok && i < sizeof sets / sizeof *sets; i++)
         ok = score_set(&mean, &cost, sets[i].seed, sets[i].pose, sets[i].tuned, &sum, err);
     if (ok)
@@ -353,8 +298,22 @@ static bool judge_all(const char *path, hs_error *err) {
                sum.sets, sum.mean / sum.sets, 100.0 * sum.mean_cut / sum.sets, sum.cost / sum.sets,
                100.0 * sum.cost_cut / sum.sets, sum.cost / sum.mean);
     ok = ok && print_motion(&mean, &cost, err);
-    session_close(&mean);
-    session_close(&cost);
+    surf_session_close(&mean);
+    surf_session_close(&cost);
+    return ok;
+}
+
+/* Volumes of other programs. */
+static bool judge_foreign(int argc, char **argv, hs_error *err) {
+    site_list list = {0};
+    site_methods methods = {
+        .plugin = SURF_PLUGIN, .method = {{"method=mean", true}, {"method=cost", false}}, .count = 2};
+    bool ok = argc > 2 || hs_fail(err, HS_ERR_USAGE, "%s: a value is missing", argv[1]);
+    for (int i = 2; ok && i < argc; i++)
+        ok = strcmp(argv[1], "--site") == 0 ? site_add_folder(&list, argv[i], err)
+                                            : site_add_files(&list, argv[i], err);
+    ok = ok && site_table(&list, &methods, err);
+    site_free(&list);
     return ok;
 }
 
@@ -366,6 +325,11 @@ int main(int argc, char **argv) {
     hs_error err = {0};
     if (argc > 1 && strcmp(argv[1], "--ablation") == 0) {
         if (surf_ablation(names, CASES, N, &err)) return HS_OK;
+        fprintf(stderr, "sv_surfaces: %s\n", err.text);
+        return (int)err.code;
+    }
+    if (argc > 1 && (strcmp(argv[1], "--site") == 0 || strcmp(argv[1], "--case") == 0)) {
+        if (judge_foreign(argc, argv, &err)) return HS_OK;
         fprintf(stderr, "sv_surfaces: %s\n", err.text);
         return (int)err.code;
     }

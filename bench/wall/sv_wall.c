@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_wall: how good the definition of the wall's surface is (docs/surface.md). */
+#include "wall/wall_constant.h"
 #include "wall/wall_judge.h"
+#include "wall/wall_still.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,11 +10,17 @@
 #include <string.h>
 
 static const char help[] =
-    "Usage: sv_wall [--KEY VALUE]... --site FOLDER | --scenes SEED,POSE... | --views FILE...\n"
+    "Usage: sv_wall [--KEY VALUE]... --site FOLDER | --case FILES... | --scenes SEED,POSE... |\n"
+    "               --still SEED,POSE | --named NAME... | --views FILE...\n"
     "  --site FOLDER          the nine cases of a folder with NAME_full.mha, NAME_truth.mha, "
     "NAME_label.mha,\n"
     "                         scan_first.mha and scan_end.mha\n"
+    "  --case FILES...        cases of FULL,TRUTH,LABEL[,FIRST,END], as host_sim report takes them\n"
     "  --scenes SEED,POSE...  the nine scenes at 128^3 for each seed and pose\n"
+    "  --still SEED,POSE      the nine scenes standing still, other speckle and particles in each of 8 "
+    "frames:\n"
+    "                         how much the ends of rays move from frame to frame\n"
+    "  --named NAME...        these scenes at 128^3: H01, or R7_3, number 3 of the random set with seed 7\n"
     "  --views FILE...        a volume with nothing to remove, from 12 x 3 sides: what is cut\n"
     "  --gain G --gamma G --black B   change the grey levels first; the judgement is on the unchanged ones\n"
     "  --KEY VALUE            another value of a constant: a field of sv_wall_settings\n"
@@ -26,45 +34,11 @@ typedef struct {
     double gain, gamma, black;
 } options;
 
-/* The field of a constant; NULL if there is none of that name. */
-static double *constant(sv_wall_settings *s, const char *key) {
-    const struct {
-        const char *key;
-        double *value;
-    } all[] = {{"block_mm", &s->block_mm},
-               {"beside_mm", &s->beside_mm},
-               {"valley", &s->valley},
-               {"wall_rank", &s->wall_rank},
-               {"low_rank", &s->low_rank},
-               {"high_rank", &s->high_rank},
-               {"sure", &s->sure},
-               {"level", &s->level},
-               {"first", &s->first},
-               {"skin_mm", &s->skin_mm},
-               {"tau_mm", &s->tau_mm},
-               {"cut", &s->cut},
-               {"left", &s->left},
-               {"other", &s->other},
-               {"sigma_mm", &s->sigma_mm},
-               {"aside_mm", &s->aside_mm},
-               {"around_mm", &s->around_mm},
-               {"tissue", &s->tissue},
-               {"slack", &s->slack},
-               {"doubt", &s->doubt},
-               {"wall_share", &s->wall_share},
-               {"fetus_share", &s->fetus_share},
-               {"assumed_wall", &s->assumed_wall},
-               {"assumed_spread", &s->assumed_spread}};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if (strcmp(all[i].key, key) == 0) return all[i].value;
-    return NULL;
-}
-
 static bool set(options *o, const char *key, const char *text, hs_error *err) {
     double *const value = strcmp(key, "gain") == 0    ? &o->gain
                           : strcmp(key, "gamma") == 0 ? &o->gamma
                           : strcmp(key, "black") == 0 ? &o->black
-                                                      : constant(&o->settings, key);
+                                                      : wall_constant(&o->settings, key);
     char *end;
     const double number = strtod(text, &end);
     if (strcmp(key, "median") == 0)
@@ -153,6 +127,16 @@ static bool judge_site(const char *folder, const options *o, hs_error *err) {
     return true;
 }
 
+static bool judge_files(char **files, int count, const options *o, hs_error *err) {
+    totals t = {0};
+    for (int i = 0; i < count; i++) {
+        wall_case c;
+        if (!wall_case_files(files[i], &c, err) || !judge(&c, o, &t, err)) return false;
+    }
+    print_totals("cases", &t);
+    return true;
+}
+
 static bool judge_scenes(char **sets, int count, const options *o, hs_error *err) {
     totals all = {0};
     for (int k = 0; k < count; k++) {
@@ -162,11 +146,36 @@ static bool judge_scenes(char **sets, int count, const options *o, hs_error *err
         printf("seed %lu, pose %lu\n", seed, pose);
         for (int i = 0; i < CASES; i++) {
             wall_case c;
-            if (!wall_case_make(names[i], seed, (uint32_t)pose, &c, err) || !judge(&c, o, &all, err))
+            if (!wall_case_make(names[i], seed, (uint32_t)pose, 0, &c, err) || !judge(&c, o, &all, err))
                 return false;
         }
     }
     print_totals("scenes", &all);
+    return true;
+}
+
+static bool judge_still(const char *set, const options *o, hs_error *err) {
+    unsigned long seed, pose;
+    double sum = 0.0;
+    if (sscanf(set, "%lu,%lu", &seed, &pose) != 2)
+        return hs_fail(err, HS_ERR_USAGE, "--still: '%s' is no SEED,POSE", set);
+    for (int i = 0; i < CASES; i++) {
+        wall_flicker f;
+        if (!wall_still(names[i], seed, (uint32_t)pose, &o->settings, &f, err)) return false;
+        sum += (f.result - f.truth) / CASES;
+        printf("  %-4s %5.2f slices a frame, truth %5.2f\n", names[i], f.result, f.truth);
+    }
+    printf("still: %.2f slices a frame beyond the truth's\n", sum);
+    return true;
+}
+
+static bool judge_named(char **scenes, int count, const options *o, hs_error *err) {
+    totals all = {0};
+    for (int i = 0; i < count; i++) {
+        wall_case c;
+        if (!wall_case_make(scenes[i], 0, 0, 0, &c, err) || !judge(&c, o, &all, err)) return false;
+    }
+    print_totals("named", &all);
     return true;
 }
 
@@ -220,8 +229,14 @@ int main(int argc, char **argv) {
         done = true;
         if (strcmp(key, "--site") == 0 && more) {
             ok = judge_site(argv[i + 1], &o, &err);
+        } else if (strcmp(key, "--case") == 0 && more) {
+            ok = judge_files(argv + i + 1, argc - i - 1, &o, &err);
+        } else if (strcmp(key, "--named") == 0 && more) {
+            ok = judge_named(argv + i + 1, argc - i - 1, &o, &err);
         } else if (strcmp(key, "--scenes") == 0 && more) {
             ok = judge_scenes(argv + i + 1, argc - i - 1, &o, &err);
+        } else if (strcmp(key, "--still") == 0 && more) {
+            ok = judge_still(argv[i + 1], &o, &err);
         } else if (strcmp(key, "--views") == 0 && more) {
             ok = judge_views(argv + i + 1, argc - i - 1, &o, &err);
         } else {

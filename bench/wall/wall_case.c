@@ -4,6 +4,7 @@
 #include "quality/surf_case.h"
 #include "volume/metaimage.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,6 +30,7 @@ void wall_case_free(wall_case *c) {
     free(c->end);
     free(c->label);
     free(c->truth);
+    free(c->clean);
     *c = (wall_case){0};
 }
 
@@ -59,73 +61,105 @@ static bool make_ranges(wall_case *c, hs_error *err) {
     return true;
 }
 
-/* Voxels as they are in the file; `wide`: of 16 bits that hold 0 .. 255. */
-static bool read_as_it_is(const char *folder, const char *file, bool wide, hs_volume *out, hs_error *err) {
-    char path[1024];
-    (void)snprintf(path, sizeof path, "%s/%s", folder, file);
-    const hs_metaimage_options options = {
-        .padding = HS_PADDING_ALL, .has_window = wide, .window_low = 0.0, .window_high = 255.0};
-    return hs_metaimage_read(path, &options, out, err);
+/* The case's name without what the loader's file names add to it. */
+static void shorten(char *name) {
+    char *const tail = strstr(name, "_full");
+    if (tail && tail != name) *tail = '\0';
 }
 
-static bool read_range(const char *folder, const char *file, const wall_case *c, uint16_t **out,
-                       hs_error *err) {
-    hs_volume v;
-    if (!read_as_it_is(folder, file, true, &v, err)) return false;
+/* Termination depths in a ground truth. */
+static bool find_truth(wall_case *c, const hs_volume *truth, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
-    const bool fits = v.nx == c->nx && v.ny == c->ny && v.nz == 1;
-    if (!fits)
-        (void)hs_fail(err, HS_ERR_INPUT, "%s/%s: %u x %u x %u, expected %u x %u x 1", folder, file, v.nx,
-                      v.ny, v.nz, c->nx, c->ny);
-    else if (!(*out = calloc(plane, sizeof **out)))
-        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", file, plane);
-    for (size_t i = 0; fits && *out && i < plane; i++) (*out)[i] = v.voxels[i];
-    hs_volume_free(&v);
-    return fits && *out;
+    c->truth = malloc(plane * sizeof *c->truth);
+    if (!c->truth) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", c->name, plane);
+    for (size_t i = 0; i < plane; i++) c->truth[i] = wall_termination(truth->voxels, plane, c->nz, i, 0);
+    return true;
 }
 
-static bool read_truth(const char *folder, const char *name, wall_case *c, hs_error *err) {
+/* A copy, or NULL with an error. */
+static void *copy_of(const void *from, size_t bytes, const char *name, hs_error *err) {
+    void *const to = malloc(bytes);
+    if (to)
+        memcpy(to, from, bytes);
+    else
+        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", name, bytes);
+    return to;
+}
+
+/* Black fluid as the file has it: with maps, a 0 needs no other value to tell that it was scanned. */
+static bool take_black(const char *files, wall_case *c, hs_error *err) {
+    static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
+    char path[PATH_MAX];
+    hs_volume v;
+    (void)snprintf(path, sizeof path, "%.*s", (int)strcspn(files, ","), files);
+    if (!hs_metaimage_read(path, &as_it_is, &v, err)) return false;
     const size_t plane = (size_t)c->nx * c->ny;
-    char file[128];
-    hs_volume v;
-    (void)snprintf(file, sizeof file, "%s_label.mha", name);
-    if (!read_as_it_is(folder, file, false, &v, err)) return false;
-    const bool fits = v.nx == c->nx && v.ny == c->ny && v.nz == 1;
-    c->label = v.voxels;
-    if (!fits) return hs_fail(err, HS_ERR_INPUT, "%s/%s: not one label a ray", folder, file);
-    (void)snprintf(file, sizeof file, "%s_truth.mha", name);
-    if (!read_as_it_is(folder, file, false, &v, err)) return false;
-    const bool same = v.nx == c->nx && v.ny == c->ny && v.nz == c->nz;
-    c->truth = calloc(plane, sizeof *c->truth);
-    for (size_t i = 0; same && c->truth && i < plane; i++)
-        c->truth[i] = wall_termination(v.voxels, plane, c->nz, i, 0);
+    for (size_t i = 0; i < plane; i++)
+        for (size_t z = c->first[i]; z < c->end[i]; z++) c->full[z * plane + i] = v.voxels[z * plane + i];
     hs_volume_free(&v);
-    return (same && c->truth) || hs_fail(err, HS_ERR_INPUT, "%s/%s: not of the scan's size", folder, file);
+    return true;
 }
 
-bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {
-    char file[128];
-    hs_volume v;
+static bool has_maps(const char *files) {
+    int commas = 0;
+    for (const char *at = files; (at = strchr(at, ',')); at++) commas++;
+    return commas == 4;
+}
+
+bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err) {
+    const hs_volume *const full = hs_source_volume(&source->source, 0);
+    const hs_volume *const truth = hs_source_truth(&source->source, 0);
+    const size_t plane = (size_t)full->nx * full->ny;
+    hs_volume copy = *full;
     *out = (wall_case){0};
-    (void)snprintf(file, sizeof file, "%s_full.mha", name);
-    if (!read_as_it_is(folder, file, false, &v, err)) return false;
-    take(out, &v, name);
-    if (read_range(folder, "scan_first.mha", out, &out->first, err) &&
-        read_range(folder, "scan_end.mha", out, &out->end, err) && read_truth(folder, name, out, err))
-        return true;
+    copy.beams = NULL;
+    copy.voxels = copy_of(full->voxels, plane * full->nz, full->name, err);
+    if (!copy.voxels) return false;
+    take(out, &copy, full->name);
+    shorten(out->name);
+    out->label = copy_of(source->label, plane, out->name, err);
+    out->clean = copy_of(truth->voxels, plane * out->nz, out->name, err);
+    if (out->label && out->clean && find_truth(out, truth, err) && make_ranges(out, err)) return true;
     wall_case_free(out);
     return false;
 }
 
-bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, wall_case *out, hs_error *err) {
+bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
+    hs_eval_source source;
+    const hs_eval_request request = {.name = files};
+    *out = (wall_case){0};
+    if (!strchr(files, ','))
+        return hs_fail(err, HS_ERR_USAGE, "'%s': expected FULL,TRUTH,LABEL[,FIRST,END]", files);
+    if (!hs_eval_source_open(&source, &request, err)) return false;
+    const bool ok = wall_case_take(&source, out, err) && (!has_maps(files) || take_black(files, out, err));
+    hs_eval_source_close(&source);
+    if (!ok) wall_case_free(out);
+    return ok;
+}
+
+bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {
+    char files[5 * 1024];
+    const int length =
+        snprintf(files, sizeof files,
+                 "%s/%s_full.mha,%s/%s_truth.mha,%s/%s_label.mha,%s/scan_first.mha,%s/scan_end.mha", folder,
+                 name, folder, name, folder, name, folder, folder);
+    if (length < 0 || (size_t)length >= sizeof files)
+        return hs_fail(err, HS_ERR_USAGE, "%.200s...: the path is too long", folder);
+    return wall_case_files(files, out, err);
+}
+
+bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
+                    hs_error *err) {
     surf_case c;
     *out = (wall_case){0};
-    if (!surf_case_make(scene, 128 / SURF_FINE_PER_VOXEL, seed, pose, 0, &c, err)) return false;
+    if (!surf_case_make(scene, 128 / SURF_FINE_PER_VOXEL, seed, pose, frame, &c, err)) return false;
     take(out, &c.fine.full, scene);
     out->label = c.fine.label;
     out->truth = c.truth;
+    out->clean = c.fine.truth.voxels;
     c.fine.label = NULL;
     c.truth = NULL;
+    c.fine.truth.voxels = NULL;
     surf_case_free(&c);
     if (make_ranges(out, err)) return true;
     wall_case_free(out);

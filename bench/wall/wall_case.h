@@ -4,7 +4,7 @@
 #ifndef WALL_CASE_H
 #define WALL_CASE_H
 
-#include "base/error.h"
+#include "eval/eval_source.h"
 
 #include "ref/ref_wall.h"
 
@@ -16,13 +16,24 @@ typedef struct {
     uint16_t *first, *end; /* scanned slices of each ray */
     uint8_t *label;        /* per ray: 0 neither, 1 sac, 2 fetus; NULL: no truth is known */
     float *truth;          /* per ray: slice at which it ends in the ground truth; NULL with `label` */
+    uint8_t *clean;        /* the ground truth: `full` without what hides; NULL with `label` */
 } wall_case;
 
-/* Reads NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and scan_end.mha of a folder. */
+/* A case of the report's: a copy of its volume, truth and label. Voxels of 0 were not scanned. */
+bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err);
+
+/* Reads "FULL,TRUTH,LABEL[,FIRST,END]" as `host_sim report --case` does (eval/eval_source.h), with its
+ * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
+bool wall_case_files(const char *files, wall_case *out, hs_error *err);
+
+/* The same from NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and scan_end.mha of a folder.
+ */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
-/* Makes a scene of 128^3 voxels in a pose (surf_case.h). Zeros at the ends of a ray were not scanned. */
-bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, wall_case *out, hs_error *err);
+/* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case.h). Zeros at the ends of a ray
+ * were not scanned. */
+bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
+                    hs_error *err);
 
 /* A volume without a truth; the zeros at the ends of each ray were not scanned. */
 bool wall_case_open(const char *path, wall_case *out, hs_error *err);

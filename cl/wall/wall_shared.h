@@ -71,12 +71,13 @@ typedef struct {
     unsigned int reach_x, reach_y;      /* blocks to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. blocks */
     unsigned int cut, left, other;
-    unsigned int slack; /* in units of 1 / SV_WALL_FINE_ONE */
+    unsigned int slack, reach; /* in units of 1 / SV_WALL_FINE_ONE */
     unsigned int tissue, valley, fetus_share, wall_share, wall_rank, low_rank, high_rank; /* per mille */
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int sure;                         /* sixteenths */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */
     unsigned int median;              /* 1: the median of a block and its eight neighbours */
+    float q;                          /* the knob */
     float doubt;                      /* own cost at which a surface is as likely wrong as right */
 } sv_wall_layout;
 

@@ -7,15 +7,6 @@
 #include "wall/wall.clh"
 #endif
 
-/* Planes of a float32 a ray, padded as all rows are. */
-#define PLACE_LAYER  0 /* the cheapest; then the confidence */
-#define PLACE_CHOSEN 1 /* its median */
-#define PLACE_OWN    2 /* what the ray itself says of that */
-
-static size_t place_row(const sv_wall_layout *l, uint plane, uint row) {
-    return block_row(l, plane, row);
-}
-
 static uint beside(uint at, int step, uint count) {
     return (uint)clamp((int)at + step, 0, (int)count - 1);
 }
@@ -61,17 +52,27 @@ static float16 median(float16 *v) {
     return v[4];
 }
 
-/* One work item per row of rays: the median of the layers, and what the ray itself says of it. */
+/* 16 rays of a plane. */
+static float16 settled(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
+    float16 near[9];
+    neighbours(l, l->aside, places + place_row(l, plane, 0), x, y, near);
+    return l->median ? median(near) : near[4];
+}
+
+/* One work item per row of rays: the median of the layers and of the ends around them, and what the ray
+ * itself says of the layer. */
 __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
                           __global const ushort *restrict costs, __global const uchar *restrict aways,
                           __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
+    __global float *near = places + place_row(&l, PLACE_CHOSEN_NEAR, y);
+    __global float *far = places + place_row(&l, PLACE_CHOSEN_FAR, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
-        float16 near[9];
-        neighbours(&l, l.aside, places + place_row(&l, PLACE_LAYER, 0), x, y, near);
-        *(__global float16 *)(chosen + x) = l.median ? median(near) : near[4];
+        *(__global float16 *)(chosen + x) = settled(&l, places, PLACE_LAYER, x, y);
+        *(__global float16 *)(near + x) = settled(&l, places, PLACE_NEAR, x, y);
+        *(__global float16 *)(far + x) = settled(&l, places, PLACE_FAR, x, y);
     }
     for (uint x = 0; x < l.columns; x++) {
         const size_t at = block_row(&l, (uint)(chosen[x] + 0.5f), y) + x;
@@ -92,6 +93,22 @@ __kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
         const float16 corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
         const float16 own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
         *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = 1.0f / (1.0f + own * own);
+    }
+}
+
+/* One work item per row of rays: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear
+ * to either side of 0.5. */
+__kernel void wall_turn(sv_wall_layout l, __global const uint *restrict info,
+                        __global float *restrict places) {
+    const uint y = (uint)get_global_id(0);
+    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const float part = fabs(2.0f * l.q - 1.0f);
+    __global const float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
+    __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_CHOSEN_FAR : PLACE_CHOSEN_NEAR, y);
+    for (uint x = 0; x < l.columns; x += SV_LANES) {
+        const float16 place = *(__global const float16 *)(chosen + x);
+        const float16 at = place + part * (*(__global const float16 *)(end + x) - place);
+        *(__global float16 *)(places + place_row(&l, PLACE_TURNED, y) + x) = fmax(at, 0.0f);
     }
 }
 
@@ -136,8 +153,7 @@ static float interpolate(const sv_wall_layout *l, __global const float *plane, p
     return (a + d) + (b + c);
 }
 
-/* One work item per row of pixels. The surface does not depend on q: both ends of its range are the same.
- * Without a surface, zeros. */
+/* One work item per row of pixels. The surface at q goes into the first plane. Without a surface, zeros. */
 __kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
                          __global const float *restrict places, __global float *restrict confidence,
                          uint padded_width, __global float *restrict surfaces) {
@@ -145,16 +161,15 @@ __kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
-    __global const float *chosen = places + place_row(&l, PLACE_CHOSEN, 0);
-    __global float *near = surfaces + (size_t)y * padded_width;
-    __global float *far = near + (size_t)padded_width * l.height;
+    __global const float *turned = places + place_row(&l, PLACE_TURNED, 0);
+    surfaces += (size_t)y * padded_width;
     confidence += (size_t)y * l.width;
     for (uint x = 0; x < l.width; x++) {
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);
-        const float depth = (float)l.depth * interpolate(&l, chosen, u, v);
+        const float depth = (float)l.depth * interpolate(&l, turned, u, v);
         const float sure = interpolate(&l, places, u, v);
-        near[x] = far[x] = wanted ? depth : 0.0f;
+        surfaces[x] = wanted ? depth : 0.0f;
         confidence[x] = wanted ? sure : 0.0f;
     }
 }

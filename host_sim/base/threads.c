@@ -32,6 +32,34 @@ void hs_parallel(uint32_t threads, uint32_t blocks, hs_block_fn fn, void *contex
     for (uint32_t i = 0; i < started; i++) pthread_join(helpers[i], NULL);
 }
 
+typedef struct {
+    hs_block_try_fn fn;
+    void *context;
+    atomic_uint failed; /* the first block that failed so far, or the number of blocks */
+    pthread_mutex_t lock;
+    hs_error error; /* of that block; with the lock held */
+} trial;
+
+static void try_block(void *context, uint32_t block) {
+    trial *t = context;
+    hs_error error = {0};
+    if (block > atomic_load(&t->failed) || t->fn(t->context, block, &error)) return;
+    pthread_mutex_lock(&t->lock);
+    if (block < atomic_load(&t->failed)) {
+        atomic_store(&t->failed, block);
+        t->error = error;
+    }
+    pthread_mutex_unlock(&t->lock);
+}
+
+bool hs_parallel_try(uint32_t threads, uint32_t blocks, hs_block_try_fn fn, void *context, hs_error *err) {
+    trial t = {.fn = fn, .context = context, .lock = PTHREAD_MUTEX_INITIALIZER};
+    atomic_init(&t.failed, blocks);
+    hs_parallel(threads, blocks, try_block, &t);
+    (void)pthread_mutex_destroy(&t.lock);
+    return atomic_load(&t.failed) == blocks || hs_fail(err, t.error.code, "%s", t.error.text);
+}
+
 uint32_t hs_thread_count(uint32_t wanted) {
     long online = sysconf(_SC_NPROCESSORS_ONLN);
     uint32_t count = wanted ? wanted : online > 0 ? (uint32_t)online : 1u;

@@ -30,7 +30,7 @@ static const char help_text[] =
     "index.html.\n"
     "\n"
     "  --out DIR       folder for the pictures and the page [out/demo]\n"
-    "  --data DIR      also runs the MetaImage volumes (.mha, .mhd) of this folder, four at most\n"
+    "  --data DIR      also runs the volumes of this folder (.mha, .mhd, .vol), four at most\n"
     "  --plugin PATH   library to load, a path or a name [smartvis]\n"
     "  --quick         smaller scenes and fewer frames\n"
     "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
@@ -68,9 +68,9 @@ static void add_scenes(demo *d) {
     }
 }
 
-static int is_metaimage(const struct dirent *entry) {
+static int is_volume(const struct dirent *entry) {
     const char *dot = strrchr(entry->d_name, '.');
-    return dot && (strcmp(dot, ".mha") == 0 || strcmp(dot, ".mhd") == 0);
+    return (dot && (strcmp(dot, ".mha") == 0 || strcmp(dot, ".mhd") == 0)) || hs_kretz_is_name(entry->d_name);
 }
 
 /* The same volume once more, behind the occluders of the scene "real". */
@@ -85,7 +85,7 @@ static void add_hidden(demo *d, demo_case plain) {
 static bool add_volumes(demo *d, hs_error *err) {
     struct dirent **entries = NULL;
     if (!d->data) return true;
-    const int count = scandir(d->data, &entries, is_metaimage, alphasort);
+    const int count = scandir(d->data, &entries, is_volume, alphasort);
     if (count < 0) return hs_fail(err, HS_ERR_INPUT, "%s: cannot list the folder", d->data);
     bool ok = true;
     for (int i = 0; i < count; i++) {

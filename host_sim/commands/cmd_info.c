@@ -24,8 +24,10 @@ static const char help_text[] =
     "  --mirror         Kretz files: positive sweep angles lie at +y (default: at -y)\n"
     "  --spacing MM     Kretz files: voxels of the Cartesian copy\n"
     "                   (default: the samples' pitch, or a 400th of the longest side)\n"
-    "  --timing         print how long reading takes, beside reading the bytes of the file; of a probe's\n"
-    "                   volume how long sampling takes, in its own grid and in the Cartesian copy\n"
+    "  --timing         print how long reading takes, beside reading (of compressed files: inflating) its "
+    "bytes\n"
+    "                   alone; of a probe's volume how long sampling takes, in its own grid and in the\n"
+    "                   Cartesian copy\n"
     "  --help           this text\n"
     "\n";
 
@@ -69,8 +71,9 @@ static void print_pose(const hs_volume *v) {
                  v->pose.contradicted);
     if (hs_pose_is_mirrored(&v->pose))
         (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
-    hs_print(stdout, "  first voxel at (%g, %g, %g) mm (left, back, head); probe at %s\n", v->pose.origin[0],
-             v->pose.origin[1], v->pose.origin[2], hs_probe_name(v->probe));
+    hs_print(stdout, "  first voxel at (%g, %g, %g) mm%s; probe at %s\n", v->pose.origin[0],
+             v->pose.origin[1], v->pose.origin[2], v->pose.stated ? " (left, back, head)" : "",
+             hs_probe_name(v->probe));
 }
 
 static void print_volume(const hs_volume *v) {

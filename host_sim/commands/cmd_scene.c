@@ -2,157 +2,40 @@
 #include "commands/cmd_scene.h"
 
 #include "base/cli.h"
+#include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"
-#include "commands/look_line.h"
-#include "commands/vol_line.h"
+#include "commands/scene_line.h"
 #include "report/scene_sheet.h"
-#include "scene/scene.h"
 #include "scene/scene_export.h"
+#include "scene/scene_names.h"
+#include "scene/scene_ranges.h"
 
 #include <getopt.h>
+#include <inttypes.h>
 #include <stdio.h>
-#include <string.h>
-
-static const char help_text[] =
-    "Usage: host_sim scenes [options] [NAME|FILE...]\n"
-    "Generates synthetic scenes with their ground truth. Without a scene it lists the built-in ones.\n"
-    "A scene is a built-in name (D01) or the path of a scene file (docs/scenes.md).\n"
-    "\n"
-    "  --all            all nine built-in cases\n"
-    "  --size N         voxels per axis, 32 .. 512 (default 256)\n"
-    "  --seed N         another seed than the scene's own: speckle, noise and particles change\n"
-    "  --frames N       N frames of the scene's motion, 1 .. 1000 (default 1)\n"
-    "  --threads N      threads, 1 .. 64 (default: one per processor); the bytes do not depend on it\n"
-    "  --real FILE      the MetaImage volume that the scene 'real' puts its occluders before\n"
-    "  --export         write <name>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha\n"
-    "  --format WHAT    of --export: mha, or vol for Kretz files: <name>_full.vol and _truth.vol, several\n"
-    "                   frames as a sequence (default mha)\n";
-
-static const char help_tail[] =
-    "  --sheet          write <name>_sheet.png, a contact sheet (needs an OpenCL device)\n"
-    "  --look NAME      how the sheet's renderings are drawn: thesis or lit (default lit)\n"
-    "  --light AZ,EL    where the lamp of the lit look is, degrees: right, up (default -35,40)\n"
-    "  --times          print what each step cost, in milliseconds; '-': the scene does not list it\n"
-    "  --out FOLDER     where files go (default out/scenes)\n"
-    "  --help           this text\n"
-    "\n";
-
-typedef struct {
-    const char *out;
-    hs_scene_options options;
-    uint32_t frames;
-    hs_vol_spec geometry;    /* of Kretz files */
-    hs_dvr_settings drawing; /* of the sheet */
-    bool all, export, vol, geometry_given, sheet, times, help;
-} request;
-
-enum {
-    OPT_ALL = 1,
-    OPT_SIZE,
-    OPT_SEED,
-    OPT_FRAMES,
-    OPT_THREADS,
-    OPT_REAL,
-    OPT_EXPORT,
-    OPT_FORMAT,
-    OPT_VOL,
-    OPT_SHEET,
-    OPT_LOOK,
-    OPT_LIGHT,
-    OPT_TIMES,
-    OPT_OUT,
-    OPT_HELP
-};
-
-static const struct option options[] = {{"all", no_argument, NULL, OPT_ALL},
-                                        {"size", required_argument, NULL, OPT_SIZE},
-                                        {"seed", required_argument, NULL, OPT_SEED},
-                                        {"frames", required_argument, NULL, OPT_FRAMES},
-                                        {"threads", required_argument, NULL, OPT_THREADS},
-                                        {"real", required_argument, NULL, OPT_REAL},
-                                        {"export", no_argument, NULL, OPT_EXPORT},
-                                        {"format", required_argument, NULL, OPT_FORMAT},
-                                        {"vol", required_argument, NULL, OPT_VOL},
-                                        {"sheet", no_argument, NULL, OPT_SHEET},
-                                        {"look", required_argument, NULL, OPT_LOOK},
-                                        {"light", required_argument, NULL, OPT_LIGHT},
-                                        {"times", no_argument, NULL, OPT_TIMES},
-                                        {"out", required_argument, NULL, OPT_OUT},
-                                        {"help", no_argument, NULL, OPT_HELP},
-                                        {0}};
-
-static bool set_option(int option, request *r, hs_error *err) {
-    switch (option) {
-    case OPT_ALL:
-        r->all = true;
-        return true;
-    case OPT_SIZE:
-        return hs_cli_u32("--size", optarg, 32, 512, &r->options.size, err);
-    case OPT_SEED:
-        return hs_cli_integer("--seed", optarg, 1, UINT64_MAX, &r->options.seed, err);
-    case OPT_FRAMES:
-        return hs_cli_u32("--frames", optarg, 1, 1000, &r->frames, err);
-    case OPT_THREADS:
-        return hs_cli_u32("--threads", optarg, 1, 64, &r->options.threads, err);
-    case OPT_REAL:
-        r->options.real = optarg;
-        return true;
-    case OPT_EXPORT:
-        r->export = true;
-        return true;
-    case OPT_FORMAT:
-        r->vol = strcmp(optarg, "vol") == 0;
-        return r->vol || strcmp(optarg, "mha") == 0 ||
-               hs_fail(err, HS_ERR_USAGE, "--format: '%s' is none of mha, vol", optarg);
-    case OPT_VOL:
-        r->geometry_given = true;
-        return hs_vol_line_parse(optarg, &r->geometry, err);
-    case OPT_SHEET:
-        r->sheet = true;
-        return true;
-    case OPT_LOOK:
-        return hs_look_line_look(optarg, &r->drawing.look, err);
-    case OPT_LIGHT:
-        return hs_look_line_light(optarg, r->drawing.light, err);
-    case OPT_TIMES:
-        r->times = true;
-        return true;
-    case OPT_OUT:
-        r->out = optarg;
-        return true;
-    default:
-        r->help = true;
-        return true;
-    }
-}
-
-static bool parse(int argc, char **argv, request *r, hs_error *err) {
-    *r = (request){
-        .out = "out/scenes", .options = {.size = 256}, .frames = 1, .geometry = hs_vol_line_defaults()};
-    hs_dvr_defaults(&r->drawing);
-    r->drawing.look = HS_LOOK_LIT;
-    optind = 1;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (!hs_cli_known(option, argv, err) || !set_option(option, r, err)) return false;
-    }
-    if ((r->vol || r->geometry_given) && !r->export)
-        return hs_fail(err, HS_ERR_USAGE, "%s: is for --export", r->vol ? "--format" : "--vol");
-    if (r->geometry_given && !r->vol) return hs_fail(err, HS_ERR_USAGE, "--vol: is for --format vol");
-    if (r->all && optind < argc)
-        return hs_fail(err, HS_ERR_USAGE, "--all and the scene '%s' were both given", argv[optind]);
-    return true;
-}
 
 static bool list_scenes(hs_error *err) {
-    for (uint32_t i = 0; hs_scene_builtin(i); i++) {
-        hs_scene *scene = hs_scene_open(hs_scene_builtin(i), err);
-        if (!scene) return false;
-        hs_print(stdout, "%-5s %s\n", hs_scene_name(scene), hs_scene_title(scene));
-        hs_scene_close(scene);
-    }
+    for (int group = 0; group < HS_SCENES_GROUPS; group++)
+        for (uint32_t i = 0; hs_scene_of_group((hs_scene_group)group, i); i++) {
+            hs_scene *scene = hs_scene_open(hs_scene_of_group((hs_scene_group)group, i), err);
+            if (!scene) return false;
+            hs_print(stdout, "%-5s %s\n", hs_scene_name(scene), hs_scene_title(scene));
+            hs_scene_close(scene);
+        }
     return true;
+}
+
+/* As the rows of the table in docs/scenes.md. */
+static void print_ranges(void) {
+    for (int i = 0; i < HS_RANGE_COUNT; i++) {
+        const hs_range *r = &hs_scene_ranges[i];
+        if (r->low == r->high)
+            hs_print(stdout, "| `%s` | %g %s | | %s |\n", r->key, r->low / 100.0, r->unit, r->what);
+        else
+            hs_print(stdout, "| `%s` | %g .. %g%s%s | %g | %s |\n", r->key, r->low / 100.0, r->high / 100.0,
+                     r->unit[0] ? " " : "", r->unit, r->step / 100.0, r->what);
+    }
 }
 
 static void print_times(const hs_scene_times *times) {
@@ -177,8 +60,9 @@ static void print_facts(const char *name, const hs_scene_data *data, const hs_sc
              rays > 0.0 ? 100.0 * found / rays : 0.0, found > 0.0 ? 100.0 * points->right / found : 0.0);
 }
 
-static bool write_sheet(const request *r, const hs_scene *scene, const char *name, const hs_scene_data *data,
-                        const hs_scene_points *points, const hs_cl *cl, hs_error *err) {
+static bool write_sheet(const hs_scene_line *r, const hs_scene *scene, const char *name,
+                        const hs_scene_data *data, const hs_scene_points *points, const hs_cl *cl,
+                        hs_error *err) {
     char path[1024], file[128], title[640];
     hs_picture picture;
     snprintf(file, sizeof file, "%s_sheet.png", name);
@@ -191,7 +75,7 @@ static bool write_sheet(const request *r, const hs_scene *scene, const char *nam
 }
 
 /* What --export asks for. A sequence of Kretz files has the scene's name, whatever the frame. */
-static bool export_frame(const request *r, const hs_scene *scene, const char *prefix,
+static bool export_frame(const hs_scene_line *r, const hs_scene *scene, const char *prefix,
                          const hs_scene_data *data, hs_vol_export *files, hs_error *err) {
     char path[1024];
     if (!r->vol) return hs_scene_export(data, prefix, err);
@@ -199,7 +83,7 @@ static bool export_frame(const request *r, const hs_scene *scene, const char *pr
            hs_vol_export_frame(files, &r->geometry, path, r->frames, data, err);
 }
 
-static bool make_frame(const request *r, const hs_scene *scene, uint32_t frame, const hs_cl *cl,
+static bool make_frame(const hs_scene_line *r, const hs_scene *scene, uint32_t frame, const hs_cl *cl,
                        hs_vol_export *files, hs_error *err) {
     hs_scene_options one = r->options;
     hs_scene_data data;
@@ -223,39 +107,74 @@ static bool make_frame(const request *r, const hs_scene *scene, uint32_t frame, 
     return ok;
 }
 
-static bool make_scene(const request *r, const char *name, const hs_cl *cl, hs_error *err) {
-    hs_scene *scene = hs_scene_open(name, err);
+static bool write_json(const hs_scene_line *r, const hs_scene *scene, hs_error *err) {
+    char path[1024], file[128];
+    hs_output_file output;
+    snprintf(file, sizeof file, "%s.json", hs_scene_name(scene));
+    if (!hs_path_join(r->out, file, path, sizeof path, err) || !hs_output_open(&output, path, err))
+        return false;
+    (void)fputs(hs_scene_json(scene), output.file);
+    return hs_output_commit(&output, err);
+}
+
+static bool make_scene(const hs_scene_line *r, const char *name, const hs_cl *cl, hs_error *err) {
+    hs_scene *scene = hs_scene_open_with(name, r->sets, r->set_count, err);
     if (!scene) return false;
+    const bool volumes = !r->json || r->export || r->sheet;
     bool ok = true;
     hs_vol_export files = {0};
-    for (uint32_t frame = 0; ok && frame < r->frames; frame++)
+    for (uint32_t frame = 0; ok && volumes && frame < r->frames; frame++)
         ok = make_frame(r, scene, frame, cl, &files, err);
+    if (ok && (r->json || r->export)) ok = write_json(r, scene, err);
     hs_vol_export_discard(&files);
     hs_scene_close(scene);
     return ok;
 }
 
-static bool make_scenes(const request *r, char **names, int count, hs_error *err) {
+static bool make_group(const hs_scene_line *r, hs_scene_group group, const hs_cl *cl, hs_error *err) {
+    bool ok = true;
+    for (uint32_t i = 0; ok && hs_scene_of_group(group, i); i++)
+        ok = make_scene(r, hs_scene_of_group(group, i), cl, err);
+    return ok;
+}
+
+static bool make_random(const hs_scene_line *r, const hs_cl *cl, hs_error *err) {
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < r->random; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "R%" PRIu64 "_%" PRIu32, r->random_seed, i);
+        ok = make_scene(r, name, cl, err);
+    }
+    return ok;
+}
+
+static bool make_scenes(const hs_scene_line *r, char **names, int count, hs_error *err) {
     hs_cl cl = {0};
-    if ((r->export || r->sheet) && !hs_path_make_folder(r->out, err)) return false;
+    const bool files = r->json || r->export || r->sheet;
+    if (files && !hs_path_make_folder(r->out, err)) return false;
     bool ok = !r->sheet || hs_cl_open(&cl, err);
     for (int i = 0; ok && i < count; i++) ok = make_scene(r, names[i], &cl, err);
-    for (uint32_t i = 0; ok && r->all && hs_scene_builtin(i); i++)
-        if (strcmp(hs_scene_builtin(i), "real") != 0) ok = make_scene(r, hs_scene_builtin(i), &cl, err);
+    if (ok && r->all) ok = make_group(r, HS_SCENES_THESIS, &cl, err);
+    if (ok && r->hard) ok = make_group(r, HS_SCENES_HARD, &cl, err);
+    if (ok && r->random) ok = make_random(r, &cl, err);
     hs_cl_close(&cl);
-    if (ok && (r->export || r->sheet)) hs_print(stdout, "Files are in %s\n", r->out);
+    if (ok && files) hs_print(stdout, "Files are in %s\n", r->out);
     return ok;
 }
 
 int hs_cmd_scene(int argc, char **argv) {
-    request r;
+    hs_scene_line r;
     hs_error err = {0};
-    if (!parse(argc, argv, &r, &err)) return hs_cli_fail("scenes", &err);
+    if (!hs_scene_line_parse(argc, argv, &r, &err)) return hs_cli_fail("scenes", &err);
     if (r.help) {
-        printf("%s%s%s%s", help_text, hs_vol_line_help, help_tail, hs_exit_codes_help);
+        hs_scene_line_help();
         return HS_OK;
     }
-    bool ok =
-        r.all || optind < argc ? make_scenes(&r, argv + optind, argc - optind, &err) : list_scenes(&err);
+    if (r.ranges) {
+        print_ranges();
+        return HS_OK;
+    }
+    const bool make = !r.list && (r.all || r.hard || r.random || optind < argc);
+    bool ok = make ? make_scenes(&r, argv + optind, argc - optind, &err) : list_scenes(&err);
     return ok ? HS_OK : hs_cli_fail("scenes", &err);
 }

@@ -3,89 +3,91 @@
 
 #include "base/progress.h"
 #include "commands/info_sampling.h"
-#include "volume/metaimage_open.h"
+#include "volume/metaimage_header.h"
+#include "volume/plain_bytes.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #define TURNS 5
 
-/* What is timed: false with an error, or the bytes that it took from the file. */
-typedef bool (*reader)(const char *path, const hs_kretz_options *kretz, size_t *bytes, hs_error *err);
+/* A file's first volume. */
+typedef struct {
+    const char *path;
+    const hs_kretz_options *kretz; /* options; of a MetaImage file not looked at */
+    const char *data_path;         /* the file that holds the voxels */
+    uint64_t first;                /* where compressed ones start there */
+    size_t bytes;                  /* of the voxels there; of compressed ones, how many they become */
+} target;
 
-/* All of a file, up to *bytes of it, as fast as the system gives it. */
-static bool read_bytes(const char *path, const hs_kretz_options *kretz, size_t *bytes, hs_error *err) {
-    (void)kretz;
-    uint64_t size = 0;
-    FILE *file = hs_met_open(path, path, &size, err);
-    if (!file) return false;
-    if (size < *bytes) *bytes = (size_t)size;
-    uint8_t *memory = malloc(*bytes);
-    bool ok = memory != NULL || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", path, *bytes);
-    for (size_t at = 0; ok && at < *bytes;) {
-        const ssize_t got = read(fileno(file), memory + at, *bytes - at);
-        ok = got > 0 || hs_fail(err, HS_ERR_INPUT, "%s: cannot be read", path);
-        at += ok ? (size_t)got : 0;
-    }
+/* What is timed: false with an error. */
+typedef bool (*reader)(const target *t, hs_error *err);
+
+static bool read_bytes(const target *t, hs_error *err) {
+    size_t bytes = t->bytes;
+    uint8_t *memory = hs_plain_bytes(t->data_path, 0, &bytes, err);
     free(memory);
-    (void)fclose(file);
-    return ok;
+    return memory != NULL;
+}
+
+static bool inflate_bytes(const target *t, hs_error *err) {
+    return hs_plain_inflate(t->data_path, t->first, t->bytes, err);
 }
 
 /* The samples of a Kretz file, its header checked, without their Cartesian copy. */
-static bool read_samples(const char *path, const hs_kretz_options *options, size_t *bytes, hs_error *err) {
-    hs_kretz *kretz = hs_kretz_open(path, options, err);
-    if (!kretz) return false;
-    *bytes = hs_kretz_bytes(kretz);
-    uint8_t *memory = malloc(*bytes);
-    const bool ok = memory ? hs_kretz_read_bytes(kretz, 0, memory, err)
-                           : hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", path, *bytes);
+static bool read_samples(const target *t, hs_error *err) {
+    hs_kretz *kretz = hs_kretz_open(t->path, t->kretz, err);
+    uint8_t *memory = kretz ? malloc(t->bytes) : NULL;
+    const bool ok =
+        kretz && (memory ? hs_kretz_read_bytes(kretz, 0, memory, err)
+                         : hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", t->path, t->bytes));
     free(memory);
     hs_kretz_close(kretz);
     return ok;
 }
 
-static bool read_kretz(const char *path, const hs_kretz_options *options, size_t *bytes, hs_error *err) {
+static bool read_kretz(const target *t, hs_error *err) {
     hs_volume volume = {0};
-    hs_kretz *kretz = hs_kretz_open(path, options, err);
+    hs_kretz *kretz = hs_kretz_open(t->path, t->kretz, err);
     const bool ok = kretz && hs_kretz_read(kretz, 0, &volume, err);
-    if (kretz) *bytes = hs_kretz_bytes(kretz);
     hs_volume_free(&volume);
     hs_kretz_close(kretz);
     return ok;
 }
 
-static bool read_metaimage(const char *path, const hs_kretz_options *options, size_t *bytes, hs_error *err) {
-    (void)options;
+static bool read_metaimage(const target *t, hs_error *err) {
     hs_volume volume = {0};
-    hs_metaimage *file = hs_metaimage_open(path, NULL, err);
+    hs_metaimage *file = hs_metaimage_open(t->path, NULL, err);
     const bool ok = file && hs_metaimage_read_at(file, 0, &volume, err);
-    if (ok) *bytes = hs_volume_count(&volume);
     hs_volume_free(&volume);
     hs_metaimage_close(file);
     return ok;
 }
 
-static bool shortest(reader read_it, const char *path, const hs_kretz_options *kretz, size_t *bytes,
-                     double *ms, hs_error *err) {
+static bool shortest(reader read_it, const target *t, double *ms, hs_error *err) {
     *ms = INFINITY;
     for (int turn = 0; turn < TURNS; turn++) {
         const double start = hs_now();
-        if (!read_it(path, kretz, bytes, err)) return false;
+        if (!read_it(t, err)) return false;
         *ms = fmin(*ms, (hs_now() - start) * 1e3);
     }
     return true;
 }
 
-static void print_line(const char *what, double ms, double bytes_ms) {
-    (void)printf("    %-26s %9.2f ms, %.2f times its bytes\n", what, ms, ms / bytes_ms);
+static void print_base(const char *what, double ms, size_t bytes) {
+    (void)printf("  reading it, the shortest of %d times:\n    %-26s %9.2f ms (%zu bytes)\n", TURNS, what, ms,
+                 bytes);
+}
+
+static void print_line(const char *what, double ms, double base_ms) {
+    (void)printf("    %-26s %9.2f ms, %.2f times that\n", what, ms, ms / base_ms);
 }
 
 /* Only a volume that was scanned by a probe has two grids to sample. */
-static bool time_sampling(const char *path, const hs_kretz_options *options, hs_error *err) {
+static bool time_sampling(const target *t, hs_error *err) {
     hs_volume volume = {0};
-    hs_kretz *kretz = hs_kretz_open(path, options, err);
+    hs_kretz *kretz = hs_kretz_open(t->path, t->kretz, err);
     bool ok = kretz && hs_kretz_read(kretz, 0, &volume, err);
     hs_kretz_close(kretz);
     ok = ok && (!volume.beams || hs_info_sampling(&volume, err));
@@ -93,17 +95,42 @@ static bool time_sampling(const char *path, const hs_kretz_options *options, hs_
     return ok;
 }
 
-bool hs_info_timing(const char *path, const hs_kretz_options *kretz, hs_error *err) {
-    const bool is_kretz = hs_kretz_is_file(path);
-    double samples_ms = 0, volume_ms, bytes_ms;
-    size_t bytes = SIZE_MAX;
-    if (is_kretz && !shortest(read_samples, path, kretz, &bytes, &samples_ms, err)) return false;
-    if (!shortest(is_kretz ? read_kretz : read_metaimage, path, kretz, &bytes, &volume_ms, err) ||
-        !shortest(read_bytes, path, kretz, &bytes, &bytes_ms, err))
+static bool time_kretz(target t, hs_error *err) {
+    double bytes_ms, samples_ms, volume_ms;
+    hs_kretz *kretz = hs_kretz_open(t.path, t.kretz, err);
+    if (!kretz) return false;
+    t.bytes = hs_kretz_bytes(kretz);
+    hs_kretz_close(kretz);
+    if (!shortest(read_samples, &t, &samples_ms, err) || !shortest(read_kretz, &t, &volume_ms, err) ||
+        !shortest(read_bytes, &t, &bytes_ms, err))
         return false;
-    (void)printf("  reading it, the shortest of %d times:\n    %-26s %9.2f ms (%zu)\n", TURNS, "bytes",
-                 bytes_ms, bytes);
-    if (is_kretz) print_line("samples", samples_ms, bytes_ms);
-    print_line(is_kretz ? "with the Cartesian copy" : "volume", volume_ms, bytes_ms);
-    return !is_kretz || time_sampling(path, kretz, err);
+    print_base("its bytes alone", bytes_ms, t.bytes);
+    print_line("samples", samples_ms, bytes_ms);
+    print_line("with the Cartesian copy", volume_ms, bytes_ms);
+    return time_sampling(&t, err);
+}
+
+/* zlib decides how long compressed bytes take, so they are compared with zlib alone. */
+static bool time_metaimage(target t, hs_error *err) {
+    hs_met_header header;
+    double base_ms = 0, volume_ms = 0;
+    bool ok = hs_met_header_read(t.path, &header, err);
+    if (ok) {
+        t.data_path = header.data_path;
+        t.first = header.header_size;
+        t.bytes = (size_t)header.size[0] * header.size[1] * header.size[2] * header.element_bytes;
+        ok = shortest(read_metaimage, &t, &volume_ms, err) &&
+             shortest(header.compressed ? inflate_bytes : read_bytes, &t, &base_ms, err);
+    }
+    if (ok) {
+        print_base(header.compressed ? "inflating alone" : "its bytes alone", base_ms, t.bytes);
+        print_line("volume", volume_ms, base_ms);
+    }
+    hs_met_header_free(&header);
+    return ok;
+}
+
+bool hs_info_timing(const char *path, const hs_kretz_options *kretz, hs_error *err) {
+    const target t = {.path = path, .kretz = kretz, .data_path = path};
+    return hs_kretz_is_file(path) ? time_kretz(t, err) : time_metaimage(t, err);
 }

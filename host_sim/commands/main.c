@@ -2,6 +2,7 @@
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
 #include "base/text.h"
+#include "commands/cmd_console.h"
 #include "commands/cmd_demo.h"
 #include "commands/cmd_info.h"
 #include "commands/cmd_list.h"
@@ -27,6 +28,7 @@ typedef struct {
 
 static const command commands[] = {
     {"run", hs_cmd_run, "the scan loop on a volume or a scene: times, statistics, pictures"},
+    {"console", hs_cmd_console, "the scan loop live, on a web page of this machine"},
     {"demo", hs_cmd_demo, "the scan loop on a few scenes, with one page of pictures and numbers"},
     {"report", hs_cmd_report, "quality and speed over all cases and the whole parameter space, with a page"},
     {"measure", hs_cmd_measure, "quality of depthmaps that were made elsewhere, on one case, as JSON"},

@@ -3,6 +3,7 @@
 
 #include "loop/view.h"
 #include "plugin/loader_param.h"
+#include "render/camera_mark.h"
 #include "report/loop_knob.h"
 #include "report/loop_pictures.h"
 
@@ -120,25 +121,31 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {
     (void)snprintf(out, bytes, "%s %s", d->id, d->version);
 }
 
-/* With the mark of orientation, where the source has one. */
-static void picture_title(const hs_run *run, char *out, size_t bytes) {
-    char plugin[200];
+/* With the mark of orientation, where the source has one. An orbit's views differ in theirs: the title says
+ * of which yaw it is. */
+static void picture_title(const hs_run *run, bool orbit, char *out, size_t bytes) {
+    char plugin[200], name[340], yaw[32] = "";
+    hs_camera camera;
     const hs_volume *shape = hs_source_shape(&run->source);
+    const hs_loop_options *o = &run->request.loop;
+    hs_loop_camera(run->loop, o->frames / 2, &camera);
+    hs_camera_title(shape->name, &camera, shape, name, sizeof name);
     hs_run_plugin_name(run, plugin, sizeof plugin);
-    (void)snprintf(out, bytes, "%s%s%s, %s", shape->name, shape->beams ? ", " : "",
-                   shape->beams ? hs_beams_side_name(shape->beams) : "", plugin);
+    if (orbit && shape->pose.stated)
+        (void)snprintf(yaw, sizeof yaw, " at yaw %+.0f°", hs_loop_yaw(o, o->frames / 2));
+    (void)snprintf(out, bytes, "%s%s, %s", name, yaw, plugin);
 }
 
 bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err) {
-    char title[480];
-    picture_title(run, title, sizeof title);
+    char title[600];
+    picture_title(run, true, title, sizeof title);
     return hs_loop_write_orbit(run->loop, &run->request.loop, folder, title, err);
 }
 
 bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
-    char title[480], note[1100];
+    char title[600], note[1100];
     hs_view view;
-    picture_title(run, title, sizeof title);
+    picture_title(run, false, title, sizeof title);
     const uint32_t middle = run->request.loop.frames / 2;
     if (!hs_loop_view(run->loop, middle, &view, err)) return false;
     if (run->request.few_pictures) {

@@ -59,6 +59,10 @@ static const char help_tail[] =
     "  --view PLACE          where the camera is: probe, or around the patient, if FILE says how it lies in\n"
     "                        him: anterior, posterior, left, right, superior, inferior [probe]\n"
     "  --yaw DEG --pitch DEG turn it from there, to the right and up [0 0]\n"
+    "  --turnable            one box for every direction, as the console's: maps and depths do not change "
+    "with it\n"
+    "  --zoom Z              the picture shows 1/Z of the box' side; with --turnable of the volume seen from "
+    "PLACE [1]\n"
     "  --orbit DEG           turns the camera by DEG over the frames, half to either side of --yaw [0]\n"
     "Renderer:\n"
     "  --look NAME           thesis: Eq. 3.22 - 3.24; lit: a smooth surface in light [lit]\n"
@@ -109,6 +113,8 @@ enum {
     OPT_YAW,
     OPT_PITCH,
     OPT_ORBIT,
+    OPT_TURNABLE,
+    OPT_ZOOM,
     OPT_LOOK,
     OPT_LIGHT,
     OPT_T_LOW,
@@ -154,6 +160,8 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"yaw", required_argument, NULL, OPT_YAW},
                                         {"pitch", required_argument, NULL, OPT_PITCH},
                                         {"orbit", required_argument, NULL, OPT_ORBIT},
+                                        {"turnable", no_argument, NULL, OPT_TURNABLE},
+                                        {"zoom", required_argument, NULL, OPT_ZOOM},
                                         {"look", required_argument, NULL, OPT_LOOK},
                                         {"light", required_argument, NULL, OPT_LIGHT},
                                         {"t-low", required_argument, NULL, OPT_T_LOW},
@@ -278,6 +286,10 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return hs_cli_number("--pitch", text, -360, 360, &r->loop.pitch, err);
     case OPT_ORBIT:
         return hs_cli_number("--orbit", text, -360, 360, &r->loop.orbit, err);
+    case OPT_TURNABLE:
+        return (r->loop.turnable = true);
+    case OPT_ZOOM:
+        return hs_cli_number("--zoom", text, 1.0 / HS_LOOP_MAX_ZOOM, HS_LOOP_MAX_ZOOM, &r->loop.zoom, err);
     case OPT_LOOK:
         return hs_look_line_look(text, &line->look, err);
     case OPT_LIGHT:

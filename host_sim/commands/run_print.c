@@ -2,6 +2,7 @@
 #include "commands/run_print.h"
 
 #include "base/text.h"
+#include "render/camera_mark.h"
 
 #include <unistd.h>
 
@@ -29,9 +30,12 @@ static void print_facts(const hs_run *run, FILE *out) {
     hs_print(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
              o->own_queue ? "a queue of its own" : "the host's queue");
     if (v->pose.stated) {
-        char words[200];
+        char words[200], mark[64];
+        hs_camera camera;
         hs_pose_words(&v->pose, words, sizeof words);
-        hs_print(out, "Patient  %s\n", words);
+        hs_loop_camera(run->loop, o->frames / 2, &camera);
+        hs_camera_mark(&camera, v, mark, sizeof mark);
+        hs_print(out, "Patient  %s; in the pictures: %s\n", words, mark);
     }
     if (v->pose.contradicted[0])
         hs_print(out, "         AnatomicalOrientation says %s: TransformMatrix counts\n",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_beside.h"
 
+#include "eval/eval_plan.h"
 #include "plugin/loader_param.h"
 
 #include <math.h>
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define USUAL     "method=cost" /* what is set beside where nothing is said */
+#define USUAL     "method=wall" /* what is set beside where nothing is said */
 #define POSITIONS 31u           /* of the knob */
 
 /* Adds "KEY=VALUE[ KEY=VALUE]...". */
@@ -42,15 +43,6 @@ static void name_method(const hs_plugin *plugin, const hs_eval_values *values, c
     hs_plugin_value_text(plugin, &info, value, out, bytes);
 }
 
-/* What the user set, and any evidence, as in the parameter space. */
-static bool take_base(hs_eval_values *values, const hs_plugin *plugin, const hs_eval_options *o,
-                      hs_error *err) {
-    sv_param_info info;
-    if (hs_plugin_find_param(plugin, "evidence", &info) && !hs_eval_values_add(values, info.id, 0.0, err))
-        return false;
-    return hs_eval_values_parse(values, plugin, o->sets, o->set_count, err);
-}
-
 bool hs_eval_beside_open(hs_eval_beside *b, const hs_cl *cl, const hs_plugin *plugin,
                          const hs_eval_options *options, hs_error *err) {
     const char *wanted = options->beside;
@@ -58,7 +50,7 @@ bool hs_eval_beside_open(hs_eval_beside *b, const hs_cl *cl, const hs_plugin *pl
     *b = (hs_eval_beside){.cl = cl, .plugin = plugin};
     if (wanted && strcmp(wanted, "none") == 0) return true;
     if (!wanted && names_a_method(options)) return true;
-    if (!take_base(&b->first, plugin, options, err)) return false;
+    if (!hs_eval_plan_base(&b->first, plugin, options->sets, options->set_count, err)) return false;
     b->other = b->first;
     if (!wanted && !parse(&b->other, plugin, USUAL, &ignored)) return true;
     if (wanted && !parse(&b->other, plugin, wanted, err)) return false;
@@ -152,6 +144,9 @@ void hs_eval_beside_conclude(hs_eval_beside *b, const hs_eval_mean *mean, const 
 double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
                            hs_measure measure) {
     double sum = 0;
-    for (uint32_t i = 0; i < count; i++) sum += (double)beside->of[i][way].of[measure] / count;
-    return sum;
+    uint32_t known = 0; /* a case without a fetus has nothing of one that is cut */
+    for (uint32_t i = 0; i < count; i++) known += isnan(beside->of[i][way].of[measure]) ? 0 : 1;
+    for (uint32_t i = 0; i < count; i++)
+        if (!isnan(beside->of[i][way].of[measure])) sum += (double)beside->of[i][way].of[measure] / known;
+    return known ? sum : (double)NAN;
 }

@@ -34,7 +34,7 @@ typedef struct {
 } hs_eval_beside;
 
 /* Decides whether there is another method: options->beside as "KEY=VALUE[ KEY=VALUE]...", or "none"; NULL:
- * "method=cost", if the plugin has it and options->sets name no method. `cl` and `plugin` must outlive it.
+ * "method=wall", if the plugin has it and options->sets name no method. `cl` and `plugin` must outlive it.
  * HS_ERR_USAGE for settings the plugin does not take. */
 bool hs_eval_beside_open(hs_eval_beside *beside, const hs_cl *cl, const hs_plugin *plugin,
                          const hs_eval_options *options, hs_error *err);

@@ -25,13 +25,22 @@ static void find_axis(hs_eval_axis *axis, const hs_plugin *plugin, const char *k
     if (axis->exists) axis->id = info.id;
 }
 
-/* A parameter that the plugin has and the user did not set. */
-static bool set_unless_set(hs_eval_plan *plan, const char *key, const char *text, hs_error *err) {
+static bool has_value(const hs_eval_values *values, uint32_t id) {
+    for (uint32_t i = 0; i < values->count; i++)
+        if (values->at[i].id == id) return true;
+    return false;
+}
+
+bool hs_eval_plan_base(hs_eval_values *base, const hs_plugin *plugin, const char *const *sets, uint32_t count,
+                       hs_error *err) {
     sv_param_info info;
-    if (!hs_plugin_find_param(plan->plugin, key, &info)) return true;
-    for (uint32_t i = 0; i < plan->base.count; i++)
-        if (plan->base.at[i].id == info.id) return true;
-    return hs_eval_values_parse(&plan->base, plan->plugin, &text, 1, err);
+    double mean;
+    if (!hs_eval_values_parse(base, plugin, sets, count, err)) return false;
+    if (hs_plugin_find_param(plugin, "method", &info) && !has_value(base, info.id) &&
+        hs_plugin_find_enum(plugin, &info, "mean", &mean) && !hs_eval_values_add(base, info.id, mean, err))
+        return false;
+    return !hs_plugin_find_param(plugin, "evidence", &info) || has_value(base, info.id) ||
+           hs_eval_values_add(base, info.id, 0.0, err);
 }
 
 static uint32_t file_crc(const char *path) {
@@ -68,8 +77,7 @@ bool hs_eval_plan_make(hs_eval_plan *plan, const hs_plugin *plugin, const char *
     if (plan->threshold.exists) fill_axis(&plan->threshold, 0.5, 0.01, 51, coarse);
     if (plan->kernel.exists) fill_axis(&plan->kernel, 3, 4, 16, coarse);
     hs_eval_knob_spread(&plan->knob, plugin, coarse ? (KNOB_POSITIONS - 1) / COARSE + 1 : KNOB_POSITIONS);
-    if (!hs_eval_values_parse(&plan->base, plugin, sets, count, err) ||
-        !set_unless_set(plan, "evidence", "evidence=0", err) || !use_mode_absolute(plan, err))
+    if (!hs_eval_plan_base(&plan->base, plugin, sets, count, err) || !use_mode_absolute(plan, err))
         return false;
     name_identity(plan, coarse);
     return true;

@@ -1,22 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_source.h"
 
+#include "volume/scanned_maps.h"
+#include "volume/volume_file.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* "FULL,TRUTH,LABEL" in its parts; false if there are not three. */
-static bool split(const char *text, char part[3][PATH_MAX]) {
-    for (int i = 0; i < 3; i++) {
+/* The files of a case, in the order of its name. */
+enum { FULL, TRUTH, LABEL, FIRST, END, PARTS };
+
+/* "FULL,TRUTH,LABEL" or "FULL,TRUTH,LABEL,FIRST,END" in its parts: how many there are, 0 if it is neither. */
+static int split(const char *text, char part[PARTS][PATH_MAX]) {
+    for (int i = 0; i < PARTS; i++) {
         const char *comma = strchr(text, ',');
         const size_t length = comma ? (size_t)(comma - text) : strlen(text);
-        if (length == 0 || length >= PATH_MAX || (i < 2) != (comma != NULL)) return false;
+        if (length == 0 || length >= PATH_MAX) return 0;
         memcpy(part[i], text, length);
         part[i][length] = '\0';
+        if (!comma) return i == LABEL || i == END ? i + 1 : 0;
         text += length + 1;
     }
-    return true;
+    return 0;
 }
 
 static bool check_truth(const hs_volume *full, const hs_volume *truth, const char *path, hs_error *err) {
@@ -41,22 +48,58 @@ static bool check_label(const hs_volume *full, const hs_volume *label, const cha
     return true;
 }
 
+/* A label promises that something can be seen there, so the ray must have been scanned. */
+static bool check_scanned(const hs_volume *full, const hs_volume *label, char part[PARTS][PATH_MAX],
+                          hs_error *err) {
+    const size_t rays = (size_t)full->nx * full->ny;
+    double *maps = malloc(2 * rays * sizeof *maps);
+    if (!maps) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a map of %zu rays", part[FIRST], rays);
+    bool ok = hs_metaimage_read_map(part[FIRST], full->nx, full->ny, maps, err) &&
+              hs_metaimage_read_map(part[END], full->nx, full->ny, maps + rays, err);
+    for (size_t i = 0; ok && i < rays; i++) {
+        const size_t x = i % full->nx, y = i / full->nx;
+        const double first = maps[i], end = maps[rays + i];
+        if (first > end)
+            ok = hs_fail(err, HS_ERR_INPUT, "%s: pixel (%zu, %zu) is %g, behind %g in %s", part[FIRST], x, y,
+                         first, end, part[END]);
+        else if (first == end && label->voxels[i] != HS_LABEL_NEITHER)
+            ok = hs_fail(err, HS_ERR_INPUT,
+                         "%s: label %u at pixel (%zu, %zu), where nothing was scanned: %g .. %g in %s and %s",
+                         part[LABEL], label->voxels[i], x, y, first, end, part[FIRST], part[END]);
+    }
+    free(maps);
+    return ok;
+}
+
+/* The volume that the plugin gets; with maps, what they call unscanned is 0. */
+static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged, hs_error *err) {
+    const hs_source_files how = {.scanned = {ranged ? part[FIRST] : NULL, ranged ? part[END] : NULL}};
+    const char *const path = part[FULL];
+    if (!hs_source_open_files(&s->source, &path, 1, &how, err)) return false;
+    return s->source.count == 1 ||
+           hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", path, s->source.count);
+}
+
 static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
     /* Labels of 0 are labels: no zero is raised. */
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
-    char part[3][PATH_MAX];
-    if (!split(names, part))
-        return hs_fail(err, HS_ERR_USAGE, "'%s': expected three files, FULL,TRUTH,LABEL", names);
-    const char *const full = part[0];
-    if (!hs_source_open_files(&s->source, &full, 1, NULL, err)) return false;
-    if (s->source.count > 1)
-        return hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", full,
-                       s->source.count);
+    char part[PARTS][PATH_MAX];
+    const int parts = split(names, part);
+    if (parts == 0)
+        return hs_fail(err, HS_ERR_USAGE,
+                       "'%s': expected three files, FULL,TRUTH,LABEL, or five, FULL,TRUTH,LABEL,FIRST,END",
+                       names);
+    const bool ranged = parts == PARTS;
+    if (!open_full(s, part, ranged, err)) return false;
     const hs_volume *volume = hs_source_volume(&s->source, 0);
-    if (!hs_metaimage_read(part[1], NULL, &s->given_truth, err) ||
-        !check_truth(volume, &s->given_truth, part[1], err) ||
-        !hs_metaimage_read(part[2], &as_it_is, &s->given_label, err) ||
-        !check_label(volume, &s->given_label, part[2], err))
+    const bool read = ranged ? hs_metaimage_read(part[TRUTH], &as_it_is, &s->given_truth, err)
+                             : hs_volume_file_read(part[TRUTH], &s->given_truth, err);
+    if (!read || !check_truth(volume, &s->given_truth, part[TRUTH], err) ||
+        !hs_metaimage_read(part[LABEL], &as_it_is, &s->given_label, err) ||
+        !check_label(volume, &s->given_label, part[LABEL], err))
+        return false;
+    if (ranged && (!check_scanned(volume, &s->given_label, part, err) ||
+                   !hs_scanned_maps_apply(&s->given_truth, part[FIRST], part[END], err)))
         return false;
     s->label = s->given_label.voxels;
     return hs_source_set_truth(&s->source, &s->given_truth, err);

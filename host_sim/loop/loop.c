@@ -18,11 +18,25 @@ void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
     hs_camera_merge_box(camera, &loop->box);
 }
 
+void hs_loop_window(const hs_loop *loop, uint32_t index, hs_camera *window, float *share) {
+    const hs_loop_options *o = &loop->options;
+    hs_camera facing;
+    hs_loop_camera(loop, index, window);
+    const double box = window->extent;
+    if (o->turnable) {
+        hs_camera_look_from(&facing, hs_source_shape(loop->source), o->from, 0.0, 0.0);
+        window->extent = facing.extent;
+    }
+    if (o->zoom > 0.0) window->extent /= o->zoom;
+    *share = (float)(window->extent / box);
+}
+
 /* One box that holds the volume in every view of the run. */
 static void find_box(hs_loop *loop) {
     const hs_volume *volume = hs_source_shape(loop->source);
     const hs_loop_options *o = &loop->options;
     hs_camera_look_from(&loop->box, volume, o->from, hs_loop_yaw(o, 0), o->pitch);
+    if (o->turnable) hs_camera_hold_all(&loop->box, volume);
     for (uint32_t i = 1; i < o->frames && o->orbit != 0; i++) {
         hs_camera view;
         hs_camera_look_from(&view, volume, o->from, hs_loop_yaw(o, i), o->pitch);
@@ -77,36 +91,60 @@ static void fit_plugin(hs_loop *loop, const hs_plugin *plugin, hs_error *refused
     if (o->fan == HS_FAN_BEST) o->fan = HS_FAN_PADDING;
 }
 
-static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
+/* The slabs as the plugin takes them, and the plugin. `gaps`: hs_slabs_create. */
+static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs_error *err) {
     const hs_loop_options *o = &loop->options;
     hs_slab_layout layout;
     hs_error refused = {0};
     fit_plugin(loop, plugin, &refused);
-    find_box(loop);
     if (!make_layout(loop, &layout, err)) return false;
-    const hs_volume *first;
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);
-    const hs_clipper_options asked = {.own_queue = o->own_queue || hs_is_guarded(plugin),
+    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
+    const bool guarded = hs_is_guarded(plugin);
+    const hs_clipper_options asked = {.own_queue = o->own_queue || guarded,
                                       .spacing_mm = {across, across, along},
                                       .refused = &refused,
                                       .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
                                       .values = o->values,
                                       .value_count = o->value_count};
-    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
-    const bool guarded = hs_is_guarded(plugin);
     if (guarded || o->own_queue) loop->options.in_flow = false;
     void *memory = NULL;
     hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
     if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
-    return (loop->screen = hs_screen_create(loop->cl, &o->dvr, err)) &&
+    return (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
+                                          gaps, memory, err)) &&
+           hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err) &&
+           (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
+}
+
+static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
+    const hs_volume *first;
+    hs_slab_layout checked;
+    find_box(loop);
+    return make_layout(loop, &checked, err) &&
+           (loop->screen = hs_screen_create(loop->cl, &loop->options.dvr, err)) &&
            (first = hs_source_bring(loop->source, 0, err)) &&
            (loop->volume = hs_device_volume_create(loop->cl, first, err)) &&
            hs_screen_prepare(loop->screen, loop->volume, err) &&
-           (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
-                                          first->beams != NULL, memory, err)) &&
-           hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err) &&
-           (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
+           create_clipper(loop, plugin, first->beams != NULL, err);
+}
+
+bool hs_loop_reactivate(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *asked, hs_error *err) {
+    (void)clFinish(loop->cl->queue); /* nothing may run on what goes now */
+    hs_clipper_destroy(loop->clipper);
+    hs_slabs_destroy(loop->slabs);
+    loop->clipper = NULL;
+    loop->slabs = NULL;
+    loop->has_before = false;
+    loop->options.carrier = asked->carrier;
+    loop->options.own_queue = asked->own_queue;
+    loop->options.carrier_fixed = asked->carrier_fixed;
+    loop->options.fan = asked->fan;
+    loop->options.in_flow = asked->in_flow;
+    loop->options.values = asked->values;
+    loop->options.value_count = asked->value_count;
+    return create_clipper(loop, plugin, hs_source_shape(loop->source)->beams != NULL, err);
 }
 
 /* A place around the patient needs a volume that says how it lies in him. */
@@ -165,10 +203,22 @@ const hs_error *hs_loop_confidence_error(const hs_loop *loop) {
     return hs_clipper_confidence_error(loop->clipper);
 }
 
+void hs_loop_want(hs_loop *loop, bool status, bool confidence) {
+    hs_clipper_want(loop->clipper, status, confidence);
+}
+
+void hs_loop_look(hs_loop *loop, double yaw, double pitch, double zoom) {
+    hs_loop_options *o = &loop->options;
+    loop->turned |= yaw != o->yaw || pitch != o->pitch;
+    o->yaw = yaw;
+    o->pitch = pitch;
+    o->zoom = zoom;
+}
+
 /* ---------------------------------------------------------------------------------------------- frame -- */
 
 /* The volume of frame `index` on the device: a sequence's or a live scan's arrives anew. */
-static bool bring_volume(hs_loop *loop, uint32_t index, hs_error *err) {
+bool hs_loop_bring(hs_loop *loop, uint32_t index, hs_error *err) {
     const uint32_t wanted = index % loop->source->count;
     if (wanted == loop->resident && !loop->options.live) return true;
     const hs_volume *volume = hs_source_bring(loop->source, wanted, err);
@@ -187,10 +237,20 @@ static bool stage_ends(const hs_loop *loop, const char *stage, hs_error *err) {
     return loop->options.in_flow || wait_for(loop, stage, err);
 }
 
-static bool render(hs_loop *loop, const hs_camera *camera, const hs_frame *frame, hs_error *err) {
+const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const hs_frame *frame,
+                                     hs_camera *window, hs_start_depths *out) {
+    float share;
+    hs_loop_window(loop, index, window, &share);
+    if (!frame || !hs_clipper_start(loop->clipper, frame->clipped, frame->sure, out)) return NULL;
+    out->share = share;
+    return out;
+}
+
+bool hs_loop_draw(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_error *err) {
     hs_start_depths start;
-    return hs_screen_render(loop->screen, loop->volume, camera,
-                            hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &start), false, err);
+    hs_camera window;
+    const hs_start_depths *from = hs_loop_start(loop, index, frame, &window, &start);
+    return hs_screen_render(screen, loop->volume, &window, from, false, err);
 }
 
 #define FRAME_NS UINT64_C(50000000) /* the simulated machine scans 20 volumes a second */
@@ -200,7 +260,8 @@ hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
     /* A sequence that starts again jumps back in time; an orbit moves the camera with every frame. */
     const bool next = loop->has_before && index == loop->before + 1 && index % loop->source->count != 0;
     const bool same = loop->has_before && loop->source->count == 1;
-    const bool still = o->orbit == 0 || o->frames < 2;
+    const bool still = (o->orbit == 0 || o->frames < 2) && !loop->turned;
+    loop->turned = false;
     const hs_moment moment = {
         .index = index, .time_ns = (index + UINT64_C(1)) * FRAME_NS, .continues = still && (next || same)};
     loop->has_before = true;
@@ -208,14 +269,18 @@ hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
     return moment;
 }
 
-static bool ask_plugin(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
+void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
+    frame->clipped = clip->clipped;
+    frame->sure = clip->sure;
+    frame->outcome = clip->outcome;
+    frame->stats = clip->stats;
+    frame->points = clip->points;
+}
+
+bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
     hs_clip clip;
     if (!hs_clipper_frame(loop->clipper, hs_loop_moment(loop, index), &clip, err)) return false;
-    frame->clipped = clip.clipped;
-    frame->sure = clip.sure;
-    frame->outcome = clip.outcome;
-    frame->stats = clip.stats;
-    frame->points = clip.points;
+    hs_loop_note_clip(&clip, frame);
     return true;
 }
 
@@ -224,15 +289,16 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
     hs_camera camera;
     const double start = hs_now();
     hs_loop_camera(loop, index, &camera);
-    if (!bring_volume(loop, index, err) || !stage_ends(loop, "clFinish (upload)", err)) return false;
+    if (!hs_loop_bring(loop, index, err) || !stage_ends(loop, "clFinish (upload)", err)) return false;
     const double uploaded = hs_now();
     if (setting != HS_SETTING_DVR && (!hs_slabs_convert(loop->slabs, loop->volume, &camera, err) ||
                                       !stage_ends(loop, "clFinish (scan conversion)", err)))
         return false;
     const double converted = hs_now();
-    if (setting == HS_SETTING_SMARTVIS && !ask_plugin(loop, index, frame, err)) return false;
+    if (setting == HS_SETTING_SMARTVIS && !hs_loop_ask(loop, index, frame, err)) return false;
     const double clipped = hs_now();
-    if (!render(loop, &camera, frame, err) || !wait_for(loop, "clFinish (DVR)", err)) return false;
+    if (!hs_loop_draw(loop, loop->screen, index, frame, err) || !wait_for(loop, "clFinish (DVR)", err))
+        return false;
     const double end = hs_now();
     frame->ms[HS_STAGE_UPLOAD] = (uploaded - start) * 1e3;
     frame->ms[HS_STAGE_CONVERT] = (converted - uploaded) * 1e3;

@@ -9,20 +9,10 @@
 #ifndef HS_LOOP_H
 #define HS_LOOP_H
 
-#include "loop/loop_options.h"
+#include "loop/loop_frame.h"
+#include "loop/screen.h"
 #include "loop/source.h"
 #include "plugin/loader.h"
-#include "plugin/plugin_ext.h"
-
-/* What one frame came to. */
-typedef struct {
-    double ms[HS_STAGE_COUNT];
-    bool clipped;            /* the picture was rendered with the plugin's map (hs_outcome_clips) */
-    bool sure;               /* and its ghosting with the plugin's confidence */
-    sv_status outcome;       /* the plugin's, SV_OK if it was not asked */
-    sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */
-    sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
-} hs_frame;
 
 typedef struct hs_loop hs_loop;
 
@@ -43,9 +33,33 @@ const hs_slab_layout *hs_loop_layout(const hs_loop *loop);
 /* The camera of frame `index`, in the box that holds every frame of the run. */
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera);
 
+/* The same camera with the picture's window for a box: hs_loop_options.zoom. *share is the window's side as a
+ * part of the box' (hs_start_depths.share). */
+void hs_loop_window(const hs_loop *loop, uint32_t index, hs_camera *window, float *share);
+
 /* One frame of `setting`, with the camera and volume of frame `index` (0 .. frames - 1). A failing plugin is
  * no error of the frame: it renders unclipped, and hs_loop_plugin_error tells. False: HS_ERR_DEVICE. */
 bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err);
+
+/*
+ * For who decides from frame to frame what must be done anew.
+ *
+ * hs_loop_want: whether the plugin is asked for points and confidence, too. hs_loop_look: another camera from
+ * the next frame on; the loop must be turnable. hs_loop_ask: the plugin's share of frame `index`, whose
+ * volume was brought and converted (hs_loop_convert); it continues the one before, if camera and volumes do.
+ * hs_loop_draw: enqueues the result of `frame`, the last one, or the full volume (NULL), with the loop's
+ * window, on any screen. hs_loop_bring: enqueues the way of frame `index`' volume to the device, unless it is
+ * there. hs_loop_reactivate: the plugin's share anew, with another plugin (or NULL), other values of what
+ * only activate reads, or another handover; everything else stays. What is read of `asked` are the plugin's
+ * options. HS_ERR_DEVICE, HS_ERR_MEMORY, for hs_loop_bring the source's; after a failed hs_loop_reactivate
+ * the loop can only be destroyed.
+ */
+void hs_loop_want(hs_loop *loop, bool status, bool confidence);
+void hs_loop_look(hs_loop *loop, double yaw, double pitch, double zoom);
+bool hs_loop_bring(hs_loop *loop, uint32_t index, hs_error *err);
+bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err);
+bool hs_loop_draw(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_error *err);
+bool hs_loop_reactivate(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *asked, hs_error *err);
 
 /* Other parameter values from the next frame on. Borrowed until this is called again or the loop is
  * destroyed. Those flagged SV_PARAM_REACTIVATE must be what they were. */

@@ -48,5 +48,7 @@ bool hs_loop_check_options(const hs_loop_options *o, hs_error *err) {
     if (!isfinite(o->yaw) || !isfinite(o->pitch) || !isfinite(o->orbit))
         return hs_fail(err, HS_ERR_USAGE, "camera: yaw %g, pitch %g, orbit %g must be finite", o->yaw,
                        o->pitch, o->orbit);
+    if (!(o->zoom >= 0.0 && o->zoom <= HS_LOOP_MAX_ZOOM))
+        return hs_fail(err, HS_ERR_USAGE, "camera: zoom %g, expected 0 .. %g", o->zoom, HS_LOOP_MAX_ZOOM);
     return true;
 }

@@ -26,6 +26,12 @@ typedef struct {
     double yaw, pitch; /* degrees */
     /* Degrees of yaw from the first to the last frame, half to either side of `yaw`; 0: still. */
     double orbit;
+    /* One box for every direction, a cube with the volume's diagonal: the camera may then be turned between
+     * frames (hs_loop_look). */
+    bool turnable;
+    /* The picture shows 1 / zoom of the box' side; of a turnable box, of the side of the box at yaw and pitch
+     * 0. 0 counts as 1. */
+    double zoom;
     uint32_t frames;      /* volumes a run takes, >= 1 */
     uint32_t lowres;      /* pixels across the low-resolution volume; 0: a third of the source's resolution */
     uint32_t slab_slices; /* slices of a full slab, >= 1; more than the volume has: one slab */
@@ -43,6 +49,8 @@ typedef struct {
     const sv_param_value *values; /* plugin parameters; must outlive the loop */
     uint32_t value_count;
 } hs_loop_options;
+
+#define HS_LOOP_MAX_ZOOM 32.0
 
 /* Still camera at 0, 0; 100 frames; a third; slabs of 16; the host's queue with buffers; hs_dvr_defaults. */
 void hs_loop_defaults(hs_loop_options *options);

@@ -15,11 +15,8 @@ bool hs_loop_convert(hs_loop *loop, uint32_t index, hs_error *err) {
 /* A call's outcome as a frame, and its map. */
 static bool take(hs_loop *loop, const hs_clip *clip, hs_frame *frame, float *map, hs_error *err) {
     const hs_slab_layout *layout = hs_loop_layout(loop);
-    *frame = (hs_frame){.clipped = clip->clipped,
-                        .sure = clip->sure,
-                        .outcome = clip->outcome,
-                        .stats = clip->stats,
-                        .points = clip->points};
+    *frame = (hs_frame){0};
+    hs_loop_note_clip(clip, frame);
     if (!map) return true;
     if (clip->clipped) return hs_clipper_read_depth(loop->clipper, map, err);
     memset(map, 0, (size_t)layout->width * layout->height * sizeof *map);

@@ -4,7 +4,7 @@
 #define HS_LOOP_STATE_H
 
 #include "loop/clipper.h"
-#include "loop/loop_options.h"
+#include "loop/loop_frame.h"
 #include "loop/screen.h"
 #include "loop/slabs.h"
 #include "loop/source.h"
@@ -21,7 +21,15 @@ struct hs_loop {
     uint32_t resident; /* index into source->volumes of the volume on the device */
     bool has_before;   /* the plugin has had a frame: number `before` */
     uint32_t before;
+    bool turned; /* the camera, since that frame */
 };
+
+/* What a call of the plugin came to, as part of a frame. */
+void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame);
+
+/* Where the rays of frame `index` start, for its window: NULL is the full volume, as for `frame` NULL. */
+const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const hs_frame *frame,
+                                     hs_camera *window, hs_start_depths *out);
 
 /* The moment of frame `index`, after the frames the plugin has had. */
 hs_moment hs_loop_moment(hs_loop *loop, uint32_t index);

@@ -25,24 +25,30 @@ static bool read_confidence(const hs_loop *loop, size_t rays, hs_maps *maps, hs_
 }
 
 /* A map that was not used is not shown either, since it may be an earlier frame's. */
-static bool run_frame(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err) {
+static bool read_back(const hs_loop *loop, hs_maps *maps, hs_error *err) {
     const size_t rays = (size_t)maps->width * maps->height;
-    const bool wanted = hs_clipper_wants_confidence(loop->clipper);
-    hs_clipper_want(loop->clipper, true, true);
-    bool ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &maps->frame, err);
-    hs_clipper_want(loop->clipper, false, wanted);
-    if (ok && maps->frame.clipped) ok = hs_clipper_read_depth(loop->clipper, maps->depth, err);
-    if (ok && maps->frame.sure) ok = read_confidence(loop, rays, maps, err);
-    if (ok && maps->frame.outcome >= SV_OK) memcpy(maps->status, hs_clipper_status(loop->clipper), rays);
+    if (maps->frame.clipped && !hs_clipper_read_depth(loop->clipper, maps->depth, err)) return false;
+    if (maps->frame.sure && !read_confidence(loop, rays, maps, err)) return false;
+    if (maps->frame.outcome >= SV_OK) memcpy(maps->status, hs_clipper_status(loop->clipper), rays);
+    return true;
+}
+
+bool hs_loop_read_maps(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_maps *maps, hs_error *err) {
+    *maps = (hs_maps){.frame = *frame};
+    hs_loop_camera(loop, index, &maps->camera);
+    const bool ok = allocate(loop, maps, err) && read_back(loop, maps, err);
+    if (!ok) hs_maps_free(maps);
     return ok;
 }
 
 bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err) {
+    const bool wanted = hs_clipper_wants_confidence(loop->clipper);
+    hs_frame frame;
     *maps = (hs_maps){0};
-    hs_loop_camera(loop, index, &maps->camera);
-    const bool ok = allocate(loop, maps, err) && run_frame(loop, index, maps, err);
-    if (!ok) hs_maps_free(maps);
-    return ok;
+    hs_loop_want(loop, true, true);
+    const bool ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, err);
+    hs_loop_want(loop, false, wanted);
+    return ok && hs_loop_read_maps(loop, index, &frame, maps, err);
 }
 
 void hs_maps_free(hs_maps *maps) {

@@ -19,6 +19,10 @@ typedef struct {
  * HS_ERR_MEMORY; the maps are zeroed then. */
 bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err);
 
+/* Reads back what frame `index` left, which was the loop's last: the depthmap, and points and confidence if
+ * the plugin was asked for them (hs_loop_want). The errors are the same. */
+bool hs_loop_read_maps(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_maps *maps, hs_error *err);
+
 /* Frees everything. Safe on a zeroed struct. */
 void hs_maps_free(hs_maps *maps);
 

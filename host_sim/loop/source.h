@@ -3,18 +3,8 @@
 #ifndef HS_SOURCE_H
 #define HS_SOURCE_H
 
-#include "loop/sequence_file.h"
 #include "loop/stream.h"
 #include "scene/scene.h"
-#include "volume/kretz.h"
-
-/* Where a volume was read from. */
-typedef struct {
-    const char *path;       /* borrowed from who opened the source */
-    bool metaimage;         /* a MetaImage file, whose voxels lie as the volume's do */
-    uint32_t index;         /* among the file's valid volumes */
-    hs_frame_fields fields; /* what the file says about it */
-} hs_source_origin;
 
 /* One or more volumes of the same size and spacing; a loop over more frames than volumes starts again at the
  * first. Owned by the caller. */
@@ -24,24 +14,15 @@ typedef struct {
     uint32_t count;            /* >= 1 */
     char title[256];           /* what a scene is about; "" for files */
     hs_scene_data *scenes;     /* what volumes and truths point into: scenes ... */
-    hs_volume *files;          /* ... or volumes read from files */
-    hs_source_origin *origins; /* where the volumes of files were; NULL for scenes */
+    hs_volume *file;           /* ... or the one volume of a file */
+    hs_sequence *sequence;     /* the files; NULL for scenes */
     uint32_t left_out;         /* volumes of the files that are invalid, as they say themselves */
-    hs_stream *stream;         /* or a sequence that is read as it is played: `volumes` is NULL then */
+    hs_stream *stream;         /* several volumes, read as they are played: `volumes` is NULL then */
 } hs_source;
 
-/* How files are read: MetaImage, with maps that hold for all of them, and Kretz. Zeros are the defaults. */
-typedef struct {
-    hs_metaimage_options metaimage;
-    hs_source_scanned scanned;
-    hs_kretz_options kretz; /* its padding is not read: metaimage.padding holds for both */
-} hs_source_files;
-
 /* Reads `count` files, MetaImage (.mha, .mhd) or Kretz (.vol), each of one volume or of a sequence; `paths`
- * must outlive it; `how` may be NULL. One file that is a sequence is read as it is played; the volumes of
- * several files are kept, and a Kretz sequence comes alone. HS_ERR_INPUT if one cannot be read, or differs
- * from the first in size, spacing or orientation: the message names both. HS_ERR_USAGE: a window, maps or a
- * probe for a Kretz file. */
+ * must outlive it; `how` may be NULL. Several volumes, of one file or of more, are read as they are played.
+ * The errors are those of hs_sequence_open, and of hs_sequence_read for the first volume. */
 bool hs_source_open_files(hs_source *source, const char *const *paths, uint32_t count,
                           const hs_source_files *how, hs_error *err);
 
@@ -63,7 +44,7 @@ void hs_source_close(hs_source *source);
 /* Size, spacing, geometry and name of all its volumes; no voxels that may be read. */
 const hs_volume *hs_source_shape(const hs_source *source);
 
-/* The volume of frame `index`. That of a sequence file is waited for, and stays as it is until this is called
+/* The volume of frame `index`. That of a stream is waited for, and stays as it is until this is called
  * again; NULL with the errors of hs_stream_get. */
 const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_error *err);
 

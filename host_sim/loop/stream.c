@@ -14,8 +14,9 @@ typedef struct {
 } slot;
 
 struct hs_stream {
-    hs_sequence_file file;
+    hs_sequence *sequence;
     uint32_t count;
+    hs_volume shape; /* the first volume; its voxels are those of a slot */
     slot slots[HS_STREAM_VOLUMES];
     pthread_t thread;
     bool running; /* the thread was started */
@@ -59,7 +60,7 @@ static slot *next_to_load(hs_stream *s) {
 
 static void load(hs_stream *s, slot *at) {
     at->error = (hs_error){0};
-    const bool ok = hs_sequence_file_read(&s->file, at->index, &at->volume, &at->error);
+    const bool ok = hs_sequence_read(s->sequence, at->index, &at->volume, &at->error);
     pthread_mutex_lock(&s->lock);
     at->state = ok ? READY : FAILED;
     pthread_cond_broadcast(&s->changed);
@@ -83,20 +84,19 @@ static void *read_ahead(void *argument) {
     return NULL;
 }
 
-hs_stream *hs_stream_open(const hs_sequence_file *file, hs_error *err) {
+hs_stream *hs_stream_open(hs_sequence *sequence, hs_error *err) {
     hs_stream *s = calloc(1, sizeof *s);
     if (!s) {
-        hs_sequence_file unused = *file;
-        hs_sequence_file_close(&unused);
         (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory");
         return NULL;
     }
-    s->file = *file;
-    s->count = hs_sequence_file_count(file);
+    s->sequence = sequence;
+    s->count = hs_sequence_count(sequence);
     (void)pthread_mutex_init(&s->lock, NULL);
     (void)pthread_cond_init(&s->changed, NULL);
-    if (hs_sequence_file_read(&s->file, 0, &s->slots[0].volume, err)) {
+    if (hs_sequence_read(s->sequence, 0, &s->slots[0].volume, err)) {
         s->slots[0].state = READY;
+        s->shape = s->slots[0].volume;
         s->running = pthread_create(&s->thread, NULL, read_ahead, s) == 0;
         if (s->running) return s;
         (void)hs_fail(err, HS_ERR_MEMORY, "%s: no thread to read ahead", s->slots[0].volume.name);
@@ -117,7 +117,6 @@ void hs_stream_close(hs_stream *s) {
     for (uint32_t i = 0; i < HS_STREAM_VOLUMES; i++) hs_volume_free(&s->slots[i].volume);
     (void)pthread_cond_destroy(&s->changed);
     (void)pthread_mutex_destroy(&s->lock);
-    hs_sequence_file_close(&s->file);
     free(s);
 }
 
@@ -126,7 +125,7 @@ uint32_t hs_stream_count(const hs_stream *stream) {
 }
 
 const hs_volume *hs_stream_shape(const hs_stream *stream) {
-    return &stream->slots[0].volume;
+    return &stream->shape;
 }
 
 const hs_volume *hs_stream_get(hs_stream *s, uint32_t index, hs_error *err) {

@@ -4,7 +4,7 @@
 #include "loop/loop_stages.h"
 #include "loop/loop_state.h"
 #include "loop/maps.h"
-#include "loop/truth_surface.h"
+#include "loop/truth_picture.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,40 +28,23 @@ static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
            hs_fail(err, HS_ERR_MEMORY, "pictures: no memory for %u x %u pixels", view->width, view->height);
 }
 
-/* A picture and, unless NULL, its termination depths. */
-static bool draw(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
-                 const hs_start_depths *start, uint8_t *rgba, float *termination, hs_error *err) {
-    return hs_screen_render(loop->screen, volume, camera, start, termination != NULL, err) &&
+/* The picture from where the frame's rays start (NULL: the full volume) and, unless NULL, its termination
+ * depths. */
+static bool render_to(hs_loop *loop, uint32_t index, const hs_frame *frame, uint8_t *rgba, float *termination,
+                      hs_error *err) {
+    hs_start_depths depths;
+    hs_camera window;
+    const hs_start_depths *start = hs_loop_start(loop, index, frame, &window, &depths);
+    return hs_screen_render(loop->screen, loop->volume, &window, start, termination != NULL, err) &&
            hs_screen_read(loop->screen, rgba, err) &&
            (!termination || hs_screen_read_termination(loop->screen, termination, err));
 }
 
-/* The same from where the frame's rays start; NULL: the full volume. */
-static bool render_to(hs_loop *loop, const hs_device_volume *volume, const hs_camera *camera,
-                      const hs_frame *frame, uint8_t *rgba, float *termination, hs_error *err) {
-    hs_start_depths depths;
-    const hs_start_depths *start =
-        frame ? hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &depths) : NULL;
-    return draw(loop, volume, camera, start, rgba, termination, err);
-}
-
-/* In the lit look the truth is drawn as a result is: the frame's own volume, cut at the scene's surface, so
- * that a cut is drawn as one. */
-static bool render_true_cut(hs_loop *loop, const hs_scene_data *scene, hs_view *view, hs_error *err) {
-    hs_start_depths start = {0};
-    const bool ok = hs_truth_surface(loop->cl, scene, &view->camera, &start, err) &&
-                    draw(loop, loop->volume, &view->camera, &start, view->truth, NULL, err);
-    if (start.depth) (void)clReleaseMemObject(start.depth);
-    return ok;
-}
-
 static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
-    const hs_scene_data *scene = hs_source_scene_data(loop->source, index);
-    if (scene && loop->options.dvr.look == HS_LOOK_LIT && hs_truth_surface_fits(&view->camera))
-        return render_true_cut(loop, scene, view, err);
-    hs_device_volume *truth = hs_device_volume_create(loop->cl, hs_source_truth(loop->source, index), err);
-    bool ok = truth && render_to(loop, truth, &view->camera, NULL, view->truth, NULL, err);
-    hs_device_volume_destroy(truth);
+    hs_truth_picture *truth = hs_truth_picture_create(loop, err);
+    const bool ok = truth && hs_truth_picture_draw(truth, loop->screen, loop->options.dvr.look, index, err) &&
+                    hs_screen_read(loop->screen, view->truth, err);
+    hs_truth_picture_destroy(truth);
     return ok;
 }
 
@@ -78,16 +61,19 @@ static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *er
 
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     *view = (hs_view){0};
+    hs_camera window;
+    float share;
     hs_loop_camera(loop, index, &view->camera);
+    hs_loop_window(loop, index, &window, &share);
+    view->picture_mm = window.extent;
     view->look = loop->options.dvr.look;
     view->ghosted = loop->options.dvr.ghost_width > 0;
-    const bool ok =
-        allocate(loop, view, err) && run_frame(loop, index, view, err) &&
-        (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
-        render_to(loop, loop->volume, &view->camera, &view->frame, view->result, view->termination, err) &&
-        render_to(loop, loop->volume, &view->camera, NULL, view->full, view->full_termination, err) &&
-        (!view->truth || render_truth(loop, index, view, err)) &&
-        hs_screen_project(loop->screen, loop->volume, &view->camera, view->mip, err);
+    const bool ok = allocate(loop, view, err) && run_frame(loop, index, view, err) &&
+                    (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
+                    render_to(loop, index, &view->frame, view->result, view->termination, err) &&
+                    render_to(loop, index, NULL, view->full, view->full_termination, err) &&
+                    (!view->truth || render_truth(loop, index, view, err)) &&
+                    hs_screen_project(loop->screen, loop->volume, &view->camera, view->mip, err);
     if (!ok) hs_view_free(view);
     return ok;
 }
@@ -111,11 +97,9 @@ bool hs_loop_turn(hs_loop *loop, uint32_t index, const sv_param_info *primary, d
                   hs_error *err) {
     const sv_param_value turned = {.id = primary->id, .value = value};
     hs_frame frame;
-    hs_camera camera;
-    hs_loop_camera(loop, index, &camera);
     const bool ok = primary->flags & SV_PARAM_ADJUST ? hs_loop_adjust(loop, turned, &frame, NULL, err)
                                                      : frame_with(loop, index, turned, &frame, err);
-    return ok && render_to(loop, loop->volume, &camera, &frame, rgba, NULL, err);
+    return ok && render_to(loop, index, &frame, rgba, NULL, err);
 }
 
 void hs_view_free(hs_view *view) {

@@ -30,25 +30,50 @@ void hs_picture_free(hs_picture *picture) {
     memset(picture, 0, sizeof *picture);
 }
 
-bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err) {
+static bool write_png(const hs_picture *picture, const uint8_t *rgb, uint8_t **data, size_t *bytes,
+                      hs_error *err) {
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = picture->width,
+                       .height = picture->height,
+                       .format = PNG_FORMAT_RGB};
+    char *memory = NULL;
+    FILE *stream = open_memstream(&memory, bytes);
+    if (!stream) return hs_fail(err, HS_ERR_MEMORY, "PNG: no memory");
+    const bool written = png_image_write_to_stdio(&image, stream, 0, rgb, 0, NULL) != 0;
+    const bool closed = fclose(stream) == 0;
+    if (written && closed) {
+        *data = (uint8_t *)memory;
+        return true;
+    }
+    free(memory);
+    *bytes = 0;
+    return hs_fail(err, HS_ERR_FAILED, "PNG: %s", written ? "no memory" : image.message);
+}
+
+bool hs_picture_png(const hs_picture *picture, uint8_t **data, size_t *bytes, hs_error *err) {
     const size_t count = (size_t)picture->width * picture->height;
+    *data = NULL;
+    *bytes = 0;
     uint8_t *rgb = malloc(count * 3);
-    if (!rgb) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory to write the picture", path);
+    if (!rgb) return hs_fail(err, HS_ERR_MEMORY, "PNG: no memory for %zu pixels", count);
     for (size_t i = 0; i < count; i++)
         for (unsigned c = 0; c < 3; c++) rgb[i * 3 + c] = (uint8_t)(picture->pixels[i] >> (16 - 8 * c));
+    const bool ok = write_png(picture, rgb, data, bytes, err);
+    free(rgb);
+    return ok;
+}
+
+bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err) {
+    uint8_t *data;
+    size_t bytes;
     hs_output_file out;
+    if (!hs_picture_png(picture, &data, &bytes, err)) return false;
     bool ok = hs_output_open(&out, path, err);
     if (ok) {
-        png_image image = {.version = PNG_IMAGE_VERSION,
-                           .width = picture->width,
-                           .height = picture->height,
-                           .format = PNG_FORMAT_RGB};
-        ok = png_image_write_to_stdio(&image, out.file, 0, rgb, 0, NULL) != 0;
-        if (!ok) hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written: %s", path, image.message);
-        if (ok) ok = hs_output_commit(&out, err);
+        ok = hs_output_write(&out, data, bytes, err) && hs_output_commit(&out, err);
         hs_output_discard(&out);
     }
-    free(rgb);
+    free(data);
     return ok;
 }
 

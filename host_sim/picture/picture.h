@@ -28,6 +28,9 @@ void hs_picture_free(hs_picture *picture);
 /* Writes a PNG (8-bit RGB) under a temporary name and renames it. HS_ERR_OUTPUT names path and reason. */
 bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err);
 
+/* The same PNG in memory, which the caller frees. HS_ERR_MEMORY or HS_ERR_FAILED; *data is NULL then. */
+bool hs_picture_png(const hs_picture *picture, uint8_t **data, size_t *bytes, hs_error *err);
+
 /* Reads a PNG of any kind as 8-bit RGB. HS_ERR_INPUT names the path and the reason. */
 bool hs_picture_load(hs_picture *out, const char *path, hs_error *err);
 

@@ -102,6 +102,13 @@ void hs_camera_merge_box(hs_camera *camera, const hs_camera *other) {
     camera->depth_extent = fmax(camera->depth_extent, other->depth_extent);
 }
 
+void hs_camera_hold_all(hs_camera *camera, const hs_volume *volume) {
+    double size[3];
+    volume_size_mm(volume, size);
+    camera->extent = sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]);
+    camera->depth_extent = camera->extent;
+}
+
 void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_map *map) {
     const double count[3] = {volume->nx, volume->ny, volume->nz};
     for (int k = 0; k < 3; k++) {

@@ -53,6 +53,10 @@ void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, 
 /* Enlarges the box of `camera` so that it holds the box of `other` (an orbit uses one box for all views). */
 void hs_camera_merge_box(hs_camera *camera, const hs_camera *other);
 
+/* Makes the box of `camera` one that holds the volume from every direction: a cube with the volume's
+ * diagonal. */
+void hs_camera_hold_all(hs_camera *camera, const hs_volume *volume);
+
 /* The affine map from normalised box coordinates (u, v, w in 0..1) to voxel indices (voxel centres at
  * integers): index = origin + u * du + v * dv + w * dw. */
 typedef struct {

@@ -60,7 +60,7 @@ static void set_start(hs_launch *launch, const hs_dvr_lit_scene *scene, const li
                       const hs_start_depths *depths) {
     const hs_dvr_settings *s = scene->settings;
     cl_int4 map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}};
-    cl_float4 to_samples = {{0}};
+    cl_float4 to_map = {{0}}, to_samples = {{0}};
     cl_mem map = NULL, confidence = NULL;
     if (depths && depths->depth) {
         const double slice = p->slices / (depths->slices * (double)s->step * p->sample_steps);
@@ -68,6 +68,7 @@ static void set_start(hs_launch *launch, const hs_dvr_lit_scene *scene, const li
         map = depths->depth;
         map_dims.s[0] = (cl_int)depths->width;
         map_dims.s[1] = (cl_int)depths->height;
+        to_map = hs_dvr_to_map(s, depths);
         to_samples.s[0] = (cl_float)slice;
         to_samples.s[1] = (cl_float)(0.5 * slice + (width - (double)s->ghost_offset) / p->sample_steps);
         if (width > 0.0) to_samples.s[2] = (cl_float)(p->sample_steps / width);
@@ -79,6 +80,7 @@ static void set_start(hs_launch *launch, const hs_dvr_lit_scene *scene, const li
     hs_launch_buffer(launch, map);
     hs_launch_buffer(launch, confidence);
     hs_launch_arg(launch, sizeof map_dims, &map_dims);
+    hs_launch_arg(launch, sizeof to_map, &to_map);
     hs_launch_arg(launch, sizeof to_samples, &to_samples);
 }
 

@@ -42,10 +42,12 @@ bool hs_dvr_check_settings(const hs_dvr_settings *settings, hs_error *err);
 /* Start depths for the rays: a low-resolution depthmap of width x height float32 in low-resolution
  * slices of a volume of `slices` slices, bilinearly interpolated between pixel centres; <= 0 starts
  * at the front of the box. `depth` NULL renders the full volume. `confidence`, of the same shape,
- * 0 .. 1, may be NULL: all is sure. */
+ * 0 .. 1, may be NULL: all is sure. `share`: the side of the picture's window as a part of the map's side,
+ * both around the same middle; 0: the picture shows all of the map. */
 typedef struct {
     cl_mem depth, confidence;
     uint32_t width, height, slices;
+    float share;
 } hs_start_depths;
 
 /* HS_ERR_USAGE or HS_ERR_DEVICE if a size or a buffer cannot be right; NULL is. */

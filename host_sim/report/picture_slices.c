@@ -4,6 +4,7 @@
 #include "picture/picture_bar.h"
 #include "picture/picture_colour.h"
 #include "picture/picture_draw.h"
+#include "report/slice_pixels.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -11,9 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LINE_COLOUR  0xffd23fu /* the clipping surface */
 #define PLANE_COLOUR 0x56b4e9u /* where the other slices lie */
-#define DIMMED       0.4       /* of what is removed */
 
 enum {
     GAP = 16,
@@ -27,95 +26,20 @@ enum {
     MOST_TICKS = 6
 };
 
-/* A slice: the box' coordinates (u right, v down, w away; 0 .. 1) of a place (s, t) of its square. */
-typedef enum { ACROSS, ALONG, AT_DEPTH } plane;
-
 typedef struct {
     const hs_view *view;
-    hs_box_map map;
-    double depth; /* of the slice AT_DEPTH, 0 .. 1 */
+    hs_slice_scene scene;
+    double depth; /* of the slice at a depth, 0 .. 1 */
     double mm;    /* a square's side: all have one scale */
     uint32_t cell;
 } slices;
 
-static void box_of(const slices *s, plane p, double a, double b, double box[3]) {
-    box[0] = p == ALONG ? 0.5 : a;
-    box[1] = p == ACROSS ? 0.5 : b;
-    box[2] = p == ACROSS ? b : p == ALONG ? a : s->depth;
-}
-
 /* Millimetres along the square's sides. */
-static double side_mm(const slices *s, plane p, bool horizontal) {
+static double side_mm(const slices *s, hs_slice_plane p, bool horizontal) {
     const hs_camera *c = &s->view->camera;
-    if (p == ACROSS) return horizontal ? c->extent : c->depth_extent;
-    if (p == ALONG) return horizontal ? c->depth_extent : c->extent;
+    if (p == HS_SLICE_ACROSS) return horizontal ? c->extent : c->depth_extent;
+    if (p == HS_SLICE_ALONG) return horizontal ? c->depth_extent : c->extent;
     return c->extent;
-}
-
-/* The nearest voxel; 0 outside the volume. */
-static uint8_t voxel_at(const slices *s, const double box[3]) {
-    const hs_volume *v = s->view->volume;
-    const uint32_t n[3] = {v->nx, v->ny, v->nz};
-    size_t at[3];
-    for (int k = 0; k < 3; k++) {
-        const double i =
-            s->map.origin[k] + box[0] * s->map.du[k] + box[1] * s->map.dv[k] + box[2] * s->map.dw[k];
-        if (!(i >= -0.5 && i < n[k] - 0.5)) return 0;
-        at[k] = (size_t)(i + 0.5);
-    }
-    return v->voxels[(at[2] * v->ny + at[1]) * v->nx + at[0]];
-}
-
-/* Where a ray of the box starts, 0 .. 1 of its depth; negative where nothing is clipped. Bilinear, as the
- * renderer has it. */
-static double start_at(const hs_view *view, double u, double v) {
-    const double x = fmin(fmax(u * view->map_width - 0.5, 0.0), view->map_width - 1.0);
-    const double y = fmin(fmax(v * view->map_height - 0.5, 0.0), view->map_height - 1.0);
-    const uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
-    const uint32_t x1 = x0 + 1 < view->map_width ? x0 + 1 : x0, y1 = y0 + 1 < view->map_height ? y0 + 1 : y0;
-    const float *top = view->depth + (size_t)y0 * view->map_width;
-    const float *low = view->depth + (size_t)y1 * view->map_width;
-    const double fx = x - x0, fy = y - y0;
-    const double a = (double)top[x0] + fx * ((double)top[x1] - (double)top[x0]);
-    const double b = (double)low[x0] + fx * ((double)low[x1] - (double)low[x0]);
-    const double depth = a + fy * (b - a);
-    return depth > 0.0 && isfinite(depth) ? (depth + 0.5) / view->slices : -1.0;
-}
-
-static bool is_removed(const slices *s, const double box[3]) {
-    return box[2] < start_at(s->view, box[0], box[1]);
-}
-
-static void set_pixel(uint8_t *rgba, uint32_t colour) {
-    for (int c = 0; c < 3; c++) rgba[c] = (uint8_t)(colour >> (16 - 8 * c));
-}
-
-/* The slice's pixels, dimmed where they are removed; the line runs where a pixel is removed and a neighbour
- * is not. */
-static void fill(const slices *s, plane p, uint8_t *rgba, bool *removed) {
-    const uint32_t n = s->cell;
-    for (uint32_t j = 0; j < n; j++)
-        for (uint32_t i = 0; i < n; i++) {
-            double box[3];
-            const double a = (i + 0.5) / n * s->mm / side_mm(s, p, true);
-            const double b = (j + 0.5) / n * s->mm / side_mm(s, p, false);
-            box_of(s, p, a, b, box);
-            const size_t at = (size_t)j * n + i;
-            const bool beside = a > 1.0 || b > 1.0;
-            removed[at] = !beside && is_removed(s, box);
-            const double level = voxel_at(s, box) * (removed[at] ? DIMMED : 1.0);
-            set_pixel(rgba + 4 * at, beside ? HS_COLOUR_BACKGROUND : (uint32_t)level * 0x010101u);
-        }
-    for (uint32_t j = 1; j + 1 < n; j++)
-        for (uint32_t i = 1; i + 1 < n; i++) {
-            const size_t at = (size_t)j * n + i;
-            if (!removed[at] || (removed[at - 1] && removed[at + 1] && removed[at - n] && removed[at + n]))
-                continue;
-            for (int k = 0; k < 4; k++) { /* two pixels wide */
-                const size_t to = at + (size_t)(k & 1) + (size_t)(k >> 1) * n;
-                set_pixel(rgba + 4 * to, LINE_COLOUR);
-            }
-        }
 }
 
 /* Ticks at round millimetres along one side. */
@@ -142,7 +66,7 @@ static void draw_planes(cairo_t *cr, double x, double y, double width, double he
     hs_draw_box(cr, x, y + horizontal * height, width, 1, PLANE_COLOUR);
 }
 
-static void draw_frame_of(const slices *s, cairo_t *cr, plane p, double x, double y) {
+static void draw_frame_of(const slices *s, cairo_t *cr, hs_slice_plane p, double x, double y) {
     /* Which way the sides run. */
     static const char *const sides[3] = {"→ right, ↓ depth [mm]", "→ depth, ↓ down [mm]",
                                          "→ right, ↓ down [mm]"};
@@ -150,9 +74,9 @@ static void draw_frame_of(const slices *s, cairo_t *cr, plane p, double x, doubl
     const double n = s->cell, right = side_mm(s, p, true), down = side_mm(s, p, false);
     const double width = n * right / s->mm, height = n * down / s->mm;
     char text[96];
-    if (p == ACROSS)
+    if (p == HS_SLICE_ACROSS)
         (void)snprintf(text, sizeof text, "Across, %.0f mm down", 0.5 * c->extent);
-    else if (p == ALONG)
+    else if (p == HS_SLICE_ALONG)
         (void)snprintf(text, sizeof text, "Along, %.0f mm right", 0.5 * c->extent);
     else
         (void)snprintf(text, sizeof text, "%.0f mm deep", s->depth * c->depth_extent);
@@ -160,7 +84,8 @@ static void draw_frame_of(const slices *s, cairo_t *cr, plane p, double x, doubl
     draw_scale(cr, x, y + height, width, right, true);
     draw_scale(cr, x, y, height, down, false);
     hs_draw_text(cr, x + width / 2, y + height + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n, sides[p]);
-    draw_planes(cr, x, y, width, height, p == ALONG ? s->depth : 0.5, p == ACROSS ? s->depth : 0.5);
+    draw_planes(cr, x, y, width, height, p == HS_SLICE_ALONG ? s->depth : 0.5,
+                p == HS_SLICE_ACROSS ? s->depth : 0.5);
 }
 
 static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double height, const char *text) {
@@ -172,7 +97,7 @@ static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double 
 static void draw_legend(const slices *s, cairo_t *cr, double y) {
     double x = GAP;
     if (hs_view_clip_depth(s->view) >= 0.0) {
-        x = draw_key(cr, x, y, LINE_COLOUR, 4, "clipping surface");
+        x = draw_key(cr, x, y, HS_SLICE_LINE, 4, "clipping surface");
         x = draw_key(cr, x, y, 0x606060u, 14, "removed (dimmed)");
     } else {
         x = draw_key(cr, x, y, 0xa0a0a0u, 14, "nothing is removed");
@@ -210,10 +135,10 @@ static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *
     for (int p = 0; ok && p < 3; p++) {
         const hs_image image = {.data = rgba, .width = s->cell, .height = s->cell, .channels = 4};
         const double x = GAP + s->cell + SCALE + p * (double)(s->cell + SCALE + GAP);
-        fill(s, (plane)p, rgba, removed);
+        hs_slice_fill(&s->scene, (hs_slice_plane)p, s->cell, rgba, removed);
         hs_picture_blit(out, (int32_t)x, (int32_t)top, s->cell, s->cell, &image, HS_SCALE_NEAREST);
         cairo_t *cr = hs_draw_begin(out);
-        draw_frame_of(s, cr, (plane)p, x, top);
+        draw_frame_of(s, cr, (hs_slice_plane)p, x, top);
         if (!hs_draw_end(cr, err)) {
             free(rgba);
             free(removed);
@@ -225,14 +150,27 @@ static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *
     return ok;
 }
 
+/* Slices through the middle of the picture, in squares that begin with the box. */
+static hs_slice_scene scene_of(const hs_view *view, double depth, double mm) {
+    const hs_camera *c = &view->camera;
+    return (hs_slice_scene){.volume = view->volume,
+                            .camera = *c,
+                            .map_width = view->map_width,
+                            .map_height = view->map_height,
+                            .slices = view->slices,
+                            .depth = view->depth,
+                            .at = {0.5, 0.5, depth},
+                            .side = {mm / c->extent, mm / c->extent, mm / c->depth_extent}};
+}
+
 bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, const hs_caption *caption,
                        hs_error *err) {
     slices s = {.view = view, .cell = cell ? cell : DEFAULT_CELL};
     const double clip = hs_view_clip_depth(view);
     *out = (hs_picture){0};
-    hs_camera_box_map(&view->camera, view->volume, &s.map);
     s.mm = fmax(view->camera.extent, view->camera.depth_extent);
     s.depth = clip >= 0.0 ? fmin(clip / view->camera.depth_extent, 1.0) : 0.5;
+    s.scene = scene_of(view, s.depth, s.mm);
     const uint32_t top = (caption->title ? TITLE_BAND : GAP) + CAPTION_BAND,
                    facts = hs_draw_line_count(caption->footer);
     const uint32_t width = GAP + s.cell + 3 * (SCALE + s.cell + GAP);
@@ -251,7 +189,7 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
                      caption->title);
     hs_draw_text(cr, GAP, top - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
                  view->frame.clipped ? "Result" : "Result: not clipped");
-    draw_scale(cr, GAP, top + s.cell, s.cell, view->camera.extent, true);
+    draw_scale(cr, GAP, top + s.cell, s.cell, view->picture_mm, true);
     draw_legend(&s, cr, top + s.cell + FOOT + 22);
     hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, s.cell,
                  "→ right, ↓ down [mm]");

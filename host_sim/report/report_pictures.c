@@ -3,6 +3,7 @@
 
 #include "base/paths.h"
 #include "eval/eval_speed.h"
+#include "render/camera_mark.h"
 #include "report/loop_pictures.h"
 #include "report/picture_map.h"
 #include "report/report_draw.h"
@@ -83,13 +84,14 @@ static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case 
 static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
                  const char *folder, hs_error *err) {
     hs_view view;
-    char note[160];
+    char note[160], title[200];
     const hs_eval_drawing drawing = drawing_of(study, c, values, HS_EVAL_PICTURE);
     hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
         const char *said = hs_frame_note(&view.frame, "the plugin failed", note, sizeof note);
-        ok = hs_loop_write_pictures(&view, folder, study->space[index].name, said, HS_EVAL_PICTURE, err);
+        hs_camera_title(study->space[index].name, &view.camera, view.volume, title, sizeof title);
+        ok = hs_loop_write_pictures(&view, folder, title, said, HS_EVAL_PICTURE, err);
         clipped = view.frame.clipped;
         hs_view_free(&view);
     }

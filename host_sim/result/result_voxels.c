@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+_Static_assert((int)HS_RESULT_CHUNK <= (int)HS_MET_CHUNK, "the file hands on that many at once");
+
 struct hs_result_voxels {
     const hs_source *source;
     hs_error *err;

@@ -23,8 +23,10 @@ double hs_result_voxels_fill_value(const hs_result_voxels *voxels);
 /* Turns to volume `index` of the source: 0 first, then one after the other. */
 bool hs_result_voxels_turn(hs_result_voxels *voxels, uint32_t index);
 
-/* The volume's next `count` voxels, at most 32768, in this machine's byte order; good until the next call.
- * NULL on failure. */
+enum { HS_RESULT_CHUNK = 8192 }; /* voxels that are handed on at once, at most */
+
+/* The volume's next `count` voxels, at most HS_RESULT_CHUNK, in this machine's byte order; good until the
+ * next call. NULL on failure. */
 const uint8_t *hs_result_voxels_next(hs_result_voxels *voxels, size_t count);
 
 #endif

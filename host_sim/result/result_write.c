@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 32768, FILES = 5 /* of MetaImage: all but the surface */ };
+enum { FILES = 5 /* of MetaImage: all but the surface */ };
 
 static const char *const names[HS_RESULT_COUNT] = {"depthmap", "confidence", "status",
                                                    "clipped",  "mask",       "surface"};
@@ -162,12 +162,12 @@ static bool write_clipped(writing *w, uint32_t index, hs_metaimage_stream *out) 
     const size_t count = hs_volume_count(hs_source_shape(w->source));
     const size_t width = hs_met_type_bytes(hs_result_voxels_type(w->voxels));
     const uint8_t *fill = hs_result_voxels_fill(w->voxels);
-    uint8_t *kept = malloc(CHUNK * width);
+    uint8_t *kept = malloc(HS_RESULT_CHUNK * width);
     if (!kept) return hs_fail(w->err, HS_ERR_MEMORY, "clipped: no memory");
     const uint8_t *mask = w->mask; /* open_files made it */
     bool ok = mask && hs_result_voxels_turn(w->voxels, index);
-    for (size_t first = 0; ok && first < count; first += CHUNK) {
-        const size_t n = count - first < CHUNK ? count - first : CHUNK;
+    for (size_t first = 0; ok && first < count; first += HS_RESULT_CHUNK) {
+        const size_t n = count - first < HS_RESULT_CHUNK ? count - first : HS_RESULT_CHUNK;
         const uint8_t *bytes = hs_result_voxels_next(w->voxels, n);
         ok = bytes != NULL;
         for (size_t i = 0; ok && i < n; i++)

@@ -2,17 +2,22 @@
 /* A scene from its file to its volumes: the steps in their order, each only if the scene lists it. */
 #include "scene/scene.h"
 
-#include "base/paths.h"
 #include "base/threads.h"
 #include "scene/scene_attenuation.h"
+#include "scene/scene_camera.h"
 #include "scene/scene_compress.h"
+#include "scene/scene_corner.h"
 #include "scene/scene_echo.h"
 #include "scene/scene_edge.h"
 #include "scene/scene_fan.h"
 #include "scene/scene_far_band.h"
 #include "scene/scene_field.h"
+#include "scene/scene_haze.h"
 #include "scene/scene_motion.h"
+#include "scene/scene_names.h"
 #include "scene/scene_noise.h"
+#include "scene/scene_override.h"
+#include "scene/scene_place.h"
 #include "scene/scene_random.h"
 #include "scene/scene_raster.h"
 #include "scene/scene_read.h"
@@ -22,31 +27,26 @@
 #include "scene/scene_solids.h"
 #include "scene/scene_speckle.h"
 #include "scene/scene_truth.h"
-#include "volume/metaimage.h"
+#include "volume/volume_file.h"
 
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 struct hs_scene {
+    char *json;
     hs_scene_spec spec;
 };
 
 static const char *const step_names[HS_SCENE_STEPS] = {
-    "raster",  "echo",       "attenuation", "edge shadow", "reverberation", "far band",
-    "speckle", "side lobes", "noise",       "compress",    "fan",           "truth"};
+    "raster", "echo",        "attenuation", "edge shadow", "reverberation",
+    "haze",   "dark corner", "far band",    "speckle",     "side lobes",
+    "noise",  "compress",    "fan",         "camera",      "truth"};
 
 const char *hs_scene_step_name(int step) {
     return step >= 0 && step < HS_SCENE_STEPS ? step_names[step] : "?";
-}
-
-const char *hs_scene_builtin(uint32_t index) {
-    static const char *const names[] = {"E01", "E02", "E03", "E04", "M01",
-                                        "M02", "M03", "D01", "D02", "real"};
-    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
 }
 
 const char *hs_scene_name(const hs_scene *scene) {
@@ -57,43 +57,43 @@ const char *hs_scene_title(const hs_scene *scene) {
     return scene->spec.title;
 }
 
-/* The built-in cases lie below the program's folder or beside it: nothing here knows where the sources were.
- */
-static void scene_folder(char *folder, size_t size) {
-    const char *named = getenv("SMARTVIS_SCENES");
-    if (named && named[0])
-        (void)snprintf(folder, size, "%s", named);
-    else if (!hs_path_beside_program("share/smartvis/scenes", folder, size) || access(folder, X_OK) != 0)
-        (void)hs_path_beside_program("../share/smartvis/scenes", folder, size);
+const char *hs_scene_json(const hs_scene *scene) {
+    return scene->json;
 }
 
-/* A name without a slash or a dot is a built-in case; SMARTVIS_SCENES names another folder for them. */
-static void scene_path(const char *name_or_path, char *path, size_t size) {
-    char folder[PATH_MAX];
-    if (strpbrk(name_or_path, "/.")) {
-        (void)snprintf(path, size, "%s", name_or_path);
-        return;
+/* The text with all that is set otherwise; takes `text` over. */
+static char *set_otherwise(char *text, const char *path, const char *const *sets, uint32_t count,
+                           hs_error *err) {
+    for (uint32_t i = 0; text && i < count; i++) {
+        char *changed = hs_scene_override(path, text, sets[i], err);
+        free(text);
+        text = changed;
     }
-    scene_folder(folder, sizeof folder);
-    (void)snprintf(path, size, "%s/%s.json", folder, name_or_path);
+    return text;
+}
+
+hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, uint32_t count,
+                             hs_error *err) {
+    char path[PATH_MAX + 256];
+    char *text = hs_scene_text(name_or_path, path, sizeof path, err);
+    if (text) text = set_otherwise(text, path, sets, count, err);
+    hs_scene *scene = text ? calloc(1, sizeof *scene) : NULL;
+    if (text && !scene) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
+    if (scene && hs_scene_read_text(path, text, &scene->spec, err) && hs_scene_place(&scene->spec, err)) {
+        scene->json = text;
+        return scene;
+    }
+    free(text);
+    free(scene);
+    return NULL;
 }
 
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
-    char path[PATH_MAX + 256];
-    scene_path(name_or_path, path, sizeof path);
-    hs_scene *scene = calloc(1, sizeof *scene);
-    if (!scene) {
-        hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
-        return NULL;
-    }
-    if (!hs_scene_read(path, &scene->spec, err)) {
-        free(scene);
-        return NULL;
-    }
-    return scene;
+    return hs_scene_open_with(name_or_path, NULL, 0, err);
 }
 
 void hs_scene_close(hs_scene *scene) {
+    if (scene) free(scene->json);
     free(scene);
 }
 
@@ -123,7 +123,7 @@ static bool raster(making *m) {
 
 static bool truth(making *m) {
     if (m->given) hs_scene_real_combine(&m->field, m->given, &m->data->full);
-    if (!hs_scene_truth(&m->field, m->data, m->err)) return false;
+    if (!hs_scene_truth(&m->field, &m->spec, m->data, m->err)) return false;
     if (m->given) memcpy(m->data->truth.voxels, m->given->voxels, hs_volume_count(m->given));
     return true;
 }
@@ -146,6 +146,11 @@ static bool run_step(making *m, int step) {
     case HS_SCENE_STEP_REVERBERATION:
         hs_scene_reverberation(f, spec);
         break;
+    case HS_SCENE_STEP_HAZE:
+        return hs_scene_haze(f, spec, m->err);
+    case HS_SCENE_STEP_CORNER:
+        hs_scene_dark_corner(f, spec);
+        break;
     case HS_SCENE_STEP_FAR_BAND:
         hs_scene_far_band(f, spec);
         break;
@@ -162,6 +167,8 @@ static bool run_step(making *m, int step) {
     case HS_SCENE_STEP_FAN:
         hs_scene_fan(f, spec, &m->data->full);
         break;
+    case HS_SCENE_STEP_CAMERA:
+        return hs_scene_camera(f, spec, &m->solids, &m->data->full, m->err);
     case HS_SCENE_STEP_TRUTH:
         return truth(m);
     default:
@@ -176,6 +183,9 @@ static void listed(const hs_scene_spec *spec, bool on[HS_SCENE_STEPS]) {
     on[HS_SCENE_STEP_ATTENUATION] = spec->attenuation.on;
     on[HS_SCENE_STEP_EDGE_SHADOW] = spec->edge.on;
     on[HS_SCENE_STEP_REVERBERATION] = spec->reverberation.on;
+    on[HS_SCENE_STEP_HAZE] = spec->haze.on;
+    on[HS_SCENE_STEP_CORNER] = spec->corner.on;
+    on[HS_SCENE_STEP_CAMERA] = hs_scene_camera_turned(spec);
     on[HS_SCENE_STEP_FAR_BAND] = spec->far_band.on;
     on[HS_SCENE_STEP_SPECKLE] = spec->speckle.on;
     on[HS_SCENE_STEP_SIDE_LOBES] = spec->side_lobe.on;
@@ -217,8 +227,15 @@ static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     return hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for %zu pixels", name, pixels);
 }
 
+static bool has_style(const hs_scene_spec *spec) {
+    for (uint32_t i = 0; i < spec->structure_count; i++)
+        if (hs_scene_style(&spec->structure[i])) return true;
+    return false;
+}
+
 static bool make(making *m, const uint32_t n[3], const float h[3]) {
     if (!allocate(m, n, h) || !hs_field_init(&m->field, n, h, m->err)) return false;
+    if (has_style(&m->spec) && !hs_field_add_style(&m->field, m->err)) return false;
     if (!hs_scene_solids(&m->spec, m->field.seed, &m->solids, m->err)) return false;
     if (!run_steps(m)) return false;
     m->data->tissue = m->field.tissue; /* handed over */
@@ -268,7 +285,7 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     m->field.threads = hs_thread_count(options->threads);
     m->field.seed = options->seed ? options->seed : m->spec.seed;
     m->field.noise_seed = hs_random_key(m->field.seed, 1000u + (uint64_t)options->frame);
-    bool ok = !options->real || (hs_metaimage_read(options->real, NULL, &given, err) &&
+    bool ok = !options->real || (hs_volume_file_read(options->real, &given, err) &&
                                  hs_scene_real_lead(&given, m->spec.lead_mm / m->spec.extent_mm, err));
     if (ok) {
         uint32_t n[3];

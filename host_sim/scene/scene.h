@@ -13,12 +13,15 @@ enum {
     HS_SCENE_STEP_ATTENUATION,   /* attenuation and time-gain compensation */
     HS_SCENE_STEP_EDGE_SHADOW,   /* refraction at the edges */
     HS_SCENE_STEP_REVERBERATION, /* bands behind parallel reflectors */
+    HS_SCENE_STEP_HAZE,          /* haze and clutter behind the wall */
+    HS_SCENE_STEP_CORNER,        /* a corner without contact */
     HS_SCENE_STEP_FAR_BAND,      /* dark gap and bright band at the far head bone */
     HS_SCENE_STEP_SPECKLE,       /* scatterers and point spread */
     HS_SCENE_STEP_SIDE_LOBES,    /* haze beside strong reflectors */
     HS_SCENE_STEP_NOISE,         /* electronic noise */
     HS_SCENE_STEP_COMPRESS,      /* log compression to 8 bits */
     HS_SCENE_STEP_FAN,           /* zeros outside the probe's fan */
+    HS_SCENE_STEP_CAMERA,        /* voxels of a turned camera */
     HS_SCENE_STEP_TRUTH,         /* intervals, label map, clipped volume */
     HS_SCENE_STEPS
 };
@@ -29,17 +32,19 @@ typedef struct {
 /* A step's name, e.g. "edge shadow". */
 const char *hs_scene_step_name(int step);
 
-/* Names of the built-in scenes: "E01", ..., "D02", "real"; NULL from the last on. */
-const char *hs_scene_builtin(uint32_t index);
-
 /* A scene that was read from its file. Read-only after that: any number of threads may generate from it. */
 typedef struct hs_scene hs_scene;
 
-/* `name_or_path` is a built-in case ("E01" .. "D02") or the path of a scene file.
- * Errors name file, line and field. */
+/* `name_or_path` is a built-in scene ("E01", "H01"), a random one ("R7_3": number 3 of the set with seed 7)
+ * or the path of a scene file. Errors name file, line and field. */
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
+/* The same with fields set otherwise: `count` times PATH=VALUE (scene/scene_override.h). */
+hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, uint32_t count,
+                             hs_error *err);
 void hs_scene_close(hs_scene *scene);
 const char *hs_scene_name(const hs_scene *scene);
+/* The scene as a file's text, with what was set otherwise. Borrowed. */
+const char *hs_scene_json(const hs_scene *scene);
 /* What the thesis says of the case, one sentence. */
 const char *hs_scene_title(const hs_scene *scene);
 

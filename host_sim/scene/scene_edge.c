@@ -63,7 +63,7 @@ static void edge_row(void *context, uint32_t y) {
                 }
                 if (here == before) continue;
                 bool bone = here == HS_TISSUE_BONE || before == HS_TISSUE_BONE;
-                if (!bone && here != HS_TISSUE_FLUID && before != HS_TISSUE_FLUID) continue;
+                if (!bone && !hs_tissue_is_fluid(here) && !hs_tissue_is_fluid(before)) continue;
                 float cosine = hs_field_cosine(f, bone ? f->bone : f->surface, first + x, y, z);
                 lost[x] += e->loss[before][here][lrintf(COSINES * cosine)];
             }

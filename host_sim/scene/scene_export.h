@@ -5,7 +5,8 @@
 
 #include "scene/scene_data.h"
 
-/* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha. Where the label is 0, near and
+/* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha: volumes, and
+ * maps of one slice. Where the label is 0, near and
  * far hold -1 in the files. HS_ERR_OUTPUT or HS_ERR_MEMORY. */
 bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *err);
 

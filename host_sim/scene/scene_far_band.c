@@ -12,8 +12,6 @@
 #include "scene/scene_fetus.h"
 #include "scene/scene_fetus_head.h"
 
-#include <string.h>
-
 typedef struct {
     hs_pass pass;
     hs_solid skull;
@@ -57,9 +55,8 @@ void hs_scene_far_band(hs_field *field, const hs_scene_spec *spec) {
     for (uint32_t i = 0; i < spec->structure_count; i++) {
         if (spec->structure[i].kind != HS_STRUCTURE_FETUS) continue;
         const hs_fetus_spec *fetus = &spec->structure[i].of.fetus;
-        hs_solid_frame body = {.scale = fetus->scale}, head;
-        memcpy(body.origin, fetus->position, sizeof body.origin);
-        hs_rotation(fetus->rotation, body.axis);
+        const hs_solid_frame body = hs_fetus_frame(fetus);
+        hs_solid_frame head;
         hs_fetus_head_frame(&body, fetus->pose.head_turn_deg, &head);
         far_band b = {.pass = {field, spec}};
         hs_fetus_skull(&head, &b.skull);

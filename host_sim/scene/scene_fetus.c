@@ -13,6 +13,13 @@ const hs_fetus_pose hs_fetus_resting = {
     .ankle = {{3.0f, 40.0f, -19.0f}, {-4.0f, 44.0f, -14.0f}},
 };
 
+hs_solid_frame hs_fetus_frame(const hs_fetus_spec *fetus) {
+    hs_solid_frame frame = {.scale = fetus->scale};
+    memcpy(frame.origin, fetus->position, sizeof frame.origin);
+    hs_rotation(fetus->rotation, frame.axis);
+    return frame;
+}
+
 static const float neck_pivot[3] = {0.0f, -15.0f, 4.0f};
 
 void hs_fetus_head_frame(const hs_solid_frame *body, const float turn_deg[3], hs_solid_frame *head) {

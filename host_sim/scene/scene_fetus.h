@@ -5,9 +5,13 @@
 
 #include "scene/scene_fetus_pose.h"
 #include "scene/scene_solid.h"
+#include "scene/scene_spec.h"
 
 /* Arms before the chest, legs drawn up and crossed. */
 extern const hs_fetus_pose hs_fetus_resting;
+
+/* The frame a fetus is described in. */
+hs_solid_frame hs_fetus_frame(const hs_fetus_spec *fetus);
 
 /* Adds skin, carved and bone solids. */
 void hs_fetus_solids(hs_solid_list *list, const hs_solid_frame *frame, const hs_fetus_pose *pose);

@@ -24,7 +24,18 @@ bool hs_field_init(hs_field *field, const uint32_t n[3], const float h[3], hs_er
     return true;
 }
 
+bool hs_field_add_style(hs_field *field, hs_error *err) {
+    const size_t count = hs_field_slice(field) * field->n[2];
+    field->style = malloc(count);
+    field->share = malloc(count);
+    return (field->style && field->share) ||
+           hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu voxels", count);
+}
+
 void hs_field_free(hs_field *field) {
+    free(field->style);
+    free(field->share);
+    free(field->haze_end);
     free(field->tissue);
     free(field->surface);
     free(field->bone);

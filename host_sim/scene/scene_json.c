@@ -60,6 +60,14 @@ bool hs_json_member(const hs_json *object, const char *key, hs_json *out) {
     return true;
 }
 
+bool hs_json_type(const hs_json *object, hs_json *type, const char **name) {
+    if (!hs_json_is_object(object)) return false;
+    if (!hs_json_member(object, "type", type)) return hs_json_fail(object, "has no field 'type'");
+    if (!json_is_string(type->value)) return hs_json_fail(type, "is not a string");
+    *name = json_string_value(type->value);
+    return true;
+}
+
 void hs_json_element(const hs_json *array, size_t index, hs_json *out) {
     out->file = array->file;
     out->value = json_array_get(array->value, index);

@@ -60,4 +60,7 @@ bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((for
 bool hs_json_is_object(const hs_json *value);
 bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
 
+/* The text in the field "type" of an object, and where it stands. False with an error if there is none. */
+bool hs_json_type(const hs_json *object, hs_json *type, const char **name);
+
 #endif

@@ -6,7 +6,7 @@
 #include "scene/scene_raster.h"
 
 #include "base/threads.h"
-#include "scene/scene_random.h"
+#include "scene/scene_shape.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,33 +17,24 @@ typedef struct {
     hs_field *field;
     const hs_scene_spec *spec;
     const hs_solid *solids; /* grouped by part */
-    uint32_t solid_count;
+    uint32_t solid_count, bodies;
     hs_solid sac;
+    bool turned;        /* the voxels are a camera's, turned around the cube's middle */
+    float turn[9];      /* rows: its axes in the scene */
     float *layer_shift; /* mm per (x, y): the undulation of the layers */
     float reach;        /* mm: how far from a surface its distance is wanted */
     float inv_h;
     uint32_t bricks[3];
 } raster;
 
-/* Indices of the solids a brick (or a row of bricks) has to look at;
- * first[part] .. first[part + 1] are of one part. */
+/* Indices of the solids a brick (or a row of bricks) has to look at; first[part] .. first[part + 1] are
+ * of one part. */
 typedef struct {
     uint16_t item[HS_SCENE_MAX_SOLIDS];
     uint32_t first[HS_PART_COUNT + 1];
     bool sac_near;
     float sac_sign;
 } brick_list;
-
-/* Bumps of the sac: three plane waves, a smooth function of place and seed. */
-static float sac_distance(const raster *r, const float p[3]) {
-    float d = hs_solid_distance(&r->sac, p);
-    const hs_sac_spec *sac = &r->spec->sac;
-    if (sac->roughness_mm <= 0.0f) return d;
-    float k = 6.2831853f / sac->roughness_scale_mm;
-    float s = sinf(k * (p[0] + 0.35f * p[1])) + sinf(k * (0.8f * p[1] - 0.4f * p[0]) + 1.3f) +
-              sinf(k * (0.7f * p[2] + 0.5f * p[0] - 0.3f * p[1]) + 2.1f);
-    return d + sac->roughness_mm * s * (1.0f / 3.0f);
-}
 
 /* Keeps of `from` (NULL: all solids) those that touch low .. high on the axes first_axis .. last_axis. */
 static void collect(const raster *r, const brick_list *from, const float low[3], const float high[3],
@@ -62,6 +53,10 @@ static void collect(const raster *r, const brick_list *from, const float low[3],
     while (part < HS_PART_COUNT) list->first[++part] = kept;
 }
 
+static float sac_distance(const raster *r, const float p[3]) {
+    return hs_shape_sac_distance(&r->sac, &r->spec->sac, p);
+}
+
 static void look_at_sac(const raster *r, const float low[3], const float high[3], brick_list *list) {
     float centre[3], half = 0.0f;
     for (int a = 0; a < 3; a++) {
@@ -78,76 +73,67 @@ static bool has_part(const brick_list *list, hs_solid_part part) {
     return list->first[part] < list->first[part + 1];
 }
 
-static float blended(const raster *r, const brick_list *list, hs_solid_part part, const float p[3], float d) {
-    for (uint32_t i = list->first[part]; i < list->first[part + 1]; i++) {
-        const hs_solid *s = &r->solids[list->item[i]];
-        d = hs_smooth_min(d, hs_solid_distance(s, p), s->blend);
-    }
-    return d;
-}
-
-static float body_distance(const raster *r, const brick_list *list, const float p[3]) {
-    float d = blended(r, list, HS_PART_SKIN, p, 1e3f);
-    for (uint32_t i = list->first[HS_PART_CARVE]; i < list->first[HS_PART_CARVE + 1]; i++) {
-        const hs_solid *s = &r->solids[list->item[i]];
-        d = -hs_smooth_min(-d, hs_solid_distance(s, p), s->blend);
-    }
-    return blended(r, list, HS_PART_PATCH, p, d);
-}
-
-/* The nearest solid of a part; its tissue is that of the voxel if the distance is negative. */
-static float nearest(const raster *r, const brick_list *list, hs_solid_part part, const float p[3],
-                     hs_tissue *tissue) {
-    float d = 1e3f, least = 1e3f;
-    for (uint32_t i = list->first[part]; i < list->first[part + 1]; i++) {
-        const hs_solid *s = &r->solids[list->item[i]];
-        float e = hs_solid_distance(s, p);
-        if (e < least) {
-            least = e;
-            *tissue = s->tissue;
-        }
-        d = hs_smooth_min(d, e, s->blend);
-    }
-    return d;
-}
-
 static int8_t quantised(float mm, float inv_h) {
     float v = mm * inv_h * (float)HS_DISTANCE_ONE;
     return (int8_t)lrintf(fminf(fmaxf(v, (float)-HS_DISTANCE_FAR), (float)HS_DISTANCE_FAR));
 }
 
-static hs_tissue layer_tissue(const raster *r, float z, float shift) {
+static float undulation(const hs_scene_spec *spec, float u, float v) {
+    return spec->layers.undulation_mm * 0.5f * (sinf(1.7f * u + 0.6f * v) + sinf(2.3f * v - 0.9f * u + 1.0f));
+}
+
+/* The layer of the wall at p; `column` is its pixel, for voxels along the beams. */
+static hs_tissue layer_tissue(const raster *r, const float p[3], size_t column) {
     const hs_layers_spec *layers = &r->spec->layers;
-    float depth = shift;
+    const float k = 6.2831853f / r->spec->extent_mm;
+    float depth = r->turned ? undulation(r->spec, k * p[0], k * p[1]) : r->layer_shift[column];
     for (uint32_t i = 0; i < layers->count; i++) {
         depth += layers->thickness_mm[i];
-        if (z < depth) return layers->tissue[i];
+        if (p[2] < depth) return layers->tissue[i];
     }
     return HS_TISSUE_WALL;
 }
 
-static void voxel(const raster *r, const brick_list *list, const float p[3], size_t index, float shift) {
+/* How much of an occluder's scatterers are there: none at the edge of a soft one, all of them soft_mm
+ * inside. `depth` is that below its surface. */
+static uint8_t share_of(const raster *r, const hs_solid *s, float depth) {
+    const float soft = r->spec->structure[s->style - 1].of.occluder.soft_mm;
+    return soft > 0.0f ? (uint8_t)lrintf(255.0f * fminf(fmaxf(depth / soft, 0.0f), 1.0f)) : 255;
+}
+
+static hs_tissue body_tissue(const hs_shape *shape, const float p[3], float bone) {
+    const hs_solid *organ = NULL;
+    if (bone < 0.0f) return HS_TISSUE_BONE;
+    return hs_shape_nearest(shape, HS_PART_ORGAN, p, &organ) < 0.0f && organ ? organ->tissue : HS_TISSUE_SOFT;
+}
+
+static void voxel(const raster *r, const brick_list *list, const float p[3], size_t index, size_t column) {
     hs_field *f = r->field;
-    float body = has_part(list, HS_PART_SKIN) ? body_distance(r, list, p) : 1e3f;
-    float bone = 1e3f;
-    hs_tissue tissue = HS_TISSUE_FLUID, other = HS_TISSUE_PLACENTA;
-    float occluder = nearest(r, list, HS_PART_OCCLUDER, p, &other);
-    float wall = list->sac_near ? -sac_distance(r, p) : -list->sac_sign * 1e3f;
+    const hs_shape shape = {r->solids, list->item, list->first};
+    const hs_solid *other = NULL, *ignored = NULL;
+    float body = has_part(list, HS_PART_SKIN) ? hs_shape_body(&shape, r->bodies, p) : HS_SHAPE_FAR;
+    float bone = HS_SHAPE_FAR;
+    hs_tissue tissue = HS_TISSUE_FLUID;
+    float occluder = hs_shape_nearest(&shape, HS_PART_OCCLUDER, p, &other);
+    float urine = hs_shape_nearest(&shape, HS_PART_BLADDER, p, &ignored);
+    float wall = list->sac_near ? -sac_distance(r, p) : -list->sac_sign * HS_SHAPE_FAR;
+    uint8_t style = 0;
     if (body < r->reach) {
-        hs_tissue organ = HS_TISSUE_SOFT, ignored;
-        bone = nearest(r, list, HS_PART_BONE, p, &ignored);
-        bone = fmaxf(bone, body);
-        if (body < 0.0f) {
-            tissue = HS_TISSUE_SOFT;
-            if (nearest(r, list, HS_PART_ORGAN, p, &organ) < 0.0f) tissue = organ;
-            if (bone < 0.0f) tissue = HS_TISSUE_BONE;
-        }
+        bone = fmaxf(hs_shape_nearest(&shape, HS_PART_BONE, p, &ignored), body);
+        if (body < 0.0f) tissue = body_tissue(&shape, p, bone);
     }
-    if (tissue == HS_TISSUE_FLUID && occluder < 0.0f) tissue = other;
-    if (tissue == HS_TISSUE_FLUID && wall < 0.0f) tissue = layer_tissue(r, p[2], shift);
+    if (tissue == HS_TISSUE_FLUID && urine < 0.0f) tissue = HS_TISSUE_URINE;
+    if (tissue == HS_TISSUE_FLUID && occluder < 0.0f && other) {
+        tissue = other->tissue;
+        style = other->style;
+    }
+    if (tissue == HS_TISSUE_FLUID && wall < 0.0f) tissue = layer_tissue(r, p, column);
     f->tissue[index] = (uint8_t)tissue;
-    f->surface[index] = quantised(fminf(body, fminf(occluder, wall)), r->inv_h);
+    f->surface[index] = quantised(fminf(body, fmaxf(fminf(occluder, wall), -urine)), r->inv_h);
     f->bone[index] = quantised(bone, r->inv_h);
+    if (!f->style) return;
+    f->style[index] = style;
+    f->share[index] = style ? share_of(r, other, -fminf(occluder, wall)) : 255;
 }
 
 /* A brick no surface comes near: fluid, or the layers of the wall. */
@@ -155,8 +141,60 @@ static bool empty_brick(const brick_list *list) {
     return list->first[HS_PART_COUNT] == 0 && !list->sac_near;
 }
 
-static void brick(const raster *r, const uint32_t start[3], const brick_list *row_list, brick_list *list) {
+/* A point of the voxels' cube in the scene. */
+static void to_scene(const raster *r, float p[3]) {
+    if (!r->turned) return;
+    const float middle = 0.5f * r->spec->extent_mm;
+    const float q[3] = {p[0] - middle, p[1] - middle, p[2] - middle};
+    for (int a = 0; a < 3; a++)
+        p[a] = middle + q[0] * r->turn[a] + q[1] * r->turn[3 + a] + q[2] * r->turn[6 + a];
+}
+
+/* What a box of the voxels' cube touches in the scene. */
+static void box_in_scene(const raster *r, float low[3], float high[3]) {
+    float middle[3], half[3];
+    if (!r->turned) return;
+    for (int a = 0; a < 3; a++) {
+        middle[a] = 0.5f * (low[a] + high[a]);
+        half[a] = 0.5f * (high[a] - low[a]);
+    }
+    to_scene(r, middle);
+    for (int a = 0; a < 3; a++) {
+        float reach =
+            fabsf(r->turn[a]) * half[0] + fabsf(r->turn[3 + a]) * half[1] + fabsf(r->turn[6 + a]) * half[2];
+        low[a] = middle[a] - reach;
+        high[a] = middle[a] + reach;
+    }
+}
+
+static void brick_voxels(const raster *r, const brick_list *list, const uint32_t start[3],
+                         const uint32_t stop[3]) {
     hs_field *f = r->field;
+    const bool empty = empty_brick(list), fluid = list->sac_sign < 0.0f;
+    for (uint32_t z = start[2]; z < stop[2]; z++)
+        for (uint32_t y = start[1]; y < stop[1]; y++) {
+            size_t row = hs_field_index(f, start[0], y, z), width = stop[0] - start[0];
+            if (empty) {
+                memset(f->surface + row, fluid ? HS_DISTANCE_FAR : -HS_DISTANCE_FAR, width);
+                memset(f->bone + row, HS_DISTANCE_FAR, width);
+                if (f->style) memset(f->style + row, 0, width);
+            }
+            for (uint32_t x = start[0]; x < stop[0]; x++) {
+                size_t index = row + x - start[0];
+                float p[3] = {((float)x + 0.5f) * f->h[0], ((float)y + 0.5f) * f->h[1],
+                              ((float)z + 0.5f) * f->h[2]};
+                to_scene(r, p);
+                const size_t column = (size_t)y * f->n[0] + x;
+                if (!empty)
+                    voxel(r, list, p, index, column);
+                else
+                    f->tissue[index] = (uint8_t)(fluid ? HS_TISSUE_FLUID : layer_tissue(r, p, column));
+            }
+        }
+}
+
+static void brick(const raster *r, const uint32_t start[3], const brick_list *row_list, brick_list *list) {
+    const hs_field *f = r->field;
     uint32_t stop[3];
     float low[3], high[3];
     for (int a = 0; a < 3; a++) {
@@ -164,29 +202,13 @@ static void brick(const raster *r, const uint32_t start[3], const brick_list *ro
         low[a] = (float)start[a] * f->h[a];
         high[a] = (float)stop[a] * f->h[a];
     }
-    collect(r, row_list, low, high, 0, 0, list);
+    box_in_scene(r, low, high);
+    collect(r, row_list, low, high, 0, r->turned ? 2 : 0, list);
     look_at_sac(r, low, high, list);
-    bool empty = empty_brick(list), fluid = list->sac_sign < 0.0f;
-    for (uint32_t z = start[2]; z < stop[2]; z++)
-        for (uint32_t y = start[1]; y < stop[1]; y++) {
-            size_t row = hs_field_index(f, start[0], y, z), width = stop[0] - start[0];
-            const float *shift = r->layer_shift + (size_t)y * f->n[0];
-            float p[3] = {0.0f, ((float)y + 0.5f) * f->h[1], ((float)z + 0.5f) * f->h[2]};
-            if (empty) {
-                memset(f->surface + row, fluid ? HS_DISTANCE_FAR : -HS_DISTANCE_FAR, width);
-                memset(f->bone + row, HS_DISTANCE_FAR, width);
-            }
-            for (uint32_t x = start[0]; x < stop[0]; x++) {
-                size_t index = row + x - start[0];
-                p[0] = ((float)x + 0.5f) * f->h[0];
-                if (!empty)
-                    voxel(r, list, p, index, shift[x]);
-                else
-                    f->tissue[index] = (uint8_t)(fluid ? HS_TISSUE_FLUID : layer_tissue(r, p[2], shift[x]));
-            }
-        }
+    brick_voxels(r, list, start, stop);
 }
 
+/* The solids of a row of bricks are looked for once; in a turned one all of them are. */
 static void brick_row(void *context, uint32_t block) {
     const raster *r = context;
     const hs_field *f = r->field;
@@ -194,47 +216,53 @@ static void brick_row(void *context, uint32_t block) {
     uint32_t start[3] = {0, block % r->bricks[1] * BRICK, block / r->bricks[1] * BRICK};
     const float low[3] = {0.0f, (float)start[1] * f->h[1], (float)start[2] * f->h[2]};
     const float high[3] = {0.0f, low[1] + BRICK * f->h[1], low[2] + BRICK * f->h[2]};
-    collect(r, NULL, low, high, 1, 2, &row_list);
+    if (!r->turned) collect(r, NULL, low, high, 1, 2, &row_list);
     for (uint32_t bx = 0; bx < r->bricks[0]; bx++) {
         start[0] = bx * BRICK;
-        brick(r, start, &row_list, &list);
+        brick(r, start, r->turned ? NULL : &row_list, &list);
     }
 }
 
-static int by_part(const void *a, const void *b) {
-    const hs_solid *s = a, *t = b;
-    if (s->part != t->part) return s->part < t->part ? -1 : 1;
-    return s->order < t->order ? -1 : 1;
+static bool make_layer_shift(raster *r, hs_error *err) {
+    const hs_field *f = r->field;
+    const float k = 6.2831853f / r->spec->extent_mm;
+    r->layer_shift = malloc(hs_field_slice(f) * sizeof *r->layer_shift);
+    if (!r->layer_shift)
+        return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu pixels", hs_field_slice(f));
+    for (uint32_t y = 0; y < f->n[1]; y++)
+        for (uint32_t x = 0; x < f->n[0]; x++)
+            r->layer_shift[(size_t)y * f->n[0] + x] =
+                undulation(r->spec, k * ((float)x + 0.5f) * f->h[0], k * ((float)y + 0.5f) * f->h[1]);
+    return true;
+}
+
+static bool rasterise(raster *r, hs_solid_list *solids, hs_error *err) {
+    const hs_field *f = r->field;
+    if (solids->count > HS_SCENE_MAX_SOLIDS)
+        return hs_fail(err, HS_ERR_INPUT, "scene %s: %zu solids, at most %u", r->spec->name, solids->count,
+                       HS_SCENE_MAX_SOLIDS);
+    hs_solid_list_sort(solids);
+    r->solids = solids->items;
+    r->solid_count = (uint32_t)solids->count;
+    r->bodies = hs_solid_list_bodies(solids);
+    r->inv_h = 1.0f / fminf(f->h[0], fminf(f->h[1], f->h[2]));
+    r->reach = 2.5f * fmaxf(f->h[0], fmaxf(f->h[1], f->h[2]));
+    for (int a = 0; a < 3; a++) r->bricks[a] = (f->n[a] + BRICK - 1) / BRICK;
+    r->sac = hs_shape_sac(&r->spec->sac);
+    if (!make_layer_shift(r, err)) return false;
+    hs_parallel(f->threads, r->bricks[1] * r->bricks[2], brick_row, r);
+    free(r->layer_shift);
+    return true;
 }
 
 bool hs_scene_raster(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, hs_error *err) {
-    if (solids->count > HS_SCENE_MAX_SOLIDS)
-        return hs_fail(err, HS_ERR_INPUT, "scene %s: %zu solids, at most %u", spec->name, solids->count,
-                       HS_SCENE_MAX_SOLIDS);
-    for (size_t i = 0; i < solids->count; i++) solids->items[i].order = (uint32_t)i;
-    if (solids->count) qsort(solids->items, solids->count, sizeof *solids->items, by_part);
-    raster r = {
-        .field = field, .spec = spec, .solids = solids->items, .solid_count = (uint32_t)solids->count};
-    float h = fminf(field->h[0], fminf(field->h[1], field->h[2]));
-    r.inv_h = 1.0f / h;
-    r.reach = 2.5f * fmaxf(field->h[0], fmaxf(field->h[1], field->h[2]));
-    for (int a = 0; a < 3; a++) r.bricks[a] = (field->n[a] + BRICK - 1) / BRICK;
-    r.sac.shape = HS_SOLID_ELLIPSOID;
-    memcpy(r.sac.centre, spec->sac.centre, sizeof r.sac.centre);
-    memcpy(r.sac.radii, spec->sac.radii, sizeof r.sac.radii);
-    hs_rotation(spec->sac.rotation, r.sac.axis);
-    r.layer_shift = malloc(hs_field_slice(field) * sizeof *r.layer_shift);
-    if (!r.layer_shift)
-        return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu pixels", hs_field_slice(field));
-    float k = 6.2831853f / spec->extent_mm;
-    for (uint32_t y = 0; y < field->n[1]; y++)
-        for (uint32_t x = 0; x < field->n[0]; x++) {
-            float u = k * ((float)x + 0.5f) * field->h[0], v = k * ((float)y + 0.5f) * field->h[1];
-            r.layer_shift[(size_t)y * field->n[0] + x] =
-                spec->layers.undulation_mm * 0.5f *
-                (sinf(1.7f * u + 0.6f * v) + sinf(2.3f * v - 0.9f * u + 1.0f));
-        }
-    hs_parallel(field->threads, r.bricks[1] * r.bricks[2], brick_row, &r);
-    free(r.layer_shift);
-    return true;
+    raster r = {.field = field, .spec = spec};
+    return rasterise(&r, solids, err);
+}
+
+bool hs_scene_raster_turned(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids,
+                            const float turn[9], hs_error *err) {
+    raster r = {.field = field, .spec = spec, .turned = true};
+    memcpy(r.turn, turn, sizeof r.turn);
+    return rasterise(&r, solids, err);
 }

@@ -2,21 +2,14 @@
 /* A scene file to hs_scene_spec. The tables below are the schema (docs/scenes.md). */
 #include "scene/scene_read.h"
 
-#include "scene/scene_fetus.h"
-#include "scene/scene_json.h"
+#include "scene/scene_fields.h"
+#include "scene/scene_read_artefacts.h"
+#include "scene/scene_read_structures.h"
 #include "volume/metaimage_open.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-#define FIELD(type, member, kind, min, max, required)                                                        \
-    { #member, HS_FIELD_##kind, offsetof(type, member), min, max, required }
-#define NAMED(key, type, member, kind, min, max, required)                                                   \
-    { key, HS_FIELD_##kind, offsetof(type, member), min, max, required }
-#define OTHER(key, required)                                                                                 \
-    { key, HS_FIELD_OTHER, 0, 0, 0, required }
 
 static const hs_json_field top_fields[] = {
     FIELD(hs_scene_spec, name, TEXT, 0, 64, true),
@@ -24,6 +17,7 @@ static const hs_json_field top_fields[] = {
     OTHER("kind", false),
     FIELD(hs_scene_spec, seed, SEED, 1, 9e15, true),
     FIELD(hs_scene_spec, extent_mm, FLOAT, 20, 400, false),
+    FIELD(hs_scene_spec, camera_deg, VEC3, -360, 360, false),
     FIELD(hs_scene_spec, lead_mm, FLOAT, 0, 200, false),
     FIELD(hs_scene_spec, frequency_mhz, FLOAT, 0.5, 20, false),
     OTHER("display", false),
@@ -57,198 +51,12 @@ static const hs_json_field sac_fields[] = {
     FIELD(hs_sac_spec, roughness_scale_mm, FLOAT, 1, 400, false),
 };
 
-static const hs_json_field occluder_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_occluder_spec, tissue, TISSUE, 0, 0, true),
-    NAMED("centre_mm", hs_occluder_spec, centre, VEC3, -400, 800, true),
-    NAMED("radii_mm", hs_occluder_spec, radii, VEC3, 0.2, 400, true),
-    NAMED("rotation_deg", hs_occluder_spec, rotation, VEC3, -360, 360, false),
-    FIELD(hs_occluder_spec, blend_mm, FLOAT, 0, 50, false),
-};
-
-static const hs_json_field cord_fields[] = {
-    OTHER("type", true),
-    NAMED("points_mm", hs_cord_spec, points, POINTS, -400, 800, true),
-    FIELD(hs_cord_spec, radius_mm, FLOAT, 0.3, 20, true),
-    FIELD(hs_cord_spec, twist_mm, FLOAT, 1, 400, false),
-};
-
-static const hs_json_field cloud_fields[] = {
-    OTHER("type", true),
-    NAMED("centre_mm", hs_cloud_spec, centre, VEC3, -400, 800, true),
-    NAMED("radii_mm", hs_cloud_spec, radii, VEC3, 0.5, 400, true),
-    FIELD(hs_cloud_spec, count, UINT, 1, 1000, true),
-    FIELD(hs_cloud_spec, particle_min_mm, FLOAT, 0.1, 20, true),
-    FIELD(hs_cloud_spec, particle_max_mm, FLOAT, 0.1, 20, true),
-};
-
-static const hs_json_field fetus_fields[] = {
-    OTHER("type", true),
-    NAMED("position_mm", hs_fetus_spec, position, VEC3, -400, 800, true),
-    NAMED("rotation_deg", hs_fetus_spec, rotation, VEC3, -360, 360, false),
-    FIELD(hs_fetus_spec, scale, FLOAT, 0.1, 5, false),
-    NAMED("head_turn_deg", hs_fetus_spec, pose.head_turn_deg, VEC3, -180, 180, false),
-    NAMED("right_elbow", hs_fetus_spec, pose.elbow[0], VEC3, -100, 100, false),
-    NAMED("left_elbow", hs_fetus_spec, pose.elbow[1], VEC3, -100, 100, false),
-    NAMED("right_hand", hs_fetus_spec, pose.hand[0], VEC3, -100, 100, false),
-    NAMED("left_hand", hs_fetus_spec, pose.hand[1], VEC3, -100, 100, false),
-    NAMED("right_knee", hs_fetus_spec, pose.knee[0], VEC3, -100, 100, false),
-    NAMED("left_knee", hs_fetus_spec, pose.knee[1], VEC3, -100, 100, false),
-    NAMED("right_ankle", hs_fetus_spec, pose.ankle[0], VEC3, -100, 100, false),
-    NAMED("left_ankle", hs_fetus_spec, pose.ankle[1], VEC3, -100, 100, false),
-};
-
 static const hs_json_field motion_fields[] = {
     FIELD(hs_motion_spec, period_frames, FLOAT, 2, 100000, true),
     FIELD(hs_motion_spec, drift_mm, VEC3, -50, 50, false),
     FIELD(hs_motion_spec, limb_mm, FLOAT, 0, 20, false),
     FIELD(hs_motion_spec, cloud_drift_mm, VEC3, -50, 50, false),
 };
-
-static const hs_json_field attenuation_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_attenuation_spec, tgc_db_cm_mhz, FLOAT, 0, 5, true),
-};
-static const hs_json_field edge_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_edge_spec, max_loss_db, FLOAT, 0, 60, true),
-};
-static const hs_json_field reverberation_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_reverberation_spec, count, UINT, 1, 20, true),
-    FIELD(hs_reverberation_spec, spacing_mm, FLOAT, 0, 100, false),
-    FIELD(hs_reverberation_spec, loss_db, FLOAT, 0, 60, true),
-};
-static const hs_json_field far_band_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_far_band_spec, gap_mm, FLOAT, 0, 20, true),
-    FIELD(hs_far_band_spec, thickness_mm, FLOAT, 0.1, 20, true),
-    FIELD(hs_far_band_spec, level_db, FLOAT, -60, 20, true),
-    FIELD(hs_far_band_spec, direction, VEC3, -1, 1, true),
-    FIELD(hs_far_band_spec, angle_deg, FLOAT, 1, 180, true),
-};
-static const hs_json_field speckle_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_speckle_spec, axial_mm, FLOAT, 0, 5, true),
-    FIELD(hs_speckle_spec, lateral_mm, FLOAT, 0, 5, true),
-    FIELD(hs_speckle_spec, focus_mm, FLOAT, 0, 400, true),
-    FIELD(hs_speckle_spec, rayleigh_mm, FLOAT, 1, 10000, true),
-};
-static const hs_json_field side_lobe_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_side_lobe_spec, level_db, FLOAT, -80, 0, true),
-    FIELD(hs_side_lobe_spec, width_mm, FLOAT, 0.5, 60, true),
-};
-static const hs_json_field noise_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_noise_spec, level_db, FLOAT, -120, 0, true),
-};
-static const hs_json_field fan_fields[] = {
-    OTHER("type", true),
-    FIELD(hs_fan_spec, azimuth_deg, FLOAT, 5, 170, true),
-    FIELD(hs_fan_spec, sweep_deg, FLOAT, 5, 170, true),
-    FIELD(hs_fan_spec, azimuth_radius_mm, FLOAT, 0, 400, true),
-    FIELD(hs_fan_spec, sweep_radius_mm, FLOAT, 0, 400, true),
-    FIELD(hs_fan_spec, depth_mm, FLOAT, 5, 800, true),
-};
-
-/* A kind of artefact: its table, and where its settings stand in the spec (`on` first). */
-static const struct {
-    const char *type;
-    const hs_json_field *fields;
-    size_t count, offset;
-} artefact_kinds[] = {
-    {"attenuation", attenuation_fields, COUNT(attenuation_fields), offsetof(hs_scene_spec, attenuation)},
-    {"edge_shadow", edge_fields, COUNT(edge_fields), offsetof(hs_scene_spec, edge)},
-    {"reverberation", reverberation_fields, COUNT(reverberation_fields),
-     offsetof(hs_scene_spec, reverberation)},
-    {"far_band", far_band_fields, COUNT(far_band_fields), offsetof(hs_scene_spec, far_band)},
-    {"speckle", speckle_fields, COUNT(speckle_fields), offsetof(hs_scene_spec, speckle)},
-    {"side_lobes", side_lobe_fields, COUNT(side_lobe_fields), offsetof(hs_scene_spec, side_lobe)},
-    {"noise", noise_fields, COUNT(noise_fields), offsetof(hs_scene_spec, noise)},
-    {"fan", fan_fields, COUNT(fan_fields), offsetof(hs_scene_spec, fan)},
-};
-
-static bool has_type(const hs_json *object, hs_json *type, const char **name) {
-    if (!hs_json_is_object(object)) return false;
-    if (!hs_json_member(object, "type", type)) return hs_json_fail(object, "has no field 'type'");
-    if (!json_is_string(type->value)) return hs_json_fail(type, "is not a string");
-    *name = json_string_value(type->value);
-    return true;
-}
-
-static bool read_structure(const hs_json *object, hs_structure *s) {
-    hs_json type;
-    const char *name;
-    if (!has_type(object, &type, &name)) return false;
-    if (strcmp(name, "occluder") == 0) {
-        s->kind = HS_STRUCTURE_OCCLUDER;
-        return hs_json_read(object, occluder_fields, COUNT(occluder_fields), &s->of.occluder);
-    }
-    if (strcmp(name, "cord") == 0) {
-        s->kind = HS_STRUCTURE_CORD;
-        s->of.cord.twist_mm = 20.0f;
-        return hs_json_read(object, cord_fields, COUNT(cord_fields), &s->of.cord);
-    }
-    if (strcmp(name, "cloud") == 0) {
-        s->kind = HS_STRUCTURE_CLOUD;
-        hs_cloud_spec *c = &s->of.cloud;
-        if (!hs_json_read(object, cloud_fields, COUNT(cloud_fields), c)) return false;
-        if (c->particle_max_mm >= c->particle_min_mm) return true;
-        hs_json_member(object, "particle_max_mm", &type);
-        return hs_json_fail(&type, "is %g, expected at least particle_min_mm, %g", (double)c->particle_max_mm,
-                            (double)c->particle_min_mm);
-    }
-    if (strcmp(name, "fetus") == 0) {
-        s->kind = HS_STRUCTURE_FETUS;
-        s->of.fetus.scale = 1.0f;
-        s->of.fetus.pose = hs_fetus_resting;
-        return hs_json_read(object, fetus_fields, COUNT(fetus_fields), &s->of.fetus);
-    }
-    return hs_json_fail(&type, "is '%.40s', expected occluder, cord, cloud or fetus", name);
-}
-
-static bool read_structures(const hs_json *array, hs_scene_spec *spec) {
-    if (!hs_json_is_array(array, 0, HS_SCENE_MAX_STRUCTURES)) return false;
-    spec->structure_count = (uint32_t)json_array_size(array->value);
-    for (uint32_t i = 0; i < spec->structure_count; i++) {
-        hs_json object;
-        hs_json_element(array, i, &object);
-        if (!read_structure(&object, &spec->structure[i])) return false;
-    }
-    return true;
-}
-
-static bool read_artefact(const hs_json *object, hs_scene_spec *spec) {
-    hs_json type;
-    const char *name;
-    if (!has_type(object, &type, &name)) return false;
-    for (size_t i = 0; i < COUNT(artefact_kinds); i++)
-        if (strcmp(name, artefact_kinds[i].type) == 0) {
-            char *settings = (char *)spec + artefact_kinds[i].offset;
-            bool *on = (bool *)(void *)settings;
-            if (*on) return hs_json_fail(&type, "'%s' is listed twice", name);
-            *on = true;
-            return hs_json_read(object, artefact_kinds[i].fields, artefact_kinds[i].count, settings);
-        }
-    return hs_json_fail(&type,
-                        "is '%.40s', expected attenuation, edge_shadow, reverberation, far_band, speckle, "
-                        "side_lobes, noise or fan",
-                        name);
-}
-
-static bool read_artefacts(const hs_json *array, hs_scene_spec *spec) {
-    if (!hs_json_is_array(array, 0, 2 * COUNT(artefact_kinds))) return false;
-    for (size_t i = 0; i < json_array_size(array->value); i++) {
-        hs_json object;
-        hs_json_element(array, i, &object);
-        if (!read_artefact(&object, spec)) return false;
-    }
-    const float *to = spec->far_band.direction;
-    if (spec->far_band.on && to[0] == 0.0f && to[1] == 0.0f && to[2] == 0.0f)
-        return hs_json_fail(array, "the far_band's direction is 0, 0, 0");
-    return true;
-}
 
 static bool read_tissues(const hs_json *object, hs_scene_spec *spec) {
     hs_json_field names[HS_TISSUE_COUNT];
@@ -257,7 +65,7 @@ static bool read_tissues(const hs_json *object, hs_scene_spec *spec) {
     for (int i = 0; i < HS_TISSUE_COUNT; i++) {
         hs_json tissue;
         if (hs_json_member(object, hs_tissue_names[i], &tissue) &&
-            !hs_json_read(&tissue, tissue_fields, COUNT(tissue_fields), &spec->tissue[i]))
+            !hs_json_read(&tissue, tissue_fields, HS_COUNT(tissue_fields), &spec->tissue[i]))
             return false;
     }
     return true;
@@ -278,7 +86,7 @@ static const hs_json_field layer_fields[] = {
 };
 
 static bool read_layers(const hs_json *object, hs_layers_spec *layers) {
-    if (!hs_json_read(object, layers_fields, COUNT(layers_fields), layers)) return false;
+    if (!hs_json_read(object, layers_fields, HS_COUNT(layers_fields), layers)) return false;
     hs_json list;
     if (!hs_json_member(object, "list", &list) || !hs_json_is_array(&list, 0, HS_SCENE_MAX_LAYERS))
         return false;
@@ -287,7 +95,7 @@ static bool read_layers(const hs_json *object, hs_layers_spec *layers) {
         hs_json item;
         layer l = {HS_TISSUE_WALL, 0.0f};
         hs_json_element(&list, i, &item);
-        if (!hs_json_read(&item, layer_fields, COUNT(layer_fields), &l)) return false;
+        if (!hs_json_read(&item, layer_fields, HS_COUNT(layer_fields), &l)) return false;
         layers->tissue[i] = l.tissue;
         layers->thickness_mm[i] = l.thickness_mm;
     }
@@ -311,6 +119,7 @@ static void set_defaults(hs_scene_spec *spec) {
     spec->sac.roughness_scale_mm = 40.0f;
     spec->layers.boundary_db = -25.0f;
     memcpy(spec->tissue, hs_tissue_defaults, sizeof spec->tissue);
+    hs_scene_artefact_defaults(spec);
 }
 
 /* The name becomes part of file names. */
@@ -328,28 +137,30 @@ static bool check_name(const hs_json *root, const char *name) {
 static bool read_scene(const hs_json *root, hs_scene_spec *spec) {
     hs_json part;
     set_defaults(spec);
-    if (!hs_json_read(root, top_fields, COUNT(top_fields), spec) || !check_name(root, spec->name))
+    if (!hs_json_read(root, top_fields, HS_COUNT(top_fields), spec) || !check_name(root, spec->name))
         return false;
     if (hs_json_member(root, "kind", &part) && !read_kind(&part, spec)) return false;
     if (hs_json_member(root, "lead_mm", &part) && (!spec->real || spec->lead_mm >= spec->extent_mm))
         return hs_json_fail(&part, "is %g, expected less than extent_mm, %g, in a scene of kind real",
                             (double)spec->lead_mm, (double)spec->extent_mm);
+    if (spec->real && hs_json_member(root, "camera_deg", &part))
+        return hs_json_fail(&part, "is for synthetic scenes");
     if (hs_json_member(root, "display", &part) &&
-        !hs_json_read(&part, display_fields, COUNT(display_fields), spec))
+        !hs_json_read(&part, display_fields, HS_COUNT(display_fields), spec))
         return false;
     if (hs_json_member(root, "tissues", &part) && !read_tissues(&part, spec)) return false;
     if (hs_json_member(root, "sac", &part)) {
-        if (!hs_json_read(&part, sac_fields, COUNT(sac_fields), &spec->sac)) return false;
+        if (!hs_json_read(&part, sac_fields, HS_COUNT(sac_fields), &spec->sac)) return false;
     } else if (spec->real) { /* all is fluid until the given volume says otherwise */
         for (int a = 0; a < 3; a++) spec->sac.radii[a] = 100.0f * spec->extent_mm;
     } else {
         return hs_json_fail(root, "has no field 'sac'");
     }
     if (hs_json_member(root, "layers", &part) && !read_layers(&part, &spec->layers)) return false;
-    if (hs_json_member(root, "structures", &part) && !read_structures(&part, spec)) return false;
-    if (hs_json_member(root, "artefacts", &part) && !read_artefacts(&part, spec)) return false;
+    if (hs_json_member(root, "structures", &part) && !hs_scene_read_structures(&part, spec)) return false;
+    if (hs_json_member(root, "artefacts", &part) && !hs_scene_read_artefacts(&part, spec)) return false;
     spec->motion.on = hs_json_member(root, "motion", &part);
-    return !spec->motion.on || hs_json_read(&part, motion_fields, COUNT(motion_fields), &spec->motion);
+    return !spec->motion.on || hs_json_read(&part, motion_fields, HS_COUNT(motion_fields), &spec->motion);
 }
 
 bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec, hs_error *err) {
@@ -365,25 +176,24 @@ bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec,
     return ok;
 }
 
-bool hs_scene_read(const char *path, hs_scene_spec *spec, hs_error *err) {
+char *hs_scene_read_file(const char *path, hs_error *err) {
     enum { MAX_BYTES = 1 << 20 };
     uint64_t bytes;
     FILE *file = hs_met_open(path, path, &bytes, err); /* a regular file: nothing that waits for a writer */
-    if (!file) return false;
+    if (!file) return NULL;
     char *text = malloc(MAX_BYTES + 1);
     size_t length = text ? fread(text, 1, MAX_BYTES + 1, file) : 0;
     bool bad = ferror(file) != 0;
     fclose(file);
-    bool ok = false;
     if (!text) {
         hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
     } else if (bad || length > MAX_BYTES) {
         hs_fail(err, HS_ERR_INPUT, "%s: %s", path,
                 bad ? "cannot be read" : "longer than a scene file may be (1 MiB)");
+        free(text);
+        text = NULL;
     } else {
         text[length] = '\0';
-        ok = hs_scene_read_text(path, text, spec, err);
     }
-    free(text);
-    return ok;
+    return text;
 }

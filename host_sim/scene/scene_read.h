@@ -6,10 +6,10 @@
 #include "base/error.h"
 #include "scene/scene_spec.h"
 
-/* Reads a scene file. Errors name file, line and field. */
-bool hs_scene_read(const char *path, hs_scene_spec *spec, hs_error *err);
+/* A scene file's text, up to 1 MiB; free() it. NULL: HS_ERR_INPUT names the file, HS_ERR_MEMORY. */
+char *hs_scene_read_file(const char *path, hs_error *err);
 
-/* The same from text; `path` is for messages. */
+/* Reads a scene from such a text; `path` is for messages, which name file, line and field. */
 bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec, hs_error *err);
 
 #endif

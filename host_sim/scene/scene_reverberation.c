@@ -31,9 +31,9 @@ static void reverberation_row(void *context, uint32_t y) {
     for (uint32_t x = 0; x < f->n[0]; x++) {
         size_t pixel = (size_t)y * f->n[0] + x;
         uint32_t boundary = 0, z = 1;
-        for (; z < f->n[2] && f->tissue[slice * z + pixel] != HS_TISSUE_FLUID; z++)
+        for (; z < f->n[2] && !hs_tissue_is_fluid(f->tissue[slice * z + pixel]); z++)
             if (f->tissue[slice * z + pixel] != f->tissue[slice * (z - 1) + pixel]) boundary = z;
-        if (z == f->n[2] || f->tissue[pixel] == HS_TISSUE_FLUID) continue;
+        if (z == f->n[2] || hs_tissue_is_fluid(f->tissue[pixel])) continue;
         float spacing = spec->spacing_mm > 0.0f ? spec->spacing_mm / f->h[2] : (float)(z - 1 - boundary);
         if (spacing >= 2.0f) bands(f, spec, pixel, z - 1, spacing);
     }

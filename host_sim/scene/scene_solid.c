@@ -152,6 +152,24 @@ hs_solid *hs_solid_ribs(hs_solid_list *list, const hs_solid_frame *frame, const 
     return s;
 }
 
+static int by_part(const void *a, const void *b) {
+    const hs_solid *s = a, *t = b;
+    if (s->part != t->part) return s->part < t->part ? -1 : 1;
+    return s->order < t->order ? -1 : 1;
+}
+
+void hs_solid_list_sort(hs_solid_list *list) {
+    for (size_t i = 0; i < list->count; i++) list->items[i].order = (uint32_t)i;
+    if (list->count) qsort(list->items, list->count, sizeof *list->items, by_part);
+}
+
+uint32_t hs_solid_list_bodies(const hs_solid_list *list) {
+    uint32_t bodies = 1;
+    for (size_t i = 0; i < list->count; i++)
+        if (list->items[i].body >= bodies) bodies = list->items[i].body + 1u;
+    return bodies;
+}
+
 void hs_solid_list_free(hs_solid_list *list) {
     free(list->items);
     memset(list, 0, sizeof *list);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The structures of a scene as solids: occluders, cord, particles and the fetus. */
+/* The structures of a scene as solids: occluders, cord, particles, bladder and the fetus. */
 #include "scene/scene_solids.h"
 
+#include "scene/scene_cord.h"
 #include "scene/scene_fetus.h"
 #include "scene/scene_random.h"
 
@@ -10,50 +11,13 @@
 
 static const hs_solid_frame scene_frame = {.axis = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .scale = 1.0f};
 
-static void occluder(hs_solid_list *list, const hs_occluder_spec *o) {
+static void occluder(hs_solid_list *list, const hs_occluder_spec *o, uint8_t style) {
     hs_solid_frame frame = {.scale = 1.0f};
     memcpy(frame.origin, o->centre, sizeof frame.origin);
     hs_rotation(o->rotation, frame.axis);
     const float zero[3] = {0, 0, 0};
-    hs_solid_ellipsoid(list, &frame, HS_PART_OCCLUDER, o->tissue, o->blend_mm, zero, o->radii);
-}
-
-/* Catmull-Rom curve through the points; t in 0 .. count - 1. */
-static void curve(const hs_points *points, float t, float out[3]) {
-    int last = (int)points->count - 1, i = (int)t;
-    if (i > last - 1) i = last - 1;
-    float u = t - (float)i;
-    const float *a = points->p[i > 0 ? i - 1 : 0], *b = points->p[i], *c = points->p[i + 1],
-                *d = points->p[i + 2 <= last ? i + 2 : last];
-    for (int k = 0; k < 3; k++)
-        out[k] = b[k] + 0.5f * u *
-                            (c[k] - a[k] +
-                             u * (2.0f * a[k] - 5.0f * b[k] + 4.0f * c[k] - d[k] +
-                                  u * (3.0f * (b[k] - c[k]) + d[k] - a[k])));
-}
-
-/* Three vessels wound round the curve: two arteries and a vein. */
-static void cord(hs_solid_list *list, const hs_cord_spec *cord) {
-    const int steps = 10 * ((int)cord->points.count - 1);
-    float last[3][3], length = 0.0f, before[3] = {0, 0, 0};
-    for (int i = 0; i <= steps; i++) {
-        float p[3];
-        curve(&cord->points, 0.1f * (float)i, p);
-        float step[3] = {p[0] - before[0], p[1] - before[1], p[2] - before[2]};
-        if (i > 0) length += sqrtf(step[0] * step[0] + step[1] * step[1] + step[2] * step[2]);
-        memcpy(before, p, sizeof before);
-        for (int k = 0; k < 3; k++) {
-            float angle = 6.2831853f * (length / cord->twist_mm + (float)k / 3.0f);
-            float radius = cord->radius_mm * 0.45f;
-            /* Wound in the plane across the viewing direction's diagonal, which no curve follows for long. */
-            float q[3] = {p[0] + radius * cosf(angle), p[1] + radius * 0.7f * sinf(angle),
-                          p[2] + radius * 0.7f * sinf(angle)};
-            if (i > 0)
-                hs_solid_cone(list, &scene_frame, HS_PART_OCCLUDER, HS_TISSUE_CORD, 0.3f * cord->radius_mm,
-                              last[k], 0.6f * cord->radius_mm, q, 0.6f * cord->radius_mm);
-            memcpy(last[k], q, sizeof q);
-        }
-    }
+    hs_solid *s = hs_solid_ellipsoid(list, &frame, HS_PART_OCCLUDER, o->tissue, o->blend_mm, zero, o->radii);
+    if (s) s->style = style;
 }
 
 static void cloud(hs_solid_list *list, const hs_cloud_spec *cloud, uint64_t key) {
@@ -75,32 +39,66 @@ static void cloud(hs_solid_list *list, const hs_cloud_spec *cloud, uint64_t key)
     }
 }
 
-static void fetus(hs_solid_list *list, const hs_fetus_spec *fetus) {
-    hs_solid_frame frame = {.scale = fetus->scale};
-    memcpy(frame.origin, fetus->position, sizeof frame.origin);
-    hs_rotation(fetus->rotation, frame.axis);
+static void bladder(hs_solid_list *list, const hs_bladder_spec *b) {
+    hs_solid_frame frame = {.scale = 1.0f};
+    memcpy(frame.origin, b->centre, sizeof frame.origin);
+    hs_rotation(b->rotation, frame.axis);
+    const float zero[3] = {0, 0, 0};
+    const float outer[3] = {b->radii[0] + b->wall_mm, b->radii[1] + b->wall_mm, b->radii[2] + b->wall_mm};
+    hs_solid_ellipsoid(list, &frame, HS_PART_OCCLUDER, HS_TISSUE_MUSCLE, 0.0f, zero, outer);
+    hs_solid_ellipsoid(list, &frame, HS_PART_BLADDER, HS_TISSUE_URINE, 0.0f, zero, b->radii);
+}
+
+static void fetus(hs_solid_list *list, const hs_fetus_spec *fetus, uint32_t body) {
+    const hs_solid_frame frame = hs_fetus_frame(fetus);
+    const size_t before = list->count;
     hs_fetus_solids(list, &frame, &fetus->pose);
+    for (size_t i = before; i < list->count; i++) list->items[i].body = (uint8_t)body;
+}
+
+static bool add_structure(const hs_scene_spec *spec, uint32_t index, uint64_t seed, uint32_t *bodies,
+                          hs_solid_list *list) {
+    const hs_structure *s = &spec->structure[index];
+    switch (s->kind) {
+    case HS_STRUCTURE_OCCLUDER:
+        occluder(list, &s->of.occluder, hs_scene_style(s) ? (uint8_t)(index + 1) : 0);
+        return true;
+    case HS_STRUCTURE_CORD:
+        hs_scene_cord(list, &s->of.cord);
+        return true;
+    case HS_STRUCTURE_NUCHAL_CORD:
+        return hs_scene_nuchal_cord(list, &s->of.nuchal, hs_scene_fetus(spec, s->of.nuchal.fetus));
+    case HS_STRUCTURE_CLOUD:
+        cloud(list, &s->of.cloud, hs_random_key(seed, 100u + index));
+        return true;
+    case HS_STRUCTURE_BLADDER:
+        bladder(list, &s->of.bladder);
+        return true;
+    case HS_STRUCTURE_FETUS:
+        fetus(list, &s->of.fetus, (*bodies)++);
+        return true;
+    }
+    return true;
+}
+
+bool hs_scene_style(const hs_structure *s) {
+    return s->kind == HS_STRUCTURE_OCCLUDER &&
+           (s->of.occluder.echo_db != 0.0f || s->of.occluder.soft_mm > 0.0f);
+}
+
+const hs_fetus_spec *hs_scene_fetus(const hs_scene_spec *spec, uint32_t number) {
+    for (uint32_t i = 0; i < spec->structure_count; i++)
+        if (spec->structure[i].kind == HS_STRUCTURE_FETUS && number-- == 0)
+            return &spec->structure[i].of.fetus;
+    return NULL;
 }
 
 bool hs_scene_solids(const hs_scene_spec *spec, uint64_t seed, hs_solid_list *list, hs_error *err) {
-    for (uint32_t i = 0; i < spec->structure_count; i++) {
-        const hs_structure *s = &spec->structure[i];
-        switch (s->kind) {
-        case HS_STRUCTURE_OCCLUDER:
-            occluder(list, &s->of.occluder);
-            break;
-        case HS_STRUCTURE_CORD:
-            cord(list, &s->of.cord);
-            break;
-        case HS_STRUCTURE_CLOUD:
-            cloud(list, &s->of.cloud, hs_random_key(seed, 100u + i));
-            break;
-        case HS_STRUCTURE_FETUS:
-            fetus(list, &s->of.fetus);
-            break;
-        }
-    }
-    if (list->out_of_memory)
+    uint32_t bodies = 0;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < spec->structure_count; i++)
+        ok = add_structure(spec, i, seed, &bodies, list);
+    if (!ok || list->out_of_memory)
         return hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for its solids", spec->name);
     return true;
 }

@@ -9,6 +9,7 @@
 #define HS_SCENE_MAX_STRUCTURES 32
 #define HS_SCENE_MAX_POINTS     32
 #define HS_SCENE_MAX_LAYERS     6
+#define HS_SCENE_MAX_LOOPS      3
 
 typedef struct {
     float p[HS_SCENE_MAX_POINTS][3];
@@ -33,12 +34,19 @@ typedef enum {
     HS_STRUCTURE_OCCLUDER,
     HS_STRUCTURE_CORD,
     HS_STRUCTURE_CLOUD,
-    HS_STRUCTURE_FETUS
+    HS_STRUCTURE_FETUS,
+    HS_STRUCTURE_NUCHAL_CORD,
+    HS_STRUCTURE_BLADDER
 } hs_structure_kind;
 
 typedef struct {
     hs_tissue tissue;
     float centre[3], radii[3], rotation[3], blend_mm;
+    float echo_db; /* brighter than its tissue, or dimmer */
+    float soft_mm; /* > 0: over this depth its scatterers grow from none to its tissue's */
+    /* Fluid between it and the fetus where it is thinnest, along the beam; below 0 it presses into the
+     * fetus by that much, and the two touch. NAN: the centre is as given. */
+    float gap_mm;
 } hs_occluder_spec;
 
 typedef struct {
@@ -55,7 +63,22 @@ typedef struct {
 typedef struct {
     float position[3], rotation[3], scale;
     hs_fetus_pose pose;
+    float gap_mm; /* the same between the wall before the fetus and its skin */
 } hs_fetus_spec;
+
+/* A cord wound round the neck of a fetus and led to its navel. */
+typedef struct {
+    uint32_t fetus; /* which of the scene's, from 0 */
+    uint32_t loops;
+    float radius_mm, twist_mm;
+    float slack_mm; /* of fluid between cord and skin; 0: they touch */
+} hs_nuchal_spec;
+
+/* Urine in a wall of muscle. */
+typedef struct {
+    float centre[3], radii[3], rotation[3]; /* of the urine */
+    float wall_mm;
+} hs_bladder_spec;
 
 typedef struct {
     hs_structure_kind kind;
@@ -64,6 +87,8 @@ typedef struct {
         hs_cord_spec cord;
         hs_cloud_spec cloud;
         hs_fetus_spec fetus;
+        hs_nuchal_spec nuchal;
+        hs_bladder_spec bladder;
     } of;
 } hs_structure;
 
@@ -82,6 +107,25 @@ typedef struct {
     float spacing_mm; /* 0: from the two interfaces of the column */
     float loss_db;    /* from band to band */
 } hs_reverberation_spec;
+typedef struct {
+    bool on;
+    float level_db;    /* where the wall ends, relative to the wall's own echo there */
+    float decay_db_mm; /* per mm behind it */
+    float patch_db;    /* how much brighter or darker its patches are at most */
+    float patch_mm;    /* their size */
+} hs_haze_spec;
+typedef struct {
+    bool on;
+    float direction_deg; /* in the image: 0 to the right, 90 down */
+    float start_mm;      /* from the image's middle, where the loss begins */
+    float width_mm;      /* until it is whole */
+    float loss_db;       /* two-way */
+} hs_corner_spec;
+typedef struct {
+    bool on;
+    float elevation_mm; /* standard deviation of the point spread across the image plane (y) at the focus */
+    float focus_mm, rayleigh_mm;
+} hs_slice_spec;
 typedef struct {
     bool on;
     float gap_mm, thickness_mm, level_db;
@@ -122,8 +166,9 @@ typedef struct {
     char title[512];
     bool real; /* occluders before a given volume */
     uint64_t seed;
-    float extent_mm; /* edge of the cube */
-    float lead_mm;   /* real: depth of the cube that is put before the given volume, < extent_mm */
+    float extent_mm;     /* edge of the cube */
+    float camera_deg[3]; /* the camera's turn about x, y, z around the cube's middle; the beams stay */
+    float lead_mm;       /* real: depth of the cube that is put before the given volume, < extent_mm */
     float frequency_mhz;
     float dynamic_range_db, gain_db;   /* grey = 255 (1 + (level + gain) / range) */
     float specular_db, specular_power; /* level of an interface: specular_db + 20 log10(R cos^power) */
@@ -135,6 +180,9 @@ typedef struct {
     hs_attenuation_spec attenuation;
     hs_edge_spec edge;
     hs_reverberation_spec reverberation;
+    hs_haze_spec haze;
+    hs_corner_spec corner;
+    hs_slice_spec slice;
     hs_far_band_spec far_band;
     hs_speckle_spec speckle;
     hs_side_lobe_spec side_lobe;

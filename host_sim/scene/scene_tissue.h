@@ -14,6 +14,7 @@ typedef enum {
     HS_TISSUE_PLACENTA, /* also cervical and other large occluders */
     HS_TISSUE_CORD,
     HS_TISSUE_CLOUD, /* vernix and other particles in the fluid */
+    HS_TISSUE_URINE, /* in the bladder: fluid, but none of the sac's */
     HS_TISSUE_SOFT,  /* of the fetus: all from here on is the fetus */
     HS_TISSUE_BRAIN,
     HS_TISSUE_BONE,
@@ -33,6 +34,11 @@ extern const char *const hs_tissue_names[HS_TISSUE_COUNT];
 
 static inline bool hs_tissue_is_fetus(uint8_t tissue) {
     return tissue >= HS_TISSUE_SOFT;
+}
+
+/* Whether it is dark and its border an interface; only HS_TISSUE_FLUID is the sac's. */
+static inline bool hs_tissue_is_fluid(uint8_t tissue) {
+    return tissue == HS_TISSUE_FLUID || tissue == HS_TISSUE_URINE;
 }
 
 #endif

@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets the
- * fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that meets
- * the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a ray, its
- * longest stretch of fluid counts.
+ * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets
+ * the fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that
+ * meets the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a
+ * ray, its longest stretch of fluid counts.
  */
 #include "scene/scene_truth.h"
 
 #include "base/threads.h"
+#include "scene/scene_camera.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define REACH_MM 2.0f /* how far the point spread carries an occluder sideways */
+#define WIDE     1.5f /* standard deviations of a thick slice, for the same */
 
 typedef struct {
     const hs_field *field;
+    const hs_scene_spec *spec;
     hs_scene_data *data;
+    int64_t reach[2]; /* voxels in x and y */
 } truth;
 
 typedef struct {
@@ -100,31 +104,66 @@ bool hs_scene_spread(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
     return true;
 }
 
+/* How far the point spread carries what ends at slice z to other rows, mm. */
+static float reach_across(const truth *t, float z) {
+    const hs_slice_spec *slice = &t->spec->slice;
+    if (!slice->on) return REACH_MM;
+    const float off = ((z + 0.5f) * t->field->h[2] - slice->focus_mm) / slice->rayleigh_mm;
+    return fmaxf(REACH_MM, WIDE * slice->elevation_mm * sqrtf(1.0f + off * off));
+}
+
+/* Where the occluders of the neighbourhood end, as far as that is within the pixel's interval. */
+static float beside(const truth *t, size_t pixel, float clip) {
+    const hs_scene_data *data = t->data;
+    const int64_t nx = t->field->n[0], ny = t->field->n[1];
+    const int64_t x = (int64_t)pixel % nx, y = (int64_t)pixel / nx;
+    for (int64_t v = y - t->reach[1]; v <= y + t->reach[1]; v++)
+        for (int64_t u = x - t->reach[0]; u <= x + t->reach[0]; u++) {
+            if (u < 0 || v < 0 || u >= nx || v >= ny) continue;
+            size_t other = (size_t)v * (size_t)nx + (size_t)u;
+            if (!data->label[other] || data->near_end[other] > data->far_end[pixel]) continue;
+            const int64_t rows = v < y ? y - v : v - y;
+            if (t->spec->slice.on && (float)rows * t->field->h[1] > reach_across(t, data->near_end[other]))
+                continue;
+            clip = fmaxf(clip, data->near_end[other]);
+        }
+    return clip;
+}
+
+/* Behind the haze, as far as it leaves room before the skin. */
+static float behind_haze(const truth *t, size_t pixel, float clip) {
+    const hs_field *f = t->field;
+    float first[3], next[3]; /* the ray's slices 0 and 1 in the scene */
+    for (int i = 0; i < 2; i++) {
+        const float p[3] = {((float)(pixel % f->n[0]) + 0.5f) * f->h[0],
+                            ((float)(pixel / f->n[0]) + 0.5f) * f->h[1], ((float)i + 0.5f) * f->h[2]};
+        hs_scene_camera_point(t->spec, p, i ? next : first);
+    }
+    for (float z = t->data->far_end[pixel] - REACH_MM / f->h[2]; z > clip; z -= 1.0f) {
+        const float depth = first[2] + z * (next[2] - first[2]);
+        const int64_t x = (int64_t)floorf((first[0] + z * (next[0] - first[0])) / f->h[0]);
+        const int64_t y = (int64_t)floorf((first[1] + z * (next[1] - first[1])) / f->h[1]);
+        if (x < 0 || y < 0 || x >= (int64_t)f->n[0] || y >= (int64_t)f->n[1]) continue;
+        if (depth < f->haze_end[(size_t)y * f->n[0] + (size_t)x]) return z;
+    }
+    return clip;
+}
+
 /*
- * The clipping surface: the middle of the interval, but no nearer than where the occluders of
- * the neighbourhood end: the point spread makes them visible beside themselves. It never
- * leaves the pixel's own interval.
+ * The clipping surface: the middle of the interval, but no nearer than where the occluders of the
+ * neighbourhood end, because the point spread makes them visible beside themselves, and no nearer than
+ * where haze can be seen, but for the last REACH_MM before the skin. It never leaves the pixel's own
+ * interval.
  */
 static void clip_row(void *context, uint32_t y) {
     const truth *t = context;
     const hs_scene_data *data = t->data;
-    const uint32_t nx = t->field->n[0], ny = t->field->n[1];
-    const int64_t rx = lrintf(REACH_MM / t->field->h[0]), ry = lrintf(REACH_MM / t->field->h[1]);
-    for (int64_t x = 0; x < (int64_t)nx; x++) {
-        size_t pixel = (size_t)y * nx + (size_t)x;
-        if (data->label[pixel] == HS_LABEL_NEITHER) {
-            data->clip[pixel] = NAN;
-            continue;
-        }
-        float clip = 0.5f * (data->near_end[pixel] + data->far_end[pixel]);
-        for (int64_t v = (int64_t)y - ry; v <= (int64_t)y + ry; v++)
-            for (int64_t u = x - rx; u <= x + rx; u++) {
-                if (u < 0 || v < 0 || u >= (int64_t)nx || v >= (int64_t)ny) continue;
-                size_t other = (size_t)v * nx + (size_t)u;
-                if (data->label[other] && data->near_end[other] <= data->far_end[pixel])
-                    clip = fmaxf(clip, data->near_end[other]);
-            }
-        data->clip[pixel] = clip;
+    for (uint32_t x = 0; x < t->field->n[0]; x++) {
+        size_t pixel = (size_t)y * t->field->n[0] + x;
+        data->clip[pixel] = NAN;
+        if (data->label[pixel] == HS_LABEL_NEITHER) continue;
+        float clip = beside(t, pixel, 0.5f * (data->near_end[pixel] + data->far_end[pixel]));
+        data->clip[pixel] = t->field->haze_end ? behind_haze(t, pixel, clip) : clip;
     }
 }
 
@@ -137,8 +176,12 @@ static void clip_slice(void *context, uint32_t z) {
         if ((float)z < t->data->clip[i] && out[i] > 1) out[i] = 1;
 }
 
-bool hs_scene_truth(const hs_field *field, hs_scene_data *data, hs_error *err) {
-    truth t = {field, data};
+bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_data *data, hs_error *err) {
+    truth t = {field, spec, data, {lrintf(REACH_MM / field->h[0]), lrintf(REACH_MM / field->h[1])}};
+    if (spec->slice.on) {
+        const float front = reach_across(&t, 0.0f), back = reach_across(&t, (float)field->n[2]);
+        t.reach[1] = lrintf(fmaxf(front, back) / field->h[1]);
+    }
     hs_parallel(field->threads, field->n[1], truth_row, &t);
     hs_parallel(field->threads, field->n[1], clip_row, &t);
     if (!hs_scene_spread(data->clip, field->n[0], field->n[1], err)) return false;

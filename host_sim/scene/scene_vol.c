@@ -2,6 +2,7 @@
 #include "scene/scene_vol.h"
 
 #include "base/threads.h"
+#include "scene/scene_vol_label.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -167,6 +168,7 @@ bool hs_vol_export_frame(hs_vol_export *out, const hs_vol_spec *spec, const char
     ok = ok && write_frame(&out->full, out->beams, &data->full, err) &&
          write_frame(&out->truth, out->beams, &data->truth, err);
     if (ok && out->full.left > 0) return true;
+    ok = ok && (frames > 1 || hs_vol_label_write(prefix, out->beams, data, err));
     ok = ok && hs_kretz_write_commit(&out->full, err) && hs_kretz_write_commit(&out->truth, err);
     hs_vol_export_discard(out);
     return ok;

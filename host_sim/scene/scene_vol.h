@@ -38,7 +38,8 @@ typedef struct {
 } hs_vol_export;
 
 /* Writes one of `frames` frames of a scene, in their order, to <prefix>_full.vol and <prefix>_truth.vol: the
- * first one opens them, the last one ends them. On failure nothing is left behind, and the struct is zeroed:
+ * first one opens them, the last one ends them. A scene of one frame gets its <prefix>_label.mha, too
+ * (scene_vol_label.h). On failure nothing is left behind, and the struct is zeroed:
  * HS_ERR_USAGE, HS_ERR_OUTPUT or HS_ERR_MEMORY. */
 bool hs_vol_export_frame(hs_vol_export *out, const hs_vol_spec *spec, const char *prefix, uint32_t frames,
                          const hs_scene_data *data, hs_error *err);

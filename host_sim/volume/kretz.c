@@ -4,6 +4,7 @@
 #include "volume/beams_cartesian.h"
 #include "volume/kretz_header.h"
 #include "volume/metaimage_open.h"
+#include "volume/volume_fill.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,12 +29,16 @@ static bool has_magic(const char *path) {
     return ours;
 }
 
-bool hs_kretz_is_file(const char *path) {
+bool hs_kretz_is_name(const char *name) {
     static const char *const endings[] = {".vol", ".v00", ".v01", ".v02", ".v03", ".v04", ".v05"};
-    const char *dot = strrchr(path, '.');
+    const char *dot = strrchr(name, '.');
     for (size_t i = 0; dot && i < sizeof endings / sizeof endings[0]; i++)
         if (strcasecmp(dot, endings[i]) == 0) return true;
-    return has_magic(path);
+    return false;
+}
+
+bool hs_kretz_is_file(const char *path) {
+    return hs_kretz_is_name(path) || has_magic(path);
 }
 
 hs_kretz *hs_kretz_open(const char *path, const hs_kretz_options *options, hs_error *err) {
@@ -92,6 +97,17 @@ static bool make(const hs_kretz *kretz, hs_volume *volume, hs_error *err) {
     }
     const char *slash = strrchr(kretz->path, '/');
     (void)snprintf(volume->name, sizeof volume->name, "%.255s", slash ? slash + 1 : kretz->path);
+    return true;
+}
+
+bool hs_kretz_shape(const hs_kretz *kretz, hs_volume *shape, hs_error *err) {
+    *shape = (hs_volume){0};
+    if (!make(kretz, shape, err)) return false;
+    free(shape->voxels);
+    shape->voxels = NULL;
+    if (!shape->beams) return true;
+    free(shape->beams->voxels);
+    shape->beams->voxels = NULL;
     return true;
 }
 

@@ -13,7 +13,10 @@ typedef struct {
 
 typedef struct hs_kretz hs_kretz;
 
-/* True if the name ends in .vol or .v00 .. .v05, or the file begins as a KRETZFILE does: read it here. */
+/* True if the name ends in .vol or .v00 .. .v05. */
+bool hs_kretz_is_name(const char *name);
+
+/* The same, or the file begins as a KRETZFILE does: read it here. */
 bool hs_kretz_is_file(const char *path);
 
 /*
@@ -26,6 +29,10 @@ void hs_kretz_close(hs_kretz *kretz);
 
 /* Volumes in the file, >= 1. */
 uint32_t hs_kretz_count(const hs_kretz *kretz);
+
+/* Size, spacing, geometry and name of its volumes; no voxels. Free it with hs_volume_free. HS_ERR_USAGE (the
+ * spacing) or HS_ERR_MEMORY. */
+bool hs_kretz_shape(const hs_kretz *kretz, hs_volume *shape, hs_error *err);
 
 /*
  * Reads volume `index` (0 .. count - 1). A zeroed `volume` is made, and the caller frees it with

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/metaimage.h"
 
+#include "base/threads.h"
+#include "volume/metaimage_levels.h"
 #include "volume/metaimage_voxels.h"
+#include "volume/volume_fill.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,61 +36,102 @@ static size_t chunk_of(size_t left) {
     return left < HS_MET_CHUNK ? left : HS_MET_CHUNK;
 }
 
+/* Behind the file's last voxel nothing must follow. */
+static bool reach_end(hs_metaimage *m) {
+    return hs_met_voxels_seek(m->voxels, (uint64_t)m->header->frames * volume_voxels(m->header)) &&
+           hs_met_voxels_finish(m->voxels);
+}
+
+/* ------------------------------------------------------------------------------------------ the range -- */
+
+/* One pass over the voxels of a volume; blocks of them come in any order. */
+typedef struct {
+    hs_metaimage *file;
+    uint64_t first; /* voxel of the file */
+    size_t count;
+    pthread_mutex_t lock;
+    double low, high; /* with the lock held */
+} search;
+
+enum { BLOCK = 8 * HS_MET_CHUNK };
+
+static bool search_block(void *context, uint32_t block, hs_error *err) {
+    search *s = context;
+    const size_t start = (size_t)block * BLOCK, end = s->count - start < BLOCK ? s->count : start + BLOCK;
+    double low = INFINITY, high = -INFINITY;
+    hs_met_room room;
+    for (size_t at = start; at < end; at += HS_MET_CHUNK) {
+        const size_t n = chunk_of(end - at);
+        if (!hs_met_voxels_read_at(s->file->voxels, s->first + at, n, &room, err)) return false;
+        hs_met_widen(room.value, n, &low, &high);
+    }
+    pthread_mutex_lock(&s->lock);
+    hs_met_widen((const double[]){low, high}, 2, &s->low, &s->high);
+    pthread_mutex_unlock(&s->lock);
+    return true;
+}
+
 /* Reads all the data once for the smallest and largest value: one mapping serves the whole sequence. */
 static bool find_range(hs_metaimage *m) {
     const size_t count = volume_voxels(m->header);
-    double low = INFINITY, high = -INFINITY;
-    for (uint32_t frame = 0; frame < m->header->frames; frame++) {
-        const bool invalid = is_invalid(m->header, frame);
-        if (invalid && !hs_met_voxels_skip(m->voxels, count)) return false;
-        for (size_t first = 0; !invalid && first < count; first += HS_MET_CHUNK) {
-            const size_t n = chunk_of(count - first);
-            const double *value = hs_met_voxels_read(m->voxels, n, NULL);
-            if (!value) return false;
-            for (size_t i = 0; i < n; i++) {
-                low = value[i] < low ? value[i] : low;
-                high = value[i] > high ? value[i] : high;
-            }
-        }
+    search s = {.file = m, .count = count, .low = INFINITY, .high = -INFINITY};
+    (void)pthread_mutex_init(&s.lock, NULL);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < m->valid; i++) {
+        s.first = (uint64_t)m->frames[i] * count;
+        ok = hs_parallel_try(hs_met_voxels_threads(m->voxels), (uint32_t)((count + BLOCK - 1) / BLOCK),
+                             search_block, &s, m->err);
     }
-    if (!hs_met_voxels_finish(m->voxels)) return false;
-    m->low = low;
-    m->high = high;
-    if (low < high) return true;
+    (void)pthread_mutex_destroy(&s.lock);
+    if (!ok || !reach_end(m)) return false;
+    m->low = s.low;
+    m->high = s.high;
+    if (m->low < m->high) return true;
     return hs_fail(m->err, HS_ERR_INPUT,
                    "%s:%u: ElementDataFile '%s': every voxel is %g: no range to map to 8 bit, give a window",
-                   m->path, m->header->data_line, m->header->data_name, low);
+                   m->path, m->header->data_line, m->header->data_name, m->low);
 }
+
+/* -------------------------------------------------------------------------------------------- a volume -- */
 
 static bool takes_bytes(const hs_metaimage *m) {
     return m->header->type == HS_MET_UCHAR && !m->options.has_window;
 }
 
-/* Reads a volume and maps low .. high to 0 .. 255, rounding to the nearest level. */
-static bool read_mapped(hs_metaimage *m, hs_volume *out) {
-    const size_t count = hs_volume_count(out);
-    /* Halved, since high - low may exceed the largest double. */
-    const double half = m->low * 0.5, scale = 255.0 / (m->high * 0.5 - half);
-    if (!isfinite(scale))
-        return hs_fail(m->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", m->path,
-                       m->low, m->high);
-    for (size_t first = 0; first < count; first += HS_MET_CHUNK) {
-        const size_t n = chunk_of(count - first);
-        const double *value = hs_met_voxels_read(m->voxels, n, NULL);
-        if (!value) return false;
-        for (size_t i = 0; i < n; i++) {
-            const double level = (value[i] * 0.5 - half) * scale;
-            const double clamped = level < 0.0 ? 0.0 : level > 255.0 ? 255.0 : level;
-            out->voxels[first + i] = (uint8_t)(clamped + 0.5);
-        }
+/* A volume on its way from the file. */
+typedef struct {
+    hs_metaimage *file;
+    uint64_t first; /* voxel of the file */
+} reading;
+
+/* Maps low .. high to 0 .. 255. */
+static bool read_mapped(const reading *r, size_t first, size_t count, uint8_t *out, hs_error *err) {
+    const hs_metaimage *m = r->file;
+    hs_met_room room;
+    for (size_t at = 0; at < count; at += HS_MET_CHUNK) {
+        const size_t n = chunk_of(count - at);
+        if (!hs_met_voxels_read_at(m->voxels, r->first + first + at, n, &room, err)) return false;
+        hs_met_levels(room.value, n, m->low, m->high, out + at);
     }
     return true;
 }
 
-static bool apply_padding(hs_volume *volume, hs_padding padding, hs_error *err) {
-    if (padding == HS_PADDING_AUTO) return hs_volume_mark_unscanned(volume, err);
-    if (padding == HS_PADDING_NONE) hs_volume_mark_all_scanned(volume);
-    return true;
+static bool read_piece(void *context, size_t first, size_t count, uint8_t *out, hs_error *err) {
+    const reading *r = context;
+    const hs_metaimage *m = r->file;
+    const bool ok = takes_bytes(m) ? hs_met_voxels_bytes_at(m->voxels, r->first + first, count, out, err)
+                                   : read_mapped(r, first, count, out, err);
+    if (ok && m->options.padding == HS_PADDING_NONE) hs_raise_zeros(out, count);
+    return ok;
+}
+
+void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape) {
+    const hs_met_header *h = m->header;
+    *shape = (hs_volume){.nx = h->size[0], .ny = h->size[1], .nz = h->size[2], .pose = h->pose};
+    memcpy(shape->spacing, h->spacing, sizeof h->spacing);
+    shape->probe = m->options.has_probe ? m->options.probe : h->probe;
+    const char *slash = strrchr(m->path, '/');
+    (void)snprintf(shape->name, sizeof shape->name, "%s", slash ? slash + 1 : m->path);
 }
 
 /* Allocates the volume the header describes, named after the file. */
@@ -95,11 +140,9 @@ static bool make_volume(const hs_metaimage *m, hs_volume *out) {
     hs_error cause = {0};
     if (!hs_volume_init(out, h->size[0], h->size[1], h->size[2], &cause))
         return hs_fail(m->err, cause.code, "%s:%u: DimSize: %s", m->path, h->dim_line, cause.text);
-    memcpy(out->spacing, h->spacing, sizeof h->spacing);
-    out->pose = h->pose;
-    out->probe = m->options.has_probe ? m->options.probe : h->probe;
-    const char *slash = strrchr(m->path, '/');
-    (void)snprintf(out->name, sizeof out->name, "%s", slash ? slash + 1 : m->path);
+    uint8_t *voxels = out->voxels;
+    hs_metaimage_shape(m, out);
+    out->voxels = voxels;
     return true;
 }
 
@@ -127,7 +170,11 @@ static bool start(hs_metaimage *m) {
         return hs_fail(m->err, HS_ERR_INPUT, "%s: ImageStatus is INVALID for every volume", m->path);
     m->low = m->options.window_low;
     m->high = m->options.window_high;
-    return m->options.has_window || takes_bytes(m) || find_range(m);
+    if (takes_bytes(m)) return true;
+    if (!m->options.has_window && !find_range(m)) return false;
+    return isfinite(hs_met_scale(m->low, m->high)) ||
+           hs_fail(m->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", m->path,
+                   m->low, m->high);
 }
 
 hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *opt, hs_error *err) {
@@ -153,24 +200,30 @@ uint32_t hs_metaimage_left_out(const hs_metaimage *file) {
     return file->header->frames - file->valid;
 }
 
+bool hs_metaimage_range(const hs_metaimage *file, double *low, double *high) {
+    *low = file->low;
+    *high = file->high;
+    return !takes_bytes(file);
+}
+
 const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t index) {
     return file->header->fields ? &file->header->fields[file->frames[index]] : NULL;
 }
 
 /* The voxels of volume `index`, and behind those of the last one that the data ends. */
 static bool fill(hs_metaimage *m, uint32_t index, hs_volume *out) {
-    const size_t count = hs_volume_count(out);
-    if (!hs_met_voxels_seek(m->voxels, (uint64_t)m->frames[index] * count)) return false;
-    if (!(takes_bytes(m) ? hs_met_voxels_take(m->voxels, count, out->voxels) : read_mapped(m, out)))
-        return false;
-    return index + 1 < m->valid || (hs_met_voxels_seek(m->voxels, (uint64_t)m->header->frames * count) &&
-                                    hs_met_voxels_finish(m->voxels));
+    reading r = {.file = m, .first = (uint64_t)m->frames[index] * hs_volume_count(out)};
+    const uint32_t threads = hs_met_voxels_threads(m->voxels);
+    const bool ok = m->options.padding == HS_PADDING_AUTO
+                        ? hs_volume_fill_marked(out, threads, read_piece, &r, m->err)
+                        : hs_volume_fill(out, threads, read_piece, &r, m->err);
+    return ok && (index + 1 < m->valid || reach_end(m));
 }
 
 static bool read_volume(hs_metaimage *m, uint32_t index, hs_volume *volume) {
     const bool fresh = volume->voxels == NULL;
     if (fresh && !make_volume(m, volume)) return false;
-    const bool ok = fill(m, index, volume) && apply_padding(volume, m->options.padding, m->err);
+    const bool ok = fill(m, index, volume);
     if (!ok && fresh) hs_volume_free(volume);
     return ok;
 }

@@ -37,6 +37,13 @@ void hs_metaimage_close(hs_metaimage *file); /* NULL is allowed */
 uint32_t hs_metaimage_volumes(const hs_metaimage *file);
 uint32_t hs_metaimage_left_out(const hs_metaimage *file);
 
+/* Size, spacing, pose, probe and name of its volumes; no voxels. */
+void hs_metaimage_shape(const hs_metaimage *file, hs_volume *shape);
+
+/* True if values are mapped to 8 bit, and then what becomes 0 and 255: a window that spares a later opening
+ * of the same file the search for its range. */
+bool hs_metaimage_range(const hs_metaimage *file, double *low, double *high);
+
 /* The next volume, which the caller frees, and what the file says about it (`fields` may be NULL). Called at
  * most hs_metaimage_volumes times; with the last one it is checked that the data ends there. */
 bool hs_metaimage_next(hs_metaimage *file, hs_volume *out, hs_frame_fields *fields);
@@ -57,8 +64,9 @@ const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t in
 /*
  * Reads the volume of a file that holds one. `opt` may be NULL (padding auto, no window). On success the
  * caller frees `out` with hs_volume_free; on failure it is zeroed and nothing is left. Needs the 8-bit volume
- * and about 1 MB beside it, whatever the voxel type: the data is streamed, twice if its range must be found
- * first. Padding auto needs what hs_volume_mark_unscanned does.
+ * and about 1 MB beside it, whatever the voxel type, and 128 KB a thread: the data is streamed, twice if its
+ * range must be found first. Bytes that are taken as they are go from the file straight to the voxels.
+ * Padding auto needs what hs_volume_mark_unscanned does.
  *
  * HS_ERR_INPUT: unreadable, malformed or truncated file, or a sequence of several volumes, named with line,
  * field and value; NaN or infinite voxels, named with their position. HS_ERR_USAGE: a window that is none.

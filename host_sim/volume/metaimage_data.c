@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <zlib.h>
 
 struct hs_met_data {
@@ -64,12 +65,6 @@ static bool check_compressed_size(hs_met_data *d, uint64_t file_bytes, hs_error 
     return true;
 }
 
-static bool go_to(hs_met_data *d, uint64_t offset, hs_error *err) {
-    d->left = d->bytes - offset;
-    if (fseeko(d->file, (off_t)(d->first + offset), SEEK_SET) == 0) return true;
-    return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d), strerror(errno));
-}
-
 hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err) {
     hs_met_data *d = calloc(1, sizeof *d);
     if (!d) {
@@ -93,18 +88,36 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
         d->zlib_ready = inflateInit2(&d->zlib, 15 + 32) == Z_OK;
         if (!d->zlib_ready) ok = hs_fail(err, HS_ERR_MEMORY, "%s: no memory for zlib", path);
     }
-    if (ok && go_to(d, 0, err)) return d;
+    d->left = d->bytes;
+    if (ok) return d;
     hs_met_data_close(d);
     return NULL;
 }
 
+/* From byte `at` of the data in the file. */
+static bool read_from(const hs_met_data *d, uint64_t at, void *out, size_t bytes, hs_error *err) {
+    for (uint8_t *to = out; bytes > 0;) {
+        const ssize_t got = pread(fileno(d->file), to, bytes, (off_t)(d->first + at));
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0)
+            return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d),
+                           got < 0 ? strerror(errno) : "it became shorter");
+        to += got;
+        at += (uint64_t)got;
+        bytes -= (size_t)got;
+    }
+    return true;
+}
+
+/* The next bytes in the file. */
 static bool read_file(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
-    errno = 0;
-    if (fread(out, 1, bytes, d->file) != bytes)
-        return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d),
-                       errno ? strerror(errno) : "it became shorter");
+    if (!read_from(d, d->bytes - d->left, out, bytes, err)) return false;
     d->left -= bytes;
     return true;
+}
+
+bool hs_met_data_read_at(const hs_met_data *d, uint64_t offset, void *out, size_t bytes, hs_error *err) {
+    return read_from(d, offset, out, bytes, err);
 }
 
 /* Inflates up to *bytes bytes; *bytes becomes what was made. 0 at the end of
@@ -153,18 +166,21 @@ bool hs_met_data_read(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
     return d->header->compressed ? inflate_all(d, out, bytes, err) : read_file(d, out, bytes, err);
 }
 
-static bool start_anew(hs_met_data *d, hs_error *err) {
+static void start_anew(hs_met_data *d) {
     (void)inflateReset(&d->zlib); /* fails on a stream that was never made only */
     d->zlib.avail_in = 0;
     d->zlib_ended = false;
     d->delivered = 0;
     d->lost = false;
-    return go_to(d, 0, err);
+    d->left = d->bytes;
 }
 
 bool hs_met_data_seek(hs_met_data *d, uint64_t offset, hs_error *err) {
-    if (!d->header->compressed) return go_to(d, offset, err);
-    if ((d->lost || offset < d->delivered) && !start_anew(d, err)) return false;
+    if (!d->header->compressed) {
+        d->left = d->bytes - offset;
+        return true;
+    }
+    if (d->lost || offset < d->delivered) start_anew(d);
     while (d->delivered < offset) {
         const uint64_t left = offset - d->delivered;
         const size_t n = left < sizeof d->passed ? (size_t)left : sizeof d->passed;

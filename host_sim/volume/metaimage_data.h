@@ -18,6 +18,10 @@ bool hs_met_data_seek(hs_met_data *data, uint64_t offset, hs_error *err);
 /* The next `bytes` bytes. */
 bool hs_met_data_read(hs_met_data *data, void *out, size_t bytes, hs_error *err);
 
+/* `bytes` bytes from byte `offset` of the voxels on, of data that is not compressed: straight from the file
+ * to `out`. Any number of threads at a time; the stream stays where it is. */
+bool hs_met_data_read_at(const hs_met_data *data, uint64_t offset, void *out, size_t bytes, hs_error *err);
+
 /* Succeeds if the stream ends here, as it should after the last voxel. */
 bool hs_met_data_finish(hs_met_data *data, hs_error *err);
 

@@ -73,6 +73,9 @@ bool hs_met_is_foreign(const char *path, const char *head_text, size_t bytes, hs
     else if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
         format = "a DICOM file";
         how = "load its series in 3D Slicer and save the volume as .mha";
+    } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
+        format = "a Kretz file";
+        how = "labels and maps come in no other format";
     }
     return format && !hs_fail(err, HS_ERR_INPUT, "%s: is %s; host_sim reads MetaImage (.mha, .mhd): %s", path,
                               format, how);

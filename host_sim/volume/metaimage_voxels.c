@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/metaimage_voxels.h"
 
+#include "base/threads.h"
 #include "volume/metaimage_data.h"
 
+#include <float.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,26 +17,45 @@ struct hs_met_voxels {
     hs_met_header header;
     hs_met_data *data;
     size_t at; /* the next voxel, counted from the file's first */
-    uint8_t raw[HS_MET_CHUNK * 8];
-    double value[HS_MET_CHUNK];
+    hs_met_room room;
 };
 
+/* memcpy, since the bytes need not be aligned for the type. */
+#define SWAP(type, swapped)                                                                                  \
+    for (size_t i = 0; i < count; i++) {                                                                     \
+        type v;                                                                                              \
+        memcpy(&v, bytes + i * sizeof v, sizeof v);                                                          \
+        v = swapped(v);                                                                                      \
+        memcpy(bytes + i * sizeof v, &v, sizeof v);                                                          \
+    }                                                                                                        \
+    break
+
 static void swap_bytes(uint8_t *bytes, size_t count, size_t width) {
-    for (size_t i = 0; i < count; i++) {
-        for (size_t low = 0, high = width - 1; low < high; low++, high--) {
-            const uint8_t kept = bytes[i * width + low];
-            bytes[i * width + low] = bytes[i * width + high];
-            bytes[i * width + high] = kept;
-        }
+    switch (width) {
+    case 2:
+        SWAP(uint16_t, __builtin_bswap16);
+    case 4:
+        SWAP(uint32_t, __builtin_bswap32);
+    case 8:
+        SWAP(uint64_t, __builtin_bswap64);
+    default:
+        break;
     }
 }
 
-/* memcpy, since the bytes need not be aligned for the type. */
+/* Sixteen at a time, which compilers turn into vectors. */
 #define DECODE(type)                                                                                         \
-    for (size_t i = 0; i < count; i++) {                                                                     \
-        type v;                                                                                              \
-        memcpy(&v, raw + i * sizeof v, sizeof v);                                                            \
-        value[i] = (double)v;                                                                                \
+    {                                                                                                        \
+        type v[16];                                                                                          \
+        size_t i = 0;                                                                                        \
+        for (; i + 16 <= count; i += 16) {                                                                   \
+            memcpy(v, raw + i * sizeof *v, sizeof v);                                                        \
+            for (size_t k = 0; k < 16; k++) value[i + k] = (double)v[k];                                     \
+        }                                                                                                    \
+        for (; i < count; i++) {                                                                             \
+            memcpy(v, raw + i * sizeof *v, sizeof *v);                                                       \
+            value[i] = (double)v[0];                                                                         \
+        }                                                                                                    \
     }                                                                                                        \
     break
 
@@ -93,38 +115,60 @@ const hs_met_header *hs_met_voxels_header(const hs_met_voxels *v) {
     return &v->header;
 }
 
-/* Names the first of the last `count` voxels that is no number. */
-static bool all_finite(const hs_met_voxels *v, size_t count) {
+static bool are_finite(const double *value, size_t count) {
+    int bad = 0;
+    size_t i = 0;
+    for (; i + 16 <= count; i += 16)
+        for (size_t k = 0; k < 16; k++) bad |= !(fabs(value[i + k]) <= DBL_MAX);
+    for (; i < count; i++) bad |= !isfinite(value[i]);
+    return !bad;
+}
+
+/* Names the first of `count` voxels from `at` on that is no number. */
+static bool all_finite(const hs_met_voxels *v, uint64_t at, size_t count, const double *value,
+                       hs_error *err) {
+    if (are_finite(value, count)) return true;
     const hs_met_header *h = &v->header;
-    for (size_t i = 0; i < count; i++) {
-        if (isfinite(v->value[i])) continue;
-        const size_t volume = (size_t)h->size[0] * h->size[1] * h->size[2];
-        const size_t all = v->at + i, at = all % volume, nx = h->size[0], ny = h->size[1];
-        char which[40] = "";
-        if (h->frames > 1) (void)snprintf(which, sizeof which, " of volume %zu", all / volume);
-        return hs_fail(
-            v->err, HS_ERR_INPUT,
-            "%s:%u: ElementDataFile '%s': voxel (%zu, %zu, %zu)%s is '%g', expected a finite number", v->path,
-            h->data_line, h->data_name, at % nx, at / nx % ny, at / nx / ny, which, v->value[i]);
-    }
-    return true;
+    const uint64_t nx = h->size[0], ny = h->size[1], volume = nx * ny * h->size[2];
+    size_t i = 0;
+    while (isfinite(value[i])) i++;
+    const uint64_t in = (at + i) % volume;
+    char which[40] = "";
+    if (h->frames > 1) (void)snprintf(which, sizeof which, " of volume %" PRIu64, (at + i) / volume);
+    return hs_fail(err, HS_ERR_INPUT,
+                   "%s:%u: ElementDataFile '%s': voxel (%" PRIu64 ", %" PRIu64 ", %" PRIu64
+                   ")%s is '%g', expected a finite number",
+                   v->path, h->data_line, h->data_name, in % nx, in / nx % ny, in / nx / ny, which, value[i]);
+}
+
+static bool bytes_at(hs_met_voxels *v, uint64_t at, size_t bytes, void *out, hs_error *err) {
+    if (!v->header.compressed) return hs_met_data_read_at(v->data, at, out, bytes, err);
+    return hs_met_data_seek(v->data, at, err) && hs_met_data_read(v->data, out, bytes, err);
+}
+
+bool hs_met_voxels_bytes_at(hs_met_voxels *v, uint64_t at, size_t count, uint8_t *out, hs_error *err) {
+    return bytes_at(v, at, count, out, err);
+}
+
+bool hs_met_voxels_read_at(hs_met_voxels *v, uint64_t at, size_t count, hs_met_room *room, hs_error *err) {
+    const hs_met_header *h = &v->header;
+    if (!bytes_at(v, at * h->element_bytes, count * h->element_bytes, room->raw, err)) return false;
+    const bool host_is_big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+    if (h->big_endian != host_is_big) swap_bytes(room->raw, count, h->element_bytes);
+    decode(h->type, room->raw, count, room->value);
+    return (h->type != HS_MET_FLOAT && h->type != HS_MET_DOUBLE) ||
+           all_finite(v, at, count, room->value, err);
+}
+
+uint32_t hs_met_voxels_threads(const hs_met_voxels *v) {
+    return v->header.compressed ? 1 : hs_thread_count(0);
 }
 
 const double *hs_met_voxels_read(hs_met_voxels *v, size_t count, const uint8_t **raw) {
-    const hs_met_header *h = &v->header;
-    if (!hs_met_data_read(v->data, v->raw, count * h->element_bytes, v->err)) return NULL;
-    const bool host_is_big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
-    if (h->big_endian != host_is_big) swap_bytes(v->raw, count, h->element_bytes);
-    decode(h->type, v->raw, count, v->value);
-    if ((h->type == HS_MET_FLOAT || h->type == HS_MET_DOUBLE) && !all_finite(v, count)) return NULL;
+    if (!hs_met_voxels_read_at(v, v->at, count, &v->room, v->err)) return NULL;
     v->at += count;
-    if (raw) *raw = v->raw;
-    return v->value;
-}
-
-bool hs_met_voxels_take(hs_met_voxels *v, size_t count, uint8_t *out) {
-    v->at += count;
-    return hs_met_data_read(v->data, out, count, v->err);
+    if (raw) *raw = v->room.raw;
+    return v->room.value;
 }
 
 bool hs_met_voxels_skip(hs_met_voxels *v, size_t count) {

@@ -6,7 +6,7 @@
 
 #include "volume/metaimage_header.h"
 
-enum { HS_MET_CHUNK = 32768 }; /* voxels that are read at once, at most */
+enum { HS_MET_CHUNK = 8192 }; /* voxels that are read at once, at most */
 
 typedef struct hs_met_voxels hs_met_voxels;
 
@@ -25,14 +25,26 @@ const hs_met_header *hs_met_voxels_header(const hs_met_voxels *voxels);
  */
 const double *hs_met_voxels_read(hs_met_voxels *voxels, size_t count, const uint8_t **raw);
 
-/* The next `count` voxels as bytes, of a file whose type has one byte. */
-bool hs_met_voxels_take(hs_met_voxels *voxels, size_t count, uint8_t *out);
-
 /* Passes over the next `count` voxels, whatever they hold. */
 bool hs_met_voxels_skip(hs_met_voxels *voxels, size_t count);
 
 /* To voxel `at`, counted from the file's first; what it costs says hs_met_data_seek. */
 bool hs_met_voxels_seek(hs_met_voxels *voxels, uint64_t at);
+
+/*
+ * From voxel `at` on, wherever the stream is: as bytes, of a file whose type has one byte; and as numbers,
+ * all finite, at most HS_MET_CHUNK of them, into a room of the caller's. hs_met_voxels_threads may do so at a
+ * time, each with a room of its own; if that is one, data is compressed, and what is asked for in order is
+ * inflated once.
+ */
+typedef struct {
+    uint8_t raw[HS_MET_CHUNK * 8];
+    double value[HS_MET_CHUNK];
+} hs_met_room;
+bool hs_met_voxels_bytes_at(hs_met_voxels *voxels, uint64_t at, size_t count, uint8_t *out, hs_error *err);
+bool hs_met_voxels_read_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_met_room *room,
+                           hs_error *err);
+uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
 
 /* Succeeds if all voxels have been read and nothing follows. */
 bool hs_met_voxels_finish(hs_met_voxels *voxels);

@@ -18,8 +18,8 @@
  * from the volume's corner. `pose` says where that is in the patient, `probe` from where it was scanned.
  *
  * The value 0 means "not scanned" (outside the fan) and nothing else: scanned voxels hold 1 .. 255. A reader
- * that meets zeros inside the scanned region raises them to 1 (hs_volume_mark_unscanned). So the host can
- * tell the plugin padding_value = 0.
+ * that meets zeros inside the scanned region raises them to 1 (hs_volume_mark_unscanned in volume_fill.h). So
+ * the host can tell the plugin padding_value = 0.
  */
 typedef struct {
     uint32_t nx, ny, nz;
@@ -42,13 +42,5 @@ void hs_volume_free(hs_volume *volume);
 
 /* Number of voxels. */
 size_t hs_volume_count(const hs_volume *volume);
-
-/* Keeps as 0 only the zeros that are connected (6-neighbourhood) to the volume's border through zeros, and
- * raises every other zero to 1. Needs a quarter of the volume's size for a while; false (HS_ERR_MEMORY,
- * volume unchanged) if that runs out. */
-bool hs_volume_mark_unscanned(hs_volume *volume, hs_error *err);
-
-/* Raises every zero to 1: all of the volume was scanned. */
-void hs_volume_mark_all_scanned(hs_volume *volume);
 
 #endif

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Volumes a second of a batch with 1 and 2 workers, against reading the files: batch.py [VOLUMES [SIDE]]."""
+"""Volumes a second of a batch with 1 and 2 workers, against reading the files:
+batch.py [VOLUMES [SIDE [WORKERS...]]]."""
 
 import sys
 import tempfile
@@ -28,7 +29,8 @@ def write_study(folder: Path, count: int, side: int) -> list[Path]:
 
 
 def main() -> None:
-    count, side = int(sys.argv[1]) if len(sys.argv) > 1 else 60, int(sys.argv[2]) if len(sys.argv) > 2 else 128
+    given = [int(argument) for argument in sys.argv[1:]]
+    count, side, *numbers = given + [60, 128, 1, 2][len(given) :]
     with tempfile.TemporaryDirectory() as folder:
         files = write_study(Path(folder), count, side)
         start = time.perf_counter()
@@ -37,9 +39,10 @@ def main() -> None:
         reading = time.perf_counter() - start
         print(f"{count} volumes of {side}^3; reading alone: {count / reading:.1f} a second")
         settings = Settings(parameters={"method": "mean"}, scanned="rays", products=("depth",))
-        for workers in (1, 2):
+        for workers in numbers:
             with _study.cluster(None, workers, lambda link: None) as client:
-                warm = _study.batch(files[: 4 * workers], settings, Path(folder) / f"warm{workers}", client, lambda: None)
+                first = files[: 4 * workers]
+                warm = _study.batch(first, settings, Path(folder) / f"warm{workers}", client, lambda: None)
                 start = time.perf_counter()
                 rows = _study.batch(files, settings, Path(folder) / f"out{workers}", client, lambda: None)
                 passed = time.perf_counter() - start

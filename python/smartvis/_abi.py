@@ -14,7 +14,6 @@ from ctypes import (
     c_double,
     c_float,
     c_int32,
-    c_uint8,
     c_uint16,
     c_uint32,
     c_uint64,

@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _images
+from . import _abi, _images
 from ._clipper import Clipper, _checked_spacing
 from ._plugin import Plugin, load
 from ._result import Result
 from ._view import Camera, look
 from ._volume import fan, ranges, to_uint8
-from . import _abi
 
 
 class ClipperCache:
@@ -38,6 +37,7 @@ class ClipperCache:
         scanned: NDArray[np.uint16] | None,
         plugin: Plugin,
         parameters: dict[str, object],
+        *,
         discontinuity: bool = True,
     ) -> Result:
         """Clips `volume`; the result is the caller's."""
@@ -92,7 +92,8 @@ def clip(
         an axis are resampled by ``resample``: "scipy" or "simpleitk".
     `scanned`
         what the probe scanned: None: everything; "auto": all but the zeros that touch the border (needs SciPy);
-        "rays": on every ray all from the first voxel that is not 0 to the last, which is faster; a mask [z, y, x]; or a pair of maps (first, end) [y, x] of slices.
+        "rays": on every ray all from the first voxel that is not 0 to the last, which is faster; a mask [z, y, x];
+        or a pair of maps (first, end) [y, x] of slices.
     `method`, `parameters`
         those of the plugin, see `parameters()`.
     `window`
@@ -158,4 +159,4 @@ def _seen(
         return seen, None
     if not plugin.features & _abi.SV_FEATURE_SCANNED:
         raise ValueError(f"{plugin.id} takes no scanned ranges")
-    return seen, ranges(camera.see(mask.view(np.uint8), resample, nearest=True).astype(bool))
+    return seen, ranges(camera.see(mask.view(np.uint8), resample, nearest=True).view(np.bool_))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,7 @@ class Clipper:
         self._bytes = int(np.prod(self._shape))
         if not self._plugin.queues & _abi.SV_QUEUE_OWN:
             raise PluginError("activate", _abi.SV_ERR_FORMAT, f"{self._plugin.id} needs the host's OpenCL queue")
-        self.buffer = np.zeros(self._shape, np.uint8) if buffer is True else _checked_buffer(buffer)
+        self._buffer = np.zeros(self._shape, np.uint8) if buffer is True else _checked_buffer(buffer)
         self._ids = self._plugin.encode(parameters)
         self._values = _value_list(self._ids)
         self._make_result(None if spacing is None else _checked_spacing(spacing))
@@ -79,7 +79,7 @@ class Clipper:
     # ------------------------------------------------------------------------------------ what it is made of
 
     def _make_result(self, spacing: tuple[float, float, float] | None) -> None:
-        slices, height, width = self._shape
+        _, height, width = self._shape
         self._spacing = spacing
         self._stats = _abi.sized(_abi.sv_stats)
         camera = look(self._shape, spacing or (1.0, 1.0, 1.0))
@@ -114,8 +114,8 @@ class Clipper:
         fixed = {p.id for p in self._plugin.parameters.values() if p.fixed}
         at_activate = _value_list({i: v for i, v in self._ids.items() if i in fixed})
         made.values, made.value_count = at_activate, len(at_activate)
-        if self.buffer is not None:
-            made.host_memory, made.host_memory_bytes = _at(self.buffer), self.buffer.nbytes
+        if self._buffer is not None:
+            made.host_memory, made.host_memory_bytes = _at(self._buffer), self._buffer.nbytes
         self._takes_ranges = scanned
         return made
 
@@ -181,9 +181,7 @@ class Clipper:
         values = _value_list(self._plugin.encode(parameters))
         self.result.depth.fill(np.nan)
         instance = self._active()
-        return self._finish(
-            "adjust", self._calls.adjust(instance, values, len(values), ctypes.byref(self._out))
-        )
+        return self._finish("adjust", self._calls.adjust(instance, values, len(values), ctypes.byref(self._out)))
 
     def set(self, **parameters: object) -> None:
         """Other values from the next volume on. The plugin refuses those that are read at activation."""
@@ -203,7 +201,7 @@ class Clipper:
             self._calls.destroy(self._instance)
             self._instance = None
 
-    def __enter__(self) -> Clipper:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -220,6 +218,13 @@ class Clipper:
         """Slices, height, width."""
         return self._shape
 
+    @property
+    def buffer(self) -> NDArray[np.uint8]:
+        """The array in which volumes lie; ValueError if the clipper was made without."""
+        if self._buffer is None:
+            raise ValueError("there is no buffer: make the clipper with buffer=True, or with an array")
+        return self._buffer
+
     # -------------------------------------------------------------------------------------------- details
 
     def _active(self) -> Any:
@@ -234,10 +239,10 @@ class Clipper:
             )
         if not volume.flags.c_contiguous:
             volume = np.ascontiguousarray(volume)
-        if self.buffer is not None:
-            first = _at(self.buffer)
-            if not first <= _at(volume) <= first + self.buffer.nbytes - self._bytes:
-                own = self.buffer.reshape(-1)[: self._bytes].reshape(self._shape)
+        if self._buffer is not None:
+            first = _at(self._buffer)
+            if not first <= _at(volume) <= first + self._buffer.nbytes - self._bytes:
+                own = self._buffer.reshape(-1)[: self._bytes].reshape(self._shape)
                 np.copyto(own, volume)
                 volume = own
         self._volume = volume  # adjust reads it again, so it must live
@@ -254,8 +259,7 @@ class Clipper:
             return None
         if scanned.dtype != np.uint16 or scanned.shape != (*self._shape[1:], 2):
             raise ValueError(
-                f"scanned is {scanned.dtype} of shape {scanned.shape}, expected uint16 of shape "
-                f"{(*self._shape[1:], 2)}"
+                f"scanned is {scanned.dtype} of shape {scanned.shape}, expected uint16 of shape {(*self._shape[1:], 2)}"
             )
         self._scanned = np.ascontiguousarray(scanned)
         return self._scanned

@@ -3,9 +3,7 @@
 
 from . import _abi
 
-_NAMES = {
-    value: name for name, value in vars(_abi).items() if name.startswith("SV_ERR_") and isinstance(value, int)
-}
+_NAMES = {value: name for name, value in vars(_abi).items() if name.startswith("SV_ERR_") and isinstance(value, int)}
 
 
 class SmartVisError(Exception):

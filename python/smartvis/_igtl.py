@@ -4,6 +4,7 @@ size from the network must not decide how much memory is taken."""
 
 from __future__ import annotations
 
+import re
 import socket
 import struct
 import time
@@ -17,6 +18,7 @@ from ._errors import MissingExtraError, SmartVisError
 HEADER_BYTES = 58
 _HEADER = struct.Struct("> H 12s 20s II Q Q")
 _SPOKEN = (1, 2, 3)
+_TYPE = re.compile(rb"[A-Za-z0-9_]+")
 _CHUNK = 1 << 20
 
 
@@ -58,7 +60,7 @@ class Channel:
         self._fill(memoryview(header)[1:], end)
         version, raw_type, _, _, _, size, checksum = _HEADER.unpack(header)
         kind = raw_type.rstrip(b"\0 ")
-        if version not in _SPOKEN or not kind.isalnum() and b"_" not in kind:
+        if version not in _SPOKEN or not _TYPE.fullmatch(kind):
             raise ProtocolError(f"no OpenIGTLink header: version {version}, type {raw_type!r}")
         if size > self._limit:
             raise ProtocolError(f"a {kind.decode()} message of {size} bytes, allowed are {self._limit}")
@@ -122,7 +124,8 @@ def image_message(name: str, voxels: NDArray[Any], matrix: NDArray[np.float64], 
 
 def string_message(name: str, text: str, timestamp: float | None = None) -> Any:
     """A STRING."""
-    return messages().StringMessage(text.encode("ascii", "replace").decode(), timestamp=timestamp, device_name=short(name))
+    plain = text.encode("ascii", "replace").decode()
+    return messages().StringMessage(plain, timestamp=timestamp, device_name=short(name))
 
 
 def short(name: str) -> str:

@@ -12,7 +12,11 @@ from numpy.typing import NDArray
 
 from ._errors import SmartVisError
 
-_TYPES: dict[str, np.dtype[Any]] = {"MET_UCHAR": np.dtype("u1"), "MET_USHORT": np.dtype("<u2"), "MET_FLOAT": np.dtype("<f4")}
+_TYPES: dict[str, np.dtype[Any]] = {
+    "MET_UCHAR": np.dtype("u1"),
+    "MET_USHORT": np.dtype("<u2"),
+    "MET_FLOAT": np.dtype("<f4"),
+}
 
 
 def read(path: Path) -> tuple[NDArray[Any], tuple[float, ...]]:

@@ -8,7 +8,7 @@ import logging
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 from . import _abi
@@ -115,9 +115,9 @@ class Plugin:
             raise PluginError("create", status, f"{self.path}: '{self.id}' gives no instance")
         if instance.contents.size < ctypes.sizeof(_abi.sv_plugin):
             raise LoadError(f"{self.path}: the instance has {instance.contents.size} bytes")
-        for field in _abi.sv_plugin._fields_[4:]:
-            if not getattr(instance.contents, field[0]):
-                raise LoadError(f"{self.path}: the instance's {field[0]} is NULL")
+        for name, *_ in _abi.sv_plugin._fields_[4:]:
+            if not getattr(instance.contents, name):
+                raise LoadError(f"{self.path}: the instance's {name} is NULL")
         return instance
 
     @property
@@ -213,7 +213,7 @@ def load(path: str | os.PathLike[str] | None = None, id: str | None = None) -> P
     raise LoadError(f"{plugins[0].path}: no plugin '{id}'; there are {', '.join(p.id for p in plugins)}")
 
 
-@lru_cache(maxsize=None)
+@cache
 def _open(path: str) -> tuple[Plugin, ...]:
     if not os.path.exists(path):
         raise LoadError(f"{path}: no such file")

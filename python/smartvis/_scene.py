@@ -65,7 +65,8 @@ class Measures:
 
 
 def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> Scene:
-    """One of the nine cases (`CASES`), or a scene file, made by host_sim. ``frame`` is a frame of its motion.
+    """One of the nine cases (`CASES`), a hard one ("H01" and on), a random one ("R7_3": number 3 of the set with
+    seed 7), or a scene file, made by host_sim. ``frame`` is a frame of its motion.
 
     HostError: host_sim is not there, or does not know the scene.
 
@@ -80,8 +81,7 @@ def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> 
         stem = Path(name).stem + (f"_f{frame:03d}" if frame else "")
         full, spacing = _metaimage.read(Path(folder) / f"{stem}_full.mha")
         maps = {
-            what: _metaimage.read(Path(folder) / f"{stem}_{what}.mha")[0]
-            for what in ("truth", "label", "near", "far")
+            what: _metaimage.read(Path(folder) / f"{stem}_{what}.mha")[0] for what in ("truth", "label", "near", "far")
         }
     mm = (spacing[0], spacing[1], spacing[2])
     return Scene(name=name, size=size, seed=seed, frame=frame, spacing=mm, full=full, **maps)
@@ -113,10 +113,8 @@ def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) ->
                 _metaimage.write_map(path, _depth(depth))
             files.append("-" if depth is None else str(path))
         lowres = sizes.pop() if sizes else of.size
-        out = _host.run(
-            ["measure", "--case", of.name, "--size", str(of.size), "--seed", str(of.seed)]
-            + ["--lowres", str(lowres), *files]
-        )
+        scene_of = ["--case", of.name, "--size", str(of.size), "--seed", str(of.seed)]
+        out = _host.run(["measure", *scene_of, "--lowres", str(lowres), *files])
     rows = [{k: v for k, v in row.items() if k != "map"} for row in json.loads(out)]
     return {name: Measures(**row) for name, row in zip(maps, rows, strict=True)}
 

@@ -24,12 +24,14 @@ from typing import Any
 from . import _host
 from ._clip import ClipperCache
 from ._errors import HostError, MissingExtraError
+from ._files import PARTS, FileError, Source, whole
 from ._files import SUFFIXES as SUFFIXES
-from ._files import FileError, Source, whole
 from ._work import COLUMNS, Row, Settings, clip_one
 
 ROWS = "rows"  #: folder of the rows beside the results
 _AHEAD = 4  # tasks a worker has in hand: enough to keep it busy, few enough for a list of any length
+_LOOK = 2.0  # seconds between looks at workers of our own
+_ALONE = 90  # seconds without any: Dask itself gives a lost one 15, and a start takes some seconds on a busy machine
 
 
 def distributed() -> Any:
@@ -173,33 +175,53 @@ def batch(
     files: Sequence[Path], settings: Settings, out: Path, client: Any, step: Callable[[], Any]
 ) -> list[dict[str, Any]]:
     """Clips what is not done yet, and returns the rows of all; table.csv has them, too. Failed volumes are tried
-    anew by the next batch."""
+    anew by the next batch. One batch at a time may write to `out`. HostError: the workers died and none came back."""
     same_settings(out, settings)
     todo, rows = frames_of(files, out)
     for _ in rows:
         step()
     suspects = []
-    ahead = _AHEAD * max(len(client.scheduler_info()["workers"]), 1)
-    for (file, frame), future in _done(todo, settings, out, client, ahead):
-        if future.status == "finished":
-            rows.append(future.result())
-            step()
-        else:
+    workers = max(len(client.nthreads()), 1)
+    for (file, frame), future in _done(todo, settings, out, client, workers, _AHEAD * workers):
+        row = _row_of(future, row_path(out, file, frame))
+        if row is None:
             suspects.append((file, frame))
-    # Dask suspects whatever was in hand on a worker that died. Alone, only what really kills one fails again.
-    for (file, frame), future in _done(suspects, settings, out, client, 1):
-        if future.status == "finished":
-            rows.append(future.result())
         else:
-            rows.append(_keep(Row(str(file), frame, "plugin", f"the worker died: {future.exception()}"), out))
+            rows.append(row)
+            step()
+    # Dask suspects whatever was in hand on a worker that died. Alone, only what really kills one fails again.
+    for (file, frame), future in _done(suspects, settings, out, client, workers, 1):
+        row = _row_of(future, row_path(out, file, frame))
+        rows.append(row or _keep(Row(str(file), frame, "plugin", f"the worker died: {_reason(future)}"), out))
         step()
+    for part in out.rglob(PARTS):  # of workers that were killed while they wrote
+        part.unlink(missing_ok=True)
     rows.sort(key=lambda row: (row["file"], row["frame"]))
     write_table(out / "table.csv", rows)
     return rows
 
 
+def _row_of(future: Any, path: Path) -> dict[str, Any] | None:
+    """The row of a task that ended, from its file: what Dask itself keeps of a result is lost with the worker that has
+    it, and to ask for it then is to wait without end. None: the task's worker died."""
+    if future.status != "finished":
+        return None
+    row = _read_row(path)
+    if row is not None:
+        return row
+    try:  # a file system of a network may show the file late
+        kept: dict[str, Any] = future.result(timeout=_ALONE)
+    except TimeoutError:
+        return None
+    return kept
+
+
+def _reason(future: Any) -> str:
+    return str(future.exception()) if future.status == "error" else future.status
+
+
 def _done(
-    volumes: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, ahead: int
+    volumes: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, workers: int, ahead: int
 ) -> Iterator[tuple[tuple[Path, int], Any]]:
     """Volumes with their futures as they end, `ahead` of them in hand at a time."""
     completed = distributed().as_completed(loop=client.loop)  # not that of another client in this process
@@ -215,9 +237,30 @@ def _done(
 
     for _ in range(ahead):
         submit()
-    for future in completed:
+    while waiting:
+        _wait(completed, client, workers)
+        future = next(completed)
         yield waiting.pop(future.key), future
         submit()
+
+
+def _wait(completed: Any, client: Any, workers: int) -> None:
+    """Until a future has ended. Workers of our own may die for good on a busy machine, and then no future ever ends:
+    they are replaced. HostError: none came in time. A scheduler elsewhere is waited for."""
+    last = time.monotonic()
+    look = last + _LOOK
+    while not completed.has_ready():
+        time.sleep(0.005)
+        now = time.monotonic()
+        if client.cluster is None or now < look:
+            continue
+        look = now + _LOOK
+        if client.nthreads():
+            last = now
+        elif now - last > _ALONE:
+            raise HostError(f"no worker for {_ALONE} s; what is done is kept, and the next batch goes on from there", 1)
+        else:
+            client.cluster.scale(workers)
 
 
 def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> Path:

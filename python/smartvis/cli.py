@@ -115,6 +115,7 @@ def make_folder(path: str) -> Path:
 
 
 def command_clip(args: argparse.Namespace) -> int:
+    """Clips files."""
     settings = settings_of(args)
     sources = [Source(path) for path in args.file]
     out = make_folder(args.out)
@@ -141,6 +142,7 @@ def line_of(row: Row, sequence: bool = False) -> str:
 
 
 def command_serve(args: argparse.Namespace) -> int:
+    """Serves OpenIGTLink until it is interrupted."""
     from .serve import Server
 
     settings = settings_of(args)
@@ -156,6 +158,7 @@ def command_serve(args: argparse.Namespace) -> int:
 
 
 def command_batch(args: argparse.Namespace) -> int:
+    """Clips every volume of a study."""
     from . import _study
 
     settings = settings_of(args)
@@ -163,9 +166,11 @@ def command_batch(args: argparse.Namespace) -> int:
     if not files:
         raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(_study.SUFFIXES)}")
     out = make_folder(args.out)
-    with _study.cluster(args.scheduler, args.workers, tell_dashboard) as client:
-        with progress(None, "batch") as step:
-            rows = _study.batch(files, settings, out, client, step)
+    with (
+        _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
+        progress(None, "batch") as step,
+    ):
+        rows = _study.batch(files, settings, out, client, step)
     failed = [row for row in rows if row["state"] != "ok"]
     for row in failed:
         print(f"{row['file']} [{row['frame']}]: {row['reason']}", file=sys.stderr)
@@ -174,14 +179,17 @@ def command_batch(args: argparse.Namespace) -> int:
 
 
 def command_study(args: argparse.Namespace) -> int:
+    """Measures the whole parameter space."""
     from . import _study
 
     out = make_folder(args.out)
     shards = args.shards or 4 * args.workers
     report = [a for a in args.report if a != "--"]
-    with _study.cluster(args.scheduler, args.workers, tell_dashboard) as client:
-        with progress(shards, "study") as step:
-            print(_study.study(report, out, shards, client, step), end="")
+    with (
+        _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
+        progress(shards, "study") as step,
+    ):
+        print(_study.study(report, out, shards, client, step), end="")
     return OK
 
 
@@ -205,6 +213,7 @@ def positive(text: str) -> int:
 
 
 def command_parameters(args: argparse.Namespace) -> int:
+    """Tells what the plugin can be set to."""
     plugin = load(args.plugin)
     if args.json:
         facts = [{k: v for k, v in vars(p).items() if k != "id"} for p in plugin.parameters.values()]
@@ -239,7 +248,9 @@ def parser_of() -> argparse.ArgumentParser:
     one.set_defaults(run=command_clip)
 
     serve = commands.add_parser("serve", help="clip volumes that come by OpenIGTLink, as from 3D Slicer")
-    serve.add_argument("--host", default="127.0.0.1", help="address to listen at; who can reach it can use it [127.0.0.1]")
+    serve.add_argument(
+        "--host", default="127.0.0.1", help="address to listen at; who can reach it can use it [127.0.0.1]"
+    )
     serve.add_argument("--port", type=int, default=18944, help="[18944]; 0: any, which is printed")
     serve.add_argument("--limit", type=int, default=512, help="MiB of the longest message [512]")
     serve.add_argument("--clients", type=int, default=8, help="connections at a time [8]")
@@ -269,6 +280,7 @@ def parser_of() -> argparse.ArgumentParser:
 
 
 def fail(code: int, error: Exception) -> int:
+    """Says what went wrong; returns the exit code."""
     print(f"smartvis: {error}", file=sys.stderr)
     return code
 

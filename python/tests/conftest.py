@@ -2,6 +2,7 @@
 """What tests share. SV_SOURCE_DIR and SV_BUILD_DIR are the repository and its build folder."""
 
 import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ import smartvis
 SOURCE = Path(os.environ["SV_SOURCE_DIR"])
 BUILD = Path(os.environ["SV_BUILD_DIR"])
 os.environ.setdefault("SMARTVIS_HOST_SIM", str(BUILD / "host_sim"))
+
+LONG = 300  #: seconds that only what hangs takes, however busy the machine
 
 SKIN, FLUID, FETUS = 100, 10, 200
 
@@ -25,6 +28,11 @@ def layers(shape: tuple[int, int, int], near: float = 0.2, far: float = 0.6) -> 
     volume[z < far * slices + tilt] = FLUID
     volume[z < near * slices + tilt] = SKIN
     return volume
+
+
+def host_sim(*arguments: object) -> None:
+    """Runs host_sim, which must succeed."""
+    subprocess.run([str(BUILD / "host_sim"), *map(str, arguments)], check=True, capture_output=True, timeout=LONG)
 
 
 @pytest.fixture

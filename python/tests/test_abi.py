@@ -12,9 +12,7 @@ from smartvis import _abi
 
 HEADERS = ("smartvis_plugin.h", "smartvis/confidence.h", "smartvis/points.h")
 STRUCTS = [
-    s
-    for n, s in vars(_abi).items()
-    if n.startswith("sv_") and isinstance(s, type) and issubclass(s, ctypes.Structure)
+    s for n, s in vars(_abi).items() if n.startswith("sv_") and isinstance(s, type) and issubclass(s, ctypes.Structure)
 ]
 NUMBERS = {n: v for n, v in vars(_abi).items() if n.startswith("SV_") and isinstance(v, int)}
 TEXTS = {n: v for n, v in vars(_abi).items() if n.startswith("SV_") and isinstance(v, str)}
@@ -37,9 +35,7 @@ def told_by_the_compiler(folder: Path) -> dict[str, str]:
     source += "#include <stdio.h>\nint main(void) {\n" + "\n".join(lines) + "\nreturn 0;\n}\n"
     (folder / "told.c").write_text(source)
     compiler = os.environ.get("CC", "cc")
-    subprocess.run(
-        [compiler, "-I", SOURCE / "include", folder / "told.c", "-o", folder / "told"], check=True
-    )
+    subprocess.run([compiler, "-I", SOURCE / "include", folder / "told.c", "-o", folder / "told"], check=True)
     out = subprocess.run([folder / "told"], check=True, capture_output=True, text=True).stdout
     return dict(line.split(" ", 1) for line in out.splitlines())
 

@@ -10,7 +10,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from conftest import BUILD, SOURCE, layers
+from conftest import BUILD
 
 import smartvis
 from smartvis import Clipper, LoadError, Outcome, PluginError
@@ -26,6 +26,7 @@ def test_every_volume_is_clipped_as_clip_does_it(volume: np.ndarray) -> None:
             result = clipper(moved, discontinuity=True)
             assert result is clipper.result
             assert np.array_equal(result.depth, alone.depth)
+            assert result.confidence is not None and alone.confidence is not None
             assert np.array_equal(result.confidence, alone.confidence)
             assert result.statistics == alone.statistics
 
@@ -56,6 +57,8 @@ def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:
         inside = clipper(clipper.buffer).copy()
         other = clipper(np.roll(volume, 5, axis=2), discontinuity=True).copy()
         assert np.array_equal(clipper.buffer, np.roll(volume, 5, axis=2))  # from elsewhere: copied into it
+    with Clipper(SHAPE, (1, 1, 1)) as clipper, pytest.raises(ValueError, match="buffer=True"):
+        clipper.buffer[:] = volume
     ring = np.stack([volume, np.roll(volume, 5, axis=2)])
     with Clipper(SHAPE, (1, 1, 1), method="cost", buffer=ring) as clipper:
         assert np.array_equal(clipper(ring[0]).depth, inside.depth)
@@ -86,7 +89,7 @@ def test_fixed_parameters_are_refused_later(volume: np.ndarray) -> None:
 
 def test_threads_have_clippers_of_their_own(volume: np.ndarray) -> None:
     expected = smartvis.clip(volume, (1, 1, 1)).depth
-    same = []
+    same: list[bool] = []
 
     def work() -> None:
         with Clipper(SHAPE, (1, 1, 1)) as clipper:
@@ -123,9 +126,8 @@ def test_wrong_calls_are_named(volume: np.ndarray) -> None:
 
 
 def test_messages_of_the_plugin_go_to_logging(volume: np.ndarray, caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.DEBUG, "smartvis.plugin"):
-        with pytest.raises(PluginError) as caught:
-            Clipper(SHAPE, (1, 1, 1), kernel=4, q=1e9)(volume)
+    with caplog.at_level(logging.DEBUG, "smartvis.plugin"), pytest.raises(PluginError) as caught:
+        Clipper(SHAPE, (1, 1, 1), kernel=4, q=1e9)(volume)
     assert any(caught.value.reason in record.message for record in caplog.records)
 
 
@@ -201,4 +203,3 @@ def test_another_abi_is_not_called(tmp_path) -> None:
 def test_what_is_tested_is_the_installed_wheel() -> None:
     assert "site-packages" in smartvis.__file__
     assert smartvis.load().path.startswith(smartvis.__path__[0])
-    assert layers((8, 8, 8)).shape == (8, 8, 8)

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import BUILD, SOURCE
+from conftest import LONG, SOURCE, host_sim
 
 EXAMPLES = SOURCE / "examples" / "python"
 
 
 def run(name: str, *arguments: object) -> str:
-    command = [sys.executable, "-P", EXAMPLES / name, *map(str, arguments)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    command = [sys.executable, "-P", str(EXAMPLES / name), *map(str, arguments)]
+    return subprocess.run(command, check=True, capture_output=True, text=True, timeout=LONG).stdout
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda p: p.name)
@@ -34,8 +34,7 @@ def test_numpy_in_and_out() -> None:
 
 
 def test_a_file_becomes_a_mesh(tmp_path: Path) -> None:
-    command = [BUILD / "host_sim", "scenes", "D01", "--size", "64", "--export", "--out", tmp_path]
-    subprocess.run(command, check=True, capture_output=True)
+    host_sim("scenes", "D01", "--size", 64, "--export", "--out", tmp_path)
     assert "OK" in run("file_to_mesh.py", tmp_path / "D01_full.mha", tmp_path / "d01.stl")
     raw = (tmp_path / "d01.stl").read_bytes()
     count = int(np.frombuffer(raw[80:84], "<u4")[0])
@@ -51,7 +50,8 @@ def test_the_notebook_runs_headless(monkeypatch) -> None:
         monkeypatch.setenv("SMARTVIS_VOLUME", str(real))
     notebook = nbformat.read(EXAMPLES / "smartvis.ipynb", as_version=4)
     assert not any(cell.get("outputs") for cell in notebook.cells), "the notebook is kept without its outputs"
-    NotebookClient(notebook, timeout=120, kernel_name="python3").execute()  # a cell that fails is an exception
+    client = NotebookClient(notebook, timeout=LONG, startup_timeout=LONG, kernel_name="python3")
+    client.execute()  # a cell that fails is an exception
     pictures = [o for c in notebook.cells for o in c.get("outputs", []) if "image/png" in o.get("data", {})]
     assert len(pictures) >= 5
 

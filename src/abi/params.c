@@ -38,8 +38,9 @@ static const struct {
     uint64_t depends_values;
 } table[] = {
     {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
-     "Where the surface lies in the fluid: 0 at the fetus, 1 at the occluder, up to 1.5 beyond it.", 0.0, 1.5,
-     0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
+     "Where the surface lies in the fluid: 0 at the fetus, 1 at the occluder, up to 1.5 beyond it. With cost "
+     "and wall 0.5 is the surface they find, 0 and 1 how far it may go at little risk.",
+     0.0, 1.5, 0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,
      0.01, NULL, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
@@ -57,8 +58,8 @@ static const struct {
      0.01, 0.1, 0.03, 0.01, NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_FRACTION)},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
      "How depths spread from the initial points to all pixels, or, with cost and wall, are found from every "
-     "ray's own fluid; all but minimum are linear in the depths, so that turning q costs next to nothing.",
-     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods, GROUP_SURFACE, 0,
+     "ray's own fluid; with all but minimum turning q costs next to nothing.",
+     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0,
      0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,

@@ -66,7 +66,7 @@ sv_status sv_pipeline_end(sv_pipeline *p, float q) {
 }
 
 sv_status sv_pipeline_adjust(sv_pipeline *p, float q) {
-    return p->chain.linear ? SV_OK : sv_chain_run(&p->chain, p->buffers.state16, q);
+    return sv_chain_turn(&p->chain, p->buffers.state16, q);
 }
 
 /* Enqueues a read of a map whose rows are `from_pitch` bytes apart into host rows `to_pitch` apart. */

@@ -159,6 +159,12 @@ static sv_status spread(sv_chain *chain) {
     return sv_launch_pixels(&l, on->width, on->height, SV_STAGE_RECONSTRUCT);
 }
 
+sv_status sv_chain_turn(sv_chain *chain, cl_mem state16, float q) {
+    if (chain->linear) return SV_OK;
+    return chain->method->turn ? chain->method->turn(chain->frame, &chain->state, q)
+                               : sv_chain_run(chain, state16, q);
+}
+
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q) {
     const sv_map *on = sv_chain_map(chain);
     if (chain->direct) return chain->method->run(on, &chain->state, 2);
@@ -169,6 +175,7 @@ sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q) {
         status = sv_minimum_prefilter(on, &chain->filter, (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
                                       (uint32_t)v[SV_PARAM_PREFILTER_PASSES]);
     if (status == SV_OK) status = chain->method->run(on, &chain->state, chain->linear ? 2 : 1);
+    if (status == SV_OK && chain->method->turn) status = chain->method->turn(chain->frame, &chain->state, q);
     if (status == SV_OK) status = note_passes(chain);
     return status == SV_OK && chain->reduced ? spread(chain) : status;
 }

@@ -51,4 +51,7 @@ sv_status sv_chain_slab(sv_chain *chain, const sv_placed_slab *slab);
  * is not linear. */
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q);
 
+/* After a run: enqueues what another q changes in the surfaces. */
+sv_status sv_chain_turn(sv_chain *chain, cl_mem state16, float q);
+
 #endif

@@ -22,11 +22,12 @@ enum {
     K_CHEAPEST,
     K_MEDIAN,
     K_TRUST,
+    K_TURN,
     K_LEAVE
 };
-static const char *const kernels[] = {"wall_take",     "wall_blocks", "wall_levels", "wall_walls",
-                                      "wall_evidence", "wall_costs",  "wall_decide", "wall_cheapest",
-                                      "wall_median",   "wall_trust",  "wall_leave",  NULL};
+static const char *const kernels[] = {
+    "wall_take",     "wall_blocks", "wall_levels", "wall_walls", "wall_evidence", "wall_costs", "wall_decide",
+    "wall_cheapest", "wall_median", "wall_trust",  "wall_turn",  "wall_leave",    NULL};
 enum {
     SPANS,
     SUMS,   /* of the layer that the slabs are in */
@@ -45,7 +46,7 @@ enum {
     CONFIDENCE
 };
 enum { FETUS = HISTOGRAMS }; /* sums of rows of rays */
-enum { RAY_PLANES = 4, PLACE_PLANES = 3, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 518 };
 
 static sv_source source(void) {
@@ -174,15 +175,17 @@ static const struct {
     {K_CHEAPEST, SCRATCH_WORDS, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, SCRATCH, PLACES, -1}},
     {K_MEDIAN, 0, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, AWAYS, PLACES, -1}},
     {K_TRUST, 0, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, PLACES, -1}},
+    {K_TURN, 0, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, PLACES, -1}},
     {K_LEAVE, SURFACES, PIXEL_ROWS, SV_STAGE_RECONSTRUCT, {INFO, PLACES, CONFIDENCE, -1}},
 };
+enum { ALL = sizeof launches / sizeof *launches, FIRST_OF_TURN = ALL - 2 };
 
-static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* both, always: the surface is the same for every q */
-    const sv_wall_layout layout = layout_of(m);
+static sv_status run_from(const sv_map *m, sv_method_state *s, size_t first, size_t end, float q) {
+    sv_wall_layout layout = layout_of(m);
+    layout.q = q;
     const size_t count[] = {[ONCE] = 1, [RAY_ROWS] = layout.rows, [PIXEL_ROWS] = layout.height};
     sv_status status = SV_OK;
-    for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
+    for (size_t i = first; status == SV_OK && i < end; i++) {
         const int kernel = launches[i].kernel, takes = launches[i].takes;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[kernel], kernels[kernel]);
         sv_launch_arg(&l, sizeof layout, &layout);
@@ -196,6 +199,15 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
         status = sv_launch_items(&l, count[launches[i].items], launches[i].stage);
     }
     return status;
+}
+
+static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
+    (void)planes; /* one: `turn` makes it */
+    return run_from(m, s, 0, FIRST_OF_TURN, 0.5f);
+}
+
+static sv_status turn(const sv_map *m, sv_method_state *s, float q) {
+    return run_from(m, s, FIRST_OF_TURN, ALL, q);
 }
 
 static cl_mem confidence(const sv_method_state *s) {
@@ -222,7 +234,7 @@ static double bound(const sv_map *m) {
 
 const sv_method sv_method_wall = {.definition = &sv_ref_method_wall,
                                   .bound = bound,
-                                  .linear = true,
+                                  .linear = false,
                                   .kernels = kernels,
                                   .source = source,
                                   .commands = commands,
@@ -230,5 +242,6 @@ const sv_method sv_method_wall = {.definition = &sv_ref_method_wall,
                                   .prepare = prepare,
                                   .slab = slab,
                                   .run = run,
+                                  .turn = turn,
                                   .confidence = confidence,
                                   .confidence_report = confidence_report};

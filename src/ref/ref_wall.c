@@ -82,7 +82,7 @@ static double in_range(double mm) {
     return mm > 0.0 ? fmin(fmax(mm, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM) : 0.0;
 }
 
-bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3], float *depth,
+bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3], double q, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     const size_t plane = (size_t)v->width * v->height;
     uint8_t *voxels = malloc(plane * v->slices);
@@ -98,7 +98,9 @@ bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3], 
             .first = ranges,
             .end = ranges + plane,
             .spacing_mm = {in_range(spacing_mm[0]), in_range(spacing_mm[1]), in_range(spacing_mm[2])}};
-        done = sv_wall_surface(&wall, NULL, depth, confidence, outcome, facts);
+        sv_wall_settings settings = sv_wall_settings_default();
+        settings.q = q;
+        done = sv_wall_surface(&wall, &settings, depth, confidence, outcome, facts);
     }
     free(voxels);
     free(ranges);
@@ -111,8 +113,8 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     const size_t count = (size_t)task->map.width * task->map.height;
     float *maps = malloc(2 * count * sizeof *maps);
     sv_wall_outcome outcome;
-    const bool done =
-        maps && sv_wall_surface_padded(task->volume, task->spacing_mm, maps, maps + count, &outcome, NULL);
+    const bool done = maps && sv_wall_surface_padded(task->volume, task->spacing_mm, task->q, maps,
+                                                     maps + count, &outcome, NULL);
     for (size_t i = 0; done && i < count; i++) surface[i] = (double)maps[i];
     free(maps);
     return done;

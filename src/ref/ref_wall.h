@@ -32,8 +32,8 @@ bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *setti
 
 /* The same for a volume that has a padding value, too. Voxels of that value were not scanned; what is left of
  * a ray goes from its first other voxel to its last, and the padding between them counts as 0.
- * Any spacing: what is out of range counts as the nearest that is not. */
-bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], float *depth,
+ * Any spacing: what is out of range counts as the nearest that is not. `q`: the knob, 0 .. 1.5. */
+bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], double q, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
 
 /* The plugin's method. */

@@ -33,14 +33,24 @@ static void blur(const sv_wall_layout *l, uint32_t *costs, uint32_t *rows) {
     for (size_t i = 0; i < all; i++) costs[i] = (costs[i] + one / 2) / one;
 }
 
-/* The mean of the layers around the cheapest one that cost at most `slack` more, weighted by what they cost
- * less than that; of several cheapest the one nearest to the viewer counts. In layers. */
-static float cheapest(const uint32_t *cost, uint32_t layers, uint32_t slack) {
+/* Of a ray, in layers: the surface and the ends of the stretch that the knob moves it in. */
+enum { NEAR, PLACE, FAR, PLANES };
+
+/* Where the cost between two layers crosses `limit`: behind `inside`, whose cost is below it, in layers. */
+static float crossing(uint32_t inside, uint32_t outside, uint32_t limit) {
+    return (float)(limit - inside) / (float)(outside - inside);
+}
+
+/* `place`: the mean of the layers around the cheapest one that cost at most `slack` more, weighted by what
+ * they cost less than that; of several cheapest the one nearest to the viewer counts. `near`, `far`: how far
+ * around the cheapest one the costs stay within `reach`. */
+static void cheapest(const uint32_t *cost, uint32_t layers, uint32_t slack, uint32_t reach,
+                     float to[PLANES]) {
     uint32_t best = 0;
     for (uint32_t i = 1; i < layers; i++)
         if (cost[i] < cost[best]) best = i;
-    const uint32_t limit = cost[best] + slack;
-    uint32_t weight = slack, sum = slack * best;
+    const uint32_t limit = cost[best] + slack, edge = cost[best] + reach;
+    uint32_t weight = slack, sum = slack * best, near = best, far = best;
     for (uint32_t i = best; i > 0 && cost[i - 1] < limit; i--) {
         weight += limit - cost[i - 1];
         sum += (limit - cost[i - 1]) * (i - 1);
@@ -49,7 +59,14 @@ static float cheapest(const uint32_t *cost, uint32_t layers, uint32_t slack) {
         weight += limit - cost[i];
         sum += (limit - cost[i]) * i;
     }
-    return weight ? (float)sum / (float)weight : (float)best;
+    while (near > 0 && cost[near - 1] < edge) near--;
+    while (far + 1 < layers && cost[far + 1] < edge) far++;
+    const float place = weight ? (float)sum / (float)weight : (float)best;
+    const float before = near > 0 ? crossing(cost[near], cost[near - 1], edge) : 0.0f;
+    const float behind = far + 1 < layers ? crossing(cost[far], cost[far + 1], edge) : 0.0f;
+    to[NEAR] = fminf((float)near - before, place);
+    to[PLACE] = place;
+    to[FAR] = fmaxf((float)far + behind, place);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -120,35 +137,60 @@ static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, size_
     return (float)(SV_WALL_OWN_AWAY * costs->away[at] + costs->wrong[at]) / SV_WALL_ONE;
 }
 
-static void finish(const sv_wall_layout *l, const sv_wall_costs *costs, float *layers, float *chosen,
-                   float *depth, float *confidence) {
-    for (uint32_t y = 0; y < l->rows; y++)
-        for (uint32_t x = 0; x < l->columns; x++) {
-            const size_t ray = (size_t)y * l->columns + x;
-            chosen[ray] = l->median ? middle(l, layers, x, y) : layers[ray];
-        }
+/* The median of every plane. */
+static void settle(const sv_wall_layout *l, const float *layers, float *chosen) {
+    const size_t count = (size_t)l->columns * l->rows;
+    if (!l->median) memcpy(chosen, layers, PLANES * count * sizeof *chosen);
+    for (uint32_t plane = 0; l->median && plane < PLANES; plane++)
+        for (uint32_t y = 0; y < l->rows; y++)
+            for (uint32_t x = 0; x < l->columns; x++)
+                chosen[plane * count + (size_t)y * l->columns + x] = middle(l, layers + plane * count, x, y);
+}
+
+/* `own` and `sure` have room for a number a ray. */
+static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const float *layers, float *own,
+                  float *sure, float *confidence) {
     for (size_t ray = 0; ray < (size_t)l->columns * l->rows; ray++)
-        layers[ray] = own_cost(l, costs, ray, chosen[ray]);
-    interpolate(l, chosen, (float)l->depth, depth);
-    const float doubt = l->doubt;
+        own[ray] = own_cost(l, costs, ray, layers[ray]);
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
-            const float own = smooth(l, layers, x, y) / doubt;
-            chosen[(size_t)y * l->columns + x] = 1.0f / (1.0f + own * own);
+            const float doubt = smooth(l, own, x, y) / l->doubt;
+            sure[(size_t)y * l->columns + x] = 1.0f / (1.0f + doubt * doubt);
         }
-    interpolate(l, chosen, 1.0f, confidence);
+    interpolate(l, sure, 1.0f, confidence);
+}
+
+/* Leaves the surface in the plane PLACE: at q = 0 the far end, at 1 the near one, linear to either side of
+ * 0.5.
+ */
+static void turn(const sv_wall_layout *l, float *chosen) {
+    const size_t count = (size_t)l->columns * l->rows;
+    const float part = fabsf(2.0f * l->q - 1.0f);
+    const float *const end = chosen + (l->q < 0.5f ? FAR : NEAR) * count;
+    float *const place = chosen + PLACE * count;
+    for (size_t ray = 0; ray < count; ray++) {
+        const float at = place[ray] + part * (end[ray] - place[ray]);
+        place[ray] = at > 0.0f ? at : 0.0f;
+    }
 }
 
 bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float *depth, float *confidence) {
     const size_t count = (size_t)l->columns * l->rows, all = count * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
-    float *layers = calloc(count, sizeof *layers), *chosen = calloc(count, sizeof *chosen);
+    float *layers = calloc(PLANES * count, sizeof *layers), *chosen = calloc(PLANES * count, sizeof *chosen);
     const bool done = costs && rows && layers && chosen;
     if (done) {
         for (size_t i = 0; i < all; i++) costs[i] = given->away[i] + given->wrong[i];
         blur(l, costs, rows);
-        for (size_t i = 0; i < count; i++) layers[i] = cheapest(costs + i * l->layers, l->layers, l->slack);
-        finish(l, given, layers, chosen, depth, confidence);
+        for (size_t i = 0; i < count; i++) {
+            float of_ray[PLANES];
+            cheapest(costs + i * l->layers, l->layers, l->slack, l->reach, of_ray);
+            for (size_t plane = 0; plane < PLANES; plane++) layers[plane * count + i] = of_ray[plane];
+        }
+        settle(l, layers, chosen);
+        trust(l, given, chosen + PLACE * count, layers, layers + count, confidence);
+        turn(l, chosen);
+        interpolate(l, chosen + PLACE * count, (float)l->depth, depth);
     }
     free(costs);
     free(rows);

@@ -138,8 +138,8 @@ static void test_small_buffers_are_refused(void **state) {
     hs_device_volume *source = hs_device_volume_create(cl, &volume, &err);
     hs_dvr *dvr = hs_dvr_create(cl, &s, &err);
     cl_mem small = test_buffer(cl, 255, NULL), full = test_buffer(cl, 1024, NULL);
-    const hs_start_depths too_large = {small, NULL, 8, 8, 8}, empty = {full, NULL, 0, 8, 8},
-                          unsure = {full, small, 8, 8, 8};
+    const hs_start_depths too_large = {small, NULL, 8, 8, 8, 0}, empty = {full, NULL, 0, 8, 8, 0},
+                          unsure = {full, small, 8, 8, 8, 0};
     assert_true(
         hs_dvr_render(dvr, source, &camera, NULL, NULL, NULL, NULL, &err)); /* both outputs are optional */
     struct {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* How a volume lies in the patient, held to hand-made directions: words, letters, world coordinates, and what
  * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
-#include "render/camera.h"
+#include "render/camera_mark.h"
 #include "volume/pose.h"
 
 #include <math.h>
@@ -154,6 +154,55 @@ static void turns_are_the_pictures(void **state) {
     }
 }
 
+/* The mark tells what is at the picture's right and at its top, whatever the volume's axes are. */
+static void marks_tell_what_is_at_the_right(void **state) {
+    (void)state;
+    static const struct {
+        hs_from from;
+        const char *mark;
+    } marks[] = {{HS_FROM_ANTERIOR, "patient's left at the right, head at the top"},
+                 {HS_FROM_POSTERIOR, "patient's right at the right, head at the top"},
+                 {HS_FROM_LEFT, "patient's back at the right, head at the top"},
+                 {HS_FROM_RIGHT, "patient's front at the right, head at the top"},
+                 {HS_FROM_SUPERIOR, "patient's right at the right, front at the top"},
+                 {HS_FROM_INFERIOR, "patient's left at the right, front at the top"}};
+    static const char *const lies[] = {"RAI", "LAI", "SPL", "IRA"};
+    for (size_t l = 0; l < sizeof lies / sizeof *lies; l++)
+        for (size_t m = 0; m < sizeof marks / sizeof *marks; m++) {
+            hs_volume volume = {.nx = 9, .ny = 9, .nz = 9, .spacing = {1, 1, 1}, .pose = {.stated = true}};
+            hs_camera camera;
+            char mark[64];
+            assert_true(hs_pose_from_letters(&volume.pose, lies[l]));
+            for (int turn = -1; turn <= 1; turn++) { /* up to 40 degrees the closest ends are the same */
+                hs_camera_look_from(&camera, &volume, marks[m].from, 40 * turn, 0);
+                hs_camera_mark(&camera, &volume, mark, sizeof mark);
+                assert_string_equal(mark, marks[m].mark);
+            }
+        }
+}
+
+/* From the probe: x to the patient's right is at the picture's right. Nothing known, nothing said. */
+static void marks_are_there_only_if_something_is_known(void **state) {
+    (void)state;
+    hs_volume volume = {.nx = 9, .ny = 9, .nz = 9, .spacing = {1, 1, 1}, .pose = {.stated = true}};
+    hs_beams beams = {0};
+    hs_camera camera;
+    char title[80];
+    assert_true(hs_pose_from_letters(&volume.pose, "LIA"));
+    hs_camera_look(&camera, &volume, 0, 0);
+    hs_camera_title("scan", &camera, &volume, title, sizeof title);
+    assert_string_equal(title, "scan, patient's right at the right, feet at the top");
+    hs_camera_look(&camera, &volume, 45, 45);
+    hs_camera_title("scan", &camera, &volume, title, sizeof title);
+    assert_non_null(strstr(title, "at the top"));
+    volume.pose.stated = false;
+    hs_camera_title("scan", &camera, &volume, title, sizeof title);
+    assert_string_equal(title, "scan");
+    volume.beams = &beams;
+    hs_camera_title("scan", &camera, &volume, title, sizeof title);
+    assert_string_equal(title, "scan, sweep + at -y");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letters_and_words_name_the_directions),
@@ -162,6 +211,8 @@ int main(void) {
         cmocka_unit_test(named_places_show_the_patient_however_the_volume_lies),
         cmocka_unit_test(probes_look_into_the_volume),
         cmocka_unit_test(turns_are_the_pictures),
+        cmocka_unit_test(marks_tell_what_is_at_the_right),
+        cmocka_unit_test(marks_are_there_only_if_something_is_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -122,8 +122,8 @@ static void test_adjust(void **state) {
 static void test_no_fill_weight(void **state) {
     rig *r = *state;
     surface_points p = make_set(0, 40, 30);
-    const sv_param_value fixed[] = {{rig_param(r, "reduction"), 0, 2}};
-    const sv_format format = surface_format(&p, fixed, 1);
+    const sv_param_value fixed[] = {{rig_param(r, "method"), 0, MEAN}, {rig_param(r, "reduction"), 0, 2}};
+    const sv_format format = surface_format(&p, fixed, 2);
     const sv_param_value none[] = {{rig_param(r, "fill_weight"), 0, 0.0}};
     const sv_frame frame = {.size = sizeof frame, .values = none, .value_count = 1};
     assert_int_equal(r->plugin->activate(r->plugin, &format), SV_OK);

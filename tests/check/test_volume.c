@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* hs_volume: limits, and the unscanned region against a plain flood fill. */
-#include "volume/volume.h"
+#include "volume/volume_fill.h"
 
 #include <limits.h>
 #include <pthread.h>
@@ -211,6 +211,80 @@ static void the_fill_does_not_recurse(void **state) {
     hs_volume_free(&volume);
 }
 
+/* ---------------------------------------------------------------------------------------------- filling --
+ */
+
+enum { FILL_X = 300, FILL_Y = 70, FILL_Z = 9, FILL = FILL_X * FILL_Y * FILL_Z }; /* in several pieces */
+
+/* Who fills how: levels of a fixed pattern with zeros in it. */
+typedef struct {
+    size_t fail_from; /* pieces that hold this voxel or later ones fail */
+    uint32_t calls;
+    bool in_order;
+    size_t next;
+} pattern;
+
+static uint8_t pattern_at(size_t i) {
+    return (uint8_t)(i * 2654435761u >> 13 & 3u);
+}
+
+static bool fill_pattern(void *context, size_t first, size_t count, uint8_t *out, hs_error *err) {
+    pattern *p = context;
+    if (first + count > p->fail_from) return hs_fail(err, HS_ERR_INPUT, "piece at %zu", first);
+    for (size_t i = 0; i < count; i++) out[i] = (uint8_t)(out[i] + pattern_at(first + i));
+    if (p->in_order) {
+        assert_int_equal(first, p->next);
+        p->next += count;
+        p->calls++;
+    }
+    return true;
+}
+
+static void expect_pattern(const hs_volume *volume, const hs_volume *expected) {
+    for (size_t i = 0; i < FILL; i++)
+        assert_int_equal(volume->voxels[i], expected ? expected->voxels[i] : pattern_at(i));
+}
+
+/* Every voxel once, with one thread in order; marking on the way is what marking afterwards is. */
+static void a_volume_is_filled_in_pieces(void **state) {
+    (void)state;
+    hs_volume plain, marked;
+    hs_error err = {0};
+    make(&plain, FILL_X, FILL_Y, FILL_Z);
+    pattern in_order = {.fail_from = SIZE_MAX, .in_order = true}, at_once = {.fail_from = SIZE_MAX};
+    assert_true(hs_volume_fill(&plain, 1, fill_pattern, &in_order, &err));
+    assert_true(in_order.calls > 2);
+    assert_int_equal(in_order.next, FILL);
+    expect_pattern(&plain, NULL);
+    memset(plain.voxels, 0, FILL);
+    assert_true(hs_volume_fill(&plain, 8, fill_pattern, &at_once, &err));
+    expect_pattern(&plain, NULL);
+    mark(&plain);
+    for (uint32_t threads = 1; threads <= 8; threads *= 8) {
+        make(&marked, FILL_X, FILL_Y, FILL_Z);
+        assert_true(hs_volume_fill_marked(&marked, threads, fill_pattern, &at_once, &err));
+        expect_pattern(&marked, &plain);
+        hs_volume_free(&marked);
+    }
+    hs_volume_free(&plain);
+}
+
+static void the_first_failure_is_told(void **state) {
+    (void)state;
+    hs_volume volume;
+    make(&volume, FILL_X, FILL_Y, FILL_Z);
+    for (uint32_t threads = 1; threads <= 8; threads++)
+        for (int marked = 0; marked < 2; marked++) {
+            pattern p = {.fail_from = FILL / 2}; /* in the second piece, and in all behind it */
+            hs_error err = {0};
+            assert_false(
+                (marked ? hs_volume_fill_marked : hs_volume_fill)(&volume, threads, fill_pattern, &p, &err));
+            assert_int_equal(err.code, HS_ERR_INPUT);
+            assert_string_equal(err.text, "piece at 65400"); /* 218 rows of 300 */
+        }
+    hs_volume_free(&volume);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sizes_outside_the_limits_are_refused),
@@ -220,6 +294,8 @@ int main(void) {
         cmocka_unit_test(diagonal_neighbours_do_not_connect),
         cmocka_unit_test(extremes_keep_their_meaning),
         cmocka_unit_test(the_fill_does_not_recurse),
+        cmocka_unit_test(a_volume_is_filled_in_pieces),
+        cmocka_unit_test(the_first_failure_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Method wall against its definition (docs/surface.md): on scenes, on any volume, by any split into slabs,
- * with ranges, padding and spacing. Everything up to the labels is integer arithmetic, so on a device that
- * divides exactly the maps are the same bits.
+ * with ranges, padding and spacing, at any place of the knob. Everything up to the labels is integer
+ * arithmetic, so on a device that divides exactly the maps are the same bits.
  */
 #include "ref/ref_wall.h"
 #include "scene/scene.h"
@@ -32,14 +32,14 @@ typedef struct {
     sv_wall_facts facts;
 } expected;
 
-static expected expect(const shape *s, const uint8_t *volume) {
+static expected expect(const shape *s, const uint8_t *volume, double q) {
     const size_t count = (size_t)s->width * s->height;
     const sv_ref_volume v = {volume,    s->width,   s->height,
                              s->slices, s->padding, (const sv_ref_range *)s->scanned};
     const double mm[3] = {(double)s->spacing_mm[0], (double)s->spacing_mm[1], (double)s->spacing_mm[2]};
     expected e = {.depth = calloc(count, sizeof(float)), .confidence = calloc(count, sizeof(float))};
     assert_true(e.depth && e.confidence);
-    assert_true(sv_wall_surface_padded(&v, mm, e.depth, e.confidence, &e.outcome, &e.facts));
+    assert_true(sv_wall_surface_padded(&v, mm, q, e.depth, e.confidence, &e.outcome, &e.facts));
     return e;
 }
 
@@ -64,6 +64,30 @@ static bool is_exact(const rig *r) {
     return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
 }
 
+/* After a frame at q = 0.5: `adjust` gives what the definition gives, and a larger q lies nowhere behind a
+ * smaller one. */
+static void check_knob(rig *r, const shape *s, const uint8_t *volume, double bound) {
+    static const double places[] = {0.0, 0.3, 0.5, 0.7, 1.0, 1.5};
+    const size_t count = (size_t)s->width * s->height;
+    float *last = malloc(count * sizeof *last);
+    rig_result out = rig_result_make(s->width, s->height);
+    assert_non_null(last);
+    for (size_t n = 0; n < sizeof places / sizeof *places; n++) {
+        const sv_param_value q = {rig_param(r, "q"), 0, places[n]};
+        const sv_result result = {.size = sizeof result, .depth = out.depth};
+        expected e = expect(s, volume, places[n]);
+        assert_true(r->plugin->adjust(r->plugin, &q, 1, &result) >= SV_OK);
+        if (r->queue) assert_int_equal(clFinish(r->queue), CL_SUCCESS);
+        const double error = largest_difference(out.depth, e.depth, count);
+        if (error > bound) fail_msg("q %g: error %g slices", places[n], error);
+        for (size_t i = 0; n > 0 && i < count; i++) assert_true(out.depth[i] <= last[i]);
+        memcpy(last, out.depth, count * sizeof *last);
+        expected_free(&e);
+    }
+    rig_result_free(&out);
+    free(last);
+}
+
 /* True if there is a surface. */
 static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
     const size_t count = (size_t)s->width * s->height;
@@ -77,7 +101,7 @@ static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *w
                           .extra_w = 3,
                           .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
                           .fixed_count = 1};
-    expected e = expect(s, volume);
+    expected e = expect(s, volume, 0.5);
     rig_textures *t = rig_textures_make(r, &f, volume);
     memcpy(t->format.spacing_mm, s->spacing_mm, sizeof s->spacing_mm);
     rig_result out = rig_result_make(s->width, s->height);
@@ -89,6 +113,7 @@ static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *w
     if (active != SV_OK) fail_msg("%s: %s", what, r->last_log);
     const sv_status status = rig_frame(r, t, NULL, 0, &out);
     assert_int_equal(ext->read(r->plugin, confidence, &report), SV_OK);
+    check_knob(r, s, volume, bound);
     r->plugin->deactivate(r->plugin);
     const double depth_error = largest_difference(out.depth, e.depth, count);
     const double confidence_error = largest_difference(confidence, e.confidence, count);
@@ -223,9 +248,9 @@ static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned 
     both.padding = padded.padding = 0;
     padded.scanned = NULL;
     const shape *const all[] = {&told, &both, &padded};
-    expected first = expect(&told, volume);
+    expected first = expect(&told, volume, 0.5);
     for (size_t n = 0; n < 3; n++) {
-        expected e = expect(all[n], volume);
+        expected e = expect(all[n], volume, 0.5);
         assert_memory_equal(e.depth, first.depth, plane * sizeof(float));
         assert_true(compare(r, all[n], volume, "ranges or padding"));
         expected_free(&e);

@@ -267,7 +267,7 @@ static void test_grey_levels(void **state) {
 static bool read_cases(const char *folder, hs_error *err) {
     for (int n = 0; n < CASES; n++)
         if (folder ? !wall_case_read(folder, names[n], &cases[n], err)
-                   : !wall_case_make(names[n], 1, 0, &cases[n], err))
+                   : !wall_case_make(names[n], 1, 0, 0, &cases[n], err))
             return false;
     return true;
 }

@@ -38,6 +38,7 @@ run=(run --frames 1 --setting smartvis --picture 32 --lowres 48 --out out --plug
 
 # ------------------------------------------------------------------------------------------ orientation
 expect 0 "in the patient: not said" info plain.mha
+expect 0 "first voxel at (0, 0, 0) mm; probe at -z" info plain.mha
 expect 0 "in the patient: x to the right, y to the head, z to the back (LIA)" info lying.mha
 expect 0 "first voxel at (1, 2, 3) mm (left, back, head); probe at -z" info lying.mha
 expect 0 "AnatomicalOrientation says LPI instead: TransformMatrix counts" info doubt.mha
@@ -53,6 +54,9 @@ expect 2 "--probe +x: is for --volume" "${run[@]}" --scene D01 --size 32 --probe
 make_volume turned.mha 'ElementSpacing = 1 1 2\nTransformMatrix = -1 0 0 0 0 1 0 1 0\n'
 expect 3 "turned.mha: lies otherwise in the patient than plain.mha" "${run[@]}" --volume plain.mha --volume turned.mha
 
+expect 0 "in the pictures: patient's right at the right, feet at the top" "${run[@]}" --few-pictures --volume lying.mha
+expect 0 "in the pictures: patient's left at the right, head at the top" "${run[@]}" --few-pictures --volume lying.mha --view anterior
+
 # ---------------------------------------------------------------------------------------------- results
 rm -rf out
 expect 0 "Results: depthmap.mha, status.mha, clipped.mha, mask.mha, surface.ply; what is cut away became 0" "${run[@]}" --volume plain.mha --write all --json r.json
@@ -66,13 +70,14 @@ rm -rf out
 expect 0 "Results: mask.mha" "${run[@]}" --volume plain.mha --write mask
 holds [ -s out/mask.mha ]
 holds [ ! -e out/clipped.mha ]
+expect 0 "inflating alone" info --timing out/mask.mha
 expect 0 "confidence.mha" "${run[@]}" --plugin "$build/tests/plugins/sure_ramp.so" --volume plain.mha --write confidence,depthmap
 holds [ -s out/confidence.mha ]
 expect 0 "sequences of 2 volumes" "${run[@]}" --volume plain.mha --volume plain.mha --write clipped,surface
 holds grep -aqxF "DimSize = 24 24 24 2" out/clipped.mha
 holds [ -s out/surface_0001.ply ]
 expect 0 "a sequence of 2 volumes" info out/clipped.mha
-expect 0 "reading it, the shortest of" info --timing out/clipped.mha
+expect 0 "its bytes alone" info --timing out/clipped.mha
 expect 4 "confidence: the plugin gave none" "${run[@]}" --volume plain.mha --write confidence
 expect 4 "nothing is cut away in 1" "${run[@]}" --volume plain.mha --write mask --set fail=end
 expect 2 "--write: 'depth' is none of depthmap, confidence, status, clipped, mask, surface, or all" "${run[@]}" --volume plain.mha --write depth

@@ -17,6 +17,10 @@ printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCH
     head -c $((32 * 32 * 12)) /dev/zero | tr '\0' '\360'
 } >> "$work/data/layers.mha"
 
+# And one in the geometry of a probe.
+"$build/host_sim" scenes D01 --size 32 --export --format vol --out "$work/vol" > /dev/null
+mv "$work/vol/D01_truth.vol" "$work/data/probe.vol"
+
 "$build/host_sim" demo --quick --out "$work/demo" --data "$work/data" > "$work/stdout" 2> "$work/stderr"
 code=$?
 if [ $code -ne 0 ]; then
@@ -35,10 +39,12 @@ done
 holds [ -s "$work/demo/layers_mha/panel.png" ]
 holds [ ! -e "$work/demo/layers_mha/truth.png" ]
 holds [ -s "$work/demo/hidden_layers_mha/truth.png" ]
+holds [ -s "$work/demo/probe_vol/panel.png" ]
+holds [ -s "$work/demo/hidden_probe_vol/truth.png" ]
 
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
-holds [ "$pictures" -eq $((4 * 8 + 7)) ]
+holds [ "$pictures" -eq $((5 * 8 + 2 * 7)) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"
@@ -52,7 +58,7 @@ for tag in figure figcaption div table details pre p h2; do
     holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
 done
 # One row a case in the table of speeds, after its head.
-holds [ "$(grep -c '^<tr><th>' "$page")" -eq 6 ]
+holds [ "$(grep -c '^<tr><th>' "$page")" -eq 8 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
 
 # With a plugin that fails, the demo ends with its code and shows the full volume.

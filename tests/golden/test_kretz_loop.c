@@ -7,7 +7,7 @@
 #include "loop/slabs.h"
 #include "result/result_voxels.h"
 #include "support/kretz_files.h"
-#include "support/loop_fixture.h"
+#include "support/sequence_fixture.h"
 #include "volume/kretz_write.h"
 
 #include <unistd.h>
@@ -63,21 +63,11 @@ static uint8_t brightest(const hs_volume *volume) {
     return most;
 }
 
-/* Bytes of this process that are in memory. */
-static size_t resident(void) {
-    size_t pages[2] = {0};
-    FILE *file = fopen("/proc/self/statm", "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%zu %zu", &pages[0], &pages[1]), 2);
-    (void)fclose(file);
-    return pages[1] * (size_t)sysconf(_SC_PAGESIZE);
-}
-
 /* A round and some more take no more memory than five volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
     (void)state;
     const char *path = write_sequence(VOLUMES);
-    const size_t before = resident();
+    const size_t before = resident_bytes();
     hs_source source = open_source(path, NULL);
     hs_error err = {0};
     assert_int_equal(source.count, VOLUMES);
@@ -88,7 +78,7 @@ static void memory_stays_flat(void **state) {
         const hs_volume *volume = hs_source_bring(&source, i, &err);
         if (!volume) fail_msg("%s", err.text);
         assert_int_equal(brightest(volume), level_of(i % VOLUMES));
-        const size_t now = resident();
+        const size_t now = resident_bytes();
         if (now > most) most = now;
     }
     assert_true(bytes > 1u << 20);
@@ -128,27 +118,10 @@ static void a_stream_ends_at_once(void **state) {
 }
 
 static void every_frame_shows_its_volume(void **state) {
-    fixture *f = *state;
+    uint8_t levels[VOLUMES];
+    for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(n);
     hs_source source = open_source(write_sequence(VOLUMES), &coarse);
-    hs_loop_options options = options_with(NULL, 0);
-    hs_error err = {0};
-    hs_loop_result result;
-    options.frames = VOLUMES + 5;
-    hs_loop *loop = hs_loop_create(&f->cl, &source, &f->plugin, &options, &err);
-    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
-        fail_msg("%s", err.text);
-        return;
-    }
-    assert_int_equal(result.failed_frames, 0);
-    for (uint32_t i = 0; i < VOLUMES; i += 6) {
-        hs_view view = view_of(loop, i);
-        uint8_t most = 0;
-        for (size_t p = 0; p < (size_t)view.width * view.height; p++)
-            if (view.mip[p] > most) most = view.mip[p];
-        assert_int_equal(most, level_of(i));
-        hs_view_free(&view);
-    }
-    hs_loop_destroy(loop);
+    expect_every_frame_shows_its_volume(*state, &source, levels);
     hs_source_close(&source);
 }
 
@@ -180,15 +153,13 @@ static void expect_refusal(const char *const *paths, uint32_t count, const hs_so
     assert_false(hs_source_open_files(&source, paths, count, how, &err));
     assert_int_equal(err.code, code);
     if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
-    assert_null(source.files);
+    assert_null(source.file);
     assert_null(source.stream);
 }
 
 static void what_does_not_fit_is_refused(void **state) {
     (void)state;
     const char *path = write_sequence(3);
-    const char *const twice[] = {path, path};
-    expect_refusal(twice, 2, NULL, HS_ERR_INPUT, "a sequence of 3 volumes, which comes alone");
     const hs_source_files window = {.metaimage = {.has_window = true, .window_low = 0, .window_high = 9}};
     expect_refusal(&path, 1, &window, HS_ERR_USAGE, "a window was given");
     const hs_source_files maps = {.scanned = {"a.mha", "b.mha"}};

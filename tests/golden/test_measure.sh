@@ -44,5 +44,16 @@ refused 3 "none.mha" "${case[@]}" none.mha
 refused 3 "other.mha" "${case[@]}" other.mha
 refused 3 "voxel (0, 0, 0)" "${case[@]}" nan.mha
 refused 3 "Z99" --case Z99 -
+
+# Kretz files with their truth and labels: what clips nothing leaves all occluders, what clips all cuts all of the fetus.
+"$host_sim" scenes D01 --size 64 --export --format vol --out vol > /dev/null
+files=vol/D01_full.vol,vol/D01_truth.vol,vol/D01_label.mha
+"$host_sim" measure --case "$files" --lowres 32 - behind.mha > out.json
+holds [ $? -eq 0 ]
+holds [ "$(value occluder_left 1)" = 1.0 ]
+holds [ "$(value fetus_cut 2)" = 1.0 ]
+holds [ "$(value occluder_left 2)" = 0.0 ]
+refused 3 "vol/D01_truth.vol: is a Kretz file; host_sim reads MetaImage (.mha, .mhd): labels and maps come in no other format" \
+    --case vol/D01_full.vol,vol/D01_truth.vol,vol/D01_truth.vol --lowres 32 -
 echo "$checked checks, $failed failed"
 [ "$failed" -eq 0 ]

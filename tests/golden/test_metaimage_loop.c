@@ -4,8 +4,8 @@
  * plain and compressed, as bytes and mapped to 8 bit. Two volumes of the file are invalid: they are left out
  * and shift neither times nor transforms. Volume n of the valid ones has one value all over.
  */
-#include "support/loop_fixture.h"
 #include "support/metaimage_files.h"
+#include "support/sequence_fixture.h"
 
 #include <malloc.h>
 #include <unistd.h>
@@ -119,30 +119,20 @@ static void expect_volume(const hs_source *source, const kind *k, uint32_t index
                      level);
 }
 
-/* Bytes of this process that are in memory. */
-static size_t resident(void) {
-    size_t pages[2] = {0};
-    FILE *file = fopen("/proc/self/statm", "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%zu %zu", &pages[0], &pages[1]), 2);
-    (void)fclose(file);
-    return pages[1] * (size_t)sysconf(_SC_PAGESIZE);
-}
-
 /* A round and some more take no more memory than five volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
     (void)state;
     for (size_t which = 0; which < KINDS; which++) {
         const kind *k = &kinds[which];
         const char *path = write_sequence(k, NZ, 0);
-        const size_t before = resident();
+        const size_t before = resident_bytes();
         hs_source source = open_source(path);
         assert_non_null(source.stream);
         assert_int_equal(source.count, VOLUMES);
         size_t most = 0;
         for (uint32_t i = 0; i < VOLUMES + 5; i++) {
             expect_volume(&source, k, i);
-            const size_t now = resident();
+            const size_t now = resident_bytes();
             if (now > most) most = now;
         }
         if (most > before + 5 * (size_t)VOXELS)
@@ -195,27 +185,10 @@ static void a_stream_ends_at_once(void **state) {
 }
 
 static void every_frame_shows_its_volume(void **state) {
-    fixture *f = *state;
+    uint8_t levels[VOLUMES];
+    for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(&kinds[2], n);
     hs_source source = open_source(write_sequence(&kinds[2], 40, 0));
-    hs_loop_options options = options_with(NULL, 0);
-    hs_error err = {0};
-    hs_loop_result result;
-    options.frames = VOLUMES + 5;
-    hs_loop *loop = hs_loop_create(&f->cl, &source, &f->plugin, &options, &err);
-    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
-        fail_msg("%s", err.text);
-        return;
-    }
-    assert_int_equal(result.failed_frames, 0);
-    for (uint32_t i = 0; i < VOLUMES; i += 6) {
-        hs_view view = view_of(loop, i);
-        uint8_t most = 0;
-        for (size_t p = 0; p < (size_t)view.width * view.height; p++)
-            if (view.mip[p] > most) most = view.mip[p];
-        assert_int_equal(most, level_of(&kinds[2], i));
-        hs_view_free(&view);
-    }
-    hs_loop_destroy(loop);
+    expect_every_frame_shows_its_volume(*state, &source, levels);
     hs_source_close(&source);
 }
 

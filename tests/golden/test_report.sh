@@ -46,7 +46,7 @@ holds [ "$(wc -l < "$work/whole/beside.csv")" -eq 4 ]
 for picture in knob other knob_error other_error confidence ghost; do
     for case in E04 D01; do holds [ -s "$work/whole/$case/beside_$picture.png" ]; done
 done
-holds grep -q '<h2>cost beside mean</h2>' "$page"
+holds grep -q '<h2>wall beside mean</h2>' "$page"
 # The last column but one is the ratio of columns 10 and 4, and the mean's that of the means, as far as two digits tell.
 sed 's/"[^"]*"/x/g' "$work/whole/beside.csv" | awk -F, '
     NR > 1 && ($13 - $10 / $4 > 0.02 || $10 / $4 - $13 > 0.02) { bad = 1 }
@@ -102,10 +102,10 @@ holds [ "$(wc -l < "$work/plane/space_E04.csv")" -eq $((7 + 2)) ]
 plane=$build/tests/plugins/plane.so
 code 0 --quick --size 144 --case E04 --case D01 --out "$work/compare" --seeds 2 \
     --compare "$plane depth=60" --compare "$build/tests/plugins/zeros.so" --compare "$plane depth=0" \
-    --compare "$plane depth=22" --compare "- evidence=0"
+    --compare "$plane depth=22" --compare "- method=mean evidence=0"
 rank() { grep "  $1\$" "$work/stdout" | awk '{ print $1 }'; }
 value() { grep "  $1\$" "$work/stdout" | awk -v column="$2" '{ print $column }'; }
-holds [ "$(rank '- evidence=0')" -eq 1 ]
+holds [ "$(rank '- method=mean evidence=0')" -eq 1 ]
 holds [ "$(rank "$plane depth=22")" -eq 2 ]
 holds [ "$(rank "$plane depth=60")" -eq 3 ]
 # Zeros and a plane at 0 clip nothing: the same numbers, and all of the occluder is left.
@@ -146,6 +146,19 @@ holds grep -q 'label 7' "$work/stderr"
 code 3 --quick --out "$work/bad" --case "$full,$work/fetus.mha,$work/fetus.mha"
 holds grep -q '48 x 48 x 1 voxels, the volume has 48 x 48 x 48' "$work/stderr"
 code 2 --quick --out "$work/bad" --case "$full,$truth"
+# The same with maps of what was scanned, here from slice 10 on: the measures of a map that clips everything before it.
+label from.mha '\12'
+label to.mha '\60'
+measure() { "$build/host_sim" measure --lowres 48 --case "$@" | grep -v '"map"'; }
+label="$(find "$work/scene" -name 'D01*_label.mha')"
+holds [ "$(measure "$full,$truth,$label,$work/from.mha,$work/to.mha" -)" = "$(measure "$full,$truth,$label" "$work/from.mha")" ]
+holds [ "$(measure "$full,$truth,$label" -)" != "$(measure "$full,$truth,$label" "$work/from.mha")" ]
+code 0 --quick --out "$work/ranged" --case "$full,$truth,$label,$work/from.mha,$work/to.mha" --frames 0
+code 0 --quick --out "$work/unranged" --case "$full,$truth,$label" --frames 0
+holds [ "$(cmp -s "$work"/ranged/beside.csv "$work"/unranged/beside.csv; echo $?)" = 1 ]
+code 3 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha,$work/from.mha"
+holds grep -q 'to.mha: pixel (0, 0) is 48, behind 10 in ' "$work/stderr"
+code 2 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha"
 # Occluders before a given volume, which is its own ground truth.
 code 0 --quick --out "$work/real" --real "$truth" --frames 0
 holds [ -s "$work/real/space_real.csv" ]

@@ -5,5 +5,8 @@ set -eu
 export SMARTVIS_HOST_SIM=$2/host_sim
 export PYTHONUNBUFFERED=1 # what a test that is ended had to say
 unset SMARTVIS_PLUGIN
+# What Python compiles is kept for all tests, and not beside the sources. Without, most of their time goes into that.
+unset PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX=$2/python/pycache
 cd "$2/python"
 exec venv/bin/python -P -m pytest -q -c "$1/python/pyproject.toml" --rootdir "$1/python" "$3"

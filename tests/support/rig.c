@@ -210,6 +210,21 @@ static void hand_over_ranges(rig_textures *t, const rig *r, const rig_format *f)
     if (code != CL_SUCCESS) fail("OpenCL", "buffer of scanned ranges");
 }
 
+/* The format's parameters. Where they name no method, and the plugin has one to name, it is the mean filter:
+ * rig_expect knows its map. */
+static void hand_over_values(rig_textures *t, const rig *r, const rig_format *f) {
+    sv_param_info info = {.size = sizeof info};
+    double mean = 0.0;
+    bool named =
+        !sv_lookup_key(r->plugin, "method", &info) || !sv_lookup_value(r->plugin, &info, "mean", &mean);
+    uint32_t count = f->fixed_count;
+    for (uint32_t i = 0; i < count; i++) named = named || f->fixed[i].id == info.id;
+    memcpy(t->fixed, f->fixed, sizeof f->fixed);
+    if (!named) t->fixed[count++] = (sv_param_value){info.id, 0, mean};
+    t->format.values = t->fixed;
+    t->format.value_count = count;
+}
+
 rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume) {
     rig_textures *t = calloc(1, sizeof *t);
     if (!t) fail("memory", "textures");
@@ -223,15 +238,14 @@ rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t
                      .padding_value = f->padding,
                      .tiles_x = f->tiles_x ? f->tiles_x : 4,
                      .tile_w = f->width + f->extra_w,
-                     .tile_h = f->height + f->extra_h,
-                     .values = f->fixed,
-                     .value_count = f->fixed_count};
+                     .tile_h = f->height + f->extra_h};
     m->row_pitch = m->tiles_x * m->tile_w + f->extra_pitch;
     if (!f->own_queue) {
         m->context = r->context;
         m->device = r->device;
         m->queue = r->queue;
     }
+    hand_over_values(t, r, f);
     if (f->scanned) hand_over_ranges(t, r, f);
     split(t, f);
     fill_textures(t, f, volume);

@@ -23,6 +23,8 @@ typedef struct {
     char all_logs[16384]; /* the first lines, as far as they fit */
 } rig;
 
+enum { RIG_MAX_FIXED = 4 };
+
 /* One way of handing a volume over. Zeroed fields take the plain default. */
 typedef struct {
     uint32_t width, height, slices;
@@ -36,7 +38,7 @@ typedef struct {
     int32_t padding;                        /* 0 is a value: SV_NO_PADDING for none */
     const sv_scanned *scanned;              /* of every ray; NULL: the frames bring none */
     bool scanned_in_buffer;                 /* hands them over in an OpenCL buffer */
-    sv_param_value fixed[4];                /* parameters for activate */
+    sv_param_value fixed[RIG_MAX_FIXED];    /* parameters for activate; if none is the method, it is mean */
     uint32_t fixed_count;
 } rig_format;
 
@@ -73,10 +75,11 @@ typedef struct {
     const sv_scanned *scanned;     /* rig_format's, unless they lie in the buffer: */
     cl_mem scanned_buffer;
     uint32_t frame_flags; /* SV_FRAME_* of the frames to come */
+    sv_param_value fixed[RIG_MAX_FIXED + 1];
 } rig_textures;
 
 /* Everything that is padding (of tiles, of the pitch, unused tiles) holds 255, the worst it could. Owned by
- * the caller; `f` must outlive it (its parameter values are not copied). */
+ * the caller. */
 rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume);
 void rig_textures_free(rig_textures *t);
 sv_slab rig_slab(const rig_textures *t, uint32_t n);

@@ -26,14 +26,13 @@ typedef struct {
 
 #define UNCLIPPED (-1e30f)
 INLINE ghost_window ghost_window_of(__global const float *map, __global const float *confidence,
-                                    int4 map_dims, float4 to_steps, int px, int py) {
+                                    int4 map_dims, float4 to_map, float4 to_steps, int px, int py) {
     ghost_window window = {(vf)(UNCLIPPED), (vf)(to_steps.z)};
     if (map_dims.x == 0) return window;
     float start[LANES], slope[LANES];
-    float scale_x = (float)map_dims.x / (float)map_dims.z, scale_y = (float)map_dims.y / (float)map_dims.w;
     for (int lane = 0; lane < LANES; lane++) {
-        float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
-        float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
+        float x = ((float)(px + lane % PACKET_W) + 0.5f) * to_map.x + to_map.z - 0.5f;
+        float y = ((float)(py + lane / PACKET_W) + 0.5f) * to_map.y + to_map.w - 0.5f;
         float depth = map_at(map, map_dims.x, map_dims.y, x, y);
         float growth = 0.0f;
         if (to_steps.w > 0.0f)
@@ -63,11 +62,12 @@ typedef struct {
  *           is sure)
  * dims:     voxels, number of steps;  bricks: brick counts, largest value that is transparent
  * map_dims: depthmap width (0: none), height, picture width, height
+ * to_map:   pixels of the map a pixel of the picture in x and y, and where the picture begins in the map
  */
 WIDE __kernel void render_volume(__global const uchar *voxels, int4 dims, __global const uchar *grid,
                                  int4 bricks, float4 origin, float4 dx, float4 dy, float4 dn,
-                                 __global const float *map, int4 map_dims, float4 to_steps, float4 window,
-                                 float4 skin, __global uchar *rgba, int want_rgba,
+                                 __global const float *map, int4 map_dims, float4 to_map, float4 to_steps,
+                                 float4 window, float4 skin, __global uchar *rgba, int want_rgba,
                                  __global float *termination, int want_termination,
                                  __global const float *confidence) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
@@ -75,7 +75,7 @@ WIDE __kernel void render_volume(__global const uchar *voxels, int4 dims, __glob
     if (px >= width || py >= height) return;
     packet p = packet_at(px, py, origin, dx, dy);
     bounds b = packet_bounds(p);
-    ghost_window ghost = ghost_window_of(map, confidence, map_dims, to_steps, px, py);
+    ghost_window ghost = ghost_window_of(map, confidence, map_dims, to_map, to_steps, px, py);
     vf rise = ghost.rise, slope = ghost.slope;
 
     gathered g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};

@@ -23,6 +23,7 @@ typedef struct {
     __global const uchar *smooth, *opacity;
     __global const float *map;
     int4 dims, cells, map_dims; /* cells.w: smoothed voxels a cell's edge */
+    float4 to_map;              /* as render_lit takes it */
     float4 mx, my, mz;          /* voxels of x, y, z a millimetre along the camera's axes; mx.w: see SPEED */
     float4 to_samples;          /* as render_lit takes it */
     float4 per_mm;              /* pixels in x, pixels in y, samples a millimetre; w: unit of light, mm */
@@ -99,11 +100,9 @@ INLINE bool is_depth(float depth) {
 /* The clipping surface's normal under a packet's pixels. */
 INLINE directions map_normal(const lit_scene *s, int px, int py) {
     float nx[LANES], ny[LANES];
-    float scale_x = (float)s->map_dims.x / (float)s->map_dims.z;
-    float scale_y = (float)s->map_dims.y / (float)s->map_dims.w;
     for (int lane = 0; lane < LANES; lane++) {
-        float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
-        float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
+        float x = ((float)(px + lane % PACKET_W) + 0.5f) * s->to_map.x + s->to_map.z - 0.5f;
+        float y = ((float)(py + lane / PACKET_W) + 0.5f) * s->to_map.y + s->to_map.w - 0.5f;
         float left = map_at(s->map, s->map_dims.x, s->map_dims.y, x - MAP_REACH, y);
         float right = map_at(s->map, s->map_dims.x, s->map_dims.y, x + MAP_REACH, y);
         float above = map_at(s->map, s->map_dims.x, s->map_dims.y, x, y - MAP_REACH);
@@ -111,8 +110,8 @@ INLINE directions map_normal(const lit_scene *s, int px, int py) {
         bool flat = !(is_depth(left) && is_depth(right) && is_depth(above) && is_depth(below));
         /* Millimetres a slice of difference, over 2 * MAP_REACH pixels. */
         float mm = 0.5f / MAP_REACH * s->to_samples.x / s->per_mm.z;
-        nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * scale_x;
-        ny[lane] = flat ? 0.0f : (below - above) * mm * s->per_mm.y * scale_y;
+        nx[lane] = flat ? 0.0f : (right - left) * mm * s->per_mm.x * s->to_map.x;
+        ny[lane] = flat ? 0.0f : (below - above) * mm * s->per_mm.y * s->to_map.y;
     }
     directions n = {LOAD(nx), LOAD(ny), (vf)(-1.0f)};
     return normalised(n);
@@ -138,10 +137,8 @@ INLINE lit_place moved(const lit_scene *s, lit_place from, directions d, vf mm) 
 
 /* -1 where a place lies in tissue that the clipping surface has removed. */
 INLINE vi removed(const lit_scene *s, lit_place p) {
-    float scale_x = (float)s->map_dims.x / (float)s->map_dims.z;
-    float scale_y = (float)s->map_dims.y / (float)s->map_dims.w;
-    vi x = TO_VI(clamp((p.px + 0.5f) * scale_x, 0.0f, (float)(s->map_dims.x - 1)));
-    vi y = TO_VI(clamp((p.py + 0.5f) * scale_y, 0.0f, (float)(s->map_dims.y - 1)));
+    vi x = TO_VI(clamp((p.px + 0.5f) * s->to_map.x + s->to_map.z, 0.0f, (float)(s->map_dims.x - 1)));
+    vi y = TO_VI(clamp((p.py + 0.5f) * s->to_map.y + s->to_map.w, 0.0f, (float)(s->map_dims.y - 1)));
     vi i = y * s->map_dims.x + x;
 #if LANES == 16
     int at[LANES];

@@ -38,14 +38,13 @@ typedef struct {
 } ghost_range;
 
 INLINE ghost_range ghost_range_of(__global const float *map, __global const float *confidence, int4 map_dims,
-                                  float4 to_samples, int px, int py) {
+                                  float4 to_map, float4 to_samples, int px, int py) {
     ghost_range range = {(vf)(UNCLIPPED), (vf)(UNCLIPPED), (vf)(0.0f)};
     if (map_dims.x == 0) return range;
     float rise[LANES], full[LANES], slope[LANES];
-    float scale_x = (float)map_dims.x / (float)map_dims.z, scale_y = (float)map_dims.y / (float)map_dims.w;
     for (int lane = 0; lane < LANES; lane++) {
-        float x = ((float)(px + lane % PACKET_W) + 0.5f) * scale_x - 0.5f;
-        float y = ((float)(py + lane / PACKET_W) + 0.5f) * scale_y - 0.5f;
+        float x = ((float)(px + lane % PACKET_W) + 0.5f) * to_map.x + to_map.z - 0.5f;
+        float y = ((float)(py + lane / PACKET_W) + 0.5f) * to_map.y + to_map.w - 0.5f;
         float depth = map_at(map, map_dims.x, map_dims.y, x, y), width = 0.0f;
         if (to_samples.z > 0.0f) width = 1.0f / to_samples.z;
         if (to_samples.w > 0.0f)

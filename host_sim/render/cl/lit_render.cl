@@ -109,6 +109,7 @@ INLINE void store_colours(__global uchar *rgba, int4 map_dims, int px, int py, c
  * dims:       smoothed voxels, w: samples of a ray;  bricks: counts, largest value that is transparent
  * origin ...: voxel index of pixel 0, 0 at sample 0, and its growth a pixel and a sample
  * map_dims:   depthmap width (0: none), height, picture width, height
+ * to_map:     pixels of the map a pixel of the picture in x and y, and where the picture begins in the map
  * to_samples: x samples a low-resolution slice, y sample of depth 0 where ghosting is over, z 1 / w (0: hard
  *             cut), w growth where nothing is sure; all in samples
  * window:     x T_L * 255, y 1 / ((T_H - T_L) * 255), z optical depth a sample at opacity 1, w gain
@@ -118,14 +119,15 @@ INLINE void store_colours(__global uchar *rgba, int4 map_dims, int px, int py, c
 WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global const uchar *grid,
                               int4 bricks, __global const uchar *opacity, int4 cells, float4 origin,
                               float4 dx, float4 dy, float4 dn, __global const float *map,
-                              __global const float *confidence, int4 map_dims, float4 to_samples,
-                              float4 window, float4 mx, float4 my, float4 mz, float4 per_mm, float4 lamp,
-                              float4 half_way, float4 skin, __global uchar *rgba) {
+                              __global const float *confidence, int4 map_dims, float4 to_map,
+                              float4 to_samples, float4 window, float4 mx, float4 my, float4 mz,
+                              float4 per_mm, float4 lamp, float4 half_way, float4 skin,
+                              __global uchar *rgba) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
     if (px >= map_dims.z || py >= map_dims.w) return;
-    const lit_scene s = {smooth, opacity, map, dims, cells, map_dims, mx, my, mz, to_samples, per_mm};
+    const lit_scene s = {smooth, opacity, map, dims, cells, map_dims, to_map, mx, my, mz, to_samples, per_mm};
     packet p = packet_at(px, py, origin, dx, dy);
-    ghost_range ghost = ghost_range_of(map, confidence, map_dims, to_samples, px, py);
+    ghost_range ghost = ghost_range_of(map, confidence, map_dims, to_map, to_samples, px, py);
     vf first, end;
     clip_packet(p, dn, dims, &first, &end);
     bool veiled = to_samples.z > 0.0f;

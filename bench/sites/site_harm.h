@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* Do no harm: what methods do where there is nothing to remove, or something that only looks like it. */
+#ifndef SITE_HARM_H
+#define SITE_HARM_H
+
+#include "sites/site_table.h"
+
+enum { SITE_VIEWS = 36 }; /* of a volume: 12 turns about each of three axes */
+
+/* View 0 .. SITE_VIEWS - 1 of a volume without a truth (wall_case_turn). */
+bool site_view_make(const wall_case *whole, int view, wall_case *out, hs_error *err);
+
+/* Prints for every method: the variants of every case (bare, without a fetus, with a bladder), and `count`
+ * volumes that nothing hides, MetaImage files, from all sides, with and without scanned ranges, behind fluid
+ * and behind occluders. */
+bool site_harm(const site_list *list, const char *const *volumes, uint32_t count, const site_methods *methods,
+               hs_error *err);
+
+#endif

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+#include "console/console_files.h"
+
+#include <dirent.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+bool hs_console_files_add(hs_console_files *files, const char *folder, hs_error *err) {
+    struct stat what;
+    if (files->count == HS_CONSOLE_FOLDERS)
+        return hs_fail(err, HS_ERR_USAGE, "%s: more than %d folders", folder, HS_CONSOLE_FOLDERS);
+    char *real = realpath(folder, NULL);
+    if (!real || stat(real, &what) != 0 || !S_ISDIR(what.st_mode)) {
+        free(real);
+        return hs_fail(err, HS_ERR_INPUT, "%s: is no folder", folder);
+    }
+    files->folder[files->count++] = real;
+    return true;
+}
+
+void hs_console_files_free(hs_console_files *files) {
+    for (uint32_t i = 0; i < files->count; i++) free(files->folder[i]);
+    *files = (hs_console_files){0};
+}
+
+static bool is_volume_name(const char *name) {
+    static const char *const endings[] = {".mha", ".mhd", ".vol"};
+    const size_t length = strlen(name);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (length > 4 && strcasecmp(name + length - 4, endings[i]) == 0) return true;
+    return false;
+}
+
+/* True if the real path `inner` is below the real folder `outer`. */
+static bool is_below(const char *outer, const char *inner) {
+    const size_t length = strlen(outer);
+    if (strcmp(outer, "/") == 0) return true;
+    return strncmp(outer, inner, length) == 0 && inner[length] == '/';
+}
+
+bool hs_console_files_find(const hs_console_files *files, uint32_t folder, const char *path, char *out,
+                           size_t bytes, hs_error *err) {
+    char joined[PATH_MAX], real[PATH_MAX];
+    struct stat what;
+    if (folder >= files->count)
+        return hs_fail(err, HS_ERR_INPUT, "folder %u: the console has %u", folder, files->count);
+    const int length = snprintf(joined, sizeof joined, "%s/%s", files->folder[folder], path);
+    if (length < 0 || (size_t)length >= sizeof joined)
+        return hs_fail(err, HS_ERR_INPUT, "%.200s...: the path is too long", path);
+    if (!is_volume_name(path) || !realpath(joined, real) || stat(real, &what) != 0 || !S_ISREG(what.st_mode))
+        return hs_fail(err, HS_ERR_INPUT, "%s: is no volume of folder %u", path, folder);
+    if (!is_below(files->folder[folder], real) || strlen(real) >= bytes)
+        return hs_fail(err, HS_ERR_INPUT, "%s: lies outside of folder %u", path, folder);
+    (void)snprintf(out, bytes, "%s", real);
+    return true;
+}
+
+/* A list under way. */
+typedef struct {
+    const hs_console_files *files;
+    uint32_t folder, told;
+    hs_console_file_fn tell;
+    void *context;
+} listing;
+
+/* Tells of one entry, "path/in/folder"; what is neither a volume nor a folder is passed over. */
+static bool list_folder(listing *l, const char *path, int depth);
+
+static bool list_entry(listing *l, const char *path, int depth) {
+    char joined[PATH_MAX], real[PATH_MAX];
+    struct stat what;
+    hs_error outside = {0};
+    const int length = snprintf(joined, sizeof joined, "%s/%s", l->files->folder[l->folder], path);
+    if (length < 0 || (size_t)length >= sizeof joined || lstat(joined, &what) != 0) return true;
+    if (S_ISDIR(what.st_mode)) return list_folder(l, path, depth + 1);
+    if (!hs_console_files_find(l->files, l->folder, path, real, sizeof real, &outside)) return true;
+    return ++l->told <= HS_CONSOLE_FILES && l->tell(l->context, l->folder, path);
+}
+
+static bool list_folder(listing *l, const char *path, int depth) {
+    char joined[PATH_MAX];
+    struct dirent **entries = NULL;
+    if (depth > HS_CONSOLE_DEPTH_OF_FOLDERS) return true;
+    (void)snprintf(joined, sizeof joined, "%s/%s", l->files->folder[l->folder], path);
+    const int count = scandir(joined, &entries, NULL, alphasort);
+    bool more = true;
+    for (int i = 0; i < count; i++) {
+        char inner[PATH_MAX];
+        const int length =
+            snprintf(inner, sizeof inner, "%s%s%s", path, path[0] ? "/" : "", entries[i]->d_name);
+        if (more && entries[i]->d_name[0] != '.' && length >= 0 && (size_t)length < sizeof inner)
+            more = list_entry(l, inner, depth);
+        free(entries[i]);
+    }
+    free(entries);
+    return more;
+}
+
+void hs_console_files_list(const hs_console_files *files, hs_console_file_fn tell, void *context) {
+    listing l = {.files = files, .tell = tell, .context = context};
+    for (l.folder = 0; l.folder < files->count; l.folder++)
+        if (!list_folder(&l, "", 0)) return;
+}

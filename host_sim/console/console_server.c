@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT */
+#include "console/console_server.h"
+
+#include "base/text.h"
+#include "hs_page_css.h"
+#include "hs_page_html.h"
+#include "hs_page_js.h"
+
+#include <arpa/inet.h>
+#include <civetweb.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
+
+struct hs_console_server {
+    const hs_console_shared *shared;
+    struct mg_context *web;
+    char token[HS_CONSOLE_TOKEN];
+    char host[64]; /* as it stands in the address */
+    bool loopback;
+    uint32_t port;
+    pthread_mutex_t lock; /* of the counts */
+    uint32_t pages, ever;
+};
+
+/* ------------------------------------------------------------------------------------------- files -- */
+
+/* Nothing from elsewhere, and nothing for elsewhere. */
+static const char headers[] =
+    "Cache-Control: no-store\r\n"
+    "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "Referrer-Policy: no-referrer\r\n"
+    "Cross-Origin-Resource-Policy: same-origin\r\n"
+    "Cross-Origin-Opener-Policy: same-origin\r\n"
+    "Connection: close\r\n";
+
+static int answer(struct mg_connection *c, int status, const char *type, const void *body, size_t bytes) {
+    const bool head = strcmp(mg_get_request_info(c)->request_method, "HEAD") == 0;
+    (void)mg_printf(c, "HTTP/1.1 %d %s\r\nContent-Type: %s; charset=utf-8\r\nContent-Length: %zu\r\n%s\r\n",
+                    status, mg_get_response_code_text(c, status), type, bytes, headers);
+    if (!head) (void)mg_write(c, body, bytes);
+    return status;
+}
+
+static int refuse(struct mg_connection *c, int status, const char *text) {
+    return answer(c, status, "text/plain", text, strlen(text));
+}
+
+/* Every request, before anything else looks at it. 0: it goes on to the WebSocket. */
+static int begin_request(struct mg_connection *c) {
+    const hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    const struct mg_request_info *request = mg_get_request_info(c);
+    const char *uri = request->local_uri ? request->local_uri : "";
+    if (!hs_console_host_is_ours(mg_get_header(c, "Host"), server->port, server->loopback))
+        return refuse(c, 403, "This console is reached by the address that it printed.\n");
+    if (strcmp(request->request_method, "GET") != 0 && strcmp(request->request_method, "HEAD") != 0)
+        return refuse(c, 405, "Only GET and HEAD.\n");
+    if (strcmp(uri, "/live") == 0) return 0;
+    if (strcmp(uri, "/console.css") == 0)
+        return answer(c, 200, "text/css", hs_page_css_text, hs_page_css_text_size);
+    if (strcmp(uri, "/console.js") == 0)
+        return answer(c, 200, "text/javascript", hs_page_js_text, hs_page_js_text_size);
+    if (strcmp(uri, "/") != 0) return refuse(c, 404, "There is no such page.\n");
+    if (!hs_console_token_fits(request->query_string, server->token))
+        return refuse(c, 403,
+                      "The token is wrong: open the address that the console printed when it started.\n");
+    return answer(c, 200, "text/html", hs_page_html_text, hs_page_html_text_size);
+}
+
+/* -------------------------------------------------------------------------------------------- pages -- */
+
+static bool send_to_page(void *connection, bool binary, const uint8_t *data, size_t bytes) {
+    return mg_websocket_write(connection, binary ? MG_WEBSOCKET_OPCODE_BINARY : MG_WEBSOCKET_OPCODE_TEXT,
+                              (const char *)data, bytes) > 0;
+}
+
+/* 0 lets the page in. */
+static int connect_page(const struct mg_connection *c, void *context) {
+    hs_console_server *server = context;
+    const char *host = mg_get_header(c, "Host");
+    if (!hs_console_host_is_ours(host, server->port, server->loopback) ||
+        !hs_console_origin_is_ours(mg_get_header(c, "Origin"), host) ||
+        !hs_console_token_fits(mg_get_request_info(c)->query_string, server->token))
+        return 1;
+    (void)pthread_mutex_lock(&server->lock);
+    const bool full = server->pages == MOST_PAGES;
+    if (!full) {
+        server->pages++;
+        server->ever++;
+    }
+    (void)pthread_mutex_unlock(&server->lock);
+    return full;
+}
+
+static void ready_page(struct mg_connection *c, void *context) {
+    const hs_console_server *server = context;
+    hs_error err = {0};
+    hs_console_page *page = hs_console_page_open(server->shared, send_to_page, c, &err);
+    if (!page) hs_print(stderr, "host_sim console: %s\n", err.text);
+    mg_set_user_connection_data(c, page);
+}
+
+/* A message is one frame of text. 0 closes the page. */
+static int hear_page(struct mg_connection *c, int bits, char *data, size_t bytes, void *context) {
+    (void)context;
+    hs_console_page *page = mg_get_user_connection_data(c);
+    const int opcode = bits & OPCODE;
+    if (opcode == MG_WEBSOCKET_OPCODE_PING || opcode == MG_WEBSOCKET_OPCODE_PONG) return 1;
+    return page && opcode == MG_WEBSOCKET_OPCODE_TEXT && (bits & WHOLE) &&
+           hs_console_page_say(page, data, bytes);
+}
+
+static void close_page(const struct mg_connection *c, void *context) {
+    hs_console_server *server = context;
+    hs_console_page_close(mg_get_user_connection_data(c));
+    (void)pthread_mutex_lock(&server->lock);
+    server->pages--;
+    (void)pthread_mutex_unlock(&server->lock);
+}
+
+/* ------------------------------------------------------------------------------------------- server -- */
+
+static bool take_address(hs_console_server *server, const hs_console_address *address, hs_error *err) {
+    const char *listen = address->listen ? address->listen : "127.0.0.1";
+    uint8_t bytes[16];
+    const bool four = inet_pton(AF_INET, listen, bytes) == 1,
+               six = !four && inet_pton(AF_INET6, listen, bytes) == 1;
+    static const uint8_t one[16] = {[15] = 1};
+    if (!four && !six)
+        return hs_fail(err, HS_ERR_USAGE, "--listen: '%s' is no address of IPv4 or IPv6", listen);
+    server->loopback = four ? bytes[0] == 127 : memcmp(bytes, one, sizeof one) == 0;
+    (void)snprintf(server->host, sizeof server->host, six ? "[%s]" : "%s", listen);
+    return true;
+}
+
+/* What the library has to say, why it did not start for example. */
+static int note_message(const struct mg_connection *c, const char *message) {
+    (void)c;
+    hs_print(stderr, "host_sim console: %s\n", message);
+    return 1;
+}
+
+static bool start(hs_console_server *server, const hs_console_address *address, hs_error *err) {
+    char where[96];
+    (void)snprintf(where, sizeof where, "%s:%u", server->host, address->port);
+    const char *options[] = {"listening_ports",
+                             where,
+                             "num_threads",
+                             "12",
+                             "connection_queue",
+                             "16",
+                             "max_request_size",
+                             "8192",
+                             "request_timeout_ms",
+                             "10000",
+                             "websocket_timeout_ms",
+                             "20000",
+                             "enable_websocket_ping_pong",
+                             "yes",
+                             "enable_keep_alive",
+                             "no",
+                             "tcp_nodelay",
+                             "1",
+                             NULL};
+    const struct mg_callbacks callbacks = {.begin_request = begin_request, .log_message = note_message};
+    struct mg_server_port port;
+    (void)mg_init_library(0);
+    server->web = mg_start(&callbacks, server, options);
+    if (!server->web)
+        return hs_fail(err, HS_ERR_FAILED,
+                       "console: cannot listen on %s: is it taken, or not of this machine?", where);
+    mg_set_websocket_handler(server->web, "/live", connect_page, ready_page, hear_page, close_page, server);
+    if (mg_get_server_ports(server->web, 1, &port) < 1)
+        return hs_fail(err, HS_ERR_FAILED, "console: listens on no port");
+    server->port = (uint32_t)port.port;
+    return true;
+}
+
+hs_console_server *hs_console_server_open(const hs_console_shared *shared, const hs_console_address *address,
+                                          hs_error *err) {
+    hs_console_server *server = calloc(1, sizeof *server);
+    if (!server) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "console: no memory");
+        return NULL;
+    }
+    server->shared = shared;
+    (void)pthread_mutex_init(&server->lock, NULL);
+    if (take_address(server, address, err) && hs_console_make_token(server->token, err) &&
+        start(server, address, err))
+        return server;
+    hs_console_server_close(server);
+    return NULL;
+}
+
+void hs_console_server_address(const hs_console_server *server, char *out, size_t bytes) {
+    (void)snprintf(out, bytes, "http://%s:%u/?t=%s", server->host, server->port, server->token);
+}
+
+uint32_t hs_console_server_pages(hs_console_server *server, uint32_t *ever) {
+    (void)pthread_mutex_lock(&server->lock);
+    const uint32_t pages = server->pages;
+    *ever = server->ever;
+    (void)pthread_mutex_unlock(&server->lock);
+    return pages;
+}
+
+void hs_console_server_close(hs_console_server *server) {
+    if (!server) return;
+    if (server->web) {
+        mg_stop(server->web);
+        (void)mg_exit_library();
+    }
+    (void)pthread_mutex_destroy(&server->lock);
+    free(server);
+}

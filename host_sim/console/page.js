@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+/* The page's own controls: source, playing, comparing, renderer, what is taken away. */
+"use strict";
+
+const at = (id) => document.getElementById(id);
+
+function notice(text, quiet) {
+  const box = at("notice");
+  box.hidden = text === "";
+  box.textContent = text;
+  box.classList.toggle("quiet", quiet);
+}
+
+/* ------------------------------------------------------------------------------------------- source -- */
+
+function sourceKey(source) {
+  return source.scene ? "scene " + source.scene : "file " + source.folder + " " + source.path;
+}
+
+function fillSources(hello) {
+  const scenes = make("optgroup", { label: "Scenes" }), files = make("optgroup", { label: "Files" });
+  for (const scene of hello.scenes)
+    scenes.append(make("option", { value: "scene " + scene.name, text: scene.name + ": " + scene.title }));
+  for (const file of hello.files)
+    files.append(make("option", { value: "file " + file.folder + " " + file.path, text: file.path }));
+  at("source").replaceChildren(scenes, ...(hello.files.length ? [files] : []));
+  at("from").replaceChildren(...hello.places.map((place) => make("option", { value: place, text: place })));
+}
+
+function showChosenSource() {
+  at("source").value = sourceKey(state.source);
+  at("from").value = state.source.from;
+  for (const label of document.querySelectorAll(".of-scene")) label.hidden = !state.source.scene;
+  if (!state.source.scene) return;
+  at("size").value = String(state.source.size);
+  at("volumes").value = String(state.source.volumes);
+}
+
+function takeSource() {
+  const [kind, first, ...rest] = at("source").value.split(" ");
+  const from = at("from").value || "probe";
+  if (kind === "scene") {
+    const volumes = Math.round(numberIn(at("volumes").value, 1, 16, 1));
+    state.source = { scene: first, size: Number(at("size").value), volumes, from };
+  } else {
+    state.source = { folder: Number(first), path: rest.join(" "), from };
+  }
+  state.play.index = 0;
+  showChosenSource();
+  changed(false);
+}
+
+/* ------------------------------------------------------------------------------------------ playing -- */
+
+function showPlaying() {
+  at("play").setAttribute("aria-pressed", String(state.play.on));
+  at("play").textContent = state.play.on ? "Pause" : "Play";
+  at("speed").value = String(state.play.speed);
+  at("speed-text").textContent = short(state.play.speed) + " /s";
+}
+
+function play(on) {
+  state.play.on = on;
+  showPlaying();
+  changed(false);
+}
+
+function stepBy(by) {
+  const count = lastFigures ? lastFigures.source.volumes : 1;
+  state.play.index = (state.play.index + by + count) % count;
+  play(false);
+}
+
+/* ---------------------------------------------------------------------------------------- comparing -- */
+
+function compare(how) {
+  look.compare = how;
+  at("compare").value = how;
+  if (how === "off") state.lanes.length = 1;
+  else if (state.lanes.length < 2)
+    state.lanes.push({ plugin: state.lanes[0].plugin, values: { ...state.lanes[0].values } });
+  if (how !== "off" && !lanes[1].params.length) lanes[1].params = lanes[0].params;
+  layOut();
+  buildControls();
+  changed(false);
+}
+
+/* ----------------------------------------------------------------------------------------- renderer -- */
+
+const RENDER_FIELDS = [
+  ["exposure", "Exposure", 0.1, 4, 0.05], ["ghost_width", "Ghosting, width [steps]", 0, 64, 1],
+  ["ghost_offset", "Ghosting, offset [steps]", -64, 64, 1], ["ghost_doubt", "Ghosting, more where unsure", 0, 16, 0.5],
+  ["t_low", "Transparent below", 0, 1, 0.005], ["t_high", "Opaque above", 0, 1, 0.005],
+];
+
+function renderField(label, value, low, high, step, take) {
+  const input = make("input", { type: "range", min: String(low), max: String(high), step: String(step) });
+  const output = make("output", { text: short(value) });
+  input.value = String(value);
+  input.addEventListener("input", () => {
+    take(Number(input.value));
+    output.textContent = input.value;
+    changed(true);
+  });
+  return make("div", { class: "param plain" }, make("label", {}, make("span", { text: label }), input, output));
+}
+
+function buildRenderer() {
+  const box = at("render-controls"), r = state.render;
+  const looks = make("select", {}, make("option", { value: "lit", text: "lit" }), make("option", { value: "thesis", text: "thesis" }));
+  looks.value = r.look;
+  looks.addEventListener("change", () => {
+    r.look = looks.value;
+    r.exposure = r.look === "thesis" ? 1.5 : 1;
+    buildRenderer();
+    changed(false);
+  });
+  box.replaceChildren(make("label", {}, make("span", { text: "Look" }), looks));
+  if (r.look === "lit") {
+    box.append(renderField("Lamp to the right [degrees]", r.light[0], -180, 180, 1, (v) => { r.light[0] = v; }));
+    box.append(renderField("Lamp above [degrees]", r.light[1], -90, 90, 1, (v) => { r.light[1] = v; }));
+  }
+  for (const [key, label, low, high, step] of RENDER_FIELDS)
+    box.append(renderField(label, r[key], low, high, step, (v) => { r[key] = v; }));
+}
+
+/* ---------------------------------------------------------------------------------------- take away -- */
+
+function savePicture(view, blob) {
+  const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + view + ".png" });
+  document.body.dataset.snapshot = blob.size;
+  link_.click();
+  setTimeout(() => URL.revokeObjectURL(link_.href), 10000);
+}
+
+async function copyLine() {
+  const field = at("line");
+  try {
+    await navigator.clipboard.writeText(field.value);
+  } catch {
+    field.select(); /* not allowed here: it is marked, to be copied by hand */
+  }
+  at("copied").textContent = "copied";
+  setTimeout(() => { at("copied").textContent = ""; }, 2000);
+}
+
+/* -------------------------------------------------------------------------------------------- start -- */
+
+function takeHello(hello) {
+  link.retry = 500;
+  plugins = hello.plugins;
+  fillSources(hello);
+  if (!document.body.dataset.ready) readAddress(hello);
+  document.body.dataset.ready = "yes";
+  lanes.forEach((lane) => { lane.params = []; });
+  at("third").value = look.third;
+  at("compare").value = look.compare;
+  at("wipe").value = String(look.wipe);
+  at("slices-on").checked = look.slices;
+  at("snapshot-view").replaceChildren(...VIEW_NAMES.map((view) => make("option", { value: view, text: TITLES[view] })));
+  showChosenSource();
+  showPlaying();
+  buildRenderer();
+  layOut();
+  buildControls();
+  changed(false);
+}
+
+function onKey(event) {
+  const where = event.target;
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (where.matches("input[type=number], textarea, select")) return;
+  const next = { off: "side", side: "wipe", wipe: "off" };
+  const keys = {
+    "[": () => nudgeKnob(-1), "]": () => nudgeKnob(1), ",": () => stepBy(-1), ".": () => stepBy(1),
+    c: () => compare(next[look.compare]), s: () => at("slices-on").click(),
+  };
+  if (event.key === " " && !where.matches("button, input, summary, a")) keys[" "] = () => play(!state.play.on);
+  if (!keys[event.key]) return;
+  event.preventDefault();
+  keys[event.key]();
+}
+
+function listen() {
+  for (const id of ["source", "size", "volumes", "from"]) at(id).addEventListener("change", takeSource);
+  at("play").addEventListener("click", () => play(!state.play.on));
+  at("step").addEventListener("click", () => stepBy(1));
+  at("back").addEventListener("click", () => stepBy(-1));
+  at("index").addEventListener("input", () => { state.play.index = Number(at("index").value); play(false); });
+  at("speed").addEventListener("input", () => { state.play.speed = Number(at("speed").value); showPlaying(); changed(false); });
+  at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
+  at("compare").addEventListener("change", () => compare(at("compare").value));
+  at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
+  at("slices-on").addEventListener("change", () => { look.slices = at("slices-on").checked; layOut(); changed(false); });
+  at("reset-view").addEventListener("click", resetCamera);
+  at("snapshot").addEventListener("click", () => send({ type: "do", what: "snapshot", view: at("snapshot-view").value }));
+  at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
+  at("copy").addEventListener("click", copyLine);
+  document.addEventListener("keydown", onKey);
+  setInterval(rate, 500);
+}
+
+listen();
+connect();

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+/* The views: canvases that turn together, and slices that share a crosshair. */
+"use strict";
+
+const TITLES = {
+  result: "Result", full: "Full volume", truth: "Ground truth", depthmap: "Depthmap", other: "Result B",
+  across: "Across", along: "Along", deep: "At depth",
+};
+const DEGREES_A_PIXEL = 0.4;
+/* Which axes of the crosshair run right and down in a slice. */
+const AXES = { across: [0, 2], along: [2, 1], deep: [0, 1] };
+
+const canvases = {};
+let hasTruth = true; /* whether the source has one */
+
+function clamp(value, low, high) {
+  return Math.min(high, Math.max(low, value));
+}
+
+function make(tag, attributes, ...children) {
+  const element = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (key === "text") element.textContent = value;
+    else if (key in element && typeof value !== "string") element[key] = value;
+    else element.setAttribute(key, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+function renderedViews() {
+  const third = look.third === "truth" && !hasTruth ? "depthmap" : look.third;
+  return look.compare === "side" ? ["result", "other", "full", third] : ["result", "full", third];
+}
+
+function wantedViews() {
+  const views = renderedViews();
+  if (look.compare === "wipe") views.push("other");
+  return look.slices ? views.concat(Object.keys(AXES)) : views;
+}
+
+/* ------------------------------------------------------------------------------------------- camera -- */
+
+function turn(right, down) {
+  const c = state.camera;
+  c.yaw = ((((c.yaw + right + 180) % 360) + 360) % 360) - 180;
+  c.pitch = clamp(c.pitch - down, -90, 90);
+  changed(true);
+}
+
+function zoom(factor) {
+  state.camera.zoom = clamp(state.camera.zoom * factor, 0.25, 16);
+  changed(true);
+}
+
+function resetCamera() {
+  state.camera = { yaw: 0, pitch: 0, zoom: 1 };
+  changed(false);
+}
+
+function dragWith(screen, move) {
+  screen.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    screen.setPointerCapture(event.pointerId);
+    move(event, true);
+  });
+  screen.addEventListener("pointermove", (event) => {
+    if (screen.hasPointerCapture(event.pointerId)) move(event, false);
+  });
+}
+
+function turnByHand(screen) {
+  let x = 0, y = 0;
+  dragWith(screen, (event, first) => {
+    if (!first) turn((event.clientX - x) * DEGREES_A_PIXEL, (event.clientY - y) * DEGREES_A_PIXEL);
+    x = event.clientX;
+    y = event.clientY;
+  });
+  screen.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY * 0.0015));
+  }, { passive: false });
+  screen.addEventListener("dblclick", resetCamera);
+  screen.addEventListener("keydown", (event) => {
+    const step = event.shiftKey ? 1 : 5;
+    const keys = {
+      ArrowLeft: () => turn(-step, 0), ArrowRight: () => turn(step, 0), ArrowUp: () => turn(0, -step),
+      ArrowDown: () => turn(0, step), "+": () => zoom(1.1), "=": () => zoom(1.1), "-": () => zoom(1 / 1.1), Home: resetCamera,
+    };
+    if (!keys[event.key]) return;
+    event.preventDefault();
+    keys[event.key]();
+  });
+}
+
+/* ------------------------------------------------------------------------------------------- slices -- */
+
+function placeCross() {
+  for (const [view, [right, down]] of Object.entries(AXES)) {
+    if (!canvases[view]) continue;
+    canvases[view].down.style.left = 100 * state.cross[right] + "%";
+    canvases[view].right.style.top = 100 * state.cross[down] + "%";
+  }
+}
+
+function moveCross(view, right, down) {
+  state.cross[AXES[view][0]] = clamp(right, 0, 1);
+  state.cross[AXES[view][1]] = clamp(down, 0, 1);
+  placeCross();
+  changed(true);
+}
+
+function crossByHand(view, screen) {
+  dragWith(screen, (event) => {
+    const box = screen.getBoundingClientRect();
+    moveCross(view, (event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+  });
+  screen.addEventListener("dblclick", () => {
+    state.cross = [0.5, 0.5, 0.5];
+    placeCross();
+    changed(false);
+  });
+  screen.addEventListener("keydown", (event) => {
+    const step = event.shiftKey ? 0.004 : 0.02;
+    const by = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    const [right, down] = AXES[view];
+    moveCross(view, state.cross[right] + by[0], state.cross[down] + by[1]);
+  });
+}
+
+/* ------------------------------------------------------------------------------------------ figures -- */
+
+function figureOf(view) {
+  const slice = view in AXES;
+  const canvas = make("canvas", { width: 16, height: 16 });
+  const help = slice ? "a click or the arrows move the crosshair" : "drag or the arrows turn, wheel or + and - zoom";
+  const screen = make("div", {
+    class: "screen", tabindex: "0", role: "application", "aria-label": TITLES[view] + ": " + help, "data-view": view,
+  }, canvas);
+  const caption = make("figcaption", { text: TITLES[view] });
+  const figure = make("figure", slice ? { class: "slice" } : {}, screen, caption);
+  const one = { figure, screen, canvas, caption };
+  if (slice) {
+    one.down = make("div", { class: "cross down" });
+    one.right = make("div", { class: "cross right" });
+    screen.append(one.down, one.right);
+    crossByHand(view, screen);
+  } else {
+    turnByHand(screen);
+  }
+  return one;
+}
+
+/* Both results in one screen, with a seam. */
+function addWipe() {
+  const screen = canvases.result.screen;
+  const canvas = make("canvas", { width: 16, height: 16, class: "other" });
+  const seam = make("div", { class: "seam" });
+  screen.append(canvas, seam);
+  canvases.other = { canvas, seam, caption: null, figure: canvases.result.figure };
+  placeWipe();
+}
+
+function placeWipe() {
+  const other = canvases.other;
+  if (look.compare !== "wipe" || !other || !other.seam) return;
+  other.canvas.style.clipPath = "inset(0 0 0 " + look.wipe + "%)";
+  other.seam.style.left = look.wipe + "%";
+}
+
+/* Builds what is shown anew; pictures that were there stay until others come. */
+function layOut() {
+  const before = { ...canvases };
+  for (const view of Object.keys(canvases)) delete canvases[view];
+  const rendered = document.getElementById("rendered"), slices = document.getElementById("slices");
+  rendered.replaceChildren();
+  slices.replaceChildren();
+  const shown = renderedViews().concat(look.slices ? Object.keys(AXES) : []);
+  for (const view of shown) {
+    canvases[view] = before[view] && before[view].screen ? before[view] : figureOf(view);
+    (view in AXES ? slices : rendered).append(canvases[view].figure);
+  }
+  rendered.classList.toggle("four", look.compare === "side");
+  for (const extra of canvases.result.screen.querySelectorAll(".other, .seam")) extra.remove();
+  if (look.compare === "wipe") addWipe();
+  document.getElementById("wipe-bar").hidden = look.compare !== "wipe";
+  placeCross();
+}
+
+function paint(view, bitmap) {
+  const one = canvases[view];
+  if (!one) return;
+  one.canvas.width = bitmap.width;
+  one.canvas.height = bitmap.height;
+  one.canvas.getContext("2d").drawImage(bitmap, 0, 0);
+  bitmap.close();
+}
+
+function captionOf(view, lane, name) {
+  const one = canvases[view];
+  if (!one || !one.caption) return;
+  one.caption.textContent = "Result" + (name ? " " + name : "") + (lane.clipped ? "" : ": not clipped");
+  if (lane.failed) one.caption.append(make("span", { class: "why", text: lane.words }));
+  one.figure.classList.toggle("failed", lane.failed);
+}

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT */
+#include "loop/sequence.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A file, and what must not change until it is opened again. */
+typedef struct {
+    const char *path;
+    uint32_t first, volumes; /* in the sequence */
+    bool mapped;             /* to 8 bit, from ... */
+    double low, high;
+    hs_pose pose;
+    char name[256];
+} part;
+
+struct hs_sequence {
+    hs_source_files how;
+    part *parts;
+    uint32_t part_count;
+    hs_source_origin *origins;
+    uint32_t count, left_out;
+    hs_volume shape; /* of all volumes; without voxels */
+    hs_sequence_file file;
+    const part *open; /* what `file` is; NULL: none is open */
+};
+
+/* ------------------------------------------------------------------------------------------ all alike -- */
+
+static bool same_table(const double *a, const double *b, uint32_t count) {
+    return memcmp(a, b, count * sizeof *a) == 0;
+}
+
+static bool same_beams(const hs_beams *a, const hs_beams *b) {
+    if (!a || !b) return a == b;
+    return a->samples == b->samples && a->lines == b->lines && a->planes == b->planes &&
+           a->pitch == b->pitch && a->start == b->start && a->axis == b->axis &&
+           same_table(a->theta, b->theta, a->lines) && same_table(a->phi, b->phi, a->planes);
+}
+
+/* A loop keeps one box, one format and one device volume for all frames, so all volumes must be alike. */
+static bool same_grid(const hs_volume *first, const hs_volume *other, const char *first_path,
+                      const char *path, hs_error *err) {
+    if (first->nx != other->nx || first->ny != other->ny || first->nz != other->nz)
+        return hs_fail(err, HS_ERR_INPUT,
+                       "%s: %u x %u x %u voxels, but %s has %u x %u x %u: a sequence has one size", path,
+                       other->nx, other->ny, other->nz, first_path, first->nx, first->ny, first->nz);
+    for (int axis = 0; axis < 3; axis++)
+        if (first->spacing[axis] != other->spacing[axis])
+            return hs_fail(err, HS_ERR_INPUT, "%s: spacing %g mm along axis %d, but %s has %g mm", path,
+                           other->spacing[axis], axis, first_path, first->spacing[axis]);
+    for (int i = 0; i < 9; i++)
+        if (first->pose.direction[i] != other->pose.direction[i] || first->probe != other->probe)
+            return hs_fail(err, HS_ERR_INPUT,
+                           "%s: lies otherwise in the patient than %s, or was scanned from "
+                           "another side: a sequence has one orientation",
+                           path, first_path);
+    return same_beams(first->beams, other->beams) ||
+           hs_fail(err, HS_ERR_INPUT, "%s: was scanned in another geometry than %s: a sequence has one", path,
+                   first_path);
+}
+
+/* ------------------------------------------------------------------------------------------- one file -- */
+
+/* What is known of the volumes of the file that is open, behind that of those before. */
+static bool note_origins(hs_sequence *s, const part *p, hs_error *err) {
+    const size_t count = (size_t)s->count + p->volumes;
+    hs_source_origin *origins = count <= UINT32_MAX ? realloc(s->origins, count * sizeof *origins) : NULL;
+    if (!origins) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu volumes", p->path, count);
+    s->origins = origins;
+    const hs_metaimage *file = s->file.metaimage;
+    for (uint32_t i = 0; i < p->volumes; i++) {
+        const hs_frame_fields *said = file ? hs_metaimage_fields(file, i) : NULL;
+        hs_source_origin *origin = &origins[s->count + i];
+        *origin = (hs_source_origin){.path = p->path, .metaimage = file != NULL, .index = i};
+        if (said) origin->fields = *said;
+    }
+    s->count = (uint32_t)count;
+    if (file) s->left_out += hs_metaimage_left_out(file);
+    return true;
+}
+
+/* Takes the shape of the file that is open for that of the sequence if it is the first; else they must agree.
+ */
+static bool note_shape(hs_sequence *s, part *p, hs_error *err) {
+    hs_volume shape;
+    if (!hs_sequence_file_shape(&s->file, &shape, err)) return false;
+    p->pose = shape.pose;
+    memcpy(p->name, shape.name, sizeof p->name);
+    if (p == s->parts) {
+        s->shape = shape;
+        return true;
+    }
+    const bool same = same_grid(&s->shape, &shape, s->parts->path, p->path, err);
+    hs_volume_free(&shape);
+    return same;
+}
+
+static bool add_file(hs_sequence *s, part *p, hs_error *err) {
+    hs_sequence_rest(s);
+    if (!hs_sequence_file_open(&s->file, p->path, &s->how, err)) return false;
+    s->open = p;
+    p->first = s->count;
+    p->volumes = hs_sequence_file_count(&s->file);
+    p->mapped = s->file.metaimage && hs_metaimage_range(s->file.metaimage, &p->low, &p->high);
+    return note_shape(s, p, err) && note_origins(s, p, err);
+}
+
+/* Opens a file once more. Its range is known already. */
+static bool open_again(hs_sequence *s, const part *p, hs_error *err) {
+    hs_source_files how = s->how;
+    double low, high;
+    hs_volume shape;
+    hs_sequence_rest(s);
+    if (p->mapped) {
+        how.metaimage.has_window = true;
+        how.metaimage.window_low = p->low;
+        how.metaimage.window_high = p->high;
+    }
+    if (!hs_sequence_file_open(&s->file, p->path, &how, err)) return false;
+    s->open = p;
+    const bool mapped = s->file.metaimage && hs_metaimage_range(s->file.metaimage, &low, &high);
+    bool ok = hs_sequence_file_shape(&s->file, &shape, err);
+    if (ok) {
+        ok = (hs_sequence_file_count(&s->file) == p->volumes && mapped == p->mapped &&
+              same_grid(&s->shape, &shape, p->path, p->path, &(hs_error){0})) ||
+             hs_fail(err, HS_ERR_INPUT, "%s: is not as it was before: the file changed", p->path);
+        hs_volume_free(&shape);
+    }
+    if (!ok) hs_sequence_rest(s);
+    return ok;
+}
+
+/* ---------------------------------------------------------------------------------------- all of them -- */
+
+hs_sequence *hs_sequence_open(const char *const *paths, uint32_t count, const hs_source_files *how,
+                              hs_error *err) {
+    hs_sequence *s = calloc(1, sizeof *s);
+    if (s) s->parts = calloc(count, sizeof *s->parts);
+    bool ok = (s && s->parts) || hs_fail(err, HS_ERR_MEMORY, "sequence: no memory for %u files", count);
+    if (ok) s->how = *how;
+    for (uint32_t i = 0; ok && i < count; i++) {
+        s->parts[i].path = paths[i];
+        s->part_count++;
+        ok = add_file(s, &s->parts[i], err);
+    }
+    if (ok) return s;
+    hs_sequence_close(s);
+    return NULL;
+}
+
+void hs_sequence_rest(hs_sequence *s) {
+    hs_sequence_file_close(&s->file);
+    s->open = NULL;
+}
+
+void hs_sequence_close(hs_sequence *s) {
+    if (!s) return;
+    hs_sequence_rest(s);
+    hs_volume_free(&s->shape);
+    free(s->parts);
+    free(s->origins);
+    free(s);
+}
+
+uint32_t hs_sequence_count(const hs_sequence *s) {
+    return s->count;
+}
+
+uint32_t hs_sequence_left_out(const hs_sequence *s) {
+    return s->left_out;
+}
+
+const hs_source_origin *hs_sequence_origins(const hs_sequence *s) {
+    return s->origins;
+}
+
+bool hs_sequence_read(hs_sequence *s, uint32_t index, hs_volume *volume, hs_error *err) {
+    const part *p = s->parts;
+    while (index - p->first >= p->volumes) p++;
+    if (s->open != p && !open_again(s, p, err)) return false;
+    if (!hs_sequence_file_read(&s->file, index - p->first, volume, err)) return false;
+    volume->pose = p->pose;
+    memcpy(volume->name, p->name, sizeof p->name);
+    return true;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/scene_names.h"
+
+#include "base/paths.h"
+#include "scene/scene_draw.h"
+#include "scene/scene_read.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+const char *hs_scene_of_group(hs_scene_group group, uint32_t index) {
+    static const char *const names[HS_SCENES_GROUPS][17] = {
+        [HS_SCENES_THESIS] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"},
+        [HS_SCENES_HARD] = {"H01", "H02", "H03", "H04", "H05", "H06", "H07", "H08", "H09", "H10", "H11",
+                            "H12", "H13", "H14", "H15", "H16"},
+        [HS_SCENES_REAL] = {"real"}};
+    return index < sizeof names[0] / sizeof names[0][0] ? names[group][index] : NULL;
+}
+
+/* The built-in cases lie below the program's folder or beside it: nothing here knows where the sources were.
+ */
+static void scene_folder(char *folder, size_t size) {
+    const char *named = getenv("SMARTVIS_SCENES");
+    if (named && named[0])
+        (void)snprintf(folder, size, "%s", named);
+    else if (!hs_path_beside_program("share/smartvis/scenes", folder, size) || access(folder, X_OK) != 0)
+        (void)hs_path_beside_program("../share/smartvis/scenes", folder, size);
+}
+
+char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error *err) {
+    char folder[PATH_MAX];
+    uint64_t seed;
+    uint32_t number;
+    if (strpbrk(name_or_path, "/.")) {
+        (void)snprintf(path, size, "%s", name_or_path);
+    } else if (hs_scene_drawn_name(name_or_path, &seed, &number)) {
+        (void)snprintf(path, size, "%s", name_or_path);
+        char *text = hs_scene_draw(seed, number);
+        if (!text) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
+        return text;
+    } else {
+        scene_folder(folder, sizeof folder);
+        (void)snprintf(path, size, "%s/%s.json", folder, name_or_path);
+    }
+    return hs_scene_read_file(path, err);
+}

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+"""python/bench/ still runs, on little: how fast something is, no test says."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from conftest import LONG, SOURCE
+
+BENCH = SOURCE / "python" / "bench"
+PRINTED = {
+    ("batch.py", "4", "32", "1"): r"4 volumes of 32\^3; reading alone: [\d.]+ a second\n1 worker: [\d.]+ a second",
+    ("overhead.py", "32", "5"): r"32\^3: a frame in C [\d.]+ ms, in Python [\d.]+ ms, overhead -?[\d.]+ ms",
+    ("serve.py", "32", "3"): r"[\d.]+ volumes of 32\^3 a second, there and back",
+}
+
+
+def test_all_are_tried() -> None:
+    assert {path.name for path in BENCH.glob("*.py")} == {name for name, *_ in PRINTED}
+
+
+@pytest.mark.parametrize("command", PRINTED, ids=lambda command: command[0])
+def test_it_prints_what_it_measures(command: tuple[str, ...]) -> None:
+    program = [sys.executable, "-P", str(BENCH / command[0]), *command[1:]]
+    done = subprocess.run(program, capture_output=True, text=True, timeout=LONG, check=False)
+    assert done.returncode == 0 and re.search(PRINTED[command], done.stdout), done.stderr

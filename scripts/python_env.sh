@@ -1,0 +1,23 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# python_env.sh VENV REQUIREMENTS [PYTHON]: a virtual environment with the versions of a requirements file. It is made anew when
+# they or the interpreter change. Needs PyPI, but not for an environment that is there.
+set -eu
+venv=$1
+wanted=$2
+python=${3:-python3}
+export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
+
+stop() {
+    echo "python_env: $1" >&2
+    exit 1
+}
+
+state=$(cat "$wanted" && "$python" -c 'import sys; print(sys.version)') || stop "'$python' does not run: install python3"
+[ "$state" != "$(cat "$venv/made_of.txt" 2> /dev/null)" ] || exit 0
+rm -rf "$venv"
+"$python" -m venv "$venv" || stop "'$python -m venv' failed: is the Debian package python3-venv there?"
+# What pip builds from source builds with these versions, too.
+PIP_CONSTRAINT=$wanted "$venv/bin/pip" install --quiet --no-compile -r "$wanted" ||
+    stop "pip could not install $wanted: PyPI must be reachable, and python3-dev installed"
+printf '%s\n' "$state" > "$venv/made_of.txt"

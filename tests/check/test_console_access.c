@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT */
+/* Who may talk to the console: Host, Origin and token of a request; and which files it may name. */
+#include "console/console_access.h"
+#include "console/console_files.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static void only_numbers_of_this_machine_are_its_host(void **unused) {
+    (void)unused;
+    static const char *const ours[] = {"127.0.0.1:8080", "localhost:8080", "127.0.0.2:8080", "[::1]:8080"};
+    static const char *const others[] = {NULL,
+                                         "",
+                                         "127.0.0.1",
+                                         "127.0.0.1:80",
+                                         "127.0.0.1:8080 ",
+                                         "127.0.0.1:08080",
+                                         "evil.example:8080",
+                                         "localhost.evil.example:8080",
+                                         "127.0.0.1.evil.example:8080",
+                                         "127.0.0.1:8080.evil.example",
+                                         "127.0.0:8080",
+                                         "127.0.0.1.:8080",
+                                         "127.0.0.999:8080",
+                                         "127.0.0.1@evil.example:8080",
+                                         "192.168.0.7:8080",
+                                         "[::1:8080",
+                                         "[::2]:8080",
+                                         ":8080"};
+    for (size_t i = 0; i < sizeof ours / sizeof *ours; i++)
+        if (!hs_console_host_is_ours(ours[i], 8080, true)) fail_msg("'%s' is refused", ours[i]);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (hs_console_host_is_ours(others[i], 8080, true)) fail_msg("'%s' is taken", others[i]);
+}
+
+static void elsewhere_any_number_is(void **unused) {
+    (void)unused;
+    assert_true(hs_console_host_is_ours("192.168.0.7:9", 9, false));
+    assert_true(hs_console_host_is_ours("[fe80::1]:9", 9, false));
+    assert_true(hs_console_host_is_ours("localhost:9", 9, false));
+    assert_false(
+        hs_console_host_is_ours("scanner.example:9", 9, false)); /* a name may be made to lead here */
+    assert_false(hs_console_host_is_ours("[fe80::x]:9", 9, false));
+    assert_false(hs_console_host_is_ours("1.2.3:9", 9, false));
+}
+
+static void an_origin_is_a_page_of_this_host(void **unused) {
+    (void)unused;
+    static const char host[] = "127.0.0.1:8080";
+    assert_true(hs_console_origin_is_ours("http://127.0.0.1:8080", host));
+    assert_false(hs_console_origin_is_ours(NULL, host));
+    assert_false(hs_console_origin_is_ours("http://127.0.0.1:8080", NULL));
+    assert_false(hs_console_origin_is_ours("null", host));
+    assert_false(hs_console_origin_is_ours("https://127.0.0.1:8080", host));
+    assert_false(hs_console_origin_is_ours("http://127.0.0.1:8081", host));
+    assert_false(hs_console_origin_is_ours("http://127.0.0.1:8080.evil.example", host));
+    assert_false(hs_console_origin_is_ours("http://localhost:8080", host));
+}
+
+static void a_token_must_be_whole(void **unused) {
+    (void)unused;
+    char token[HS_CONSOLE_TOKEN], other[HS_CONSOLE_TOKEN], query[128];
+    hs_error err = {0};
+    assert_true(hs_console_make_token(token, &err));
+    assert_true(hs_console_make_token(other, &err));
+    assert_int_equal(strlen(token), HS_CONSOLE_TOKEN - 1);
+    assert_int_equal(strspn(token, "0123456789abcdef"), HS_CONSOLE_TOKEN - 1);
+    assert_string_not_equal(token, other);
+    (void)snprintf(query, sizeof query, "t=%s", token);
+    assert_true(hs_console_token_fits(query, token));
+    assert_false(hs_console_token_fits(query, other));
+    (void)snprintf(query, sizeof query, "a=1&t=%s&b=2", token);
+    assert_true(hs_console_token_fits(query, token));
+    (void)snprintf(query, sizeof query, "t=%s0", token);
+    assert_false(hs_console_token_fits(query, token));
+    (void)snprintf(query, sizeof query, "t=%.31s", token);
+    assert_false(hs_console_token_fits(query, token));
+    (void)snprintf(query, sizeof query, "xt=%s", token);
+    assert_false(hs_console_token_fits(query, token));
+    assert_false(hs_console_token_fits(NULL, token));
+    assert_false(hs_console_token_fits("t=", ""));
+}
+
+/* --------------------------------------------------------------------------------------------- files -- */
+
+static char root[] = "/tmp/console_files_XXXXXX";
+
+static void write_file(const char *name) {
+    char path[256];
+    (void)snprintf(path, sizeof path, "%s/%s", root, name);
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fclose(out);
+}
+
+static void link_to(const char *target, const char *name) {
+    char path[256];
+    (void)snprintf(path, sizeof path, "%s/%s", root, name);
+    assert_int_equal(symlink(target, path), 0);
+}
+
+/* given/ with volumes and links in it, and secret.mha beside it. */
+static int make_tree(void **state) {
+    static const char *const folders[] = {"given", "given/deep", "given-not", "given/loop"};
+    char path[256];
+    assert_non_null(mkdtemp(root));
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+        (void)snprintf(path, sizeof path, "%s/%s", root, folders[i]);
+        assert_int_equal(mkdir(path, 0700), 0);
+    }
+    write_file("secret.mha");
+    write_file("given-not/near.mha");
+    write_file("given/a.mha");
+    write_file("given/b.VOL");
+    write_file("given/notes.txt");
+    write_file("given/deep/c.mhd");
+    write_file("given/.hidden.mha");
+    link_to("a.mha", "given/inside.mha");
+    link_to("../secret.mha", "given/outside.mha");
+    link_to("../given-not/near.mha", "given/near.mha");
+    link_to("..", "given/up");
+    link_to(".", "given/loop/again");
+    (void)snprintf(path, sizeof path, "%s/given", root);
+    hs_console_files *files = calloc(1, sizeof *files);
+    hs_error err = {0};
+    assert_true(hs_console_files_add(files, path, &err));
+    *state = files;
+    return 0;
+}
+
+static int remove_tree(void **state) {
+    char command[300];
+    hs_console_files_free(*state);
+    free(*state);
+    (void)snprintf(command, sizeof command, "rm -rf '%s'", root);
+    return system(command);
+}
+
+static bool note(void *context, uint32_t folder, const char *path) {
+    char *list = context;
+    assert_int_equal(folder, 0);
+    strcat(strcat(list, path), " ");
+    return true;
+}
+
+static void the_list_has_what_lies_inside(void **state) {
+    char list[512] = "";
+    hs_console_files_list(*state, note, list);
+    assert_string_equal(list, "a.mha b.VOL deep/c.mhd inside.mha ");
+}
+
+static void nothing_outside_is_found(void **state) {
+    static const char *const refused[] = {"../secret.mha",
+                                          "outside.mha",
+                                          "near.mha",
+                                          "up/secret.mha",
+                                          "../given-not/near.mha",
+                                          "deep/../../secret.mha",
+                                          "/etc/passwd",
+                                          "notes.txt",
+                                          "missing.mha",
+                                          "deep",
+                                          ".",
+                                          ""};
+    char path[1024], expected[300];
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        hs_error err = {0};
+        if (hs_console_files_find(*state, 0, refused[i], path, sizeof path, &err) || err.code != HS_ERR_INPUT)
+            fail_msg("'%s' was found", refused[i]);
+    }
+    hs_error err = {0};
+    assert_false(hs_console_files_find(*state, 1, "a.mha", path, sizeof path, &err));
+    assert_true(hs_console_files_find(*state, 0, "deep/../inside.mha", path, sizeof path, &err));
+    (void)snprintf(expected, sizeof expected, "%s/given/a.mha", root);
+    assert_string_equal(path, expected);
+}
+
+static void what_is_no_folder_is_refused(void **state) {
+    (void)state;
+    hs_console_files files = {0};
+    hs_error err = {0};
+    assert_false(hs_console_files_add(&files, "/no/such/folder", &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    assert_non_null(strstr(err.text, "/no/such/folder: is no folder"));
+    hs_console_files_free(&files);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_numbers_of_this_machine_are_its_host),
+        cmocka_unit_test(elsewhere_any_number_is),
+        cmocka_unit_test(an_origin_is_a_page_of_this_host),
+        cmocka_unit_test(a_token_must_be_whole),
+        cmocka_unit_test(the_list_has_what_lies_inside),
+        cmocka_unit_test(nothing_outside_is_found),
+        cmocka_unit_test(what_is_no_folder_is_refused),
+    };
+    return cmocka_run_group_tests(tests, make_tree, remove_tree);
+}

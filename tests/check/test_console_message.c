@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* Messages of the console's pages: what is right arrives as it was meant, and of what is wrong the field is
+ * named. */
+#include "console/console_message.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* A whole state, in parts that the tests replace. */
+static const char *const parts[][2] = {
+    {"type", "\"state\""},
+    {"serial", "7"},
+    {"source", "{\"scene\":\"D01\",\"size\":96,\"volumes\":3,\"from\":\"probe\"}"},
+    {"camera", "{\"yaw\":-20.5,\"pitch\":10,\"zoom\":2}"},
+    {"views", "[\"result\",\"across\"]"},
+    {"picture", "512"},
+    {"draft", "128"},
+    {"hurried", "true"},
+    {"play", "{\"on\":true,\"speed\":12.5,\"index\":2}"},
+    {"cross", "[0,0.25,1]"},
+    {"render", "{\"look\":\"lit\",\"light\":[-35,40],\"t_low\":0.16,\"t_high\":0.45,\"ghost_width\":4,"
+               "\"ghost_offset\":-1,"
+               "\"ghost_doubt\":2,\"exposure\":1}"},
+    {"lanes", "[{\"plugin\":0,\"values\":{\"q\":0.25,\"method\":1}},{\"plugin\":1,\"values\":{}}]"},
+};
+enum { PARTS = sizeof parts / sizeof *parts };
+
+/* The state with one part replaced (NULL: left out) or, for a name of its own, added. The caller frees it. */
+static char *state_with(const char *name, const char *value) {
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *out = open_memstream(&text, &bytes);
+    const char *between = "{";
+    bool known = false;
+    assert_non_null(out);
+    for (int i = 0; i < PARTS; i++) {
+        const bool it = name && strcmp(parts[i][0], name) == 0;
+        known |= it;
+        if (it && !value) continue;
+        fprintf(out, "%s\"%s\":%s", between, parts[i][0], it ? value : parts[i][1]);
+        between = ",";
+    }
+    if (name && !known) fprintf(out, ",\"%s\":%s", name, value);
+    fprintf(out, "}");
+    assert_int_equal(fclose(out), 0);
+    return text;
+}
+
+static bool read_text(const char *text, hs_console_message *out, hs_error *err) {
+    *err = (hs_error){0};
+    return hs_console_message_read(text, strlen(text), out, err);
+}
+
+static void a_state_arrives_as_it_was_meant(void **unused) {
+    (void)unused;
+    hs_console_message m;
+    hs_error err;
+    char *text = state_with(NULL, NULL);
+    assert_true(read_text(text, &m, &err));
+    free(text);
+    const hs_console_state *s = &m.state;
+    assert_int_equal(m.says, HS_CONSOLE_SAYS_STATE);
+    assert_int_equal(s->serial, 7);
+    assert_string_equal(s->source.scene, "D01");
+    assert_int_equal(s->source.size, 96);
+    assert_int_equal(s->source.volumes, 3);
+    assert_true(s->yaw == -20.5 && s->pitch == 10 && s->zoom == 2);
+    assert_int_equal(s->views, 1u << HS_CONSOLE_RESULT | 1u << HS_CONSOLE_ACROSS);
+    assert_int_equal(s->picture, 512);
+    assert_int_equal(s->draft, 128);
+    assert_true(s->hurried && s->playing && s->speed == 12.5);
+    assert_int_equal(s->index, 2);
+    assert_true(s->cross[0] == 0 && s->cross[1] == 0.25 && s->cross[2] == 1);
+    assert_int_equal(s->dvr.look, HS_LOOK_LIT);
+    assert_true(s->dvr.ghost_width == 4.0f && s->dvr.ghost_offset == -1.0f && s->dvr.light[0] == -35.0f);
+    assert_true(s->lane[0].used && s->lane[1].used);
+    assert_int_equal(s->lane[0].count, 2);
+    assert_string_equal(s->lane[0].values[0].key, "q");
+    assert_true(s->lane[0].values[0].value == 0.25);
+    assert_int_equal(s->lane[1].plugin, 1);
+    assert_int_equal(s->lane[1].count, 0);
+}
+
+static void a_file_and_one_lane_are_a_state_too(void **unused) {
+    (void)unused;
+    hs_console_message m;
+    hs_error err;
+    char *text = state_with("source", "{\"folder\":1,\"path\":\"a b/c.mha\",\"from\":\"left\"}");
+    assert_true(read_text(text, &m, &err));
+    free(text);
+    assert_string_equal(m.state.source.scene, "");
+    assert_string_equal(m.state.source.path, "a b/c.mha");
+    assert_int_equal(m.state.source.folder, 1);
+    assert_int_equal(m.state.source.from, HS_FROM_LEFT);
+    text = state_with("lanes", "[{\"plugin\":3,\"values\":{}}]");
+    assert_true(read_text(text, &m, &err));
+    free(text);
+    assert_false(m.state.lane[1].used);
+}
+
+static void the_other_messages(void **unused) {
+    (void)unused;
+    hs_console_message m;
+    hs_error err;
+    assert_true(read_text("{\"type\":\"seen\",\"frame\":12}", &m, &err));
+    assert_int_equal(m.says, HS_CONSOLE_SAYS_SEEN);
+    assert_int_equal(m.seen, 12);
+    assert_true(read_text("{\"type\":\"do\",\"what\":\"snapshot\",\"view\":\"truth\"}", &m, &err));
+    assert_int_equal(m.says, HS_CONSOLE_SAYS_DO);
+    assert_int_equal(m.deed, HS_CONSOLE_SNAPSHOT);
+    assert_int_equal(m.view, HS_CONSOLE_TRUTH);
+    assert_true(read_text("{\"type\":\"do\",\"what\":\"write\"}", &m, &err));
+    assert_int_equal(m.deed, HS_CONSOLE_WRITE);
+}
+
+static void what_is_no_message_is_refused(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {"", "no JSON"},
+        {"{", "no JSON"},
+        {"nonsense", "no JSON"},
+        {"{\"type\":\"seen\",\"frame\":1} {}", "no JSON"},
+        {"{\"type\":\"seen\",\"type\":\"seen\",\"frame\":1}", "no JSON: duplicate"},
+        {"{\"type\":\"seen\",\"frame\":1e999}", "no JSON"},
+        {"{\"type\":\"seen\",\"frame\":\"\xff\"}", "no JSON"},
+        {"[1,2]", "expected an object"},
+        {"[[[[[[[[[1]]]]]]]]]", "more than 8 levels"},
+        {"{\"type\":\"[[[[[[[[[\"}", "is not known"},
+        {"[\"\\\"[[[[[[[[[\"]", "expected an object"},
+        {"{}", "type: expected a text"},
+        {"{\"type\":5}", "type: expected a text"},
+        {"{\"type\":\"other\"}", "type: 'other' is not known"},
+        {"{\"type\":\"st\\u0000ate\"}", "no JSON"},
+        {"{\"type\":\"st\\u001bate\"}", "type: has a control character"},
+        {"{\"type\":\"seen\"}", "seen: 'frame' is missing"},
+        {"{\"type\":\"seen\",\"frame\":-1}", "frame: -1 is outside 0 .."},
+        {"{\"type\":\"seen\",\"frame\":1.5}", "frame: expected a whole number"},
+        {"{\"type\":\"seen\",\"frame\":1,\"more\":1}", "seen: 'more' is no field"},
+        {"{\"type\":\"do\",\"what\":\"format\"}", "what: 'format' is not known"},
+        {"{\"type\":\"do\",\"what\":\"snapshot\"}", "do: 'view' is missing"},
+        {"{\"type\":\"do\",\"what\":\"snapshot\",\"view\":\"all\"}", "view: 'all' is not known"},
+        {"{\"type\":\"do\",\"what\":\"write\",\"folder\":\"/tmp\"}", "do: 'folder' is no field"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        hs_console_message m;
+        hs_error err;
+        if (read_text(cases[i].text, &m, &err) || err.code != HS_ERR_INPUT ||
+            !strstr(err.text, cases[i].says))
+            fail_msg("'%s' gave '%s', expected '%s'", cases[i].text, err.text, cases[i].says);
+    }
+}
+
+static void a_wrong_field_is_named(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *part, *value, *says;
+    } cases[] = {
+        {"serial", NULL, "state: 'serial' is missing"},
+        {"serial", "9007199254740992", "serial: 9007199254740992 is outside"},
+        {"extra", "1", "state: 'extra' is no field"},
+        {"source", "\"D01\"", "source: expected an object"},
+        {"source", "{\"scene\":\"D09\",\"size\":96,\"volumes\":3,\"from\":\"probe\"}",
+         "scene: 'D09' is none"},
+        {"source", "{\"scene\":\"real\",\"size\":96,\"volumes\":3,\"from\":\"probe\"}",
+         "scene: 'real' is none"},
+        {"source", "{\"scene\":\"../D01\",\"size\":96,\"volumes\":3,\"from\":\"probe\"}",
+         "scene: '../D01' is none"},
+        {"source", "{\"scene\":\"./D01.json-and-more\",\"size\":96,\"volumes\":3,\"from\":\"probe\"}",
+         "scene: 19 bytes"},
+        {"source", "{\"scene\":\"D01\",\"size\":512,\"volumes\":3,\"from\":\"probe\"}",
+         "size: 512 is outside 32 .. 256"},
+        {"source", "{\"scene\":\"D01\",\"size\":96,\"volumes\":17,\"from\":\"probe\"}",
+         "volumes: 17 is outside 1 .. 16"},
+        {"source", "{\"scene\":\"D01\",\"size\":96,\"volumes\":1,\"from\":\"above\"}",
+         "from: 'above' is not known"},
+        {"source", "{\"folder\":0,\"path\":\"\",\"from\":\"probe\"}", "path: is empty"},
+        {"source", "{\"folder\":0,\"path\":\"a\\nb\",\"from\":\"probe\"}", "path: has a control character"},
+        {"source", "{\"folder\":64,\"path\":\"a\",\"from\":\"probe\"}", "folder: 64 is outside"},
+        {"source", "{\"folder\":0,\"path\":\"a\",\"scene\":\"D01\",\"from\":\"probe\"}",
+         "source: 'folder' is no field"},
+        {"camera", "{\"yaw\":400,\"pitch\":0,\"zoom\":1}", "yaw: 400 is outside"},
+        {"camera", "{\"yaw\":0,\"pitch\":\"0\",\"zoom\":1}", "pitch: expected a number"},
+        {"camera", "{\"yaw\":0,\"pitch\":0,\"zoom\":0}", "zoom: 0 is outside"},
+        {"camera", "{\"yaw\":0,\"pitch\":0}", "camera: 'zoom' is missing"},
+        {"views", "[\"result\",\"result \"]", "views: 'result ' is none"},
+        {"views", "[1]", "views: '(no text)' is none"},
+        {"views", "{}", "views: expected at most"},
+        {"picture", "1025", "picture: 1025 is outside"},
+        {"draft", "4", "draft: 4 is outside"},
+        {"hurried", "1", "hurried: expected true or false"},
+        {"play", "{\"on\":true,\"speed\":1000,\"index\":0}", "speed: 1000 is outside"},
+        {"play", "{\"on\":true,\"speed\":1,\"index\":4294967296}", "index: 4294967296 is outside"},
+        {"cross", "[0,0]", "cross: expected 3 numbers"},
+        {"cross", "[0,0,2]", "cross: 2 is outside 0 .. 1"},
+        {"render",
+         "{\"look\":\"dark\",\"light\":[0,0],\"t_low\":0.1,\"t_high\":0.4,\"ghost_width\":0,\"ghost_offset\":"
+         "0,"
+         "\"ghost_doubt\":2,\"exposure\":1}",
+         "look: 'dark' is not known"},
+        {"render",
+         "{\"look\":\"lit\",\"light\":[0,0],\"t_low\":0.5,\"t_high\":0.4,\"ghost_width\":0,\"ghost_offset\":"
+         "0,"
+         "\"ghost_doubt\":2,\"exposure\":1}",
+         "threshold_high is 0.4"},
+        {"lanes", "[]", "lanes: expected 1 .. 2"},
+        {"lanes", "[1]", "lanes: expected an object"},
+        {"lanes", "[{\"plugin\":0}]", "lanes: 'values' is missing"},
+        {"lanes", "[{\"plugin\":0,\"values\":[]}]", "values: expected an object"},
+        {"lanes", "[{\"plugin\":0,\"values\":{\"q\":true}}]", "values: q: expected a number"},
+        {"lanes", "[{\"plugin\":0,\"values\":{\"Q; rm\":1}}]", "values: 'Q; rm' is no parameter's key"},
+        {"lanes", "[{\"plugin\":0,\"values\":{\"\":1}}]", "values: '' is no parameter's key"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        hs_console_message m;
+        hs_error err;
+        char *text = state_with(cases[i].part, cases[i].value);
+        if (read_text(text, &m, &err) || err.code == HS_OK || !strstr(err.text, cases[i].says))
+            fail_msg("%s = %s gave '%s', expected '%s'", cases[i].part,
+                     cases[i].value ? cases[i].value : "nothing", err.text, cases[i].says);
+        free(text);
+    }
+}
+
+static void limits_of_size_hold(void **unused) {
+    (void)unused;
+    hs_console_message m;
+    hs_error err = {0};
+    char *text = malloc(HS_CONSOLE_MAX_MESSAGE + 2), values[HS_CONSOLE_VALUES * 12 + 64];
+    memset(text, ' ', HS_CONSOLE_MAX_MESSAGE + 2);
+    memcpy(text, "{\"type\":\"seen\",\"frame\":1}", 25);
+    assert_true(hs_console_message_read(text, HS_CONSOLE_MAX_MESSAGE, &m, &err));
+    assert_false(hs_console_message_read(text, HS_CONSOLE_MAX_MESSAGE + 1, &m, &err));
+    assert_non_null(strstr(err.text, "16385 bytes, expected at most 16384"));
+    free(text);
+    for (int more = 0; more < 2; more++) {
+        int used = snprintf(values, sizeof values, "[{\"plugin\":0,\"values\":{");
+        for (int i = 0; i < HS_CONSOLE_VALUES + more; i++)
+            used += snprintf(values + used, sizeof values - (size_t)used, "%s\"p%d\":%d", i ? "," : "", i, i);
+        (void)snprintf(values + used, sizeof values - (size_t)used, "}}]");
+        text = state_with("lanes", values);
+        assert_int_equal(read_text(text, &m, &err), !more);
+        if (more) assert_non_null(strstr(err.text, "values: more than 96"));
+        free(text);
+    }
+    /* A message need not end with a NUL, and one that stands in it does not end it. */
+    err = (hs_error){0};
+    assert_true(hs_console_message_read("{\"type\":\"seen\",\"frame\":1}x", 25, &m, &err));
+    assert_false(hs_console_message_read("{\"type\":\"seen\",\"frame\":1}\0x", 27, &m, &err));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_state_arrives_as_it_was_meant),
+        cmocka_unit_test(a_file_and_one_lane_are_a_state_too),
+        cmocka_unit_test(the_other_messages),
+        cmocka_unit_test(what_is_no_message_is_refused),
+        cmocka_unit_test(a_wrong_field_is_named),
+        cmocka_unit_test(limits_of_size_hold),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* Cases from files with maps of what was scanned: a scene of ours, written as `scenes --export` does. */
+#include "eval/eval_source.h"
+#include "scene/scene_export.h"
+#include "volume/metaimage_write.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { N = 32, RAYS = N * N, TEXT = 300 };
+
+typedef struct {
+    char folder[64];
+    hs_scene_data scene;
+    uint16_t first[RAYS], end[RAYS];
+} fixture;
+
+static const char *const files[] = {"D01_full.mha", "D01_truth.mha", "D01_label.mha",
+                                    "D01_near.mha", "D01_far.mha",   "first.mha",
+                                    "end.mha",      "small.mha",     "fraction.mha"};
+
+static void path_of(const fixture *f, const char *file, char path[TEXT]) {
+    (void)snprintf(path, TEXT, "%s/%s", f->folder, file);
+}
+
+static void write_map(const fixture *f, const char *file, hs_array_type type, const void *data, uint32_t n) {
+    char path[TEXT];
+    hs_error err = {0};
+    const hs_metaimage_array array = {
+        .type = type, .data = data, .dims = 3, .size = {n, n, 1}, .spacing = {1, 1, 1}, .compress = true};
+    path_of(f, file, path);
+    if (!hs_metaimage_write(path, &array, &err)) fail_msg("%s", err.text);
+}
+
+static void write_maps(const fixture *f) {
+    write_map(f, "first.mha", HS_ARRAY_U16, f->first, N);
+    write_map(f, "end.mha", HS_ARRAY_U16, f->end, N);
+}
+
+/* Maps that are unlike in every column and row, and a ray without a label of which nothing was scanned. */
+static int make_files(void **state) {
+    fixture *f = calloc(1, sizeof *f);
+    hs_error err = {0};
+    char prefix[TEXT];
+    assert_non_null(f);
+    (void)strcpy(f->folder, "/tmp/eval_source_XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    if (!hs_scene_generate("D01", N, 7, &f->scene, &err)) fail_msg("%s", err.text);
+    /* Black fluid: zeros that the maps must tell from what was not scanned. */
+    for (size_t i = 0; i < (size_t)RAYS * N; i++)
+        if (f->scene.full.voxels[i] < 20) f->scene.full.voxels[i] = 0;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        f->first[i] = (uint16_t)(i % 3);
+        f->end[i] = (uint16_t)(N - i / N % 4);
+    }
+    assert_int_equal(f->scene.label[0], HS_LABEL_NEITHER);
+    f->first[0] = f->end[0] = 5;
+    path_of(f, "D01", prefix);
+    if (!hs_scene_export(&f->scene, prefix, &err)) fail_msg("%s", err.text);
+    write_maps(f);
+    *state = f;
+    return 0;
+}
+
+static int remove_files(void **state) {
+    fixture *f = *state;
+    char path[TEXT];
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        path_of(f, files[i], path);
+        (void)unlink(path);
+    }
+    (void)rmdir(f->folder);
+    hs_scene_free(&f->scene);
+    free(f);
+    return 0;
+}
+
+/* Opens a case of the scene's files, with two maps or without. */
+static bool open_case(const fixture *f, const char *first, const char *end, hs_eval_source *out,
+                      hs_error *err) {
+    char name[6 * TEXT];
+    const char *const d = f->folder;
+    int length = snprintf(name, sizeof name, "%s/D01_full.mha,%s/D01_truth.mha,%s/D01_label.mha", d, d, d);
+    if (first) length += snprintf(name + length, TEXT, ",%s/%s", d, first);
+    if (end) (void)snprintf(name + length, TEXT, ",%s/%s", d, end);
+    const hs_eval_request request = {.name = name};
+    return hs_eval_source_open(out, &request, err);
+}
+
+static void must_fail(const fixture *f, const char *first, const char *end, hs_code code, const char *says) {
+    hs_eval_source source;
+    hs_error err = {0};
+    assert_false(open_case(f, first, end, &source, &err));
+    if (!strstr(err.text, says)) fail_msg("'%s' does not say '%s'", err.text, says);
+    assert_int_equal(err.code, code);
+}
+
+static void maps_tell_what_was_scanned(void **state) {
+    const fixture *f = *state;
+    hs_eval_source s;
+    hs_error err = {0};
+    uint32_t black = 0;
+    if (!open_case(f, "first.mha", "end.mha", &s, &err)) fail_msg("%s", err.text);
+    const hs_volume *const of[] = {hs_source_volume(&s.source, 0), hs_source_truth(&s.source, 0)};
+    const uint8_t *const was[] = {f->scene.full.voxels, f->scene.truth.voxels};
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < RAYS; i++)
+            for (uint32_t z = 0; z < N; z++) {
+                const uint8_t old = was[k][z * RAYS + i], now = of[k]->voxels[z * RAYS + i];
+                const bool scanned = f->first[i] <= z && z < f->end[i];
+                assert_int_equal(now, !scanned ? 0 : old == 0 ? 1 : old);
+                black += scanned && old == 0;
+            }
+    assert_true(black > 100);
+    assert_memory_equal(s.label, f->scene.label, RAYS);
+    hs_eval_source_close(&s);
+}
+
+/* Without maps a zero that reaches the border passes for unscanned, inner black fluid does not. */
+static void without_maps_zeros_are_guessed_at(void **state) {
+    const fixture *f = *state;
+    hs_eval_source with, without;
+    hs_error err = {0};
+    if (!open_case(f, "first.mha", "end.mha", &with, &err)) fail_msg("%s", err.text);
+    if (!open_case(f, NULL, NULL, &without, &err)) fail_msg("%s", err.text);
+    assert_memory_not_equal(hs_source_volume(&with.source, 0)->voxels,
+                            hs_source_volume(&without.source, 0)->voxels, (size_t)RAYS * N);
+    hs_eval_source_close(&with);
+    hs_eval_source_close(&without);
+}
+
+static void wrong_maps_are_named(void **state) {
+    fixture *f = *state;
+    static const uint16_t small[4] = {0};
+    static float fraction[RAYS];
+    fraction[2 * N + 1] = 1.5f;
+    write_map(f, "small.mha", HS_ARRAY_U16, small, 2);
+    write_map(f, "fraction.mha", HS_ARRAY_F32, fraction, N);
+    must_fail(f, "first.mha", NULL, HS_ERR_USAGE, "or five, FULL,TRUTH,LABEL,FIRST,END");
+    must_fail(f, "nowhere.mha", "end.mha", HS_ERR_INPUT, "nowhere.mha");
+    must_fail(f, "small.mha", "end.mha", HS_ERR_INPUT, "small.mha");
+    must_fail(f, "fraction.mha", "end.mha", HS_ERR_INPUT,
+              "fraction.mha: pixel (1, 2) is 1.5, expected a slice");
+    must_fail(f, "D01_far.mha", "end.mha", HS_ERR_INPUT, "D01_far.mha: pixel (0, 0) is -1, expected a slice");
+    must_fail(f, "end.mha", "first.mha", HS_ERR_INPUT, "end.mha: pixel (1, 0) is 32, behind 1 in ");
+}
+
+static void a_labelled_ray_was_scanned(void **state) {
+    fixture *f = *state;
+    char says[TEXT];
+    uint32_t i = 0;
+    while (f->scene.label[i] != HS_LABEL_FETUS) i++;
+    const uint16_t end = f->end[i];
+    f->end[i] = f->first[i];
+    write_maps(f);
+    (void)snprintf(says, sizeof says,
+                   "D01_label.mha: label 2 at pixel (%u, %u), where nothing was scanned: %u", i % N, i / N,
+                   f->first[i]);
+    must_fail(f, "first.mha", "end.mha", HS_ERR_INPUT, says);
+    f->end[i] = end;
+    write_maps(f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(maps_tell_what_was_scanned),
+        cmocka_unit_test(without_maps_zeros_are_guessed_at),
+        cmocka_unit_test(wrong_maps_are_named),
+        cmocka_unit_test(a_labelled_ray_was_scanned),
+    };
+    return cmocka_run_group_tests_name("eval_source", tests, make_files, remove_files);
+}

@@ -1,0 +1,309 @@
+# SPDX-License-Identifier: MIT
+"""The console's page in a real browser, by its own driver: what a hand, a keyboard and a plugin of a stranger do to it."""
+
+import json
+import os
+import shlex
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+from console_client import Console
+from webdriver import KEYS, Browser
+
+BUILD = sys.argv[1]
+HOST_SIM = os.path.join(BUILD, "host_sim")
+PLUGINS = [os.path.join(BUILD, name) for name in ("smartvis.so", "tests/plugins/plane.so", "tests/plugins/by_crash.so")]
+START = "#scene=D01,96,3"
+RESULT = ".screen[data-view=result]"
+SETTLED = ("document.body.dataset.serial === String(state.serial) && !state.hurried && !link.waiting "
+           "&& document.body.dataset.draft === 'false'")
+
+
+def holds(condition, what):
+    if not condition:
+        raise AssertionError(what)
+
+
+def settle(b, what):
+    b.wait_for(SETTLED, what, 90)
+
+
+def pixels(b, view):
+    """A number that changes with the view's picture."""
+    return b.run("""
+        const c = canvases[arguments[0]].canvas, copy = new OffscreenCanvas(c.width, c.height);
+        const g = copy.getContext('2d', { willReadFrequently: true });
+        g.drawImage(c, 0, 0);
+        const d = g.getImageData(0, 0, c.width, c.height).data;
+        let sum = 0; for (let i = 0; i < d.length; i += 4) sum = (sum * 31 + d[i] * 65536 + d[i + 1] * 256 + d[i + 2]) % 4294967291;
+        return c.width + ':' + sum;""", view)
+
+
+def all_pixels(b):
+    return {view: pixels(b, view) for view in ("result", "full", "truth", "across", "along", "deep")}
+
+
+def read_png(data):
+    """Width and rows of RGB bytes of a PNG of 8 bits without interlacing."""
+    at, packed, size = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR":
+            size = struct.unpack(">II", data[at + 8:at + 16])
+        elif kind == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    raw, row, out = zlib.decompress(packed), bytearray(size[0] * 3), []
+    for y in range(size[1]):
+        kind, line = raw[y * (len(row) + 1)], bytearray(raw[y * (len(row) + 1) + 1:(y + 1) * (len(row) + 1)])
+        for x, value in enumerate(line):
+            left = line[x - 3] if x > 2 else 0
+            up, corner = row[x], (row[x - 3] if x > 2 else 0)
+            guess = left + up - corner
+            near = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+            line[x] = (value + (0, left, up, (left + up) // 2, near)[kind]) & 255
+        row = line
+        out.append(bytes(row))
+    return size[0], out
+
+
+def snapshot(b, work):
+    """The result as the page saves it."""
+    path = os.path.join(work, "smartvis_result.png")
+    if os.path.exists(path):
+        os.remove(path)
+    b.run("at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
+    b.click("#snapshot")
+    size = b.wait_for("document.body.dataset.snapshot", "the snapshot")
+    for _ in range(200):
+        if os.path.exists(path) and os.path.getsize(path) == int(size):
+            break
+        b.run("return 0")
+    with open(path, "rb") as file:
+        return read_png(file.read())
+
+
+def run_of(b, work):
+    """result.png of the command line that the page shows."""
+    words = shlex.split(b.run("return at('line').value").split("\n")[0])
+    holds(words[:2] == ["host_sim", "run"], f"the command line is {words}")
+    out = os.path.join(work, "run")
+    done = subprocess.run([HOST_SIM, *words[1:], "--few-pictures", "--out", out], capture_output=True, text=True, check=False)
+    holds(done.returncode == 0, f"{words}: {done.stderr}")
+    with open(os.path.join(out, "result.png"), "rb") as file:
+        return read_png(file.read())
+
+
+def as_run_draws_it(b, work, what):
+    shown, run = snapshot(b, work), run_of(b, work)
+    holds(shown[0] == run[0] == 512, f"{what}: pictures of {shown[0]} and {run[0]} pixels")
+    worst = max(abs(p - q) for one, other in zip(shown[1], run[1]) for p, q in zip(one, other))
+    holds(worst == 0, f"{what}: the snapshot differs from what run draws by {worst}")
+
+
+def it_loads(b):
+    settle(b, "the first frame")
+    holds(b.run("return document.title") == "SmartVis console", "another page")
+    holds(b.run("return at('notice').hidden"), "a notice: " + b.run("return at('notice').textContent"))
+    drawn = all_pixels(b)
+    holds(len(set(drawn.values())) == 6 and all(p.startswith("512:") for p in drawn.values()), f"views: {drawn}")
+    names = b.run("return [...document.querySelectorAll('input, select, textarea, button, [role=application]')].filter(e => "
+                  "!(e.labels && e.labels.length) && !e.getAttribute('aria-label') && !e.textContent.trim()).map(e => e.outerHTML)")
+    holds(names == [], f"without a name for a screen reader: {names}")
+
+
+def the_knob(b, work):
+    before = all_pixels(b)
+    wide = b.run("return document.querySelector('#knob0').getBoundingClientRect().width")
+    b.drag("#knob0", (-wide / 6, 0), (wide / 4, 0))
+    settle(b, "the knob, dragged")
+    by_mouse = b.run("return state.lanes[0].values.q")
+    holds(by_mouse and by_mouse != 0.5, f"the knob stands at {by_mouse}")
+    after = all_pixels(b)
+    holds(after["result"] != before["result"] and after["full"] == before["full"], "the knob changed the wrong pictures")
+    figures = b.run("return lastFigures.lanes[0]")
+    holds(figures["adjusted"] and figures["clipped"] and figures["activations"] == 1, f"the knob did not adjust: {figures}")
+    as_run_draws_it(b, work, "the knob by mouse")
+    b.run("at('knob0').focus()")
+    b.keys("#knob0", KEYS["left"] * 7)
+    settle(b, "the knob, by keys")
+    step = b.run("return sliderStep(lanes[0].params.find(p => p.primary))")
+    by_keys = b.run("return state.lanes[0].values.q")
+    holds(abs(by_mouse - by_keys - 7 * step) < 1e-6, f"seven steps of {step} lead from {by_mouse} to {by_keys}")
+    holds(pixels(b, "result") != after["result"], "keys move the knob, and the picture stays")
+    as_run_draws_it(b, work, "the knob by keys")
+    b.run("document.activeElement.blur()")
+    b.keys("body", "]")
+    settle(b, "the knob by its own key")
+    holds(b.run("return valueOf(0, lanes[0].params.find(p => p.primary))") > by_keys, "] does not turn it up")
+
+
+def turning(b, work):
+    before = all_pixels(b)
+    b.drag(RESULT, (0, 0), (70, 25))
+    settle(b, "the camera, dragged")
+    camera = b.run("return state.camera")
+    holds(camera["yaw"] > 20 and camera["pitch"] < -5, f"dragged to {camera}")
+    after = all_pixels(b)
+    same = [view for view in before if before[view] == after[view]]
+    holds(not same, f"do not turn: {same}")
+    as_run_draws_it(b, work, "a turned camera")
+    b.wheel(".screen[data-view=full]", -200)
+    settle(b, "the wheel")
+    holds(b.run("return state.camera.zoom") > 1.1, "the wheel does not zoom")
+    as_run_draws_it(b, work, "a zoomed camera")
+    b.run("document.querySelector('.screen[data-view=truth]').focus()")
+    b.keys(".screen[data-view=truth]", KEYS["left"] + KEYS["up"])
+    settle(b, "the arrows")
+    keyed = b.run("return state.camera")
+    holds(abs(keyed["yaw"] - camera["yaw"] + 5) < 1e-6 and abs(keyed["pitch"] - camera["pitch"] - 5) < 1e-6, f"by keys: {keyed}")
+    b.keys(".screen[data-view=truth]", KEYS["home"])
+    settle(b, "Home")
+    holds(b.run("return state.camera") == {"yaw": 0, "pitch": 0, "zoom": 1}, "Home does not reset")
+    b.drag(".screen[data-view=across]", (0, 0), (30, 40))
+    settle(b, "the crosshair")
+    moved = all_pixels(b)
+    cross = b.run("return state.cross")
+    holds(cross[0] > 0.5 and cross[1] == 0.5 and cross[2] > 0.5, f"the crosshair: {cross}")
+    holds(moved["along"] != after["along"] and moved["deep"] != after["deep"], "the other slices do not follow")
+
+
+def playing(b):
+    before = all_pixels(b)
+    b.click("#step")
+    settle(b, "a step")
+    holds(b.run("return state.play.index") == 1 and pixels(b, "full") != before["full"], "a step shows the same volume")
+    start = int(b.run("return document.body.dataset.frame"))
+    b.click("#play")
+    indices = set()
+    for _ in range(400):
+        indices.add(b.run("return lastFigures.index"))
+        if len(indices) == 3:
+            break
+    b.click("#play")
+    settle(b, "the pause")
+    holds(indices == {0, 1, 2}, f"played volumes {indices}")
+    holds(int(b.run("return document.body.dataset.frame")) >= start + 2, "few frames")
+    holds(b.run("return at('play').getAttribute('aria-pressed')") == "false", "it still plays")
+
+
+def a_reactivation(b):
+    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 3, false)")
+    settle(b, "another method")
+    figures = b.run("return lastFigures.lanes[0]")
+    holds(figures["activations"] == 2 and figures["activation_ms"] > 0, f"no activation: {figures}")
+    note = b.run("return document.querySelector('#p0-method-note').textContent")
+    holds("activates the plugin anew (" in note and " ms the last time)" in note, f"the note says '{note}'")
+    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 0, false)")
+    settle(b, "the first method")
+
+
+def a_plugin_nobody_wrote_controls_for(b, work):
+    b.run("at('plugin0').value = '1'; at('plugin0').dispatchEvent(new Event('change'))")
+    settle(b, "the plane plugin")
+    names = b.run("return [...lanes[0].controls.keys()]")
+    holds(names == ["depth", "fail", "every", "note", "shape"], f"controls: {names}")
+    holds(b.run("return document.querySelector('#knob label').textContent").startswith("Depth"), "no knob for the depth")
+    before = pixels(b, "result")
+    wide = b.run("return at('knob0').getBoundingClientRect().width")
+    b.drag("#knob0", (-wide / 2 + 8, 0), (wide / 6, 0))
+    settle(b, "the plane's knob")
+    holds(pixels(b, "result") != before, "the plane does not move")
+    as_run_draws_it(b, work, "the plane")
+    link = b.run("return location.hash")
+    holds("a=1" in link and "depth" in link, f"the address has {link}")
+
+
+def a_crash(b):
+    b.run("at('plugin0').value = '2'; at('plugin0').dispatchEvent(new Event('change'))")
+    settle(b, "the plugin that will crash")
+    b.run("setValue(0, lanes[0].params.find(p => p.primary), 30, false)")
+    settle(b, "its knob")
+    holds(b.run("return lastFigures.lanes[0].clipped"), "it does not clip before it crashes")
+    clipped = pixels(b, "result")
+    b.run("setValue(0, lanes[0].params.find(p => p.key === 'fail'), 4, false)")
+    settle(b, "the crash")
+    words = b.run("return at('outcome').textContent")
+    holds("crashed: SIGSEGV" in words, f"the outcome is '{words}'")
+    holds("crashed: SIGSEGV" in b.run("return canvases.result.caption.textContent"), "the view does not say why")
+    holds(pixels(b, "result") == pixels(b, "full") != clipped, "the view is not unclipped")
+    for i in range(5):  # more often than the guard starts it anew
+        b.run("turn(3, 0)")
+        settle(b, f"the crash, {i + 2}")
+    holds(b.run("return lastFigures.lanes[0].restarts") == 3, "the guard does not give it up")
+    b.run("resetCamera(); setValue(0, lanes[0].params.find(p => p.key === 'fail'), 0, false)")
+    settle(b, "the plugin without its fault")
+    holds(b.run("return lastFigures.lanes[0].clipped") and pixels(b, "result") == clipped, "it gets no other chance")
+    b.run("at('plugin0').value = '0'; at('plugin0').dispatchEvent(new Event('change'))")
+    settle(b, "another plugin after the crash")
+    holds(b.run("return lastFigures.lanes[0].clipped"), "nothing clips after the crash")
+
+
+def comparing(b):
+    b.run("at('compare').value = 'side'; at('compare').dispatchEvent(new Event('change'))")
+    settle(b, "side by side")
+    holds(pixels(b, "result") == pixels(b, "other"), "the same settings give two pictures")
+    b.run("setValue(1, lanes[1].params.find(p => p.primary), 1.2, false)")
+    settle(b, "the other knob")
+    holds(pixels(b, "result") != pixels(b, "other"), "other settings give one picture")
+    b.run("at('compare').value = 'wipe'; at('compare').dispatchEvent(new Event('change'))")
+    settle(b, "the wipe")
+    holds(b.run("return canvases.other.canvas.style.clipPath") == "inset(0px 0px 0px 50%)", "no wipe")
+    b.run("at('wipe').focus()")
+    b.keys("#wipe", KEYS["right"])
+    holds(b.run("return canvases.other.seam.style.left") == "51%", "the wipe does not move by keys")
+
+
+def an_address_opens_what_it_says(b, console):
+    link = b.run("return location.hash")
+    wanted = b.run("return [state.camera, state.lanes, state.source, look.compare, look.wipe]")
+    b.open("about:blank")
+    b.open(console.address + link)
+    settle(b, "the address")
+    again = b.run("return [state.camera, state.lanes, state.source, look.compare, look.wipe]")
+    holds(json.dumps(again) == json.dumps(wanted), f"opened {again}, wanted {wanted}")
+
+
+def results(b, work):
+    b.click("#write")
+    said = b.wait_for("at('written').textContent", "the written results")
+    folder = os.path.join(work, "out", "0001")
+    holds(folder in said and "depthmap" in said, f"it says '{said}'")
+    holds({"depthmap.mha", "mask.mha", "clipped.mha"} <= set(os.listdir(folder)), f"files: {os.listdir(folder)}")
+    settle(b, "a frame after writing")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as work, open(os.path.join(work, "said"), "w+") as said:
+        plugins = [word for path in PLUGINS for word in ("--plugin", path)]
+        console = Console(BUILD, [*plugins, "--out", os.path.join(work, "out")], said)
+        b = None
+        try:
+            b = Browser(work)
+            b.open(console.address + START)
+            it_loads(b)
+            the_knob(b, work)
+            turning(b, work)
+            playing(b)
+            a_reactivation(b)
+            a_plugin_nobody_wrote_controls_for(b, work)
+            a_crash(b)
+            comparing(b)
+            an_address_opens_what_it_says(b, console)
+            results(b, work)
+            lines = b.console()
+            holds(lines == [], f"the browser's console is not empty: {lines}")
+            b.close()
+            b = None
+            holds(console.wait(60) == 0, "the page is closed, and the console does not end with 0")
+        finally:
+            if b:
+                b.close()
+            console.end()
+    print("ok")
+
+
+main()

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: MIT
+"""The console's server on bare sockets: who gets in, what it refuses, and that nothing a page does stops it."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+from console_client import Console, Page, until
+
+BUILD = sys.argv[1]
+PLUGINS = ["--plugin", os.path.join(BUILD, "smartvis.so"), "--plugin", os.path.join(BUILD, "tests/plugins/by_crash.so")]
+
+
+def holds(condition, what):
+    if not condition:
+        raise AssertionError(what)
+
+
+def pages_and_files(console):
+    status, head, body = console.request("/?t=" + console.token)
+    holds(status == 200 and b"<title>SmartVis console" in body, "the page does not come")
+    for wanted in ("default-src 'none'", "frame-ancestors 'none'", "nosniff", "no-referrer", "no-store"):
+        holds(wanted in head, f"the page's headers lack {wanted}")
+    holds(b"http://" not in body and b"https://" not in body, "the page names something outside")
+    for name, kind in (("/console.css", "text/css"), ("/console.js", "text/javascript")):
+        status, head, body = console.request(name)
+        holds(status == 200 and kind in head and body, f"{name} does not come")
+    status, _, body = console.request("/?t=" + console.token, "HEAD")
+    holds(status == 200 and body == b"", "HEAD has a body")
+    for path in ("/", "/?t=", "/?t=" + "0" * 32, "/?t=" + console.token + "0", "/?x=" + console.token):
+        holds(console.request(path)[0] == 403, f"{path} is let in")
+    for path in ("/console.html", "/etc/passwd", "/../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/console.css/..", "//"):
+        holds(console.request(path)[0] in (400, 403, 404), f"{path} is answered")
+    holds(console.request("/?t=" + console.token, "POST", {"Content-Length": "0"})[0] == 405, "POST is taken")
+    for host in ("evil.example", f"evil.example:{console.port}", f"127.0.0.1:{console.port + 1}", f"127.0.0.1.evil.example:{console.port}"):
+        for path in ("/?t=" + console.token, "/console.js"):
+            holds(console.request(path, host=host)[0] == 403, f"Host {host} gets {path}")
+    status = console.request("/?t=" + console.token, headers={"X-Long": "x" * 20000})[0]
+    holds(status != 200, "a head of 20000 bytes is taken")
+
+
+def who_gets_in(console):
+    for what, changes in {"no Origin": {"Origin": None}, "another Origin": {"Origin": "http://evil.example"},
+                          "Origin null": {"Origin": "null"}, "another port": {"Origin": f"http://127.0.0.1:{console.port + 1}"},
+                          "another Host": {"Host": "evil.example:" + str(console.port), "Origin": "http://evil.example:" + str(console.port)},
+                          }.items():
+        page = Page(console, headers=changes)
+        holds(not page.open, f"{what}: let in")
+        page.close()
+    for path in ("/live", "/live?t=", "/live?t=" + "f" * 32, "/live?t=" + console.token[:-1]):
+        page = Page(console, path)
+        holds(not page.open, f"{path}: let in")
+        page.close()
+
+
+def what_is_listed(page):
+    hello = page.text("hello")
+    holds([one["path"] for one in hello["files"]] == ["inside.mha", "sub/deep.mha"], f"files: {hello['files']}")
+    holds([one["name"] for one in hello["scenes"]][:2] == ["E01", "E02"], "no scenes")
+    holds(len(hello["plugins"]) == 2, "no plugins")
+
+
+def a_picture(page):
+    frame = page.show(views=["result", "full", "truth", "depthmap", "across", "along", "deep"])
+    holds(frame["pictures"] == 7 and sorted(page.pictures) == [0, 1, 2, 3, 4, 5, 6], f"pictures: {sorted(page.pictures)}")
+    for _, kind, width, height, data in page.pictures.values():
+        holds(kind == 0 and (width, height) == (64, 64) and data[:2] == b"\xff\xd8" and data[-2:] == b"\xff\xd9", "no JPEG")
+    page.pictures.clear()
+    again = page.show(views=["result", "full", "truth", "depthmap", "across", "along", "deep"])
+    holds(again["pictures"] == 0, "pictures that have not changed are sent again")
+    turned = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1})
+    holds(turned["pictures"] == 1 and turned["ms"]["convert"] > 0, "turning draws nothing")
+    knob = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1}, lanes=[{"plugin": 0, "values": {"q": 1.1}}])
+    holds(knob["pictures"] == 1 and knob["lanes"][0]["adjusted"] == knob["lanes"][0]["clipped"], "the knob asks for a new volume")
+    page.say({"type": "do", "what": "snapshot", "view": "result"})
+    page.show(picture=48)
+    holds(page.pictures[0][1] == 0 and page.pictures[0][2] == 48, "no picture of 48 pixels")
+
+
+# What the parser is fed is in tests/check/test_console_message.c; these also meet what stands behind it.
+REFUSED = ["", "{", "nonsense", "[]", "{}", "null", '{"type":"state"}', '{"type":"seen","frame":-1}', '{"type":"do","what":"rm"}',
+           b'{"type":"seen","frame":"\xff\xfe"}', "x" * 16385, "[" * 4000, '{"type":"seen","frame":1,"frame":2}']
+
+
+def states_that_cannot_be_shown(page):
+    bad = [{"lanes": [{"plugin": 9, "values": {}}]}, {"lanes": [{"plugin": 0, "values": {"no_such": 1}}]},
+           {"lanes": [{"plugin": 0, "values": {"q": 1e9}}]}, {"source": {"folder": 0, "path": "../outside.mha", "from": "probe"}},
+           {"source": {"folder": 0, "path": "link.mha", "from": "probe"}}, {"source": {"folder": 0, "path": "inside.mha", "from": "probe"}},
+           {"source": {"folder": 9, "path": "inside.mha", "from": "probe"}}, {"source": {"folder": 0, "path": "/etc/passwd", "from": "probe"}},
+           {"source": {"scene": "D01", "size": 64, "volumes": 1, "from": "left"}},
+           {"camera": {"yaw": 0, "pitch": 0, "zoom": 1e9}}]
+    for changes in bad:
+        said = page.show(**changes)
+        holds(said is not None and said["type"] == "refused" and said["text"], f"{changes}: {said}")
+        good = page.show()
+        holds(good is not None and good["type"] == "frame", f"after {changes} the page shows nothing: {good}")
+
+
+def let_in(console, what):
+    """A page; those that have just closed may still hold its place."""
+    pages = []
+    until(lambda: _opens(console, pages), 30, what + ": no page is let in")
+    return pages[0]
+
+
+def frames_that_are_wrong(console):
+    """Bytes of every kind; each on a page of its own, which may be closed for it."""
+    make = Page.frame
+    kinds = {
+        "binary": lambda p: make(p, 2, b"abc"), "a reserved opcode": lambda p: make(p, 3, b"abc"),
+        "a reserved control opcode": lambda p: make(p, 0xb, b""), "reserved bits": lambda p: make(p, 1, b"{}", 0xf0),
+        "the start of a fragmented message": lambda p: make(p, 1, b"{", 0), "a continuation of nothing": lambda p: make(p, 0, b"}"),
+        "no mask": lambda p: make(p, 1, b"{}", 0x80, False), "a long ping": lambda p: make(p, 9, b"x" * 200),
+        "a close with nonsense": lambda p: make(p, 8, b"\xff\xff\xff\xff\xff"), "half a head": lambda p: b"\x81",
+        "half a message": lambda p: make(p, 1, b'{"type":"seen","frame":1}')[:12],
+        "64 bits of length": lambda p: b"\x81\xff\xff\xff\xff\xff\xff\xff\xff\xffabcd",
+        "a gigabyte announced": lambda p: b"\x81\xff\x00\x00\x00\x00\x40\x00\x00\x00abcdxyz",
+        "no WebSocket at all": lambda p: b"GET / HTTP/1.1\r\n\r\n" * 20, "zeros": lambda p: bytes(4096),
+        "a megabyte of text": lambda p: make(p, 1, b" " * (1 << 20)),
+        "many refused messages": lambda p: make(p, 1, b"{}") * 70,
+    }
+    for what, bytes_of in kinds.items():
+        page = let_in(console, f"before '{what}'")
+        page.raw(bytes_of(page))
+        page.close()
+        witness = let_in(console, f"after '{what}'")
+        holds(witness.text("hello"), f"after '{what}' the console says nothing")
+        witness.close()
+        holds(console.process.poll() is None, f"'{what}' ended the console")
+
+
+def messages_that_are_refused(page):
+    for message in REFUSED:
+        page.say(message)
+        said = page.text("refused")
+        holds(said is not None and said["text"].startswith("message: "), f"{message[:40]!r}: {said}")
+    holds(page.show()["type"] == "frame", "after refused messages nothing is shown")
+
+
+def the_newest_state_wins(page):
+    """200 states at once: few frames come, and the last one is of the last state."""
+    for i in range(200):
+        page.say(page.state(camera={"yaw": i * 0.5, "pitch": 0, "zoom": 1}))
+    frames, last = 0, None
+    while last is None or last["serial"] < page.serial:
+        last = page.text("frame")
+        holds(last is not None, "the page was closed")
+        page.say({"type": "seen", "frame": last["frame"]})
+        frames += 1
+    holds(frames < 120, f"{frames} frames for 200 states: a queue of stale requests")
+
+
+def a_page_that_does_not_read(console):
+    """It asks for much and takes nothing; another page goes on. Without what it has seen it gets two frames, no more."""
+    deaf = let_in(console, "a page that will not read")
+    for i in range(300):
+        deaf.raw(deaf.frame(1, json.dumps(deaf.state(camera={"yaw": i, "pitch": 0, "zoom": 1}, picture=1024)).encode()))
+    other = let_in(console, "a page beside one that does not read")
+    for i in range(5):
+        start = time.monotonic()
+        holds(other.show(camera={"yaw": i, "pitch": 0, "zoom": 1})["type"] == "frame", "the other page stands still")
+        holds(time.monotonic() - start < 30, "the other page waits for the deaf one")
+    frames = 0
+    deaf.socket.settimeout(3)
+    for yaw in (-10, -20, -30):
+        while deaf.text("frame"):
+            frames += 1
+        deaf.say(deaf.state(camera={"yaw": yaw, "pitch": 0, "zoom": 1}))
+    holds(frames == 2, f"a page that has seen nothing got {frames} frames")
+    deaf.close()
+    other.close()
+
+
+def no_more_than_four(console):
+    pages = []
+    while len(pages) < 4:
+        until(lambda: _opens(console, pages), 30, f"page {len(pages) + 1} of four is not let in")
+    fifth = Page(console)
+    holds(not fifth.open, "a fifth page is let in")
+    fifth.close()
+    holds(pages[0].text("hello"), "the first page hears nothing")
+    pages[3].close()
+    until(lambda: _opens(console, pages), 20, "a page in the place of one that closed")
+    for page in pages:
+        page.close()
+
+
+def _opens(console, pages):
+    page = Page(console)
+    if page.open:
+        pages.append(page)
+    else:
+        page.close()
+    return page.open
+
+
+def only_this_machine(console):
+    """Whatever else its addresses are."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        try:
+            one.connect(("192.0.2.1", 9))  # sends nothing: it only picks an address
+        except OSError:
+            return
+        mine = one.getsockname()[0]
+    if mine.startswith("127."):
+        return
+    try:
+        socket.create_connection((mine, console.port), timeout=5).close()
+    except OSError:
+        return
+    raise AssertionError(f"the console listens on {mine}")
+
+
+def make_folder(work):
+    """A folder to give, with a link that leads out of it."""
+    given = os.path.join(work, "given")
+    os.makedirs(os.path.join(given, "sub"))
+    for name in ("given/inside.mha", "given/sub/deep.mha", "outside.mha"):
+        with open(os.path.join(work, name), "w") as out:
+            out.write("no volume\n")
+    os.symlink("../outside.mha", os.path.join(given, "link.mha"))
+    os.symlink("..", os.path.join(given, "up"))
+    return given
+
+
+def one_console(work):
+    with open(os.path.join(work, "said"), "w") as said:
+        console = Console(BUILD, [make_folder(work), *PLUGINS, "--stay", "--out", os.path.join(work, "out")], said)
+        try:
+            pages_and_files(console)
+            who_gets_in(console)
+            only_this_machine(console)
+            page = Page(console)
+            holds(page.open, "a page is not let in")
+            what_is_listed(page)
+            a_picture(page)
+            messages_that_are_refused(page)
+            states_that_cannot_be_shown(page)
+            the_newest_state_wins(page)
+            frames_that_are_wrong(console)
+            a_page_that_does_not_read(console)
+            holds(page.show()["type"] == "frame", "the first page does not go on")
+            page.close()
+            no_more_than_four(console)
+            last = let_in(console, "the last page")
+            last.show()
+            console.interrupt()
+            holds(console.wait(60) == 0, "SIGINT with a page open does not end it with 0")
+        finally:
+            console.end()
+
+
+def how_it_ends():
+    console = Console(BUILD, PLUGINS)
+    try:
+        page = Page(console)
+        page.text("hello")
+        page.close()
+        holds(console.wait(30) == 0, "the last page has closed, and it goes on")
+    finally:
+        console.end()
+    console = Console(BUILD, [*PLUGINS, "--stay"])
+    try:
+        page = Page(console)
+        page.text("hello")
+        page.close()
+        time.sleep(4)
+        holds(console.process.poll() is None, "--stay does not keep it")
+        console.process.send_signal(signal.SIGTERM)
+        holds(console.wait(30) == 0, "SIGTERM does not end it with 0")
+    finally:
+        console.end()
+
+
+def command_lines():
+    for arguments, code, text in ((["/no/such/folder"], 3, "/no/such/folder: is no folder"), (["--port", "99999"], 2, "--port"),
+                                  (["--listen", "example.org"], 2, "'example.org' is no address"), (["--nonsense"], 2, "--nonsense"),
+                                  (["--listen", "192.0.2.77"], 1, "cannot listen on 192.0.2.77")):
+        done = subprocess.run([os.path.join(BUILD, "host_sim"), "console", *arguments], capture_output=True, text=True, timeout=60, check=False)
+        holds(done.returncode == code and text in done.stderr, f"{arguments}: {done.returncode}, {done.stderr}")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as work:
+        command_lines()
+        one_console(work)
+        how_it_ends()
+    print("ok")
+
+
+main()

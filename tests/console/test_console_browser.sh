@@ -1,0 +1,16 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# The console's page in headless Chromium, by its own driver (console_browser.py), where there is one. Called with the
+# source and the build folder.
+set -u
+for program in python3 chromedriver; do
+    command -v "$program" > /dev/null || {
+        echo "skipped: no $program"
+        exit 77
+    }
+done
+command -v chromium > /dev/null || command -v chromium-browser > /dev/null || command -v google-chrome > /dev/null || {
+    echo "skipped: no Chromium"
+    exit 77
+}
+exec timeout 880 python3 -B "$1/tests/console/console_browser.py" "$2"

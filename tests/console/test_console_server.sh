@@ -1,0 +1,9 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# The console's server on bare sockets (console_server.py). Called with the source and the build folder.
+set -u
+command -v python3 > /dev/null || {
+    echo "skipped: no Python"
+    exit 77
+}
+exec timeout 880 python3 -B "$1/tests/console/console_server.py" "$2"

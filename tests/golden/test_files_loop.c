@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Several files in the scan loop: 25 of one volume each are read ahead and never kept, one file is open at a
+ * time, and sequences may stand among them. Volume n has one level all over.
+ */
+#include "support/kretz_files.h"
+#include "support/sequence_fixture.h"
+
+#include <dirent.h>
+#include <malloc.h>
+#include <unistd.h>
+
+enum { VOLUMES = 25, NX = 128, NY = 120, NZ = 96, VOXELS = NX * NY * NZ };
+
+static const hs_source_files all_scanned = {.metaimage = {.padding = HS_PADDING_NONE}};
+
+static uint8_t level_of(uint32_t n) {
+    return (uint8_t)(10 + 9 * n);
+}
+
+/* Paths of files that were written; good until the next list is begun. */
+typedef struct {
+    char text[VOLUMES][256];
+    const char *path[VOLUMES];
+    uint32_t count;
+} list;
+
+/* A file of `volumes` volumes from volume `n` on, each at its own place in the patient. */
+static void add_file(list *files, uint32_t n, uint32_t volumes, uint32_t nz, const char *more) {
+    char name[32], text[400];
+    const size_t count = (size_t)NX * NY * nz;
+    uint8_t *voxels = malloc(volumes * count);
+    assert_non_null(voxels);
+    for (uint32_t v = 0; v < volumes; v++) memset(voxels + v * count, level_of(n + v), count);
+    const bool sequence = volumes > 1;
+    (void)snprintf(name, sizeof name, "file%02u.mha", n);
+    (void)snprintf(text, sizeof text,
+                   "NDims = %d\nDimSize = %d %d %u%s%.0u\nOffset = %u 0 0%s\n%sElementType = MET_UCHAR\n"
+                   "ElementDataFile = LOCAL\n",
+                   sequence ? 4 : 3, NX, NY, nz, sequence ? " " : "", sequence ? volumes : 0, n,
+                   sequence ? " 0" : "", more);
+    files_write(name, text, voxels, volumes * count);
+    free(voxels);
+    (void)snprintf(files->text[files->count], sizeof files->text[0], "%s", files_path(name));
+    files->path[files->count] = files->text[files->count];
+    files->count++;
+}
+
+static list *write_files(uint32_t nz) {
+    static list files;
+    files.count = 0;
+    for (uint32_t n = 0; n < VOLUMES; n++) add_file(&files, n, 1, nz, "");
+    return &files;
+}
+
+static hs_source open_list(const list *files) {
+    hs_source source;
+    hs_error err = {0};
+    if (!hs_source_open_files(&source, files->path, files->count, &all_scanned, &err))
+        fail_msg("%s", err.text);
+    return source;
+}
+
+static const hs_volume *expect_volume(const hs_source *source, uint32_t index) {
+    hs_error err = {0};
+    const hs_volume *volume = hs_source_bring(source, index, &err);
+    if (!volume) {
+        fail_msg("%s", err.text);
+        return NULL;
+    }
+    for (size_t i = 0; i < hs_volume_count(volume); i++)
+        if (volume->voxels[i] != level_of(index % source->count))
+            fail_msg("voxel %zu of volume %u is %u", i, index, volume->voxels[i]);
+    return volume;
+}
+
+static uint32_t open_files(void) {
+    uint32_t count = 0;
+    DIR *folder = opendir("/proc/self/fd");
+    assert_non_null(folder);
+    while (readdir(folder)) count++;
+    (void)closedir(folder);
+    return count;
+}
+
+/* A round and some more take no more memory than five volumes, and no more than one file. */
+static void memory_stays_flat(void **state) {
+    (void)state;
+    const list *files = write_files(NZ);
+    const uint32_t open_before = open_files();
+    const size_t before = resident_bytes();
+    hs_source source = open_list(files);
+    assert_non_null(source.stream);
+    assert_int_equal(source.count, VOLUMES);
+    size_t most = 0;
+    for (uint32_t i = 0; i < VOLUMES + 5; i++) {
+        expect_volume(&source, i);
+        const size_t now = resident_bytes();
+        if (now > most) most = now;
+        assert_true(open_files() <= open_before + 1);
+    }
+    if (most > before + 5 * (size_t)VOXELS)
+        fail_msg("%zu bytes more in memory, a volume has %d", most - before, VOXELS);
+    hs_source_close(&source);
+    assert_int_equal(open_files(), open_before);
+}
+
+/* Each with the name and the place of its own file. */
+static void volumes_come_in_any_order(void **state) {
+    (void)state;
+    const list *files = write_files(2);
+    hs_source source = open_list(files);
+    uint32_t at = 0;
+    for (uint32_t turn = 0; turn < 60; turn++) {
+        char name[32];
+        at = (at * 5 + turn * 3 + 1) % VOLUMES;
+        const hs_volume *volume = expect_volume(&source, at);
+        const hs_source_origin *origin = hs_source_origin_of(&source, at);
+        (void)snprintf(name, sizeof name, "file%02u.mha", at);
+        assert_string_equal(volume->name, name);
+        assert_true(volume->pose.origin[0] == at);
+        assert_string_equal(origin->path, files->path[at]);
+        assert_int_equal(origin->index, 0);
+        assert_string_equal(hs_source_shape(&source)->name, "file00.mha");
+    }
+    hs_source_close(&source);
+}
+
+static void sequences_may_stand_among_them(void **state) {
+    (void)state;
+    static list files;
+    files.count = 0;
+    add_file(&files, 0, 1, 2, "");
+    add_file(&files, 1, 4, 2, "Seq_Frame0001_Timestamp = 7\n");
+    add_file(&files, 5, 2, 2, "");
+    hs_source source = open_list(&files);
+    assert_int_equal(source.count, 7);
+    for (uint32_t i = 0; i < 16; i++) {
+        const uint32_t n = i % 7;
+        expect_volume(&source, i);
+        assert_int_equal(hs_source_origin_of(&source, i)->index, n == 0 ? 0 : n < 5 ? n - 1 : n - 5);
+        assert_int_equal(hs_source_origin_of(&source, i)->fields.has_time, n == 2);
+    }
+    hs_source_close(&source);
+}
+
+/* Types that are mapped to 8 bit: each file from its own range, which is looked for once. */
+static void ranges_are_kept(void **state) {
+    (void)state;
+    static const char text[] =
+        "NDims = 3\nDimSize = 2 2 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n";
+    static const uint8_t data[2][8] = {{0, 0, 10, 0, 20, 0, 40, 0}, {0, 1, 0, 2, 0, 3, 0, 5}};
+    static const uint8_t expected[2][4] = {{1, 64, 128, 255}, {1, 64, 128, 255}};
+    list files = {.count = 2};
+    for (uint32_t f = 0; f < 2; f++) {
+        files_write(f ? "b.mha" : "a.mha", text, data[f], 8);
+        (void)snprintf(files.text[f], sizeof files.text[f], "%s", files_path(f ? "b.mha" : "a.mha"));
+        files.path[f] = files.text[f];
+    }
+    hs_source source = open_list(&files);
+    for (uint32_t i = 0; i < 9; i++) {
+        hs_error err = {0};
+        const hs_volume *volume = hs_source_bring(&source, i, &err);
+        assert_non_null(volume);
+        assert_memory_equal(volume->voxels, expected[i % 2], 4);
+    }
+    hs_source_close(&source);
+}
+
+static void every_frame_shows_its_volume(void **state) {
+    uint8_t levels[VOLUMES];
+    for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(n);
+    hs_source source = open_list(write_files(40));
+    expect_every_frame_shows_its_volume(*state, &source, levels);
+    hs_source_close(&source);
+}
+
+static void expect_failure(const hs_source *source, uint32_t index, const char *told) {
+    for (int turn = 0; turn < 3; turn++) {
+        hs_error err = {0};
+        assert_null(hs_source_bring(source, index, &err));
+        assert_int_equal(err.code, HS_ERR_INPUT);
+        if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
+        expect_volume(source, 1);
+    }
+}
+
+/* Files that go, or become others, while the sequence is played are errors of their frames alone. */
+static void a_file_that_changes_is_told(void **state) {
+    (void)state;
+    const list *files = write_files(2);
+    hs_source source = open_list(files);
+    expect_volume(&source, 1);
+    assert_int_equal(unlink(files->path[14]), 0);
+    expect_failure(&source, 14, "file14.mha: cannot be read");
+    list other = {.count = 0};
+    add_file(&other, 17, 1, 3, "");
+    expect_failure(&source, 17, "file17.mha: is not as it was before: the file changed");
+    other.count = 0;
+    add_file(&other, 20, 2, 2, "");
+    expect_failure(&source, 20, "file20.mha: is not as it was before: the file changed");
+    expect_volume(&source, 18);
+    hs_source_close(&source);
+}
+
+static void expect_refusal(const list *files, const char *told) {
+    hs_source source;
+    hs_error err = {0};
+    assert_false(hs_source_open_files(&source, files->path, files->count, NULL, &err));
+    assert_int_equal(err.code, HS_ERR_INPUT);
+    if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
+    assert_null(source.sequence);
+    assert_null(source.stream);
+}
+
+static void what_does_not_fit_is_refused(void **state) {
+    (void)state;
+    list files = {.count = 0};
+    add_file(&files, 0, 1, 2, "");
+    add_file(&files, 1, 1, 3, "");
+    expect_refusal(&files, "128 x 120 x 3 voxels, but");
+    files.count = 1;
+    add_file(&files, 2, 1, 2, "ElementSpacing = 1 2 1\n");
+    expect_refusal(&files, "spacing 2 mm along axis 1");
+    files.count = 1;
+    add_file(&files, 3, 1, 2, "AnatomicalOrientation = LPI\n");
+    expect_refusal(&files, "a sequence has one orientation");
+}
+
+/* Probes of one geometry go together; of another not, even if the Cartesian copies are alike. */
+static void geometries_are_compared(void **state) {
+    (void)state;
+    kretz_plan plan = kretz_good();
+    list files = {.count = 2};
+    kretz_file("a.vol", &plan);
+    kretz_find(&plan, 0xD000, 1)->value[0] = 2;
+    kretz_file("b.vol", &plan);
+    for (uint32_t f = 0; f < 2; f++) {
+        (void)snprintf(files.text[f], sizeof files.text[f], "%s", files_path(f ? "b.vol" : "a.vol"));
+        files.path[f] = files.text[f];
+    }
+    hs_source source = open_list(&files);
+    hs_error err = {0};
+    assert_int_equal(source.count, 2);
+    for (uint32_t i = 0; i < 6; i++) {
+        const hs_volume *volume = hs_source_bring(&source, i, &err);
+        assert_non_null(volume);
+        assert_int_equal(volume->beams->voxels[0], 1 + i % 2);
+    }
+    hs_source_close(&source);
+    kretz_find(&plan, 0xC300, 2)->value[1] += 0.001; /* the middle line */
+    kretz_file("b.vol", &plan);
+    expect_refusal(&files, "b.vol: was scanned in another geometry than");
+}
+
+static int set_up_all(void **state) {
+    return files_setup(state) == 0 ? set_up(state) : -1;
+}
+
+static int tear_down_all(void **state) {
+    const int loop = tear_down(state), files = files_teardown(state);
+    return loop || files;
+}
+
+int main(void) {
+    /* What is freed goes back to the system at once, so that memory that was in use before hides none. */
+    (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory_stays_flat),
+        cmocka_unit_test(volumes_come_in_any_order),
+        cmocka_unit_test(sequences_may_stand_among_them),
+        cmocka_unit_test(ranges_are_kept),
+        cmocka_unit_test(every_frame_shows_its_volume),
+        cmocka_unit_test(a_file_that_changes_is_told),
+        cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(geometries_are_compared),
+    };
+    return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
+}

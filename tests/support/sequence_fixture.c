@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/sequence_fixture.h"
+
+#include <unistd.h>
+
+size_t resident_bytes(void) {
+    size_t pages[2] = {0};
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%zu %zu", &pages[0], &pages[1]), 2);
+    (void)fclose(file);
+    return pages[1] * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+static void expect_level(hs_loop *loop, uint32_t index, uint8_t level) {
+    hs_view view = view_of(loop, index);
+    uint8_t most = 0;
+    for (size_t p = 0; p < (size_t)view.width * view.height; p++)
+        if (view.mip[p] > most) most = view.mip[p];
+    assert_int_equal(most, level);
+    hs_view_free(&view);
+}
+
+void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *source, const uint8_t *levels) {
+    hs_loop_options options = options_with(NULL, 0);
+    hs_error err = {0};
+    hs_loop_result result;
+    options.frames = source->count + 5;
+    hs_loop *loop = hs_loop_create(&f->cl, source, &f->plugin, &options, &err);
+    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
+        fail_msg("%s", err.text);
+        return;
+    }
+    assert_int_equal(result.failed_frames, 0);
+    for (uint32_t i = 0; i < source->count; i += 6) expect_level(loop, i, levels[i]);
+    hs_loop_destroy(loop);
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/* What the tests of sequences in the scan loop share. Volume n of a sequence has one level all over. */
+#ifndef SEQUENCE_FIXTURE_H
+#define SEQUENCE_FIXTURE_H
+
+#include "support/loop_fixture.h"
+
+/* Bytes of this process that are in memory. */
+size_t resident_bytes(void);
+
+/* Runs the loop a round and five frames more over the source, in the setting "smartvis" without a failure;
+ * then every sixth volume's projection must show `levels` of it and nothing brighter. */
+void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *source, const uint8_t *levels);
+
+#endif
