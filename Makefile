@@ -24,13 +24,14 @@ PYTHON_PACKAGES := scripts/packages-python.txt
 DEB_PACKAGES := scripts/packages-deb.txt
 OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
+LOOKS_PACKAGES := scripts/packages-looks.txt
 
 # $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
 build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb demo looks console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
@@ -56,6 +57,11 @@ try-deb: ## install out/deb on this machine (needs root), then the template's th
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+
+looks: ## both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
+	@$(SETUP) $(PACKAGES) $(LOOKS_PACKAGES)
+	@$(call build,build)
+	@scripts/looks.sh build $(OUT)/looks $(HEADS)
 
 console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
 	@$(call build,build)
