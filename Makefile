@@ -104,8 +104,8 @@ lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels,
 format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
-	@mkdir -p build-clang && scripts/python_env.sh build-clang/python python/requirements-lint.txt
-	@cd python && ../build-clang/python/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
+	@mkdir -p build-clang && scripts/python_env.sh build-clang/lint python/requirements-lint.txt
+	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)

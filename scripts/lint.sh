@@ -55,16 +55,16 @@ kernels() {
 }
 
 # mypy and ruff in the versions of python/requirements-lint.txt. The tests' functions need no types of their own.
-python_tools() { scripts/python_env.sh "$build/python" python/requirements-lint.txt; }
+python_tools() { scripts/python_env.sh "$build/lint" python/requirements-lint.txt; }
 python_ruff() {
     python_tools && cd python &&
-        "$build/python/bin/ruff" check --quiet --no-cache . ../examples/python --config pyproject.toml &&
-        "$build/python/bin/ruff" format --quiet --no-cache --check . ../examples/python --config pyproject.toml
+        "$build/lint/bin/ruff" check --quiet --no-cache . ../examples/python --config pyproject.toml &&
+        "$build/lint/bin/ruff" format --quiet --no-cache --check . ../examples/python --config pyproject.toml
 }
 python_types() {
     python_tools && cd python &&
-        "$build/python/bin/mypy" --no-error-summary --cache-dir "$build/mypy" &&
-        MYPYPATH=tests:bench "$build/python/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --allow-untyped-defs \
+        "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" &&
+        MYPYPATH=tests:bench "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --allow-untyped-defs \
             --allow-incomplete-defs --allow-untyped-calls --allow-any-generics --no-warn-return-any tests ../examples/python
 }
 
