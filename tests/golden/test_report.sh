@@ -153,9 +153,9 @@ measure() { "$build/host_sim" measure --lowres 48 --case "$@" | grep -v '"map"';
 label="$(find "$work/scene" -name 'D01*_label.mha')"
 holds [ "$(measure "$full,$truth,$label,$work/from.mha,$work/to.mha" -)" = "$(measure "$full,$truth,$label" "$work/from.mha")" ]
 holds [ "$(measure "$full,$truth,$label" -)" != "$(measure "$full,$truth,$label" "$work/from.mha")" ]
-code 0 --quick --out "$work/ranged" --case "$full,$truth,$label,$work/from.mha,$work/to.mha" --frames 0
-code 0 --quick --out "$work/unranged" --case "$full,$truth,$label" --frames 0
-holds [ "$(cmp -s "$work"/ranged/beside.csv "$work"/unranged/beside.csv; echo $?)" = 1 ]
+code 0 --quick --out "$work/ranged" --case "$full,$truth,$work/fetus.mha,$work/from.mha,$work/to.mha" --frames 0 --beside none
+holds [ "$(tail -n +3 "$work"/ranged/space_*.csv | wc -l)" -eq $((11 * 4 * 7)) ]
+holds [ "$(tail -n +3 "$work"/ranged/space_*.csv | cmp -s - <(tail -n +3 "$work"/files/space_*.csv); echo $?)" = 1 ]
 code 3 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha,$work/from.mha"
 holds grep -q 'to.mha: pixel (0, 0) is 48, behind 10 in ' "$work/stderr"
 code 2 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha"
