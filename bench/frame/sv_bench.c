@@ -5,6 +5,7 @@
 #include "frame/bench_convert.h"
 #include "frame/bench_files.h"
 #include "frame/bench_guard.h"
+#include "frame/bench_loop.h"
 #include "frame/bench_method.h"
 #include "frame/bench_report.h"
 #include "plugin/loader_param.h"
@@ -26,7 +27,7 @@ static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
 
 typedef struct {
     char plugin[1024];
-    const char *id, *scene, *csv, *json;
+    const char *id, *scene, *scan, *csv, *json;
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
@@ -65,6 +66,7 @@ static const char help[] =
     "  --scene NAME       a scene for the scan loop: E01 .. D02 or a scene file (default: the layered "
     "volume\n"
     "                     that the plugin is timed on)\n"
+    "  --scan FILE        a scan file for 'convert': MetaImage, or Kretz in probe geometry\n"
     "  --quick            20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n"
     "  --csv FILE         all numbers as CSV\n"
     "  --json FILE        all numbers as JSON\n"
@@ -125,6 +127,7 @@ enum {
     OPT_HOST_FRAMES,
     OPT_HOST_SIZE,
     OPT_SCENE,
+    OPT_SCAN,
     OPT_QUICK,
     OPT_CSV,
     OPT_JSON
@@ -141,6 +144,7 @@ static const struct option long_options[] = {
     {"loop-frames", required_argument, NULL, OPT_HOST_FRAMES},
     {"loop-size", required_argument, NULL, OPT_HOST_SIZE},
     {"scene", required_argument, NULL, OPT_SCENE},
+    {"scan", required_argument, NULL, OPT_SCAN},
     {"quick", no_argument, NULL, OPT_QUICK},
     {"csv", required_argument, NULL, OPT_CSV},
     {"json", required_argument, NULL, OPT_JSON},
@@ -178,6 +182,9 @@ static bool set_option(void *all, int option, hs_error *err) {
         return hs_cli_u32("--loop-size", optarg, 32, 1024, &o->host_size, err);
     case OPT_SCENE:
         o->scene = optarg;
+        return true;
+    case OPT_SCAN:
+        o->scan = optarg;
         return true;
     case OPT_QUICK:
         make_quick(o);
@@ -308,10 +315,25 @@ static bool run_convert_part(bench_run *run, hs_error *err) {
     hs_source source = {0};
     hs_volume volume = {0};
     const hs_volume *list[1];
-    const bool ok = bench_open_source(run->o.scene, run->o.host_size, &source, &volume, list, err) &&
-                    bench_convert_run(&setup, hs_source_volume(&source, 0), &run->convert, err);
+    const char *named = run->o.scan ? run->o.scan : run->o.scene;
+    const bool ok = (run->o.scan ? hs_source_open_files(&source, &run->o.scan, 1, NULL, err)
+                                 : bench_open_source(named, run->o.host_size, &source, &volume, list, err)) &&
+                    bench_convert_run(&setup, hs_source_bring(&source, 0, err), &run->convert, err);
     if (ok) bench_print_convert(&run->convert);
-    bench_close_source(run->o.scene, &source, &volume);
+    bench_close_source(named, &source, &volume);
+    return ok;
+}
+
+/* The loop as a scan runs it. */
+static bool run_live_part(bench_run *run, const bench_host_setup *setup, hs_error *err) {
+    bench_loop_result result;
+    hs_source source = {0};
+    hs_volume volume = {0};
+    const hs_volume *list[1];
+    const bool ok = bench_open_source(setup->scene, setup->size, &source, &volume, list, err) &&
+                    bench_loop_run(setup, run->team, &source, &result, err);
+    if (ok) bench_print_loop(&result);
+    bench_close_source(setup->scene, &source, &volume);
     return ok;
 }
 
@@ -326,7 +348,7 @@ static bool run_host_part(bench_run *run, hs_error *err) {
     if (!bench_host_run(&setup, &run->host, err)) return false;
     bench_print_host(&run->host);
     run->report.host = &run->host;
-    return true;
+    return run_live_part(run, &setup, err);
 }
 
 /* A scene, since the layered volume fills no fan. */
