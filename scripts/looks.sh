@@ -50,5 +50,5 @@ if [ ${#names[@]} -gt 0 ]; then
     row "$work/row_1.png" "${names[@]}"
     rows+=("$work/row_1.png")
 fi
-convert -background '#181818' "${rows[@]}" -append -quality 85 "$out/looks.jpg"
+convert -background '#181818' "${rows[@]}" -append -quality 78 "$out/looks.jpg"
 echo "$out/looks.jpg"

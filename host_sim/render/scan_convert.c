@@ -14,7 +14,8 @@
 #define NEAREST_MIN_SPAN     2.0  /* source voxels a box spans each way for a mean of nearest ones */
 #define HALVED_MIN_SPAN      2.7  /* the same for samples of the halved volume */
 #define FIXED_MIN_BITS       12   /* fraction bits a fixed-point position must have */
-#define RUN                  8    /* packets of a work item of convert_halved on a CPU (its cl file) */
+#define RUN                  4    /* packets of a work item of convert_halved on a CPU (its cl file) */
+#define BLOCK_ROWS           4    /* rows of them in a work group */
 #define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
 
 /* How a voxel's samples are taken. */
@@ -207,12 +208,14 @@ static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch,
                     uint32_t slices, cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
     const bool packets = converter->cl->lanes > 1;
-    const size_t most = converter->cl->max_group, edge = packets ? 4 : 1;
+    const size_t edge = packets ? 4 : 1;
     const size_t across = edge * (packets && way == HALVED ? RUN : 1);
-    const size_t global[3] = {(l->width + across - 1) / across, slices, (l->height + edge - 1) / edge};
-    const size_t row = way == HALVED ? 1 : global[0];
-    const size_t local[3] = {row, row * slices <= most ? slices : 1, 1};
-    return hs_launch_run(launch, 3, global, packets && row <= most ? local : NULL, event, err);
+    const size_t rows = packets && way == HALVED ? BLOCK_ROWS : 1;
+    const size_t global[3] = {(l->width + across - 1) / across, slices,
+                              (l->height + edge * rows - 1) / (edge * rows) * rows};
+    const size_t row = way == HALVED ? 1 : global[0], most = converter->cl->max_group;
+    const size_t local[3] = {row, row * slices * rows <= most ? slices : 1, rows};
+    return hs_launch_run(launch, 3, global, packets && row * rows <= most ? local : NULL, event, err);
 }
 
 /* The same places in millimetres from the array's centre of curvature. */

@@ -109,7 +109,7 @@ INLINE int all_lanes(vi mask) {
 }
 
 #if LANES == 16
-#define RUN 8 /* packets of a row that a work item makes; the host's (scan_convert.c) */
+#define RUN 4 /* packets of a row that a work item makes; the host's (scan_convert.c) */
 #else
 #define RUN 1
 #endif
@@ -141,7 +141,8 @@ WIDE __kernel void convert_halved(__global const uchar *halved, int4 half_dims, 
     near_face.w = INT_MIN; /* there are three axes */
     far_face.w = INT_MAX;
     int samples = grid.x * grid.y * grid.z;
-    for (; at.x < min(first + RUN * PACKET_W, size.x); at.x += PACKET_W) {
+    int end = at.y < size.y ? min(first + RUN * PACKET_W, size.x) : 0; /* work groups may overhang */
+    for (; at.x < end; at.x += PACKET_W) {
         vi mean = (vi)(0);
         if (!any(high<near_face | low> far_face)) {
             fixed_sum s = gather_halved(halved, half_dims, limit, grid, l, start);
