@@ -14,6 +14,8 @@ LABELS ?=
 FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
+# A folder of volumes of another program with their truth, for `make sites` and `make surface-page`.
+SITE ?= $(wildcard $(addsuffix /site_b,$(DATA)))
 
 SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
@@ -22,13 +24,15 @@ PYTHON_PACKAGES := scripts/packages-python.txt
 DEB_PACKAGES := scripts/packages-deb.txt
 OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
+LOOKS_PACKAGES := scripts/packages-looks.txt
 
 # $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
 build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
 	cmake --build $(1) -j $(JOBS)
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo console report test test-sanitize test-clang fuzz oclgrind lint format bench validate clean help
+.PHONY: all setup install dist deb try-deb demo looks console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+	validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
@@ -53,6 +57,11 @@ try-deb: ## install out/deb on this machine (needs root), then the template's th
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
 	@$(call build,build)
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+
+looks: ## both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
+	@$(SETUP) $(PACKAGES) $(LOOKS_PACKAGES)
+	@$(call build,build)
+	@scripts/looks.sh build $(OUT)/looks $(HEADS)
 
 console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
 	@$(call build,build)
@@ -104,6 +113,24 @@ bench: setup ## times as ratios to plain C; speed against error of every method,
 	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
+
+# Hard scenes, scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
+HARD := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,--scene H$(n))
+UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
+CHOICE := --scenes 201,0 --scenes 104,3
+FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
+
+sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
+	@$(call build,build)
+	build/sv_sites table $(UNSEEN) $(FOREIGN)
+	build/sv_sites table $(HARD)
+	build/sv_sites harm --scenes 201,0 $(FOREIGN)
+	build/sv_sites flicker
+	$(if $(SITE),build/sv_sites reverse $(CHOICE) $(FOREIGN))
+
+surface-page: setup ## method wall on scenes and on SITE in pictures: out/sites/index.html
+	@$(call build,build)
+	build/sv_sites page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
 
 validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
 	@$(call build,build)

@@ -9,8 +9,8 @@ Usage: scripts/bare_root.sh [OPTION...] SUITE TARGET...
 
 Makes a root of the Debian SUITE (bookworm, trixie) that holds the essential packages, make and ca-certificates, puts a
 clean clone of this checkout in it, and runs `make TARGET` there for each TARGET. Everything else must come from the
-targets themselves. A TARGET of the form NAME=VALUE is a variable for all of them (SV_WERROR=ON). The clone has what is
-committed.
+targets themselves, but for the certificates that this machine trusts beyond Debian's. A TARGET of the form NAME=VALUE is a
+variable for all of them (SV_WERROR=ON). The clone has what is committed.
 
   --dir FOLDER   where the root is made: a folder that is empty or not there (default: a new one in $TMPDIR or /tmp)
   --mirror URL   Debian mirror (default: the first repository of apt's configuration that has the SUITE)

@@ -45,7 +45,8 @@ host_sim/eval              | abi MACHINE host_sim/loop .                        
 host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
 host_sim/console           | abi HOST kernels .                                         | libc opencl json web
 host_sim/commands          | abi HOST host_sim/console .                                | libc opencl json
-bench/frame                | abi HOST .                                                 | libc opencl json futex
+bench/frame                | abi HOST kernels .                                         | libc opencl json futex
+bench/frame/cl             | .                                                          |
 bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
 bench/quality/sv_surfaces.c| abi HOST shared src src/ref bench/sites bench/quality       | libc opencl
 bench/quality              | abi HOST shared src src/ref .                              | libc opencl json

@@ -39,6 +39,7 @@ opencl() {
 }
 
 # Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names.
+# The benchmark's stands behind them.
 kernels() {
     local code=0 file lanes
     for file in cl/*/*.cl; do
@@ -47,7 +48,7 @@ kernels() {
         opencl -I cl -DSV_HALF_SUMS=1 -DSV_DOUBLES=1 "$file" || code=1
     done
     for lanes in 1 16; do
-        for file in host_sim/render/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
+        for file in host_sim/render/cl/*.cl bench/frame/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
             opencl -DLANES=$lanes - || code=1
     done
     return $code

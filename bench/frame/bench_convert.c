@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 #define SOURCE_VOXELS 3.0 /* an edge of a low-resolution voxel, as in the scan loop */
 #define SLAB_SLICES   16u
@@ -49,34 +50,53 @@ static bool finish(const bench *b, hs_error *err) {
     return hs_cl_check(clFinish(b->setup->cl->queue), "clFinish (benchmark)", err);
 }
 
-static bool convert(const bench *b, double *ms, hs_error *err) {
-    const double begin = hs_now();
+/* Wall clock, and processor time of all threads, which other load on the machine hardly changes. */
+typedef struct {
+    double wall, processor;
+} moment;
+
+static moment now(void) {
+    struct timespec t;
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (moment){hs_now() * 1e3, (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6};
+}
+
+static moment since(moment begin) {
+    const moment end = now();
+    return (moment){end.wall - begin.wall, end.processor - begin.processor};
+}
+
+static bool convert(const bench *b, moment *took, hs_error *err) {
+    const moment begin = now();
     bool ok = true;
     for (uint32_t i = 0; ok && i < hs_slab_count(&b->layout); i++)
         ok = hs_scan_convert_slab(b->converter, b->device, &b->camera, i, b->slabs, i * b->slab_bytes, NULL,
                                   err);
     ok = ok && finish(b, err);
-    *ms = (hs_now() - begin) * 1e3;
+    *took = since(begin);
     return ok;
 }
 
 /* The volume's bytes, and then the conversion of a volume that is new and of one that is not. */
-static bool take_turn(const bench *b, double ms[3], hs_error *err) {
+static bool take_turn(const bench *b, moment took[3], hs_error *err) {
     const hs_volume *v = b->volume;
     if (!hs_device_volume_replace(b->device, v, err) || !finish(b, err)) return false;
     bench_team_ready(b->setup->team);
-    const double begin = hs_now();
+    const moment begin = now();
     (void)plain_read(b->setup->team, v->beams ? v->beams->voxels : v->voxels, volume_bytes(v) / 16 * 16);
-    ms[0] = (hs_now() - begin) * 1e3;
+    took[0] = since(begin);
     bench_team_rest(b->setup->team);
-    return convert(b, &ms[1], err) && convert(b, &ms[2], err);
+    return convert(b, &took[1], err) && convert(b, &took[2], err);
 }
 
-static bool time_view(const bench *b, bench_samples samples[3], hs_error *err) {
+static bool time_view(const bench *b, bench_samples samples[6], hs_error *err) {
     for (uint32_t i = 0; i <= b->setup->frames; i++) { /* the first is not counted */
-        double ms[3];
-        if (!take_turn(b, ms, err)) return false;
-        for (int k = 0; i > 0 && k < 3; k++) bench_samples_add(&samples[k], ms[k]);
+        moment took[3];
+        if (!take_turn(b, took, err)) return false;
+        for (int k = 0; i > 0 && k < 3; k++) {
+            bench_samples_add(&samples[k], took[k].wall);
+            bench_samples_add(&samples[3 + k], took[k].processor);
+        }
     }
     return true;
 }
@@ -95,8 +115,8 @@ static bool compare(const bench *b, hs_box_error *out, hs_error *err) {
     return ok;
 }
 
-static bool run_view(bench *b, int index, bench_convert_view *out, bench_samples *read, hs_error *err) {
-    bench_samples samples[3] = {*read, {0}, {0}};
+static bool run_view(bench *b, int index, bench_convert_view *out, hs_error *err) {
+    bench_samples samples[6] = {{0}};
     cl_int code = CL_SUCCESS;
     hs_camera_look(&b->camera, b->volume, cameras[index].yaw, cameras[index].pitch);
     lay_out(b);
@@ -107,17 +127,19 @@ static bool run_view(bench *b, int index, bench_convert_view *out, bench_samples
         b->slabs = clCreateBuffer(b->setup->cl->context, CL_MEM_READ_WRITE,
                                   b->slab_bytes * hs_slab_count(&b->layout), NULL, &code);
     ok = ok && hs_cl_check(code, "clCreateBuffer (benchmark)", err) &&
-         bench_samples_create(&samples[1], b->setup->frames, err) &&
-         bench_samples_create(&samples[2], b->setup->frames, err) && time_view(b, samples, err) &&
-         compare(b, &out->error, err);
-    *read = samples[0];
+         bench_samples_create(&samples[0], b->setup->frames, err);
+    for (int k = 1; ok && k < 6; k++) ok = bench_samples_create(&samples[k], b->setup->frames, err);
+    ok = ok && time_view(b, samples, err) && compare(b, &out->error, err);
     out->label = cameras[index].label;
     out->size[0] = b->layout.width;
     out->size[1] = b->layout.height;
     out->size[2] = b->layout.slices;
-    out->fresh = bench_samples_times(&samples[1]);
-    out->again = bench_samples_times(&samples[2]);
-    for (int k = 1; k < 3; k++) bench_samples_destroy(&samples[k]);
+    bench_times *const times[6] = {&out->read.wall,      &out->fresh.wall,      &out->again.wall,
+                                   &out->read.processor, &out->fresh.processor, &out->again.processor};
+    for (int k = 0; k < 6; k++) {
+        *times[k] = bench_samples_times(&samples[k]);
+        bench_samples_destroy(&samples[k]);
+    }
     if (b->slabs) (void)clReleaseMemObject(b->slabs);
     b->slabs = NULL;
     hs_scan_converter_destroy(b->converter);
@@ -128,33 +150,34 @@ static bool run_view(bench *b, int index, bench_convert_view *out, bench_samples
 bool bench_convert_run(const bench_convert_setup *setup, const hs_volume *volume, bench_convert_result *out,
                        hs_error *err) {
     bench b = {.setup = setup, .volume = volume};
-    bench_samples read = {0};
+    if (!volume) return false; /* the source has said why */
     *out = (bench_convert_result){.bytes = volume_bytes(volume)};
     (void)snprintf(out->volume, sizeof out->volume, "%s", volume->name);
-    bool ok = bench_samples_create(&read, setup->frames * BENCH_CONVERT_VIEWS, err) &&
-              (b.device = hs_device_volume_create(setup->cl, volume, err));
-    for (int i = 0; ok && i < BENCH_CONVERT_VIEWS; i++) ok = run_view(&b, i, &out->view[i], &read, err);
-    out->read = bench_samples_times(&read);
-    bench_samples_destroy(&read);
+    bool ok = (b.device = hs_device_volume_create(setup->cl, volume, err)) != NULL;
+    for (int i = 0; ok && i < BENCH_CONVERT_VIEWS; i++) ok = run_view(&b, i, &out->view[i], err);
     hs_device_volume_destroy(b.device);
     return ok;
 }
 
+static void print_ratio(const bench_convert_time *t, const bench_convert_time *read) {
+    printf(" | %7.2f %5.1f %5.1f", t->wall.median, t->wall.median / read->wall.median,
+           t->processor.median / read->processor.median);
+}
+
 void bench_print_convert(const bench_convert_result *r) {
-    printf("\nScan conversion of %s, %.1f MB, in turns with reading them once by two threads: %.2f ms (min "
-           "%.2f)\n",
-           r->volume, (double)r->bytes * 1e-6, r->read.median, r->read.min);
-    printf("%-16s %-15s | %8s %8s  %-14s | %8s %8s  %-14s | %s\n", "camera", "voxels", "new", "min", "/ read",
-           "again", "min", "/ read", "off the exact mean: mean, 99 %, disputed");
+    printf("\nScan conversion of %s, %.1f MB, in turns with reading them once by two threads; medians in "
+           "milliseconds, as multiples of reading, and processor time as a multiple of reading's\n",
+           r->volume, (double)r->bytes * 1e-6);
+    printf("%-16s %-15s | %6s | %-19s | %-19s | %s\n", "camera", "voxels", "read", "    new /read  busy",
+           "  again /read  busy", "off the exact mean: mean, 99 %, disputed");
     for (int i = 0; i < BENCH_CONVERT_VIEWS; i++) {
         const bench_convert_view *v = &r->view[i];
         char size[32];
         (void)snprintf(size, sizeof size, "%u x %u x %u", v->size[0], v->size[1], v->size[2]);
-        printf("%-16s %-15s | %8.2f %8.2f  %5.1f (%5.1f)  | %8.2f %8.2f  %5.1f (%5.1f)  | %.2f, %.2f levels, "
-               "%.2f %%\n",
-               v->label, size, v->fresh.median, v->fresh.min, v->fresh.median / r->read.median,
-               v->fresh.min / r->read.min, v->again.median, v->again.min, v->again.median / r->read.median,
-               v->again.min / r->read.min, v->error.mean, v->error.p99,
+        printf("%-16s %-15s | %6.2f", v->label, size, v->read.wall.median);
+        print_ratio(&v->fresh, &v->read);
+        print_ratio(&v->again, &v->read);
+        printf(" | %.2f, %.2f levels, %.2f %%\n", v->error.mean, v->error.p99,
                100.0 * (double)v->error.disputed / fmax((double)(v->error.voxels + v->error.disputed), 1.0));
     }
 }

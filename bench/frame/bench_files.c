@@ -54,6 +54,19 @@ static void csv_host(FILE *file, const bench_host_result *host) {
     }
 }
 
+static void csv_grids(FILE *file, const bench_grids_result *r) {
+    static const char *const ways[4] = {"copy", "probe", "copy-walks", "probe-walks"};
+    for (int i = 0; i < BENCH_GRID_VIEWS; i++) {
+        const bench_grid_view *v = &r->view[i];
+        const bench_times *const times[4] = {&v->copy, &v->probe, &v->copy_walks, &v->probe_walks};
+        for (int w = 0; w < 4; w++)
+            (void)fprintf(file, "grids,%u,,,%s,%s,%.6g,%.6g,%.6g,,,,\n", r->samples, v->label, ways[w],
+                          times[w]->median, times[w]->min, times[w]->p95);
+    }
+    (void)fprintf(file, "grids,%u,,,,making,%.6g,%.6g,%.6g,,,,\n", r->samples, r->making.median,
+                  r->making.min, r->making.p95);
+}
+
 /* A number, or nothing where it is not known. */
 static void csv_number(FILE *file, double value) {
     if (isfinite(value))
@@ -104,6 +117,7 @@ bool bench_write_csv(const bench_report *report, const char *path, hs_error *err
                                "per_mean_profile,per_own_profile\n");
     for (uint32_t i = 0; i < report->plugin_count; i++) csv_plugin(output.file, report, &report->plugin[i]);
     if (report->host) csv_host(output.file, report->host);
+    if (report->grids) csv_grids(output.file, report->grids);
     return hs_output_commit(&output, err); /* fails if any write before did */
 }
 

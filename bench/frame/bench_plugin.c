@@ -94,7 +94,8 @@ static bool make_values(bench *b, hs_error *err) {
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u values", s->value_count);
     own_values(b);
     const char *const method = s->method ? s->method : PLAIN_METHOD;
-    const bool named = s->method ? strcmp(method, BENCH_OWN) != 0 : bench_plugin_has_method(s->plugin, method);
+    const bool named =
+        s->method ? strcmp(method, BENCH_OWN) != 0 : bench_plugin_has_method(s->plugin, method);
     if (named) {
         if (!method_value(s->plugin, method, &b->fixed[0], err)) return false;
         b->values[b->value_count++] = b->fixed[b->fixed_count++];

@@ -3,16 +3,18 @@
 #ifndef BENCH_RESULTS_H
 #define BENCH_RESULTS_H
 
+#include "frame/bench_grids.h"
 #include "frame/bench_host.h"
 #include "frame/bench_machine.h"
 #include "frame/bench_plugin.h"
 
-/* All of a run. `host` is NULL if it was not measured. Arrays are not owned. */
+/* All of a run. `host` and `grids` are NULL if they were not measured. Arrays are not owned. */
 typedef struct {
     bench_machine machine;
     const bench_plugin_result *plugin;
     uint32_t plugin_count;
     const bench_host_result *host;
+    const bench_grids_result *grids;
 } bench_report;
 
 #endif

@@ -5,6 +5,7 @@
 #include "frame/bench_convert.h"
 #include "frame/bench_files.h"
 #include "frame/bench_guard.h"
+#include "frame/bench_loop.h"
 #include "frame/bench_method.h"
 #include "frame/bench_report.h"
 #include "plugin/loader_param.h"
@@ -12,6 +13,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define GRIDS_SCENE "D01"
+#define GRIDS_SIZE  256u
 
 enum {
     MAX_VALUES = 16,
@@ -23,11 +27,11 @@ static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
 
 typedef struct {
     char plugin[1024];
-    const char *id, *scene, *csv, *json;
+    const char *id, *scene, *scan, *csv, *json;
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
-    bool plugin_part, guard_part, convert_part, host_part;
+    bool plugin_part, guard_part, convert_part, host_part, grids_part;
     const char *value_texts[MAX_VALUES];
     uint32_t value_count;
 } options;
@@ -38,6 +42,7 @@ static const char help[] =
     "C,\n"
     "both on two threads; then its methods cost and wall, if it has them; then the host's scan loop around "
     "the plugin.\n"
+    "Last, the renderer of a probe's volume in the Cartesian copy and in the probe's own grid.\n"
     "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
     "and\n"
     "kernel is timed as it is.\n\n"
@@ -45,7 +50,7 @@ static const char help[] =
     "  --id ID            the library's plugin of that id (default: its first)\n"
     "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
     "                     change the result make the comparison with plain C fail\n"
-    "  --only PART        'plugin', 'guard', 'convert' or 'loop' (default: all)\n"
+    "  --only PART        'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n"
     "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
     "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
     "0)\n"
@@ -61,6 +66,7 @@ static const char help[] =
     "  --scene NAME       a scene for the scan loop: E01 .. D02 or a scene file (default: the layered "
     "volume\n"
     "                     that the plugin is timed on)\n"
+    "  --scan FILE        a scan file for 'convert': MetaImage, or Kretz in probe geometry\n"
     "  --quick            20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n"
     "  --csv FILE         all numbers as CSV\n"
     "  --json FILE        all numbers as JSON\n"
@@ -85,9 +91,10 @@ static bool parse_part(options *o, const char *text, hs_error *err) {
     o->guard_part = strcmp(text, "guard") == 0;
     o->convert_part = strcmp(text, "convert") == 0;
     o->host_part = strcmp(text, "loop") == 0;
-    return o->plugin_part || o->guard_part || o->convert_part || o->host_part ||
-           hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'guard', 'convert' and 'loop'",
-                   text);
+    o->grids_part = strcmp(text, "grids") == 0;
+    return o->plugin_part || o->guard_part || o->convert_part || o->host_part || o->grids_part ||
+           hs_fail(err, HS_ERR_USAGE,
+                   "--only: '%s' is none of 'plugin', 'guard', 'convert', 'loop' and 'grids'", text);
 }
 
 static void make_quick(options *o) {
@@ -120,6 +127,7 @@ enum {
     OPT_HOST_FRAMES,
     OPT_HOST_SIZE,
     OPT_SCENE,
+    OPT_SCAN,
     OPT_QUICK,
     OPT_CSV,
     OPT_JSON
@@ -136,6 +144,7 @@ static const struct option long_options[] = {
     {"loop-frames", required_argument, NULL, OPT_HOST_FRAMES},
     {"loop-size", required_argument, NULL, OPT_HOST_SIZE},
     {"scene", required_argument, NULL, OPT_SCENE},
+    {"scan", required_argument, NULL, OPT_SCAN},
     {"quick", no_argument, NULL, OPT_QUICK},
     {"csv", required_argument, NULL, OPT_CSV},
     {"json", required_argument, NULL, OPT_JSON},
@@ -174,6 +183,9 @@ static bool set_option(void *all, int option, hs_error *err) {
     case OPT_SCENE:
         o->scene = optarg;
         return true;
+    case OPT_SCAN:
+        o->scan = optarg;
+        return true;
     case OPT_QUICK:
         make_quick(o);
         return true;
@@ -193,7 +205,8 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
                    .plugin_part = true,
                    .guard_part = true,
                    .convert_part = true,
-                   .host_part = true};
+                   .host_part = true,
+                   .grids_part = true};
     hs_plugin_default_path(o->plugin, sizeof o->plugin);
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     fill_defaults(o);
@@ -210,6 +223,7 @@ typedef struct {
     bench_plugin_result results[MAX_RESULTS];
     bench_convert_result convert;
     bench_host_result host;
+    bench_grids_result grids;
     bench_report report;
 } bench_run;
 
@@ -301,10 +315,25 @@ static bool run_convert_part(bench_run *run, hs_error *err) {
     hs_source source = {0};
     hs_volume volume = {0};
     const hs_volume *list[1];
-    const bool ok = bench_open_source(run->o.scene, run->o.host_size, &source, &volume, list, err) &&
-                    bench_convert_run(&setup, hs_source_volume(&source, 0), &run->convert, err);
+    const char *named = run->o.scan ? run->o.scan : run->o.scene;
+    const bool ok = (run->o.scan ? hs_source_open_files(&source, &run->o.scan, 1, NULL, err)
+                                 : bench_open_source(named, run->o.host_size, &source, &volume, list, err)) &&
+                    bench_convert_run(&setup, hs_source_bring(&source, 0, err), &run->convert, err);
     if (ok) bench_print_convert(&run->convert);
-    bench_close_source(run->o.scene, &source, &volume);
+    bench_close_source(named, &source, &volume);
+    return ok;
+}
+
+/* The loop as a scan runs it. */
+static bool run_live_part(bench_run *run, const bench_host_setup *setup, hs_error *err) {
+    bench_loop_result result;
+    hs_source source = {0};
+    hs_volume volume = {0};
+    const hs_volume *list[1];
+    const bool ok = bench_open_source(setup->scene, setup->size, &source, &volume, list, err) &&
+                    bench_loop_run(setup, run->team, &source, &result, err);
+    if (ok) bench_print_loop(&result);
+    bench_close_source(setup->scene, &source, &volume);
     return ok;
 }
 
@@ -319,6 +348,15 @@ static bool run_host_part(bench_run *run, hs_error *err) {
     if (!bench_host_run(&setup, &run->host, err)) return false;
     bench_print_host(&run->host);
     run->report.host = &run->host;
+    return run_live_part(run, &setup, err);
+}
+
+/* A scene, since the layered volume fills no fan. */
+static bool run_grids_part(bench_run *run, hs_error *err) {
+    const char *scene = run->o.scene ? run->o.scene : GRIDS_SCENE;
+    if (!bench_grids_run(&run->cl, scene, GRIDS_SIZE, run->o.host_frames, &run->grids, err)) return false;
+    bench_print_grids(&run->grids);
+    run->report.grids = &run->grids;
     return true;
 }
 
@@ -333,7 +371,7 @@ static bool measure(bench_run *run, hs_error *err) {
     if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
         (run->o.guard_part && !run_guard_part(run, err)) ||
         (run->o.convert_part && !run_convert_part(run, err)) ||
-        (run->o.host_part && !run_host_part(run, err)))
+        (run->o.host_part && !run_host_part(run, err)) || (run->o.grids_part && !run_grids_part(run, err)))
         return false;
     bench_print_targets(&run->report);
     return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&

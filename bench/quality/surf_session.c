@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "quality/surf_session.h"
 
+#include "loop/clipper.h"
 #include "plugin/loader_param.h"
 
 #include <stdio.h>
@@ -80,8 +81,10 @@ bool surf_session_set(surf_session *s, const char *key, double value, hs_error *
 /* ---- a frame */
 
 static bool fits(const surf_session *s, const surf_volume *v) {
+    for (int axis = 0; axis < 3; axis++)
+        if (s->spacing_mm[axis] != v->spacing_mm[axis]) return false;
     return s->active && s->width == v->width && s->height == v->height && s->slices == v->slices &&
-           s->ranged == (v->first != NULL) && memcmp(s->spacing_mm, v->spacing_mm, sizeof s->spacing_mm) == 0;
+           s->ranged == (v->first != NULL);
 }
 
 static bool allocate(surf_session *s, hs_error *err) {
@@ -154,6 +157,10 @@ bool surf_session_frame(surf_session *s, const surf_volume *v, hs_error *err) {
     if (!hs_plugin_check(&s->plugin, p->begin(p, &frame), "begin", err) || !send(s, v, err)) return false;
     s->outcome = p->end(p, &result);
     return hs_plugin_check(&s->plugin, s->outcome, "end", err);
+}
+
+bool surf_session_clips(const surf_session *s) {
+    return hs_outcome_clips(s->outcome);
 }
 
 bool surf_session_confidence(surf_session *s, sv_confidence_report *report, hs_error *err) {

@@ -45,6 +45,9 @@ bool surf_session_set(surf_session *s, const char *key, double value, hs_error *
 /* A whole frame. A status of "no surface" is a success. */
 bool surf_session_frame(surf_session *s, const surf_volume *volume, hs_error *err);
 
+/* False if the frame that was just run has no surface. */
+bool surf_session_clips(const surf_session *s);
+
 /* Reads the confidence of the frame that was just run; `report` may be NULL. Nothing if !sure. */
 bool surf_session_confidence(surf_session *s, sv_confidence_report *report, hs_error *err);
 

@@ -3,6 +3,7 @@
  * their flicker and their time. */
 #include "quality/surf_ablation.h"
 #include "quality/surf_session.h"
+#include "sites/site_table.h"
 #include "volume/metaimage.h"
 
 #include <math.h>
@@ -18,10 +19,12 @@ static const char *const names[CASES] = {"E01", "E02", "E03", "E04", "M01", "M02
 static const char help[] =
     "Usage: sv_surfaces [PLUGIN] [VOLUME.mha...]\n"
     "       sv_surfaces --ablation\n"
+    "       sv_surfaces --site FOLDER | --case FULL,TRUTH,LABEL[,FIRST,END]...\n"
     "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed and a pose: the ray\n"
     "termination error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the q that is best\n"
     "for the whole set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others were not. Then\n"
     "both in motion, their times at 128^3 and 171^3, and what cost says of the volumes that are given.\n"
+    "--site, --case: these methods on volumes of other programs, as sv_sites table judges them.\n"
     "--ablation: what each part of the cost volume is worth, by its scalar definition.\n";
 /* clang-format on */
 
@@ -300,6 +303,20 @@ static bool judge_all(const char *path, hs_error *err) {
     return ok;
 }
 
+/* Volumes of other programs. */
+static bool judge_foreign(int argc, char **argv, hs_error *err) {
+    site_list list = {0};
+    site_methods methods = {
+        .plugin = SURF_PLUGIN, .method = {{"method=mean", true}, {"method=cost", false}}, .count = 2};
+    bool ok = argc > 2 || hs_fail(err, HS_ERR_USAGE, "%s: a value is missing", argv[1]);
+    for (int i = 2; ok && i < argc; i++)
+        ok = strcmp(argv[1], "--site") == 0 ? site_add_folder(&list, argv[i], err)
+                                            : site_add_files(&list, argv[i], err);
+    ok = ok && site_table(&list, &methods, err);
+    site_free(&list);
+    return ok;
+}
+
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "--help") == 0) {
         printf("%s", help);
@@ -308,6 +325,11 @@ int main(int argc, char **argv) {
     hs_error err = {0};
     if (argc > 1 && strcmp(argv[1], "--ablation") == 0) {
         if (surf_ablation(names, CASES, N, &err)) return HS_OK;
+        fprintf(stderr, "sv_surfaces: %s\n", err.text);
+        return (int)err.code;
+    }
+    if (argc > 1 && (strcmp(argv[1], "--site") == 0 || strcmp(argv[1], "--case") == 0)) {
+        if (judge_foreign(argc, argv, &err)) return HS_OK;
         fprintf(stderr, "sv_surfaces: %s\n", err.text);
         return (int)err.code;
     }

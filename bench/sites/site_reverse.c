@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VALUES = 5, ROUNDS = 4 };
+enum { VALUES = 5 };
 
 /* What docs/surface.md says matters, and values of the range that it shows there. */
 static const struct {
@@ -107,7 +107,7 @@ typedef struct {
 } choice;
 
 /* One constant at a time to its best value, until a round changes nothing. */
-static bool search(const site_set *set, int start, choice *out, hs_error *err) {
+static bool search(const site_set *set, int start, uint32_t rounds, choice *out, hs_error *err) {
     int at[CONSTANTS];
     site_score score;
     for (int i = 0; i < CONSTANTS; i++) at[i] = start;
@@ -117,7 +117,7 @@ static bool search(const site_set *set, int start, choice *out, hs_error *err) {
     out->objective = objective(&score);
     out->evaluations = 1;
     bool moved = true;
-    for (int round = 0; moved && round < ROUNDS; round++) {
+    for (uint32_t round = 0; moved && round < rounds; round++) {
         moved = false;
         for (int i = 0; i < CONSTANTS; i++) {
             const int was = at[i];
@@ -154,10 +154,10 @@ static bool print_on(const site_list *list, const sv_wall_settings *settings, hs
     return true;
 }
 
-static bool choose(const site_list *list, uint32_t index, hs_error *err) {
+static bool choose(const site_list *list, uint32_t index, uint32_t rounds, hs_error *err) {
     choice answer[2];
     for (int i = 0; i < 2; i++)
-        if (!search(&list->set[index], i ? VALUES - 1 : 0, &answer[i], err)) return false;
+        if (!search(&list->set[index], i ? VALUES - 1 : 0, rounds, &answer[i], err)) return false;
     choice *best = &answer[answer[1].objective < answer[0].objective];
     printf(
         "  chosen on %s alone (%u settings tried; from the lowest values %.3f, from the highest %.3f)\n   ",
@@ -170,14 +170,15 @@ static bool choose(const site_list *list, uint32_t index, hs_error *err) {
     return print_on(list, &best->settings, err);
 }
 
-bool site_reverse(const site_list *list, hs_error *err) {
+bool site_reverse(const site_list *list, uint32_t rounds, hs_error *err) {
     if (list->count < 2)
         return hs_fail(err, HS_ERR_USAGE, "reverse: two sites are needed, %u given", list->count);
     const sv_wall_settings settled = sv_wall_settings_default();
     printf("Reverse protocol: constants of wall chosen on one site alone\n  as it is\n");
     if (!print_on(list, &settled, err)) return false;
+    (void)fflush(stdout);
     for (uint32_t i = 0; i < list->count; i++)
-        if (!choose(list, i, err)) return false;
+        if (!choose(list, i, rounds, err)) return false;
     printf("\n");
     return true;
 }

@@ -26,9 +26,11 @@ void site_score_print(const site_score *s, bool sure) {
     printf("%5.2f / %5.2f / %5.2f  worst %5.2f %-4s", m.error, 100.0 * m.cut, 100.0 * m.left, s->worst,
            s->worst_name);
     if (sure)
-        printf("  AUC %.3f\n", wall_auc(&s->trust));
+        printf("  AUC %.3f", wall_auc(&s->trust));
     else
-        printf("  no confidence\n");
+        printf("  no confidence");
+    if (s->refused) printf("  %u refused", s->refused);
+    printf("\n");
 }
 
 static uint64_t rays_of(const wall_trust *t) {

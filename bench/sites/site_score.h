@@ -11,6 +11,7 @@ typedef struct {
     double worst; /* largest error of a case */
     char worst_name[64];
     uint32_t count;
+    uint32_t refused; /* cases that the method does not clip */
     wall_trust trust;
 } site_score;
 

@@ -36,6 +36,12 @@ static wall_case *new_case(site_set *s, hs_error *err) {
     return NULL;
 }
 
+/* Says in the title what was added. */
+static void name_part(site_set *s, const char *text) {
+    const size_t used = strlen(s->title);
+    (void)snprintf(s->title + used, sizeof s->title - used, " %s", text);
+}
+
 bool site_add_folder(site_list *list, const char *folder, hs_error *err) {
     site_set *s = new_set(list, folder, err);
     for (int i = 0; s && i < SITE_NAMES; i++) {
@@ -60,14 +66,50 @@ bool site_add_scenes(site_list *list, const char *text, hs_error *err) {
         return hs_fail(err, HS_ERR_USAGE, "--scenes: '%s' is no SEED,POSE", text);
     site_set *s = set_of(list, "scenes", err);
     if (!s) return false;
-    const size_t used = strlen(s->title);
-    (void)snprintf(s->title + used, sizeof s->title - used, " %s", text);
+    name_part(s, text);
     for (int i = 0; i < SITE_NAMES; i++) {
         wall_case *c = new_case(s, err);
         if (!c || !wall_case_make(site_names[i], seed, (uint32_t)pose, 0, c, err)) return false;
         s->count++;
     }
     return true;
+}
+
+static bool add_named(site_set *s, const char *name, hs_error *err) {
+    wall_case *c = new_case(s, err);
+    if (!c || !wall_case_make(name, 0, 0, 0, c, err)) return false;
+    s->count++;
+    return true;
+}
+
+bool site_add_scene(site_list *list, const char *name, hs_error *err) {
+    site_set *s = set_of(list, "scenes", err);
+    if (!s || !add_named(s, name, err)) return false;
+    name_part(s, name);
+    return true;
+}
+
+bool site_add_random(site_list *list, const char *text, hs_error *err) {
+    unsigned long seed = 0, count = 0;
+    int length = 0;
+    if (sscanf(text, "%9lu,%9lu%n", &seed, &count, &length) != 2 || text[length] != '\0' || count < 1 ||
+        count > SITE_MAX_CASES)
+        return hs_fail(err, HS_ERR_USAGE, "--random: '%s' is no SEED,COUNT with a count of 1 .. %d", text,
+                       SITE_MAX_CASES);
+    site_set *s = set_of(list, "scenes", err);
+    if (!s) return false;
+    char name[48];
+    for (unsigned long n = 0; n < count; n++) {
+        (void)snprintf(name, sizeof name, "R%lu_%lu", seed, n);
+        if (!add_named(s, name, err)) return false;
+    }
+    (void)snprintf(name, sizeof name, "R%lu_0..%lu", seed, count - 1);
+    name_part(s, name);
+    return true;
+}
+
+bool site_is_files(const site_set *set) {
+    return strcmp(set->title, "files") == 0;
 }
 
 void site_free(site_list *list) {

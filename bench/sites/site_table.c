@@ -50,6 +50,7 @@ bool site_judge(surf_session *s, const site_set *set, bool best_q, site_score *o
         wall_score score;
         if (!judge_case(s, &set->cases[n], &out->trust, &score, err)) return false;
         site_score_add(out, set->cases[n].name, &score);
+        out->refused += !surf_session_clips(s);
         if (each) each[n] = score;
     }
     return true;

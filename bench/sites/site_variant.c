@@ -96,8 +96,9 @@ static ellipsoid place_bladder(const wall_case *c) {
     double sum[3] = {0}, front = 0.0, rays = 0.0;
     for (size_t i = 0; i < plane_of(c); i++) {
         if (c->label[i] == HS_LABEL_NEITHER) continue;
-        sum[0] += (double)(i % c->nx);
-        sum[1] += (double)(i / c->nx);
+        const size_t x = i % c->nx, y = i / c->nx;
+        sum[0] += (double)x;
+        sum[1] += (double)y;
         sum[2] += clip_of(c, i);
         front += c->first[i];
         rays += 1.0;
@@ -171,16 +172,25 @@ bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *
     return true;
 }
 
+/* Writes the slices in which anything was scanned: the room before them would pass for fluid, and the
+ * occluders grow with the volume. */
 static bool write_volume(const wall_case *c, char *path, size_t size, hs_error *err) {
     const char *const folder = getenv("TMPDIR");
     (void)snprintf(path, size, "%s/occluded_XXXXXX.mha", folder ? folder : "/tmp");
     const int file = mkstemps(path, 4);
     if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made", path);
     (void)close(file);
+    uint32_t from = c->nz, to = 0;
+    for (size_t i = 0; i < plane_of(c); i++) {
+        if (c->first[i] >= c->end[i]) continue;
+        if (c->first[i] < from) from = c->first[i];
+        if (c->end[i] > to) to = c->end[i];
+    }
+    if (from >= to) return hs_fail(err, HS_ERR_INPUT, "%s: nothing of it was scanned", c->name);
     const hs_metaimage_array array = {.type = HS_ARRAY_U8,
-                                      .data = c->full,
+                                      .data = c->full + from * plane_of(c),
                                       .dims = 3,
-                                      .size = {c->nx, c->ny, c->nz},
+                                      .size = {c->nx, c->ny, to - from},
                                       .spacing = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
     return hs_metaimage_write(path, &array, err);
 }
@@ -196,5 +206,6 @@ bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err) {
     if (!open) return false;
     const bool ok = wall_case_take(&source, out, err);
     hs_eval_source_close(&source);
+    if (ok) memcpy(out->name, from->name, sizeof out->name);
     return ok;
 }

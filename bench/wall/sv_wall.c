@@ -2,6 +2,7 @@
 /* sv_wall: how good the definition of the wall's surface is (docs/surface.md). */
 #include "wall/wall_constant.h"
 #include "wall/wall_judge.h"
+#include "wall/wall_still.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,12 +11,16 @@
 
 static const char help[] =
     "Usage: sv_wall [--KEY VALUE]... --site FOLDER | --case FILES... | --scenes SEED,POSE... |\n"
-    "               --views FILE...\n"
+    "               --still SEED,POSE | --named NAME... | --views FILE...\n"
     "  --site FOLDER          the nine cases of a folder with NAME_full.mha, NAME_truth.mha, "
     "NAME_label.mha,\n"
     "                         scan_first.mha and scan_end.mha\n"
     "  --case FILES...        cases of FULL,TRUTH,LABEL[,FIRST,END], as host_sim report takes them\n"
     "  --scenes SEED,POSE...  the nine scenes at 128^3 for each seed and pose\n"
+    "  --still SEED,POSE      the nine scenes standing still, other speckle and particles in each of 8 "
+    "frames:\n"
+    "                         how much the ends of rays move from frame to frame\n"
+    "  --named NAME...        these scenes at 128^3: H01, or R7_3, number 3 of the random set with seed 7\n"
     "  --views FILE...        a volume with nothing to remove, from 12 x 3 sides: what is cut\n"
     "  --gain G --gamma G --black B   change the grey levels first; the judgement is on the unchanged ones\n"
     "  --KEY VALUE            another value of a constant: a field of sv_wall_settings\n"
@@ -149,6 +154,31 @@ static bool judge_scenes(char **sets, int count, const options *o, hs_error *err
     return true;
 }
 
+static bool judge_still(const char *set, const options *o, hs_error *err) {
+    unsigned long seed, pose;
+    double sum = 0.0;
+    if (sscanf(set, "%lu,%lu", &seed, &pose) != 2)
+        return hs_fail(err, HS_ERR_USAGE, "--still: '%s' is no SEED,POSE", set);
+    for (int i = 0; i < CASES; i++) {
+        wall_flicker f;
+        if (!wall_still(names[i], seed, (uint32_t)pose, &o->settings, &f, err)) return false;
+        sum += (f.result - f.truth) / CASES;
+        printf("  %-4s %5.2f slices a frame, truth %5.2f\n", names[i], f.result, f.truth);
+    }
+    printf("still: %.2f slices a frame beyond the truth's\n", sum);
+    return true;
+}
+
+static bool judge_named(char **scenes, int count, const options *o, hs_error *err) {
+    totals all = {0};
+    for (int i = 0; i < count; i++) {
+        wall_case c;
+        if (!wall_case_make(scenes[i], 0, 0, 0, &c, err) || !judge(&c, o, &all, err)) return false;
+    }
+    print_totals("named", &all);
+    return true;
+}
+
 static bool judge_view(const wall_case *c, const options *o, double *worst, int *refused, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
     float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
@@ -201,8 +231,12 @@ int main(int argc, char **argv) {
             ok = judge_site(argv[i + 1], &o, &err);
         } else if (strcmp(key, "--case") == 0 && more) {
             ok = judge_files(argv + i + 1, argc - i - 1, &o, &err);
+        } else if (strcmp(key, "--named") == 0 && more) {
+            ok = judge_named(argv + i + 1, argc - i - 1, &o, &err);
         } else if (strcmp(key, "--scenes") == 0 && more) {
             ok = judge_scenes(argv + i + 1, argc - i - 1, &o, &err);
+        } else if (strcmp(key, "--still") == 0 && more) {
+            ok = judge_still(argv[i + 1], &o, &err);
         } else if (strcmp(key, "--views") == 0 && more) {
             ok = judge_views(argv + i + 1, argc - i - 1, &o, &err);
         } else {

@@ -5,15 +5,14 @@
 
 #define TOLERANCE 2.0f /* slices of 128 */
 
-/* The first slice that is drawn (host_sim's rule for a step of one slice). */
-static uint32_t start_slice(float depth, uint32_t nz) {
+uint32_t wall_start(float depth, uint32_t nz) {
     if (!(depth > 0.0f)) return 0;
     const float first = ceilf(depth - 1e-3f);
     return first >= (float)nz ? nz : (uint32_t)first;
 }
 
 float wall_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
-    return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, start_slice(depth, c->nz));
+    return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, wall_start(depth, c->nz));
 }
 
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,

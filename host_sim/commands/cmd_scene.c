@@ -121,10 +121,11 @@ static bool make_scene(const hs_scene_line *r, const char *name, const hs_cl *cl
     hs_scene *scene = hs_scene_open_with(name, r->sets, r->set_count, err);
     if (!scene) return false;
     const bool volumes = !r->json || r->export || r->sheet;
-    bool ok = (!r->json && !r->export) || write_json(r, scene, err);
+    bool ok = true;
     hs_vol_export files = {0};
     for (uint32_t frame = 0; ok && volumes && frame < r->frames; frame++)
         ok = make_frame(r, scene, frame, cl, &files, err);
+    if (ok && (r->json || r->export)) ok = write_json(r, scene, err);
     hs_vol_export_discard(&files);
     hs_scene_close(scene);
     return ok;

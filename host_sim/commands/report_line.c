@@ -5,6 +5,7 @@
 #include "commands/look_line.h"
 
 #include "guarded/guard_line.h"
+#include "scene/scene_names.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -19,14 +20,16 @@ static const char help_text[] =
     "  --case NAME      a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END];\n"
     "                   the last two are every ray's first scanned slice and the first one behind the scan;\n"
     "                   repeatable [E01 .. E04, M01 .. M03, D01, D02]\n"
+    "  --hard           the hard cases, H01 and on (docs/scenes.md); with --case those, too\n"
     "  --real FILE      the scene 'real' as a case: synthetic occluders before the volume in FILE\n"
     "  --size N         voxels per axis of the scenes, 32 .. 512 [384]\n"
     "  --lowres N       pixels per axis of the depthmap [a third of the size: 128]\n"
     "  --seed N         seed of the scenes; 0 is their own [0]\n"
     "  --plugin PATH    library to measure, a path or a name [smartvis]\n"
-    "  --set KEY=VALUE  a plugin parameter; repeatable; see 'host_sim list'\n"
+    "  --set KEY=VALUE  a plugin parameter; repeatable; see 'host_sim list'; a plugin that has the mean\n"
+    "                   filter is studied with method=mean, as in the thesis, unless this names another\n"
     "  --beside 'KEY=VALUE ...'  another setting of the plugin that is set beside the studied one, or none\n"
-    "                   [method=cost, if the plugin has it and --set names no method]\n"
+    "                   [method=wall, if the plugin has it and --set names no method]\n"
     "  --coarse         every fifth position on every axis of the parameter space\n"
     "  --quick          small scenes (96), --coarse, few frames: to see what the page looks like\n"
     "  --frames N       frames of a measurement of speed; 0 measures none [20]\n"
@@ -42,11 +45,10 @@ static const char help_text[] =
     "  --help           this text\n"
     "\n";
 
-static const char *const all_cases[] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
-
 enum {
     OPT_OUT = 256,
     OPT_CASE,
+    OPT_HARD,
     OPT_REAL,
     OPT_SIZE,
     OPT_LOWRES,
@@ -67,24 +69,42 @@ enum {
     OPT_HELP
 };
 
-static const struct option options[] = {
-    {"out", required_argument, NULL, OPT_OUT},       {"case", required_argument, NULL, OPT_CASE},
-    {"real", required_argument, NULL, OPT_REAL},     {"size", required_argument, NULL, OPT_SIZE},
-    {"lowres", required_argument, NULL, OPT_LOWRES}, {"seed", required_argument, NULL, OPT_SEED},
-    {"plugin", required_argument, NULL, OPT_PLUGIN}, {"set", required_argument, NULL, OPT_SET},
-    {"beside", required_argument, NULL, OPT_BESIDE}, {"coarse", no_argument, NULL, OPT_COARSE},
-    {"quick", no_argument, NULL, OPT_QUICK},         {"frames", required_argument, NULL, OPT_FRAMES},
-    {"check", required_argument, NULL, OPT_CHECK},   {"shard", required_argument, NULL, OPT_SHARD},
-    {"merge", no_argument, NULL, OPT_MERGE},         {"look", required_argument, NULL, OPT_LOOK},
-    {"light", required_argument, NULL, OPT_LIGHT},   {"compare", required_argument, NULL, OPT_COMPARE},
-    {"seeds", required_argument, NULL, OPT_SEEDS},   HS_GUARD_OPTIONS,
-    {"help", no_argument, NULL, OPT_HELP},           {0}};
+static const struct option options[] = {{"out", required_argument, NULL, OPT_OUT},
+                                        {"case", required_argument, NULL, OPT_CASE},
+                                        {"hard", no_argument, NULL, OPT_HARD},
+                                        {"real", required_argument, NULL, OPT_REAL},
+                                        {"size", required_argument, NULL, OPT_SIZE},
+                                        {"lowres", required_argument, NULL, OPT_LOWRES},
+                                        {"seed", required_argument, NULL, OPT_SEED},
+                                        {"plugin", required_argument, NULL, OPT_PLUGIN},
+                                        {"set", required_argument, NULL, OPT_SET},
+                                        {"beside", required_argument, NULL, OPT_BESIDE},
+                                        {"coarse", no_argument, NULL, OPT_COARSE},
+                                        {"quick", no_argument, NULL, OPT_QUICK},
+                                        {"frames", required_argument, NULL, OPT_FRAMES},
+                                        {"check", required_argument, NULL, OPT_CHECK},
+                                        {"shard", required_argument, NULL, OPT_SHARD},
+                                        {"merge", no_argument, NULL, OPT_MERGE},
+                                        {"look", required_argument, NULL, OPT_LOOK},
+                                        {"light", required_argument, NULL, OPT_LIGHT},
+                                        {"compare", required_argument, NULL, OPT_COMPARE},
+                                        {"seeds", required_argument, NULL, OPT_SEEDS},
+                                        HS_GUARD_OPTIONS,
+                                        {"help", no_argument, NULL, OPT_HELP},
+                                        {0}};
 
 static bool append(const char *option, const char *text, const char **list, uint32_t *count, hs_error *err) {
     if (*count >= HS_EVAL_MAX_CASES)
         return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, HS_EVAL_MAX_CASES);
     list[(*count)++] = text;
     return true;
+}
+
+static bool append_group(const char *option, hs_scene_group group, hs_eval_options *o, hs_error *err) {
+    bool ok = true;
+    for (uint32_t i = 0; ok && hs_scene_of_group(group, i); i++)
+        ok = append(option, hs_scene_of_group(group, i), o->cases, &o->case_count, err);
+    return ok;
 }
 
 /* "2/4": the second of four. */
@@ -105,6 +125,8 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         return true;
     case OPT_CASE:
         return append("--case", optarg, o->cases, &o->case_count, err);
+    case OPT_HARD:
+        return append_group("--hard", HS_SCENES_HARD, o, err);
     case OPT_REAL:
         o->real = optarg;
         return append("--real", "real", o->cases, &o->case_count, err);
@@ -170,9 +192,7 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
             return false;
         if (*help) return true;
     }
-    for (size_t i = 0; o->case_count == 0 && i < sizeof all_cases / sizeof all_cases[0]; i++)
-        o->cases[i] = all_cases[i];
-    if (o->case_count == 0) o->case_count = sizeof all_cases / sizeof all_cases[0];
+    if (o->case_count == 0 && !append_group("the cases", HS_SCENES_THESIS, o, err)) return false;
     if (o->merge && o->shard.count > 1)
         return hs_fail(err, HS_ERR_USAGE, "--merge and --shard: the shards are computed first, then merged");
     return hs_cli_no_more(argc, argv, optind, err);

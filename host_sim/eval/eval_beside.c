@@ -144,6 +144,9 @@ void hs_eval_beside_conclude(hs_eval_beside *b, const hs_eval_mean *mean, const 
 double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
                            hs_measure measure) {
     double sum = 0;
-    for (uint32_t i = 0; i < count; i++) sum += (double)beside->of[i][way].of[measure] / count;
-    return sum;
+    uint32_t known = 0; /* a case without a fetus has nothing of one that is cut */
+    for (uint32_t i = 0; i < count; i++) known += isnan(beside->of[i][way].of[measure]) ? 0 : 1;
+    for (uint32_t i = 0; i < count; i++)
+        if (!isnan(beside->of[i][way].of[measure])) sum += (double)beside->of[i][way].of[measure] / known;
+    return known ? sum : (double)NAN;
 }

@@ -15,6 +15,11 @@
 #define MAX_REPEATS      15
 
 bool hs_eval_values_add(hs_eval_values *values, uint32_t id, double value, hs_error *err) {
+    for (uint32_t i = 0; i < values->count; i++)
+        if (values->at[i].id == id) {
+            values->at[i].value = value;
+            return true;
+        }
     if (values->count >= HS_EVAL_MAX_VALUES)
         return hs_fail(err, HS_ERR_USAGE, "more than %u parameter values", HS_EVAL_MAX_VALUES);
     values->at[values->count++] = (sv_param_value){.id = id, .value = value};

@@ -15,7 +15,7 @@ typedef struct {
     uint32_t count;
 } hs_eval_values;
 
-/* False (HS_ERR_USAGE) if the list is full. */
+/* Adds a value, in the place of one of the same id. False (HS_ERR_USAGE) if the list is full. */
 bool hs_eval_values_add(hs_eval_values *values, uint32_t id, double value, hs_error *err);
 /* Adds "key=value" texts; errors name key and value. */
 bool hs_eval_values_parse(hs_eval_values *values, const hs_plugin *plugin, const char *const *sets,

@@ -94,9 +94,15 @@ bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t see
 
 double hs_eval_method_mean(const hs_eval_comparison *x, uint32_t method, hs_method_measure measure) {
     double sum = 0;
+    uint32_t known = 0;
     for (uint32_t i = 0; i < x->options->case_count; i++)
-        for (uint32_t s = 0; s < x->seeds; s++) sum += (double)x->method[method].of[measure][i][s];
-    return sum / ((double)x->options->case_count * x->seeds);
+        for (uint32_t s = 0; s < x->seeds; s++) {
+            const double of = (double)x->method[method].of[measure][i][s];
+            if (isnan(of)) continue; /* no ray of the case has it */
+            sum += of;
+            known++;
+        }
+    return known ? sum / known : (double)NAN;
 }
 
 hs_eval_difference hs_eval_compare_case(const hs_eval_comparison *x, uint32_t method, uint32_t against,

@@ -95,3 +95,16 @@ hs_beams_view hs_device_beams_view(const hs_device_beams *db) {
     return (hs_beams_view){
         .shape = db->shape, .voxels = db->samples.buffer, .theta = db->theta, .phi = db->phi};
 }
+
+void hs_launch_beams(hs_launch *launch, const hs_beams_view *view) {
+    const hs_beams_shape *b = &view->shape;
+    const cl_int4 dims = {{(cl_int)b->samples, (cl_int)b->lines, (cl_int)b->planes, 0}};
+    const cl_float4 reach = {{b->start, b->per_mm, b->axis, b->side}};
+    const cl_float4 even = {{b->theta[0], b->theta[1], b->phi[0], b->phi[1]}};
+    hs_launch_buffer(launch, view->voxels);
+    hs_launch_arg(launch, sizeof dims, &dims);
+    hs_launch_buffer(launch, view->theta);
+    hs_launch_buffer(launch, view->phi);
+    hs_launch_arg(launch, sizeof reach, &reach);
+    hs_launch_arg(launch, sizeof even, &even);
+}

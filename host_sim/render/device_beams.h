@@ -4,6 +4,7 @@
 #define HS_DEVICE_BEAMS_H
 
 #include "render/device_bytes.h"
+#include "render/host_launch.h"
 #include "volume/beams.h"
 
 /* The geometry as the kernel reads it: radius i = x * inverse pitch ... (cl/scan_convert_beams.cl). */
@@ -33,5 +34,9 @@ typedef struct {
     cl_mem voxels, theta, phi; /* bytes, and float32 tables */
 } hs_beams_view;
 hs_beams_view hs_device_beams_view(const hs_device_beams *db);
+
+/* The next six arguments of a kernel: what it samples, as convert_beams has them (cl/scan_convert_beams.cl).
+ */
+void hs_launch_beams(hs_launch *launch, const hs_beams_view *view);
 
 #endif

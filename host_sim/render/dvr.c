@@ -13,14 +13,6 @@ struct hs_dvr {
     cl_kernel lit; /* NULL: the look is the thesis' */
 };
 
-/* The view as the kernels take it (cl/base_rays.cl). */
-typedef struct {
-    cl_mem voxels, maxima;
-    cl_int4 dims, bricks;
-    cl_float4 origin, dx, dy, dn;
-    double slices; /* source slices along the box' depth */
-} ray_view;
-
 /* Where the rays start, as render_volume takes it (cl/dvr.cl). */
 typedef struct {
     cl_mem map, confidence; /* NULL: none */
@@ -60,52 +52,14 @@ void hs_dvr_destroy(hs_dvr *dvr) {
     free(dvr);
 }
 
-static uint32_t count_steps(const hs_dvr_settings *settings, const hs_volume *shape,
-                            const hs_camera *camera) {
-    double steps = ceil(hs_dvr_slices(shape, camera) / (double)settings->step - 0.5);
-    return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
-}
-
 uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *source,
                       const hs_camera *camera) {
     const hs_device_view view = hs_device_volume_view(source);
-    return count_steps(settings, &view.shape, camera);
-}
-
-static bool plan_view(const hs_dvr_settings *s, const hs_device_view *source, const hs_brick_view *bricks,
-                      const hs_camera *camera, ray_view *out, hs_error *err) {
-    const uint32_t steps = count_steps(s, &source->shape, camera);
-    if (steps > HS_DVR_MAX_STEPS) {
-        return hs_fail(err, HS_ERR_INPUT,
-                       "renderer: step %g makes %u steps of this volume, expected at most %u",
-                       (double)s->step, steps, HS_DVR_MAX_STEPS);
-    }
-    hs_box_map map;
-    hs_camera_box_map(camera, &source->shape, &map);
-    ray_view v = {.slices = hs_dvr_slices(&source->shape, camera),
-                  .voxels = source->voxels,
-                  .maxima = bricks->maxima,
-                  .bricks = bricks->count};
-    const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
-    const double step = (double)s->step / v.slices; /* in box depths */
-    double first[3];
-    for (int k = 0; k < 3; k++) {
-        first[k] =
-            map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height + map.dw[k] * 0.5 * step;
-        v.dims.s[k] = (cl_int)n[k];
-    }
-    v.dims.s[3] = (cl_int)steps;
-    v.bricks.s[3] = hs_dvr_transparent(s);
-    v.origin = hs_dvr_float4(first, 1.0);
-    v.dx = hs_dvr_float4(map.du, 1.0 / s->width);
-    v.dy = hs_dvr_float4(map.dv, 1.0 / s->height);
-    v.dn = hs_dvr_float4(map.dw, step);
-    *out = v;
-    return true;
+    return hs_dvr_count_steps(settings, &view.shape, camera);
 }
 
 /* The view: the first arguments of both kernels. */
-static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name, const ray_view *v) {
+static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name, const hs_ray_view *v) {
     hs_launch launch = hs_launch_begin(dvr->cl, kernel, name);
     hs_launch_buffer(&launch, v->voxels);
     hs_launch_arg(&launch, sizeof v->dims, &v->dims);
@@ -119,7 +73,7 @@ static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *n
 }
 
 /* Where the rays start, as the kernel takes it. */
-static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const hs_start_depths *depths) {
+static ray_start plan_start(const hs_dvr_settings *s, const hs_ray_view *v, const hs_start_depths *depths) {
     ray_start out = {.map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}},
                      .to_steps = {{0.0f, s->ghost_offset, 0.0f, 0.0f}}};
     if (!depths || !depths->depth) return out;
@@ -134,15 +88,6 @@ static ray_start plan_start(const hs_dvr_settings *s, const ray_view *v, const h
         out.to_steps.s[3] = s->ghost_width * s->ghost_doubt;
     }
     return out;
-}
-
-static void set_transfer(hs_launch *launch, const hs_dvr_settings *s) {
-    const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
-    const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
-    const float gain = s->exposure;
-    const cl_float4 skin = {{gain * s->skin[0], gain * s->skin[1], gain * s->skin[2], 0.0f}};
-    hs_launch_arg(launch, sizeof window, &window);
-    hs_launch_arg(launch, sizeof skin, &skin);
 }
 
 /* A buffer that may be NULL, and whether it is wanted. */
@@ -165,8 +110,10 @@ static bool render_lit(hs_dvr *dvr, const hs_device_volume *source, const hs_cam
                        const hs_start_depths *depths, cl_mem rgba, cl_event *event, hs_error *err) {
     const hs_dvr_settings *s = &dvr->settings;
     const hs_device_view view = hs_device_volume_view(source);
-    hs_dvr_lit_scene scene = {
-        .shape = &view.shape, .camera = camera, .settings = s, .steps = count_steps(s, &view.shape, camera)};
+    hs_dvr_lit_scene scene = {.shape = &view.shape,
+                              .camera = camera,
+                              .settings = s,
+                              .steps = hs_dvr_count_steps(s, &view.shape, camera)};
     return hs_device_volume_lit(source, s->threshold_low, s->threshold_high, &scene.volume, err) &&
            hs_dvr_lit_render(dvr->cl, dvr->lit, &scene, depths, rgba, event, err);
 }
@@ -175,11 +122,11 @@ static bool render_lit(hs_dvr *dvr, const hs_device_volume *source, const hs_cam
 static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
                           const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                           hs_error *err) {
-    ray_view v;
+    hs_ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
     hs_brick_view bricks;
     if (!hs_device_volume_bricks(source, &bricks, err) ||
-        !plan_view(&dvr->settings, &view, &bricks, camera, &v, err))
+        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
         return false;
     const ray_start rays = plan_start(&dvr->settings, &v, depths);
     hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &v);
@@ -187,7 +134,7 @@ static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_
     hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
     hs_launch_arg(&launch, sizeof rays.to_map, &rays.to_map);
     hs_launch_arg(&launch, sizeof rays.to_steps, &rays.to_steps);
-    set_transfer(&launch, &dvr->settings);
+    hs_launch_transfer(&launch, &dvr->settings);
     set_output(&launch, rgba);
     set_output(&launch, termination);
     hs_launch_buffer(&launch, rays.confidence);
@@ -213,11 +160,11 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
                 cl_event *event, hs_error *err) {
     const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
-    ray_view v;
+    hs_ray_view v;
     const hs_device_view view = hs_device_volume_view(source);
     hs_brick_view bricks;
     if (!hs_device_volume_bricks(source, &bricks, err) ||
-        !plan_view(&dvr->settings, &view, &bricks, camera, &v, err))
+        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
         return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
     hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &v);

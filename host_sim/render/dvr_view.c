@@ -11,6 +11,12 @@ double hs_dvr_slices(const hs_volume *shape, const hs_camera *camera) {
     return fmax(1.0, round(camera->depth_extent / finest));
 }
 
+uint32_t hs_dvr_count_steps(const hs_dvr_settings *settings, const hs_volume *shape,
+                            const hs_camera *camera) {
+    double steps = ceil(hs_dvr_slices(shape, camera) / (double)settings->step - 0.5);
+    return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
+}
+
 cl_float4 hs_dvr_float4(const double v[3], double factor) {
     cl_float4 out = {{(cl_float)(v[0] * factor), (cl_float)(v[1] * factor), (cl_float)(v[2] * factor), 0.0f}};
     return out;
@@ -28,6 +34,47 @@ cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *
 cl_int hs_dvr_transparent(const hs_dvr_settings *s) {
     if (!s->skip_empty) return -1;
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
+}
+
+bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, const hs_brick_view *bricks,
+                    const hs_camera *camera, hs_ray_view *out, hs_error *err) {
+    const uint32_t steps = hs_dvr_count_steps(s, &source->shape, camera);
+    if (steps > HS_DVR_MAX_STEPS) {
+        return hs_fail(err, HS_ERR_INPUT,
+                       "renderer: step %g makes %u steps of this volume, expected at most %u",
+                       (double)s->step, steps, HS_DVR_MAX_STEPS);
+    }
+    hs_box_map map;
+    hs_camera_box_map(camera, &source->shape, &map);
+    hs_ray_view v = {.voxels = source->voxels,
+                     .maxima = bricks->maxima,
+                     .bricks = bricks->count,
+                     .slices = hs_dvr_slices(&source->shape, camera)};
+    const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
+    const double step = (double)s->step / v.slices; /* in box depths */
+    double first[3];
+    for (int k = 0; k < 3; k++) {
+        first[k] =
+            map.origin[k] + map.du[k] * 0.5 / s->width + map.dv[k] * 0.5 / s->height + map.dw[k] * 0.5 * step;
+        v.dims.s[k] = (cl_int)n[k];
+    }
+    v.dims.s[3] = (cl_int)steps;
+    v.bricks.s[3] = hs_dvr_transparent(s);
+    v.origin = hs_dvr_float4(first, 1.0);
+    v.dx = hs_dvr_float4(map.du, 1.0 / s->width);
+    v.dy = hs_dvr_float4(map.dv, 1.0 / s->height);
+    v.dn = hs_dvr_float4(map.dw, step);
+    *out = v;
+    return true;
+}
+
+void hs_launch_transfer(hs_launch *launch, const hs_dvr_settings *s) {
+    const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
+    const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
+    const float gain = s->exposure;
+    const cl_float4 skin = {{gain * s->skin[0], gain * s->skin[1], gain * s->skin[2], 0.0f}};
+    hs_launch_arg(launch, sizeof window, &window);
+    hs_launch_arg(launch, sizeof skin, &skin);
 }
 
 /*

@@ -4,6 +4,7 @@
 #define HS_DVR_VIEW_H
 
 #include "render/camera.h"
+#include "render/device_volume.h"
 #include "render/dvr_settings.h"
 #include "render/host_launch.h"
 
@@ -15,12 +16,30 @@ double hs_dvr_slices(const hs_volume *shape, const hs_camera *camera);
 /* factor * v, as kernels take it. */
 cl_float4 hs_dvr_float4(const double v[3], double factor);
 
+/* Samples of a ray that crosses the whole box. */
+uint32_t hs_dvr_count_steps(const hs_dvr_settings *settings, const hs_volume *shape, const hs_camera *camera);
+
 /* How pixels of the picture lie in the map, as kernels take it: to_map of cl/dvr.cl. */
 cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths);
 
 /* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
  * 0. */
 cl_int hs_dvr_transparent(const hs_dvr_settings *settings);
+
+/* The view as the kernels take it (cl/base_rays.cl, cl/dvr.cl). */
+typedef struct {
+    cl_mem voxels, maxima;
+    cl_int4 dims, bricks;
+    cl_float4 origin, dx, dy, dn;
+    double slices; /* source slices along the box' depth */
+} hs_ray_view;
+
+/* HS_ERR_INPUT: more than HS_DVR_MAX_STEPS. */
+bool hs_ray_view_of(const hs_dvr_settings *settings, const hs_device_view *source,
+                    const hs_brick_view *bricks, const hs_camera *camera, hs_ray_view *out, hs_error *err);
+
+/* The next two arguments of a kernel: its transfer function, as render_volume has it (cl/dvr.cl). */
+void hs_launch_transfer(hs_launch *launch, const hs_dvr_settings *settings);
 
 /* Runs a kernel over the picture, a work item a packet of pixels (cl/base.cl); does not wait. */
 bool hs_dvr_launch(const hs_launch *launch, const hs_dvr_settings *settings, cl_event *event, hs_error *err);

@@ -33,7 +33,7 @@ void hs_halved_destroy(hs_halved *halved) {
     if (!halved) return;
     if (halved->kernel) (void)clReleaseKernel(halved->kernel);
     if (halved->view.mean) (void)clReleaseMemObject(halved->view.mean);
-    if (halved->view.scanned) (void)clReleaseMemObject(halved->view.scanned);
+    if (halved->view.marked) (void)clReleaseMemObject(halved->view.marked);
     free(halved);
 }
 
@@ -41,18 +41,23 @@ void hs_halved_expire(hs_halved *halved) {
     halved->fresh = false;
 }
 
-/* Lookups read two neighbours in x, so that the last voxel needs one behind it: one more. */
+/* Lookups read the next voxel along every axis, even of the last voxel, whose neighbours then do not count.
+ */
+static size_t bytes_of(cl_int4 dims, cl_int border) {
+    size_t n[3];
+    for (int k = 0; k < 3; k++) n[k] = (size_t)(dims.s[k] + 2 * border);
+    return n[0] * n[1] * n[2] + n[0] * n[1] + n[0] + 2;
+}
+
 static bool take_buffer(hs_halved *halved, cl_mem *buffer, cl_int border, const char *call, hs_error *err) {
-    const cl_int4 d = halved->view.dims;
+    const size_t bytes = bytes_of(halved->view.dims, border);
     const cl_uchar nothing = 0;
-    size_t bytes = 1;
     cl_int code = CL_SUCCESS;
     if (*buffer) return true;
-    for (int k = 0; k < 3; k++) bytes *= (size_t)(d.s[k] + 2 * border);
-    *buffer = clCreateBuffer(halved->cl->context, CL_MEM_READ_WRITE, bytes + 1, NULL, &code);
+    *buffer = clCreateBuffer(halved->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
     if (!hs_cl_check(code, call, err)) return false;
     /* The border is never written again. */
-    code = clEnqueueFillBuffer(halved->cl->queue, *buffer, &nothing, 1, 0, bytes + 1, 0, NULL, NULL);
+    code = clEnqueueFillBuffer(halved->cl->queue, *buffer, &nothing, 1, 0, bytes, 0, NULL, NULL);
     return hs_cl_check(code, "clEnqueueFillBuffer(halved volume)", err);
 }
 
@@ -60,7 +65,7 @@ static bool take_memory(hs_halved *halved, hs_error *err) {
     cl_int code = CL_SUCCESS;
     if (!halved->kernel) halved->kernel = clCreateKernel(halved->cl->program, "halve_volume", &code);
     return hs_cl_check(code, "clCreateKernel(halve_volume)", err) &&
-           take_buffer(halved, &halved->view.scanned, 0, "clCreateBuffer(halved volume)", err) &&
+           take_buffer(halved, &halved->view.marked, 0, "clCreateBuffer(halved volume)", err) &&
            (!halved->with_mean || take_buffer(halved, &halved->view.mean, HS_HALVED_BORDER,
                                               "clCreateBuffer(halved volume with a border)", err));
 }
@@ -73,7 +78,7 @@ static bool enqueue(hs_halved *halved, cl_mem voxels, hs_error *err) {
     hs_launch_arg(&launch, sizeof halved->source, &halved->source);
     hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_buffer(&launch, halved->view.mean);
-    hs_launch_buffer(&launch, halved->view.scanned);
+    hs_launch_buffer(&launch, halved->view.marked);
     /* On a CPU a work item makes a slice, few enough groups to cost nothing. */
     const bool slices = halved->cl->lanes > 1;
     const size_t global[3] = {slices ? 1 : (size_t)dims.s[0], slices ? 1 : (size_t)dims.s[1],

@@ -22,15 +22,14 @@ void hs_halved_expire(hs_halved *halved);
 
 /*
  * A halved voxel stands for 2 x 2 x 2 source voxels; where an axis is odd the last one stands twice. Source
- * index i is (i - 0.5) / 2 here. Buffers are owned by the halved volume; one byte a voxel, x fastest, and one
- * byte more behind the last.
+ * index i is (i - 0.5) / 2 here. Buffers are owned by the halved volume; one byte a voxel, x fastest.
  */
 typedef struct {
     cl_int4 dims; /* halved voxels, ceil(n / 2); w: HS_HALVED_BORDER */
     /* The mean of all eight, (sum + 4) / 8; HS_HALVED_BORDER voxels of 0 around. NULL without with_mean. */
     cl_mem mean;
-    /* The mean of the scanned ones (> 0), rounded half up, 1 .. 255, if they are four or more; else 0. */
-    cl_mem scanned;
+    /* The same, 2 at least, where all eight were scanned (> 0); 1 where some were, 0 where none was. */
+    cl_mem marked;
 } hs_halved_view;
 
 /* Enqueues the halving if this volume has not been halved yet, and takes its memory the first time; does not

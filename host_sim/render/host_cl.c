@@ -122,15 +122,15 @@ static bool fail_build(const hs_cl *cl, cl_program program, cl_int code, hs_erro
     return false;
 }
 
-static bool build_kernels(hs_cl *cl, hs_error *err) {
+bool hs_cl_build(const hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
+                 hs_error *err) {
     const char *options = cl->lanes == 16 ? "-cl-std=CL1.2 -DLANES=16" : "-cl-std=CL1.2 -DLANES=1";
-    const char *source = (const char *)hs_kernel_source;
-    size_t length = hs_kernel_source_size;
+    const char *source = (const char *)text;
     cl_int code = CL_SUCCESS;
-    cl->program = clCreateProgramWithSource(cl->context, 1, &source, &length, &code);
+    *program = clCreateProgramWithSource(cl->context, 1, &source, &bytes, &code);
     if (!hs_cl_check(code, "clCreateProgramWithSource", err)) return false;
-    code = clBuildProgram(cl->program, 1, &cl->device, options, NULL, NULL);
-    return code == CL_SUCCESS || fail_build(cl, cl->program, code, err);
+    code = clBuildProgram(*program, 1, &cl->device, options, NULL, NULL);
+    return code == CL_SUCCESS || fail_build(cl, *program, code, err);
 }
 
 bool hs_cl_open(hs_cl *cl, hs_error *err) {
@@ -144,7 +144,7 @@ bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err) {
     }
     if (!hs_cl_open_bare(cl, err)) return false;
     if (lanes) cl->lanes = lanes;
-    if (build_kernels(cl, err)) return true;
+    if (hs_cl_build(cl, hs_kernel_source, hs_kernel_source_size, &cl->program, err)) return true;
     hs_cl_close(cl);
     return false;
 }

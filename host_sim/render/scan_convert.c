@@ -10,6 +10,7 @@
 #define SAMPLE_SPACING       1.5        /* finest source voxels from one sample to the next, about */
 #define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
 #define MAX_SAMPLES_PER_AXIS 8
+#define MAX_HALVED_SAMPLES   6    /* the same in the halved volume, each worth two of the source's */
 #define NEAREST_MIN_SPAN     2.0  /* source voxels a box spans each way for a mean of nearest ones */
 #define HALVED_MIN_SPAN      2.7  /* the same for samples of the halved volume */
 #define FIXED_MIN_BITS       12   /* fraction bits a fixed-point position must have */
@@ -113,16 +114,19 @@ static int position_bits(const sampling *s, const hs_slab_layout *layout, const 
     for (int k = 0; k < 3; k++) {
         double along = fabs(s->origin[k]) + 1.0;
         for (int a = 0; a < 3; a++) along += fabs(s->step[a][k]) * s->grid[a] * size[a];
-        reach = fmax(fmax(reach, along), n[k]);
+        /* Where the halved volume has an edge, the source's own voxels are sampled. */
+        reach = fmax(fmax(reach, s->way == HALVED ? 2.0 * along : along), n[k]);
     }
     int bits = 0;
     while (bits < 30 && ldexp(reach, bits + 1) < 0x1p31) bits++;
     return bits;
 }
 
-/* Samples along an edge that spans so many of the voxels that are sampled. */
-static uint32_t samples_along(double span, double most_for_one) {
-    const double fewest = span >= most_for_one * (1.0 - TOLERANCE) ? 2.0 : 1.0;
+/* Samples along an edge that spans so many source voxels. */
+static uint32_t samples_along(sampling_way way, double span) {
+    if (way == HALVED)
+        return (uint32_t)fmin(fmax(round(0.5 * span / SAMPLE_SPACING), 1.0), MAX_HALVED_SAMPLES);
+    const double fewest = span >= MIN_SHARED_SPAN * (1.0 - TOLERANCE) ? 2.0 : 1.0;
     return (uint32_t)fmin(fmax(round(span / SAMPLE_SPACING), fewest), MAX_SAMPLES_PER_AXIS);
 }
 
@@ -143,9 +147,7 @@ static sampling lay_samples(const hs_slab_layout *layout, const hs_volume *shape
     const double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
     sampling s = {.way = way, .origin = {map.origin[0], map.origin[1], map.origin[2]}};
     for (int a = 0; a < 3; a++) {
-        const double span = edge[a] / finest;
-        s.grid[a] =
-            way == HALVED ? samples_along(0.5 * span, INFINITY) : samples_along(span, MIN_SHARED_SPAN);
+        s.grid[a] = samples_along(way, edge[a] / finest);
         for (int k = 0; k < 3; k++) {
             s.step[a][k] = axis[a][k] / ((double)size[a] * s.grid[a]);
             s.origin[k] += 0.5 * s.step[a][k];
@@ -196,10 +198,10 @@ static void set_positions(hs_launch *launch, const sampling *s) {
 }
 
 /*
- * On a CPU a work item makes packets of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a work
- * group rows of them in all slices: few enough groups to cost nothing, enough that all cores get some. From
- * the halved volume an item makes a run of packets, and a group is a block: what it reads of the source fits
- * the first-level cache, and its pages the address cache, however the camera is turned.
+ * On a CPU a work item makes packets of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a
+ * work group rows of them in all slices: few enough groups to cost nothing, enough that all cores get some.
+ * From the halved volume an item makes a run of packets, and a group is a block: what it reads of the source
+ * fits the first-level cache, and its pages the address cache, however the camera is turned.
  */
 static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, sampling_way way,
                     uint32_t slices, cl_event *event, hs_error *err) {
@@ -229,42 +231,16 @@ static hs_launch begin(const hs_scan_converter *converter, sampling_way way) {
 
 /* The arguments that say what is sampled. */
 static hs_launch begin_beams(const hs_scan_converter *converter, const hs_beams_view *view) {
-    const hs_beams_shape *b = &view->shape;
-    const cl_int4 dims = {{(cl_int)b->samples, (cl_int)b->lines, (cl_int)b->planes, 0}};
-    const cl_float4 reach = {{b->start, b->per_mm, b->axis, b->side}};
-    const cl_float4 even = {{b->theta[0], b->theta[1], b->phi[0], b->phi[1]}};
     hs_launch launch = begin(converter, BEAMS);
-    hs_launch_buffer(&launch, view->voxels);
-    hs_launch_arg(&launch, sizeof dims, &dims);
-    hs_launch_buffer(&launch, view->theta);
-    hs_launch_buffer(&launch, view->phi);
-    hs_launch_arg(&launch, sizeof reach, &reach);
-    hs_launch_arg(&launch, sizeof even, &even);
+    hs_launch_beams(&launch, view);
     return launch;
 }
 
-static hs_launch begin_voxels(const hs_scan_converter *converter, const hs_device_view *view,
-                              sampling_way way) {
+static void set_voxels(hs_launch *launch, const hs_device_view *view) {
     const hs_volume *v = &view->shape;
     const cl_int4 dims = {{(cl_int)v->nx, (cl_int)v->ny, (cl_int)v->nz, 0}};
-    hs_launch launch = begin(converter, way);
-    hs_launch_buffer(&launch, view->voxels);
-    hs_launch_arg(&launch, sizeof dims, &dims);
-    return launch;
-}
-
-/* The volume's far faces, half a source voxel behind the last centre, are arguments of their own: where an
- * axis is odd they do not lie half a halved voxel behind the last one. */
-static hs_launch begin_halved(const hs_scan_converter *converter, const hs_volume *shape,
-                              const hs_halved_view *half, int bits) {
-    const double n[3] = {shape->nx, shape->ny, shape->nz};
-    const double faces[3] = {0.5 * (n[0] - 1.0), 0.5 * (n[1] - 1.0), 0.5 * (n[2] - 1.0)};
-    const cl_int4 limit = fixed4(faces, 0.0, bits);
-    hs_launch launch = begin(converter, HALVED);
-    hs_launch_buffer(&launch, half->scanned);
-    hs_launch_arg(&launch, sizeof half->dims, &half->dims);
-    hs_launch_arg(&launch, sizeof limit, &limit);
-    return launch;
+    hs_launch_buffer(launch, view->voxels);
+    hs_launch_arg(launch, sizeof dims, &dims);
 }
 
 /* The kernel with the arguments that say what is sampled. The halved volume is made where it is missing. */
@@ -277,12 +253,13 @@ static bool begin_source(const hs_scan_converter *converter, const hs_device_vol
         *launch = begin_beams(converter, &beams);
         return true;
     }
-    if (s->way != HALVED) {
-        *launch = begin_voxels(converter, view, s->way);
-        return true;
+    *launch = begin(converter, s->way);
+    if (s->way == HALVED) {
+        if (!hs_device_volume_halved(source, &half, err)) return false;
+        hs_launch_buffer(launch, half.marked);
+        hs_launch_arg(launch, sizeof half.dims, &half.dims);
     }
-    if (!hs_device_volume_halved(source, &half, err)) return false;
-    *launch = begin_halved(converter, &view->shape, &half, s->bits);
+    set_voxels(launch, view);
     return true;
 }
 

@@ -35,12 +35,15 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
  * Sample i of g along an edge of the box stands at (i + 0.5) / g of it. Spans are edges in source voxels.
  *
  * Halved: where every edge spans 2.7 voxels or more (by the coarsest spacing, with a millionth of tolerance),
- * the source is halved once per volume (hs_halved_view.scanned), and a sample is trilinear between halved
- * voxels; in the outer half voxel the nearest one counts. g is the edge in halved voxels of the finest spacing
- * over 1.5, rounded, 1 .. 8. All is integer arithmetic: the same bytes on every device. Positions are
+ * the source is halved once per volume (hs_halved_view.marked), and a sample is trilinear between halved
+ * voxels; in the outer half voxel the nearest one counts. g is the edge in halved voxels of the finest
+ * spacing over 1.5, rounded, 1 .. 6. All is integer arithmetic: the same bytes on every device. Positions are
  * fixed-point with as many fraction bits as 32-bit sums allow (20 to 22 for 400^3 voxels); a fraction is
- * rounded to 1/256. Intensities and scanned shares (1 for a scanned halved voxel, 0 for another) are blended
- * alike: within two slices, then between them, both rounded half up to 1/256.
+ * rounded to 1/256. Intensities are blended within two slices, then between them, both rounded half up to
+ * 1/256. This holds for voxels all of whose samples lie in the volume and between eight halved voxels of
+ * which all was scanned. A voxel none of whose samples lies in the volume and beside a halved voxel of which
+ * some was scanned is 0. All others are means of nearest source voxels, as below, of 2 g samples an edge: so
+ * the edge of what was scanned is not blurred.
  *
  * Nearest: where every edge spans two voxels or more a sample is the nearest source voxel, in integers, too.
  * g is the edge in finest source voxels over 1.5, rounded, 8 at most, 2 at least.

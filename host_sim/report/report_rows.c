@@ -56,20 +56,35 @@ static void put_measures(hs_eval_row *row, const hs_measures *m, double unclippe
     put(row, UNCLIPPED, "%.2f", unclipped);
 }
 
+/* The mean of a measure over the cases that have it: without a fetus nothing of one is cut. */
+static float known_mean(const hs_eval_study *study, hs_eval_table_kind kind, int measure) {
+    float sum = 0.0f;
+    uint32_t known = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (uint32_t i = 0; i < study->count; i++) {
+            const float of = hs_eval_at(&study->space[i], pick_of(study, kind, i))->of[measure];
+            if (isnan(of)) continue;
+            if (pass == 0)
+                known++;
+            else
+                sum += of / (float)known;
+        }
+    return known ? sum : NAN;
+}
+
 /* Means of what is known; the common setting in Table 5.3. */
 static void make_average(const hs_eval_study *study, hs_eval_table_kind kind, hs_eval_row *row) {
-    hs_measures mean = {{0}};
+    hs_measures mean;
     double unclipped = 0, thesis = 0;
     uint32_t in_thesis = 0;
     for (uint32_t i = 0; i < study->count; i++) {
-        const hs_measures *m = hs_eval_at(&study->space[i], pick_of(study, kind, i));
         const hs_eval_thesis_case *t = hs_eval_thesis_find(study->space[i].name);
-        for (int k = 0; k < HS_MEASURE_COUNT; k++) mean.of[k] += m->of[k] / (float)study->count;
         unclipped += (double)study->result[i].unclipped.of[HS_MEASURE_ABS] / study->count;
         if (!t) continue;
         in_thesis++;
         thesis += kind == HS_TABLE_BEST ? t->e_abs : t->common_e_abs;
     }
+    for (int k = 0; k < HS_MEASURE_COUNT; k++) mean.of[k] = known_mean(study, kind, k);
     (void)snprintf(row->cell[CASE], HS_EVAL_CELL, "mean");
     put_measures(row, &mean, unclipped);
     put(row, THESIS_E_ABS, "%.2f", in_thesis ? thesis / in_thesis : NAN);

@@ -2,8 +2,8 @@
 /*
  * The probe stands where it stood: all that happens to the pulse happens along +z of the scene. A camera
  * turned by R around the cube's middle m sees voxel p at m + R (p - m). Its grey value is the trilinear one
- * of the scan there, over the neighbours that were scanned; it counts as scanned where the nearest voxel was.
- * Its tissue is read from the solids at that very point, so the truth is no resampled one.
+ * of the scan there, over the neighbours that were scanned; it counts as scanned where the nearest voxel
+ * was. Its tissue is read from the solids at that very point, so the truth is no resampled one.
  */
 #include "scene/scene_camera.h"
 
@@ -21,20 +21,11 @@ typedef struct {
     float turn[9];
 } camera;
 
-/* The scan at q, in voxels: 0 is the centre of the first. 0 if it was not scanned there. */
-static uint8_t sample(const camera *c, const float q[3]) {
+/* The trilinear value at low + t over the neighbours that are in the volume and were scanned. One of them is.
+ */
+static uint8_t sample_border(const camera *c, const int32_t low[3], const float t[3]) {
     const hs_field *f = c->field;
-    int32_t low[3];
-    float t[3], sum = 0.0f, weights = 0.0f;
-    size_t nearest = 0;
-    for (int a = 2; a >= 0; a--) {
-        const int32_t near = (int32_t)floorf(q[a] + 0.5f);
-        if (near < 0 || near >= (int32_t)f->n[a]) return 0;
-        nearest = nearest * f->n[a] + (size_t)near;
-        low[a] = (int32_t)floorf(q[a]);
-        t[a] = q[a] - (float)low[a];
-    }
-    if (c->scan[nearest] == 0) return 0;
+    float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < 8; i++) {
         float weight = 1.0f;
         int32_t at[3];
@@ -52,6 +43,36 @@ static uint8_t sample(const camera *c, const float q[3]) {
         weights += weight;
     }
     return (uint8_t)lrintf(fmaxf(sum / weights, 1.0f));
+}
+
+static float mix(float a, float b, float t) {
+    return a + t * (b - a);
+}
+
+/* The scan at q, in voxels: 0 is the centre of the first. 0 if it was not scanned there. */
+static uint8_t sample(const camera *c, const float q[3]) {
+    const hs_field *f = c->field;
+    int32_t low[3];
+    float t[3];
+    bool whole = true;
+    size_t nearest = 0;
+    for (int a = 2; a >= 0; a--) {
+        if (!(q[a] >= -0.5f && q[a] < (float)f->n[a] - 0.5f)) return 0;
+        low[a] = (int32_t)(q[a] + 1.0f) - 1; /* rounded down; q is above -1 */
+        t[a] = q[a] - (float)low[a];
+        nearest = nearest * f->n[a] + (size_t)(low[a] + (t[a] >= 0.5f));
+        whole = whole && low[a] >= 0 && low[a] + 1 < (int32_t)f->n[a];
+    }
+    if (c->scan[nearest] == 0) return 0;
+    if (!whole) return sample_border(c, low, t);
+    const size_t nx = f->n[0], slice = hs_field_slice(f);
+    const uint8_t *v = c->scan + hs_field_index(f, (uint32_t)low[0], (uint32_t)low[1], (uint32_t)low[2]);
+    const uint8_t *w = v + slice;
+    if (!(v[0] && v[1] && v[nx] && v[nx + 1] && w[0] && w[1] && w[nx] && w[nx + 1]))
+        return sample_border(c, low, t);
+    const float front = mix(mix(v[0], v[1], t[0]), mix(v[nx], v[nx + 1], t[0]), t[1]);
+    const float back = mix(mix(w[0], w[1], t[0]), mix(w[nx], w[nx + 1], t[0]), t[1]);
+    return (uint8_t)lrintf(mix(front, back, t[2]));
 }
 
 static void camera_slice(void *context, uint32_t z) {

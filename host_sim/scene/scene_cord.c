@@ -52,6 +52,7 @@ void hs_scene_cord(hs_solid_list *list, const hs_cord_spec *cord) {
 #define NECK_Y     (-15.0f) /* of the neck's middle, in the frame of the fetus */
 #define NECK_Z     4.5f
 #define NECK_TILT  4.0f  /* mm: how much lower the ring is before the neck, under the chin, than behind it */
+#define VESSELS    0.75f /* of the radius: where the three vessels end, now one and now another, on any side */
 #define NECK_REACH 15.0f /* mm: at most this far from the neck's middle, in a fetus of scale 1 */
 
 /* How far from the middle of the neck the skin lies in a direction, plus `clear`: mm of the scene. */
@@ -83,7 +84,8 @@ static void rings(const hs_nuchal_spec *cord, const hs_solid_frame *f, const hs_
         float middle[3], to[3];
         hs_frame_point(f, neck, middle);
         for (int a = 0; a < 3; a++) to[a] = side * f->axis[a] - front * f->axis[6 + a];
-        float r = ring_radius(shape, middle, to, cord->slack_mm + cord->radius_mm, NECK_REACH * f->scale);
+        float r =
+            ring_radius(shape, middle, to, cord->slack_mm + VESSELS * cord->radius_mm, NECK_REACH * f->scale);
         for (int a = 0; a < 3; a++) points->p[points->count][a] = middle[a] + r * to[a];
         points->count++;
     }

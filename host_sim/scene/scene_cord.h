@@ -9,8 +9,8 @@
 /* Along the points of the cord. */
 void hs_scene_cord(hs_solid_list *list, const hs_cord_spec *cord);
 
-/* Round the neck of a fetus: the rings lie slack_mm off the skin, but no farther than the chin. False without
- * memory. */
+/* Round the neck of a fetus: the rings lie slack_mm off the skin, but no farther than the chin. False
+ * without memory. */
 bool hs_scene_nuchal_cord(hs_solid_list *list, const hs_nuchal_spec *cord, const hs_fetus_spec *fetus);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A random scene is written as a scene file, in the manner of the nine cases: a wall of layers, a sac, a
- * fetus, what lies before it, the artefacts of the scan. Lengths are whole hundredths of a millimetre all the
- * way. Depths that depend on the solids, such as where an occluder ends, are not computed here: the file asks
- * for them by gap_mm.
+ * fetus, what lies before it, the artefacts of the scan. Lengths are whole hundredths of a millimetre all
+ * the way. Depths that depend on the solids, such as where an occluder ends, are not computed here: the
+ * file asks for them by gap_mm.
  */
 #include "scene/scene_draw.h"
 
@@ -17,7 +17,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROOM = 16384, MIDDLE = 6000, EXTENT = 12000, BLADDER_WALL = 300, MANY = 3200 };
+enum {
+    ROOM = 16384, /* for the text */
+    LEAST_EXTENT = 12000,
+    UTERUS = 900, /* of uterine wall before the sac */
+    BEHIND = 400, /* of it behind the sac */
+    BLADDER_WALL = 300,
+    DEEP = 4000 /* from a resting fetus' feet to the back of its head, at scale 1 */
+};
 
 /* A scene being written. Lengths in hundredths. */
 typedef struct {
@@ -25,6 +32,7 @@ typedef struct {
     char *text;
     size_t used;
     bool fetus, bare, twins, lateral, frontal, bladder;
+    int32_t extent, middle;
     int32_t fat, muscle, sac[3]; /* radii */
     int32_t sac_z;               /* the middle's depth */
     int32_t turn;                /* of the first fetus about y */
@@ -74,8 +82,8 @@ static bool coin(const drawn *d, hs_range_id id) {
     return hs_random_bits(d->key, ((uint64_t)id << 8) + 254u) >> 63;
 }
 
-/* What kind of scene it is. A scene without a fetus has nothing of one, and a bare fetus has nothing before
- * it. */
+/* What kind of scene it is. A scene without a fetus has nothing of one, and a bare fetus has nothing
+ * before it. */
 static void choose(drawn *d) {
     d->fetus = !has(d, HS_RANGE_NO_FETUS);
     d->bare = d->fetus && has(d, HS_RANGE_BARE);
@@ -86,9 +94,12 @@ static void choose(drawn *d) {
     d->fat = draw(d, HS_RANGE_FAT, 0);
     d->muscle = draw(d, HS_RANGE_MUSCLE, 0);
     for (int a = 0; a < 3; a++) d->sac[a] = draw(d, (hs_range_id)(HS_RANGE_SAC_X + a), 0);
-    d->sac_z = d->fat + d->muscle + 900 + d->sac[2];
+    d->sac_z = d->fat + d->muscle + UTERUS + d->sac[2];
     if (d->bladder) d->sac_z += draw(d, HS_RANGE_BLADDER_Z, 0) + BLADDER_WALL;
-    if (d->bare) d->sac_z = MIDDLE;
+    d->extent = (d->sac_z + d->sac[2] + BEHIND + 499) / 500 * 500;
+    if (d->extent < LEAST_EXTENT || d->bare) d->extent = LEAST_EXTENT;
+    d->middle = d->extent / 2;
+    if (d->bare) d->sac_z = d->middle;
     const int32_t side = coin(d, HS_RANGE_CAMERA) ? 1 : -1, away = has(d, HS_RANGE_FROM_BEHIND) ? 18000 : 0;
     d->camera = side * draw(d, HS_RANGE_CAMERA, 0);
     d->turn = draw(d, HS_RANGE_TURN, 0) + (d->frontal ? d->camera : away);
@@ -104,7 +115,7 @@ static void put_wall(drawn *d) {
         return;
     }
     put(d, "  \"sac\": { \"roughness_scale_mm\": 45");
-    put_vector(d, "centre_mm", MIDDLE, MIDDLE, d->sac_z);
+    put_vector(d, "centre_mm", d->middle, d->middle, d->sac_z);
     put_vector(d, "radii_mm", d->sac[0], d->sac[1], d->sac[2]);
     put_field(d, "roughness_mm", draw(d, HS_RANGE_ROUGHNESS, 0));
     put(d, " },\n  \"layers\": { \"list\": [{ \"tissue\": \"fat\"");
@@ -114,6 +125,11 @@ static void put_wall(drawn *d) {
     put(d, " }]");
     put_field(d, "undulation_mm", draw(d, HS_RANGE_UNDULATION, 0));
     put(d, " },\n");
+}
+
+/* How far a limb is stretched to the probe. */
+static int32_t stretched(const drawn *d, uint32_t body) {
+    return has(d, HS_RANGE_LIMB_FORWARD) ? draw(d, HS_RANGE_FORWARD, body) : 0;
 }
 
 /* The joints of hs_fetus_resting in hundredths, each a little off; one limb may be stretched to the probe. */
@@ -127,7 +143,7 @@ static void put_pose(drawn *d, uint32_t body) {
                    {"right_ankle", {300, 4000, -1900}},  {"left_ankle", {-400, 4400, -1400}}};
     const uint32_t limb =
         2 + (uint32_t)(hs_random_bits(d->key, ((uint64_t)HS_RANGE_LIMB_FORWARD << 8) + body) >> 62);
-    const int32_t forward = has(d, HS_RANGE_LIMB_FORWARD) ? draw(d, HS_RANGE_FORWARD, body) : 0;
+    const int32_t forward = stretched(d, body);
     for (uint32_t j = 0; j < 8; j++) {
         int32_t p[3];
         for (uint32_t a = 0; a < 3; a++)
@@ -138,34 +154,36 @@ static void put_pose(drawn *d, uint32_t body) {
     }
 }
 
-/* How far the skin lies behind the wall where it is nearest to it. */
-static int32_t wall_gap(const drawn *d, uint32_t body) {
+/* How far the skin lies behind the wall where it is nearest to it. The fetus is not to be pressed into
+ * the sac's far side, and where its head lies, the sac is about nine tenths as deep. */
+static int32_t wall_gap(const drawn *d, uint32_t body, int32_t scale) {
     if (has(d, HS_RANGE_LIMB_CONTACT)) return -draw(d, HS_RANGE_OVERLAP, 8 + body);
-    const int32_t most = 2 * d->sac[2] - MANY, wanted = (d->gap > 0 ? d->gap : 0) + d->protrusion;
-    return wanted < most ? wanted : most;
+    const int32_t most = 177 * d->sac[2] / 100 - (DEEP + stretched(d, body)) * scale / 100;
+    const int32_t wanted = (d->gap > 0 ? d->gap : 0) + d->protrusion;
+    return wanted < most ? wanted : most > 0 ? most : 0;
 }
 
 static void put_fetus(drawn *d, uint32_t body, int32_t aside) {
-    const hs_range_id scale = d->twins ? HS_RANGE_TWIN_SCALE : HS_RANGE_SCALE;
+    const int32_t scale = draw(d, d->twins ? HS_RANGE_TWIN_SCALE : HS_RANGE_SCALE, body);
     put(d, "    { \"type\": \"fetus\"");
-    put_vector(d, "position_mm", MIDDLE + aside + draw(d, HS_RANGE_PLACE, 4 * body),
-               MIDDLE + 300 + draw(d, HS_RANGE_PLACE, 4 * body + 1), d->bare ? MIDDLE : d->sac_z);
+    put_vector(d, "position_mm", d->middle + aside + draw(d, HS_RANGE_PLACE, 4 * body),
+               d->middle + 300 + draw(d, HS_RANGE_PLACE, 4 * body + 1), d->bare ? d->middle : d->sac_z);
     put_vector(d, "rotation_deg", draw(d, HS_RANGE_NOD, 4 * body),
                body ? draw(d, HS_RANGE_TURN, body) : d->turn, draw(d, HS_RANGE_NOD, 4 * body + 1));
-    put_field(d, "scale", draw(d, scale, body));
-    if (!d->bare) put_field(d, "gap_mm", wall_gap(d, body));
+    put_field(d, "scale", scale);
+    if (!d->bare) put_field(d, "gap_mm", wall_gap(d, body, scale));
     put_pose(d, body);
     put(d, " },\n");
 }
 
-/* Of the first one the gap is the scene's; the others leave as much or more. All are so deep that they hang
- * from the wall wherever their gap puts their end. */
+/* Of the first one the gap is the scene's; the others leave as much or more. All are so deep that they
+ * hang from the wall wherever their gap puts their end. */
 static void put_occluder(drawn *d, uint32_t i) {
     const int32_t across = draw(d, HS_RANGE_ACROSS, 2 * i), deep = 2000 + d->protrusion / 2;
     const int32_t further = draw(d, HS_RANGE_GAP, 1 + i), front = d->sac_z - d->sac[2];
     put(d, "    { \"type\": \"occluder\", \"tissue\": \"placenta\"");
-    put_vector(d, "centre_mm", MIDDLE + draw(d, HS_RANGE_ASIDE, 2 * i),
-               MIDDLE + draw(d, HS_RANGE_ASIDE, 2 * i + 1), front + d->protrusion - deep);
+    put_vector(d, "centre_mm", d->middle + draw(d, HS_RANGE_ASIDE, 2 * i),
+               d->middle + draw(d, HS_RANGE_ASIDE, 2 * i + 1), front + d->protrusion - deep);
     put_vector(d, "radii_mm", across, draw(d, HS_RANGE_ACROSS, 2 * i + 1), deep);
     put_field(d, "blend_mm", draw(d, HS_RANGE_BLEND, i));
     put_field(d, "echo_db", draw(d, HS_RANGE_BRIGHTNESS, i));
@@ -180,8 +198,8 @@ static void put_floating(drawn *d) {
     const int32_t room = d->gap > 300 ? d->gap : 300, z = d->sac_z - d->sac[2] + d->protrusion + room / 2;
     if (has(d, HS_RANGE_CLOUD)) {
         put(d, "    { \"type\": \"cloud\", \"particle_min_mm\": 0.8, \"particle_max_mm\": 2.2");
-        put_vector(d, "centre_mm", MIDDLE + draw(d, HS_RANGE_ASIDE, 20), MIDDLE + draw(d, HS_RANGE_ASIDE, 21),
-                   z);
+        put_vector(d, "centre_mm", d->middle + draw(d, HS_RANGE_ASIDE, 20),
+                   d->middle + draw(d, HS_RANGE_ASIDE, 21), z);
         put_vector(d, "radii_mm", 1600, 1200, room / 3);
         put_field(d, "count", draw(d, HS_RANGE_PARTICLES, 0));
         put(d, " },\n");
@@ -190,9 +208,9 @@ static void put_floating(drawn *d) {
         put(d, "    { \"type\": \"cord\", \"points_mm\": [");
         for (int32_t i = 0; i < 5; i++) {
             put(d, "%s[", i ? ", " : "");
-            put_number(d, MIDDLE - 3600 + 1800 * i);
+            put_number(d, d->middle - 3600 + 1800 * i);
             put(d, ", ");
-            put_number(d, MIDDLE + draw(d, HS_RANGE_ASIDE, 30 + (uint32_t)i));
+            put_number(d, d->middle + draw(d, HS_RANGE_ASIDE, 30 + (uint32_t)i));
             put(d, ", ");
             put_number(d, z + draw(d, HS_RANGE_JOINT, 200 + (uint32_t)i) + (i % 4 ? 0 : 600));
             put(d, "]");
@@ -206,8 +224,8 @@ static void put_floating(drawn *d) {
 static void put_bladder(drawn *d) {
     const int32_t x = draw(d, HS_RANGE_BLADDER_X, 0), z = draw(d, HS_RANGE_BLADDER_Z, 0);
     put(d, "    { \"type\": \"bladder\"");
-    put_vector(d, "centre_mm", MIDDLE + draw(d, HS_RANGE_ASIDE, 40) / 2,
-               MIDDLE + 1500 + draw(d, HS_RANGE_ASIDE, 41) / 2, d->fat + d->muscle + z);
+    put_vector(d, "centre_mm", d->middle + draw(d, HS_RANGE_ASIDE, 40) / 2,
+               d->middle + 1500 + draw(d, HS_RANGE_ASIDE, 41) / 2, d->fat + d->muscle + z);
     put_vector(d, "radii_mm", x, 2 * x / 3, z);
     put_field(d, "wall_mm", BLADDER_WALL);
     put(d, " },\n");
@@ -275,7 +293,9 @@ static void put_artefacts(drawn *d) {
     put(d, " },\n");
     put_artefact(d, "noise", noise);
     put(d, "    { \"type\": \"fan\", \"azimuth_deg\": 62, \"sweep_deg\": 60, \"azimuth_radius_mm\": 60, "
-           "\"sweep_radius_mm\": 62, \"depth_mm\": 113 }\n  ]\n}\n");
+           "\"sweep_radius_mm\": 62");
+    put_field(d, "depth_mm", d->extent - 700);
+    put(d, " }\n  ]\n}\n");
 }
 
 /* --------------------------------------------------------------------------------------------- a file -- */
@@ -302,7 +322,7 @@ char *hs_scene_draw(uint64_t seed, uint32_t number) {
     put(&d, "{\n  \"name\": \"R%" PRIu64 "_%" PRIu32 "\",\n", seed, number);
     put_title(&d);
     put(&d, "  \"seed\": %" PRIu64 ",\n  \"extent_mm\": %d", 1 + (hs_random_bits(d.key, ~UINT64_C(0)) >> 13),
-        EXTENT / 100);
+        d.extent / 100);
     if (d.lateral || d.frontal) put_vector(&d, "camera_deg", 0, d.camera, 0);
     put_field(&d, "frequency_mhz", draw(&d, HS_RANGE_FREQUENCY, 0));
     put(&d, ",\n  \"display\": { \"specular_db\": 6, \"specular_power\": 2");

@@ -11,8 +11,8 @@
 /* Reads "R<seed>_<number>": the name of a random scene. */
 bool hs_scene_drawn_name(const char *name, uint64_t *seed, uint32_t *number);
 
-/* The file of scene `number` of the set `seed`, drawn from hs_scene_ranges with whole numbers only: the same
- * text on every machine. free() it; NULL without memory. */
+/* The file of scene `number` of the set `seed`, drawn from hs_scene_ranges with whole numbers only: the
+ * same text on every machine. free() it; NULL without memory. */
 char *hs_scene_draw(uint64_t seed, uint32_t number);
 
 #endif

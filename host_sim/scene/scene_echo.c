@@ -3,18 +3,18 @@
  * What the tissues send back before anything happens to it on the way: scattered echo, of random phase, and
  * the echo of interfaces. The amplitude reflected by an interface is R = (Z2 - Z1) / (Z2 + Z1) (Szabo 2014,
  * chapter 3), and it falls with the angle t between beam and normal as a power of the cosine, as simulators
- * by geometrical acoustics set it (Kutter, Shams and Navab, Comput. Methods Programs Biomed. 94, 2009; Burger
- * et al., IEEE Trans. Med. Imaging 32, 2013):
+ * by geometrical acoustics set it (Kutter, Shams and Navab, Comput. Methods Programs Biomed. 94, 2009;
+ * Burger et al., IEEE Trans. Med. Imaging 32, 2013):
  *
  *     L = specular_db + 20 log10(R cos^p t)
  *
  * A soft edge is no interface: where the impedance grows linearly over a depth d, the reflections of its
  * layers cancel, and what is left is R sin(k d) / (k d) with k = 2 pi f / c (Born's approximation; Szabo
- * 2014, chapter 8). Its envelope, 1 / (k d), is taken. The power of its scatterers grows linearly, too, from
- * the fluid's to the tissue's.
+ * 2014, chapter 8). Its envelope, 1 / (k d), is taken. The power of its scatterers grows linearly, too,
+ * from the fluid's to the tissue's.
  *
- * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's
- * side holds nothing but fluid.
+ * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
+ * fluid.
  */
 #include "scene/scene_echo.h"
 

@@ -44,8 +44,8 @@ static inline size_t hs_field_slice(const hs_field *f) {
     return (size_t)f->n[0] * f->n[1];
 }
 
-/* |cos| of the angle between the beam (+z) and a distance field's gradient, by central
- * differences; 0 if it is flat. */
+/* |cos| of the angle between the beam (+z) and a distance field's gradient, by central differences; 0 if
+ * it is flat. */
 float hs_field_cosine(const hs_field *f, const int8_t *distance, uint32_t x, uint32_t y, uint32_t z);
 
 #endif

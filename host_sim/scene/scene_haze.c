@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Haze and clutter. Between the many layers of the abdominal wall a pulse goes to and fro in many ways. Their
- * echoes come in late, at all depths behind the wall, without a phase in common, and the longer the way the
- * weaker they are: a haze in the fluid near the wall, which falls exponentially (Pinton, Trahey and Dahl,
- * IEEE Trans. UFFC 58, 2011; Lediju, Pihl, Dahl and Trahey, Ultrason. Imaging 30, 2008). At s mm behind the
- * wall's end its level is
+ * Haze and clutter. Between the many layers of the abdominal wall a pulse goes to and fro in many ways.
+ * Their echoes come in late, at all depths behind the wall and without a phase in common, and the longer
+ * the way the weaker they are: a haze in the fluid near the wall, which falls exponentially. In bladders
+ * clutter was 0 to 30 dB below the wall's echo (Lediju, Pihl, Dahl and Trahey, Ultrason. Imaging 30, 2008),
+ * and behind the abdominal wall it was mostly reverberation (Lediju et al., IEEE Ultrasonics Symp. 2008).
+ * At s mm behind the wall's end its level is
  *
  *     L(s) = L_wall + level_db - decay_db_mm s + patch_db n(x, y, z)
  *
@@ -86,8 +87,8 @@ static float wall_level(const hs_field *f, size_t pixel, uint32_t end) {
     return 10.0f * log10f(fmaxf(power / (float)count, 1e-20f));
 }
 
-/* How deep the haze can be seen, mm: its brightest patches, with speckle 4 dB above the mean, come to T_L
- * there. */
+/* How deep the haze can be seen, mm: its brightest patches, with speckle 4 dB above the mean, come to
+ * T_L there. */
 static float visible_until(const hs_scene_spec *spec, float first, float end_mm) {
     const hs_haze_spec *haze = &spec->haze;
     const float least = spec->dynamic_range_db * (FLUID_GREY / 255.0f - 1.0f) - spec->gain_db;

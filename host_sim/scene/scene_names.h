@@ -18,9 +18,9 @@ typedef enum {
 /* The built-in scenes of a group, in their order; NULL from the last on. */
 const char *hs_scene_of_group(hs_scene_group group, uint32_t index);
 
-/* The file of a scene as text, and `path`, its place for messages. A name with a dot or a slash is a path;
- * "R<seed>_<number>" is a random scene, which has no file; others are built-in. free() it. NULL: HS_ERR_INPUT
- * or HS_ERR_MEMORY. */
+/* The file of a scene as text, and `path`, its place for messages. A name with a dot or a slash is a
+ * path; "R<seed>_<number>" is a random scene, which has no file; others are built-in. free() it. NULL:
+ * HS_ERR_INPUT or HS_ERR_MEMORY. */
 char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error *err);
 
 #endif

@@ -58,8 +58,8 @@ static bool put_value(const place *at, json_t *value) {
     return json_array_append_new(at->parent, value) == 0;
 }
 
-/* Makes `part` a place in its parent; what is not there yet may come into an object, or into a list by its
- * type. */
+/* Makes `part` a place in its parent; what is not there yet may come into an object, or into a list by
+ * its type. */
 static bool resolve(place *part) {
     if (json_is_array(part->parent) && part->key[0]) {
         find_type(part);

@@ -2,7 +2,8 @@
 /*
  * Gaps are measured along beams, on the solids themselves and not on voxels: a beam's end at the skin is
  * looked for by steps of half the distance to it, and bisected. A move along the beam changes all the gaps
- * alike, so one search for the shortest is enough. Beams stand 1 mm apart, and 0.25 mm around the shortest.
+ * alike, so one search for the shortest is enough. Beams stand 1 mm apart, or a hundredth of what both cover
+ * if that is more, and a quarter of it around the shortest.
  */
 #include "scene/scene_place.h"
 
@@ -13,7 +14,8 @@
 #include <string.h>
 
 #define COARSE_MM 1.0f
-#define FINE_MM   0.25f
+#define BEAMS     100.0f /* along an axis at most */
+#define FINER     0.25f
 #define NEAR_MM   0.05f /* the least step along a beam */
 
 /* Fetuses, and what they touch. */
@@ -103,8 +105,8 @@ static float skin_depth(fetuses *f, float x, float y) {
     return inside;
 }
 
-/* Where the beam at x, y leaves an ellipsoid: the larger root of |A (o + z e - c)| = 1, A its axes by their
- * radii. */
+/* Where the beam at x, y leaves an ellipsoid: the larger root of |A (o + z e - c)| = 1, A its axes by
+ * their radii. */
 static float ellipsoid_end(const hs_solid *s, float x, float y) {
     const float o[3] = {x - s->centre[0], y - s->centre[1], -s->centre[2]};
     float dd = 0.0f, od = 0.0f, oo = 0.0f;
@@ -120,14 +122,25 @@ static float ellipsoid_end(const hs_solid *s, float x, float y) {
     return root >= 0.0f ? (-od + sqrtf(root)) / dd : NAN;
 }
 
-/* Where the beam at x, y first leaves the wall for the sac. */
+/* Where the beam at x, y first leaves the wall for the sac. It comes from before all of the sac. */
 static float wall_end(const gap *g, float x, float y) {
     const hs_sac_spec *sac = &g->spec->sac;
-    const float step = 0.5f, last = g->spec->extent_mm;
-    float p[3] = {x, y, -2.0f * last};
-    while (p[2] < last && hs_shape_sac_distance(&g->solid, sac, p) >= 0.0f) p[2] += step;
+    const float last = g->spec->extent_mm;
+    float square = 0.0f;
+    for (size_t i = 0; i < 3; i++) {
+        const float along = g->solid.axis[3 * i + 2] * g->solid.radii[i];
+        square += along * along;
+    }
+    float outside = g->solid.centre[2] - sqrtf(square) - 2.0f * sac->roughness_mm - 1.0f;
+    float p[3] = {x, y, outside};
+    while (p[2] < last) {
+        float d = hs_shape_sac_distance(&g->solid, sac, p);
+        if (d < 0.0f) break;
+        outside = p[2];
+        p[2] += fmaxf(0.25f * d, 0.25f);
+    }
     if (p[2] >= last) return NAN;
-    float inside = p[2], outside = p[2] - step;
+    float inside = p[2];
     for (int i = 0; i < 8; i++) {
         p[2] = 0.5f * (inside + outside);
         if (hs_shape_sac_distance(&g->solid, sac, p) < 0.0f)
@@ -167,11 +180,11 @@ static float shortest(const gap *g) {
         low[a] = fmaxf(low[a], g->solid.low[a]);
         high[a] = fminf(high[a], g->solid.high[a]);
     }
-    shortest_in(g, low, high, COARSE_MM, best);
+    const float step = fmaxf(COARSE_MM, fmaxf(high[0] - low[0], high[1] - low[1]) / BEAMS);
+    shortest_in(g, low, high, step, best);
     if (isinf(best[2])) return INFINITY;
-    const float around[2][2] = {{best[0] - COARSE_MM, best[1] - COARSE_MM},
-                                {best[0] + COARSE_MM, best[1] + COARSE_MM}};
-    shortest_in(g, around[0], around[1], FINE_MM, best);
+    const float around[2][2] = {{best[0] - step, best[1] - step}, {best[0] + step, best[1] + step}};
+    shortest_in(g, around[0], around[1], FINER * step, best);
     return best[2];
 }
 

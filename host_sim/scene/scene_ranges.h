@@ -76,8 +76,8 @@ typedef enum {
     HS_RANGE_COUNT
 } hs_range_id;
 
-/* A number is low + i step, i = 0 .. (high - low) / step, all of them alike. In hundredths, so that a scene
- * is drawn with whole numbers only. */
+/* A number is low + i step, i = 0 .. (high - low) / step, all of them alike. In hundredths, so that a
+ * scene is drawn with whole numbers only. */
 typedef struct {
     const char *key, *unit;
     int32_t low, high, step;

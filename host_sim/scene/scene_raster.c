@@ -27,8 +27,8 @@ typedef struct {
     uint32_t bricks[3];
 } raster;
 
-/* Indices of the solids a brick (or a row of bricks) has to look at;
- * first[part] .. first[part + 1] are of one part. */
+/* Indices of the solids a brick (or a row of bricks) has to look at; first[part] .. first[part + 1] are
+ * of one part. */
 typedef struct {
     uint16_t item[HS_SCENE_MAX_SOLIDS];
     uint32_t first[HS_PART_COUNT + 1];
@@ -78,18 +78,24 @@ static int8_t quantised(float mm, float inv_h) {
     return (int8_t)lrintf(fminf(fmaxf(v, (float)-HS_DISTANCE_FAR), (float)HS_DISTANCE_FAR));
 }
 
-static hs_tissue layer_tissue(const raster *r, float z, float shift) {
+static float undulation(const hs_scene_spec *spec, float u, float v) {
+    return spec->layers.undulation_mm * 0.5f * (sinf(1.7f * u + 0.6f * v) + sinf(2.3f * v - 0.9f * u + 1.0f));
+}
+
+/* The layer of the wall at p; `column` is its pixel, for voxels along the beams. */
+static hs_tissue layer_tissue(const raster *r, const float p[3], size_t column) {
     const hs_layers_spec *layers = &r->spec->layers;
-    float depth = shift;
+    const float k = 6.2831853f / r->spec->extent_mm;
+    float depth = r->turned ? undulation(r->spec, k * p[0], k * p[1]) : r->layer_shift[column];
     for (uint32_t i = 0; i < layers->count; i++) {
         depth += layers->thickness_mm[i];
-        if (z < depth) return layers->tissue[i];
+        if (p[2] < depth) return layers->tissue[i];
     }
     return HS_TISSUE_WALL;
 }
 
-/* How much of an occluder's scatterers are there: none at the edge of a soft one, all of them soft_mm inside.
- * `depth` is that below its surface. */
+/* How much of an occluder's scatterers are there: none at the edge of a soft one, all of them soft_mm
+ * inside. `depth` is that below its surface. */
 static uint8_t share_of(const raster *r, const hs_solid *s, float depth) {
     const float soft = r->spec->structure[s->style - 1].of.occluder.soft_mm;
     return soft > 0.0f ? (uint8_t)lrintf(255.0f * fminf(fmaxf(depth / soft, 0.0f), 1.0f)) : 255;
@@ -101,7 +107,7 @@ static hs_tissue body_tissue(const hs_shape *shape, const float p[3], float bone
     return hs_shape_nearest(shape, HS_PART_ORGAN, p, &organ) < 0.0f && organ ? organ->tissue : HS_TISSUE_SOFT;
 }
 
-static void voxel(const raster *r, const brick_list *list, const float p[3], size_t index, float shift) {
+static void voxel(const raster *r, const brick_list *list, const float p[3], size_t index, size_t column) {
     hs_field *f = r->field;
     const hs_shape shape = {r->solids, list->item, list->first};
     const hs_solid *other = NULL, *ignored = NULL;
@@ -121,7 +127,7 @@ static void voxel(const raster *r, const brick_list *list, const float p[3], siz
         tissue = other->tissue;
         style = other->style;
     }
-    if (tissue == HS_TISSUE_FLUID && wall < 0.0f) tissue = layer_tissue(r, p[2], shift);
+    if (tissue == HS_TISSUE_FLUID && wall < 0.0f) tissue = layer_tissue(r, p, column);
     f->tissue[index] = (uint8_t)tissue;
     f->surface[index] = quantised(fminf(body, fmaxf(fminf(occluder, wall), -urine)), r->inv_h);
     f->bone[index] = quantised(bone, r->inv_h);
@@ -161,14 +167,9 @@ static void box_in_scene(const raster *r, float low[3], float high[3]) {
     }
 }
 
-static float undulation(const hs_scene_spec *spec, float u, float v) {
-    return spec->layers.undulation_mm * 0.5f * (sinf(1.7f * u + 0.6f * v) + sinf(2.3f * v - 0.9f * u + 1.0f));
-}
-
 static void brick_voxels(const raster *r, const brick_list *list, const uint32_t start[3],
                          const uint32_t stop[3]) {
     hs_field *f = r->field;
-    const float k = 6.2831853f / r->spec->extent_mm;
     const bool empty = empty_brick(list), fluid = list->sac_sign < 0.0f;
     for (uint32_t z = start[2]; z < stop[2]; z++)
         for (uint32_t y = start[1]; y < stop[1]; y++) {
@@ -183,12 +184,11 @@ static void brick_voxels(const raster *r, const brick_list *list, const uint32_t
                 float p[3] = {((float)x + 0.5f) * f->h[0], ((float)y + 0.5f) * f->h[1],
                               ((float)z + 0.5f) * f->h[2]};
                 to_scene(r, p);
-                float shift = r->turned ? undulation(r->spec, k * p[0], k * p[1])
-                                        : r->layer_shift[(size_t)y * f->n[0] + x];
+                const size_t column = (size_t)y * f->n[0] + x;
                 if (!empty)
-                    voxel(r, list, p, index, shift);
+                    voxel(r, list, p, index, column);
                 else
-                    f->tissue[index] = (uint8_t)(fluid ? HS_TISSUE_FLUID : layer_tissue(r, p[2], shift));
+                    f->tissue[index] = (uint8_t)(fluid ? HS_TISSUE_FLUID : layer_tissue(r, p, column));
             }
         }
 }

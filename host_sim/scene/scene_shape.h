@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Distances to what solids make together: bodies with their carvings, occluders, the sac. In mm, negative
- * inside. */
+/* Distances to what solids make together: bodies with their carvings, occluders, the sac. In mm,
+ * negative inside. */
 #ifndef HS_SCENE_SHAPE_H
 #define HS_SCENE_SHAPE_H
 
@@ -18,8 +18,8 @@ typedef struct {
     const uint32_t *first;
 } hs_shape;
 
-/* All of a list's solids, which it sorts; `item` has room for HS_SCENE_MAX_SOLIDS, `first` for HS_PART_COUNT
- * + 1. False if the list is not to be used, or too long. */
+/* All of a list's solids, which it sorts; `item` has room for HS_SCENE_MAX_SOLIDS, `first` for
+ * HS_PART_COUNT + 1. False if the list is not to be used, or too long. */
 static inline bool hs_shape_all(hs_solid_list *list, uint16_t *item, uint32_t *first) {
     uint32_t part = 0;
     if (list->out_of_memory || list->count > HS_SCENE_MAX_SOLIDS) return false;
@@ -60,8 +60,8 @@ static inline float hs_shape_body(const hs_shape *shape, uint32_t bodies, const 
     return d;
 }
 
-/* Solids of another part, melted together; *nearest is the one whose own distance is the least, and stays as
- * it is if there is none. */
+/* Solids of another part, melted together; *nearest is the one whose own distance is the least, and
+ * stays as it is if there is none. */
 static inline float hs_shape_nearest(const hs_shape *shape, hs_solid_part part, const float p[3],
                                      const hs_solid **nearest) {
     float d = HS_SHAPE_FAR, least = HS_SHAPE_FAR;

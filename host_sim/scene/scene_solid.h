@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Solids as signed distances, from which the voxels of a scene are made. All lengths
- * in millimetres of the scene. */
+/* Solids as signed distances, from which the voxels of a scene are made. All lengths in millimetres of
+ * the scene. */
 #ifndef HS_SCENE_SOLID_H
 #define HS_SCENE_SOLID_H
 
@@ -60,8 +60,8 @@ typedef struct {
 /* Signed distance of point p, negative inside; exact for cones, close to the surface right for the others. */
 float hs_solid_distance(const hs_solid *solid, const float p[3]);
 
-/* The smaller of two distances, melted together where they differ by less than k (polynomial smooth minimum:
- * min(a, b) - h^2 k / 4 with h = max(k - |a - b|, 0) / k). k = 0: the plain minimum. */
+/* The smaller of two distances, melted together where they differ by less than k (polynomial smooth
+ * minimum: min(a, b) - h^2 k / 4 with h = max(k - |a - b|, 0) / k). k = 0: the plain minimum. */
 static inline float hs_smooth_min(float a, float b, float k) {
     float low = a < b ? a : b, gap = a < b ? b - a : a - b;
     if (gap >= k) return low;
@@ -74,8 +74,8 @@ void hs_rotation(const float deg[3], float axis[9]);
 /* A point or a direction of the frame in the scene. */
 void hs_frame_point(const hs_solid_frame *frame, const float p[3], float out[3]);
 
-/* Adds a solid described in `frame`: NULL memory is noted in the list. Returns it
- * for further fields, or NULL. */
+/* Adds a solid described in `frame`: NULL memory is noted in the list. Returns it for further fields, or
+ * NULL. */
 hs_solid *hs_solid_ellipsoid(hs_solid_list *list, const hs_solid_frame *frame, hs_solid_part part,
                              hs_tissue tissue, float blend, const float centre[3], const float radii[3]);
 hs_solid *hs_solid_cone(hs_solid_list *list, const hs_solid_frame *frame, hs_solid_part part,

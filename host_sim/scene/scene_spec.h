@@ -44,8 +44,8 @@ typedef struct {
     float centre[3], radii[3], rotation[3], blend_mm;
     float echo_db; /* brighter than its tissue, or dimmer */
     float soft_mm; /* > 0: over this depth its scatterers grow from none to its tissue's */
-    /* Fluid between it and the fetus where it is thinnest, along the beam; below 0 it presses into the fetus
-     * by that much, and the two touch. NAN: the centre is as given. */
+    /* Fluid between it and the fetus where it is thinnest, along the beam; below 0 it presses into the
+     * fetus by that much, and the two touch. NAN: the centre is as given. */
     float gap_mm;
 } hs_occluder_spec;
 

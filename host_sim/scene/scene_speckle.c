@@ -8,14 +8,14 @@
  *
  * (Burckhardt, "Speckle in ultrasound B-mode scans", IEEE Trans. Sonics Ultrason. 25, 1978; Wagner et al.,
  * IEEE Trans. Sonics Ultrason. 30, 1983; the convolution model: Bamber and Dickinson, Phys. Med. Biol. 25,
- * 1980.) The point spread is Gaussian along the beam (the pulse) and across it, where it widens off the focus
- * as a Gaussian beam does: sigma(z) = sigma_0 sqrt(1 + ((z - z_f) / z_R)^2). Interfaces add their echo in
- * phase before the point spread.
+ * 1980.) The point spread is Gaussian along the beam (the pulse) and across it, where it widens off the
+ * focus as a Gaussian beam does: sigma(z) = sigma_0 sqrt(1 + ((z - z_f) / z_R)^2). Interfaces add their
+ * echo in phase before the point spread.
  *
- * With slice_thickness the point spread across the image plane (y) is another one: a probe focuses there by a
- * lens, at one depth and with a small aperture, so the slice is thick, and off its focus much thicker
- * (Goldstein and Madsen, "Slice thickness artifacts in gray-scale ultrasound", J. Clin. Ultrasound 9, 1981).
- * Borders that are oblique to the slice fill the fluid beside them.
+ * With slice_thickness the point spread across the image plane (y) is another one: a probe focuses there by
+ * a lens, at one depth and with a small aperture, so the slice is thick, and off its focus much thicker
+ * (Goldstein and Madsen, "Slice thickness artifacts in gray-scale ultrasound", J. Clin. Ultrasound 9,
+ * 1981). Borders that are oblique to the slice fill the fluid beside them.
  */
 #include "scene/scene_speckle.h"
 
@@ -67,8 +67,8 @@ static kernel gaussian(float sigma_voxels) {
     return k;
 }
 
-/* Quantiles of the normal distribution by Newton's method on its integral, scaled to unit variance. A draw is
- * one of them, by 12 random bits; the point spread sums many draws. */
+/* Quantiles of the normal distribution by Newton's method on its integral, scaled to unit variance. A
+ * draw is one of them, by 12 random bits; the point spread sums many draws. */
 static void make_normal(float *table) {
     double x = -4.5, square = 0.0;
     for (int i = 0; i < QUANTILES; i++) {
@@ -97,8 +97,8 @@ static kernel lateral_kernel(const speckle *s, uint32_t z, int axis) {
     return gaussian(least * sqrtf(1.0f + off * off) / s->pass.field->h[axis]);
 }
 
-/* Scatterers and interfaces of slice z. An interface is wide across the beam and thin along it: it is scaled
- * so that its peak keeps its level behind the point spread. */
+/* Scatterers and interfaces of slice z. An interface is wide across the beam and thin along it: it is
+ * scaled so that its peak keeps its level behind the point spread. */
 static void draw(const speckle *s, uint32_t z, const kernel *kx, const kernel *ky, planes *p) {
     const hs_field *f = s->pass.field;
     float *re = p->raw, *im = p->raw + p->plane;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets the
- * fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that meets
- * the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a ray, its
- * longest stretch of fluid counts.
+ * Ground truth, read from the tissues themselves and not from the picture (thesis 3.2): a ray that meets
+ * the fetus may be clipped between the exit of the last occluder before it and the fetus' skin; a ray that
+ * meets the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a
+ * ray, its longest stretch of fluid counts.
  */
 #include "scene/scene_truth.h"
 
@@ -133,10 +133,11 @@ static float beside(const truth *t, size_t pixel, float clip) {
 /* Behind the haze, as far as it leaves room before the skin. */
 static float behind_haze(const truth *t, size_t pixel, float clip) {
     const hs_field *f = t->field;
+    const uint32_t column = (uint32_t)(pixel % f->n[0]), row = (uint32_t)(pixel / f->n[0]);
     float first[3], next[3]; /* the ray's slices 0 and 1 in the scene */
     for (int i = 0; i < 2; i++) {
-        const float p[3] = {((float)(pixel % f->n[0]) + 0.5f) * f->h[0],
-                            ((float)(pixel / f->n[0]) + 0.5f) * f->h[1], ((float)i + 0.5f) * f->h[2]};
+        const float p[3] = {((float)column + 0.5f) * f->h[0], ((float)row + 0.5f) * f->h[1],
+                            ((float)i + 0.5f) * f->h[2]};
         hs_scene_camera_point(t->spec, p, i ? next : first);
     }
     for (float z = t->data->far_end[pixel] - REACH_MM / f->h[2]; z > clip; z -= 1.0f) {
@@ -151,8 +152,9 @@ static float behind_haze(const truth *t, size_t pixel, float clip) {
 
 /*
  * The clipping surface: the middle of the interval, but no nearer than where the occluders of the
- * neighbourhood end, because the point spread makes them visible beside themselves, and no nearer than where
- * haze can be seen, but for the last REACH_MM before the skin. It never leaves the pixel's own interval.
+ * neighbourhood end, because the point spread makes them visible beside themselves, and no nearer than
+ * where haze can be seen, but for the last REACH_MM before the skin. It never leaves the pixel's own
+ * interval.
  */
 static void clip_row(void *context, uint32_t y) {
     const truth *t = context;

@@ -159,4 +159,4 @@ def _seen(
         return seen, None
     if not plugin.features & _abi.SV_FEATURE_SCANNED:
         raise ValueError(f"{plugin.id} takes no scanned ranges")
-    return seen, ranges(camera.see(mask.view(np.uint8), resample, nearest=True).astype(bool))
+    return seen, ranges(camera.see(mask.view(np.uint8), resample, nearest=True).view(np.bool_))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,9 @@ from ._errors import SmartVisError
 SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk", ".tif", ".tiff")
 _HEADER = 65536
 _KEPT_VOXELS = 1 << 28
+_POSITION = "0020|0032"  # DICOM's tag: where a slice lies, in mm
+_UNEVEN = 0.05  # of the distance between slices
+_CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # DICOM's classes of ultrasound over time
 
 
 class FileError(SmartVisError):
@@ -24,13 +27,14 @@ class FileError(SmartVisError):
 
 
 class Source:
-    """The volumes of one file, or of a folder with one DICOM series."""
+    """The volumes of one file, or of a folder of DICOM: each series is one."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """FileError: not readable, or no volume."""
         self.path = Path(path)
         self._reader: Any = None
         self._whole: Any = None
+        self._series: list[tuple[str, ...]] = []
         self.count = 1
         try:
             self._open()
@@ -42,15 +46,17 @@ class Source:
         if not self.path.exists():
             raise FileError(f"{self.path}: no such file or folder")
         if self.path.is_dir():
-            files = sitk.ImageSeriesReader.GetGDCMSeriesFileNames(str(self.path))
-            if not files:
+            finder, folder = sitk.ImageSeriesReader, str(self.path)
+            self._series = [finder.GetGDCMSeriesFileNames(folder, s) for s in finder.GetGDCMSeriesIDs(folder)]
+            if not self._series:
                 raise FileError(f"{self.path}: the folder has no DICOM series")
-            self._whole = sitk.ReadImage(files)
+            self.count = len(self._series)
             return
         reader = self._reader = sitk.ImageFileReader()
         reader.SetFileName(str(self.path))
         reader.ReadImageInformation()
         size, values = reader.GetSize(), reader.GetNumberOfComponents()
+        self._not_only_pictures(reader)
         kinds = _kinds(self.path)
         if kinds == ["domain", "domain", "list"] and len(size) == 3:
             raise FileError(f"{self.path}: Kinds says that it holds {size[2]} pictures over time, not a volume")
@@ -61,6 +67,14 @@ class Source:
         elif len(size) != 3 or values != 1:
             raise FileError(f"{self.path}: {len(size)} dimensions and {values} values a voxel, expected a volume")
 
+    def _not_only_pictures(self, reader: Any) -> None:
+        """FileError for what is DICOM, but no volume."""
+        dicom = reader.GetMetaData("0008|0016").strip() if reader.HasMetaDataKey("0008|0016") else ""
+        if dicom in _CINE:
+            raise FileError(f"{self.path}: SOP class {dicom} holds pictures over time, not a volume")
+        if dicom and reader.GetSize()[2:] in ((), (1,)):
+            raise FileError(f"{self.path}: it is one picture of a DICOM series; name the folder that holds them all")
+
     def read(self, number: int = 0) -> Any:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""
         try:
@@ -70,6 +84,8 @@ class Source:
 
     def _read(self, number: int) -> Any:
         sitk = _images.sitk()
+        if self._series:
+            return self._read_series(self._series[number])
         if self._whole is None and self.count == 1:
             size = list(self._reader.GetSize())
             if len(size) == 3:
@@ -81,6 +97,29 @@ class Source:
         if self._whole.GetNumberOfComponentsPerPixel() > 1:
             return sitk.VectorIndexSelectionCast(self._whole, number)
         return self._whole
+
+    def _read_series(self, files: Sequence[str]) -> Any:
+        if len(files) == 1:
+            return Source(files[0]).read()
+        reader = _images.sitk().ImageSeriesReader()
+        reader.SetFileNames(files)
+        reader.MetaDataDictionaryArrayUpdateOn()
+        image = reader.Execute()
+        if all(reader.HasMetaDataKey(n, _POSITION) for n in range(len(files))):
+            self._evenly_spaced([reader.GetMetaData(n, _POSITION) for n in range(len(files))], files)
+        return image
+
+    def _evenly_spaced(self, positions: Sequence[str], files: Sequence[str]) -> None:
+        """SimpleITK takes the mean distance between slices, and with one missing the rest lie in the wrong place."""
+        at = np.array([[float(number) for number in position.split("\\")] for position in positions])
+        gaps = np.linalg.norm(np.diff(at, axis=0), axis=1)
+        usual = float(np.median(gaps))
+        worst = int(np.abs(gaps - usual).argmax())
+        if usual <= 0 or abs(gaps[worst] - usual) > _UNEVEN * usual:
+            raise FileError(
+                f"{files[worst + 1]}: it lies {gaps[worst]:.4g} mm behind the slice before it, others of the DICOM "
+                f"series {usual:.4g} mm: slices are missing or not evenly spaced"
+            )
 
     def _read_of_four(self, number: int) -> Any:
         """A file that is compressed is unpacked for every read, so what is not too large is read once."""

@@ -60,7 +60,19 @@ def fan(volume: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.bool_]
 
 def ranges(scanned: NDArray[np.bool_]) -> NDArray[np.uint16]:
     """Of a mask [z, y, x] the first scanned slice and the first one behind the scan, [y, x, 2]."""
-    first = scanned.argmax(axis=0)
-    end = scanned.shape[0] - scanned[::-1].argmax(axis=0)
-    end[~scanned.any(axis=0)] = 0
+    first, end = _first_true(scanned), scanned.shape[0] - _first_true(scanned[::-1])
+    first[end == 0] = 0
     return np.stack([first, end], axis=-1).astype(np.uint16)
+
+
+def _first_true(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """On every ray the first slice that is True, or how many there are if none is. Most rays begin early, so this ends
+    long before argmax would, which reads across memory."""
+    first = np.full(mask.shape[1:], mask.shape[0], np.int32)
+    left = np.ones(mask.shape[1:], bool)
+    for z, plane in enumerate(mask):
+        first[left & plane] = z
+        left &= ~plane
+        if not left.any():
+            break
+    return first

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import BUILD, SOURCE, layers
+from conftest import LONG, SOURCE, host_sim, layers
 
 import smartvis
 from smartvis import _study
@@ -38,9 +38,9 @@ def client():
         yield made
 
 
-@pytest.fixture()
+@pytest.fixture
 def doomed():
-    """Workers of one test that kills them: Dask's nannies may give up on a busy machine, and later tests need theirs."""
+    """Workers of one test that kills them: Dask's nannies may give up on a busy machine, and others need theirs."""
     with _study.cluster(None, 2, lambda link: None) as made:
         yield made
 
@@ -68,6 +68,11 @@ def nothing_is_half(out: Path) -> None:
     assert not list(out.rglob(PARTS))
 
 
+def formats_kept() -> int:
+    cache = _study._worker_cache
+    return len(cache._clippers) if cache else 0
+
+
 def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> None:
     files = write_study(tmp_path / "study", 4)
     series = sitk.JoinSeries([sitk.GetImageFromArray(shifted(n)) for n in range(3)])
@@ -90,7 +95,7 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
         assert np.array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(clipped))), expected)
     assert len(list(out.rglob("beat_f000?_clipped.nrrd"))) == 3
     nothing_is_half(out)
-    assert all(n == 1 for n in client.run(lambda: len(_study._worker_cache._clippers)).values())  # one format
+    assert all(n == 1 for n in client.run(formats_kept).values())
 
     before = rows_of(out)
     again = _study.batch(found, SETTINGS, out, client, lambda: None)
@@ -118,7 +123,7 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
     assert [r["state"] for r in rows] == ["ok"] * 24 and len({r["file"] for r in rows}) == 24
     nothing_is_half(out)
     assert len(list(out.rglob("*_clipped.nrrd"))) == 24
-    doomed.wait_for_workers(2, timeout=60)
+    doomed.wait_for_workers(2, timeout=LONG)
     assert victims[0] not in doomed.run(os.getpid).values()
     for path in out.rglob("*_clipped.nrrd"):
         assert sitk.ReadImage(str(path)).GetSize() == SHAPE[::-1]
@@ -137,52 +142,69 @@ def test_workers_that_are_gone_for_good_are_replaced(tmp_path: Path, doomed) -> 
     assert [r["state"] for r in rows] == ["ok"] * 12 and len(doomed.nthreads()) >= 1
 
 
-CRASHES_AT_77 = r"""
+CRASHES, HOLDS = 77, 88
+TROUBLE = r"""
 #include "smartvis/author.h"
+#include <stdlib.h>
+#include <unistd.h>
 static sv_status finish(sva *a, float *depth) {
     if (sva_voxel(a, 0, 0, 0) == 77) __builtin_trap();
+    if (sva_voxel(a, 0, 0, 0) == 88)
+        while (access(getenv("SV_HOLD"), F_OK) == 0) usleep(1000);
     for (uint32_t i = 0; i < sva_rays(a); i++) depth[i] = 5.0f;
     return SV_OK;
 }
 static const sv_descriptor descriptor =
-    SVA_DESCRIPTOR("org.smartvis.test.crash", "Crash", "tests", "1", "Crashes on one volume.", 0);
+    SVA_DESCRIPTOR("org.smartvis.test.trouble", "Trouble", "tests", "1", "Crashes on one volume, stops on one.", 0);
 static const sva_method method = {.descriptor = &descriptor, .finish = finish};
 SVA_ENTRY(method);
 """
 
 
-def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, doomed) -> None:
+@pytest.fixture(scope="module")
+def trouble(tmp_path_factory) -> str:
+    folder = tmp_path_factory.mktemp("plugin")
+    (folder / "trouble.c").write_text(TROUBLE)
+    command = ["cc", "-std=gnu11", "-shared", "-fPIC", "-I", str(SOURCE / "include"), "trouble.c", "-o", "trouble.so"]
+    subprocess.run(command, cwd=folder, check=True)
+    return str(folder / "trouble.so")
+
+
+def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, doomed, trouble: str) -> None:
     files = write_study(tmp_path / "study", 3)
     killer = tmp_path / "study" / "killer.nrrd"
-    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, 77, np.uint8)), str(killer))
-    (tmp_path / "crash.c").write_text(CRASHES_AT_77)
-    command = ["cc", "-std=c11", "-shared", "-fPIC", "-I", SOURCE / "include", "crash.c", "-o", "crash.so"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    settings = Settings(plugin=str(tmp_path / "crash.so"), products=("clipped",), scanned=None)
+    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, CRASHES, np.uint8)), str(killer))
+    settings = Settings(plugin=trouble, products=("clipped",), scanned=None)
     rows = _study.batch([killer, *files], settings, tmp_path / "out", doomed, lambda: None)
     killed = [r for r in rows if r["state"] != "ok"]
     assert len(rows) == 4 and [Path(r["file"]).name for r in killed] == ["killer.nrrd"]
     assert killed[0]["state"] == "plugin" and "worker died" in killed[0]["reason"]
 
 
-def test_a_batch_that_is_killed_goes_on(tmp_path: Path) -> None:
-    write_study(tmp_path / "study", 18)
-    out = tmp_path / "out"
-    command = [sys.executable, "-P", "-m", "smartvis", "batch", tmp_path / "study", "--out", out]
-    command += ["--workers", "1", "--write", "clipped", "--scanned", "all", "--method", "cost"]
+def test_a_batch_that_is_killed_goes_on(tmp_path: Path, trouble: str, monkeypatch) -> None:
+    """Its one worker stops at the fifth volume of seven, as long as the file `hold` is there."""
+    write_study(tmp_path / "study", 6)
+    stops = tmp_path / "study" / "patient1" / "scan1a.nrrd"
+    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, HOLDS, np.uint8)), str(stops))
+    hold, out = tmp_path / "hold", tmp_path / "out"
+    hold.write_text("")
+    monkeypatch.setenv("SV_HOLD", str(hold))
+    command = [sys.executable, "-P", "-m", "smartvis", "batch", str(tmp_path / "study"), "--out", str(out)]
+    command += ["--workers", "1", "--write", "clipped", "--scanned", "all", "--plugin", trouble]
     first = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-    deadline = time.monotonic() + 120
-    while len(rows_of(out)) < 3 and time.monotonic() < deadline and first.poll() is None:
-        time.sleep(0.005)
+    end = time.monotonic() + LONG
+    while len(rows_of(out)) < 4 and time.monotonic() < end and first.poll() is None:
+        time.sleep(0.02)
     os.killpg(first.pid, signal.SIGKILL)  # the batch and its workers, wherever they are
     first.wait()
     before = rows_of(out)
-    assert 3 <= len(before) < 18, "the batch was to be killed in its middle"
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200)
-    assert done.returncode == 0 and "18 volumes clipped, 0 not" in done.stdout, done.stderr
+    assert len(before) == 4, "the batch was to be killed in its middle"
+    hold.unlink()
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LONG, check=False)
+    assert done.returncode == 0 and "7 volumes clipped, 0 not" in done.stdout, done.stderr
     assert "dashboard at http://127.0.0.1:" in done.stderr
     after = rows_of(out)
-    assert len(after) == 18 and all(after[p] == t for p, t in before.items())
+    assert len(after) == 7 and all(after[p] == t for p, t in before.items())
     nothing_is_half(out)
 
 
@@ -193,7 +215,7 @@ def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:
     arguments = ["batch", str(tmp_path / "study"), "--out", str(tmp_path / "out"), "--scheduler", address]
     thread = threading.Thread(target=lambda: codes.append(main(arguments)))
     thread.start()
-    thread.join()
+    thread.join(LONG)
     assert codes == [0] and len(table(tmp_path / "out")) == 3
 
 
@@ -203,7 +225,7 @@ def test_a_study_is_the_report_s_own(tmp_path: Path, client) -> None:
     said = _study.study(report, tmp_path / "shards", 3, client, lambda: steps.append(1))
     assert len(steps) == 3 and said
     alone = tmp_path / "alone"
-    subprocess.run([BUILD / "host_sim", "report", *report, "--out", alone], check=True, capture_output=True)
+    host_sim("report", *report, "--out", alone)
     ours = (tmp_path / "shards" / "best.csv").read_text()
     assert ours == (alone / "best.csv").read_text() and (tmp_path / "shards" / "index.html").exists()
     with pytest.raises(smartvis.HostError, match="3 of 3 shards failed.*Z99"):

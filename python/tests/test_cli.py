@@ -79,21 +79,53 @@ def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) 
     assert np.array_equal(other, smartvis.clip(frames[1], (1, 1, 1)).apply(frames[1]))
 
 
-def test_a_dicom_folder_is_one_volume(tmp_path: Path, volume) -> None:
-    folder = tmp_path / "series"
-    folder.mkdir()
+def write_dicom(folder: Path, image, series: str = "1.2.3.4") -> list[Path]:
+    """A DICOM series of the image's slices in its place; file names run against their order."""
+    folder.mkdir(exist_ok=True)
     writer = sitk.ImageFileWriter()
     writer.KeepOriginalImageUIDOn()
-    for z, plane in enumerate(volume):
-        slice_ = sitk.GetImageFromArray(plane)
-        for tag, value in {"0020|000e": "1.2.3.4", "0020|0032": f"0\\0\\{z}", "0020|0013": str(z),
-                           "0008|0060": "US", "0008|0018": f"1.2.3.4.{z}"}.items():  # fmt: skip
+    direction = np.array(image.GetDirection()).reshape(3, 3)
+    files = []
+    for z in range(image.GetSize()[2]):
+        tags = {"0008|0060": "OT", "0020|000e": series, "0008|0018": f"{series}.{z}", "0020|0013": str(z),
+                "0020|0032": "\\".join(f"{p:.8g}" for p in image.TransformIndexToPhysicalPoint((0, 0, z))),
+                "0020|0037": "\\".join(f"{d:g}" for d in (*direction[:, 0], *direction[:, 1]))}  # fmt: skip
+        slice_ = image[:, :, z]
+        for tag, value in tags.items():
             slice_.SetMetaData(tag, value)
-        writer.SetFileName(str(folder / f"{z:03d}.dcm"))
+        files.append(folder / f"{series}_{999 - z}.dcm")
+        writer.SetFileName(str(files[-1]))
         writer.Execute(slice_)
-    assert main(["clip", str(folder), "--out", str(tmp_path), "--write", "clipped", "--method", "cost"]) == 0
-    clipped = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "series_clipped.nrrd")))
-    assert np.array_equal(clipped, smartvis.clip(volume, (1, 1, 1), method="cost").apply(volume))
+    return files
+
+
+def test_a_dicom_folder_gives_what_other_files_give(tmp_path: Path, image, capsys) -> None:
+    write_dicom(tmp_path / "series", image)
+    sitk.WriteImage(image, str(tmp_path / "file.nrrd"))
+    out = ["--out", str(tmp_path), "--write", "clipped,depth", "--method", "cost"]
+    assert main(["clip", str(tmp_path / "series"), str(tmp_path / "file.nrrd"), *out]) == 0
+    for what in ("clipped", "depth"):
+        one, other = (sitk.ReadImage(str(tmp_path / f"{name}_{what}.nrrd")) for name in ("series", "file"))
+        assert np.allclose(sitk.GetArrayFromImage(one), sitk.GetArrayFromImage(other), atol=1e-4)
+        assert np.allclose(one.GetSpacing(), other.GetSpacing()) and np.allclose(one.GetOrigin(), other.GetOrigin())
+        assert np.allclose(one.GetDirection(), other.GetDirection())
+    write_dicom(tmp_path / "series", image[:, :, 8:], "1.2.3.5")
+    assert main(["clip", str(tmp_path / "series"), *out]) == 0  # two series: both
+    sizes = [sitk.ReadImage(str(tmp_path / f"series_f000{n}_clipped.nrrd")).GetSize()[2] for n in range(2)]
+    assert sizes == [64, 56]
+
+
+def test_dicom_that_is_no_whole_volume_is_refused(tmp_path: Path, image, capsys) -> None:
+    files = write_dicom(tmp_path / "gap", image)
+    files[20].unlink()
+    cine = tmp_path / "cine.dcm"
+    image.SetMetaData("0008|0060", "US")
+    sitk.WriteImage(image, str(cine))
+    for path, words in {files[0]: "name the folder", tmp_path / "gap": f"{files[21]}: it lies 1.4 mm behind",
+                        cine: "pictures over time"}.items():  # fmt: skip
+        assert main(["clip", str(path), "--out", str(tmp_path / "out")]) == 3
+        told = "".join(capsys.readouterr())
+        assert words in told and str(path) in told, told
 
 
 def test_files_that_are_no_volumes_are_named(tmp_path: Path, image, capsys) -> None:

@@ -9,6 +9,7 @@ from conftest import FETUS, FLUID, SKIN, layers
 
 import smartvis
 from smartvis import Outcome, PluginError
+from smartvis._volume import ranges
 
 
 def in_the_fluid(result: smartvis.Result, seen: np.ndarray) -> float:
@@ -131,6 +132,15 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
     assert np.array_equal(by_maps.depth, by_mask.depth) and np.array_equal(by_maps.depth, by_itself.depth)
     everything = smartvis.clip(fan, (1, 1, 1), method="cost")
     assert not np.array_equal(everything.depth, by_maps.depth)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 1.0])
+def test_ranges_are_from_the_first_to_the_last_scanned_slice(share: float) -> None:
+    mask = np.random.default_rng(5).random((20, 9, 7)) < share
+    first, end = np.moveaxis(ranges(mask), 2, 0)
+    for y, x in np.ndindex(9, 7):
+        at = np.flatnonzero(mask[:, y, x])
+        assert (first[y, x], end[y, x]) == ((at[0], at[-1] + 1) if len(at) else (0, 0))
 
 
 def test_other_types_are_mapped_as_the_host_maps_them(volume: np.ndarray) -> None:

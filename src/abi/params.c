@@ -59,7 +59,7 @@ static const struct {
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
      "How depths spread from the initial points to all pixels, or, with cost and wall, are found from every "
      "ray's own fluid; with all but minimum turning q costs next to nothing.",
-     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_MEAN, 1.0, methods, GROUP_SURFACE, 0,
+     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0,
      0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,

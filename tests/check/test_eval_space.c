@@ -7,7 +7,7 @@
 #include <math.h>
 #include <unistd.h>
 
-enum { SIZE = 48 };
+enum { SIZE = 64 };
 static const hs_eval_request request = {.name = "M01", .size = SIZE};
 
 /* The real plugin on a small scene, and an empty folder. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The nine cases of the thesis stay as they are, bit for bit: what was measured on them once can be compared
- * with. The sums were taken from the scenes as they stood when the hard cases were added. */
+/* The nine cases of the thesis stay as they are, bit for bit: what was measured on them once can be
+ * compared with. The sums were taken from the scenes as they stood when the hard cases were added. */
 #include "support/scene_fixture.h"
 
 #include <zlib.h>

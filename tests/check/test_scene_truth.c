@@ -8,36 +8,6 @@
 
 #define FLUID_LEVEL 40 /* T_L = 40.5 / 255 */
 
-static uint8_t at(const uint8_t *voxels, const hs_volume *v, size_t pixel, long z) {
-    return voxels[(size_t)z * v->nx * v->ny + pixel];
-}
-
-/* One pixel against the rule, looked at from the tissues again: backwards from the end,
- * where the scene goes forwards. */
-static void check_pixel(const hs_scene_data *d, size_t pixel) {
-    const hs_volume *v = &d->full;
-    long fetus = -1;
-    for (long z = (long)v->nz - 1; z >= 0; z--)
-        if (at(v->voxels, v, pixel, z) != 0 && hs_tissue_is_fetus(at(d->tissue, v, pixel, z))) fetus = z;
-    assert_int_equal(d->label[pixel] == HS_LABEL_FETUS, fetus >= 0);
-    if (d->label[pixel] == HS_LABEL_NEITHER) {
-        assert_true(isnan(d->near_end[pixel]) && isnan(d->far_end[pixel]));
-        for (long z = 0; z < (long)v->nz; z++)
-            assert_false(at(v->voxels, v, pixel, z) != 0 && at(d->tissue, v, pixel, z) == HS_TISSUE_FLUID);
-        return;
-    }
-    long near_z = lrintf(d->near_end[pixel]), far_z = lrintf(d->far_end[pixel]);
-    assert_true(near_z >= 0 && near_z <= far_z && far_z < (long)v->nz);
-    bool touched = fetus >= 0 && near_z == fetus;
-    for (long z = near_z; z <= far_z && !touched; z++)
-        if (at(d->tissue, v, pixel, z) != HS_TISSUE_FLUID)
-            fail_msg("pixel %zu slice %ld is no fluid", pixel, z);
-    if (fetus >= 0 && !touched) assert_int_equal(far_z + 1, fetus);
-    if (near_z > 0 && at(v->voxels, v, pixel, near_z - 1) != 0)
-        assert_int_not_equal(at(d->tissue, v, pixel, near_z - 1), HS_TISSUE_FLUID);
-    assert_true(d->clip[pixel] >= d->near_end[pixel] && d->clip[pixel] <= d->far_end[pixel]);
-}
-
 static void check_clipped(const hs_scene_data *d) {
     const size_t slice = (size_t)d->full.nx * d->full.ny;
     for (size_t i = 0; i < slice * d->full.nz; i++) {
@@ -53,7 +23,7 @@ static void intervals_hold_only_fluid(void **state) {
         make_scene(scene_cases[c], 72, 2, 0, 0, &d, NULL);
         size_t labels[3] = {0, 0, 0};
         for (size_t i = 0; i < (size_t)72 * 72; i++) {
-            check_pixel(&d, i);
+            check_scene_pixel(&d, i);
             labels[d.label[i]]++;
         }
         check_clipped(&d);
@@ -74,7 +44,7 @@ static void clean_intervals_look_dark(void **state) {
     for (size_t i = 0; i < (size_t)128 * 128; i++) {
         if (d.label[i] == HS_LABEL_NEITHER) continue;
         for (long z = lrintf(d.near_end[i]) + margin; z <= lrintf(d.far_end[i]) - margin; z++, all++)
-            dark += at(d.full.voxels, &d.full, i, z) <= FLUID_LEVEL;
+            dark += scene_voxel(d.full.voxels, &d.full, i, z) <= FLUID_LEVEL;
     }
     printf("%zu of %zu voxels of the intervals are dark: %.3f %%\n", dark, all,
            100.0 * (double)dark / (double)all);
@@ -149,7 +119,7 @@ static void frames_move_and_keep_their_truth(void **state) {
     assert_true(tissue > 500);                               /* limbs and particles have moved */
     assert_true(tissue < hs_volume_count(&still.full) / 20); /* slowly */
     assert_true((double)differ > 0.9 * (double)fluid);
-    for (size_t i = 0; i < (size_t)64 * 64; i++) check_pixel(&frame, i);
+    for (size_t i = 0; i < (size_t)64 * 64; i++) check_scene_pixel(&frame, i);
     hs_scene_free(&frame);
     make_scene("E02", 64, 2, 0, 60, &frame, NULL); /* one period later everything is back in its place */
     assert_memory_equal(still.tissue, frame.tissue, hs_volume_count(&still.full));
@@ -212,7 +182,7 @@ static void real_volumes_are_their_own_truth(void **state) {
     for (size_t i = 0; i < lead * NX * NY; i++) assert_int_equal(d.truth.voxels[i], 1);
     size_t hidden = 0, through = 0;
     for (size_t p = 0; p < (size_t)NX * NY; p++) {
-        check_pixel(&d, p);
+        check_scene_pixel(&d, p);
         if (d.label[p] != HS_LABEL_FETUS) continue;
         through++;
         hidden += d.near_end[p] > 0.0f;

@@ -48,7 +48,7 @@ ends 3 "not root (user id 65534)" setpriv --reuid 65534 --clear-groups bash -s -
 unshare --mount --pid --fork true 2> /dev/null || finish 77
 
 mkdir "$work/bin"
-export PATH=$work/bin:$PATH
+export PATH=$work/bin:$PATH MACHINE_TRUSTS=/etc/ssl/certs/ca-certificates.crt
 cat > "$work/bin/git" << 'END'
 #!/bin/bash
 if [ "$3" = status ]; then exit 0; fi
@@ -58,7 +58,13 @@ cat > "$work/bin/debootstrap" << 'END'
 #!/bin/bash
 root=$4 mirror=$5
 [ "$mirror" != http://broken.invalid ] || exit 1
-mkdir -p "$root"/{proc,sys,dev,bin,etc/apt/apt.conf.d}
+mkdir -p "$root"/{proc,sys,dev,bin,etc/apt/apt.conf.d,etc/ssl/certs}
+# Trusts whom this machine trusts, but for the last.
+if [ -s "$MACHINE_TRUSTS" ]; then
+    head -n $(($(grep -n BEGIN "$MACHINE_TRUSTS" | tail -n 1 | cut -d : -f 1) - 1)) "$MACHINE_TRUSTS" \
+        > "$root/etc/ssl/certs/ca-certificates.crt"
+fi
+printf '#!/bin/bash\necho told > /trust.txt\n' > "$root/bin/update-ca-certificates"
 cp -L --parents /bin/bash $(ldd /bin/bash | grep -o '/[^ ]*') "$root"
 cat > "$root/bin/make" << 'MAKE'
 #!/bin/bash
@@ -69,7 +75,7 @@ bad) exit 2 ;;
 hang) while :; do read -t 1 -r < <(:) || :; done ;;
 esac
 MAKE
-chmod +x "$root/bin/make"
+chmod +x "$root"/bin/{make,update-ca-certificates}
 END
 chmod +x "$work/bin/git" "$work/bin/debootstrap"
 
@@ -92,6 +98,12 @@ ends 0 "the root is $root" bare --keep --bring "$work/built" trixie demo
 holds [ "$(stat -c %a "$root")" = 755 ] # every user of the root reads it
 holds cmp "$work/built/thing" "$root/smartvis/out/built/thing"
 holds [ -d "$root/smartvis" ]
+if [ -s "$MACHINE_TRUSTS" ]; then
+    own=$root/usr/local/share/ca-certificates/machine
+    holds [ "$(ls "$own")" = 1.crt ]
+    holds [ "$(cat "$own/1.crt")" = "$(tail -n "$(wc -l < "$own/1.crt")" "$MACHINE_TRUSTS")" ]
+    holds [ "$(cat "$root/trust.txt")" = told ]
+fi
 holds [ -z "$(ls -A "$root/proc" "$root/dev" 2>&1 | grep -v ':$' | grep .)" ]
 ends 3 "--dir $root is not empty" bare trixie demo
 rm -rf "$root"

@@ -129,7 +129,7 @@ holds [ "$(cmp -s out/result.png full.png; echo $?)" = 1 ]
 holds grep -q "^Frames: 1 clipped, 1 of them in part; rendered unclipped: 0 by" stdout
 holds grep -q "SV_PARTIAL; 576 rays gave a point (100.0 % of 576), 288 pixels without a surface" stdout
 for queue in "" --own-queue; do
-    expect 0 "" "${run[@]}" --scene E04 --size 64 $queue --set kernel=3 --set evidence=0 --set fill_weight=0
+    expect 0 "" "${run[@]}" --scene E04 --size 64 $queue --set method=mean --set kernel=3 --set evidence=0 --set fill_weight=0
     holds grep -q "^Frames: 1 clipped, 1 of them in part;" stdout
     holds grep -qE "^Last frame: SV_PARTIAL; .* [1-9][0-9]* pixels without a surface" stdout
     holds [ "$(cmp -s out/result.png out/full.png; echo $?)" = 1 ]
@@ -193,11 +193,14 @@ head -c 5000 "$work/kretz/E01_full.vol" > "$work/cut.vol"
 expect 3 "cut.vol: byte" info cut.vol
 # No OpenCL device is needed to describe a plugin.
 export OCL_ICD_VENDORS=$work/no_drivers
-expect 0 "" list
+expect 0 "" list --set method=mean
 holds grep -q "^  kernel .*Filter size k" stdout
 holds grep -q "more parameters do not matter with these values" stdout
 expect 2 "no parameter 'foo'" list --set foo=1
 expect 2 "needs a value" list --set
+# Three matter to the default, method wall: the knob, the method itself, the work layout.
+expect 0 "" list
+holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 3 ]
 # Eleven matter to method cost; all are listed on demand.
 expect 0 "" list --set method=cost
 holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 11 ]

@@ -24,6 +24,20 @@ code 0 --help
 grep -q -- '--sheet' "$folder/out" || fail "--help does not name --sheet"
 code 0
 [ "$(grep -cE '^(E0[1-4]|M0[1-3]|D0[12]|real) ' "$folder/out")" -eq 10 ] || fail "the list does not hold the ten scenes"
+[ "$(grep -cE '^H(0[1-9]|1[0-6]) ' "$folder/out")" -eq 16 ] || fail "the list does not hold the hard cases"
+cp "$folder/out" "$folder/list"
+code 0 --list
+cmp -s "$folder/list" "$folder/out" || fail "--list prints another list than no argument"
+for file in "$1"/data/scenes/*.json; do
+    grep -q "^$(basename "$file" .json) " "$folder/list" || fail "the list does not hold $file"
+done
+
+# The table of ranges: the docs hold the very lines.
+code 0 --ranges
+[ "$(wc -l < "$folder/out")" -gt 40 ] || fail "--ranges prints no table"
+while read -r line; do
+    grep -qxF "$line" "$1/docs/scenes.md" || fail "docs/scenes.md lacks the range: $line"
+done < "$folder/out"
 
 code 2 --size 31 D01
 grep -q 'size: 31' "$folder/err" || fail "a wrong size is not named: $(cat "$folder/err")"
@@ -31,6 +45,14 @@ code 2 --all D01
 code 2 --colour
 code 2 D01 --frames
 code 2 real
+code 2 --random 0
+code 2 --random 2 --hard
+code 2 --random 2 D01
+code 2 D01 --set seed
+grep -q "'seed' is not PATH=VALUE" "$folder/err" || fail "a wrong --set is not named: $(cat "$folder/err")"
+code 3 D01 --set artefacts.haze.level_db=5
+grep -q 'level_db: is 5, expected -60 .. 0' "$folder/err" || fail "a value out of range is not named: $(cat "$folder/err")"
+code 3 R7_100000
 code 3 Q77
 code 3 "$folder/absent.json"
 printf '{ "name": "x",\n  "title": "y", "seed": -3 }' > "$folder/bad.json"
@@ -43,10 +65,29 @@ grep -q 'reverberation' "$folder/out" || fail "--times does not tell the steps"
 code 0 E02 --size 48 --frames 2 --threads 3 --export --out "$folder/three"
 diff -rq "$folder/one" "$folder/three" || fail "the bytes depend on the number of threads"
 written=("$folder"/one/*)
-[ ${#written[@]} -eq 10 ] || fail "two frames are not ten files: ${written[*]}"
+[ ${#written[@]} -eq 11 ] || fail "two frames are not ten files and the scene: ${written[*]}"
 cmp -s "$folder/one/E02_f000_full.mha" "$folder/one/E02_f001_full.mha" && fail "two frames are alike"
 head -c 400 "$folder/one/E02_f000_near.mha" | grep -aq 'ElementType = MET_FLOAT' || fail "near is not float32"
 "$host_sim" info "$folder/one/E02_f000_full.mha" | grep -q '48 x 48 x 48 voxels of 2.5' || fail "info does not read the volume"
+
+# A random set: the same files and volumes by seed, whatever the number of threads; the JSON makes the same scene again.
+code 0 --random 3 --seed 7 --json --out "$folder/set"
+written=("$folder"/set/*)
+[ "${written[*]##*/}" = "R7_0.json R7_1.json R7_2.json" ] || fail "--random --json wrote ${written[*]}"
+code 0 --random 2 --seed 7 --size 40 --threads 1 --export --out "$folder/random"
+cmp -s "$folder/set/R7_1.json" "$folder/random/R7_1.json" || fail "--json and --export write unlike scenes"
+code 0 R7_1 --size 40 --threads 3 --export --out "$folder/again"
+diff -q "$folder/random/R7_1_full.mha" "$folder/again/R7_1_full.mha" || fail "a random scene depends on threads or company"
+code 0 "$folder/set/R7_1.json" --size 40 --export --out "$folder/file"
+diff -q "$folder/random/R7_1_full.mha" "$folder/file/R7_1_full.mha" || fail "a scene's JSON makes another scene"
+cmp -s "$folder/set/R7_0.json" "$folder/set/R7_1.json" && fail "two random scenes are alike"
+
+# What --set changes is in the JSON, and the JSON makes the same volume.
+code 0 E01 --size 40 --set artefacts.haze=on --set artefacts.haze.level_db=-5 --set artefacts.fan=off --export --out "$folder/changed"
+grep -q '"haze"' "$folder/changed/E01.json" || fail "the JSON does not tell what --set switched on"
+grep -q '"fan"' "$folder/changed/E01.json" && fail "the JSON tells what --set took away"
+code 0 "$folder/changed/E01.json" --size 40 --export --out "$folder/changed_again"
+cmp -s "$folder/changed/E01_full.mha" "$folder/changed_again/E01_full.mha" || fail "the changed scene's JSON makes another"
 
 # As Kretz files: the same scene from two unlike probes, both read and described; several frames are a sequence.
 for probe in 'start=30,axis=-20' 'start=20,axis=8,theta=70,phi=60,skew=0.4,descending=1,pitch=1.5'; do
@@ -66,7 +107,7 @@ grep -qE 'with the Cartesian copy +[0-9.]+ ms' "$folder/out" || fail "info --tim
 grep -qE "in the probe's grid +[0-9.]+ ms, [0-9.]+ times" "$folder/out" || fail "info --timing does not tell the grids apart"
 code 0 E02 --size 48 --frames 3 --export --format vol --out "$folder/sequence"
 written=("$folder"/sequence/*)
-[ ${#written[@]} -eq 2 ] || fail "a sequence is not two files: ${written[*]}"
+[ ${#written[@]} -eq 3 ] || fail "a sequence is not two files and the scene: ${written[*]}"
 "$host_sim" info "$folder/sequence/E02_full.vol" | grep -qF 'a sequence of 3 volumes' || fail "info does not count volumes"
 code 2 E02 --export --format nrrd
 code 2 E02 --format vol

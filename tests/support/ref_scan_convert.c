@@ -21,7 +21,7 @@ ref_way ref_grid(const hs_volume *volume, const hs_camera *camera, const hs_slab
         const double span = edge[a] / finest;
         const double wish = round(way == REF_HALVED ? span / 3.0 : span / 1.5);
         const double least = way != REF_HALVED && span >= 1.5 * (1.0 - 1e-6) ? 2.0 : 1.0;
-        grid[a] = (int)fmin(fmax(wish, least), 8.0);
+        grid[a] = (int)fmin(fmax(wish, least), way == REF_HALVED ? 6.0 : 8.0);
     }
     return way;
 }
@@ -39,10 +39,12 @@ static double ref_nearest(const hs_volume *volume, const double position[3], dou
     return ref_voxel(volume, index[0], index[1], index[2]);
 }
 
-/* The mean of the scanned of the voxels that a halved voxel stands for. */
-static double ref_halved_voxel(const hs_volume *v, const int64_t at[3]) {
+/* The mean of the voxels that a halved voxel stands for; 1 if some of them were not scanned, 0 if none was.
+ */
+static double ref_marked(const hs_volume *v, const int64_t at[3]) {
     const int64_t n[3] = {v->nx, v->ny, v->nz};
-    double sum = 0.0, scanned = 0.0;
+    double sum = 0.0;
+    int scanned = 0;
     for (int i = 0; i < 8; i++) {
         int64_t index[3];
         for (int k = 0; k < 3; k++) {
@@ -53,7 +55,7 @@ static double ref_halved_voxel(const hs_volume *v, const int64_t at[3]) {
         sum += value;
         scanned += value > 0.0;
     }
-    return scanned < 4.0 ? 0.0 : floor(sum / scanned + 0.5);
+    return scanned == 8 ? fmax(floor(sum / 8.0 + 0.5), 2.0) : scanned > 0 ? 1.0 : 0.0;
 }
 
 static double ref_round(double value) {
@@ -64,80 +66,103 @@ static double ref_between(double a, double b, double f) {
     return a + f * (b - a);
 }
 
+typedef enum { REF_WHOLE, REF_PARTLY, REF_EMPTY } ref_kind;
+
 /* Where a position lies among the halved voxels: the one before it, the next, and the way between. False
  * outside the volume. */
 static bool ref_halved_place(const hs_volume *v, const double position[3], int64_t low[3], int64_t high[3],
                              double f[3], double *margin) {
     const int64_t n[3] = {v->nx, v->ny, v->nz};
+    bool inside = true;
     for (int k = 0; k < 3; k++) {
         const double far = (double)n[k] - 0.5;
-        *margin = fmin(*margin, fmin(fabs(position[k] + 0.5), fabs(far - position[k])));
-        if (position[k] < -0.5 || position[k] > far) return false;
         const int64_t last = (n[k] + 1) / 2 - 1;
-        const double p = fmin(fmax(0.5 * (position[k] - 0.5), 0.0), (double)last);
-        low[k] = (int64_t)floor(p);
+        *margin = fmin(*margin, fmin(fabs(position[k] + 0.5), fabs(far - position[k])));
+        inside = inside && position[k] >= -0.5 && position[k] <= far;
+        const double parts = 256.0 * fmin(fmax(0.5 * (position[k] - 0.5), 0.0), (double)last);
+        const double rounded = floor(parts + 0.5);
+        low[k] = (int64_t)fmin(floor(rounded / 256.0), fmax((double)last - 1.0, 0.0));
         high[k] = low[k] < last ? low[k] + 1 : last;
-        f[k] = ref_round(p - (double)low[k]);
-        const double parts = (p - (double)low[k]) * 256.0;
+        f[k] = rounded / 256.0 - (double)low[k];
         *margin = fmin(*margin, 0.05 * fabs(parts - floor(parts) - 0.5));
     }
-    return true;
+    return inside;
 }
 
-/* A sample of the halved volume and its scanned share; false outside the volume. */
-static bool ref_halved(const hs_volume *volume, const double position[3], double out[2], double *margin) {
+/* A sample of the halved volume, and what it lies between. */
+static ref_kind ref_halved(const hs_volume *volume, const double position[3], double *value, double *margin) {
     int64_t low[3], high[3];
-    double f[3], slice[2][2];
-    if (!ref_halved_place(volume, position, low, high, f, margin)) return false;
+    double f[3], slice[2];
+    bool whole = true, empty = true;
+    if (!ref_halved_place(volume, position, low, high, f, margin)) return REF_EMPTY;
     for (int z = 0; z < 2; z++) {
-        double v[4][2];
+        double v[4];
         for (int i = 0; i < 4; i++) {
             const int64_t at[3] = {i % 2 ? high[0] : low[0], i / 2 ? high[1] : low[1], z ? high[2] : low[2]};
-            v[i][0] = ref_halved_voxel(volume, at);
-            v[i][1] = ref_is_scanned(v[i][0]);
+            v[i] = ref_marked(volume, at);
+            whole = whole && v[i] >= 2.0;
+            empty = empty && v[i] <= 0.0;
         }
-        for (int what = 0; what < 2; what++)
-            slice[z][what] = ref_round(ref_between(ref_between(v[0][what], v[1][what], f[0]),
-                                                   ref_between(v[2][what], v[3][what], f[0]), f[1]));
+        slice[z] = ref_round(ref_between(ref_between(v[0], v[1], f[0]), ref_between(v[2], v[3], f[0]), f[1]));
     }
-    for (int what = 0; what < 2; what++)
-        out[what] = ref_round(ref_between(slice[0][what], slice[1][what], f[2]));
-    return true;
+    *value = ref_round(ref_between(slice[0], slice[1], f[2]));
+    return whole ? REF_WHOLE : empty ? REF_EMPTY : REF_PARTLY;
+}
+
+/* What samples come to. */
+typedef struct {
+    double sum, share;
+} ref_sum;
+
+/* All samples of a voxel, and what they lie between. */
+static ref_kind ref_gather(const hs_volume *volume, const hs_camera *camera, const hs_slab_layout *layout,
+                           ref_way way, const int grid[3], const uint32_t voxel[3], ref_sum *out,
+                           double *margin) {
+    int kinds[3] = {0};
+    *out = (ref_sum){0.0, 0.0};
+    for (int i = 0; i < grid[0] * grid[1] * grid[2]; i++) {
+        const double box[3] = {(voxel[0] + (i % grid[0] + 0.5) / grid[0]) / layout->width,
+                               (voxel[1] + (i / grid[0] % grid[1] + 0.5) / grid[1]) / layout->height,
+                               (voxel[2] + (i / grid[0] / grid[1] + 0.5) / grid[2]) / layout->slices};
+        double position[3], value = 0.0;
+        ref_position(volume, camera, box, position);
+        if (way == REF_TRILINEAR) {
+            if (!ref_inside(volume, position, margin)) continue;
+            out->sum += ref_trilinear(volume, position, NULL);
+            out->share += ref_trilinear(volume, position, ref_is_scanned);
+            continue;
+        }
+        if (way == REF_HALVED)
+            kinds[ref_halved(volume, position, &value, margin)]++;
+        else
+            value = ref_nearest(volume, position, margin);
+        out->sum += fmax(value, 0.0);
+        out->share += value > 0.0;
+    }
+    return kinds[REF_PARTLY] || (kinds[REF_WHOLE] && kinds[REF_EMPTY]) ? REF_PARTLY
+           : kinds[REF_EMPTY]                                          ? REF_EMPTY
+                                                                       : REF_WHOLE;
 }
 
 ref_lowres ref_convert_voxel(const hs_volume *volume, const hs_camera *camera, const hs_slab_layout *layout,
                              uint32_t x, uint32_t y, uint32_t z) {
+    const uint32_t voxel[3] = {x, y, z};
     int grid[3];
+    ref_sum s;
     const ref_way way = ref_grid(volume, camera, layout, grid);
-    const double total = (double)grid[0] * grid[1] * grid[2];
     ref_lowres out = {.margin = 1.0};
-    double sum = 0.0, share = 0.0;
-    for (int i = 0; i < (int)total; i++) {
-        const double box[3] = {(x + (i % grid[0] + 0.5) / grid[0]) / layout->width,
-                               (y + (i / grid[0] % grid[1] + 0.5) / grid[1]) / layout->height,
-                               (z + (i / grid[0] / grid[1] + 0.5) / grid[2]) / layout->slices};
-        double position[3], sample[2];
-        ref_position(volume, camera, box, position);
-        if (way == REF_HALVED) {
-            if (!ref_halved(volume, position, sample, &out.margin)) continue;
-            sum += sample[0];
-            share += sample[1];
-        } else if (way == REF_NEAREST) {
-            double value = ref_nearest(volume, position, &out.margin);
-            if (value > 0.0) {
-                sum += value;
-                share += 1.0;
-            }
-        } else if (ref_inside(volume, position, &out.margin)) {
-            sum += ref_trilinear(volume, position, NULL);
-            share += ref_trilinear(volume, position, ref_is_scanned);
-        }
+    const ref_kind kind = ref_gather(volume, camera, layout, way, grid, voxel, &s, &out.margin);
+    if (kind == REF_EMPTY) return out;
+    if (kind == REF_PARTLY) {
+        for (int k = 0; k < 3; k++) grid[k] *= 2;
+        (void)ref_gather(volume, camera, layout, REF_NEAREST, grid, voxel, &s, &out.margin);
     }
+    const double total = (double)grid[0] * grid[1] * grid[2];
     /* Trilinear shares are rounded, so "half" has a tolerance there; counts are exact. */
     const double half = way != REF_TRILINEAR ? 0.5 * total : 0.4995 * total;
-    if (way == REF_TRILINEAR) out.margin = fmin(out.margin, fabs(share - half) / total);
-    if (share < half || share == 0.0) return out;
-    out.mean = sum / share;
+    if (way == REF_TRILINEAR) out.margin = fmin(out.margin, fabs(s.share - half) / total);
+    if (s.share < half || s.share == 0.0) return out;
+    out.mean = s.sum / s.share;
     out.value = (int)fmin(fmax(floor(out.mean + 0.5), 1.0), 255.0);
     return out;
 }

@@ -2,6 +2,7 @@
 #include "support/scene_fixture.h"
 
 #include <math.h>
+#include <unistd.h>
 
 const char *const scene_cases[SCENE_CASES] = {"D01", "D02", "E01", "E02", "E03", "E04", "M01", "M02", "M03"};
 
@@ -44,5 +45,58 @@ void make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed
     if (!scene) fail_msg("%s", err.text);
     const hs_scene_options options = {.size = size, .threads = threads, .seed = seed, .frame = frame};
     if (!hs_scene_frame(scene, &options, out, times, &err)) fail_msg("%s", err.text);
+    hs_scene_close(scene);
+}
+
+uint8_t scene_voxel(const uint8_t *voxels, const hs_volume *v, size_t pixel, long z) {
+    return voxels[(size_t)z * v->nx * v->ny + pixel];
+}
+
+void check_scene_pixel(const hs_scene_data *d, size_t pixel) {
+    const hs_volume *v = &d->full;
+    long fetus = -1;
+    for (long z = (long)v->nz - 1; z >= 0; z--)
+        if (scene_voxel(v->voxels, v, pixel, z) != 0 &&
+            hs_tissue_is_fetus(scene_voxel(d->tissue, v, pixel, z)))
+            fetus = z;
+    assert_int_equal(d->label[pixel] == HS_LABEL_FETUS, fetus >= 0);
+    if (d->label[pixel] == HS_LABEL_NEITHER) {
+        assert_true(isnan(d->near_end[pixel]) && isnan(d->far_end[pixel]));
+        for (long z = 0; z < (long)v->nz; z++)
+            assert_false(scene_voxel(v->voxels, v, pixel, z) != 0 &&
+                         scene_voxel(d->tissue, v, pixel, z) == HS_TISSUE_FLUID);
+        return;
+    }
+    long near_z = lrintf(d->near_end[pixel]), far_z = lrintf(d->far_end[pixel]);
+    assert_true(near_z >= 0 && near_z <= far_z && far_z < (long)v->nz);
+    bool touched = fetus >= 0 && near_z == fetus;
+    for (long z = near_z; z <= far_z && !touched; z++)
+        if (scene_voxel(d->tissue, v, pixel, z) != HS_TISSUE_FLUID)
+            fail_msg("pixel %zu slice %ld is no fluid", pixel, z);
+    if (fetus >= 0 && !touched) assert_int_equal(far_z + 1, fetus);
+    if (near_z > 0 && scene_voxel(v->voxels, v, pixel, near_z - 1) != 0)
+        assert_int_not_equal(scene_voxel(d->tissue, v, pixel, near_z - 1), HS_TISSUE_FLUID);
+    assert_true(d->clip[pixel] >= d->near_end[pixel] && d->clip[pixel] <= d->far_end[pixel]);
+}
+
+hs_scene *scene_of_text(const char *text) {
+    char path[64];
+    hs_error err = {0};
+    (void)snprintf(path, sizeof path, "/tmp/scene_of_text_%ld.json", (long)getpid());
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    hs_scene *scene = hs_scene_open(path, &err);
+    (void)unlink(path);
+    if (!scene) fail_msg("%s", err.text);
+    return scene;
+}
+
+void make_text_scene(const char *text, uint32_t size, hs_scene_data *out) {
+    hs_error err = {0};
+    hs_scene *scene = scene_of_text(text);
+    const hs_scene_options options = {.size = size, .threads = 2};
+    if (!hs_scene_frame(scene, &options, out, NULL, &err)) fail_msg("%s", err.text);
     hs_scene_close(scene);
 }

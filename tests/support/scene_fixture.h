@@ -44,6 +44,19 @@ void assert_near_at(double found, double expected, double tolerance, const char 
 /* A level in dB. */
 double level_db(int16_t level);
 
+/* A voxel of the pixel's ray. */
+uint8_t scene_voxel(const uint8_t *voxels, const hs_volume *v, size_t pixel, long z);
+
+/* One pixel's label, interval and clipping depth against the rule, looked at from the tissues again:
+ * backwards from the end, where the scene goes forwards. */
+void check_scene_pixel(const hs_scene_data *data, size_t pixel);
+
+/* A scene opened from a file with this text; hs_scene_close it. */
+hs_scene *scene_of_text(const char *text);
+
+/* One frame of such a scene, without speckle of its own unless the text lists it. */
+void make_text_scene(const char *text, uint32_t size, hs_scene_data *out);
+
 /* One frame of a scene. `times` may be NULL. */
 void make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame,
                 hs_scene_data *out, hs_scene_times *times);

@@ -40,7 +40,7 @@ typedef int16 vi;
 #define LANE_INDEX      ((float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15))
 #define LANE_X          ((float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3))
 #define LANE_Y          ((float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3))
-#define STORE(v, p)     vstore16(v, 0, p)
+#define STORE(v, p)     store_lanes(v, p)
 #define LOAD(p)         vload16(0, p)
 #else
 typedef float vf;
@@ -59,24 +59,19 @@ typedef int vi;
 
 #if LANES == 16
 /* Stores of 16 lanes in one piece, wherever they go: PoCL takes the lanes of vstore16 one by one. */
-typedef struct __attribute__((packed)) {
-    uchar16 lanes;
-} packed_bytes;
-typedef struct __attribute__((packed)) {
-    ushort16 lanes;
-} packed_words;
-typedef struct __attribute__((packed)) {
-    float16 lanes;
-} packed_floats;
-
+#define STORE_OF(type)                                                                                       \
+    typedef struct __attribute__((packed)) {                                                                 \
+        type##16 lanes;                                                                                      \
+    } packed_##type;                                                                                         \
+    INLINE __attribute__((overloadable)) void store_lanes(type##16 v, type *p) {                             \
+        ((packed_##type *)p)->lanes = v;                                                                     \
+    }
+STORE_OF(uchar)
+STORE_OF(ushort)
+STORE_OF(int)
+STORE_OF(float)
 INLINE void store_bytes(uchar16 v, __global uchar *p) {
-    ((__global packed_bytes *)p)->lanes = v;
-}
-INLINE void store_words(ushort16 v, ushort *p) {
-    ((packed_words *)p)->lanes = v;
-}
-INLINE void store_floats(float16 v, float *p) {
-    ((packed_floats *)p)->lanes = v;
+    ((__global packed_uchar *)p)->lanes = v;
 }
 #endif
 

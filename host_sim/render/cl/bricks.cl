@@ -34,10 +34,10 @@ INLINE void fold_chunk(__global const uchar *voxels, int4 dims, section s, int x
             d = max(d, vload16(3, row));
         }
     }
-    vstore16(a, 0, columns + x);
-    vstore16(b, 1, columns + x);
-    vstore16(c, 2, columns + x);
-    vstore16(d, 3, columns + x);
+    STORE(a, columns + x + 16 * 0);
+    STORE(b, columns + x + 16 * 1);
+    STORE(c, columns + x + 16 * 2);
+    STORE(d, columns + x + 16 * 3);
 }
 
 INLINE void fold_column(__global const uchar *voxels, int4 dims, section s, int x, uchar *columns) {

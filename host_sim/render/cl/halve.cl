@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A volume at half its resolution (host_sim/render/halved.h defines both results), made in one pass over its
- * bytes: the mean of 2 x 2 x 2 voxels for light, and the mean of those of them that were scanned for scan
- * conversion. Both round to the nearest level, halves up.
+ * bytes: the mean of 2 x 2 x 2 voxels for light, and for scan conversion the same with marks where not all of
+ * them were scanned.
  *
  * dims: source voxels; half_dims: halved ones, w: the empty border around `mean`, or -1: there is no `mean`.
  * CPU: a work item makes a slice; global (1, 1, z). GPU: a work item makes a voxel; global (x, y, z).
  */
+
+#define HALVED_PARTLY 1 /* some of the eight were scanned */
+#define HALVED_LEAST  2 /* the least mean of eight that all were */
 
 /* Where 2 x 2 rows of the source begin; the last one stands twice where an axis is odd. */
 typedef struct {
@@ -23,17 +26,18 @@ INLINE four_rows rows_below(__global const uchar *voxels, int4 dims, int y, int 
     return r;
 }
 
-/* Both means of the eight voxels at x: of all, and of the scanned ones if these are half of them or more. */
+/* The mean of the eight voxels at x, and it again with marks. */
 INLINE uchar2 halved(four_rows r, int count, int x) {
-    int x1 = min(x + 1, count - 1);
-    uint sum = 0, scanned = 0;
+    int x1 = min(x + 1, count - 1), scanned = 0;
+    uint sum = 4;
     for (int i = 0; i < 4; i++) {
-        uint a = r.row[i][x], b = r.row[i][x1];
-        sum += a + b;
+        uchar a = r.row[i][x], b = r.row[i][x1];
+        sum += (uint)a + b;
         scanned += (a > 0) + (b > 0);
     }
-    uint mean = scanned < 4 ? 0 : (2 * sum + scanned) / (2 * scanned);
-    return (uchar2)((uchar)((sum + 4) >> 3), (uchar)mean);
+    uchar mean = (uchar)(sum >> 3);
+    uchar marked = scanned == 8 ? max(mean, (uchar)(HALVED_LEAST)) : (uchar)(scanned ? HALVED_PARTLY : 0);
+    return (uchar2)(mean, marked);
 }
 
 /* Where row (y, z) of `mean` begins. */
@@ -52,44 +56,39 @@ INLINE ushort16 pair_sums(ushort16 pairs) {
     return (pairs & (ushort16)(0xff)) + (pairs >> (ushort16)(8));
 }
 
-/* The mean of the scanned voxels where not all are. */
-INLINE uchar16 scanned_means(ushort16 sum, ushort16 count) {
-    int16 n = convert_int16(count);
-    return convert_uchar16(select(rounded_mean(convert_int16(sum), max(n, 1)), (int16)(0), n < 4));
-}
-
-INLINE bool any_zero(uchar16 v) {
-    ulong2 zero = as_ulong2(v == (uchar16)(0));
-    return (zero.x | zero.y) != 0;
+/* All ones in pairs one of which is 0. */
+INLINE ushort16 zero_in_pair(ushort16 pairs) {
+    ushort16 zero = (pairs - (ushort16)(0x0101)) & ~pairs & (ushort16)(0x8080);
+    return as_ushort16(zero != (ushort16)(0));
 }
 
 /* global: (1, 1, slices). */
 WIDE __kernel void halve_volume(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *mean,
-                                __global uchar *scanned) {
+                                __global uchar *marked) {
     int z = (int)get_global_id(2);
     for (int y = 0; y < half_dims.y; y++) {
         four_rows r = rows_below(voxels, dims, 2 * y, 2 * z);
-        __global uchar *to = scanned + ((size_t)z * half_dims.y + y) * half_dims.x;
+        __global uchar *to = marked + ((size_t)z * half_dims.y + y) * half_dims.x;
         __global uchar *all = half_dims.w < 0 ? to : mean + mean_row(half_dims, y, z);
         int x = 0;
         for (; x + 32 <= dims.x; x += 32) {
-            uchar16 least = (uchar16)(255);
-            ushort16 sum = (ushort16)(0), number = (ushort16)(0);
+            uchar16 least_a = (uchar16)(255), least_b = (uchar16)(255), most_a = (uchar16)(0),
+                    most_b = most_a;
+            ushort16 sum = (ushort16)(4);
             for (int i = 0; i < 4; i++) {
                 uchar16 a = vload16(0, r.row[i] + x), b = vload16(1, r.row[i] + x);
-                least = min(least, min(a, b));
+                least_a = min(least_a, a);
+                least_b = min(least_b, b);
+                most_a = max(most_a, a);
+                most_b = max(most_b, b);
                 sum += pair_sums(sixteen_pairs(a, b));
             }
-            uchar16 whole = convert_uchar16((sum + (ushort16)(4)) >> (ushort16)(3));
-            store_bytes(whole, all + x / 2);
-            if (any_zero(least)) {
-                for (int i = 0; i < 4; i++) {
-                    uchar16 a = vload16(0, r.row[i] + x), b = vload16(1, r.row[i] + x);
-                    number += pair_sums(sixteen_pairs(min(a, (uchar16)(1)), min(b, (uchar16)(1))));
-                }
-                whole = scanned_means(sum, number);
-            }
-            store_bytes(whole, to + x / 2);
+            sum >>= (ushort16)(3);
+            store_bytes(convert_uchar16(sum), all + x / 2);
+            ushort16 part = zero_in_pair(sixteen_pairs(least_a, least_b));
+            ushort16 some = as_ushort16(sixteen_pairs(most_a, most_b) != (ushort16)(0));
+            sum = (max(sum, (ushort16)(HALVED_LEAST)) & ~part) | ((ushort16)(HALVED_PARTLY)&part & some);
+            store_bytes(convert_uchar16(sum), to + x / 2);
         }
         for (; x < dims.x; x += 2) {
             uchar2 both = halved(r, dims.x, x);
@@ -100,10 +99,10 @@ WIDE __kernel void halve_volume(__global const uchar *voxels, int4 dims, int4 ha
 }
 #else
 __kernel void halve_volume(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *mean,
-                           __global uchar *scanned) {
+                           __global uchar *marked) {
     int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2);
     uchar2 both = halved(rows_below(voxels, dims, 2 * y, 2 * z), dims.x, 2 * x);
     if (half_dims.w >= 0) mean[mean_row(half_dims, y, z) + x] = both.x;
-    scanned[((size_t)z * half_dims.y + y) * half_dims.x + x] = both.y;
+    marked[((size_t)z * half_dims.y + y) * half_dims.x + x] = both.y;
 }
 #endif

@@ -57,7 +57,7 @@ WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __glob
     }
     ushort sums[MAX_HALF + 16];
     int x = 0;
-    for (; x + 16 <= dims.x; x += 16) store_words(weigh_rows(half_size + begin + x, row, slice), sums + x);
+    for (; x + 16 <= dims.x; x += 16) STORE(weigh_rows(half_size + begin + x, row, slice), sums + x);
     for (; x < dims.x; x++) sums[x] = weigh_row(half_size + begin + x, row, slice);
     out[begin] = out[begin + dims.x - 1] = 0;
     for (x = 1; x + 16 < dims.x; x += 16) {
@@ -95,14 +95,14 @@ WIDE __kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cel
     int y = (int)get_global_id(1), z = (int)get_global_id(2), block = cells.w;
     int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
     float sums[MAX_HALF + 16];
-    for (int x = 0; x < dims.x; x += 16) store_floats((float16)(0.0f), sums + x);
+    for (int x = 0; x < dims.x; x += 16) STORE((float16)(0.0f), sums + x);
     for (int k = z * block; k < z1; k++)
         for (int j = y * block; j < y1; j++) {
             __global const uchar *row = smooth + ((size_t)k * dims.y + j) * dims.x;
             int x = 0;
             for (; x + 16 <= dims.x; x += 16) {
                 float16 value = (convert_float16(vload16(0, row + x)) - window.x) * window.y;
-                store_floats(vload16(0, sums + x) + clamp(value, 0.0f, 1.0f), sums + x);
+                STORE(vload16(0, sums + x) + clamp(value, 0.0f, 1.0f), sums + x);
             }
             for (; x < dims.x; x++) sums[x] += clamp(((float)row[x] - window.x) * window.y, 0.0f, 1.0f);
         }

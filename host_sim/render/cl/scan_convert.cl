@@ -87,6 +87,13 @@ INLINE vi gather_nearest(__global const uchar *voxels, int4 dims, int4 grid, lat
     return packed;
 }
 
+/* The mean of the scanned ones of so many samples; 0 if they are less than half of them. */
+INLINE vi mean_of(vi packed, int samples) {
+    vi sum = packed & (PACKED_ONE - 1), count = packed >> 20;
+    vi mean = clamp(rounded_mean(sum, max(count, (vi)(1))), 1, 255);
+    return select(mean, (vi)(0), MASK(2 * count < samples));
+}
+
 /*
  * Means of nearest voxels, in integers: for voxels of the low-resolution volume that span several of the
  * source. size: width, height, first slice, fraction bits; layout: tiles_x, tile_w, tile_h, row_pitch.
@@ -110,9 +117,7 @@ WIDE __kernel void convert_nearest(__global const uchar *voxels, int4 dims, int4
     if (inside > 0) {
         vi packed = inside == 2 ? gather_nearest(voxels, dims, grid, l, start, 0)
                                 : gather_nearest(voxels, dims, grid, l, start, 1);
-        vi sum = packed & (PACKED_ONE - 1), count = packed >> 20;
-        mean = clamp(rounded_mean(sum, max(count, (vi)(1))), 1, 255);
-        mean = select(mean, (vi)(0), MASK(2 * count < grid.x * grid.y * grid.z));
+        mean = mean_of(packed, grid.x * grid.y * grid.z);
     }
     store_packet(slab + offset, layout, size, at, slice, mean);
 }

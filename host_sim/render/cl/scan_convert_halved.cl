@@ -2,7 +2,8 @@
 /*
  * Scan conversion from the halved volume (cl/halve.cl): trilinear samples in integers, so that every device
  * makes the same bytes (host_sim/render/scan_convert.h defines the result). A halved voxel is a mean of
- * eight, so one sample does what some twenty would do in the source, from an eighth of the bytes.
+ * eight, so one sample does what some twenty would do in the source, from an eighth of the bytes. At the
+ * edge of what was scanned the nearest voxels of the source count, as in convert_nearest.
  */
 #define WEIGHT_BITS 8 /* of a position between two voxels: a sample's weights add up to 1 << 8 */
 
@@ -24,14 +25,15 @@ typedef struct {
     vi fx, fy, fz;
 } fixed_cell;
 
+/* A position's lower voxel and its fraction; in the outer half voxel those of the nearest one. */
 INLINE vi split_fixed(vi position, int count, int bits, vi *fraction) {
-    vi p = clamp(position, (vi)(0), (vi)((count - 1) << bits));
+    vi p = clamp(position, (vi)(0), (vi)((count - 1) << bits)) + (1 << (bits - WEIGHT_BITS - 1));
     vi i = min(p >> bits, (vi)(max(count - 2, 0)));
-    *fraction = (p - (i << bits) + (1 << (bits - WEIGHT_BITS - 1))) >> (bits - WEIGHT_BITS);
+    *fraction = (p - (i << bits)) >> (bits - WEIGHT_BITS);
     return i;
 }
 
-INLINE fixed_cell fetch_fixed(__global const uchar *voxels, int4 dims, vi x, vi y, vi z, int bits) {
+INLINE fixed_cell fetch_fixed(__global const uchar *halved, int4 dims, vi x, vi y, vi z, int bits) {
     fixed_cell c;
     vi ix = split_fixed(x, dims.x, bits, &c.fx);
     vi iy = split_fixed(y, dims.y, bits, &c.fy);
@@ -39,8 +41,8 @@ INLINE fixed_cell fetch_fixed(__global const uchar *voxels, int4 dims, vi x, vi 
     vi i = (iz * dims.y + iy) * dims.x + ix;
     /* An axis with a single voxel has no second neighbour; its fraction is 0. */
     int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
-    c.near = SQUARES(voxels, row, i);
-    c.far = SQUARES(voxels + slice, row, i);
+    c.near = SQUARES(halved, row, i);
+    c.far = SQUARES(halved + slice, row, i);
     return c;
 }
 
@@ -65,44 +67,15 @@ INLINE vi blend_fixed(fixed_cell c) {
     return ((a << WEIGHT_BITS) + (b - a) * c.fz + (1 << (WEIGHT_BITS - 1))) >> WEIGHT_BITS;
 }
 
-/* Not 0 in words one of whose bytes is 0. */
-INLINE vu zero_in(vu words) {
-    return (words - 0x01010101u) & ~words & 0x80808080u;
-}
-
-/* 1 in every byte that is not 0. */
-INLINE vu ones(vu words) {
-    vu high = (words & 0x7f7f7f7fu) + 0x7f7f7f7fu;
-    return ((high | words) >> 7) & 0x01010101u;
-}
-
-INLINE bool all_scanned(fixed_cell c) {
-    vu zeros = zero_in(c.near) | zero_in(c.far);
-#if LANES == 16
-    ulong8 any = as_ulong8(zeros);
-    ulong4 half_of = any.lo | any.hi;
-    return (half_of.x | half_of.y | half_of.z | half_of.w) == 0;
-#else
-    return zeros == 0;
-#endif
-}
-
-/* The same cell with 1 for every scanned voxel: its blend is the scanned share of a sample. */
-INLINE fixed_cell scanned_fixed(fixed_cell c) {
-    c.near = ones(c.near);
-    c.far = ones(c.far);
-    return c;
-}
-
-/* What a packet's samples come to: intensities and scanned shares, both times 1 << WEIGHT_BITS. */
+/* What a packet's samples come to: their sum, times 1 << WEIGHT_BITS; -1 in lanes all of whose samples lie
+ * between whole voxels, or in those none of whose samples lies beside anything scanned. */
 typedef struct {
-    vi sum, share;
+    vi sum, whole, empty;
 } fixed_sum;
 
-/* dims: halved voxels; limit: the volume's far faces, in positions. guard: some sample may lie outside. */
-INLINE fixed_sum gather_halved(__global const uchar *voxels, int4 dims, int4 limit, int4 grid, lattice l,
-                               int4 start, int guard) {
-    fixed_sum out = {(vi)(0), (vi)(0)};
+INLINE fixed_sum gather_halved(__global const uchar *halved, int4 dims, int4 limit, int4 grid, lattice l,
+                               int4 start) {
+    fixed_sum out = {(vi)(0), (vi)(-1), (vi)(-1)};
     vi lane_x = TO_VI(LANE_X) * grid.x, lane_y = TO_VI(LANE_Y) * grid.y;
     vi px = start.x + lane_x * l.dx.x + lane_y * l.dy.x;
     vi py = start.y + lane_x * l.dx.y + lane_y * l.dy.y;
@@ -112,19 +85,27 @@ INLINE fixed_sum gather_halved(__global const uchar *voxels, int4 dims, int4 lim
         for (int j = 0; j < grid.y; j++) {
             int4 at = j * l.dy + k * l.dz;
             for (int i = 0; i < grid.x; i++, at += l.dx) {
-                vi x = px + at.x, y = py + at.y, z = pz + at.z, in = (vi)(-1);
-                if (guard)
-                    in = MASK((x >= face) & (x <= limit.x) & (y >= face) & (y <= limit.y) & (z >= face) &
-                              (z <= limit.z));
-                fixed_cell c = fetch_fixed(voxels, dims, x, y, z, l.bits);
-                vi share = (vi)(1 << WEIGHT_BITS);
-                if (!all_scanned(c)) share = blend_fixed(scanned_fixed(c));
-                out.sum += blend_fixed(c) & in;
-                out.share += share & in;
+                vi x = px + at.x, y = py + at.y, z = pz + at.z;
+                vi in = MASK((x >= face) & (x <= limit.x) & (y >= face) & (y <= limit.y) & (z >= face) &
+                             (z <= limit.z));
+                fixed_cell c = fetch_fixed(halved, dims, x, y, z, l.bits);
+                /* A byte below HALVED_LEAST borrows. */
+                vu low = ((c.near - 0x02020202u) & ~c.near) | ((c.far - 0x02020202u) & ~c.far);
+                out.whole &= in & MASK((low & 0x80808080u) == 0);
+                out.empty &= ~in | MASK((c.near | c.far) == 0);
+                out.sum += blend_fixed(c);
             }
         }
     }
     return out;
+}
+
+INLINE int all_lanes(vi mask) {
+#if LANES == 16
+    return all(mask);
+#else
+    return mask;
+#endif
 }
 
 #if LANES == 16
@@ -133,33 +114,40 @@ INLINE fixed_sum gather_halved(__global const uchar *voxels, int4 dims, int4 lim
 #define RUN 1
 #endif
 
+/* The packet's mean from the source's nearest voxels: two samples an axis where `halved` has one. */
+INLINE vi nearest_mean(__global const uchar *voxels, int4 dims, int4 grid, lattice l, int4 start) {
+    int4 first = 2 * start + (1 << l.bits) - (l.dx + l.dy + l.dz) / 2;
+    vi packed = gather_nearest(voxels, dims, 2 * grid, l, first, 1);
+    return mean_of(packed, 8 * grid.x * grid.y * grid.z);
+}
+
 /*
- * Arguments as convert_nearest; positions are those of the halved volume. limit: the volume's far faces.
+ * Arguments as convert_nearest, with the halved volume before them; positions are those of its voxels.
  * global: (runs of packets in a row, slices of the slab, rows of packets). A run goes past what lies outside
  * the volume at little cost: of a turned camera's box that is more than half.
  */
-WIDE __kernel void convert_halved(__global const uchar *voxels, int4 dims, int4 limit, int4 grid, int4 origin,
-                                  int4 dx, int4 dy, int4 dz, int4 size, int4 layout, __global uchar *slab,
-                                  ulong offset) {
+WIDE __kernel void convert_halved(__global const uchar *halved, int4 half_dims, __global const uchar *voxels,
+                                  int4 dims, int4 grid, int4 origin, int4 dx, int4 dy, int4 dz, int4 size,
+                                  int4 layout, __global uchar *slab, ulong offset) {
     int slice = (int)get_global_id(1), first = (int)get_global_id(0) * RUN * PACKET_W;
     place at = {first, (int)get_global_id(2) * PACKET_H, size.z + slice};
     lattice l = {origin, dx, dy, dz, size.w};
     int4 start = origin + at.x * grid.x * dx + at.y * grid.y * dy + at.z * grid.z * dz;
     int4 next = PACKET_W * grid.x * dx;
     int4 xs = (PACKET_W * grid.x - 1) * dx, ys = (PACKET_H * grid.y - 1) * dy, zs = (grid.z - 1) * dz;
-    int4 low = start + min(xs, 0) + min(ys, 0) + min(zs, 0), face = (int4)(-(1 << (l.bits - 1)));
+    int4 low = start + min(xs, 0) + min(ys, 0) + min(zs, 0);
     int4 high = start + max(xs, 0) + max(ys, 0) + max(zs, 0);
-    vi whole = (vi)(grid.x * grid.y * grid.z << WEIGHT_BITS);
-    limit.w = INT_MAX; /* there are three axes */
-    face.w = INT_MIN;
+    int4 limit = (dims - 1) << (l.bits - 1), near_face = (int4)(-(1 << (l.bits - 1))), far_face = limit;
+    near_face.w = INT_MIN; /* there are three axes */
+    far_face.w = INT_MAX;
+    int samples = grid.x * grid.y * grid.z;
     for (; at.x < min(first + RUN * PACKET_W, size.x); at.x += PACKET_W) {
         vi mean = (vi)(0);
-        if (!any(high<face | low> limit)) {
-            fixed_sum s = all(low >= face & high <= limit)
-                              ? gather_halved(voxels, dims, limit, grid, l, start, 0)
-                              : gather_halved(voxels, dims, limit, grid, l, start, 1);
-            mean = clamp(rounded_mean(s.sum, max(s.share, (vi)(1))), 1, 255);
-            mean = select(mean, (vi)(0), MASK(2 * s.share < whole));
+        if (!any(high<near_face | low> far_face)) {
+            fixed_sum s = gather_halved(halved, half_dims, limit, grid, l, start);
+            mean = select((vi)(0), rounded_mean(s.sum, (vi)(samples << WEIGHT_BITS)), s.whole);
+            if (!all_lanes(s.whole | s.empty))
+                mean = select(nearest_mean(voxels, dims, grid, l, start), mean, s.whole | s.empty);
         }
         store_packet(slab + offset, layout, size, at, slice, mean);
         start += next;

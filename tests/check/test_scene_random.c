@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT */
+/* Random scenes: the same seed gives the same file on every machine, every number lies in its range,
+ * every share is kept, every scene opens and has an exact truth. And fields that are set otherwise. */
+#include "scene/scene_draw.h"
+#include "scene/scene_override.h"
+#include "scene/scene_ranges.h"
+#include "support/scene_fixture.h"
+
+#include <jansson.h>
+#include <zlib.h>
+
+/* Whole numbers make the text, so its sum is the same everywhere. It changes when the table or the
+ * drawing does: then the scenes of a seed are others, and figures that were measured on them are to be
+ * measured again. */
+static void a_seed_is_a_text(void **state) {
+    (void)state;
+    uLong crc = 0;
+    for (uint32_t i = 0; i < 200; i++) {
+        char *text = hs_scene_draw(7, i), *again = hs_scene_draw(7, i), *other = hs_scene_draw(8, i);
+        assert_string_equal(text, again);
+        assert_string_not_equal(text, other);
+        crc = crc32_z(crc, (const Bytef *)text, strlen(text));
+        free(text);
+        free(again);
+        free(other);
+    }
+    assert_int_equal((uint32_t)crc, 0xbf25ca0cu);
+}
+
+/* What a drawn number may be: on the steps of its range, both ends included and reached. */
+static void numbers_lie_in_their_ranges(void **state) {
+    (void)state;
+    for (int id = 0; id < HS_RANGE_COUNT; id++) {
+        const hs_range *r = &hs_scene_ranges[id];
+        int32_t low = INT32_MAX, high = INT32_MIN;
+        assert_non_null(r->key);
+        assert_true(r->step > 0 && r->low <= r->high && (r->high - r->low) % r->step == 0);
+        for (uint64_t key = 1; key < 3000; key++) {
+            const int32_t v = hs_range_draw(hs_random_key(key, 0), (hs_range_id)id, 0);
+            assert_true(v >= r->low && v <= r->high && (v - r->low) % r->step == 0);
+            low = v < low ? v : low;
+            high = v > high ? v : high;
+        }
+        assert_int_equal(low, r->low);
+        assert_int_equal(high, r->high);
+        for (int before = 0; before < id; before++)
+            assert_string_not_equal(r->key, hs_scene_ranges[before].key);
+    }
+}
+
+static bool holds(const json_t *root, const char *list, const char *type) {
+    size_t i;
+    json_t *one;
+    json_array_foreach(json_object_get(root, list), i, one) {
+        if (strcmp(json_string_value(json_object_get(one, "type")), type) == 0) return true;
+    }
+    return false;
+}
+
+/* Of a thousand scenes; three standard deviations of a share of p are 300 sqrt(p (1 - p) / 1000)
+ * percent. A kind of scene that excludes another takes a little from its share. */
+static void shares_are_kept(void **state) {
+    (void)state;
+    enum { SCENES = 1000, SHARES = 9 };
+    static const struct {
+        const char *list, *type;
+        double low, high; /* percent */
+    } expected[SHARES] = {
+        {"structures", "bladder", 8, 15},     {"structures", "nuchal_cord", 4, 11},
+        {"structures", "cord", 37, 50},       {"structures", "cloud", 37, 50},
+        {"artefacts", "haze", 60, 75},        {"artefacts", "slice_thickness", 55, 65},
+        {"artefacts", "dark_corner", 30, 40}, {"artefacts", "edge_shadow", 76, 84},
+        {"artefacts", "side_lobes", 35, 45},
+    };
+    double found[SHARES] = {0}, fetuses[3] = {0}, turned = 0.0, touching = 0.0;
+    for (uint32_t s = 0; s < SCENES; s++) {
+        char *text = hs_scene_draw(3, s);
+        json_t *root = json_loads(text, 0, NULL), *one;
+        size_t i, count = 0;
+        assert_non_null(root);
+        for (int k = 0; k < SHARES; k++) found[k] += holds(root, expected[k].list, expected[k].type);
+        bool touches = false;
+        json_array_foreach(json_object_get(root, "structures"), i, one) {
+            count += strcmp(json_string_value(json_object_get(one, "type")), "fetus") == 0;
+            touches = touches || json_number_value(json_object_get(one, "gap_mm")) < 0.0;
+        }
+        assert_true(count <= 2);
+        fetuses[count] += 1.0;
+        touching += touches;
+        turned += json_object_get(root, "camera_deg") != NULL;
+        json_decref(root);
+        free(text);
+    }
+    for (int k = 0; k < SHARES; k++) {
+        printf("%s: %.1f %%\n", expected[k].type, 100.0 * found[k] / SCENES);
+        assert_true(found[k] * 100.0 / SCENES >= expected[k].low &&
+                    found[k] * 100.0 / SCENES <= expected[k].high);
+    }
+    printf("no fetus %.1f %%, twins %.1f %%, turned %.1f %%, touching %.1f %%\n", fetuses[0] / 10.0,
+           fetuses[2] / 10.0, turned / 10.0, touching / 10.0);
+    assert_near(fetuses[0] / SCENES, 0.05, 0.021);
+    assert_near(fetuses[2] / SCENES, 0.053, 0.022);
+    assert_near(turned / SCENES, 0.165, 0.036);
+    assert_true(touching > 0.2 * SCENES && touching < 0.4 * SCENES);
+}
+
+/* Every one can be opened, its gaps found, and made; the truth is exact. Frames, threads and sizes do
+ * not matter to it. */
+static void random_scenes_are_scenes(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < 16; i++) {
+        char name[32];
+        hs_scene_data d;
+        hs_error err = {0};
+        (void)snprintf(name, sizeof name, "R11_%u", i);
+        hs_scene *scene = hs_scene_open(name, &err);
+        if (!scene) fail_msg("%s", err.text);
+        assert_string_equal(hs_scene_name(scene), name);
+        hs_scene_close(scene);
+        make_scene(name, 40, 2, 0, 0, &d, NULL);
+        for (size_t p = 0; p < (size_t)40 * 40; p++) check_scene_pixel(&d, p);
+        hs_scene_free(&d);
+    }
+}
+
+static void names_are_read_strictly(void **state) {
+    (void)state;
+    static const char *const good[] = {"R0_0", "R7_3", "R18446744073709551_99999"};
+    static const char *const bad[] = {"R7",    "R_1",       "R7_",   "R-1_2", "R7_03",
+                                      "R07_3", "R7_100000", "R7_3 ", "r7_3",  "R7_3x"};
+    uint64_t seed;
+    uint32_t number;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        assert_true(hs_scene_drawn_name(good[i], &seed, &number));
+    assert_int_equal(seed, 18446744073709551u);
+    assert_int_equal(number, 99999);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (hs_scene_drawn_name(bad[i], &seed, &number)) fail_msg("'%s' is taken for a random scene", bad[i]);
+}
+
+/* A scene of two lists, with one assignment; `expected` is what its compact text then holds. */
+static void fields_are_set_otherwise(void **state) {
+    (void)state;
+    static const char text[] = "{\"name\":\"t\",\"structures\":[{\"type\":\"fetus\",\"scale\":1.0}],"
+                               "\"artefacts\":[{\"type\":\"noise\",\"level_db\":-67}]}";
+    static const struct {
+        const char *set, *expected;
+    } good[] = {
+        {"structures[0].scale=0.5", "{\"type\":\"fetus\",\"scale\":0.5}"},
+        {"structures[0].position_mm=[1,2,3]", "\"position_mm\":[1,2,3]"},
+        {"artefacts.noise.level_db=-60", "[{\"type\":\"noise\",\"level_db\":-60}]"},
+        {"artefacts.haze=on", "{\"type\":\"noise\",\"level_db\":-67},{\"type\":\"haze\"}]"},
+        {"artefacts.haze.level_db=-9", "{\"type\":\"haze\",\"level_db\":-9}]"},
+        {"artefacts.noise=off", "\"artefacts\":[]"},
+        {"name=other", "\"name\":\"other\""},
+        {"display.gain_db=3", "\"display\":{\"gain_db\":3}"},
+        {"structures[0]=off", "\"structures\":[]"},
+    };
+    static const char *const bad[] = {
+        "name",     "=1",           "structures[1].scale=1", "structures[0=1", "structures..scale=1",
+        "name.x=1", "artefacts.=1", "structures[x].scale=1", "name="};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        hs_error err = {0};
+        char *changed = hs_scene_override("t.json", text, good[i].set, &err);
+        if (!changed) fail_msg("%s", err.text);
+        json_t *root = json_loads(changed, 0, NULL);
+        char *compact = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(6));
+        if (!strstr(compact, good[i].expected)) fail_msg("%s gave %s", good[i].set, compact);
+        free(compact);
+        json_decref(root);
+        free(changed);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        hs_error err = {0};
+        char *changed = hs_scene_override("t.json", text, bad[i], &err);
+        if (changed) fail_msg("'%s' was taken", bad[i]);
+        assert_int_equal(err.code, HS_ERR_USAGE);
+        assert_non_null(strstr(err.text, "--set: '"));
+    }
+}
+
+/* Each of the new artefacts can be switched on in an old scene, by its name alone, and changes the
+ * picture, but not the truth's interval. */
+static void artefacts_are_switched(void **state) {
+    (void)state;
+    static const char *const sets[] = {"artefacts.haze=on", "artefacts.slice_thickness=on",
+                                       "artefacts.dark_corner=on", "structures[0].soft_mm=4",
+                                       "structures[0].echo_db=-6"};
+    hs_scene_data plain, other;
+    make_scene("E01", 64, 2, 0, 0, &plain, NULL);
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
+        hs_error err = {0};
+        hs_scene *scene = hs_scene_open_with("E01", &sets[i], 1, &err);
+        if (!scene) fail_msg("%s", err.text);
+        const hs_scene_options options = {.size = 64, .threads = 2};
+        assert_true(hs_scene_frame(scene, &options, &other, NULL, &err));
+        size_t changed = 0;
+        for (size_t v = 0; v < hs_volume_count(&plain.full); v++)
+            changed += plain.full.voxels[v] != other.full.voxels[v];
+        assert_true(changed > hs_volume_count(&plain.full) / 200);
+        assert_memory_equal(plain.label, other.label, (size_t)64 * 64);
+        assert_memory_equal(plain.tissue, other.tissue, hs_volume_count(&plain.full));
+        hs_scene_free(&other);
+        hs_scene_close(scene);
+    }
+    hs_scene_free(&plain);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_seed_is_a_text),        cmocka_unit_test(numbers_lie_in_their_ranges),
+        cmocka_unit_test(shares_are_kept),         cmocka_unit_test(random_scenes_are_scenes),
+        cmocka_unit_test(names_are_read_strictly), cmocka_unit_test(fields_are_set_otherwise),
+        cmocka_unit_test(artefacts_are_switched),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A frame of the scan loop allocates nothing, and creates, builds and releases no OpenCL object: volumes that
+ * follow each other, both looks, stage by stage and in flow; seen through an interposed heap and OpenCL.
+ */
+#include "spy/cl_spy.h"
+#include "spy/heap_spy.h"
+#include "support/loop_fixture.h"
+
+static void frames_take_no_memory(void **state) {
+    fixture *f = *state;
+    const sv_param_value value = {.id = DEPTH, .value = 5};
+    hs_error err = {0};
+    if (!heap_spy_works()) skip();
+    f->source.count = 2; /* two volumes in turns */
+    for (int n = 0; n < 8; n++) {
+        hs_loop_options o = options_with(&value, 1);
+        o.live = true;
+        o.in_flow = n & 1;
+        o.dvr.look = n & 2 ? HS_LOOK_LIT : HS_LOOK_THESIS;
+        o.yaw = n & 4 ? 25 : 0;
+        hs_loop *loop = make_loop(f, &o);
+        hs_frame frame;
+        /* Buffers around the two volumes' memory are made when each comes for the first time. */
+        for (uint32_t i = 0; i < 2; i++)
+            assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
+        spy_watch((const void *)&f->cl); /* static: it lies in this program, as the host does */
+        heap_spy_watch((const void *)&f->cl);
+        spy_reset();
+        heap_spy_reset();
+        for (uint32_t i = 2; i < FRAMES; i++)
+            for (int setting = 0; setting < HS_SETTING_COUNT; setting++)
+                if (!hs_loop_frame(loop, (hs_setting)setting, i, &frame, &err)) fail_msg("%s", err.text);
+        const uint32_t allocations = heap_spy_count();
+        assert_true(spy_count(SPY_ENQUEUE) > 0); /* the spy sees the host */
+        if (allocations || spy_count(SPY_CREATE) || spy_count(SPY_BUILD) || spy_count(SPY_RELEASE))
+            fail_msg("way %d: %u allocations, %u created (%s), %u built, %u released", n, allocations,
+                     spy_count(SPY_CREATE), spy_first(SPY_CREATE), spy_count(SPY_BUILD),
+                     spy_count(SPY_RELEASE));
+        assert_true(frame.clipped);
+        hs_loop_destroy(loop);
+    }
+    f->source.count = 1;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(frames_take_no_memory)};
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,126 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# sv_sites end to end on small cases that scenes export: every command, foreign files, wrong ones. Called with the source and
+# the build folder.
+set -u
+build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+. "$1/tests/support/holds.sh"
+
+# code WANTED ARGUMENTS...: the exit code of sv_sites; its output is in $work/stdout and stderr.
+code() {
+    local wanted=$1
+    shift
+    "$build/sv_sites" "$@" > "$work/stdout" 2> "$work/stderr"
+    local found=$?
+    if [ $found -ne "$wanted" ]; then
+        echo "FAIL: sv_sites $*: exit code $found, expected $wanted"
+        cat "$work/stderr"
+        failed=$((failed + 1))
+    fi
+}
+
+# map NAME SIDE CHARACTER: one slice of SIDE x SIDE bytes.
+map() {
+    printf 'ObjectType = Image\nNDims = 3\nDimSize = %d %d 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n' "$2" "$2" > "$1"
+    head -c $(($2 * $2)) /dev/zero | tr '\0' "$3" >> "$1"
+}
+
+# export SCENE SIZE: the scene's files, as FULL,TRUTH,LABEL.
+export_scene() {
+    "$build/host_sim" scenes "$1" --size "$2" --export --out "$work/$1_$2" > /dev/null 2>&1 || return 1
+    echo "$(find "$work/$1_$2" -name '*_full.mha'),$(find "$work/$1_$2" -name '*_truth.mha'),$(find "$work/$1_$2" -name '*_label.mha')"
+}
+
+case=$(export_scene E04 64)
+holds [ -n "$case" ]
+
+# --- the table: what clips nothing has the error that host_sim measures, by another renderer, of a map that clips nothing
+code 0 table --case "$case" --method 'method=mean evidence=1 min_gap=64'
+found=$(sed -n 's/^.*min_gap=64 *\([0-9.]*\) \/.*no confidence  1 refused$/\1/p' "$work/stdout")
+steps=$("$build/host_sim" measure --case "$case" --lowres 64 - | sed -n 's/.*"e_abs": \([0-9.]*\),/\1/p')
+holds awk -v found="$found" -v steps="$steps" 'BEGIN { d = found - steps * 128 / 64; exit !(steps > 1 && d < 0.05 && d > -0.05) }'
+
+# --- the methods: all are there, the best q is not worse than the default's, a confidence has an AUC and its calibration
+code 0 table --case "$case" --method 'best method=mean' --method method=mean --method method=wall
+error_of() { grep -- "$1" "$work/stdout" | head -n 1 | sed 's/^ *method[^ ]*\(, best q = [0-9.]*\)\? *//; s/ .*//'; }
+holds awk -v best="$(error_of 'best q = ')" -v given="$(error_of 'method=mean  ')" 'BEGIN { exit !(best != "" && given != "" && best <= given) }'
+holds grep -q 'method=wall .* AUC 0\.[0-9]*$\|method=wall .* AUC 1\.000$' "$work/stdout"
+holds grep -q 'method=wall: it says / right' "$work/stdout"
+# With maps that say that all was scanned, the zeros around the fan are black fluid: another answer.
+map "$work/from.mha" 64 '\0'
+map "$work/to.mha" 64 '@'
+cp "$work/stdout" "$work/without"
+code 0 table --case "$case,$work/from.mha,$work/to.mha" --method 'best method=mean' --method method=mean --method method=wall
+holds [ "$(cmp -s "$work/stdout" "$work/without"; echo $?)" = 1 ]
+# sv_surfaces takes the same case, and gives the same numbers.
+holds [ "$("$build/sv_surfaces" --case "$case" | grep 'best q' | sed 's/ *worst.*//')" = "$(grep 'best q' "$work/without" | sed 's/ *worst.*//')" ]
+
+# --- no harm: four variants of every method; bare, nothing is cut by method wall
+code 0 harm --case "$case" --method method=wall --method method=cost
+holds [ "$(grep -c 'method=wall  *. of   1 refused' "$work/stdout")" -eq 4 ]
+holds [ "$(grep -c '^  bare, .*method=wall .* 0 cut above 2 %' "$work/stdout")" -eq 2 ]
+
+# --- flicker of a sequence of files: the same frame twice does not flicker
+code 0 flicker --case "$case" --case "$case" --method method=wall
+holds grep -q '^  files, 2 frames: the truth moves by 0.00' "$work/stdout"
+holds grep -q '^    method=wall  *+0.00 ' "$work/stdout"
+holds [ "$(grep -c 'the truth moves' "$work/stdout")" -eq 1 ]
+
+# --- the reverse protocol between a folder and files; the row of a site is that of the constants chosen on it
+small=$(export_scene D01 32)
+IFS=, read -r full truth label <<< "$small"
+mkdir "$work/site"
+for name in E01 E02 E03 E04 M01 M02 M03 D01 D02; do
+    cp "$full" "$work/site/${name}_full.mha"
+    cp "$truth" "$work/site/${name}_truth.mha"
+    cp "$label" "$work/site/${name}_label.mha"
+done
+map "$work/site/scan_first.mha" 32 '\0'
+map "$work/site/scan_end.mha" 32 ' '
+code 0 reverse --rounds 1 --site "$work/site" --case "$(export_scene E04 32)"
+holds [ "$(grep -c '^  chosen on ' "$work/stdout")" -eq 2 ]
+holds [ "$(grep -c '^    on .* largest ratio' "$work/stdout")" -eq 6 ]
+# row LINE: what is minimised, from the printed error, cut and left; found LINE: what the search says.
+row() {
+    grep '^    on ' "$work/stdout" | sed -n "$1p" | sed 's/^.* \([0-9.]*\) \/ *\([0-9.]*\) \/ *\([0-9.]*\)  worst.*/\1 \2 \3/' |
+        awk '{ print $1 / 0.7 + $2 / 1.5 + $3 / 2 }'
+}
+found() { grep '^  chosen on ' "$work/stdout" | sed -n "$1p" | tr -c '0-9.\n' ' ' | awk '{ print $(NF - 1) < $NF ? $(NF - 1) : $NF }'; }
+holds awk -v row="$(row 3)" -v found="$(found 1)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.02 && d > -0.02) }'
+holds awk -v row="$(row 6)" -v found="$(found 2)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.02 && d > -0.02) }'
+code 2 reverse --site "$work/site"
+holds grep -q 'two sites are needed, 1 given' "$work/stderr"
+
+# --- the page: one file, five cases of the case, every picture inlined with a text
+code 0 page --case "$case" --out "$work/page" --method method=wall
+page=$work/page/index.html
+holds [ "$(grep -o '<h3>' "$page" | wc -l)" -eq 5 ]
+pictures=$(grep -o '<img ' "$page" | wc -l)
+holds [ "$pictures" -ge $((5 * 5)) ]
+holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
+holds [ "$(grep -c 'https\?://\|<link\|url(\|src="[^d]' "$page")" -eq 0 ]
+
+# --- what is wrong
+code 2
+code 2 nothing
+holds grep -q "'nothing' is no command" "$work/stderr"
+code 2 table --nothing
+code 2 table --scenes 1
+code 2 table --random 7,0
+code 2 table --case "$full"
+holds grep -q 'FULL,TRUTH,LABEL' "$work/stderr"
+code 3 table --site "$work/nowhere"
+holds grep -q 'nowhere/E01_full.mha' "$work/stderr"
+code 3 table --case "$full,$truth,$truth"
+holds grep -q 'labels, expected 32 x 32 x 1' "$work/stderr"
+code 3 table --case "$small,$work/from.mha,$work/to.mha"
+holds grep -q 'from.mha:[0-9]*: DimSize is 64 64 1, expected 32 32 1' "$work/stderr"
+code 4 table --case "$small" --plugin "$build/tests/plugins/no_symbol.so"
+code 2 table --case "$small" --method method=wall --plugin "$build/tests/plugins/zeros.so"
+code 6 page --case "$small" --out /dev/null/page
+"$build/sv_wall" --case "$small" > "$work/stdout" 2>&1
+holds grep -q '^cases: ' "$work/stdout"
+
+[ $failed -eq 0 ]
