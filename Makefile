@@ -104,8 +104,8 @@ lint: ## format, house rules, include rule, clang warnings, clang-tidy, kernels,
 format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
-	@mkdir -p build-clang && scripts/python_env.sh build-clang/python python/requirements-lint.txt
-	@cd python && ../build-clang/python/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
+	@mkdir -p build-clang && scripts/python_env.sh build-clang/lint python/requirements-lint.txt
+	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build)
@@ -114,7 +114,8 @@ bench: setup ## times as ratios to plain C; speed against error of every method,
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
-# Scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
+# Hard scenes, scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
+HARD := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,--scene H$(n))
 UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
 CHOICE := --scenes 201,0 --scenes 104,3
 FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
@@ -122,6 +123,7 @@ FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard 
 sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
 	@$(call build,build)
 	build/sv_sites table $(UNSEEN) $(FOREIGN)
+	build/sv_sites table $(HARD)
 	build/sv_sites harm --scenes 201,0 $(FOREIGN)
 	build/sv_sites flicker
 	$(if $(SITE),build/sv_sites reverse $(CHOICE) $(FOREIGN))

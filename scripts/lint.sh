@@ -39,6 +39,7 @@ opencl() {
 }
 
 # Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names.
+# The benchmark's stands behind them.
 kernels() {
     local code=0 file lanes
     for file in cl/*/*.cl; do
@@ -47,23 +48,23 @@ kernels() {
         opencl -I cl -DSV_HALF_SUMS=1 -DSV_DOUBLES=1 "$file" || code=1
     done
     for lanes in 1 16; do
-        for file in host_sim/render/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
+        for file in host_sim/render/cl/*.cl bench/frame/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
             opencl -DLANES=$lanes - || code=1
     done
     return $code
 }
 
 # mypy and ruff in the versions of python/requirements-lint.txt. The tests' functions need no types of their own.
-python_tools() { scripts/python_env.sh "$build/python" python/requirements-lint.txt; }
+python_tools() { scripts/python_env.sh "$build/lint" python/requirements-lint.txt; }
 python_ruff() {
     python_tools && cd python &&
-        "$build/python/bin/ruff" check --quiet --no-cache . ../examples/python --config pyproject.toml &&
-        "$build/python/bin/ruff" format --quiet --no-cache --check . ../examples/python --config pyproject.toml
+        "$build/lint/bin/ruff" check --quiet --no-cache . ../examples/python --config pyproject.toml &&
+        "$build/lint/bin/ruff" format --quiet --no-cache --check . ../examples/python --config pyproject.toml
 }
 python_types() {
     python_tools && cd python &&
-        "$build/python/bin/mypy" --no-error-summary --cache-dir "$build/mypy" &&
-        MYPYPATH=tests:bench "$build/python/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --allow-untyped-defs \
+        "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" &&
+        MYPYPATH=tests:bench "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --allow-untyped-defs \
             --allow-incomplete-defs --allow-untyped-calls --allow-any-generics --no-warn-return-any tests ../examples/python
 }
 

@@ -81,8 +81,10 @@ bool surf_session_set(surf_session *s, const char *key, double value, hs_error *
 /* ---- a frame */
 
 static bool fits(const surf_session *s, const surf_volume *v) {
+    for (int axis = 0; axis < 3; axis++)
+        if (s->spacing_mm[axis] != v->spacing_mm[axis]) return false;
     return s->active && s->width == v->width && s->height == v->height && s->slices == v->slices &&
-           s->ranged == (v->first != NULL) && memcmp(s->spacing_mm, v->spacing_mm, sizeof s->spacing_mm) == 0;
+           s->ranged == (v->first != NULL);
 }
 
 static bool allocate(surf_session *s, hs_error *err) {

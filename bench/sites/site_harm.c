@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SIDE = 96, TURNS = 12 };
+enum { TURNS = 12 };
 static const double allowed = 0.02; /* share of the fetus that may be cut */
 
 /* One method on one kind of volume. */
@@ -104,24 +104,40 @@ static bool print_variants(team *t, const site_set *set, hs_error *err) {
     return true;
 }
 
-bool site_view_make(const wall_case *whole, int view, wall_case *out, hs_error *err) {
-    return wall_case_turn(whole, view / TURNS, 360.0 / TURNS * (view % TURNS), SIDE, out, err);
+bool site_view_make(const wall_case *whole, int view, uint32_t side, wall_case *out, hs_error *err) {
+    return wall_case_turn(whole, view / TURNS, 360.0 / TURNS * (view % TURNS), side, out, err);
 }
 
-/* The last row is for the occluders. */
-enum { ROWS = SITE_BARE_VIEWS + 1 };
+/* The last two rows are for the occluders, before coarse and fine views. */
+enum { ROWS = SITE_BARE_VIEWS + 2, FINE_ROW = ROWS - 1 };
 
-static bool judge_view(team *t, const wall_case *view, tally tallies[ROWS][SITE_MAX_METHODS], hs_error *err) {
-    for (int kind = 0; kind < ROWS; kind++) {
-        wall_case c;
-        if (kind < SITE_BARE_VIEWS ? !site_bare_view_make(view, (site_bare_view)kind, &c, err)
-                                   : !site_occluded_make(view, &c, err))
-            return false;
-        const bool ok = judge_all(t, &c, tallies[kind], err);
-        wall_case_free(&c);
-        if (!ok) return false;
-    }
-    return true;
+static const char *row_name(int row) {
+    if (row < SITE_BARE_VIEWS) return site_bare_view_name((site_bare_view)row);
+    return row == FINE_ROW ? "fine, behind occluders" : "behind occluders";
+}
+
+static bool judge_row(team *t, const wall_case *view, int row, tally tallies[SITE_MAX_METHODS],
+                      hs_error *err) {
+    wall_case c;
+    if (row < SITE_BARE_VIEWS ? !site_bare_view_make(view, (site_bare_view)row, &c, err)
+                              : !site_occluded_make(view, &c, err))
+        return false;
+    const bool ok = judge_all(t, &c, tallies, err);
+    wall_case_free(&c);
+    return ok;
+}
+
+/* All rows of one side of a volume. */
+static bool judge_side(team *t, const wall_case *whole, int view, tally tallies[ROWS][SITE_MAX_METHODS],
+                       hs_error *err) {
+    wall_case coarse = {0}, fine = {0};
+    bool ok = site_view_make(whole, view, SITE_COARSE, &coarse, err) &&
+              site_view_make(whole, view, SITE_FINE, &fine, err);
+    for (int row = 0; ok && row < ROWS; row++)
+        ok = judge_row(t, row == FINE_ROW ? &fine : &coarse, row, tallies[row], err);
+    wall_case_free(&coarse);
+    wall_case_free(&fine);
+    return ok;
 }
 
 static bool print_views(team *t, const char *path, hs_error *err) {
@@ -130,17 +146,10 @@ static bool print_views(team *t, const char *path, hs_error *err) {
     memset(tallies, 0, sizeof tallies);
     if (!wall_case_open(path, &whole, err)) return false;
     bool ok = true;
-    for (int i = 0; ok && i < SITE_VIEWS; i++) {
-        wall_case view;
-        ok = site_view_make(&whole, i, &view, err);
-        if (ok) ok = judge_view(t, &view, tallies, err);
-        wall_case_free(&view);
-    }
+    for (int i = 0; ok && i < SITE_VIEWS; i++) ok = judge_side(t, &whole, i, tallies, err);
     if (ok) printf("%s, %d views\n", whole.name, SITE_VIEWS);
     wall_case_free(&whole);
-    for (int kind = 0; ok && kind < ROWS; kind++)
-        print_all(t, kind < SITE_BARE_VIEWS ? site_bare_view_name((site_bare_view)kind) : "behind occluders",
-                  tallies[kind]);
+    for (int row = 0; ok && row < ROWS; row++) print_all(t, row_name(row), tallies[row]);
     return ok;
 }
 

@@ -5,10 +5,14 @@
 
 #include "sites/site_table.h"
 
-enum { SITE_VIEWS = 36 }; /* of a volume: 12 turns about each of three axes */
+enum {
+    SITE_VIEWS = 36,  /* of a volume: 12 turns about each of three axes */
+    SITE_COARSE = 96, /* voxels along a side of a view; */
+    SITE_FINE = 144   /* 1.8 and 1.2 mm each for a head */
+};
 
-/* View 0 .. SITE_VIEWS - 1 of a volume without a truth (wall_case_turn). */
-bool site_view_make(const wall_case *whole, int view, wall_case *out, hs_error *err);
+/* View 0 .. SITE_VIEWS - 1 of a volume without a truth, a cube of `side`^3 voxels (wall_case_turn). */
+bool site_view_make(const wall_case *whole, int view, uint32_t side, wall_case *out, hs_error *err);
 
 /* Prints for every method: the variants of every case (bare, without a fetus, with a bladder), and `count`
  * volumes that nothing hides, MetaImage files, from all sides, with and without scanned ranges, behind fluid

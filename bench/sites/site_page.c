@@ -96,7 +96,7 @@ static bool add_variants(book *b, hs_error *err) {
 static bool add_view(book *b, const wall_case *whole, int view, hs_error *err) {
     wall_case turned = {0}, bare = {0}, occluded = {0};
     char title[200];
-    bool ok = site_view_make(whole, view, &turned, err) &&
+    bool ok = site_view_make(whole, view, SITE_FINE, &turned, err) &&
               site_bare_view_make(&turned, SITE_AS_IT_IS, &bare, err) &&
               add_case(b, &bare, turned.name, err) && site_occluded_make(&turned, &occluded, err);
     (void)snprintf(title, sizeof title, "%s behind occluders", turned.name);

@@ -75,17 +75,17 @@ bool site_add_scenes(site_list *list, const char *text, hs_error *err) {
     return true;
 }
 
-static bool add_named(site_list *list, const char *name, hs_error *err) {
-    site_set *s = set_of(list, "scenes", err);
-    wall_case *c = s ? new_case(s, err) : NULL;
+static bool add_named(site_set *s, const char *name, hs_error *err) {
+    wall_case *c = new_case(s, err);
     if (!c || !wall_case_make(name, 0, 0, 0, c, err)) return false;
     s->count++;
     return true;
 }
 
 bool site_add_scene(site_list *list, const char *name, hs_error *err) {
-    if (!add_named(list, name, err)) return false;
-    name_part(set_of(list, "scenes", err), name);
+    site_set *s = set_of(list, "scenes", err);
+    if (!s || !add_named(s, name, err)) return false;
+    name_part(s, name);
     return true;
 }
 
@@ -96,14 +96,15 @@ bool site_add_random(site_list *list, const char *text, hs_error *err) {
         count > SITE_MAX_CASES)
         return hs_fail(err, HS_ERR_USAGE, "--random: '%s' is no SEED,COUNT with a count of 1 .. %d", text,
                        SITE_MAX_CASES);
+    site_set *s = set_of(list, "scenes", err);
+    if (!s) return false;
+    char name[48];
     for (unsigned long n = 0; n < count; n++) {
-        char name[48];
         (void)snprintf(name, sizeof name, "R%lu_%lu", seed, n);
-        if (!add_named(list, name, err)) return false;
+        if (!add_named(s, name, err)) return false;
     }
-    char part[48];
-    (void)snprintf(part, sizeof part, "R%lu_0..%lu", seed, count - 1);
-    name_part(set_of(list, "scenes", err), part);
+    (void)snprintf(name, sizeof name, "R%lu_0..%lu", seed, count - 1);
+    name_part(s, name);
     return true;
 }
 

@@ -96,8 +96,9 @@ static ellipsoid place_bladder(const wall_case *c) {
     double sum[3] = {0}, front = 0.0, rays = 0.0;
     for (size_t i = 0; i < plane_of(c); i++) {
         if (c->label[i] == HS_LABEL_NEITHER) continue;
-        sum[0] += (double)(i % c->nx);
-        sum[1] += (double)(i / c->nx);
+        const size_t x = i % c->nx, y = i / c->nx;
+        sum[0] += (double)x;
+        sum[1] += (double)y;
         sum[2] += clip_of(c, i);
         front += c->first[i];
         rays += 1.0;

@@ -131,10 +131,11 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
     if (!strchr(files, ','))
         return hs_fail(err, HS_ERR_USAGE, "'%s': expected FULL,TRUTH,LABEL[,FIRST,END]", files);
     if (!hs_eval_source_open(&source, &request, err)) return false;
-    const bool ok = wall_case_take(&source, out, err) && (!has_maps(files) || take_black(files, out, err));
+    const bool taken = wall_case_take(&source, out, err);
     hs_eval_source_close(&source);
-    if (!ok) wall_case_free(out);
-    return ok;
+    if (!taken || !has_maps(files) || take_black(files, out, err)) return taken;
+    wall_case_free(out);
+    return false;
 }
 
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {

@@ -5,7 +5,7 @@
 
 #include "commands/run.h"
 
-#define HS_RUN_MAX_VOLUMES 64u
+#define HS_RUN_MAX_VOLUMES 1024u
 #define HS_RUN_MAX_SETS    64u
 
 /* The command line as read. The request points into it, so it must not move. */

@@ -24,6 +24,7 @@ struct hs_console_show {
     hs_console_send send;
     void *connection;
     hs_console_stage stage;
+    bool open; /* the stage is: a page that asks for nothing takes no device */
     hs_console_sent sent[HS_CONSOLE_VIEWS];
 };
 
@@ -36,22 +37,19 @@ static bool say(const hs_console_show *show, char *text) {
 
 hs_console_show *hs_console_show_open(const hs_console_shared *shared, hs_console_send send,
                                       void *connection) {
-    hs_error err = {0};
     hs_console_show *show = calloc(1, sizeof *show);
     if (!show) return NULL;
     show->shared = shared;
     show->send = send;
     show->connection = connection;
-    const bool open = hs_console_stage_open(&show->stage, &shared->offers, &shared->files, &err);
-    if (open && say(show, hs_console_reply_hello(&shared->offers, &shared->files))) return show;
-    if (!open) (void)say(show, hs_console_reply_text("refused", err.text));
+    if (say(show, hs_console_reply_hello(&shared->offers, &shared->files))) return show;
     hs_console_show_close(show);
     return NULL;
 }
 
 void hs_console_show_close(hs_console_show *show) {
     if (!show) return;
-    hs_console_stage_close(&show->stage);
+    if (show->open) hs_console_stage_close(&show->stage);
     free(show);
 }
 
@@ -119,6 +117,12 @@ static bool tell_plugins(hs_console_show *show) {
     return true;
 }
 
+static bool open_stage(hs_console_show *show, hs_error *err) {
+    show->open =
+        show->open || hs_console_stage_open(&show->stage, &show->shared->offers, &show->shared->files, err);
+    return show->open;
+}
+
 static bool refuse(const hs_console_show *show, const hs_error *err) {
     return say(show, hs_console_reply_text("refused", err->text));
 }
@@ -128,6 +132,7 @@ bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state,
     hs_error err = {0};
     hs_console_shown shown = {.frame = frame};
     const double start = hs_now();
+    if (!open_stage(show, &err)) return refuse(show, &err) && say(show, hs_console_reply_skipped(frame));
     if (hs_console_stage_changes_source(&show->stage, state) &&
         !say(show, hs_console_reply_text("busy", state->source.scene[0] ? "Generating the scene"
                                                                         : "Reading the file")))
@@ -185,13 +190,13 @@ static bool write_results(hs_console_show *show) {
     hs_error err = {0};
     char folder[PATH_MAX];
     hs_result_report report = {0};
-    hs_loop *loop = hs_console_stage_loop(&show->stage);
+    hs_loop *loop = show->open ? hs_console_stage_loop(&show->stage) : NULL;
     bool ok = loop != NULL || hs_fail(&err, HS_ERR_INPUT, "write: nothing is shown yet");
     if (ok && !say(show, hs_console_reply_text("busy", "Writing the results"))) return false;
     ok = ok && make_folder(show, folder, &err) &&
          hs_results_write(loop, &show->stage.source, 0, HS_RESULT_ALL, folder, &report, &err);
     /* The loop went through all volumes: what is shown now is not the last frame it had. */
-    hs_lane_needs(&show->stage.lane[0], HS_LANE_CONVERT);
+    if (loop) hs_lane_needs(&show->stage.lane[0], HS_LANE_CONVERT);
     return ok ? say(show, hs_console_reply_written(folder, &report)) : refuse(show, &err);
 }
 

@@ -8,7 +8,7 @@
 
 typedef struct hs_console_show hs_console_show;
 
-/* Opens a device, and sends what there is to choose from. NULL if that fails, which the page is told, or if
+/* Sends what there is to choose from. The device is opened for the first frame. NULL without memory, or if
  * the page is gone. */
 hs_console_show *hs_console_show_open(const hs_console_shared *shared, hs_console_send send,
                                       void *connection);

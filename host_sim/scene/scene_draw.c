@@ -277,7 +277,10 @@ static void put_artefacts(drawn *d) {
         {"loss_db", HS_RANGE_CORNER_LOSS}, {"direction_deg", HS_RANGE_CORNER_TURN}, {0}};
     static const field noise[] = {{"level_db", HS_RANGE_NOISE}, {0}};
     put(d, "  \"artefacts\": [\n");
-    put_artefact(d, "attenuation", attenuation);
+    if (d->bare) /* the more of the way is fluid, the less is to be compensated for */
+        put(d, "    { \"type\": \"attenuation\", \"tgc_db_cm_mhz\": 0.05 },\n");
+    else
+        put_artefact(d, "attenuation", attenuation);
     if (has(d, HS_RANGE_EDGE)) put(d, "    { \"type\": \"edge_shadow\", \"max_loss_db\": 8 },\n");
     if (!d->bare && has(d, HS_RANGE_REVERBERATION))
         put(d, "    { \"type\": \"reverberation\", \"count\": 2, \"loss_db\": 9, \"spacing_mm\": 4 },\n");

@@ -133,10 +133,11 @@ static float beside(const truth *t, size_t pixel, float clip) {
 /* Behind the haze, as far as it leaves room before the skin. */
 static float behind_haze(const truth *t, size_t pixel, float clip) {
     const hs_field *f = t->field;
+    const uint32_t column = (uint32_t)(pixel % f->n[0]), row = (uint32_t)(pixel / f->n[0]);
     float first[3], next[3]; /* the ray's slices 0 and 1 in the scene */
     for (int i = 0; i < 2; i++) {
-        const float p[3] = {((float)(pixel % f->n[0]) + 0.5f) * f->h[0],
-                            ((float)(pixel / f->n[0]) + 0.5f) * f->h[1], ((float)i + 0.5f) * f->h[2]};
+        const float p[3] = {((float)column + 0.5f) * f->h[0], ((float)row + 0.5f) * f->h[1],
+                            ((float)i + 0.5f) * f->h[2]};
         hs_scene_camera_point(t->spec, p, i ? next : first);
     }
     for (float z = t->data->far_end[pixel] - REACH_MM / f->h[2]; z > clip; z -= 1.0f) {

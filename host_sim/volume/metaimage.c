@@ -19,6 +19,8 @@ struct hs_metaimage {
     hs_met_voxels *voxels;
     const hs_met_header *header;
     double low, high; /* what becomes 0 and 255, unless the bytes are taken as they are */
+    uint8_t
+        *table; /* of types of one or two bytes that are mapped: the level of every bit pattern; else NULL */
     uint32_t next;    /* the volume that comes next */
     uint32_t valid;   /* volumes whose image is one */
     uint32_t *frames; /* where those are in the file, invalid ones included */
@@ -98,6 +100,27 @@ static bool takes_bytes(const hs_metaimage *m) {
     return m->header->type == HS_MET_UCHAR && !m->options.has_window;
 }
 
+/* There are few values of one or two bytes: each is mapped once. */
+static bool make_table(hs_metaimage *m) {
+    enum { PATTERNS = 1 << 16 };
+    const uint32_t width = m->header->element_bytes, count = width == 1 ? 256 : PATTERNS;
+    if (width > 2) return true;
+    m->table = malloc(count);
+    if (!m->table) return hs_fail(m->err, HS_ERR_MEMORY, "%s: no memory to map its values", m->path);
+    for (uint32_t first = 0; first < count; first += 256) {
+        uint8_t raw[512];
+        double value[256];
+        for (uint32_t i = 0; i < 256; i++) {
+            const uint16_t pattern = (uint16_t)(first + i);
+            if (width == 1) raw[i] = (uint8_t)i;
+            if (width == 2) memcpy(raw + 2 * (size_t)i, &pattern, sizeof pattern);
+        }
+        hs_met_decode(m->header->type, raw, 256, value);
+        hs_met_levels(value, 256, m->low, m->high, m->table + first);
+    }
+    return true;
+}
+
 /* A volume on its way from the file. */
 typedef struct {
     hs_metaimage *file;
@@ -110,8 +133,13 @@ static bool read_mapped(const reading *r, size_t first, size_t count, uint8_t *o
     hs_met_room room;
     for (size_t at = 0; at < count; at += HS_MET_CHUNK) {
         const size_t n = chunk_of(count - at);
-        if (!hs_met_voxels_read_at(m->voxels, r->first + first + at, n, &room, err)) return false;
-        hs_met_levels(room.value, n, m->low, m->high, out + at);
+        const uint64_t voxel = r->first + first + at;
+        if (!(m->table ? hs_met_voxels_raw_at : hs_met_voxels_read_at)(m->voxels, voxel, n, &room, err))
+            return false;
+        if (m->table)
+            hs_met_look_up(m->table, room.raw, m->header->element_bytes, n, out + at);
+        else
+            hs_met_levels(room.value, n, m->low, m->high, out + at);
     }
     return true;
 }
@@ -172,9 +200,10 @@ static bool start(hs_metaimage *m) {
     m->high = m->options.window_high;
     if (takes_bytes(m)) return true;
     if (!m->options.has_window && !find_range(m)) return false;
-    return isfinite(hs_met_scale(m->low, m->high)) ||
-           hs_fail(m->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", m->path,
-                   m->low, m->high);
+    if (!isfinite(hs_met_scale(m->low, m->high)))
+        return hs_fail(m->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", m->path,
+                       m->low, m->high);
+    return make_table(m);
 }
 
 hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *opt, hs_error *err) {
@@ -246,6 +275,7 @@ void hs_metaimage_close(hs_metaimage *file) {
     if (!file) return;
     hs_met_voxels_close(file->voxels);
     free(file->frames);
+    free(file->table);
     free(file);
 }
 

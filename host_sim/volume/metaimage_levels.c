@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/metaimage_levels.h"
 
+#include <string.h>
+
 enum { LANES = 16 }; /* loops of a fixed length, which compilers turn into vectors */
 
 void hs_met_widen(const double *value, size_t count, double *low, double *high) {
@@ -45,4 +47,13 @@ void hs_met_levels(const double *value, size_t count, double low, double high, u
         for (int k = 0; k < LANES; k++) out[i + (size_t)k] = (uint8_t)level[k];
     }
     for (; i < count; i++) out[i] = (uint8_t)level_of(value[i], half, scale);
+}
+
+void hs_met_look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out) {
+    for (size_t i = 0; width == 1 && i < count; i++) out[i] = table[raw[i]];
+    for (size_t i = 0; width == 2 && i < count; i++) {
+        uint16_t pattern;
+        memcpy(&pattern, raw + 2 * i, sizeof pattern);
+        out[i] = table[pattern];
+    }
 }

@@ -14,6 +14,10 @@ void hs_met_widen(const double *value, size_t count, double *low, double *high);
  * hs_met_scale of them is finite. */
 void hs_met_levels(const double *value, size_t count, double low, double high, uint8_t *out);
 
+/* The level of each of `count` bit patterns of `width` bytes, 1 or 2, in this machine's order:
+ * table[pattern]. */
+void hs_met_look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out);
+
 /* Levels for each half of the numbers' unit. Halved, since high - low may exceed the largest double. */
 double hs_met_scale(double low, double high);
 

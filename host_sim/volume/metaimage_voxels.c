@@ -59,7 +59,7 @@ static void swap_bytes(uint8_t *bytes, size_t count, size_t width) {
     }                                                                                                        \
     break
 
-static void decode(hs_met_type type, const uint8_t *raw, size_t count, double *value) {
+void hs_met_decode(hs_met_type type, const uint8_t *raw, size_t count, double *value) {
     switch (type) {
     case HS_MET_CHAR:
         DECODE(int8_t);
@@ -150,12 +150,18 @@ bool hs_met_voxels_bytes_at(hs_met_voxels *v, uint64_t at, size_t count, uint8_t
     return bytes_at(v, at, count, out, err);
 }
 
-bool hs_met_voxels_read_at(hs_met_voxels *v, uint64_t at, size_t count, hs_met_room *room, hs_error *err) {
+bool hs_met_voxels_raw_at(hs_met_voxels *v, uint64_t at, size_t count, hs_met_room *room, hs_error *err) {
     const hs_met_header *h = &v->header;
     if (!bytes_at(v, at * h->element_bytes, count * h->element_bytes, room->raw, err)) return false;
     const bool host_is_big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
     if (h->big_endian != host_is_big) swap_bytes(room->raw, count, h->element_bytes);
-    decode(h->type, room->raw, count, room->value);
+    return true;
+}
+
+bool hs_met_voxels_read_at(hs_met_voxels *v, uint64_t at, size_t count, hs_met_room *room, hs_error *err) {
+    const hs_met_header *h = &v->header;
+    if (!hs_met_voxels_raw_at(v, at, count, room, err)) return false;
+    hs_met_decode(h->type, room->raw, count, room->value);
     return (h->type != HS_MET_FLOAT && h->type != HS_MET_DOUBLE) ||
            all_finite(v, at, count, room->value, err);
 }

@@ -31,11 +31,14 @@ bool hs_met_voxels_skip(hs_met_voxels *voxels, size_t count);
 /* To voxel `at`, counted from the file's first; what it costs says hs_met_data_seek. */
 bool hs_met_voxels_seek(hs_met_voxels *voxels, uint64_t at);
 
+/* Numbers from bytes of the type in this machine's order. */
+void hs_met_decode(hs_met_type type, const uint8_t *raw, size_t count, double *value);
+
 /*
- * From voxel `at` on, wherever the stream is: as bytes, of a file whose type has one byte; and as numbers,
- * all finite, at most HS_MET_CHUNK of them, into a room of the caller's. hs_met_voxels_threads may do so at a
- * time, each with a room of its own; if that is one, data is compressed, and what is asked for in order is
- * inflated once.
+ * From voxel `at` on, wherever the stream is: as bytes, of a file whose type has one byte; as numbers, all
+ * finite, at most HS_MET_CHUNK of them, into a room of the caller's; and of those only the bytes, in this
+ * machine's order, into room->raw. hs_met_voxels_threads may do so at a time, each with a room of its own; if
+ * that is one, data is compressed, and what is asked for in order is inflated once.
  */
 typedef struct {
     uint8_t raw[HS_MET_CHUNK * 8];
@@ -44,6 +47,7 @@ typedef struct {
 bool hs_met_voxels_bytes_at(hs_met_voxels *voxels, uint64_t at, size_t count, uint8_t *out, hs_error *err);
 bool hs_met_voxels_read_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_met_room *room,
                            hs_error *err);
+bool hs_met_voxels_raw_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_met_room *room, hs_error *err);
 uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
 
 /* Succeeds if all voxels have been read and nothing follows. */

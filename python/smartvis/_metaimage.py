@@ -20,7 +20,7 @@ _TYPES: dict[str, np.dtype[Any]] = {
 
 
 def read(path: Path) -> tuple[NDArray[Any], tuple[float, ...]]:
-    """Voxels, the last axis x, and the spacing x, y, .. in mm of a .mha file that host_sim wrote."""
+    """Voxels [z, y, x], of a map [1, y, x], and the spacing x, y, z in mm of a .mha file that host_sim wrote."""
     raw = path.read_bytes()
     marker = raw.find(b"ElementDataFile = LOCAL\n")
     if marker < 0:

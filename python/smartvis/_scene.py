@@ -80,11 +80,10 @@ def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> 
         _host.run(arguments)
         stem = Path(name).stem + (f"_f{frame:03d}" if frame else "")
         full, spacing = _metaimage.read(Path(folder) / f"{stem}_full.mha")
-        maps = {
-            what: _metaimage.read(Path(folder) / f"{stem}_{what}.mha")[0] for what in ("truth", "label", "near", "far")
-        }
+        truth, _ = _metaimage.read(Path(folder) / f"{stem}_truth.mha")
+        maps = {what: _metaimage.read(Path(folder) / f"{stem}_{what}.mha")[0][0] for what in ("label", "near", "far")}
     mm = (spacing[0], spacing[1], spacing[2])
-    return Scene(name=name, size=size, seed=seed, frame=frame, spacing=mm, full=full, **maps)
+    return Scene(name=name, size=size, seed=seed, frame=frame, spacing=mm, full=full, truth=truth, **maps)
 
 
 def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:

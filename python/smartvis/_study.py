@@ -31,7 +31,7 @@ from ._work import COLUMNS, Row, Settings, clip_one
 ROWS = "rows"  #: folder of the rows beside the results
 _AHEAD = 4  # tasks a worker has in hand: enough to keep it busy, few enough for a list of any length
 _LOOK = 2.0  # seconds between looks at workers of our own
-_ALONE = 90  # seconds without any: Dask itself gives a lost one 15, and a start takes some seconds on a busy machine
+_ALONE = 300  # seconds without any: on a busy machine a start takes some of them
 
 
 def distributed() -> Any:
@@ -69,10 +69,13 @@ def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) ->
 
 
 def _configured() -> Any:
-    """A task that was on two workers when they died is put aside."""
+    """A task that was on two workers when they died is put aside. A worker that died has time to come back: Dask itself
+    gives it 15 seconds, after which it ends the one that is just about to begin."""
     import dask
 
-    return dask.config.set({"distributed.scheduler.allowed-failures": 1})
+    return dask.config.set(
+        {"distributed.scheduler.allowed-failures": 1, "distributed.deploy.lost-worker-timeout": f"{_ALONE} s"}
+    )
 
 
 # --------------------------------------------------------------------------------------------------- batch

@@ -14,7 +14,7 @@ SOURCE = Path(os.environ["SV_SOURCE_DIR"])
 BUILD = Path(os.environ["SV_BUILD_DIR"])
 os.environ.setdefault("SMARTVIS_HOST_SIM", str(BUILD / "host_sim"))
 
-LONG = 300  #: seconds that only what hangs takes, however busy the machine
+LONG = 800  #: seconds that only what hangs takes, however busy the machine; CTest ends a test after 1500
 
 SKIN, FLUID, FETUS = 100, 10, 200
 

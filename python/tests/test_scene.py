@@ -14,6 +14,7 @@ from smartvis import HostError
 
 def test_a_scene_and_its_truth(d01: smartvis.Scene) -> None:
     assert d01.full.shape == d01.truth.shape == (96, 96, 96)
+    assert d01.label.shape == d01.near.shape == d01.far.shape == (96, 96)
     assert set(np.unique(d01.label)) == {0, 1, 2}
     seen = d01.label > 0
     assert (d01.near[~seen] == -1).all() and (d01.far[seen] >= d01.near[seen]).all()

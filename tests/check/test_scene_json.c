@@ -31,6 +31,8 @@ static void reads_defaults(void **state) {
     assert_near(spec.extent_mm, 120.0f, 0.0f);
     assert_near(spec.tissue[HS_TISSUE_BONE].impedance_mrayl, 3.75f, 0.0f);
     assert_int_equal(spec.structure_count, 0);
+    assert_false(spec.haze.on || spec.corner.on || spec.slice.on);
+    for (int a = 0; a < 3; a++) assert_near(spec.camera_deg[a], 0.0f, 0.0f);
     assert_false(spec.speckle.on || spec.attenuation.on || spec.edge.on || spec.reverberation.on ||
                  spec.far_band.on || spec.side_lobe.on || spec.noise.on || spec.fan.on || spec.motion.on);
 }
@@ -75,6 +77,20 @@ static void tells_line_and_field(void **state) {
                 "{ \"type\": \"far_band\", \"gap_mm\": 1, \"thickness_mm\": 1, \"level_db\": 0,\n"
                 "\"direction\": [0, 0, 0], \"angle_deg\": 20 }",
                 "direction is 0, 0, 0");
+    refuse_part("", "{ \"type\": \"haze\", \"level_db\": 1 }",
+                "artefacts[0].level_db: is 1, expected -60 .. 0");
+    refuse_part("", "{ \"type\": \"fog\" }",
+                "expected attenuation, edge_shadow, reverberation, haze, dark_corner");
+    refuse_part("", "{ \"type\": \"slice_thickness\" }",
+                "shapes the point spread of speckle, which is not listed");
+    refuse_part("{ \"type\": \"nuchal_cord\", \"radius_mm\": 2, \"loops\": 4 }", "",
+                "structures[0].loops: is 4, expected 1 .. 3");
+    refuse_part("{ \"type\": \"bladder\", \"centre_mm\": [1, 2, 3] }", "",
+                "structures[0]: has no field 'radii_mm'");
+    refuse(
+        "{ \"name\": \"t\", \"title\": \"t\", \"seed\": 1, \"kind\": \"real\",\n \"camera_deg\": [0, 9, 0],\n"
+        "\"structures\": [], \"artefacts\": [] }",
+        "x.json:2: camera_deg: is for synthetic scenes");
     refuse_part("7", "", "x.json:4: structures[0]: is a number, expected an object");
 }
 

@@ -141,6 +141,8 @@ class Page:
             heard = self.hear()
             if heard is None or heard[0] == 8:
                 return None
+            if heard[0] == 9:
+                self.raw(self.frame(10, heard[1]))  # a ping: whoever does not answer is taken for gone
             if heard[0] == 2:
                 self._take(heard[1])
             elif heard[0] == 1:

@@ -108,8 +108,8 @@ def let_in(console, what):
     return pages[0]
 
 
-def frames_that_are_wrong(console):
-    """Bytes of every kind; each on a page of its own, which may be closed for it."""
+def frames_that_are_wrong(console, other):
+    """Bytes of every kind; each on a page of its own, which may be closed for it. Another page goes on all the while."""
     make = Page.frame
     kinds = {
         "binary": lambda p: make(p, 2, b"abc"), "a reserved opcode": lambda p: make(p, 3, b"abc"),
@@ -132,6 +132,8 @@ def frames_that_are_wrong(console):
         holds(witness.text("hello"), f"after '{what}' the console says nothing")
         witness.close()
         holds(console.process.poll() is None, f"'{what}' ended the console")
+        shown = other.show()
+        holds(shown is not None and shown["type"] == "frame", f"after '{what}' another page stands still")
 
 
 def messages_that_are_refused(page):
@@ -242,7 +244,7 @@ def one_console(work):
             messages_that_are_refused(page)
             states_that_cannot_be_shown(page)
             the_newest_state_wins(page)
-            frames_that_are_wrong(console)
+            frames_that_are_wrong(console, page)
             a_page_that_does_not_read(console)
             holds(page.show()["type"] == "frame", "the first page does not go on")
             page.close()
@@ -253,6 +255,38 @@ def one_console(work):
             holds(console.wait(60) == 0, "SIGINT with a page open does not end it with 0")
         finally:
             console.end()
+
+
+def a_sequence_plays(work):
+    """A Kretz sequence of three volumes goes on by itself, as fast as the page has seen its frames, and stops where it is told."""
+    folder = os.path.join(work, "scans")
+    subprocess.run([os.path.join(BUILD, "host_sim"), "scenes", "D01", "--size", "64", "--frames", "3", "--export", "--format", "vol",
+                    "--out", folder], check=True, stdout=subprocess.DEVNULL, timeout=120)
+    console = Console(BUILD, [folder, *PLUGINS])
+    try:
+        page = Page(console)
+        names = [one["path"] for one in page.text("hello")["files"]]
+        holds("D01_full.vol" in names, f"files: {names}")
+        source = {"folder": 0, "path": "D01_full.vol", "from": "probe"}
+        first = page.show(source=source)
+        holds(first["type"] == "frame" and first["source"]["volumes"] == 3 and not first["source"]["truth"], f"the sequence: {first}")
+        holds("--volume " + os.path.join(os.path.realpath(folder), "D01_full.vol") in first["lanes"][0]["line"], "the line has no file")
+        page.say(page.state(source=source, play={"on": True, "speed": 50, "index": 1}))
+        indices = []
+        while len(indices) < 7:
+            frame = page.text("frame")
+            page.say({"type": "seen", "frame": frame["frame"]})
+            if frame["serial"] == page.serial:
+                indices.append(frame["index"])
+        holds(indices == [1, 2, 0, 1, 2, 0, 1], f"it plays {indices}")
+        stopped = page.show(source=source, play={"on": False, "speed": 50, "index": 2})
+        holds(stopped["index"] == 2, "it does not stop where it is told")
+        page.socket.settimeout(2)
+        holds(page.text("frame") is None, "it goes on after it was stopped")
+        page.close()
+        holds(console.wait(60) == 0, "it does not end")
+    finally:
+        console.end()
 
 
 def how_it_ends():
@@ -289,6 +323,7 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         command_lines()
         one_console(work)
+        a_sequence_plays(work)
         how_it_ends()
     print("ok")
 
