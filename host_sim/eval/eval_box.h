@@ -15,9 +15,9 @@ typedef struct {
 
 /*
  * Compares every `every`th voxel (1: all) of a converted volume with the exact mean: that of 12^3 places in
- * its box, each with the value of the source voxel that it lies in (a source in probe geometry: linear between
- * its echoes). Voxels of 0 were not scanned; a box less than half scanned has no mean. `voxels`: width *
- * height * slices bytes, without tiles and padding. HS_ERR_MEMORY.
+ * its box, each with the value of the source voxel that it lies in (a source in probe geometry: linear
+ * between its echoes). Voxels of 0 were not scanned; a box less than half scanned has no mean. `voxels`:
+ * width * height * slices bytes, without tiles and padding. HS_ERR_MEMORY.
  */
 bool hs_box_error_measure(const hs_volume *source, const hs_camera *camera, const hs_slab_layout *layout,
                           const uint8_t *voxels, uint32_t every, hs_box_error *out, hs_error *err);

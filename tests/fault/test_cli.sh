@@ -188,7 +188,8 @@ holds grep -q '"mirrored": false' kretz.json
 holds grep -q "sweep + at -y; 2 volumes in turn" stdout
 expect 2 "a window was given" "${kretz[@]}" --window 1,2
 expect 2 "where the probe is" "${kretz[@]}" --probe +y
-expect 3 "a sequence of 2 volumes, which comes alone" "${kretz[@]}" --volume "$work/kretz/E01_full.vol"
+expect 0 "" "${kretz[@]}" --spacing 4 --volume "$work/kretz/E01_full.vol"
+holds grep -q "; 4 volumes in turn" stdout
 head -c 5000 "$work/kretz/E01_full.vol" > "$work/cut.vol"
 expect 3 "cut.vol: byte" info cut.vol
 # No OpenCL device is needed to describe a plugin.
