@@ -26,12 +26,13 @@ bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *lay
         {(cl_int)layout->tiles_x, (cl_int)layout->tile_w, (cl_int)layout->tile_h, (cl_int)layout->row_pitch}};
     const cl_int4 size = {{(cl_int)layout->width, (cl_int)layout->slices, (cl_int)layout->slab_slices, 0}};
     const cl_ulong bytes = stride;
-    const size_t rows = layout->height;
+    const size_t lanes = rays->cl->lanes;
+    const size_t global[2] = {(layout->width + lanes - 1) / lanes, layout->height};
     hs_launch l = hs_launch_begin(rays->cl, rays->kernel, "scanned_rays");
     hs_launch_buffer(&l, slabs);
     hs_launch_arg(&l, sizeof texture, &texture);
     hs_launch_arg(&l, sizeof size, &size);
     hs_launch_arg(&l, sizeof bytes, &bytes);
     hs_launch_buffer(&l, rays->ranges);
-    return hs_launch_run(&l, 1, &rows, NULL, NULL, err);
+    return hs_launch_run(&l, 2, global, NULL, NULL, err);
 }
