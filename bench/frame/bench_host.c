@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+static const double side_mm = 120.0; /* of the layered volume: what a scan of a fetus shows */
 static const double rotated_yaw = 30.0, rotated_pitch = 20.0; /* degrees */
 
 bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume **list, uint32_t n,
@@ -17,6 +18,7 @@ bool bench_layered_source(hs_source *source, hs_volume *volume, const hs_volume 
     const bool ok = bench_volume_fill(n, n, slice, n, err);
     free(slice);
     (void)snprintf(volume->name, sizeof volume->name, "layered volume");
+    for (int k = 0; k < 3; k++) volume->spacing[k] = side_mm / n;
     *list = volume;
     *source = (hs_source){.volumes = list, .count = 1};
     return ok;

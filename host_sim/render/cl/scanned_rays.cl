@@ -9,13 +9,51 @@
  * i * stride bytes.
  */
 
-/* The `count` voxels from (x, y) on in slice z that were scanned, as a mask; lanes behind them count as such.
- */
-INLINE vi scanned_lanes(__global const uchar *slabs, int4 layout, int4 size, ulong stride, int x, int y,
-                        int z, int count) {
-    int slab = z / size.z, slice = z % size.z;
-    size_t row = (size_t)(slice / layout.x) * layout.z + y;
-    __global const uchar *at = slabs + slab * stride + row * layout.w + (slice % layout.x) * layout.y + x;
+/* A slice of the slabs: its place in its slab, its tile's place in the texture, and where the slab begins. */
+typedef struct {
+    int slice, column, row;
+    ulong slab;
+} slice_place;
+
+INLINE slice_place place_of(int z, int4 layout, int4 size, ulong stride) {
+    int slice = z % size.z;
+    slice_place p = {slice, slice % layout.x, slice / layout.x * layout.z, (ulong)(z / size.z) * stride};
+    return p;
+}
+
+/* One slice on; without the divisions, which cost more than all the rest. */
+INLINE void step_back(slice_place *p, int4 layout, int4 size, ulong stride) {
+    p->slice++;
+    if (++p->column == layout.x) {
+        p->column = 0;
+        p->row += layout.z;
+    }
+    if (p->slice == size.z) {
+        p->slice = p->column = p->row = 0;
+        p->slab += stride;
+    }
+}
+
+INLINE void step_front(slice_place *p, int4 layout, int4 size, ulong stride) {
+    if (p->slice == 0) {
+        p->slice = size.z - 1;
+        p->column = p->slice % layout.x;
+        p->row = p->slice / layout.x * layout.z;
+        p->slab -= stride;
+        return;
+    }
+    p->slice--;
+    if (p->column-- == 0) {
+        p->column = layout.x - 1;
+        p->row -= layout.z;
+    }
+}
+
+/* The `count` voxels from (x, y) on that were scanned, as a mask; lanes behind them count as such. */
+INLINE vi scanned_lanes(__global const uchar *slabs, int4 layout, const slice_place *p, int x, int y,
+                        int count) {
+    __global const uchar *at =
+        slabs + p->slab + (size_t)(p->row + y) * layout.w + (size_t)p->column * layout.y + x;
     if (count == LANES) return MASK(TO_VI(LOAD(at)) != 0);
     int lanes[LANES];
     for (int i = 0; i < LANES; i++) lanes[i] = 1;
@@ -28,14 +66,18 @@ __kernel void scanned_rays(__global const uchar *slabs, int4 layout, int4 size, 
     int x = (int)get_global_id(0) * LANES, y = (int)get_global_id(1);
     int count = min(size.x - x, LANES), z, firsts[LANES], ends[LANES];
     vi first = (vi)(0), end = (vi)(size.y), open = (vi)(-1);
+    slice_place place = place_of(0, layout, size, stride);
     for (z = 0; z < size.y && !all_lanes(~open); z++) {
-        open &= ~scanned_lanes(slabs, layout, size, stride, x, y, z, count);
+        open &= ~scanned_lanes(slabs, layout, &place, x, y, count);
         first -= open; /* a mask is -1 */
+        step_back(&place, layout, size, stride);
     }
     open = (vi)(-1);
+    place = place_of(size.y - 1, layout, size, stride);
     for (z = size.y - 1; z >= 0 && !all_lanes(~open); z--) {
-        open &= ~scanned_lanes(slabs, layout, size, stride, x, y, z, count);
+        open &= ~scanned_lanes(slabs, layout, &place, x, y, count);
         end += open;
+        step_front(&place, layout, size, stride);
     }
     end = max(end, first); /* nothing was scanned: both ends are that of the volume */
     STORE(first, firsts);
