@@ -49,11 +49,25 @@ INLINE void step_front(slice_place *p, int4 layout, int4 size, ulong stride) {
     }
 }
 
-/* The `count` voxels from (x, y) on that were scanned, as a mask; lanes behind them count as such. */
-INLINE vi scanned_lanes(__global const uchar *slabs, int4 layout, const slice_place *p, int x, int y,
-                        int count) {
-    __global const uchar *at =
-        slabs + p->slab + (size_t)(p->row + y) * layout.w + (size_t)p->column * layout.y + x;
+/* The voxel (x, y) of a slice. */
+INLINE __global const uchar *voxel_at(__global const uchar *slabs, int4 layout, const slice_place *p, int x,
+                                      int y) {
+    return slabs + p->slab + (size_t)(p->row + y) * layout.w + (size_t)p->column * layout.y + x;
+}
+
+/* Whether none of LANES voxels was scanned; quicker than a mask, and most are like that behind a turned fan.
+ */
+INLINE int none_scanned(__global const uchar *at) {
+#if LANES == 16
+    ulong2 words = as_ulong2(LOAD(at));
+    return (words.x | words.y) == 0;
+#else
+    return *at == 0;
+#endif
+}
+
+/* The `count` voxels that were scanned, as a mask; lanes behind them count as such. */
+INLINE vi scanned_lanes(__global const uchar *at, int count) {
     if (count == LANES) return MASK(TO_VI(LOAD(at)) != 0);
     int lanes[LANES];
     for (int i = 0; i < LANES; i++) lanes[i] = 1;
@@ -65,17 +79,22 @@ __kernel void scanned_rays(__global const uchar *slabs, int4 layout, int4 size, 
                            __global ushort2 *ranges) {
     int x = (int)get_global_id(0) * LANES, y = (int)get_global_id(1);
     int count = min(size.x - x, LANES), z, firsts[LANES], ends[LANES];
-    vi first = (vi)(0), end = (vi)(size.y), open = (vi)(-1);
     slice_place place = place_of(0, layout, size, stride);
-    for (z = 0; z < size.y && !all_lanes(~open); z++) {
-        open &= ~scanned_lanes(slabs, layout, &place, x, y, count);
+    for (z = 0; z < size.y && count == LANES && none_scanned(voxel_at(slabs, layout, &place, x, y)); z++)
+        step_back(&place, layout, size, stride);
+    vi first = (vi)(z), open = (vi)(-1);
+    for (; z < size.y && !all_lanes(~open); z++) {
+        open &= ~scanned_lanes(voxel_at(slabs, layout, &place, x, y), count);
         first -= open; /* a mask is -1 */
         step_back(&place, layout, size, stride);
     }
-    open = (vi)(-1);
     place = place_of(size.y - 1, layout, size, stride);
-    for (z = size.y - 1; z >= 0 && !all_lanes(~open); z--) {
-        open &= ~scanned_lanes(slabs, layout, &place, x, y, count);
+    for (z = size.y; z > 0 && count == LANES && none_scanned(voxel_at(slabs, layout, &place, x, y)); z--)
+        step_front(&place, layout, size, stride);
+    vi end = (vi)(z);
+    open = (vi)(-1);
+    for (; z > 0 && !all_lanes(~open); z--) {
+        open &= ~scanned_lanes(voxel_at(slabs, layout, &place, x, y), count);
         end += open;
         step_front(&place, layout, size, stride);
     }
