@@ -30,7 +30,7 @@ src/device                 | abi shared kernels .                               
 src/method                 | abi shared kernels src src/ref src/device .                | libc opencl
 src/frame                  | abi shared kernels src src/ref src/device src/method .     | libc opencl
 src/abi                    | abi shared src src/device src/method src/frame .           | libc opencl
-host_sim/base              | .                                                          | libc
+host_sim/base              | .                                                          | libc json
 host_sim/guard             | host_sim/base .                                            | libc
 host_sim/volume            | host_sim/base .                                            | libc zlib
 host_sim/picture           | host_sim/base .                                            | libc drawing

@@ -44,13 +44,7 @@ static void judge_block(void *context, uint32_t n) {
     evaluation *e = context;
     const wall_case *c = &e->set->cases[n];
     const size_t plane = (size_t)c->nx * c->ny;
-    const sv_wall_volume v = {.voxels = c->full,
-                              .width = c->nx,
-                              .height = c->ny,
-                              .slices = c->nz,
-                              .first = c->first,
-                              .end = c->end,
-                              .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+    const sv_wall_volume v = wall_case_volume(c);
     float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
     sv_wall_outcome outcome;
     e->trust[n] = (wall_trust){0};

@@ -59,13 +59,7 @@ typedef struct {
 
 static bool surface_of(const wall_case *c, const options *o, float *depth, float *confidence,
                        sv_wall_outcome *outcome, sv_wall_facts *facts, hs_error *err) {
-    const sv_wall_volume v = {.voxels = c->full,
-                              .width = c->nx,
-                              .height = c->ny,
-                              .slices = c->nz,
-                              .first = c->first,
-                              .end = c->end,
-                              .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+    const sv_wall_volume v = wall_case_volume(c);
     char text[160];
     if (!sv_wall_check(&v, text, sizeof text)) return hs_fail(err, HS_ERR_INPUT, "%s: %s", c->name, text);
     return sv_wall_surface(&v, &o->settings, depth, confidence, outcome, facts) ||

@@ -34,6 +34,16 @@ void wall_case_free(wall_case *c) {
     *c = (wall_case){0};
 }
 
+sv_wall_volume wall_case_volume(const wall_case *c) {
+    return (sv_wall_volume){.voxels = c->full,
+                            .width = c->nx,
+                            .height = c->ny,
+                            .slices = c->nz,
+                            .first = c->first,
+                            .end = c->end,
+                            .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+}
+
 /* Takes the voxels of a volume; it is empty afterwards. */
 static void take(wall_case *c, hs_volume *v, const char *name) {
     (void)snprintf(c->name, sizeof c->name, "%.63s", name);

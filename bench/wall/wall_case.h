@@ -48,6 +48,9 @@ void wall_case_change(wall_case *c, double gain, double gamma, double black);
 
 void wall_case_free(wall_case *c);
 
+/* The full volume as the wall's definition takes it; borrows the case's arrays. */
+sv_wall_volume wall_case_volume(const wall_case *c);
+
 /* Slice at which a ray that starts in slice `start` ends (thesis Eq. 3.22 - 3.24, defaults of spec 9), or nz.
  */
 float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start);

@@ -54,13 +54,7 @@ static void add(still *s, const wall_case *c, bool first) {
 
 static bool frame(still *s, const wall_case *c, const sv_wall_settings *settings, bool first, hs_error *err) {
     sv_wall_outcome outcome;
-    const sv_wall_volume v = {.voxels = c->full,
-                              .width = c->nx,
-                              .height = c->ny,
-                              .slices = c->nz,
-                              .first = c->first,
-                              .end = c->end,
-                              .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+    const sv_wall_volume v = wall_case_volume(c);
     if (first && !still_make(s, (size_t)c->nx * c->ny, err)) return false;
     if (!sv_wall_surface(&v, settings, s->depth, s->confidence, &outcome, NULL))
         return hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);

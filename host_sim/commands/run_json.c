@@ -1,24 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands/run_json.h"
 
+#include "base/json_text.h"
 #include "base/output_file.h"
 
 #include <jansson.h>
-#include <stdlib.h>
 #include <string.h>
-
-/* File names may hold any bytes, JSON only UTF-8: what is not becomes '?'. */
-static json_t *text(const char *bytes) {
-    json_t *value = json_string(bytes);
-    if (value) return value;
-    char *copy = strdup(bytes);
-    if (!copy) return NULL;
-    for (char *c = copy; *c; c++)
-        if ((unsigned char)*c >= 0x80) *c = '?';
-    value = json_string(copy);
-    free(copy);
-    return value;
-}
 
 /* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
  * rather than being left out. */
@@ -95,7 +82,7 @@ static json_t *describe(const hs_run *run, bool *ok) {
     hs_run_plugin_name(run, plugin, sizeof plugin);
     hs_pose_letters(&v->pose, letters);
     json_t *root = json_object();
-    put(root, "source", text(v->name), ok);
+    put(root, "source", hs_json_text(v->name), ok);
     put(root, "source_size", json_pack("[i, i, i]", (int)v->nx, (int)v->ny, (int)v->nz), ok);
     put(root, "source_spacing_mm", vector(v->spacing), ok);
     put(root, "source_size_mm", vector(size), ok);
@@ -104,8 +91,8 @@ static json_t *describe(const hs_run *run, bool *ok) {
     put(root, "probe", json_string(hs_probe_name(v->probe)), ok);
     put(root, "unscanned_share", json_real(run->unscanned), ok);
     if (v->beams) put(root, "mirrored", json_boolean(v->beams->mirrored), ok);
-    put(root, "plugin", text(plugin), ok);
-    put(root, "device", text(run->cl.device_name), ok);
+    put(root, "plugin", hs_json_text(plugin), ok);
+    put(root, "device", hs_json_text(run->cl.device_name), ok);
     put(root, "lowres_size", json_pack("[i, i, i]", (int)l->width, (int)l->height, (int)l->slices), ok);
     put(root, "lowres_spacing_mm", vector(lowres), ok);
     put(root, "box_mm", vector(box), ok);
@@ -113,7 +100,7 @@ static json_t *describe(const hs_run *run, bool *ok) {
     put(root, "slab_mm", json_real(l->slab_slices * lowres[2]), ok);
     put(root, "carrier", json_string(carriers[o->carrier]), ok);
     put(root, "own_queue", json_boolean(o->own_queue), ok);
-    put(root, "scanned", text(hs_fan_name(o->fan)), ok);
+    put(root, "scanned", hs_json_text(hs_fan_name(o->fan)), ok);
     put(root, "camera",
         json_pack("{s:s, s:f, s:f, s:f}", "from", hs_from_name(o->from), "yaw", o->yaw, "pitch", o->pitch,
                   "orbit", o->orbit),
@@ -137,7 +124,7 @@ bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err) {
     put(root, "settings", settings, &ok);
     const hs_error *failure = hs_run_plugin_error(run);
     if (run->has_written) put(root, "written", written_part(&run->written, &ok), &ok);
-    put(root, "plugin_error", failure->code == HS_OK ? json_null() : text(failure->text), &ok);
+    put(root, "plugin_error", failure->code == HS_OK ? json_null() : hs_json_text(failure->text), &ok);
     char *dump = !ok ? NULL : json_dumps(root, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
     json_decref(root);
     if (!dump)

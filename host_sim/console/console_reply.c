@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "console/console_reply.h"
 
+#include "base/json_text.h"
 #include "console/console_line.h"
 #include "plugin/loader_param.h"
 #include "report/loop_pictures.h"
@@ -10,21 +11,6 @@
 #include <jansson.h>
 #include <limits.h>
 #include <stdlib.h>
-#include <string.h>
-
-/* Texts of plugins and files may hold any bytes, JSON only UTF-8: what is not becomes '?'. */
-static json_t *text_of(const char *bytes) {
-    if (!bytes) return json_string("");
-    json_t *value = json_string(bytes);
-    if (value) return value;
-    char *copy = strdup(bytes);
-    if (!copy) return NULL;
-    for (char *c = copy; *c; c++)
-        if ((unsigned char)*c >= 0x80) *c = '?';
-    value = json_string(copy);
-    free(copy);
-    return value;
-}
 
 static void put(json_t *object, const char *key, json_t *value) {
     (void)json_object_set_new(object, key, value);
@@ -39,7 +25,7 @@ static char *dump(json_t *root) {
 char *hs_console_reply_text(const char *type, const char *text) {
     json_t *root = json_object();
     put(root, "type", json_string(type));
-    put(root, "text", text_of(text));
+    put(root, "text", hs_json_text(text));
     return dump(root);
 }
 
@@ -55,7 +41,7 @@ static json_t *scene_part(const char *name) {
     if (spec && hs_scene_read_text(path, text, spec, &ignored)) {
         one = json_object();
         put(one, "name", json_string(name));
-        put(one, "title", text_of(spec->title));
+        put(one, "title", hs_json_text(spec->title));
     }
     free(spec);
     free(text);
@@ -84,10 +70,10 @@ static json_t *plugins(const hs_console_offers *offers) {
     for (uint32_t i = 0; i < offers->count; i++) {
         const hs_console_offer *o = &offers->offer[i];
         json_t *one = json_object();
-        put(one, "id", text_of(o->id));
-        put(one, "name", text_of(o->name));
-        put(one, "version", text_of(o->version));
-        put(one, "failure", text_of(o->failure.text));
+        put(one, "id", hs_json_text(o->id));
+        put(one, "name", hs_json_text(o->name));
+        put(one, "version", hs_json_text(o->version));
+        put(one, "failure", hs_json_text(o->failure.text));
         (void)json_array_append_new(list, one);
     }
     return list;
@@ -125,7 +111,7 @@ static json_t *enum_names(const hs_plugin *plugin, const sv_param_info *info) {
             (void)snprintf(name, sizeof name, "%g", value);
         json_t *one = json_object();
         put(one, "value", json_real(value));
-        put(one, "name", text_of(name));
+        put(one, "name", hs_json_text(name));
         (void)json_array_append_new(list, one);
     }
     return list;
@@ -144,11 +130,11 @@ static json_t *param(const hs_plugin *plugin, const sv_param_info *i) {
     json_t *one = json_object();
     put(one, "id", json_integer(i->id));
     put(one, "type", json_string(i->type <= SV_PARAM_ENUM ? types[i->type] : "float"));
-    put(one, "key", text_of(i->key));
-    put(one, "label", text_of(i->label));
-    put(one, "unit", text_of(i->unit));
-    put(one, "help", text_of(i->help));
-    put(one, "group", text_of(i->group));
+    put(one, "key", hs_json_text(i->key));
+    put(one, "label", hs_json_text(i->label));
+    put(one, "unit", hs_json_text(i->unit));
+    put(one, "help", hs_json_text(i->help));
+    put(one, "group", hs_json_text(i->group));
     put(one, "primary", json_boolean(i->flags & SV_PARAM_PRIMARY));
     put(one, "expert", json_boolean(i->flags & SV_PARAM_EXPERT));
     put(one, "reactivate", json_boolean(i->flags & SV_PARAM_REACTIVATE));
@@ -171,7 +157,7 @@ char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
     put(root, "type", json_string("plugin"));
     put(root, "lane", json_integer(lane));
     put(root, "plugin", json_integer(l->offer ? l->offer - stage->offers->offer : 0));
-    put(root, "failure", text_of(l->failure.text));
+    put(root, "failure", hs_json_text(l->failure.text));
     const uint32_t count = l->has_plugin ? hs_plugin_param_count(&l->plugin) : 0;
     for (uint32_t i = 0; i < count; i++) {
         sv_param_info info = {.size = sizeof info};
@@ -192,7 +178,7 @@ static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
     json_t *one = json_object();
     char *line = stage->state.hurried ? NULL : hs_console_line(stage, i);
     put(one, "outcome", json_string(hs_status_name(l->frame.outcome)));
-    put(one, "words", text_of(note ? note : "Clipped."));
+    put(one, "words", hs_json_text(note ? note : "Clipped."));
     put(one, "clipped", json_boolean(l->frame.clipped));
     put(one, "failed", json_boolean(hs_lane_error(l)->code != HS_OK));
     put(one, "adjusted", json_boolean(l->was_adjusted));
@@ -206,7 +192,7 @@ static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
         put(one, "t_b", json_real((double)p->bone_threshold));
         put(one, "volume_max", json_real((double)p->volume_max));
     }
-    if (line) put(one, "line", text_of(line));
+    if (line) put(one, "line", hs_json_text(line));
     free(line);
     return one;
 }
@@ -217,11 +203,11 @@ static json_t *source_part(const hs_console_stage *stage) {
     hs_camera window;
     float share;
     hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
-    return json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:b, s:f}", "name", text_of(v->name),
-                     "title", text_of(stage->source.title), "volumes", (int)stage->source.count, "voxels",
-                     (int)v->nx, (int)v->ny, (int)v->nz, "slabs", (int)l->width, (int)l->height,
-                     (int)l->slices, "window_mm", window.extent, "truth", stage->truth != NULL, "opened_ms",
-                     stage->source_ms);
+    return json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:b, s:f}", "name",
+                     hs_json_text(v->name), "title", hs_json_text(stage->source.title), "volumes",
+                     (int)stage->source.count, "voxels", (int)v->nx, (int)v->ny, (int)v->nz, "slabs",
+                     (int)l->width, (int)l->height, (int)l->slices, "window_mm", window.extent, "truth",
+                     stage->truth != NULL, "opened_ms", stage->source_ms);
 }
 
 char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_shown *shown) {
@@ -259,7 +245,7 @@ char *hs_console_reply_written(const char *folder, const hs_result_report *repor
     for (uint32_t i = 0; i < HS_RESULT_COUNT; i++)
         if (report->what >> i & 1u) (void)json_array_append_new(names, json_string(hs_result_name(i)));
     put(root, "type", json_string("written"));
-    put(root, "folder", text_of(folder));
+    put(root, "folder", hs_json_text(folder));
     put(root, "names", names);
     return dump(root);
 }
