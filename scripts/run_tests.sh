@@ -10,8 +10,8 @@ labels=()
 result=$folder/test_results.xml
 rm -f "$result"
 
-# One more than there are processors: some tests wait longer than they compute.
-ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((jobs + 1))" --output-junit "$result" "${labels[@]}"
+# Two more than there are processors: some tests wait longer than they compute.
+ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((jobs + 2))" --output-junit "$result" "${labels[@]}"
 code=$?
 
 # Counts from the attributes of <testsuite>.
