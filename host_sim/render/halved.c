@@ -45,7 +45,7 @@ void hs_halved_expire(hs_halved *halved) {
  */
 static size_t bytes_of(cl_int4 dims, cl_int border) {
     size_t n[3];
-    for (int k = 0; k < 3; k++) n[k] = (size_t)(dims.s[k] + 2 * border);
+    for (int k = 0; k < 3; k++) n[k] = (size_t)dims.s[k] + 2 * (size_t)border;
     return n[0] * n[1] * n[2] + n[0] * n[1] + n[0] + 2;
 }
 

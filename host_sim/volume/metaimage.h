@@ -38,7 +38,7 @@ uint32_t hs_metaimage_volumes(const hs_metaimage *file);
 uint32_t hs_metaimage_left_out(const hs_metaimage *file);
 
 /* Size, spacing, pose, probe and name of its volumes; no voxels. */
-void hs_metaimage_shape(const hs_metaimage *file, hs_volume *shape);
+void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape);
 
 /* True if values are mapped to 8 bit, and then what becomes 0 and 255: a window that spares a later opening
  * of the same file the search for its range. */

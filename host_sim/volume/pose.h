@@ -51,7 +51,7 @@ void hs_pose_words(const hs_pose *pose, char *out, size_t bytes);
 
 /* The ends of the patient's axes ("left", "front", "head", ...; static) that two directions at right angles
  * are closest to, and never one axis for both. They are given along the volume's axes. */
-void hs_pose_ends(const hs_pose *pose, const double first[3], const double second[3], const char *ends[2]);
+void hs_pose_ends(const hs_pose *pose, const double first[3], const double second[3], const char *out[2]);
 
 /* "-z", "+z", ..: the name of a face on command lines. */
 const char *hs_probe_name(hs_probe probe);

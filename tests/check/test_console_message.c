@@ -234,7 +234,8 @@ static void limits_of_size_hold(void **unused) {
     hs_error err = {0};
     char *text = malloc(HS_CONSOLE_MAX_MESSAGE + 2), values[HS_CONSOLE_VALUES * 12 + 64];
     memset(text, ' ', HS_CONSOLE_MAX_MESSAGE + 2);
-    memcpy(text, "{\"type\":\"seen\",\"frame\":1}", 25);
+    const int length = snprintf(text, 32, "{\"type\":\"seen\",\"frame\":1}");
+    text[length] = ' ';
     assert_true(hs_console_message_read(text, HS_CONSOLE_MAX_MESSAGE, &m, &err));
     assert_false(hs_console_message_read(text, HS_CONSOLE_MAX_MESSAGE + 1, &m, &err));
     assert_non_null(strstr(err.text, "16385 bytes, expected at most 16384"));

@@ -28,8 +28,8 @@ static hs_loop_options turnable(const sv_param_value *values, uint32_t count, do
 /* The result of a frame of the loop as it is; the caller frees it. */
 static uint8_t *result_of(hs_loop *loop, const hs_dvr_settings *dvr, const hs_cl *cl) {
     hs_error err = {0};
-    hs_frame frame;
-    uint8_t *rgba = malloc((size_t)dvr->width * dvr->height * 4);
+    hs_frame frame = {0};
+    uint8_t *rgba = calloc((size_t)dvr->width * dvr->height, 4);
     hs_screen *screen = hs_screen_create(cl, dvr, &err);
     assert_true(hs_loop_bring(loop, 0, &err) && hs_loop_convert(loop, 0, &err) &&
                 hs_loop_ask(loop, 0, &frame, &err));
@@ -120,7 +120,7 @@ static void a_reactivated_plugin_is_one_that_was_activated_so(void **state) {
     assert_int_equal(count_differences(anew, made, bytes), 0);
     assert_true(count_differences(anew, old, bytes) > 0);
     /* Without a plugin nothing is clipped, and nothing fails. */
-    hs_frame frame;
+    hs_frame frame = {0};
     assert_true(hs_loop_reactivate(loop, NULL, &after, &err));
     assert_true(hs_loop_convert(loop, 0, &err) && hs_loop_ask(loop, 0, &frame, &err));
     assert_false(frame.clipped);

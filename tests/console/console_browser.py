@@ -17,6 +17,8 @@ BUILD = sys.argv[1]
 HOST_SIM = os.path.join(BUILD, "host_sim")
 PLUGINS = [os.path.join(BUILD, name) for name in ("smartvis.so", "tests/plugins/plane.so", "tests/plugins/by_crash.so")]
 START = "#scene=D01,96,3"
+# The sanitizers' own handlers would turn the plugin's crash into an exit.
+os.environ["ASAN_OPTIONS"] = os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"
 RESULT = ".screen[data-view=result]"
 SETTLED = ("document.body.dataset.serial === String(state.serial) && !state.hurried && !link.waiting "
            "&& document.body.dataset.draft === 'false'")
