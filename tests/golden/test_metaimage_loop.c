@@ -119,7 +119,7 @@ static void expect_volume(const hs_source *source, const kind *k, uint32_t index
                      level);
 }
 
-/* A round and some more take no more memory than five volumes; the file has 25. */
+/* A round and some more take no more memory than SEQUENCE_MOST volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
     (void)state;
     for (size_t which = 0; which < KINDS; which++) {
@@ -135,7 +135,7 @@ static void memory_stays_flat(void **state) {
             const size_t now = resident_bytes();
             if (now > most) most = now;
         }
-        if (most > before + 5 * (size_t)VOXELS)
+        if (most > before + SEQUENCE_MOST * (size_t)VOXELS)
             fail_msg("%s: %zu bytes more in memory, a volume has %d", k->name, most - before, VOXELS);
         hs_source_close(&source);
     }
