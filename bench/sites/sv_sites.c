@@ -99,10 +99,7 @@ static bool take(int option, request *r, hs_error *err) {
     case OPT_CASE:
         return site_add_files(&r->sites, optarg, err);
     case OPT_VOLUME:
-        if (r->volume_count == MAX_VOLUMES)
-            return hs_fail(err, HS_ERR_USAGE, "--volume: given more than %d times", MAX_VOLUMES);
-        r->volumes[r->volume_count++] = optarg;
-        return true;
+        return hs_cli_append("--volume", optarg, r->volumes, &r->volume_count, MAX_VOLUMES, err);
     case OPT_METHOD:
         return add_method(optarg, &r->methods, err);
     case OPT_ROUNDS:

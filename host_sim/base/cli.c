@@ -81,6 +81,13 @@ bool hs_cli_pick(const char *option, const char *text, const char *const *names,
     return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
 }
 
+bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
+                   hs_error *err) {
+    if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
+    list[(*count)++] = text;
+    return true;
+}
+
 bool hs_cli_known(int option, char **argv, hs_error *err) {
     if (option != ':' && option != '?') return true;
     return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],

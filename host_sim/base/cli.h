@@ -25,6 +25,11 @@ bool hs_cli_pair(const char *option, const char *text, const char *names, double
 bool hs_cli_pick(const char *option, const char *text, const char *const *names, uint32_t count,
                  uint32_t *index, hs_error *err);
 
+/* Adds the value of an option that may be given `most` times to a list with room for as many; HS_ERR_USAGE
+ * beyond. */
+bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
+                   hs_error *err);
+
 /* Whether getopt_long, with opterr 0 and the short options ":", knew the option that it returned and its
  * value was there; HS_ERR_USAGE names it. */
 bool hs_cli_known(int option, char **argv, hs_error *err);

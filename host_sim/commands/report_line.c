@@ -93,17 +93,11 @@ static const struct option options[] = {{"out", required_argument, NULL, OPT_OUT
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
-static bool append(const char *option, const char *text, const char **list, uint32_t *count, hs_error *err) {
-    if (*count >= HS_EVAL_MAX_CASES)
-        return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, HS_EVAL_MAX_CASES);
-    list[(*count)++] = text;
-    return true;
-}
-
 static bool append_group(const char *option, hs_scene_group group, hs_eval_options *o, hs_error *err) {
     bool ok = true;
     for (uint32_t i = 0; ok && hs_scene_of_group(group, i); i++)
-        ok = append(option, hs_scene_of_group(group, i), o->cases, &o->case_count, err);
+        ok = hs_cli_append(option, hs_scene_of_group(group, i), o->cases, &o->case_count, HS_EVAL_MAX_CASES,
+                           err);
     return ok;
 }
 
@@ -124,12 +118,12 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         o->out = optarg;
         return true;
     case OPT_CASE:
-        return append("--case", optarg, o->cases, &o->case_count, err);
+        return hs_cli_append("--case", optarg, o->cases, &o->case_count, HS_EVAL_MAX_CASES, err);
     case OPT_HARD:
         return append_group("--hard", HS_SCENES_HARD, o, err);
     case OPT_REAL:
         o->real = optarg;
-        return append("--real", "real", o->cases, &o->case_count, err);
+        return hs_cli_append("--real", "real", o->cases, &o->case_count, HS_EVAL_MAX_CASES, err);
     case OPT_SIZE:
         return hs_cli_u32("--size", optarg, 32, 512, &o->size, err);
     case OPT_LOWRES:
@@ -140,7 +134,7 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         o->plugin = optarg;
         return true;
     case OPT_SET:
-        return append("--set", optarg, o->sets, &o->set_count, err);
+        return hs_cli_append("--set", optarg, o->sets, &o->set_count, HS_EVAL_MAX_CASES, err);
     case OPT_BESIDE:
         o->beside = optarg;
         return true;
@@ -166,7 +160,7 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
     case OPT_LIGHT:
         return hs_look_line_light(optarg, o->light, err);
     case OPT_COMPARE:
-        return append("--compare", optarg, o->compare, &o->compare_count, err);
+        return hs_cli_append("--compare", optarg, o->compare, &o->compare_count, HS_EVAL_MAX_CASES, err);
     case OPT_SEEDS:
         return hs_cli_u32("--seeds", optarg, 1, 100, &o->seeds, err);
     default:

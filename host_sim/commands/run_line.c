@@ -180,20 +180,13 @@ static const struct option options[] = {{"volume", required_argument, NULL, OPT_
                                         {"help", no_argument, NULL, OPT_HELP},
                                         {0}};
 
-static bool append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
-                   hs_error *err) {
-    if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
-    list[(*count)++] = text;
-    return true;
-}
-
 static bool take_source_option(hs_run_line *line, int option, const char *text, hs_error *err) {
     static const char *const paddings[] = {"auto", "none", "all"};
     hs_run_request *r = &line->request;
     uint32_t index = 0;
     switch (option) {
     case OPT_VOLUME:
-        return append("--volume", text, line->volumes, &r->volume_count, HS_RUN_MAX_VOLUMES, err);
+        return hs_cli_append("--volume", text, line->volumes, &r->volume_count, HS_RUN_MAX_VOLUMES, err);
     case OPT_PADDING:
         if (!hs_cli_pick("--padding", text, paddings, 3, &index, err)) return false;
         r->read.padding = (hs_padding)index;
@@ -240,7 +233,7 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         r->plugin_id = text;
         return true;
     case OPT_SET:
-        return append("--set", text, line->sets, &r->set_count, HS_RUN_MAX_SETS, err);
+        return hs_cli_append("--set", text, line->sets, &r->set_count, HS_RUN_MAX_SETS, err);
     case OPT_CARRIER:
         if (!hs_cli_pick("--carrier", text, carriers, 3, &index, err)) return false;
         r->loop.carrier = SV_CARRIER_HOST + index;

@@ -42,16 +42,14 @@ static bool wait_for(const hs_loop *loop, hs_error *err) {
     return hs_cl_check(clFinish(loop->cl->queue), "clFinish (ground truth)", err);
 }
 
-static bool draw_cut(hs_loop *loop, const hs_scene_data *scene, uint32_t index, hs_screen *screen,
-                     hs_error *err) {
-    hs_camera box, window;
+static bool draw_cut(hs_loop *loop, const hs_scene_data *scene, uint32_t index, const hs_camera *window,
+                     float share, hs_screen *screen, hs_error *err) {
+    hs_camera box;
     hs_start_depths start = {0};
-    float share;
     hs_loop_camera(loop, index, &box);
-    hs_loop_window(loop, index, &window, &share);
     bool ok = hs_truth_surface(loop->cl, scene, &box, &start, err);
     start.share = share;
-    ok = ok && hs_screen_render(screen, loop->volume, &window, &start, false, err) && wait_for(loop, err);
+    ok = ok && hs_screen_render(screen, loop->volume, window, &start, false, err) && wait_for(loop, err);
     if (start.depth) (void)clReleaseMemObject(start.depth);
     return ok;
 }
@@ -64,7 +62,7 @@ bool hs_truth_picture_draw(hs_truth_picture *picture, hs_screen *screen, hs_look
     float share;
     hs_loop_window(loop, index, &window, &share);
     if (scene && look == HS_LOOK_LIT && hs_truth_surface_fits(&window))
-        return draw_cut(loop, scene, index, screen, err);
+        return draw_cut(loop, scene, index, &window, share, screen, err);
     return bring(picture, index, err) &&
            hs_screen_render(screen, picture->volume, &window, NULL, false, err) && wait_for(loop, err);
 }

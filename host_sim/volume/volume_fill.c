@@ -76,7 +76,6 @@ bool hs_volume_fill(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *
  */
 typedef struct {
     filling filling;
-    hs_volume *volume;
     uint32_t rows_y, rows_z; /* rows of the volume: ny, nz */
     size_t words;            /* 64-bit words in a row */
     uint64_t *zero;          /* bit set: the voxel is 0 */
@@ -95,9 +94,9 @@ static void flood_free(flood *f) {
     free(f->open);
 }
 
-static bool flood_init(flood *f, hs_volume *volume) {
-    memset(f, 0, sizeof *f);
-    f->volume = volume;
+static bool flood_init(flood *f, const filling *from) {
+    const hs_volume *volume = from->volume;
+    *f = (flood){.filling = *from};
     f->rows_y = volume->ny;
     f->rows_z = volume->nz;
     f->words = ((size_t)volume->nx + 63) / 64;
@@ -174,8 +173,8 @@ static bool spread_along(const uint64_t *zero, uint64_t *reached, size_t n) {
 
 /* Marks the zeros of a row, and as reached those on the volume's border and what they lead to in the row. */
 static void flood_seed(flood *f, size_t row) {
-    const size_t nx = f->volume->nx, last = (nx - 1) / 64, y = row % f->rows_y, z = row / f->rows_y;
-    const uint8_t *voxels = f->volume->voxels + row * nx;
+    const size_t nx = f->filling.volume->nx, last = (nx - 1) / 64, y = row % f->rows_y, z = row / f->rows_y;
+    const uint8_t *voxels = f->filling.volume->voxels + row * nx;
     uint64_t *zero = f->zero + row * f->words, *reached = f->reached + row * f->words, any = 0;
     for (size_t w = 0; w < f->words; w++) {
         const uint64_t bits = zero_bits(voxels + w * 64, w < last ? 64 : nx - last * 64);
@@ -196,7 +195,7 @@ static bool fill_and_seed(void *context, uint32_t piece, hs_error *err) {
     flood *f = context;
     size_t first, end;
     if (!fill_piece(&f->filling, piece, err)) return false;
-    piece_rows(f->volume, piece, &first, &end);
+    piece_rows(f->filling.volume, piece, &first, &end);
     for (size_t row = first; row < end; row++) flood_seed(f, row);
     return true;
 }
@@ -233,7 +232,7 @@ static void flood_run(flood *f) {
 static void flood_raise_inner(const flood *f) {
     const size_t rows = (size_t)f->rows_y * f->rows_z;
     for (size_t row = 0; row < rows; row++) {
-        uint8_t *voxels = f->volume->voxels + row * f->volume->nx;
+        uint8_t *voxels = f->filling.volume->voxels + row * f->filling.volume->nx;
         for (size_t w = 0; f->open[row] && w < f->words; w++) {
             const size_t i = row * f->words + w;
             uint64_t inner = f->zero[i] & ~f->reached[i];
@@ -246,10 +245,10 @@ bool hs_volume_fill_marked(hs_volume *volume, uint32_t threads, hs_fill_fn fill,
                            hs_error *err) {
     if (volume->nx == 0 || volume->ny == 0 || volume->nz == 0) return true; /* a freed one */
     flood f;
-    bool ok = flood_init(&f, volume) ||
+    const filling from = {.volume = volume, .fill = fill, .context = context};
+    bool ok = flood_init(&f, &from) ||
               hs_fail(err, HS_ERR_MEMORY, "%s: no memory to find the unscanned region of %zu voxels",
                       volume->name, hs_volume_count(volume));
-    f.filling = (filling){.volume = volume, .fill = fill, .context = context};
     ok = ok && hs_parallel_try(threads, count_pieces(volume), fill_and_seed, &f, err);
     if (ok) {
         flood_run(&f);

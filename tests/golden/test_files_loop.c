@@ -253,15 +253,6 @@ static void geometries_are_compared(void **state) {
     expect_refusal(&files, "b.vol: was scanned in another geometry than");
 }
 
-static int set_up_all(void **state) {
-    return files_setup(state) == 0 ? set_up(state) : -1;
-}
-
-static int tear_down_all(void **state) {
-    const int loop = tear_down(state), files = files_teardown(state);
-    return loop || files;
-}
-
 int main(void) {
     /* What is freed goes back to the system at once, so that memory that was in use before hides none. */
     (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
@@ -275,5 +266,5 @@ int main(void) {
         cmocka_unit_test(what_does_not_fit_is_refused),
         cmocka_unit_test(geometries_are_compared),
     };
-    return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
+    return cmocka_run_group_tests(tests, sequence_set_up, sequence_tear_down);
 }

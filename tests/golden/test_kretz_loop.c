@@ -210,15 +210,6 @@ static void cartesian_voxels_are_handed_on(void **state) {
     hs_source_close(&source);
 }
 
-static int set_up_all(void **state) {
-    return files_setup(state) == 0 ? set_up(state) : -1;
-}
-
-static int tear_down_all(void **state) {
-    const int loop = tear_down(state), files = files_teardown(state);
-    return loop || files;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_stays_flat),
@@ -230,5 +221,5 @@ int main(void) {
         cmocka_unit_test(gaps_are_told_by_the_padding_value),
         cmocka_unit_test(cartesian_voxels_are_handed_on),
     };
-    return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
+    return cmocka_run_group_tests(tests, sequence_set_up, sequence_tear_down);
 }

@@ -272,15 +272,6 @@ static void a_read_that_failed_starts_anew(void **state) {
     free(packed);
 }
 
-static int set_up_all(void **state) {
-    return files_setup(state) == 0 ? set_up(state) : -1;
-}
-
-static int tear_down_all(void **state) {
-    const int loop = tear_down(state), files = files_teardown(state);
-    return loop || files;
-}
-
 int main(void) {
     /* What is freed goes back to the system at once, so that memory that was in use before hides none. */
     (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
@@ -295,5 +286,5 @@ int main(void) {
         cmocka_unit_test(trailing_data_is_told),
         cmocka_unit_test(a_read_that_failed_starts_anew),
     };
-    return cmocka_run_group_tests(tests, set_up_all, tear_down_all);
+    return cmocka_run_group_tests(tests, sequence_set_up, sequence_tear_down);
 }

@@ -9,17 +9,7 @@ trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # code WANTED ARGUMENTS...: the exit code of host_sim report; its output is in $work/stdout and stderr.
-code() {
-    local wanted=$1
-    shift
-    "$build/host_sim" report "$@" > "$work/stdout" 2> "$work/stderr"
-    local found=$?
-    if [ $found -ne "$wanted" ]; then
-        echo "FAIL: report $*: exit code $found, expected $wanted"
-        cat "$work/stderr"
-        failed=$((failed + 1))
-    fi
-}
+code() { ends "$1" "$build/host_sim" report "${@:2}"; }
 
 small=(--quick --size 72 --case E04 --case D01)
 

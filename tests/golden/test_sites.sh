@@ -9,17 +9,7 @@ trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # code WANTED ARGUMENTS...: the exit code of sv_sites; its output is in $work/stdout and stderr.
-code() {
-    local wanted=$1
-    shift
-    "$build/sv_sites" "$@" > "$work/stdout" 2> "$work/stderr"
-    local found=$?
-    if [ $found -ne "$wanted" ]; then
-        echo "FAIL: sv_sites $*: exit code $found, expected $wanted"
-        cat "$work/stderr"
-        failed=$((failed + 1))
-    fi
-}
+code() { ends "$1" "$build/sv_sites" "${@:2}"; }
 
 # map NAME SIDE CHARACTER: one slice of SIDE x SIDE bytes.
 map() {

@@ -11,3 +11,14 @@ holds() {
         failed=$((failed + 1))
     fi
 }
+
+# ends CODE COMMAND...: fails unless the command ends with that exit code; its output is in $work/stdout and $work/stderr.
+ends() {
+    local wanted=$1 found=0
+    shift
+    "$@" > "$work/stdout" 2> "$work/stderr" || found=$?
+    [ $found -eq "$wanted" ] && return
+    echo "FAIL: $*: exit code $found, expected $wanted"
+    cat "$work/stderr"
+    failed=$((failed + 1))
+}

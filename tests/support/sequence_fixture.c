@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/sequence_fixture.h"
 
+#include "support/metaimage_files.h"
+
 #include <unistd.h>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -10,6 +12,15 @@ const char *__asan_default_options(void) {
     return "quarantine_size_mb=0:thread_local_quarantine_size_kb=0";
 }
 #endif
+
+int sequence_set_up(void **state) {
+    return files_setup(state) == 0 ? set_up(state) : -1;
+}
+
+int sequence_tear_down(void **state) {
+    const int loop = tear_down(state), files = files_teardown(state);
+    return loop || files;
+}
 
 size_t resident_bytes(void) {
     size_t pages[2] = {0};

@@ -5,6 +5,10 @@
 
 #include "support/loop_fixture.h"
 
+/* cmocka group fixtures: the loop's (*state is a fixture), and a folder for files (files_setup). */
+int sequence_set_up(void **state);
+int sequence_tear_down(void **state);
+
 /* Volumes' worth of memory that a stream of three may take. The address sanitizer rounds sizes up by as much
  * as a quarter, and keeps an eighth of them beside. */
 #ifdef __SANITIZE_ADDRESS__
