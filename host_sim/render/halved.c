@@ -83,8 +83,7 @@ static bool enqueue(hs_halved *halved, cl_mem voxels, hs_error *err) {
     const bool slices = halved->cl->lanes > 1;
     const size_t global[3] = {slices ? 1 : (size_t)dims.s[0], slices ? 1 : (size_t)dims.s[1],
                               (size_t)dims.s[2]};
-    const size_t local[3] = {1, 1, 1};
-    return hs_launch_run(&launch, 3, global, slices ? local : NULL, NULL, err);
+    return hs_launch_items(&launch, 3, global, err);
 }
 
 bool hs_halved_make(hs_halved *halved, cl_mem voxels, hs_halved_view *view, hs_error *err) {

@@ -3,6 +3,10 @@
 
 #include <stdio.h>
 
+enum {
+    ROWS_OF_GROUP = 8
+}; /* the same for all sizes, because PoCL compiles a kernel for every size of its groups */
+
 hs_launch hs_launch_begin(const hs_cl *cl, cl_kernel kernel, const char *name) {
     return (hs_launch){.cl = cl, .kernel = kernel, .name = name, .code = CL_SUCCESS};
 }
@@ -30,9 +34,15 @@ bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *gl
     return hs_cl_check(code, what, err);
 }
 
+bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, hs_error *err) {
+    static const size_t one[3] = {1, 1, 1};
+    return hs_launch_run(launch, dimensions, global, launch->cl->lanes > 1 ? one : NULL, NULL, err);
+}
+
 bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err) {
-    const bool rows = launch->cl->lanes > 1;
-    const size_t global[3] = {rows ? 1 : (size_t)dims.s[0], (size_t)dims.s[1], (size_t)dims.s[2]};
-    const size_t local[3] = {1, global[1] <= launch->cl->max_group ? global[1] : 1, 1};
-    return hs_launch_run(launch, 3, global, rows ? local : NULL, NULL, err);
+    static const size_t group[3] = {1, ROWS_OF_GROUP, 1};
+    const size_t x = (size_t)dims.s[0], y = (size_t)dims.s[1], z = (size_t)dims.s[2];
+    const size_t rows[3] = {1, (y + ROWS_OF_GROUP - 1) / ROWS_OF_GROUP * ROWS_OF_GROUP, z};
+    if (launch->cl->lanes == 1) return hs_launch_run(launch, 3, (const size_t[]){x, y, z}, NULL, NULL, err);
+    return hs_launch_run(launch, 3, rows, group, NULL, err);
 }

@@ -34,5 +34,5 @@ bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *lay
     hs_launch_arg(&l, sizeof size, &size);
     hs_launch_arg(&l, sizeof bytes, &bytes);
     hs_launch_buffer(&l, rays->ranges);
-    return hs_launch_run(&l, 2, global, NULL, NULL, err);
+    return hs_launch_items(&l, 2, global, err);
 }

@@ -50,9 +50,10 @@ INLINE void fold_column(__global const uchar *voxels, int4 dims, section s, int 
     columns[x] = largest;
 }
 
-/* global: (1, bricks.y, bricks.z); a work item makes one row of bricks. */
+/* global: (1, bricks.y or more, bricks.z); a work item makes one row of bricks. */
 __kernel void build_brick_grid(__global const uchar *voxels, int4 dims, int4 bricks, __global uchar *grid) {
     int by = (int)get_global_id(1), bz = (int)get_global_id(2);
+    if (by >= bricks.y) return;
     section s = {by << BRICK_SHIFT, 0, bz << BRICK_SHIFT, 0};
     s.y1 = min(s.y0 + BRICK_EDGE, dims.y - 1);
     s.z1 = min(s.z0 + BRICK_EDGE, dims.z - 1);

@@ -5,13 +5,14 @@
  * and rounds to the nearest level, halves up. LIT_PAD voxels of 0 surround the volume, so that its own faces
  * are edges like any other and nothing is ever read outside.
  *
- * CPU: a work item makes a row; global (1, y, z). GPU: a work item makes a voxel; global (x, y, z).
+ * CPU: a work item makes a row; global (1, y or more, z). GPU: a work item makes a voxel; global (x, y, z).
  */
 #define LIT_PAD 2 /* the host's (lit_volume.c) */
 
 /* A small volume is not halved: it has no voxel to spare. */
 __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
     int y = (int)get_global_id(1), z = (int)get_global_id(2), sy = y - LIT_PAD, sz = z - LIT_PAD;
+    if (y >= out_dims.y) return;
     bool inside = min(sy, sz) >= 0 && sy < dims.y && sz < dims.z;
     for (int x = (int)get_global_id(0); x < out_dims.x; x += (int)get_global_size(0)) {
         int sx = x - LIT_PAD;
@@ -50,6 +51,7 @@ INLINE ushort weigh_row(__global const uchar *at, size_t row, size_t slice) {
 
 WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
     int y = (int)get_global_id(1), z = (int)get_global_id(2);
+    if (y >= dims.y) return;
     size_t row = dims.x, slice = (size_t)dims.x * dims.y, begin = (size_t)z * slice + (size_t)y * row;
     if (y == 0 || z == 0 || y == dims.y - 1 || z == dims.z - 1) {
         for (int x = 0; x < dims.x; x++) out[begin + x] = 0;
@@ -93,6 +95,7 @@ __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uc
 WIDE __kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, float4 window,
                                __global uchar *out) {
     int y = (int)get_global_id(1), z = (int)get_global_id(2), block = cells.w;
+    if (y >= cells.y) return;
     int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
     float sums[MAX_HALF + 16];
     for (int x = 0; x < dims.x; x += 16) STORE((float16)(0.0f), sums + x);
