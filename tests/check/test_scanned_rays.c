@@ -29,7 +29,7 @@ static uint8_t voxel_of(test_random *random, pattern p, const uint32_t n[3], uin
     case HOLES:
         return test_uniform(random, 0.0, 1.0) < 0.1 ? some : 0;
     case CORNER:
-        return x + 4 > n[0] && y + 4 > n[1] && z + 4 > n[2] ? some : 0;
+        return x + 12 > n[0] && y + 12 > n[1] && z + 12 > n[2] ? some : 0;
     default:
         return 0;
     }

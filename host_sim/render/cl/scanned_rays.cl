@@ -10,8 +10,7 @@
  * i * stride bytes. Voxel (x, y, z) has its first corner at source index origin + x * dx + y * dy + z * dz,
  * and the next ones a dx, dy, dz further; dims: source voxels. Without steps all slices are searched.
  */
-#define FACE_MARGIN 0.51f  /* voxels from the outer centres to a face of the source's box, and some rounding \
-                            */
+#define FACE_MARGIN  0.51f /* voxels from the outer centres to a face of the box, and some for rounding */
 #define SLICE_MARGIN 1.0f  /* more for rounding */
 #define LEAST_STEP   1e-6f /* voxels a slice; below, rays are parallel to the face */
 
