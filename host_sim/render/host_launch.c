@@ -46,3 +46,9 @@ bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err) {
     if (launch->cl->lanes == 1) return hs_launch_run(launch, 3, (const size_t[]){x, y, z}, NULL, NULL, err);
     return hs_launch_run(launch, 3, rows, group, NULL, err);
 }
+
+bool hs_launch_slices(const hs_launch *launch, cl_int4 dims, hs_error *err) {
+    const size_t x = (size_t)dims.s[0], y = (size_t)dims.s[1], z = (size_t)dims.s[2];
+    const bool slices = launch->cl->lanes > 1;
+    return hs_launch_items(launch, 3, (const size_t[]){slices ? 1 : x, slices ? 1 : y, z}, err);
+}
