@@ -287,7 +287,7 @@ __kernel void cost_gather(sv_cost_layout l, __global const uchar *restrict bins,
                          *back = wall + (size_t)l.cells_x * l.cells_y;
     uint scanned_rays = 0, open_rays = 0;
     rays_t r;
-    r.plane = (size_t)l.padded_columns * l.rows;
+    r.plane = l.padded_columns;
     r.level = (short16)((short)info[SV_COST_INFO_LEVEL]);
     for (size_t i = 0; i < (size_t)l.cells_x * SV_COST_VALUES; i++) cells[i] = 0.0f;
     for (uint x = 0; x < l.columns; x += SV_LANES) {
@@ -298,7 +298,7 @@ __kernel void cost_gather(sv_cost_layout l, __global const uchar *restrict bins,
         r.back = cells_of(&l, back, x);
         for (uint bin = 0; bin < l.labels; bin++) w.cost[bin] = (float16)(0.0f);
         for (uint y = y0; y < y1; y++) {
-            const size_t at = (size_t)y * l.padded_columns + x;
+            const size_t at = bins_at(&l, y, 0) + x;
             r.bins = bins + at;
             r.sums = sums + at;
             r.nearby = nearby + at;

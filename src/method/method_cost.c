@@ -35,6 +35,7 @@ enum {
     BINS,
     PARTIAL,
     SUMS,       /* brightness of every bin with its neighbours */
+    BRIGHTEST,  /* the largest of those nearby in the same row of rays */
     NEARBY,     /* the largest of those nearby */
     OWN,        /* wall and back of every cell by itself */
     WALLS,      /* the same of its neighbourhood */
@@ -67,6 +68,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t bytes[] = {[BINS] = bins,
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
                             [SUMS] = bins * sizeof(cl_ushort),
+                            [BRIGHTEST] = bins * sizeof(cl_ushort),
                             [NEARBY] = bins * sizeof(cl_ushort),
                             [OWN] = 2 * cells,
                             [WALLS] = 2 * cells,
@@ -121,7 +123,7 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     return sv_launch_items(&l, layout_of(m).rows, SV_STAGE_PROFILE);
 }
 
-typedef enum { ONCE, LABELS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
+typedef enum { ONCE, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
 
 /* Arguments besides the method's buffers: the first three before them, the others behind. */
 enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16 };
@@ -135,8 +137,8 @@ static const struct {
 } launches[] = {
     {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
     {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
-    {K_SUMS, 0, LABELS, SV_STAGE_THRESHOLD, {BINS, SUMS, -1}},
-    {K_NEARBY, 0, LABELS, SV_STAGE_THRESHOLD, {SUMS, NEARBY, -1}},
+    {K_SUMS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, SUMS, BRIGHTEST, -1}},
+    {K_NEARBY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BRIGHTEST, NEARBY, -1}},
     {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
     {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
     {K_GATHER, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {BINS, SUMS, NEARBY, WALLS, INFO, VOLUME, COUNTS, -1}},
@@ -154,10 +156,7 @@ static const struct {
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
     const sv_cost_layout layout = layout_of(m);
-    const size_t count[] = {[ONCE] = 1,
-                            [LABELS] = layout.labels,
-                            [ROWS_OF_CELLS] = layout.cells_y,
-                            [ROWS_OF_PIXELS] = layout.height};
+    const size_t count[] = {[ONCE] = 1, [ROWS_OF_CELLS] = layout.cells_y, [ROWS_OF_PIXELS] = layout.height};
     const cl_float memory = m->continues ? (cl_float)m->values.of[SV_PARAM_MEMORY] : 0.0f;
     sv_status status = SV_OK;
     for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
