@@ -12,7 +12,6 @@
 #define MOST_VECTORS (2 * SV_COST_RAYS / SV_LANES)
 #define MOST_LATERAL 6
 #define MOST_AXIAL   3
-#define MOST_BLOCK   8 /* rays along the side of a cell */
 
 /* Rows of rays begin where a vector may, in the buffers as well as here. */
 typedef ushort16 row_t[MOST_VECTORS];
@@ -137,40 +136,6 @@ __kernel void cost_sums(sv_cost_layout l, __global const uchar *restrict bins, _
             brightest_row(&l, sums, label - l.axial, y, wide,
                           (__global ushort16 *)(brightest + bins_at(&l, y, label - l.axial)));
     }
-}
-
-/* 16 columns of rows y0 .. y0 + rows - 1 at a label: the largest of `brightest` within `lateral` rows. What
- * all of them have in common is `core`; what else the first needs are rows before, the last, rows behind. */
-static void nearby_column(const sv_cost_layout *l, __global const ushort *brightest, uint y0, uint rows,
-                          size_t at, __global ushort *nearby) {
-    const size_t stride = bins_at(l, 1, 0);
-    const int last = (int)l->rows - 1, y = (int)y0, lateral = (int)l->lateral, count = (int)rows;
-    ushort16 most[MOST_BLOCK];
-    ushort16 core = (ushort16)(0), behind = core;
-    for (int k = y + count - 1 - lateral; k <= y + lateral; k++)
-        core = max(core, *(__global const ushort16 *)(brightest + (size_t)clamp(k, 0, last) * stride + at));
-    most[count - 1] = core;
-    for (int k = count - 2; k >= 0; k--) {
-        core = max(core,
-                   *(__global const ushort16 *)(brightest + (size_t)max(y + k - lateral, 0) * stride + at));
-        most[k] = core;
-    }
-    nearby += y0 * stride + at;
-    *(__global ushort16 *)nearby = most[0];
-    for (int k = 1; k < count; k++) {
-        behind = max(behind, *(__global const ushort16 *)(brightest +
-                                                          (size_t)min(y + k + lateral, last) * stride + at));
-        *(__global ushort16 *)(nearby + k * stride) = max(most[k], behind);
-    }
-}
-
-/* One work item per row of cells: the largest of the sums within `lateral` rays and `axial` bins. */
-__kernel void cost_nearby(sv_cost_layout l, __global const ushort *restrict brightest,
-                          __global ushort *restrict nearby) {
-    const uint y0 = (uint)get_global_id(0) * l.block, rows = min(l.block, l.rows - y0);
-    for (uint label = 0; label < l.labels; label++)
-        for (uint x = 0; x < l.padded_columns; x += SV_LANES)
-            nearby_column(&l, brightest, y0, rows, bins_at(&l, 0, label) + x, nearby);
 }
 
 /* What the walk along a cell's rays knows, for 16 columns; only the first of every cell counts. */

@@ -18,7 +18,6 @@ enum {
     K_SURVEY,
     K_LEVEL,
     K_SUMS,
-    K_NEARBY,
     K_WALLS_OWN,
     K_WALLS,
     K_GATHER,
@@ -29,14 +28,15 @@ enum {
     K_LEAVE
 };
 static const char *const kernels[] = {
-    "cost_bins",   "cost_survey", "cost_level", "cost_sums",    "cost_nearby", "cost_walls_own", "cost_walls",
-    "cost_gather", "cost_decide", "cost_blur",  "cost_minimum", "cost_median", "cost_leave",     NULL};
+    "cost_bins",   "cost_survey", "cost_level",  "cost_sums", "cost_walls_own",
+    "cost_walls",  "cost_gather", "cost_decide", "cost_blur", "cost_minimum",
+    "cost_median", "cost_leave",  NULL};
 enum {
     BINS,
     PARTIAL,
     SUMS,       /* brightness of every bin with its neighbours */
     BRIGHTEST,  /* the largest of those nearby in the same row of rays */
-    NEARBY,     /* the largest of those nearby */
+    TILES,      /* a tile of every row of cells */
     OWN,        /* wall and back of every cell by itself */
     WALLS,      /* the same of its neighbourhood */
     HISTOGRAMS, /* 256 words a row of cells */
@@ -48,6 +48,9 @@ enum {
     MINIMA,
     CONFIDENCE
 };
+
+/* Of 16 rays at a label: bin16_t of cl/cost/cost_tile.clh. */
+enum { TILE_BYTES = 3 * SV_LANES * sizeof(cl_short) };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
@@ -69,7 +72,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
                             [SUMS] = bins * sizeof(cl_ushort),
                             [BRIGHTEST] = bins * sizeof(cl_ushort),
-                            [NEARBY] = bins * sizeof(cl_ushort),
+                            [TILES] = (size_t)l.cells_y * l.block * l.labels * TILE_BYTES,
                             [OWN] = 2 * cells,
                             [WALLS] = 2 * cells,
                             [HISTOGRAMS] = 256 * (size_t)l.cells_y * sizeof(cl_uint),
@@ -133,15 +136,18 @@ static const struct {
     int kernel, takes;
     items items;
     sv_stage stage;
-    int buffers[8]; /* up to -1 */
+    int buffers[9]; /* up to -1 */
 } launches[] = {
     {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
     {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
     {K_SUMS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, SUMS, BRIGHTEST, -1}},
-    {K_NEARBY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BRIGHTEST, NEARBY, -1}},
     {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
     {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
-    {K_GATHER, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {BINS, SUMS, NEARBY, WALLS, INFO, VOLUME, COUNTS, -1}},
+    {K_GATHER,
+     0,
+     ROWS_OF_CELLS,
+     SV_STAGE_RECONSTRUCT,
+     {BINS, SUMS, BRIGHTEST, WALLS, INFO, TILES, VOLUME, COUNTS, -1}},
     {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {COUNTS, INFO, -1}},
     {K_BLUR, WEIGHTS, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, BLURRED, -1}},
     {K_MINIMUM,
