@@ -201,27 +201,20 @@ static void set_positions(hs_launch *launch, const sampling *s) {
  * its pages the address cache, however the camera is turned. */
 static bool enqueue_halved(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
                            cl_event *event, hs_error *err) {
-    static const size_t one[3] = {1, 1, 1};
     const hs_slab_layout *l = &converter->layout;
-    const bool packets = converter->cl->lanes > 1;
-    const size_t edge = packets ? BLOCK : 1;
+    const size_t edge = converter->cl->lanes > 1 ? BLOCK : 1;
     const size_t global[3] = {(l->width + edge - 1) / edge, (slices + edge - 1) / edge,
                               (l->height + edge - 1) / edge};
-    return hs_launch_run(launch, 3, global, packets ? one : NULL, event, err);
+    return hs_launch_items(launch, 3, global, event, err);
 }
 
-/*
- * On a CPU a work item makes a packet of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a
- * work group a row of them in all slices: few enough groups to cost nothing, enough that all cores get some.
- */
+/* On a CPU a work item makes a packet of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl). */
 static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
                     cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
-    const bool packets = converter->cl->lanes > 1;
-    const size_t edge = packets ? 4 : 1, most = converter->cl->max_group;
+    const size_t edge = converter->cl->lanes > 1 ? 4 : 1;
     const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
-    const size_t local[3] = {global[0], global[0] * slices <= most ? slices : 1, 1};
-    return hs_launch_run(launch, 3, global, packets && global[0] <= most ? local : NULL, event, err);
+    return hs_launch_items(launch, 3, global, event, err);
 }
 
 /* The same places in millimetres from the array's centre of curvature. */

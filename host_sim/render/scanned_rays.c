@@ -55,5 +55,5 @@ bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *lay
     hs_launch_arg(&l, sizeof bytes, &bytes);
     set_places(&l, layout, &view, camera);
     hs_launch_buffer(&l, rays->ranges);
-    return hs_launch_items(&l, 2, global, err);
+    return hs_launch_items(&l, 2, global, NULL, err);
 }
