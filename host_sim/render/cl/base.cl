@@ -97,6 +97,8 @@ INLINE void fetch_ahead(__global const uchar *p, size_t ahead) {
 #endif
 }
 
+#define MOST_PACKETS 4 /* whose samples are made together */
+
 /* Least and largest lane. */
 #if LANES == 16
 INLINE float lanes_min(vf v) {
