@@ -24,11 +24,6 @@ static uchar16 counts_from(const uchar *p) {
     return ((const bytes_anywhere *)p)->v;
 }
 
-static __global const uchar16 *bins_of(__global const uchar *bins, const sv_cost_layout *l, uint label,
-                                       uint row) {
-    return (__global const uchar16 *)(bins + ((size_t)label * l->rows + row) * l->padded_columns);
-}
-
 /* All lanes but those behind the last ray. */
 static ushort16 rays_of(const sv_cost_layout *l, uint vector) {
     return as_ushort16(convert_short16(LANE_NUMBERS) < (short16)((short)(l->columns - vector * SV_LANES)));
@@ -38,9 +33,9 @@ static ushort16 rays_of(const sv_cost_layout *l, uint vector) {
 static void sum_row(const sv_cost_layout *l, __global const uchar *bins, uint label, uint row, ushort16 *to) {
     const uint vectors = l->padded_columns / SV_LANES;
     const bool first = label == 0, last = label + 1 == l->labels;
-    __global const uchar16 *here = bins_of(bins, l, label, row);
-    __global const uchar16 *before = bins_of(bins, l, first ? label : label - 1, row);
-    __global const uchar16 *behind = bins_of(bins, l, last ? label : label + 1, row);
+    __global const uchar16 *here = (__global const uchar16 *)(bins + bins_at(l, row, label));
+    __global const uchar16 *before = first ? here : here - vectors;
+    __global const uchar16 *behind = last ? here : here + vectors;
     const uchar16 with_before = (uchar16)((uchar)(first ? 0 : 255));
     const uchar16 with_behind = (uchar16)((uchar)(last ? 0 : 255));
     ushort16 left = (ushort16)(0), middle = left, right = left;
@@ -59,21 +54,23 @@ static void sum_row(const sv_cost_layout *l, __global const uchar *bins, uint la
     to[vectors - 1] &= rays_of(l, vectors - 1);
 }
 
-/* One work item per label: sums over 3 x 3 x 3 bins, 0 beyond the volume. */
-__kernel void cost_sums(sv_cost_layout l, __global const uchar *restrict bins,
-                        __global ushort16 *restrict sums) {
-    const uint label = (uint)get_global_id(0), vectors = l.padded_columns / SV_LANES;
+/* Sums over 3 x 3 x 3 bins at a label, for rows y0 .. y1 - 1; 0 beyond the volume. */
+static void sum_label(const sv_cost_layout *l, __global const uchar *bins, uint label, uint y0, uint y1,
+                      __global ushort *sums) {
+    const uint vectors = l->padded_columns / SV_LANES;
     row_t rows[3];
-    for (uint x = 0; x < vectors; x++) rows[1][x] = rows[2][x] = (ushort16)(0);
-    sum_row(&l, bins, label, 0, rows[0]);
-    sums += (size_t)label * l.rows * vectors;
-    for (uint y = 0; y < l.rows; y++, sums += vectors) {
-        ushort16 *next = rows[(y + 1) % 3];
-        if (y + 1 < l.rows)
-            sum_row(&l, bins, label, y + 1, next);
+    for (uint x = 0; x < vectors; x++) rows[0][x] = (ushort16)(0);
+    if (y0 > 0) sum_row(l, bins, label, y0 - 1, rows[0]);
+    sum_row(l, bins, label, y0, rows[1]);
+    for (uint y = y0; y < y1; y++) {
+        const ushort16 *last = rows[(y - y0) % 3], *here = rows[(y - y0 + 1) % 3];
+        ushort16 *next = rows[(y - y0 + 2) % 3];
+        __global ushort16 *to = (__global ushort16 *)(sums + bins_at(l, y, label));
+        if (y + 1 < l->rows)
+            sum_row(l, bins, label, y + 1, next);
         else
             for (uint x = 0; x < vectors; x++) next[x] = (ushort16)(0);
-        for (uint x = 0; x < vectors; x++) sums[x] = rows[0][x] + rows[1][x] + rows[2][x];
+        for (uint x = 0; x < vectors; x++) to[x] = last[x] + here[x] + next[x];
     }
 }
 
@@ -81,17 +78,17 @@ __kernel void cost_sums(sv_cost_layout l, __global const uchar *restrict bins,
  * The largest sums of a row within `axial` labels, then of those within `lateral` rays of the row. `wide`:
  * room for a row between zeros. The cases fall through: loops of unknown length would take twice the time.
  */
-static void brightest_row(const sv_cost_layout *l, __global const ushort16 *sums, uint label, uint row,
-                          ushort16 *wide, ushort16 *to) {
+static void brightest_row(const sv_cost_layout *l, __global const ushort *sums, uint label, uint row,
+                          ushort16 *wide, __global ushort16 *to) {
     const uint vectors = l->padded_columns / SV_LANES;
+    __global const ushort16 *here = (__global const ushort16 *)(sums + bins_at(l, row, label));
     __global const ushort16 *before[MOST_AXIAL + 1], *behind[MOST_AXIAL + 1];
     for (uint k = 1; k <= MOST_AXIAL; k++) {
-        before[k] = sums + ((size_t)(label - min(label, k)) * l->rows + row) * vectors;
-        behind[k] = sums + ((size_t)min(label + k, l->labels - 1) * l->rows + row) * vectors;
+        before[k] = here - min(label, k) * vectors;
+        behind[k] = here + min(k, l->labels - 1 - label) * vectors;
     }
-    sums += ((size_t)label * l->rows + row) * vectors;
     for (uint x = 0; x < vectors; x++) {
-        ushort16 most = sums[x];
+        ushort16 most = here[x];
         switch (l->axial) {
         case 3:
             most = max(most, max(before[3][x], behind[3][x]));
@@ -124,48 +121,20 @@ static void brightest_row(const sv_cost_layout *l, __global const ushort16 *sums
     to[vectors - 1] &= rays_of(l, vectors - 1);
 }
 
-/* The largest of 2 * lateral + 1 rows. */
-static void brightest_of_rows(const row_t *rows, uint lateral, uint vectors, __global ushort16 *to) {
-    for (uint x = 0; x < vectors; x++) {
-        ushort16 most = rows[0][x];
-        switch (lateral) {
-        case 6:
-            most = max(most, max(rows[11][x], rows[12][x]));
-        case 5:
-            most = max(most, max(rows[9][x], rows[10][x]));
-        case 4:
-            most = max(most, max(rows[7][x], rows[8][x]));
-        case 3:
-            most = max(most, max(rows[5][x], rows[6][x]));
-        case 2:
-            most = max(most, max(rows[3][x], rows[4][x]));
-        default:
-            most = max(most, max(rows[1][x], rows[2][x]));
-        }
-        to[x] = most;
-    }
-}
-
-/* One work item per label: the largest of the sums within `lateral` rays and `axial` bins. */
-__kernel void cost_nearby(sv_cost_layout l, __global const ushort16 *restrict sums,
-                          __global ushort16 *restrict nearby) {
-    const uint label = (uint)get_global_id(0), vectors = l.padded_columns / SV_LANES;
-    const uint span = 2 * l.lateral + 1;
-    row_t rows[2 * MOST_LATERAL + 1]; /* around one; those beyond the volume are zeros */
+/* One work item per row of cells: sums over 3 x 3 x 3 bins, and the largest of them within `lateral` rays of
+ * the same row and `axial` bins. */
+__kernel void cost_sums(sv_cost_layout l, __global const uchar *restrict bins, __global ushort *sums,
+                        __global ushort *restrict brightest) {
+    const uint y0 = (uint)get_global_id(0) * l.block, y1 = min(y0 + l.block, l.rows);
+    const uint vectors = l.padded_columns / SV_LANES;
     ushort16 wide[MOST_VECTORS + 2];
     for (uint x = 0; x < vectors + 2; x++) wide[x] = (ushort16)(0);
-    for (uint k = 0; k < span; k++)
-        for (uint x = 0; x < vectors; x++) rows[k][x] = (ushort16)(0);
-    nearby += (size_t)label * l.rows * vectors;
-    for (uint y = 0; y < l.rows + l.lateral; y++) {
-        ushort16 *newest = rows[y % span];
-        if (y < l.rows)
-            brightest_row(&l, sums, label, y, wide, newest);
-        else
-            for (uint x = 0; x < vectors; x++) newest[x] = (ushort16)(0);
-        if (y < l.lateral) continue;
-        brightest_of_rows(rows, l.lateral, vectors, nearby);
-        nearby += vectors;
+    for (uint label = 0; label < l.labels + l.axial; label++) {
+        if (label < l.labels) sum_label(&l, bins, label, y0, y1, sums);
+        if (label < l.axial) continue;
+        for (uint y = y0; y < y1; y++)
+            brightest_row(&l, sums, label - l.axial, y, wide,
+                          (__global ushort16 *)(brightest + bins_at(&l, y, label - l.axial)));
     }
 }
 
@@ -181,11 +150,13 @@ typedef struct {
     uchar16 scanned[MOST_VECTORS + 1], fluid[MOST_VECTORS + 1];
 } crowd_t;
 
-static void count_rows(__global const uchar16 *bins, uint vectors, uint rows, uchar level, crowd_t *crowd) {
+static void count_rows(const sv_cost_layout *l, __global const uchar16 *bins, uint rows, uchar level,
+                       crowd_t *crowd) {
+    const uint vectors = l->padded_columns / SV_LANES, stride = l->labels * vectors;
     for (uint x = 0; x < vectors; x++) {
         uchar16 scanned = (uchar16)(0), tissue = scanned;
         for (uint y = 0; y < rows; y++) {
-            const uchar16 v = bins[y * vectors + x];
+            const uchar16 v = bins[y * stride + x];
             scanned -= as_uchar16(v > (uchar16)(0));
             tissue -= as_uchar16(v > (uchar16)(level));
         }
@@ -231,7 +202,7 @@ __kernel void cost_walls_own(sv_cost_layout l, __global const uchar *restrict bi
         walk[x].wall = (uchar16)((uchar)l.labels);
     }
     for (uint bin = 0; bin < l.labels; bin++) {
-        count_rows(bins_of(bins, &l, bin, y0), vectors, rows, level, &crowd);
+        count_rows(&l, (__global const uchar16 *)(bins + bins_at(&l, y0, bin)), rows, level, &crowd);
         for (uint x = 0; x < vectors; x++)
             walk_on(&l, bin, cell_sums(crowd.scanned + x, l.block), cell_sums(crowd.fluid + x, l.block),
                     walk + x);

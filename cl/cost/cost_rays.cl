@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Cost volume, along the rays: voxels to bins while the slabs come, then the grey levels of fluid and tissue.
- *
- * Bins lie as label, row, column (rows padded to 16 by zeros), so that a vector is one label of
- * 16 neighbouring rays.
  */
 #ifndef SV_METHOD_COST_CLH
 #include "cost/cost.clh"
@@ -56,7 +53,7 @@ static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice,
     const uchar16 inside = pixels_of(last, l->width);
     for (uint i = 0; i < slice_count; i++) {
         __global const uchar *row = slice_at(s, i) + (size_t)y * s->row_pitch;
-        __global uchar16 *to = bins + ((size_t)(first_slice + i) * l->rows + y) * vectors;
+        __global uchar16 *to = bins + bins_at(l, y, first_slice + i) / SV_LANES;
         for (uint x = 0; x < vectors; x++) {
             const uchar16 v = load_voxels(row, x * SV_LANES, l->width);
             to[x] = max(v, (uchar16)(1)) & scanned_of(s, v, first_slice + i, x * SV_LANES, y);
@@ -130,7 +127,7 @@ static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *pie
                     __global ushort16 *partial, __global uchar16 *bins) {
     uint16 sums[MOST_SHRINK], counts[MOST_SHRINK]; /* of the pixels of 16 rays */
     const uint vectors = l->padded_columns / SV_LANES;
-    bins += ((size_t)piece->bin * l->rows + row) * vectors;
+    bins += bins_at(l, row, piece->bin) / SV_LANES;
     for (uint rays = 0; rays < vectors; rays++) {
         for (uint k = 0; k < l->shrink; k++) {
             const uint x = (rays * l->shrink + k) * SV_LANES;
@@ -184,19 +181,19 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
 __kernel void cost_survey(sv_cost_layout l, __global const uchar *restrict bins,
                           __global uint *restrict histograms) {
     const uint cell_row = (uint)get_global_id(0);
-    __global const uchar *row = bins + (size_t)middle_row(&l, cell_row) * l.padded_columns;
+    __global const uchar4 *row = (__global const uchar4 *)(bins + bins_at(&l, middle_row(&l, cell_row), 0));
+    const uint count = l.labels * l.padded_columns / 4;
     uint counts[4][256];
     for (uint i = 0; i < 256; i += 4)
         for (uint k = 0; k < 4; k++) vstore4((uint4)(0), 0, counts[k] + i);
-    for (uint bin = 0; bin < l.labels; bin++, row += (size_t)l.rows * l.padded_columns)
-        for (uint x = 0; x < l.padded_columns; x += 4) {
-            const uchar4 v = vload4(0, row + x);
-            counts[0][v.x]++;
-            counts[1][v.y]++;
-            counts[2][v.z]++;
-            counts[3][v.w]++;
-        }
-    counts[0][0] -= (l.padded_columns - l.columns) * l.labels;
+    for (uint i = 0; i < count; i++) {
+        const uchar4 v = row[i];
+        if (as_uint(v) == 0) continue; /* not scanned: nobody asks how many */
+        counts[0][v.x]++;
+        counts[1][v.y]++;
+        counts[2][v.z]++;
+        counts[3][v.w]++;
+    }
     for (uint i = 0; i < 256; i++)
         histograms[cell_row * 256 + i] = counts[0][i] + counts[1][i] + counts[2][i] + counts[3][i];
 }

@@ -10,15 +10,16 @@
 #ifndef SV_METHOD_COST_CLH
 #include "cost/cost.clh"
 #endif
+#ifndef SV_COST_TILE_CLH
+#include "cost/cost_tile.clh"
+#endif
 
 enum { FAR_AWAY = 1000 }; /* bins; further than any tau */
 
-/* 16 rays: where their bins lie, and what is known of them. */
+/* 16 rays: their bins in the tile, and what is known of them. */
 typedef struct {
-    __global const uchar *bins;
-    __global const ushort *sums, *nearby; /* brightness of the ray itself, and nearby */
-    size_t plane;
-    short16 level, wall, back;
+    __global const bin16_t *bins;
+    short16 wall, back;
     short16 first;        /* bin at which the first interval begins; FAR_AWAY: there is none */
     short16 touching;     /* the first interval is only the wall, which something touches */
     short16 open0, open1; /* the longest interval: its first bin, and the first one behind it */
@@ -40,32 +41,17 @@ typedef struct {
     float16 cost[SV_COST_LABELS]; /* summed over the rays so far */
 } bins16_t;
 
-static short16 load_bin(const rays_t *r, uint bin) {
-    return convert_short16(vload16(0, r->bins + bin * r->plane));
-}
-
-static short16 load_nearby(const rays_t *r, uint bin) {
-    return convert_short16(vload16(0, r->nearby + bin * r->plane));
-}
-
 /* Length of the fluid that every bin begins or continues; scanned tissue thinner than `thin` counts as fluid.
- * Returns which rays were scanned. */
-static short16 walk_fluid(const sv_cost_layout *l, const rays_t *r, short16 *fluid) {
-    short16 run = (short16)(0), length = run, scanned = run;
-    for (uint bin = 0; bin < l->labels; bin++) {
-        const short16 v = load_bin(r, bin);
-        scanned |= v;
-        run = (run + (short)1) & (v > r->level);
-        fluid[bin] = run;
-    }
-    run = (short16)(0); /* from here on: of the whole run that the bin is in */
+ */
+static void walk_fluid(const sv_cost_layout *l, const rays_t *r, short16 *fluid) {
+    const short16 none = (short16)(0), thin = (short16)((short)l->thin);
+    short16 whole = none, length = none; /* of the run of tissue that the bin is in; of the fluid */
     for (uint bin = l->labels; bin-- > 0;) {
-        run = select((short16)(0), max(run, fluid[bin]), fluid[bin] > (short16)(0));
-        const short16 parts = run >= (short16)((short)l->thin);
-        length = (length + (short)1) & (load_bin(r, bin) > (short16)(0)) & ~parts;
+        const short16 run = r->bins[bin].run;
+        whole = max(whole, run) & (run > none);
+        length = (length + (short)1) & (run >= none) & (whole < thin);
         fluid[bin] = length;
     }
-    return scanned != (short16)(0);
 }
 
 /* The intervals: `fluid` becomes a mask, `light` the brightest nearby in the run of tissue so far. */
@@ -95,8 +81,7 @@ static void walk_intervals(const sv_cost_layout *l, rays_t *r, short16 *fluid, s
         longest = select(longest, length, longer);
         inside = (inside | opens) & (length > none);
         before = length;
-        const short16 tissue = load_bin(r, bin) > r->level;
-        most = max(most, load_nearby(r, bin) & tissue) & ~inside & (at >= r->wall);
+        most = max(most, r->bins[bin].nearby) & ~inside & (at >= r->wall);
         fluid[bin] = inside;
         light[bin] = most;
     }
@@ -202,8 +187,7 @@ static void walk_runs(const sv_cost_layout *l, rays_t *r, float unit, short bone
         away = (away + (short)1) & ~inside;
         w->light[bin] = away;
 
-        const short16 nearby = load_nearby(r, bin), tissue = in_run & (load_bin(r, bin) > r->level);
-        const short16 own = convert_short16(vload16(0, r->sums + bin * r->plane));
+        const short16 nearby = r->bins[bin].nearby, own = r->bins[bin].own, tissue = in_run & (nearby > none);
         const short16 is_bone = tissue & (most >= (short16)(bone)) &
                                 (min(most - nearby, (short16)(1000)) * (short)SV_COST_FRONT <=
                                  nearby * (short)(10 - SV_COST_FRONT));
@@ -252,6 +236,20 @@ static void walk_costs(const sv_cost_layout *l, const rays_t *r, bins16_t *w) {
     }
 }
 
+/* Adds the costs of 16 rays that stand in the tile. Returns which of them have a fluid interval: without one,
+ * every label costs 1. */
+static short16 add_costs(const sv_cost_layout *l, rays_t *r, float unit, short bone, bins16_t *w) {
+    walk_fluid(l, r, w->fluid);
+    walk_intervals(l, r, w->fluid, w->light);
+    const short16 opens = r->first != (short16)(FAR_AWAY);
+    if (any(opens)) {
+        walk_runs(l, r, unit, bone, w);
+        walk_costs(l, r, w);
+    } else
+        for (uint bin = 0; bin < l->labels; bin++) w->cost[bin] += r->weight;
+    return opens;
+}
+
 /* The wall or back of the cell that each of 16 rays is in. */
 static short16 cells_of(const sv_cost_layout *l, __global const uchar *row, uint x) {
     short16 lanes;
@@ -266,6 +264,34 @@ static void to_cells(const sv_cost_layout *l, __global float *cells, uint slot, 
     for (uint i = 0; i < count; i++) cells[(x + i) / l->block * SV_COST_VALUES + slot] += lanes[i];
 }
 
+/* Lanes of 16 labels become labels of 16 lanes: four times, the first half of the vectors is shuffled into
+ * the other. */
+static void transpose(const float16 *from, float16 *to) {
+    float16 here[SV_LANES], next[SV_LANES];
+    for (uint i = 0; i < SV_LANES; i++) here[i] = from[i];
+    for (uint turn = 0; turn < 4; turn++) {
+        for (uint i = 0; i < SV_LANES / 2; i++) {
+            next[2 * i].even = here[i].lo;
+            next[2 * i].odd = here[i + SV_LANES / 2].lo;
+            next[2 * i + 1].even = here[i].hi;
+            next[2 * i + 1].odd = here[i + SV_LANES / 2].hi;
+        }
+        for (uint i = 0; i < SV_LANES; i++) here[i] = next[i];
+    }
+    for (uint i = 0; i < SV_LANES; i++) to[i] = here[i];
+}
+
+/* Hands the costs of 16 rays to their cells. */
+static void costs_to_cells(const sv_cost_layout *l, __global float *cells, uint x, const float16 *cost) {
+    const uint count = min((uint)SV_LANES, l->columns - x);
+    float16 rays[SV_LANES];
+    for (uint bin = 0; bin < l->labels; bin += SV_LANES) {
+        transpose(cost + bin, rays);
+        for (uint i = 0; i < count; i++)
+            *(__global float16 *)(cells + (x + i) / l->block * SV_COST_VALUES + bin) += rays[i];
+    }
+}
+
 static uint count_lanes(short16 mask, uint lanes) {
     const short *each = (const short *)&mask;
     uint count = 0;
@@ -273,47 +299,57 @@ static uint count_lanes(short16 mask, uint lanes) {
     return count;
 }
 
-/* One work item per row of cells. `walls`: wall, then back of every cell. `counts`: scanned rays and rays
- * with a fluid interval, per row of cells. */
+/* One work item per row of cells. `walls`: wall, then back of every cell. `tiles`: room for a tile of
+ * every row of cells. `counts`: scanned rays and rays with a fluid interval, per row of cells. */
 __kernel void cost_gather(sv_cost_layout l, __global const uchar *restrict bins,
-                          __global const ushort *restrict sums, __global const ushort *restrict nearby,
+                          __global const ushort *restrict sums, __global const ushort *restrict brightest,
                           __global const uchar *restrict walls, __global const uint *restrict info,
-                          __global float *restrict volume, __global uint *restrict counts) {
-    const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block, y1 = min(y0 + l.block, l.rows);
-    const float bright = (float)info[SV_COST_INFO_BRIGHT];
-    const short bone = (short)((SV_COST_BONE * SV_COST_NEIGHBOURS * info[SV_COST_INFO_BRIGHT] + 1) / 2);
+                          __global bin16_t *restrict tiles, __global float *restrict volume,
+                          __global uint *restrict counts) {
+    const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block;
+    const tile_source_t source = {.bins = bins,
+                                  .sums = sums,
+                                  .brightest = brightest,
+                                  .y0 = y0,
+                                  .rows = min(l.block, l.rows - y0),
+                                  .level = (short)info[SV_COST_INFO_LEVEL]};
+    const uint bright = info[SV_COST_INFO_BRIGHT];
+    const float unit = 1.0f / ((float)SV_COST_NEIGHBOURS * (float)bright);
+    const short bone = (short)((SV_COST_BONE * SV_COST_NEIGHBOURS * bright + 1) / 2);
+    __global bin16_t *tile = tiles + (size_t)cell_row * l.block * l.labels;
     __global float *cells = cell_at(volume, &l, 0, cell_row);
     __global const uchar *wall = walls + (size_t)cell_row * l.cells_x,
                          *back = wall + (size_t)l.cells_x * l.cells_y;
     uint scanned_rays = 0, open_rays = 0;
-    rays_t r;
-    r.plane = (size_t)l.padded_columns * l.rows;
-    r.level = (short16)((short)info[SV_COST_INFO_LEVEL]);
+    bins16_t w;
     for (size_t i = 0; i < (size_t)l.cells_x * SV_COST_VALUES; i++) cells[i] = 0.0f;
+    for (uint bin = 0; bin < SV_COST_LABELS; bin++) w.cost[bin] = (float16)(0.0f);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
-        bins16_t w;
-        float16 weight = (float16)(0.0f), open = weight;
         const uint lanes = min((uint)SV_LANES, l.columns - x);
+        float16 weight = (float16)(0.0f), open = weight;
+        short16 scanned[MOST_BLOCK];
+        rays_t r;
         r.wall = cells_of(&l, wall, x);
         r.back = cells_of(&l, back, x);
-        for (uint bin = 0; bin < l.labels; bin++) w.cost[bin] = (float16)(0.0f);
-        for (uint y = y0; y < y1; y++) {
-            const size_t at = (size_t)y * l.padded_columns + x;
-            r.bins = bins + at;
-            r.sums = sums + at;
-            r.nearby = nearby + at;
-            const short16 scanned = walk_fluid(&l, &r, w.fluid);
-            r.weight = select((float16)(0.0f), (float16)(1.0f), convert_int16(scanned));
-            walk_intervals(&l, &r, w.fluid, w.light);
-            walk_runs(&l, &r, 1.0f / ((float)SV_COST_NEIGHBOURS * bright), bone, &w);
-            walk_costs(&l, &r, &w);
-            const short16 opens = r.first != (short16)(FAR_AWAY);
+        const bool walled = any(r.wall > (short16)(0));
+        if (walled)
+            fill_tile(&l, &source, x, tile, scanned);
+        else
+            find_scanned(&l, &source, x, scanned);
+        for (uint bin = 0; walled && bin < l.labels; bin++) w.cost[bin] = (float16)(0.0f);
+        for (uint k = 0; k < source.rows; k++) {
+            r.weight = select((float16)(0.0f), (float16)(1.0f), convert_int16(scanned[k]));
+            scanned_rays += count_lanes(scanned[k], lanes);
+            if (walled && any(scanned[k])) {
+                r.bins = tile + k * l.labels;
+                const short16 opens = add_costs(&l, &r, unit, bone, &w);
+                open += select((float16)(0.0f), r.weight, convert_int16(opens));
+                open_rays += count_lanes(scanned[k] & opens, lanes);
+            }
             weight += r.weight;
-            open += select((float16)(0.0f), r.weight, convert_int16(opens));
-            scanned_rays += count_lanes(scanned, lanes);
-            open_rays += count_lanes(scanned & opens, lanes);
         }
-        for (uint bin = 0; bin < l.labels; bin++) to_cells(&l, cells, bin, x, w.cost[bin]);
+        for (uint bin = 0; !walled && bin < l.labels; bin++) w.cost[bin] = weight;
+        costs_to_cells(&l, cells, x, w.cost);
         to_cells(&l, cells, SV_COST_WEIGHT, x, weight);
         to_cells(&l, cells, SV_COST_OPEN, x, open);
     }

@@ -126,7 +126,7 @@ static bool find_source(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, cl
 static bool smooth_once(hs_lit_volume *lit, cl_mem from, cl_mem to, hs_error *err) {
     hs_launch smooth = begin(lit, SMOOTH, from, &lit->view.dims);
     hs_launch_buffer(&smooth, to);
-    return hs_launch_rows(&smooth, lit->view.dims, err);
+    return hs_launch_slices(&smooth, lit->view.dims, err);
 }
 
 static bool make_smooth(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, hs_error *err) {

@@ -18,7 +18,6 @@ enum {
     K_SURVEY,
     K_LEVEL,
     K_SUMS,
-    K_NEARBY,
     K_WALLS_OWN,
     K_WALLS,
     K_GATHER,
@@ -29,13 +28,15 @@ enum {
     K_LEAVE
 };
 static const char *const kernels[] = {
-    "cost_bins",   "cost_survey", "cost_level", "cost_sums",    "cost_nearby", "cost_walls_own", "cost_walls",
-    "cost_gather", "cost_decide", "cost_blur",  "cost_minimum", "cost_median", "cost_leave",     NULL};
+    "cost_bins",   "cost_survey", "cost_level",  "cost_sums", "cost_walls_own",
+    "cost_walls",  "cost_gather", "cost_decide", "cost_blur", "cost_minimum",
+    "cost_median", "cost_leave",  NULL};
 enum {
     BINS,
     PARTIAL,
     SUMS,       /* brightness of every bin with its neighbours */
-    NEARBY,     /* the largest of those nearby */
+    BRIGHTEST,  /* the largest of those nearby in the same row of rays */
+    TILES,      /* a tile of every row of cells */
     OWN,        /* wall and back of every cell by itself */
     WALLS,      /* the same of its neighbourhood */
     HISTOGRAMS, /* 256 words a row of cells */
@@ -47,6 +48,9 @@ enum {
     MINIMA,
     CONFIDENCE
 };
+
+/* Of 16 rays at a label: bin16_t of cl/cost/cost_tile.clh. */
+enum { TILE_BYTES = 3 * SV_LANES * sizeof(cl_short) };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
@@ -67,7 +71,8 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t bytes[] = {[BINS] = bins,
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
                             [SUMS] = bins * sizeof(cl_ushort),
-                            [NEARBY] = bins * sizeof(cl_ushort),
+                            [BRIGHTEST] = bins * sizeof(cl_ushort),
+                            [TILES] = (size_t)l.cells_y * l.block * l.labels * TILE_BYTES,
                             [OWN] = 2 * cells,
                             [WALLS] = 2 * cells,
                             [HISTOGRAMS] = 256 * (size_t)l.cells_y * sizeof(cl_uint),
@@ -121,7 +126,7 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     return sv_launch_items(&l, layout_of(m).rows, SV_STAGE_PROFILE);
 }
 
-typedef enum { ONCE, LABELS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
+typedef enum { ONCE, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
 
 /* Arguments besides the method's buffers: the first three before them, the others behind. */
 enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16 };
@@ -131,15 +136,18 @@ static const struct {
     int kernel, takes;
     items items;
     sv_stage stage;
-    int buffers[8]; /* up to -1 */
+    int buffers[9]; /* up to -1 */
 } launches[] = {
     {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
     {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
-    {K_SUMS, 0, LABELS, SV_STAGE_THRESHOLD, {BINS, SUMS, -1}},
-    {K_NEARBY, 0, LABELS, SV_STAGE_THRESHOLD, {SUMS, NEARBY, -1}},
+    {K_SUMS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, SUMS, BRIGHTEST, -1}},
     {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
     {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
-    {K_GATHER, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {BINS, SUMS, NEARBY, WALLS, INFO, VOLUME, COUNTS, -1}},
+    {K_GATHER,
+     0,
+     ROWS_OF_CELLS,
+     SV_STAGE_RECONSTRUCT,
+     {BINS, SUMS, BRIGHTEST, WALLS, INFO, TILES, VOLUME, COUNTS, -1}},
     {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {COUNTS, INFO, -1}},
     {K_BLUR, WEIGHTS, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, BLURRED, -1}},
     {K_MINIMUM,
@@ -154,10 +162,7 @@ static const struct {
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
     const sv_cost_layout layout = layout_of(m);
-    const size_t count[] = {[ONCE] = 1,
-                            [LABELS] = layout.labels,
-                            [ROWS_OF_CELLS] = layout.cells_y,
-                            [ROWS_OF_PIXELS] = layout.height};
+    const size_t count[] = {[ONCE] = 1, [ROWS_OF_CELLS] = layout.cells_y, [ROWS_OF_PIXELS] = layout.height};
     const cl_float memory = m->continues ? (cl_float)m->values.of[SV_PARAM_MEMORY] : 0.0f;
     sv_status status = SV_OK;
     for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
