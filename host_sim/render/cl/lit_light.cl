@@ -4,6 +4,9 @@
  * occlusion and shadow from the coarse opacities, and the colour of it all. Directions are in camera
  * coordinates: x right, y down, z away from the viewer.
  */
+#define LIT_PAD   2 /* empty voxels around the smoothed volume; the host's (halved.h) */
+#define SHARE_PAD 2 /* empty cubes around the share of the scan; the host's (scan_share.h) */
+
 typedef struct {
     vf x, y, z;
 } directions;
@@ -20,72 +23,75 @@ INLINE directions normalised(directions d) {
 
 /* The scene as light sees it. */
 typedef struct {
-    __global const uchar *smooth, *opacity;
+    __global const uchar *smooth, *opacity, *scanned;
     __global const float *map;
-    int4 dims, cells, map_dims; /* cells.w: smoothed voxels a cell's edge */
-    float4 to_map;              /* as render_lit takes it */
-    float4 mx, my, mz;          /* voxels of x, y, z a millimetre along the camera's axes; mx.w: see SPEED */
-    float4 to_samples;          /* as render_lit takes it */
-    float4 per_mm;              /* pixels in x, pixels in y, samples a millimetre; w: unit of light, mm */
+    int4 dims, cells, shares, map_dims; /* cells.w, shares.w: smoothed voxels along an edge */
+    float4 to_map;                      /* as render_lit takes it */
+    float4 mx, my, mz; /* voxels of x, y, z a millimetre along the camera's axes; mx.w: see SPEED */
+    float4 to_samples; /* as render_lit takes it */
+    float4 per_mm;     /* pixels in x, pixels in y, samples a millimetre; w: unit of light, mm */
 } lit_scene;
 
-/* Weights of the quadratic B-spline and of its slope around the nearest voxel; f in -0.5 .. 0.5. */
-INLINE void spline_weights(vf f, vf weight[3], vf slope[3]) {
-    weight[0] = 0.5f * (0.5f - f) * (0.5f - f);
-    weight[1] = 0.75f - f * f;
-    weight[2] = 0.5f * (0.5f + f) * (0.5f + f);
-    slope[0] = f - 0.5f;
-    slope[1] = -2.0f * f;
-    slope[2] = f + 0.5f;
+/* Weights of the cubic B-spline and of its slope around a place; f in 0 .. 1 from the second voxel on. */
+INLINE void spline_weights(vf f, vf weight[4], vf slope[4]) {
+    vf r = 1.0f - f;
+    weight[0] = (1.0f / 6.0f) * r * r * r;
+    weight[1] = (2.0f / 3.0f) - 0.5f * f * f * (1.0f + r);
+    weight[2] = (2.0f / 3.0f) - 0.5f * r * r * (1.0f + f);
+    weight[3] = (1.0f / 6.0f) * f * f * f;
+    slope[0] = -0.5f * r * r;
+    slope[1] = f * (1.5f * f - 2.0f);
+    slope[2] = -r * (1.5f * r - 2.0f);
+    slope[3] = 0.5f * f * f;
 }
 
-/* Four neighbours in x as one word, of the three rows around y, for every lane; vload4 asks for byte
- * alignment only. The fourth is not used: it may be the byte behind the last voxel. */
-INLINE void fetch_rows(__global const uchar *p, int row, vi i, vu words[3]) {
+/* Four neighbours in x as one word, wherever it stands; PoCL makes two words of a vload4. */
+typedef struct __attribute__((packed)) {
+    uint four;
+} unaligned;
+#define FOUR(p, i) (((__global const unaligned *)((p) + (i)))->four)
 #if LANES == 16
-    int at[LANES];
-    uint out[3 * LANES];
-    STORE(i, at);
-    for (int lane = 0; lane < LANES; lane++) {
-        long o = at[lane];
-        for (int y = 0; y < 3; y++) out[y * LANES + lane] = as_uint(vload4(0, p + (y - 1) * row + o));
-    }
-    for (int y = 0; y < 3; y++) words[y] = LOAD(out + y * LANES);
+typedef uint16 vfour;
+#define FOURS(p, i)                                                                                          \
+    ((uint16)(FOUR(p, i.s0), FOUR(p, i.s1), FOUR(p, i.s2), FOUR(p, i.s3), FOUR(p, i.s4), FOUR(p, i.s5),      \
+              FOUR(p, i.s6), FOUR(p, i.s7), FOUR(p, i.s8), FOUR(p, i.s9), FOUR(p, i.sa), FOUR(p, i.sb),      \
+              FOUR(p, i.sc), FOUR(p, i.sd), FOUR(p, i.se), FOUR(p, i.sf)))
 #else
-    for (int y = 0; y < 3; y++) words[y] = as_uint(vload4(0, p + (y - 1) * row + i));
+typedef uint vfour;
+#define FOURS(p, i) FOUR(p, i)
 #endif
-}
-
 #ifdef __ENDIAN_LITTLE__
-#define LEVEL_OF(word, x) TO_VF(((word) >> (8 * (x))) & 0xffu)
+#define OF_FOUR(four, k) TO_VF((four) >> (8u * (k)) & 0xffu)
 #else
-#define LEVEL_OF(word, x) TO_VF(((word) >> (24 - 8 * (x))) & 0xffu)
+#define OF_FOUR(four, k) TO_VF((four) >> (8u * (3 - (k))) & 0xffu)
 #endif
 
+/* The second of the four voxels around a place, between the outermost ones of an axis. */
 INLINE vi spline_voxel(vf position, int count, vf *fraction) {
     vf p = clamp(position, 1.0f, (float)(count - 2));
-    vi i = TO_VI(p + 0.5f);
+    vi i = min(TO_VI(p), (vi)(count - 3));
     *fraction = p - TO_VF(i);
     return i;
 }
 
-/* The gradient of the smoothed volume's quadratic B-spline, grey levels a millimetre. */
-INLINE directions gradient_at(const lit_scene *s, packet at) {
-    vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
-    vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
-    vi iz = spline_voxel(at.z, s->dims.z, &fz);
+/* The gradient of the cubic B-spline of `voxels`, levels a millimetre where they are smoothed ones. */
+INLINE directions gradient_at(const lit_scene *s, __global const uchar *voxels, int4 dims, packet at) {
+    vf fx, fy, fz, wx[4], wy[4], wz[4], dx[4], dy[4], dz[4];
+    vi ix = spline_voxel(at.x, dims.x, &fx), iy = spline_voxel(at.y, dims.y, &fy);
+    vi iz = spline_voxel(at.z, dims.z, &fz);
     spline_weights(fx, wx, dx);
     spline_weights(fy, wy, dy);
     spline_weights(fz, wz, dz);
-    vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
+    vi i = (iz * dims.y + iy) * dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
-    for (int z = 0; z < 3; z++) {
+    for (int z = 0; z < 4; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
-        vu words[3];
-        fetch_rows(s->smooth + (z - 1) * s->dims.y * s->dims.x - 1, s->dims.x, i, words);
-        for (int y = 0; y < 3; y++) {
-            vf a = LEVEL_OF(words[y], 0), b = LEVEL_OF(words[y], 1), c = LEVEL_OF(words[y], 2);
-            vf along = dx[0] * a + dx[1] * b + dx[2] * c, value = wx[0] * a + wx[1] * b + wx[2] * c;
+        for (int y = 0; y < 4; y++) {
+            __global const uchar *row = voxels + ((z - 1) * dims.y + y - 1) * dims.x - 1;
+            vfour four = FOURS(row, i);
+            vf a = OF_FOUR(four, 0), b = OF_FOUR(four, 1), c = OF_FOUR(four, 2), d = OF_FOUR(four, 3);
+            vf value = wx[0] * a + wx[1] * b + wx[2] * c + wx[3] * d;
+            vf along = dx[0] * a + dx[1] * b + dx[2] * c + dx[3] * d;
             plane.x += wy[y] * along;
             plane.y += dy[y] * value;
             plane.z += wy[y] * value;
@@ -101,10 +107,34 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
 }
 
 /* Towards the viewer where there is no gradient to tell; never away from him. */
-INLINE directions normal_at(const lit_scene *s, packet at) {
-    directions g = gradient_at(s, at);
+INLINE directions slope_at(const lit_scene *s, __global const uchar *voxels, int4 dims, packet at) {
+    directions g = gradient_at(s, voxels, dims, at);
     directions n = {-g.x, -g.y, -fabs(g.z) - s->mx.w};
     return normalised(n);
+}
+
+#define FACE_ALL  0.65f /* share of the scan up to which a surface is the scan's own face ... */
+#define FACE_NONE 0.8f  /* ... and from which on it is not */
+
+/* The normal of what is drawn: the tissue's own, or that of the scan's face, which is a staircase of voxels.
+ */
+INLINE directions normal_at(const lit_scene *s, packet at) {
+    float scale = 1.0f / (float)s->shares.w,
+          shift = SHARE_PAD - scale * (LIT_PAD + 0.5f * (float)(s->shares.w - 1));
+    packet p = at;
+    p.x = at.x * scale + shift;
+    p.y = at.y * scale + shift;
+    p.z = at.z * scale + shift;
+    vf share = blend(fetch(s->scanned, s->shares, p.x, p.y, p.z)) * (1.0f / 255.0f);
+    vf face = clamp((FACE_NONE - share) * (1.0f / (FACE_NONE - FACE_ALL)), 0.0f, 1.0f);
+    if (lanes_min(face) >= 1.0f) return slope_at(s, s->scanned, s->shares, p);
+    directions normal = slope_at(s, s->smooth, s->dims, at);
+    if (lanes_max(face) <= 0.0f) return normal;
+    directions wide = slope_at(s, s->scanned, s->shares, p);
+    normal.x += face * (wide.x - normal.x);
+    normal.y += face * (wide.y - normal.y);
+    normal.z += face * (wide.z - normal.z);
+    return normalised(normal);
 }
 
 INLINE bool is_depth(float depth) {

@@ -8,7 +8,6 @@
  * CPU: a work item makes a row, global (1, y or more, z), or a slice. GPU: a work item makes a voxel; global
  * (x, y, z).
  */
-#define LIT_PAD 2 /* the host's (lit_volume.c) */
 
 /* A small volume is not halved: it has no voxel to spare. */
 __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
