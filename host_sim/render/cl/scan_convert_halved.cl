@@ -138,14 +138,6 @@ INLINE void gather_halved(const halved_job *job, int4 start, bool inside, int pa
     }
 }
 
-INLINE int all_lanes(vi mask) {
-#if LANES == 16
-    return all(mask);
-#else
-    return mask;
-#endif
-}
-
 /* The packet's mean from the source's nearest voxels: two samples an axis where `halved` has one. */
 INLINE vi nearest_mean(__global const uchar *voxels, int4 dims, int4 grid, lattice l, int4 start) {
     int4 first = 2 * start + (1 << l.bits) - (l.dx + l.dy + l.dz) / 2;
