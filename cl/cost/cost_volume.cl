@@ -299,62 +299,92 @@ static uint count_lanes(short16 mask, uint lanes) {
     return count;
 }
 
-/* One work item per row of cells. `walls`: wall, then back of every cell. `tiles`: room for a tile of
- * every row of cells. `counts`: scanned rays and rays with a fluid interval, per row of cells. */
-__kernel void cost_gather(sv_cost_layout l, __global const uchar *restrict bins,
-                          __global const ushort *restrict sums, __global const ushort *restrict brightest,
-                          __global const uchar *restrict walls, __global const uint *restrict info,
-                          __global bin16_t *restrict tiles, __global float *restrict volume,
-                          __global uint *restrict counts) {
-    const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block;
-    const tile_source_t source = {.bins = bins,
-                                  .sums = sums,
-                                  .brightest = brightest,
-                                  .y0 = y0,
-                                  .rows = min(l.block, l.rows - y0),
-                                  .level = (short)info[SV_COST_INFO_LEVEL]};
-    const uint bright = info[SV_COST_INFO_BRIGHT];
-    const float unit = 1.0f / ((float)SV_COST_NEIGHBOURS * (float)bright);
-    const short bone = (short)((SV_COST_BONE * SV_COST_NEIGHBOURS * bright + 1) / 2);
-    __global bin16_t *tile = tiles + (size_t)cell_row * l.block * l.labels;
-    __global float *cells = cell_at(volume, &l, 0, cell_row);
-    __global const uchar *wall = walls + (size_t)cell_row * l.cells_x,
-                         *back = wall + (size_t)l.cells_x * l.cells_y;
-    uint scanned_rays = 0, open_rays = 0;
+/* What the rows of cells of a work item have in common. */
+typedef struct {
+    __global const uchar *walls, *backs;
+    __global bin16_t *tile;
+    __global float *volume;
+    float unit; /* see walk_runs */
+    short bone;
     bins16_t w;
-    for (size_t i = 0; i < (size_t)l.cells_x * SV_COST_VALUES; i++) cells[i] = 0.0f;
-    for (uint bin = 0; bin < SV_COST_LABELS; bin++) w.cost[bin] = (float16)(0.0f);
-    for (uint x = 0; x < l.columns; x += SV_LANES) {
-        const uint lanes = min((uint)SV_LANES, l.columns - x);
+} gather_t;
+
+/* A row of cells. `counts`: its scanned rays, and those with a fluid interval. */
+static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t *g, uint cell_row,
+                       __global uint *counts) {
+    __global float *cells = cell_at(g->volume, l, 0, cell_row);
+    __global const uchar *wall = g->walls + cell_row * l->cells_x, *back = g->backs + cell_row * l->cells_x;
+    uint scanned_rays = 0, open_rays = 0;
+    for (size_t i = 0; i < (size_t)l->cells_x * SV_COST_VALUES; i++) cells[i] = 0.0f;
+    for (uint x = 0; x < l->columns; x += SV_LANES) {
+        const uint lanes = min((uint)SV_LANES, l->columns - x);
         float16 weight = (float16)(0.0f), open = weight;
         short16 scanned[MOST_BLOCK];
         rays_t r;
-        r.wall = cells_of(&l, wall, x);
-        r.back = cells_of(&l, back, x);
+        r.wall = cells_of(l, wall, x);
+        r.back = cells_of(l, back, x);
         const bool walled = any(r.wall > (short16)(0));
         if (walled)
-            fill_tile(&l, &source, x, tile, scanned);
+            fill_tile(l, s, x, g->tile, scanned);
         else
-            find_scanned(&l, &source, x, scanned);
-        for (uint bin = 0; walled && bin < l.labels; bin++) w.cost[bin] = (float16)(0.0f);
-        for (uint k = 0; k < source.rows; k++) {
+            find_scanned(l, s, x, scanned);
+        for (uint bin = 0; walled && bin < l->labels; bin++) g->w.cost[bin] = (float16)(0.0f);
+        for (uint k = 0; k < s->rows; k++) {
             r.weight = select((float16)(0.0f), (float16)(1.0f), convert_int16(scanned[k]));
             scanned_rays += count_lanes(scanned[k], lanes);
             if (walled && any(scanned[k])) {
-                r.bins = tile + k * l.labels;
-                const short16 opens = add_costs(&l, &r, unit, bone, &w);
+                r.bins = g->tile + k * l->labels;
+                const short16 opens = add_costs(l, &r, g->unit, g->bone, &g->w);
                 open += select((float16)(0.0f), r.weight, convert_int16(opens));
                 open_rays += count_lanes(scanned[k] & opens, lanes);
             }
             weight += r.weight;
         }
-        for (uint bin = 0; !walled && bin < l.labels; bin++) w.cost[bin] = weight;
-        costs_to_cells(&l, cells, x, w.cost);
-        to_cells(&l, cells, SV_COST_WEIGHT, x, weight);
-        to_cells(&l, cells, SV_COST_OPEN, x, open);
+        for (uint bin = 0; !walled && bin < l->labels; bin++) g->w.cost[bin] = weight;
+        costs_to_cells(l, cells, x, g->w.cost);
+        to_cells(l, cells, SV_COST_WEIGHT, x, weight);
+        to_cells(l, cells, SV_COST_OPEN, x, open);
     }
-    counts[2 * cell_row] = scanned_rays;
-    counts[2 * cell_row + 1] = open_rays;
+    counts[0] = scanned_rays;
+    counts[1] = open_rays;
+}
+
+static bool has_wall(__global const uchar *walls, uint count) {
+    for (uint i = 0; i < count; i++)
+        if (walls[i] > 0) return true;
+    return false;
+}
+
+/* One work item per band of `band` rows of cells. `walls`: wall, then back of every cell. `sums` and `brightest`: room
+ * for a ring of rows of rays, `tiles`: for a tile, for every work item. `counts`: scanned rays and rays with a fluid
+ * interval, per row of cells. */
+__kernel void cost_gather(sv_cost_layout l, uint band, __global const uchar *restrict bins, __global ushort *sums,
+                          __global ushort *brightest, __global const uchar *restrict walls,
+                          __global const uint *restrict info, __global bin16_t *restrict tiles,
+                          __global float *restrict volume, __global uint *restrict counts) {
+    const uint item = (uint)get_global_id(0), end = min((item + 1) * band, l.cells_y);
+    const size_t first = item * bins_at(&l, sv_cost_ring_rows(&l), 0);
+    const ring_t ring = {sums + first, brightest + first};
+    const uint bright = info[SV_COST_INFO_BRIGHT];
+    gather_t g;
+    g.walls = walls;
+    g.backs = walls + (size_t)l.cells_x * l.cells_y;
+    g.tile = tiles + (size_t)item * l.block * l.labels;
+    g.volume = volume;
+    g.unit = 1.0f / ((float)SV_COST_NEIGHBOURS * (float)bright);
+    g.bone = (short)((SV_COST_BONE * SV_COST_NEIGHBOURS * bright + 1) / 2);
+    for (uint bin = 0; bin < SV_COST_LABELS; bin++) g.w.cost[bin] = (float16)(0.0f);
+    uint made = 0; /* rows of rays */
+    for (uint cell_row = item * band; cell_row < end; cell_row++) {
+        const uint y0 = cell_row * l.block;
+        if (has_wall(walls + cell_row * l.cells_x, l.cells_x)) {
+            const uint y1 = min(y0 + l.block + l.lateral, l.rows);
+            make_rows(&l, bins, max(made, y0 - min(y0, l.lateral)), y1, &ring);
+            made = y1;
+        }
+        const tile_source_t source = tile_source(&l, bins, &ring, y0, info[SV_COST_INFO_LEVEL]);
+        gather_row(&l, &source, &g, cell_row, counts + 2 * cell_row);
+    }
 }
 
 /* One work item: whether the frame has a surface. */
