@@ -16,6 +16,13 @@
 
 enum { FAR_AWAY = 1000 }; /* bins; further than any tau */
 
+/* Whether a lane of a mask is set. PoCL's any() takes the lanes one by one. */
+static bool any_lane(short16 mask) {
+    const ulong4 lanes = as_ulong4(mask);
+    const ulong2 both = lanes.lo | lanes.hi;
+    return (both.x | both.y) != 0;
+}
+
 /* 16 rays: their bins in the tile, and what is known of them. */
 typedef struct {
     __global const bin16_t *bins;
@@ -66,7 +73,7 @@ static void walk_intervals(const sv_cost_layout *l, rays_t *r, short16 *fluid, s
         const short16 fresh = r->first == (short16)(FAR_AWAY);
         const short16 opens =
             (length > none) & (before == none) & (~fresh | (length >= (short16)((short)l->gap)));
-        if (any(opens & fresh)) {
+        if (any_lane(opens & fresh)) {
             const short16 touches = opens & fresh & (at > r->wall + (short)l->contact);
             r->touching |= touches;
             r->first = select(select(r->first, at, opens & fresh), r->wall - (short)1, touches);
@@ -121,7 +128,7 @@ typedef struct {
 static void runs_add(runs_t *runs, short16 at, short16 tissue, short16 own, short16 nearby, short16 is_bone) {
     part_add(&runs->all, tissue, own, nearby);
     part_add(&runs->front, tissue, own, nearby);
-    if (!any(is_bone)) return;
+    if (!any_lane(is_bone)) return;
     part_take(&runs->rear, &runs->all, is_bone);
     part_keep(&runs->front, ~is_bone);
     runs->place = select(runs->place, at, is_bone);
@@ -194,7 +201,7 @@ static void walk_runs(const sv_cost_layout *l, rays_t *r, float unit, short bone
         runs_add(&runs, at, tissue, own, nearby, is_bone);
         w->fetus[bin] = select((float16)(0.0f), runs.next, convert_int16(begins));
         w->parted[bin] = (float16)(0.0f);
-        if (any(starts))
+        if (any_lane(starts))
             w->fluid[bin] = runs_judge(l, r, unit, at, starts, &runs, &w->fetus[bin], &w->parted[bin]);
         runs.next = select(runs.next, (float16)(0.0f), convert_int16(begins));
         part_keep(&runs.all, in_run & ~starts);
@@ -221,7 +228,7 @@ static void walk_costs(const sv_cost_layout *l, const rays_t *r, bins16_t *w) {
         place = select(place, w->fluid[bin], before & ~inside);
         parted = select(parted, w->parted[bin], starts);
         const short16 bone = place == at;
-        if (any(bone)) {
+        if (any_lane(bone)) {
             const float16 rear = select((float16)(0.0f), none * parted, convert_int16(bone));
             passed += rear;
             cut += rear;
@@ -242,7 +249,7 @@ static short16 add_costs(const sv_cost_layout *l, rays_t *r, float unit, short b
     walk_fluid(l, r, w->fluid);
     walk_intervals(l, r, w->fluid, w->light);
     const short16 opens = r->first != (short16)(FAR_AWAY);
-    if (any(opens)) {
+    if (any_lane(opens)) {
         walk_runs(l, r, unit, bone, w);
         walk_costs(l, r, w);
     } else
@@ -323,7 +330,7 @@ static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t
         rays_t r;
         r.wall = cells_of(l, wall, x);
         r.back = cells_of(l, back, x);
-        const bool walled = any(r.wall > (short16)(0));
+        const bool walled = any_lane(r.wall > (short16)(0));
         if (walled)
             fill_tile(l, s, x, g->tile, scanned);
         else
@@ -332,7 +339,7 @@ static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t
         for (uint k = 0; k < s->rows; k++) {
             r.weight = select((float16)(0.0f), (float16)(1.0f), convert_int16(scanned[k]));
             scanned_rays += count_lanes(scanned[k], lanes);
-            if (walled && any(scanned[k])) {
+            if (walled && any_lane(scanned[k])) {
                 r.bins = g->tile + k * l->labels;
                 const short16 opens = add_costs(l, &r, g->unit, g->bone, &g->w);
                 open += select((float16)(0.0f), r.weight, convert_int16(opens));
@@ -355,13 +362,14 @@ static bool has_wall(__global const uchar *walls, uint count) {
     return false;
 }
 
-/* One work item per band of `band` rows of cells. `walls`: wall, then back of every cell. `sums` and `brightest`: room
- * for a ring of rows of rays, `tiles`: for a tile, for every work item. `counts`: scanned rays and rays with a fluid
- * interval, per row of cells. */
-__kernel void cost_gather(sv_cost_layout l, uint band, __global const uchar *restrict bins, __global ushort *sums,
-                          __global ushort *brightest, __global const uchar *restrict walls,
-                          __global const uint *restrict info, __global bin16_t *restrict tiles,
-                          __global float *restrict volume, __global uint *restrict counts) {
+/* One work item per band of `band` rows of cells. `walls`: wall, then back of every cell. `sums` and
+ * `brightest`: room for a ring of rows of rays, `tiles`: for a tile, for every work item. `counts`: scanned
+ * rays and rays with a fluid interval, per row of cells. */
+__kernel void cost_gather(sv_cost_layout l, uint band, __global const uchar *restrict bins,
+                          __global ushort *sums, __global ushort *brightest,
+                          __global const uchar *restrict walls, __global const uint *restrict info,
+                          __global bin16_t *restrict tiles, __global float *restrict volume,
+                          __global uint *restrict counts) {
     const uint item = (uint)get_global_id(0), end = min((item + 1) * band, l.cells_y);
     const size_t first = item * bins_at(&l, sv_cost_ring_rows(&l), 0);
     const ring_t ring = {sums + first, brightest + first};
