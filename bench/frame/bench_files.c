@@ -45,7 +45,7 @@ static void csv_host(FILE *file, const bench_host_result *host) {
                   host->mip.min, host->mip.p95);
     (void)fprintf(file, "loop,%u,,,still,grid,%.6g,%.6g,%.6g,,,,\n", host->size, host->grid.median,
                   host->grid.min, host->grid.p95);
-    for (int v = 0; v < BENCH_LIT_VIEWS; v++) {
+    for (int v = 0; v < BENCH_VIEWS; v++) {
         const bench_lit_view *l = &host->lit.view[v];
         const bench_times *const looks[2] = {&l->thesis, &l->lit};
         for (int i = 0; i < 2; i++)
@@ -56,7 +56,7 @@ static void csv_host(FILE *file, const bench_host_result *host) {
 
 static void csv_grids(FILE *file, const bench_grids_result *r) {
     static const char *const ways[4] = {"copy", "probe", "copy-walks", "probe-walks"};
-    for (int i = 0; i < BENCH_GRID_VIEWS; i++) {
+    for (int i = 0; i < BENCH_VIEWS; i++) {
         const bench_grid_view *v = &r->view[i];
         const bench_times *const times[4] = {&v->copy, &v->probe, &v->copy_walks, &v->probe_walks};
         for (int w = 0; w < 4; w++)

@@ -14,20 +14,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define PLANE  0.28f /* of the box' depth */
-#define SIDE   2u    /* pixels of the depthmap */
-#define SLICES 1000u /* of the low-resolution volume that it is said to be of */
-#define ALIKE  8.0   /* of 255: pictures of one volume differ by less */
-#define MAKING 3u    /* times that the copy is made */
-
-static const struct {
-    const char *label;
-    double yaw, pitch;
-    bool clipped;
-} views[BENCH_GRID_VIEWS] = {{"still camera clipped", 0, 0, true},
-                             {"rotated camera clipped", 30, 20, true},
-                             {"still camera full volume", 0, 0, false},
-                             {"rotated camera full volume", 30, 20, false}};
+#define ALIKE  8.0 /* of 255: pictures of one volume differ by less */
+#define MAKING 3u  /* times that the copy is made */
 
 enum { COPY, PROBE, COPY_WALKS, PROBE_WALKS, WAYS };
 
@@ -39,7 +27,7 @@ typedef struct {
     hs_device_volume *volume;
     cl_program program;
     cl_kernel kernel;
-    cl_mem picture, map;
+    bench_picture picture;
 } bench;
 
 /* ----------------------------------------------------------------------------------------- the volume -- */
@@ -73,7 +61,6 @@ static bool time_making(bench *b, bench_times *out, hs_error *err) {
 /* ----------------------------------------------------------------------------------------- the device -- */
 
 static bool open_device(bench *b, hs_error *err) {
-    const float d = PLANE * (float)SLICES, depth[SIDE * SIDE] = {d, d, d, d};
     cl_int code = CL_SUCCESS;
     for (int walks = 0; walks < 2; walks++) {
         hs_dvr_settings *s = &b->settings[walks];
@@ -85,20 +72,12 @@ static bool open_device(bench *b, hs_error *err) {
         !(b->volume = hs_device_volume_create(b->cl, &b->copy, err)))
         return false;
     b->kernel = clCreateKernel(b->program, "render_beams", &code);
-    if (!hs_cl_check(code, "clCreateKernel(render_beams)", err)) return false;
-    const size_t bytes = (size_t)b->settings->width * b->settings->height * 4;
-    b->picture = clCreateBuffer(b->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (benchmark)", err)) return false;
-    b->map = clCreateBuffer(b->cl->context, CL_MEM_READ_WRITE, sizeof depth, NULL, &code);
-    return hs_cl_check(code, "clCreateBuffer (benchmark)", err) &&
-           hs_cl_check(
-               clEnqueueWriteBuffer(b->cl->queue, b->map, CL_TRUE, 0, sizeof depth, depth, 0, NULL, NULL),
-               "clEnqueueWriteBuffer (benchmark)", err);
+    return hs_cl_check(code, "clCreateKernel(render_beams)", err) &&
+           bench_picture_create(&b->picture, b->cl, &b->settings[0], err);
 }
 
 static void close_bench(bench *b) {
-    if (b->picture) (void)clReleaseMemObject(b->picture);
-    if (b->map) (void)clReleaseMemObject(b->map);
+    bench_picture_destroy(&b->picture);
     if (b->kernel) (void)clReleaseKernel(b->kernel);
     if (b->volume) hs_device_volume_destroy(b->volume);
     if (b->program) (void)clReleaseProgram(b->program);
@@ -119,7 +98,8 @@ static bool render_probe(const bench *b, const hs_dvr_settings *s, const hs_came
         !hs_ray_view_of(s, &view, &bricks, camera, &v, err))
         return false;
     for (int k = 0; k < 3; k++) to_mm.s[k] = (cl_float)(beams.shape.corner[k] + 0.5 * edge);
-    const double depth = ((double)PLANE * SLICES + 0.5) * v.slices / (SLICES * (double)s->step) - 0.5;
+    const double slices = b->picture.start.slices, at = BENCH_PICTURE_PLANE * slices;
+    const double depth = (at + 0.5) * v.slices / (slices * (double)s->step) - 0.5;
     const cl_float4 rest = {
         {clipped ? (cl_float)depth : 0.0f, (cl_float)s->width, (cl_float)s->height, 0.0f}};
     hs_launch launch = hs_launch_begin(b->cl, b->kernel, "render_beams");
@@ -134,27 +114,26 @@ static bool render_probe(const bench *b, const hs_dvr_settings *s, const hs_came
     hs_launch_arg(&launch, sizeof v.dn, &v.dn);
     hs_launch_arg(&launch, sizeof rest, &rest);
     hs_launch_transfer(&launch, s);
-    hs_launch_buffer(&launch, b->picture);
+    hs_launch_buffer(&launch, b->picture.pixels);
     return hs_dvr_launch(&launch, s, NULL, err);
 }
 
 static bool time_picture(const bench *b, int way, const hs_camera *camera, bool clipped, double *ms,
                          hs_error *err) {
-    const hs_start_depths start = {.depth = b->map, .width = SIDE, .height = SIDE, .slices = SLICES};
     const int walks = way == COPY_WALKS || way == PROBE_WALKS;
     const double begin = hs_now();
     const bool ok = way == PROBE || way == PROBE_WALKS
                         ? render_probe(b, &b->settings[walks], camera, clipped, err)
-                        : hs_dvr_render(b->dvr[walks], b->volume, camera, clipped ? &start : NULL, b->picture,
-                                        NULL, NULL, err);
-    const bool done = ok && hs_cl_check(clFinish(b->cl->queue), "clFinish (benchmark)", err);
+                        : bench_picture_draw(&b->picture, b->dvr[walks], b->volume, camera, clipped, err);
+    const bool done = ok && bench_picture_wait(&b->picture, err);
     *ms = (hs_now() - begin) * 1e3;
     return done;
 }
 
 static bool read_picture(const bench *b, uint8_t *rgba, size_t bytes, hs_error *err) {
-    return hs_cl_check(clEnqueueReadBuffer(b->cl->queue, b->picture, CL_TRUE, 0, bytes, rgba, 0, NULL, NULL),
-                       "clEnqueueReadBuffer (benchmark)", err);
+    return hs_cl_check(
+        clEnqueueReadBuffer(b->cl->queue, b->picture.pixels, CL_TRUE, 0, bytes, rgba, 0, NULL, NULL),
+        "clEnqueueReadBuffer (benchmark)", err);
 }
 
 /* How much the two pictures differ: they show one volume, so little. */
@@ -178,12 +157,13 @@ static bool compare(const bench *b, const hs_camera *camera, bool clipped, doubl
                                             *difference, ALIKE));
 }
 
-static bool run_view(const bench *b, uint32_t frames, int index, bench_grid_view *out, hs_error *err) {
+static bool run_view(const bench *b, uint32_t frames, const bench_view *view, bench_grid_view *out,
+                     hs_error *err) {
     bench_samples samples[WAYS] = {{0}};
     bench_times *const times[WAYS] = {&out->copy, &out->probe, &out->copy_walks, &out->probe_walks};
-    const bool clipped = views[index].clipped;
+    const bool clipped = view->clipped;
     hs_camera camera;
-    hs_camera_look(&camera, &b->copy, views[index].yaw, views[index].pitch);
+    hs_camera_look(&camera, &b->copy, view->yaw, view->pitch);
     bool ok = compare(b, &camera, clipped, &out->difference, err);
     for (int way = 0; way < WAYS; way++) ok = ok && bench_samples_create(&samples[way], frames, err);
     for (uint32_t i = 0; ok && i <= frames; i++) /* the first is not counted */
@@ -192,7 +172,7 @@ static bool run_view(const bench *b, uint32_t frames, int index, bench_grid_view
             ok = time_picture(b, way, &camera, clipped, &ms, err);
             if (i > 0) bench_samples_add(&samples[way], ms);
         }
-    out->label = views[index].label;
+    out->label = view->label;
     for (int way = 0; way < WAYS; way++) {
         *times[way] = bench_samples_times(&samples[way]);
         bench_samples_destroy(&samples[way]);
@@ -214,7 +194,8 @@ bool bench_grids_run(const hs_cl *cl, const char *scene, uint32_t size, uint32_t
         out->voxels[1] = b.copy.ny;
         out->voxels[2] = b.copy.nz;
     }
-    for (int i = 0; ok && i < BENCH_GRID_VIEWS; i++) ok = run_view(&b, frames, i, &out->view[i], err);
+    for (int i = 0; ok && i < BENCH_VIEWS; i++)
+        ok = run_view(&b, frames, &bench_views[i], &out->view[i], err);
     close_bench(&b);
     return ok;
 }
@@ -227,7 +208,7 @@ void bench_print_grids(const bench_grids_result *r) {
     printf("%-28s | %8s %8s | %-14s | %8s %8s | %-14s | %s\n", "", "copy", "probe's", "probe's / copy",
            "copy", "probe's", "without leaps", "difference of 255");
     double more = INFINITY;
-    for (int i = 0; i < BENCH_GRID_VIEWS; i++) {
+    for (int i = 0; i < BENCH_VIEWS; i++) {
         const bench_grid_view *v = &r->view[i];
         printf("%-28s | %8.2f %8.2f | %5.2f (%5.2f)  | %8.2f %8.2f | %5.2f (%5.2f)  | %.2f\n", v->label,
                v->copy.median, v->probe.median, v->probe.median / v->copy.median, v->probe.min / v->copy.min,

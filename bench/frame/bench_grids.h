@@ -4,10 +4,8 @@
 #ifndef BENCH_GRIDS_H
 #define BENCH_GRIDS_H
 
+#include "frame/bench_picture.h"
 #include "frame/bench_times.h"
-#include "render/host_cl.h"
-
-enum { BENCH_GRID_VIEWS = 4 };
 
 /* One camera, clipped at a plane or not. Milliseconds of a picture of 512 x 512 in the thesis' look. */
 typedef struct {
@@ -20,7 +18,7 @@ typedef struct {
 typedef struct {
     char volume[256];
     uint32_t samples, lines, planes, voxels[3];
-    bench_grid_view view[BENCH_GRID_VIEWS];
+    bench_grid_view view[BENCH_VIEWS];
     bench_times making; /* the copy, from the samples */
 } bench_grids_result;
 

@@ -3,10 +3,8 @@
 #ifndef BENCH_LIT_H
 #define BENCH_LIT_H
 
+#include "frame/bench_picture.h"
 #include "frame/bench_times.h"
-#include "render/dvr.h"
-
-enum { BENCH_LIT_VIEWS = 4 };
 
 /* One camera, clipped at a plane in the fluid or not. Milliseconds of a picture of 512 x 512. */
 typedef struct {
@@ -15,7 +13,7 @@ typedef struct {
 } bench_lit_view;
 
 typedef struct {
-    bench_lit_view view[BENCH_LIT_VIEWS];
+    bench_lit_view view[BENCH_VIEWS];
     bench_times volume; /* what the lit look makes of a new volume */
 } bench_lit_result;
 

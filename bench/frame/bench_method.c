@@ -5,13 +5,18 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const bench_methods[BENCH_METHODS] = {"cost", "wall"};
+const bench_method bench_methods[BENCH_METHODS] = {
+    {"cost", {6.0, 15.0}, 171}, /* its bins of 512^3 voxels are gigabytes */
+    {"wall", {1.5, 3.5}, 512},
+};
 
-double bench_limit_ms(const char *method, uint32_t n) {
-    static const double limits[BENCH_METHODS][2] = {{6.0, 15.0}, {1.5, 3.5}}; /* 128, 171 */
+double bench_limit_ms(const bench_method *method, uint32_t n) {
+    return n == 128 ? method->limit_ms[0] : n == 171 ? method->limit_ms[1] : 0.0;
+}
+
+static double limit_of(const char *name, uint32_t n) {
     for (int i = 0; i < BENCH_METHODS; i++)
-        if (strcmp(method, bench_methods[i]) == 0)
-            return n == 128 ? limits[i][0] : n == 171 ? limits[i][1] : 0.0;
+        if (strcmp(name, bench_methods[i].name) == 0) return bench_limit_ms(&bench_methods[i], n);
     return 0.0;
 }
 
@@ -39,10 +44,12 @@ bench_profile_ratio bench_per_profile(const bench_report *report, const bench_pl
 static void print_line(const bench_report *report, const bench_plugin_result *r) {
     const bench_times *t = &r->times[BENCH_FRAME];
     const bench_profile_ratio ratio = bench_per_profile(report, r);
-    const double limit = bench_limit_ms(r->method, r->variant.n);
-    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ", r->variant.n,
+    const double limit = limit_of(r->method, r->variant.n);
+    const double n = r->variant.n;
+    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.2f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ", r->variant.n,
            bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min, t->p95,
-           r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, ratio.mean, ratio.own);
+           t->median * 1e6 / (n * n * n), r->stages.profile_ms, r->stages.threshold_ms,
+           r->stages.reconstruct_ms, ratio.mean, ratio.own);
     if (limit > 0.0) printf("%4.1f ms", limit);
     printf("%s\n", r->stats.outcome == SV_OK ? "" : "  (no surface)");
 }
@@ -55,8 +62,9 @@ void bench_print_method(const bench_report *report, const char *method) {
             printf("\nFrame with method %s, milliseconds (medians unless named); as multiples of the profile "
                    "stage of the mean filter and of its own\n",
                    method);
-            printf("%4s %-34s %4s | %7s %7s %7s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of", "frame",
-                   "min", "p95", "profile", "threshold", "reconstruct", "/mean's", "/own", "limit");
+            printf("%4s %-34s %4s | %7s %7s %7s %8s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of",
+                   "frame", "min", "p95", "ns/voxel", "profile", "threshold", "reconstruct", "/mean's",
+                   "/own", "limit");
         }
         any = true;
         print_line(report, &report->plugin[i]);

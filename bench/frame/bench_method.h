@@ -5,12 +5,18 @@
 
 #include "frame/bench_results.h"
 
-/* Methods that are timed beside the mean filter. */
-enum { BENCH_METHODS = 2 };
-extern const char *const bench_methods[BENCH_METHODS];
+/* A method that is timed beside the mean filter. */
+typedef struct {
+    const char *name;
+    double limit_ms[2]; /* what a frame may take at 128^3 and at 171^3, milliseconds */
+    uint32_t largest;   /* voxels an axis of the largest volume that it is timed on */
+} bench_method;
 
-/* What a frame with such a method may take, in milliseconds; 0: no limit for the method or for this size. */
-double bench_limit_ms(const char *method, uint32_t n);
+enum { BENCH_METHODS = 2 };
+extern const bench_method bench_methods[BENCH_METHODS];
+
+/* What a frame may take, in milliseconds; 0: this size has no limit. */
+double bench_limit_ms(const bench_method *method, uint32_t n);
 
 /* The result of the same size, slabs and route with another method; NULL if it was not measured. */
 const bench_plugin_result *bench_find(const bench_report *report, const bench_plugin_result *like,

@@ -74,17 +74,17 @@ static const char *verdict(bool holds) {
 }
 
 /* The slowest of the combinations that were measured: the limit holds if it does. */
-static void print_limit(const bench_report *report, const char *method, uint32_t n) {
+static void print_limit(const bench_report *report, const bench_method *method, uint32_t n) {
     const bench_plugin_result *slowest = NULL;
     for (uint32_t i = 0; i < report->plugin_count; i++) {
         const bench_plugin_result *r = &report->plugin[i];
-        if (r->variant.n == n && strcmp(r->method, method) == 0 &&
+        if (r->variant.n == n && strcmp(r->method, method->name) == 0 &&
             (!slowest || r->times[BENCH_FRAME].median > slowest->times[BENCH_FRAME].median))
             slowest = r;
     }
     if (!slowest) return;
     const double ms = slowest->times[BENCH_FRAME].median, limit = bench_limit_ms(method, n);
-    printf("%4u^3, method %s, slowest: slabs of %3u, %-34s at most %4.1f ms: %6.2f ms  %s\n", n, method,
+    printf("%4u^3, method %s, slowest: slabs of %3u, %-34s at most %4.1f ms: %6.2f ms  %s\n", n, method->name,
            slowest->variant.slab_slices, bench_route_label(slowest->variant.route), limit, ms,
            verdict(ms <= limit));
 }
@@ -113,8 +113,8 @@ void bench_print_targets(const bench_report *report) {
         if (best != r) print_ratio(best, "best:");
     }
     for (int i = 0; i < BENCH_METHODS; i++) {
-        print_limit(report, bench_methods[i], 128);
-        print_limit(report, bench_methods[i], 171);
+        print_limit(report, &bench_methods[i], 128);
+        print_limit(report, &bench_methods[i], 171);
     }
     if (!report->host) return;
     const hs_loop_result *still = &report->host->still.settings[HS_SETTING_SMARTVIS];

@@ -261,17 +261,17 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const cha
     return ok;
 }
 
-/* A method on the same volumes, at the sizes that have a limit. */
-static bool run_method(bench_run *run, const char *method, hs_error *err) {
-    if (!bench_plugin_has_method(&run->plugin, method)) return true;
+/* A method on the same volumes, as large as it is timed on. */
+static bool run_method(bench_run *run, const bench_method *method, hs_error *err) {
+    if (!bench_plugin_has_method(&run->plugin, method->name)) return true;
     for (int size = 0; size < BENCH_SIZES; size++) {
-        if (!run->o.size[size] || bench_limit_ms(method, bench_sizes[size]) == 0.0) continue;
+        if (!run->o.size[size] || bench_sizes[size] > method->largest) continue;
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
             const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
-            if (!run_routes(run, size, slab, method, err)) return false;
+            if (!run_routes(run, size, slab, method->name, err)) return false;
         }
     }
-    bench_print_method(&run->report, method);
+    bench_print_method(&run->report, method->name);
     return true;
 }
 
@@ -288,7 +288,7 @@ static bool run_plugin_part(bench_run *run, hs_error *err) {
     if (foreign) bench_print_method(&run->report, BENCH_OWN);
     bench_print_stages(run->results, run->report.plugin_count);
     for (int i = 0; i < BENCH_METHODS; i++)
-        if (!run_method(run, bench_methods[i], err)) return false;
+        if (!run_method(run, &bench_methods[i], err)) return false;
     return true;
 }
 

@@ -185,9 +185,12 @@ static bool fill_carrier(const hs_slabs *slabs, uint32_t index, hs_error *err) {
 }
 
 /* Every ray's range from the converted slabs, and a copy of them on the host if the slabs go there, too. */
-static bool find_ranges(hs_slabs *slabs, hs_error *err) {
+static bool find_ranges(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
+                        hs_error *err) {
     const size_t bytes = (size_t)slabs->layout.width * slabs->layout.height * sizeof *slabs->ranges;
-    if (!hs_scanned_rays_find(&slabs->rays, &slabs->layout, slabs->buffer, slabs->stride, err)) return false;
+    if (!hs_scanned_rays_find(&slabs->rays, &slabs->layout, source, camera, slabs->buffer, slabs->stride,
+                              err))
+        return false;
     if (slabs->carrier != SV_CARRIER_HOST) return true;
     const cl_int code = clEnqueueReadBuffer(slabs->cl->queue, slabs->rays.ranges, CL_FALSE, 0, bytes,
                                             slabs->ranges, 0, NULL, NULL);
@@ -217,7 +220,8 @@ bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_
                                   err) ||
             !fill_carrier(slabs, i, err))
             return false;
-    return show_memory(slabs, err) && (slabs->fan != HS_FAN_RANGES || find_ranges(slabs, err));
+    return show_memory(slabs, err) &&
+           (slabs->fan != HS_FAN_RANGES || find_ranges(slabs, source, camera, err));
 }
 
 const hs_slab_layout *hs_slabs_layout(const hs_slabs *slabs) {

@@ -79,11 +79,7 @@ static bool enqueue(hs_halved *halved, cl_mem voxels, hs_error *err) {
     hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_buffer(&launch, halved->view.mean);
     hs_launch_buffer(&launch, halved->view.marked);
-    /* On a CPU a work item makes a slice, few enough groups to cost nothing. */
-    const bool slices = halved->cl->lanes > 1;
-    const size_t global[3] = {slices ? 1 : (size_t)dims.s[0], slices ? 1 : (size_t)dims.s[1],
-                              (size_t)dims.s[2]};
-    return hs_launch_items(&launch, 3, global, err);
+    return hs_launch_slices(&launch, dims, err);
 }
 
 bool hs_halved_make(hs_halved *halved, cl_mem voxels, hs_halved_view *view, hs_error *err) {

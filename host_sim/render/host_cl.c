@@ -161,9 +161,6 @@ bool hs_cl_open_bare(hs_cl *cl, hs_error *err) {
     /* A name longer than the field is an error for OpenCL; for us it is only a caption. */
     code = clGetDeviceInfo(cl->device, CL_DEVICE_NAME, sizeof cl->device_name, cl->device_name, NULL);
     if (code != CL_SUCCESS) memcpy(cl->device_name, "unnamed device", sizeof "unnamed device");
-    code = clGetDeviceInfo(cl->device, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof cl->max_group, &cl->max_group,
-                           NULL);
-    if (!hs_cl_check(code, "clGetDeviceInfo(CL_DEVICE_MAX_WORK_GROUP_SIZE)", err)) goto fail;
     cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
     if (!hs_cl_check(code, "clCreateContext", err)) goto fail;
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);

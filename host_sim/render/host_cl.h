@@ -14,7 +14,6 @@ typedef struct {
     cl_command_queue queue; /* in-order, with profiling */
     cl_program program;     /* the host's kernels, for its own sources: scan conversion, renderer, volume */
     uint32_t lanes;         /* rays or voxels a work item of those kernels handles: 16 on CPUs, else 1 */
-    size_t max_group;       /* work items of a work group, as far as the device goes */
     char device_name[256];
     bool is_cpu; /* the device is a CPU: it shares the host's memory */
 } hs_cl;

@@ -34,9 +34,10 @@ bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *gl
     return hs_cl_check(code, what, err);
 }
 
-bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, hs_error *err) {
+bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, cl_event *event,
+                     hs_error *err) {
     static const size_t one[3] = {1, 1, 1};
-    return hs_launch_run(launch, dimensions, global, launch->cl->lanes > 1 ? one : NULL, NULL, err);
+    return hs_launch_run(launch, dimensions, global, launch->cl->lanes > 1 ? one : NULL, event, err);
 }
 
 bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err) {
@@ -45,4 +46,10 @@ bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err) {
     const size_t rows[3] = {1, (y + ROWS_OF_GROUP - 1) / ROWS_OF_GROUP * ROWS_OF_GROUP, z};
     if (launch->cl->lanes == 1) return hs_launch_run(launch, 3, (const size_t[]){x, y, z}, NULL, NULL, err);
     return hs_launch_run(launch, 3, rows, group, NULL, err);
+}
+
+bool hs_launch_slices(const hs_launch *launch, cl_int4 dims, hs_error *err) {
+    const size_t x = (size_t)dims.s[0], y = (size_t)dims.s[1], z = (size_t)dims.s[2];
+    const bool slices = launch->cl->lanes > 1;
+    return hs_launch_items(launch, 3, (const size_t[]){slices ? 1 : x, slices ? 1 : y, z}, NULL, err);
 }

@@ -32,11 +32,15 @@ bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *gl
 
 /* The same for a kernel whose work items do a row or a packet of rays each on a CPU: groups of one item
  * there, so that PoCL compiles it once and not for every size; else OpenCL chooses. */
-bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, hs_error *err);
+bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, cl_event *event,
+                     hs_error *err);
 
 /* Enqueues a kernel that makes a volume of dims.xyz voxels: on a CPU one work item a row, and a work group of
  * eight rows, so that all cores get some and few enough are started; there may be more items than rows, and
  * the kernel leaves those alone. Else one work item a voxel. Otherwise as hs_launch_run. */
 bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err);
+
+/* The same, on a CPU one work item a slice. */
+bool hs_launch_slices(const hs_launch *launch, cl_int4 dims, hs_error *err);
 
 #endif

@@ -30,7 +30,7 @@ bool hs_map_check_enqueue(hs_map_check *check, cl_mem map, float low, float high
     hs_launch_arg(&launch, sizeof low, &low);
     hs_launch_arg(&launch, sizeof high, &high);
     hs_launch_buffer(&launch, check->wrong);
-    if (!hs_launch_items(&launch, 1, &check->rows, err)) return false;
+    if (!hs_launch_items(&launch, 1, &check->rows, NULL, err)) return false;
     code = clEnqueueReadBuffer(queue, check->wrong, CL_FALSE, 0, sizeof check->count, &check->count, 0, NULL,
                                NULL);
     return hs_cl_check(code, "clEnqueueReadBuffer (map check)", err);

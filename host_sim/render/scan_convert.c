@@ -10,12 +10,11 @@
 #define SAMPLE_SPACING       1.5        /* finest source voxels from one sample to the next, about */
 #define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
 #define MAX_SAMPLES_PER_AXIS 8
-#define MAX_HALVED_SAMPLES   6    /* the same in the halved volume, each worth two of the source's */
-#define NEAREST_MIN_SPAN     2.0  /* source voxels a box spans each way for a mean of nearest ones */
-#define HALVED_MIN_SPAN      2.7  /* the same for samples of the halved volume */
-#define FIXED_MIN_BITS       12   /* fraction bits a fixed-point position must have */
-#define RUN                  4    /* packets of a work item of convert_halved on a CPU (its cl file) */
-#define BLOCK_ROWS           4    /* rows of them in a work group */
+#define MAX_HALVED_SAMPLES   6   /* the same in the halved volume, each worth two of the source's */
+#define NEAREST_MIN_SPAN     2.0 /* source voxels a box spans each way for a mean of nearest ones */
+#define HALVED_MIN_SPAN      2.7 /* the same for samples of the halved volume */
+#define FIXED_MIN_BITS       12  /* fraction bits a fixed-point position must have */
+#define BLOCK                16  /* voxels each way of a work item of convert_halved on a CPU (its cl file) */
 #define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
 
 /* How a voxel's samples are taken. */
@@ -198,24 +197,24 @@ static void set_positions(hs_launch *launch, const sampling *s) {
     }
 }
 
-/*
- * On a CPU a work item makes packets of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl), and a
- * work group rows of them in all slices: few enough groups to cost nothing, enough that all cores get some.
- * From the halved volume an item makes a run of packets, and a group is a block: what it reads of the source
- * fits the first-level cache, and its pages the address cache, however the camera is turned.
- */
-static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, sampling_way way,
-                    uint32_t slices, cl_event *event, hs_error *err) {
+/* From the halved volume a work item makes a block on a CPU: what it reads fits the first-level cache, and
+ * its pages the address cache, however the camera is turned. */
+static bool enqueue_halved(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
+                           cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
-    const bool packets = converter->cl->lanes > 1;
-    const size_t edge = packets ? 4 : 1;
-    const size_t across = edge * (packets && way == HALVED ? RUN : 1);
-    const size_t rows = packets && way == HALVED ? BLOCK_ROWS : 1;
-    const size_t global[3] = {(l->width + across - 1) / across, slices,
-                              (l->height + edge * rows - 1) / (edge * rows) * rows};
-    const size_t row = way == HALVED ? 1 : global[0], most = converter->cl->max_group;
-    const size_t local[3] = {row, row * slices * rows <= most ? slices : 1, rows};
-    return hs_launch_run(launch, 3, global, packets && row * rows <= most ? local : NULL, event, err);
+    const size_t edge = converter->cl->lanes > 1 ? BLOCK : 1;
+    const size_t global[3] = {(l->width + edge - 1) / edge, (slices + edge - 1) / edge,
+                              (l->height + edge - 1) / edge};
+    return hs_launch_items(launch, 3, global, event, err);
+}
+
+/* On a CPU a work item makes a packet of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl). */
+static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
+                    cl_event *event, hs_error *err) {
+    const hs_slab_layout *l = &converter->layout;
+    const size_t edge = converter->cl->lanes > 1 ? 4 : 1;
+    const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
+    return hs_launch_items(launch, 3, global, event, err);
 }
 
 /* The same places in millimetres from the array's centre of curvature. */
@@ -292,11 +291,14 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};
     const cl_int4 layout = {{(cl_int)l->tiles_x, (cl_int)l->tile_w, (cl_int)l->tile_h, (cl_int)l->row_pitch}};
     const cl_ulong start = offset;
+    const cl_int length = (cl_int)slices;
     hs_launch_arg(&launch, sizeof grid, &grid);
     set_positions(&launch, &s);
     hs_launch_arg(&launch, sizeof size, &size);
+    if (s.way == HALVED) hs_launch_arg(&launch, sizeof length, &length);
     hs_launch_arg(&launch, sizeof layout, &layout);
     hs_launch_buffer(&launch, slab);
     hs_launch_arg(&launch, sizeof start, &start);
-    return enqueue(converter, &launch, s.way, slices, event, err);
+    return s.way == HALVED ? enqueue_halved(converter, &launch, slices, event, err)
+                           : enqueue(converter, &launch, slices, event, err);
 }

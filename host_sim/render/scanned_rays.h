@@ -18,9 +18,11 @@ bool hs_scanned_rays_create(hs_scanned_rays *rays, const hs_cl *cl, const hs_sla
                             hs_error *err);
 void hs_scanned_rays_destroy(hs_scanned_rays *rays);
 
-/* Enqueues the search in the slabs of a converted volume: slab i begins i * stride bytes from the start of
- * `slabs`. Does not wait. */
-bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *layout, cl_mem slabs,
+/* Enqueues the search in the slabs that `source` was converted to for `camera`, which say where nothing can
+ * have been scanned: slab i begins i * stride bytes from the start of `slabs`. Does not wait. HS_ERR_DEVICE.
+ */
+bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *layout,
+                          const hs_device_volume *source, const hs_camera *camera, cl_mem slabs,
                           size_t stride, hs_error *err);
 
 #endif

@@ -62,7 +62,7 @@ holds [ "$(grep -c '^<tr><th>' "$page")" -eq 8 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
 
 # With a plugin that fails, the demo ends with its code and shows the full volume.
-"$build/host_sim" demo --quick --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so" > /dev/null 2>&1
+"$build/host_sim" demo --quick --look thesis --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so" > /dev/null 2>&1
 holds [ $? -eq 4 ]
 holds cmp "$work/bad/D01/full.png" "$work/bad/D01/result.png"
 holds grep -q 'no symbol smartvis_plugin_entry' "$work/bad/index.html"

@@ -126,26 +126,29 @@ static void normalise(double v[3]) {
     for (int k = 0; k < 3; k++) v[k] /= length;
 }
 
-/* The quadratic B-spline's weight of voxel i at p, or its slope. */
+/* The cubic B-spline's weight of voxel i at p, or its slope. */
 static double spline(double p, double i, bool slope) {
-    const double d = p - i, a = fabs(d);
-    if (slope) return a <= 0.5 ? -2.0 * d : (d > 0.0 ? -1.0 : 1.0) * (1.5 - a);
-    return a <= 0.5 ? 0.75 - d * d : 0.5 * (1.5 - a) * (1.5 - a);
+    const double d = p - i, a = fabs(d), sign = d > 0.0 ? 1.0 : -1.0;
+    if (a >= 2.0) return 0.0;
+    if (slope) return sign * (a <= 1.0 ? a * (1.5 * a - 2.0) : -0.5 * (2.0 - a) * (2.0 - a));
+    return a <= 1.0 ? 2.0 / 3.0 - a * a + 0.5 * a * a * a : (2.0 - a) * (2.0 - a) * (2.0 - a) / 6.0;
 }
 
-static void normal_at(const ray *r, const spot *p, double normal[3]) {
+/* The direction in which the values at `place` fall fastest, never away from the viewer. */
+static void slope_at(const ray *r, const uint8_t *values, const uint32_t n[3], const double place[3],
+                     double normal[3]) {
     const ref_lit_volume *lit = r->lit;
-    double g[3] = {0}, at[3], middle[3];
+    double g[3] = {0}, at[3], first[3];
     double finest = r->volume->spacing[0];
     for (int k = 0; k < 3; k++) {
-        at[k] = fmin(fmax(p->at[k], 1.0), lit->n[k] - 2.0);
-        middle[k] = floor(at[k] + 0.5);
+        at[k] = fmin(fmax(place[k], 1.0), n[k] - 2.0);
+        first[k] = fmin(floor(at[k]), n[k] - 3.0) - 1.0;
         finest = fmin(finest, r->volume->spacing[k]);
     }
-    for (int i = 0; i < 27; i++) {
-        const double voxel[3] = {middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1};
+    for (int i = 0; i < 64; i++) {
+        const double voxel[3] = {first[0] + i % 4, first[1] + i / 4 % 4, first[2] + i / 16};
         const double value =
-            lit->smooth[ref_lit_index(lit->n, (uint32_t)voxel[0], (uint32_t)voxel[1], (uint32_t)voxel[2])];
+            values[ref_lit_index(n, (uint32_t)voxel[0], (uint32_t)voxel[1], (uint32_t)voxel[2])];
         for (int k = 0; k < 3; k++) {
             double weight = value;
             for (int j = 0; j < 3; j++) weight *= spline(at[j], voxel[j], j == k);
@@ -158,6 +161,20 @@ static void normal_at(const ray *r, const spot *p, double normal[3]) {
             normal[a] -= r->camera->rotation[k * 3 + a] * g[k] / (lit->factor * r->volume->spacing[k]);
     }
     normal[2] = -fabs(normal[2]) - 0.5 / (lit->factor * finest);
+    normalise(normal);
+}
+
+/* The tissue's own, or that of the scan's face. */
+static void normal_at(const ray *r, const spot *p, double normal[3]) {
+    const ref_lit_volume *lit = r->lit;
+    const double side = lit->side;
+    double at[3], wide[3];
+    for (int k = 0; k < 3; k++)
+        at[k] = (p->at[k] - REF_LIT_BORDER - 0.5 * (side - 1.0)) / side + REF_LIT_BORDER;
+    const double face = ref_lit_limited((0.8 - linear(lit->scanned, lit->shares, at) / 255.0) / 0.15);
+    slope_at(r, lit->smooth, lit->n, p->at, normal);
+    slope_at(r, lit->scanned, lit->shares, at, wide);
+    for (int k = 0; k < 3; k++) normal[k] += face * (wide[k] - normal[k]);
     normalise(normal);
 }
 

@@ -3,10 +3,8 @@
 # test_validate_smartvis.sh SOURCE_FOLDER BUILD_FOLDER: the plugin of this repository passes every check, with every method.
 set -u
 build=$2
-level=2 # of 10; all checks, with fewer activations than sv_validate tries by itself
-# Instrumented code takes its time; the checks are the same.
-[ -z "${SV_SANITIZE:-}" ] || level=1
-out=$("$build/sv_validate" --level $level --timeout 240 "$build/smartvis.so" 2>&1)
+# Level 1 of 10: all checks, with fewer activations than sv_validate tries by itself.
+out=$("$build/sv_validate" --level 1 --timeout 240 "$build/smartvis.so" 2>&1)
 code=$?
 echo "$out"
 [ $code -eq 0 ] || exit 1

@@ -41,7 +41,7 @@ typedef int16 vi;
 #define LANE_X          ((float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3))
 #define LANE_Y          ((float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3))
 #define STORE(v, p)     store_lanes(v, p)
-#define LOAD(p)         vload16(0, p)
+#define LOAD(p)         load_lanes(p)
 #else
 typedef float vf;
 typedef int vi;
@@ -58,22 +58,46 @@ typedef int vi;
 #endif
 
 #if LANES == 16
-/* Stores of 16 lanes in one piece, wherever they go: PoCL takes the lanes of vstore16 one by one. */
-#define STORE_OF(type)                                                                                       \
+/* Loads and stores of 16 lanes in one piece, wherever they lie: PoCL takes them piece by piece. */
+#define LANES_OF(type)                                                                                       \
     typedef struct __attribute__((packed)) {                                                                 \
         type##16 lanes;                                                                                      \
     } packed_##type;                                                                                         \
     INLINE __attribute__((overloadable)) void store_lanes(type##16 v, type *p) {                             \
         ((packed_##type *)p)->lanes = v;                                                                     \
+    }                                                                                                        \
+    INLINE __attribute__((overloadable)) type##16 load_lanes(const type *p) {                                \
+        return ((const packed_##type *)p)->lanes;                                                            \
     }
-STORE_OF(uchar)
-STORE_OF(ushort)
-STORE_OF(int)
-STORE_OF(float)
+LANES_OF(uchar)
+LANES_OF(ushort)
+LANES_OF(int)
+LANES_OF(uint)
+LANES_OF(float)
+INLINE __attribute__((overloadable)) uchar16 load_lanes(__global const uchar *p) {
+    return ((__global const packed_uchar *)p)->lanes;
+}
 INLINE void store_bytes(uchar16 v, __global uchar *p) {
     ((__global packed_uchar *)p)->lanes = v;
 }
 #endif
+
+/* Asks for the byte `ahead` bytes behind p, which need not exist: the processor's own prefetcher ends with
+ * every page. */
+#define HAS_PREFETCH 0
+#if LANES == 16 && defined(__has_builtin)
+#if __has_builtin(__builtin_prefetch)
+#undef HAS_PREFETCH
+#define HAS_PREFETCH 1
+#endif
+#endif
+INLINE void fetch_ahead(__global const uchar *p, size_t ahead) {
+#if HAS_PREFETCH
+    __builtin_prefetch((const void *)((size_t)p + ahead));
+#endif
+}
+
+#define MOST_PACKETS 4 /* whose samples are made together */
 
 /* Least and largest lane. */
 #if LANES == 16

@@ -28,10 +28,10 @@ INLINE void fold_chunk(__global const uchar *voxels, int4 dims, section s, int x
     for (int z = s.z0; z <= s.z1; z++) {
         __global const uchar *row = voxels + ((size_t)z * dims.y + s.y0) * dims.x + x;
         for (int y = s.y0; y <= s.y1; y++, row += dims.x) {
-            a = max(a, vload16(0, row));
-            b = max(b, vload16(1, row));
-            c = max(c, vload16(2, row));
-            d = max(d, vload16(3, row));
+            a = max(a, LOAD(row));
+            b = max(b, LOAD(row + 16));
+            c = max(c, LOAD(row + 32));
+            d = max(d, LOAD(row + 48));
         }
     }
     STORE(a, columns + x + 16 * 0);

@@ -62,33 +62,42 @@ INLINE ushort16 zero_in_pair(ushort16 pairs) {
     return as_ushort16(zero != (ushort16)(0));
 }
 
+#define AHEAD 2048 /* bytes: a few hundred nanoseconds' reading */
+
+/* The means of 16 x 8 voxels from x on, and they again with marks. */
+INLINE void halve_sixteen(four_rows r, int x, __global uchar *all, __global uchar *marked) {
+    uchar16 least_a = (uchar16)(255), least_b = (uchar16)(255), most_a = (uchar16)(0), most_b = most_a;
+    ushort16 sum = (ushort16)(4);
+    for (int i = 0; i < 4; i++) {
+        uchar16 a = LOAD(r.row[i] + x), b = LOAD(r.row[i] + x + 16);
+        fetch_ahead(r.row[i] + x, AHEAD);
+        least_a = min(least_a, a);
+        least_b = min(least_b, b);
+        most_a = max(most_a, a);
+        most_b = max(most_b, b);
+        sum += pair_sums(sixteen_pairs(a, b));
+    }
+    sum >>= (ushort16)(3);
+    store_bytes(convert_uchar16(sum), all + x / 2);
+    ushort16 part = zero_in_pair(sixteen_pairs(least_a, least_b));
+    ushort16 some = as_ushort16(sixteen_pairs(most_a, most_b) != (ushort16)(0));
+    sum = (max(sum, (ushort16)(HALVED_LEAST)) & ~part) | ((ushort16)(HALVED_PARTLY)&part & some);
+    store_bytes(convert_uchar16(sum), marked + x / 2);
+}
+
 /* global: (1, 1, slices). */
 WIDE __kernel void halve_volume(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *mean,
                                 __global uchar *marked) {
-    int z = (int)get_global_id(2);
+    int z = (int)get_global_id(2), even = dims.x & ~1;
     for (int y = 0; y < half_dims.y; y++) {
         four_rows r = rows_below(voxels, dims, 2 * y, 2 * z);
         __global uchar *to = marked + ((size_t)z * half_dims.y + y) * half_dims.x;
         __global uchar *all = half_dims.w < 0 ? to : mean + mean_row(half_dims, y, z);
         int x = 0;
-        for (; x + 32 <= dims.x; x += 32) {
-            uchar16 least_a = (uchar16)(255), least_b = (uchar16)(255), most_a = (uchar16)(0),
-                    most_b = most_a;
-            ushort16 sum = (ushort16)(4);
-            for (int i = 0; i < 4; i++) {
-                uchar16 a = vload16(0, r.row[i] + x), b = vload16(1, r.row[i] + x);
-                least_a = min(least_a, a);
-                least_b = min(least_b, b);
-                most_a = max(most_a, a);
-                most_b = max(most_b, b);
-                sum += pair_sums(sixteen_pairs(a, b));
-            }
-            sum >>= (ushort16)(3);
-            store_bytes(convert_uchar16(sum), all + x / 2);
-            ushort16 part = zero_in_pair(sixteen_pairs(least_a, least_b));
-            ushort16 some = as_ushort16(sixteen_pairs(most_a, most_b) != (ushort16)(0));
-            sum = (max(sum, (ushort16)(HALVED_LEAST)) & ~part) | ((ushort16)(HALVED_PARTLY)&part & some);
-            store_bytes(convert_uchar16(sum), to + x / 2);
+        for (; x + 32 <= even; x += 32) halve_sixteen(r, x, all, to);
+        if (x > 0 && x < even) {
+            halve_sixteen(r, even - 32, all, to); /* the rest, and some again */
+            x = even;
         }
         for (; x < dims.x; x += 2) {
             uchar2 both = halved(r, dims.x, x);

@@ -49,7 +49,9 @@ INLINE lit_place place_at(packet p, float4 dn, int px, int py, vf n) {
 /* How much of a surface at sample n is a cut: the clipping surface (at `at`) lies in tissue itself, or in a
  * dark speckle of it, and the surface is near. 0 on rays that nothing clips. */
 INLINE vf cut_of(const lit_scene *s, lit_place at, vf here, vf n) {
-    vf around = (mean_opacity_at(s, at) - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
+    vf around;
+    mean_opacities_at(s, &at, 1, &around);
+    around = (around - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
     vf near = clamp(1.0f - (n - at.n) * (1.0f / CUT_REACH), 0.0f, 1.0f);
     return select(near * clamp(max(here, around), 0.0f, 1.0f), (vf)(0.0f), MASK(at.n <= 0.0f));
 }
@@ -117,15 +119,16 @@ INLINE void store_colours(__global uchar *rgba, int4 map_dims, int px, int py, c
  * sample.
  */
 WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global const uchar *grid,
-                              int4 bricks, __global const uchar *opacity, int4 cells, float4 origin,
-                              float4 dx, float4 dy, float4 dn, __global const float *map,
-                              __global const float *confidence, int4 map_dims, float4 to_map,
-                              float4 to_samples, float4 window, float4 mx, float4 my, float4 mz,
-                              float4 per_mm, float4 lamp, float4 half_way, float4 skin,
+                              int4 bricks, __global const uchar *opacity, int4 cells,
+                              __global const uchar *scanned, int4 shares, float4 origin, float4 dx, float4 dy,
+                              float4 dn, __global const float *map, __global const float *confidence,
+                              int4 map_dims, float4 to_map, float4 to_samples, float4 window, float4 mx,
+                              float4 my, float4 mz, float4 per_mm, float4 lamp, float4 half_way, float4 skin,
                               __global uchar *rgba) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
     if (px >= map_dims.z || py >= map_dims.w) return;
-    const lit_scene s = {smooth, opacity, map, dims, cells, map_dims, to_map, mx, my, mz, to_samples, per_mm};
+    const lit_scene s = {smooth,   opacity, scanned, map, dims, cells,      shares,
+                         map_dims, to_map,  mx,      my,  mz,   to_samples, per_mm};
     packet p = packet_at(px, py, origin, dx, dy);
     ghost_range ghost = ghost_range_of(map, confidence, map_dims, to_map, to_samples, px, py);
     vf first, end;

@@ -5,9 +5,9 @@
  * and rounds to the nearest level, halves up. LIT_PAD voxels of 0 surround the volume, so that its own faces
  * are edges like any other and nothing is ever read outside.
  *
- * CPU: a work item makes a row; global (1, y or more, z). GPU: a work item makes a voxel; global (x, y, z).
+ * CPU: a work item makes a row, global (1, y or more, z), or a slice. GPU: a work item makes a voxel; global
+ * (x, y, z).
  */
-#define LIT_PAD 2 /* the host's (lit_volume.c) */
 
 /* A small volume is not halved: it has no voxel to spare. */
 __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
@@ -22,51 +22,83 @@ __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, _
     }
 }
 
-#define SMOOTH_AT(rows, i) (((rows)[(i)-1] + 2 * (rows)[i] + (rows)[(i) + 1] + 32) >> 6)
-
 #if LANES == 16
 #define MAX_HALF 1028 /* half of MAX_ROW, and the padding */
 
-/* Sums of 3 x 3 rows with the weights of y and z. */
-INLINE ushort16 weigh_rows(__global const uchar *at, size_t row, size_t slice) {
-    ushort16 sum = 0;
-    for (int z = -1; z <= 1; z++) {
-        __global const uchar *p = at + z * (long)slice;
-        ushort16 line = convert_ushort16(vload16(0, p - row)) + convert_ushort16(vload16(0, p + row)) +
-                        convert_ushort16(vload16(0, p)) * (ushort)2;
-        sum += z == 0 ? line * (ushort)2 : line;
-    }
-    return sum;
+/* Three rows weighted 1, 2, 1, from x on. */
+INLINE ushort16 weigh_sixteen(__global const uchar *a, __global const uchar *b, __global const uchar *c) {
+    return convert_ushort16(LOAD(a)) + (convert_ushort16(LOAD(b)) << (ushort16)(1)) +
+           convert_ushort16(LOAD(c));
 }
 
-INLINE ushort weigh_row(__global const uchar *at, size_t row, size_t slice) {
-    ushort sum = 0;
-    for (int z = -1; z <= 1; z++) {
-        __global const uchar *p = at + z * (long)slice;
-        ushort line = (ushort)(*(p - row) + *(p + row) + 2 * *p);
-        sum += z == 0 ? 2 * line : line;
-    }
-    return sum;
-}
-
-WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
-    int y = (int)get_global_id(1), z = (int)get_global_id(2);
-    if (y >= dims.y) return;
-    size_t row = dims.x, slice = (size_t)dims.x * dims.y, begin = (size_t)z * slice + (size_t)y * row;
-    if (y == 0 || z == 0 || y == dims.y - 1 || z == dims.z - 1) {
-        for (int x = 0; x < dims.x; x++) out[begin + x] = 0;
+/* Row `at` of three slices. */
+INLINE void weigh_slices(__global const uchar *at, size_t slice, int count, ushort *sums) {
+    __global const uchar *before = at - slice, *behind = at + slice;
+    int x = 0;
+    for (; x + 16 <= count; x += 16) STORE(weigh_sixteen(before + x, at + x, behind + x), sums + x);
+    if (x > 0 && x < count) {
+        x = count - 16; /* the rest, and some again */
+        STORE(weigh_sixteen(before + x, at + x, behind + x), sums + x);
         return;
     }
+    for (; x < count; x++) sums[x] = (ushort)(before[x] + 2 * at[x] + behind[x]);
+}
+
+/* A row of the result but for its ends, from three such rows. */
+INLINE void weigh_rows(const ushort *above, const ushort *at, const ushort *below, int count,
+                       __global uchar *out) {
     ushort sums[MAX_HALF + 16];
-    int x = 0;
-    for (; x + 16 <= dims.x; x += 16) STORE(weigh_rows(half_size + begin + x, row, slice), sums + x);
-    for (; x < dims.x; x++) sums[x] = weigh_row(half_size + begin + x, row, slice);
-    out[begin] = out[begin + dims.x - 1] = 0;
-    for (x = 1; x + 16 < dims.x; x += 16) {
-        ushort16 sum = vload16(0, sums + x - 1) + vload16(0, sums + x) * (ushort)2 + vload16(0, sums + x + 1);
-        store_bytes(convert_uchar16((sum + (ushort)32) >> (ushort)6), out + begin + x);
+    for (int x = 0; x < count; x += 16)
+        STORE(LOAD(above + x) + (LOAD(at + x) << (ushort16)(1)) + LOAD(below + x), sums + x);
+    for (int x = 1; x < count - 1; x += 16) {
+        if (x > 1 && x + 16 >= count) x = count - 17;
+        ushort16 sum = LOAD(sums + x - 1) + (LOAD(sums + x) << (ushort16)(1)) + LOAD(sums + x + 1);
+        uchar16 mean = convert_uchar16((sum + (ushort)32) >> (ushort16)(6));
+        if (x + 16 < count) {
+            store_bytes(mean, out + x);
+            continue;
+        }
+        uchar few[LANES];
+        STORE(mean, few);
+        for (int i = 0; x + i < count - 1; i++) out[x + i] = few[i];
     }
-    for (; x < dims.x - 1; x++) out[begin + x] = (uchar)SMOOTH_AT(sums, x);
+}
+
+#define ROWS_AHEAD 8
+
+/* Asks for the rows that are read and written next. */
+INLINE void ask_ahead(__global const uchar *from, __global const uchar *to, int count) {
+    for (int x = 0; x < count; x += 64) {
+        fetch_ahead(from + x, ROWS_AHEAD * count);
+        fetch_ahead(to + x, ROWS_AHEAD * count);
+    }
+}
+
+INLINE void clear_row(__global uchar *row, int count) {
+    for (int x = 0; x < count; x++) row[x] = 0;
+}
+
+/* global: (1, 1, slices). The sums of three slices are made once for every row. */
+WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
+    int z = (int)get_global_id(2);
+    size_t row = dims.x, slice = (size_t)dims.x * dims.y;
+    __global const uchar *from = half_size + z * slice;
+    __global uchar *to = out + z * slice;
+    ushort sums[3][MAX_HALF + 16];
+    if (z == 0 || z == dims.z - 1) {
+        clear_row(to, (int)slice);
+        return;
+    }
+    clear_row(to, dims.x);
+    clear_row(to + (dims.y - 1) * row, dims.x);
+    weigh_slices(from, slice, dims.x, sums[0]);
+    weigh_slices(from + row, slice, dims.x, sums[1]);
+    for (int y = 1; y < dims.y - 1; y++) {
+        ask_ahead(from + y * row + slice, to + y * row, dims.x);
+        weigh_slices(from + (y + 1) * row, slice, dims.x, sums[(y + 1) % 3]);
+        weigh_rows(sums[(y - 1) % 3], sums[y % 3], sums[(y + 1) % 3], dims.x, to + y * row);
+        to[y * row] = to[y * row + dims.x - 1] = 0;
+    }
 }
 #else
 __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uchar *out) {
@@ -91,26 +123,42 @@ __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __global uc
  * 0. window: x T_L * 255, y 1 / ((T_H - T_L) * 255). cells.w: block.
  */
 #if LANES == 16
+/* Sums of opacities down a cell's section, in columns x to x + 15. */
+INLINE float16 sum_columns(__global const uchar *from, int4 dims, int rows, int slices, float4 window) {
+    float16 sum = (float16)(0.0f);
+    for (int k = 0; k < slices; k++)
+        for (int j = 0; j < rows; j++) {
+            __global const uchar *at = from + ((size_t)k * dims.y + j) * dims.x;
+            sum += clamp((convert_float16(LOAD(at)) - window.x) * window.y, 0.0f, 1.0f);
+        }
+    return sum;
+}
+
+INLINE float sum_column(__global const uchar *from, int4 dims, int rows, int slices, float4 window) {
+    float sum = 0.0f;
+    for (int k = 0; k < slices; k++)
+        for (int j = 0; j < rows; j++)
+            sum += clamp(((float)from[((size_t)k * dims.y + j) * dims.x] - window.x) * window.y, 0.0f, 1.0f);
+    return sum;
+}
+
 /* A row of cells: sums down the columns first, then along the row. */
 WIDE __kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, float4 window,
                                __global uchar *out) {
     int y = (int)get_global_id(1), z = (int)get_global_id(2), block = cells.w;
     if (y >= cells.y) return;
-    int y1 = min((y + 1) * block, dims.y), z1 = min((z + 1) * block, dims.z);
+    int rows = min(block, dims.y - y * block), slices = min(block, dims.z - z * block), x = 0;
+    __global const uchar *from = smooth + ((size_t)z * block * dims.y + y * block) * dims.x;
     float sums[MAX_HALF + 16];
-    for (int x = 0; x < dims.x; x += 16) STORE((float16)(0.0f), sums + x);
-    for (int k = z * block; k < z1; k++)
-        for (int j = y * block; j < y1; j++) {
-            __global const uchar *row = smooth + ((size_t)k * dims.y + j) * dims.x;
-            int x = 0;
-            for (; x + 16 <= dims.x; x += 16) {
-                float16 value = (convert_float16(vload16(0, row + x)) - window.x) * window.y;
-                STORE(vload16(0, sums + x) + clamp(value, 0.0f, 1.0f), sums + x);
-            }
-            for (; x < dims.x; x++) sums[x] += clamp(((float)row[x] - window.x) * window.y, 0.0f, 1.0f);
-        }
+    for (; x + 16 <= dims.x; x += 16) STORE(sum_columns(from + x, dims, rows, slices, window), sums + x);
+    if (x > 0 && x < dims.x) {
+        x = dims.x - 16; /* the rest, and some again */
+        STORE(sum_columns(from + x, dims, rows, slices, window), sums + x);
+    } else {
+        for (; x < dims.x; x++) sums[x] = sum_column(from + x, dims, rows, slices, window);
+    }
     float scale = 255.0f / (float)(block * block * block);
-    for (int x = 0; x < cells.x; x++) {
+    for (x = 0; x < cells.x; x++) {
         float sum = 0.0f;
         for (int i = x * block; i < min((x + 1) * block, dims.x); i++) sum += sums[i];
         out[(z * cells.y + y) * cells.x + x] = convert_uchar_sat_rte(scale * sum);

@@ -7,23 +7,10 @@
  */
 #define WEIGHT_BITS 8 /* of a position between two voxels: a sample's weights add up to 1 << 8 */
 
-/* Two neighbours in x and the two at y + 1, as the lower and the upper half of a word. */
-#if LANES == 16
-typedef uint16 vu;
-#define TO_VU(v) convert_uint16(v)
-#define AS_VU(v) as_uint16(v)
-#else
-typedef uint vu;
-#define TO_VU(v) convert_uint(v)
-#define AS_VU(v) as_uint(v)
-#endif
-#define SQUARES(p, row, i) (TO_VU(PAIRS(p, i)) | TO_VU(PAIRS((p) + (row), i)) << 16)
-
-/* The eight voxels around a packet's positions, and where between them: 0 .. 1 << WEIGHT_BITS. */
+/* Where between eight voxels a packet's positions lie: 0 .. 1 << WEIGHT_BITS. */
 typedef struct {
-    vu near, far; /* slices z and z + 1 */
-    vi fx, fy, fz;
-} fixed_cell;
+    vi x, y, z;
+} fractions;
 
 /* A position's lower voxel and its fraction; in the outer half voxel those of the nearest one. */
 INLINE vi split_fixed(vi position, int count, int bits, vi *fraction) {
@@ -33,18 +20,34 @@ INLINE vi split_fixed(vi position, int count, int bits, vi *fraction) {
     return i;
 }
 
-INLINE fixed_cell fetch_fixed(__global const uchar *halved, int4 dims, vi x, vi y, vi z, int bits) {
-    fixed_cell c;
-    vi ix = split_fixed(x, dims.x, bits, &c.fx);
-    vi iy = split_fixed(y, dims.y, bits, &c.fy);
-    vi iz = split_fixed(z, dims.z, bits, &c.fz);
-    vi i = (iz * dims.y + iy) * dims.x + ix;
-    /* An axis with a single voxel has no second neighbour; its fraction is 0. */
-    int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
-    c.near = SQUARES(halved, row, i);
-    c.far = SQUARES(halved + slice, row, i);
-    return c;
+/* Where the eight voxels lie. */
+INLINE vi place_fixed(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
+    vi ix = split_fixed(x, dims.x, bits, &f->x);
+    vi iy = split_fixed(y, dims.y, bits, &f->y);
+    vi iz = split_fixed(z, dims.z, bits, &f->z);
+    return iz * (dims.y * dims.x) + iy * dims.x + ix;
 }
+
+/* The same for positions all of which lie between voxels. */
+INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
+    int half_a_part = 1 << (bits - WEIGHT_BITS - 1), parts = (1 << WEIGHT_BITS) - 1;
+    x += half_a_part;
+    y += half_a_part;
+    z += half_a_part;
+    f->x = (x >> (bits - WEIGHT_BITS)) & parts;
+    f->y = (y >> (bits - WEIGHT_BITS)) & parts;
+    f->z = (z >> (bits - WEIGHT_BITS)) & parts;
+    return (z >> bits) * (dims.y * dims.x) + (y >> bits) * dims.x + (x >> bits);
+}
+
+#if LANES == 16
+#define BLOCK 16 /* voxels of a work item's block, each way; the host's (scan_convert.c) */
+#define RUN                                                                                                  \
+    MOST_PACKETS /* packets made together: a sample is a long chain of steps, and so four chains overlap */
+#else
+#define BLOCK 1
+#define RUN   1
+#endif
 
 #define EVEN_BYTES 0x00ff00ffu
 
@@ -55,16 +58,17 @@ INLINE vi mix_square(vu square, vi fx, vi fy) {
 #else
     vu second = square & EVEN_BYTES, first = (square >> 8) & EVEN_BYTES;
 #endif
-    vu rows = (first << WEIGHT_BITS) - first * AS_VU(fx) + second * AS_VU(fx);
+    /* What the upper half lends the lower one, it gets back. */
+    vu rows = (first << WEIGHT_BITS) + (second - first) * AS_VU(fx);
     vu upper = rows & 0xffffu, lower = rows >> 16;
-    vu both = (upper << WEIGHT_BITS) - upper * AS_VU(fy) + lower * AS_VU(fy);
+    vu both = (upper << WEIGHT_BITS) + (lower - upper) * AS_VU(fy);
     return TO_VI((both + (1u << (WEIGHT_BITS - 1))) >> WEIGHT_BITS);
 }
 
 /* The trilinear mean of the eight voxels, times 1 << WEIGHT_BITS. */
-INLINE vi blend_fixed(fixed_cell c) {
-    vi a = mix_square(c.near, c.fx, c.fy), b = mix_square(c.far, c.fx, c.fy);
-    return ((a << WEIGHT_BITS) + (b - a) * c.fz + (1 << (WEIGHT_BITS - 1))) >> WEIGHT_BITS;
+INLINE vi blend_fixed(vu near, vu far, fractions f) {
+    vi a = mix_square(near, f.x, f.y), b = mix_square(far, f.x, f.y);
+    return ((a << WEIGHT_BITS) + (b - a) * f.z + (1 << (WEIGHT_BITS - 1))) >> WEIGHT_BITS;
 }
 
 /* What a packet's samples come to: their sum, times 1 << WEIGHT_BITS; -1 in lanes all of whose samples lie
@@ -73,31 +77,65 @@ typedef struct {
     vi sum, whole, empty;
 } fixed_sum;
 
-INLINE fixed_sum gather_halved(__global const uchar *halved, int4 dims, int4 limit, int4 grid, lattice l,
-                               int4 start) {
-    fixed_sum out = {(vi)(0), (vi)(-1), (vi)(-1)};
+INLINE void add_sample(fixed_sum *out, vu near, vu far, fractions f, vi in) {
+    /* A byte below HALVED_LEAST borrows. */
+    vu low = ((near - 0x02020202u) & ~near) | ((far - 0x02020202u) & ~far);
+    out->whole &= in & MASK((low & 0x80808080u) == 0);
+    out->empty &= ~in | MASK((near | far) == 0);
+    out->sum += blend_fixed(near, far, f);
+}
+
+/* What a conversion works with; positions are those of the halved volume's voxels. */
+typedef struct {
+    __global const uchar *halved, *voxels;
+    int4 half_dims, dims;
+    int4 face, limit; /* of the volume: its near and its far faces */
+    int4 inner;       /* from 0 to here all lies between voxels */
+    int4 grid;
+    lattice l;
+    int samples; /* of a voxel */
+    int shift;   /* log2 of the sum of their weights; -1: it is no power of two */
+} halved_job;
+
+/* Places of `packets` packets' samples, one slice behind the other. `inside`: all lie between voxels. */
+INLINE void place_run(const halved_job *job, vi x, vi y, vi z, int4 at, bool inside, int packets, vi *place,
+                      vi *in, fractions *f) {
+    int4 face = job->face, limit = job->limit;
+    for (int r = 0; r < packets; r++, at += job->grid.z * job->l.dz) {
+        vi px = x + at.x, py = y + at.y, pz = z + at.z;
+        in[r] = (vi)(-1);
+        if (inside) {
+            place[r] = place_inside(job->half_dims, px, py, pz, job->l.bits, f + r);
+            continue;
+        }
+        in[r] = MASK((px >= face.x) & (px <= limit.x) & (py >= face.y) & (py <= limit.y) & (pz >= face.z) &
+                     (pz <= limit.z));
+        place[r] = place_fixed(job->half_dims, px, py, pz, job->l.bits, f + r);
+    }
+}
+
+/* What those packets come to; `start`: the first sample of the first one. */
+INLINE void gather_halved(const halved_job *job, int4 start, bool inside, int packets, fixed_sum *out) {
+    const lattice l = job->l;
+    int4 grid = job->grid;
+    vi place[RUN], in[RUN];
+    fractions f[RUN];
+    vu near[RUN], far[RUN];
     vi lane_x = TO_VI(LANE_X) * grid.x, lane_y = TO_VI(LANE_Y) * grid.y;
-    vi px = start.x + lane_x * l.dx.x + lane_y * l.dy.x;
-    vi py = start.y + lane_x * l.dx.y + lane_y * l.dy.y;
-    vi pz = start.z + lane_x * l.dx.z + lane_y * l.dy.z;
-    int face = -(1 << (l.bits - 1));
+    vi x = lane_x * l.dx.x + lane_y * l.dy.x, y = lane_x * l.dx.y + lane_y * l.dy.y,
+       z = lane_x * l.dx.z + lane_y * l.dy.z;
+    fixed_sum nothing = {(vi)(0), (vi)(-1), (vi)(-1)};
+    for (int r = 0; r < packets; r++) out[r] = nothing;
     for (int k = 0; k < grid.z; k++) {
         for (int j = 0; j < grid.y; j++) {
-            int4 at = j * l.dy + k * l.dz;
+            int4 at = start + j * l.dy + k * l.dz;
             for (int i = 0; i < grid.x; i++, at += l.dx) {
-                vi x = px + at.x, y = py + at.y, z = pz + at.z;
-                vi in = MASK((x >= face) & (x <= limit.x) & (y >= face) & (y <= limit.y) & (z >= face) &
-                             (z <= limit.z));
-                fixed_cell c = fetch_fixed(halved, dims, x, y, z, l.bits);
-                /* A byte below HALVED_LEAST borrows. */
-                vu low = ((c.near - 0x02020202u) & ~c.near) | ((c.far - 0x02020202u) & ~c.far);
-                out.whole &= in & MASK((low & 0x80808080u) == 0);
-                out.empty &= ~in | MASK((c.near | c.far) == 0);
-                out.sum += blend_fixed(c);
+                place_run(job, x, y, z, at, inside, packets, place, in, f);
+                fetch_squares(job->halved, job->half_dims, place, packets, near, far);
+                for (int r = 0; r < packets; r++) add_sample(out + r, near[r], far[r], f[r], in[r]);
             }
         }
     }
-    return out;
 }
 
 INLINE int all_lanes(vi mask) {
@@ -108,12 +146,6 @@ INLINE int all_lanes(vi mask) {
 #endif
 }
 
-#if LANES == 16
-#define RUN 4 /* packets of a row that a work item makes; the host's (scan_convert.c) */
-#else
-#define RUN 1
-#endif
-
 /* The packet's mean from the source's nearest voxels: two samples an axis where `halved` has one. */
 INLINE vi nearest_mean(__global const uchar *voxels, int4 dims, int4 grid, lattice l, int4 start) {
     int4 first = 2 * start + (1 << l.bits) - (l.dx + l.dy + l.dz) / 2;
@@ -121,38 +153,124 @@ INLINE vi nearest_mean(__global const uchar *voxels, int4 dims, int4 grid, latti
     return mean_of(packed, 8 * grid.x * grid.y * grid.z);
 }
 
+/* A packet's voxels from its samples. */
+INLINE vi mean_of_samples(const halved_job *job, fixed_sum s, int4 start) {
+    vi sure = s.whole | s.empty, mean;
+    if (job->shift >= 0)
+        mean = (s.sum + (1 << (job->shift - 1))) >> job->shift;
+    else
+        mean = rounded_mean(s.sum, (vi)(job->samples << WEIGHT_BITS));
+    mean &= s.whole;
+    if (all_lanes(sure)) return mean;
+    return select(nearest_mean(job->voxels, job->dims, job->grid, job->l, start), mean, sure);
+}
+
+/* Where the voxels go. */
+typedef struct {
+    __global uchar *slab;
+    int4 layout, size;
+} slab_target;
+
+INLINE void convert_run(const halved_job *job, slab_target to, place at, int slice, int4 start, bool inside,
+                        int packets) {
+    fixed_sum s[RUN];
+    gather_halved(job, start, inside, packets, s);
+    for (int r = 0; r < packets; r++, start += job->grid.z * job->l.dz)
+        store_packet(to.slab, to.layout, to.size, at, slice + r, mean_of_samples(job, s[r], start));
+}
+
+/* Least and largest position of a box' samples. */
+typedef struct {
+    int4 low, high;
+} reach;
+
+INLINE int4 start_of(const halved_job *job, place at) {
+    const lattice *l = &job->l;
+    return l->origin + at.x * job->grid.x * l->dx + at.y * job->grid.y * l->dy + at.z * job->grid.z * l->dz;
+}
+
+INLINE reach reach_of(const halved_job *job, int4 start, int width, int height, int slices) {
+    int4 xs = (width * job->grid.x - 1) * job->l.dx, ys = (height * job->grid.y - 1) * job->l.dy,
+         zs = (slices * job->grid.z - 1) * job->l.dz;
+    reach r = {start + min(xs, 0) + min(ys, 0) + min(zs, 0), start + max(xs, 0) + max(ys, 0) + max(zs, 0)};
+    return r;
+}
+
+INLINE bool is_outside(const halved_job *job, reach r) {
+    return any(((r.high < job->face) | (r.low > job->limit)).xyz);
+}
+
+INLINE bool is_inside(const halved_job *job, reach r) {
+    return all(((r.low >= 0) & (r.high < job->inner)).xyz);
+}
+
+/* A slice of a block that lies outside the volume. */
+INLINE void clear_slice(slab_target to, place block, int slice) {
+    __global uchar *tile = to.slab + (size_t)(slice / to.layout.x) * to.layout.z * to.layout.w +
+                           (size_t)(slice % to.layout.x) * to.layout.y;
+    int width = min(BLOCK, to.size.x - block.x), end = min(block.y + BLOCK, to.size.y);
+    for (int y = block.y; y < end; y++) {
+        __global uchar *row = tile + (size_t)y * to.layout.w + block.x;
+#if LANES == 16
+        if (width == BLOCK) {
+            store_bytes((uchar16)(0), row);
+            continue;
+        }
+#endif
+        for (int x = 0; x < width; x++) row[x] = 0;
+    }
+}
+
+/* A packet in so many slices, RUN at most. */
+INLINE void convert_column(const halved_job *job, slab_target to, place at, int slice, int slices) {
+    int4 start = start_of(job, at);
+    reach r = reach_of(job, start, PACKET_W, PACKET_H, slices);
+    if (is_outside(job, r)) {
+        for (int i = 0; i < slices; i++) store_packet(to.slab, to.layout, to.size, at, slice + i, (vi)(0));
+    } else if (slices < RUN) {
+        for (int i = 0; i < slices; i++, start += job->grid.z * job->l.dz)
+            convert_run(job, to, at, slice + i, start, false, 1);
+    } else if (is_inside(job, r)) {
+        convert_run(job, to, at, slice, start, true, RUN);
+    } else {
+        convert_run(job, to, at, slice, start, false, RUN);
+    }
+}
+
 /*
- * Arguments as convert_nearest, with the halved volume before them; positions are those of its voxels.
- * global: (runs of packets in a row, slices of the slab, rows of packets). A run goes past what lies outside
- * the volume at little cost: of a turned camera's box that is more than half.
+ * Arguments as convert_nearest, with the halved volume before them and the slab's slices after size;
+ * positions are those of the halved volume's voxels. global: blocks in x, slices, y. What a block reads fits
+ * the first-level cache, however the camera is turned; one outside the volume is only cleared: of a turned
+ * camera's box that is more than half.
  */
 WIDE __kernel void convert_halved(__global const uchar *halved, int4 half_dims, __global const uchar *voxels,
                                   int4 dims, int4 grid, int4 origin, int4 dx, int4 dy, int4 dz, int4 size,
-                                  int4 layout, __global uchar *slab, ulong offset) {
-    int slice = (int)get_global_id(1), first = (int)get_global_id(0) * RUN * PACKET_W;
-    place at = {first, (int)get_global_id(2) * PACKET_H, size.z + slice};
-    lattice l = {origin, dx, dy, dz, size.w};
-    int4 start = origin + at.x * grid.x * dx + at.y * grid.y * dy + at.z * grid.z * dz;
-    int4 next = PACKET_W * grid.x * dx;
-    int4 xs = (PACKET_W * grid.x - 1) * dx, ys = (PACKET_H * grid.y - 1) * dy, zs = (grid.z - 1) * dz;
-    int4 low = start + min(xs, 0) + min(ys, 0) + min(zs, 0);
-    int4 high = start + max(xs, 0) + max(ys, 0) + max(zs, 0);
-    int4 limit = (dims - 1) << (l.bits - 1), near_face = (int4)(-(1 << (l.bits - 1))), far_face = limit;
-    near_face.w = INT_MIN; /* there are three axes */
-    far_face.w = INT_MAX;
-    int samples = grid.x * grid.y * grid.z;
-    int end = at.y < size.y ? min(first + RUN * PACKET_W, size.x) : 0; /* work groups may overhang */
-    for (; at.x < end; at.x += PACKET_W) {
-        vi mean = (vi)(0);
-        if (!any(high<near_face | low> far_face)) {
-            fixed_sum s = gather_halved(halved, half_dims, limit, grid, l, start);
-            mean = select((vi)(0), rounded_mean(s.sum, (vi)(samples << WEIGHT_BITS)), s.whole);
-            if (!all_lanes(s.whole | s.empty))
-                mean = select(nearest_mean(voxels, dims, grid, l, start), mean, s.whole | s.empty);
-        }
-        store_packet(slab + offset, layout, size, at, slice, mean);
-        start += next;
-        low += next;
-        high += next;
+                                  int slices, int4 layout, __global uchar *slab, ulong offset) {
+    int first = (int)get_global_id(1) * BLOCK, end = min(first + BLOCK, slices), bits = size.w;
+    place block = {(int)get_global_id(0) * BLOCK, (int)get_global_id(2) * BLOCK, size.z + first};
+    int x_end = min(block.x + BLOCK, size.x), y_end = min(block.y + BLOCK, size.y);
+    slab_target to = {slab + offset, layout, size};
+    halved_job job = {halved,
+                      voxels,
+                      half_dims,
+                      dims,
+                      (int4)(-(1 << (bits - 1))),
+                      (dims - 1) << (bits - 1),
+                      ((half_dims - 1) << bits) - (1 << (bits - WEIGHT_BITS)),
+                      grid,
+                      {origin, dx, dy, dz, bits},
+                      grid.x * grid.y * grid.z,
+                      -1};
+    if ((job.samples & (job.samples - 1)) == 0) job.shift = WEIGHT_BITS + 31 - clz(job.samples);
+    if (is_outside(&job,
+                   reach_of(&job, start_of(&job, block), x_end - block.x, y_end - block.y, end - first))) {
+        for (int slice = first; slice < end; slice++) clear_slice(to, block, slice);
+        return;
+    }
+    for (int slice = first; slice < end; slice += RUN) {
+        place at = {block.x, block.y, size.z + slice};
+        for (at.y = block.y; at.y < y_end; at.y += PACKET_H)
+            for (at.x = block.x; at.x < x_end; at.x += PACKET_W)
+                convert_column(&job, to, at, slice, min(RUN, end - slice));
     }
 }

@@ -2,12 +2,41 @@
 /*
  * The scanned range of every ray of the low-resolution volume (sv_frame.scanned): from the first to the last
  * voxel that is not 0, since 0 means "not scanned" and nothing else (host_sim/volume/volume.h). A work item
- * takes a packet of LANES rays of a row; it walks from the front until all of them have met a scanned voxel,
- * and from the back until all have met their last one, so it reads little more than what was not scanned.
+ * takes a packet of LANES rays of a row; it walks from the front of the source's box until all of them have
+ * met a scanned voxel, and from its back until all have met their last one, so it reads little more than what
+ * was not scanned inside the box.
  *
  * layout: tiles_x, tile_w, tile_h, row_pitch; size: width, slices, slices of a full slab; slab i begins at
- * i * stride bytes.
+ * i * stride bytes. Voxel (x, y, z) has its first corner at source index origin + x * dx + y * dy + z * dz,
+ * and the next ones a dx, dy, dz further; dims: source voxels. Without steps all slices are searched.
  */
+#define FACE_MARGIN  0.51f /* voxels from the outer centres to a face of the box, and some for rounding */
+#define SLICE_MARGIN 1.0f  /* more for rounding */
+#define LEAST_STEP   1e-6f /* voxels a slice; below, rays are parallel to the face */
+
+/* Narrows the slices [range.x, range.y) to those that lie between the faces of one axis. low, high: source
+ * index of the packet at slice 0; step: voxels a slice. */
+INLINE float2 between_faces(float2 range, float low, float high, float step, int count) {
+    float near = -FACE_MARGIN, far = (float)(count - 1) + FACE_MARGIN;
+    if (fabs(step) < LEAST_STEP) return high < near || low > far ? (float2)(0.0f) : range;
+    float a = (step > 0.0f ? near - high : far - low) / step,
+          b = (step > 0.0f ? far - low : near - high) / step;
+    return (float2)(max(range.x, floor(a) - SLICE_MARGIN), min(range.y, ceil(b) + SLICE_MARGIN));
+}
+
+/* Slices outside of which nothing of the packet at (x, y) lies in the source's box. */
+INLINE int2 slices_in_box(int x, int y, int count, int slices, int4 dims, float4 origin, float4 dx, float4 dy,
+                          float4 dz) {
+    float4 corner = origin + (float)x * dx + (float)y * dy, zero = (float4)(0.0f);
+    float4 low = corner + min((float)count * dx, zero) + min(dy, zero) + min(dz, zero);
+    float4 high = corner + max((float)count * dx, zero) + max(dy, zero) + max(dz, zero);
+    float2 range = (float2)(0.0f, (float)slices);
+    range = between_faces(range, low.x, high.x, dz.x, dims.x);
+    range = between_faces(range, low.y, high.y, dz.y, dims.y);
+    range = between_faces(range, low.z, high.z, dz.z, dims.z);
+    int first = (int)min(range.x, (float)slices);
+    return (int2)(first, max((int)range.y, first));
+}
 
 /* A slice of the slabs: its place in its slab, its tile's place in the texture, and where the slab begins. */
 typedef struct {
@@ -75,30 +104,34 @@ INLINE vi scanned_lanes(__global const uchar *at, int count) {
     return MASK(LOAD(lanes) != 0);
 }
 
-__kernel void scanned_rays(__global const uchar *slabs, int4 layout, int4 size, ulong stride,
-                           __global ushort2 *ranges) {
+__kernel void scanned_rays(__global const uchar *slabs, int4 layout, int4 size, ulong stride, int4 dims,
+                           float4 origin, float4 dx, float4 dy, float4 dz, __global ushort2 *ranges) {
     int x = (int)get_global_id(0) * LANES, y = (int)get_global_id(1);
-    int count = min(size.x - x, LANES), z, firsts[LANES], ends[LANES];
-    slice_place place = place_of(0, layout, size, stride);
-    for (z = 0; z < size.y && count == LANES && none_scanned(voxel_at(slabs, layout, &place, x, y)); z++)
+    int count = min(size.x - x, LANES), firsts[LANES], ends[LANES];
+    int2 box = slices_in_box(x, y, count, size.y, dims, origin, dx, dy, dz);
+    int z = box.x;
+    slice_place place = place_of(z, layout, size, stride);
+    for (; z < box.y && count == LANES && none_scanned(voxel_at(slabs, layout, &place, x, y)); z++)
         step_back(&place, layout, size, stride);
     vi first = (vi)(z), open = (vi)(-1);
-    for (; z < size.y && !all_lanes(~open); z++) {
+    for (; z < box.y && !all_lanes(~open); z++) {
         open &= ~scanned_lanes(voxel_at(slabs, layout, &place, x, y), count);
         first -= open; /* a mask is -1 */
         step_back(&place, layout, size, stride);
     }
-    place = place_of(size.y - 1, layout, size, stride);
-    for (z = size.y; z > 0 && count == LANES && none_scanned(voxel_at(slabs, layout, &place, x, y)); z--)
+    first = select(first, (vi)(size.y), open); /* nothing was scanned: both ends are that of the volume */
+    z = box.y;
+    place = place_of(max(z - 1, 0), layout, size, stride);
+    for (; z > box.x && count == LANES && none_scanned(voxel_at(slabs, layout, &place, x, y)); z--)
         step_front(&place, layout, size, stride);
     vi end = (vi)(z);
     open = (vi)(-1);
-    for (; z > 0 && !all_lanes(~open); z--) {
+    for (; z > box.x && !all_lanes(~open); z--) {
         open &= ~scanned_lanes(voxel_at(slabs, layout, &place, x, y), count);
         end += open;
         step_front(&place, layout, size, stride);
     }
-    end = max(end, first); /* nothing was scanned: both ends are that of the volume */
+    end = max(end, first);
     STORE(first, firsts);
     STORE(end, ends);
     __global ushort2 *to = ranges + (size_t)y * size.x + x;
