@@ -122,6 +122,18 @@ INLINE float lanes_max(vf v) {
 }
 #endif
 
+/* Whether all lanes of a mask are set. */
+INLINE bool all_lanes(vi mask) {
+#if LANES == 16
+    int8 a = mask.lo & mask.hi;
+    int4 b = a.lo & a.hi;
+    int2 c = b.lo & b.hi;
+    return (c.x & c.y) != 0;
+#else
+    return mask != 0;
+#endif
+}
+
 /* (sum + count / 2) / count in integers, exact whatever the device's float division. */
 INLINE vi rounded_mean(vi sum, vi count) {
     vi a = 2 * sum + count, b = 2 * count;

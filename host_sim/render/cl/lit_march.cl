@@ -115,11 +115,7 @@ INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *
             if (veiled) take_veil(&m, ghost, (float)(n - 1), y0, y1, window.z);
             take_step(&m, ghost, (float)(n - 1), y0, y1, window.z);
             y0 = y1;
-#if LANES == 16
-            if (all(m.found)) return m;
-#else
-            if (m.found) return m;
-#endif
+            if (all_lanes(m.found)) return m;
         }
     }
     return m;

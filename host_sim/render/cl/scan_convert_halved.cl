@@ -40,10 +40,11 @@ INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
     return (z >> bits) * (dims.y * dims.x) + (y >> bits) * dims.x + (x >> bits);
 }
 
+/* BLOCK: edge of what a work item makes; the host's (scan_convert.c). RUN: packets made together; a sample is
+ * a long chain of steps, and so those of several packets overlap. */
 #if LANES == 16
-#define BLOCK 16 /* voxels of a work item's block, each way; the host's (scan_convert.c) */
-#define RUN                                                                                                  \
-    MOST_PACKETS /* packets made together: a sample is a long chain of steps, and so four chains overlap */
+#define BLOCK 16
+#define RUN   MOST_PACKETS
 #else
 #define BLOCK 1
 #define RUN   1
@@ -136,14 +137,6 @@ INLINE void gather_halved(const halved_job *job, int4 start, bool inside, int pa
             }
         }
     }
-}
-
-INLINE int all_lanes(vi mask) {
-#if LANES == 16
-    return all(mask);
-#else
-    return mask;
-#endif
 }
 
 /* The packet's mean from the source's nearest voxels: two samples an axis where `halved` has one. */
