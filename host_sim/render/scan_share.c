@@ -64,7 +64,7 @@ static bool smooth_once(hs_scan_share *share, cl_mem from, cl_mem to, hs_error *
     hs_launch_buffer(&smooth, from);
     hs_launch_arg(&smooth, sizeof share->view.dims, &share->view.dims);
     hs_launch_buffer(&smooth, to);
-    return hs_launch_rows(&smooth, share->view.dims, err);
+    return hs_launch_slices(&smooth, share->view.dims, err);
 }
 
 bool hs_scan_share_make(hs_scan_share *share, cl_mem marks, uint32_t all, hs_scan_share_view *view,

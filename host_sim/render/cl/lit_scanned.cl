@@ -16,24 +16,35 @@ INLINE uchar share_of(uint sum, int4 dims, int4 shares) {
 #if LANES == 16
 #define MAX_MARKS 1024 /* half of MAX_ROW */
 
+/* Sums down a row of cubes in 16 columns, or in one. */
+INLINE ushort16 sixteen_sums(__global const uchar *from, int4 dims, int rows, int slices) {
+    ushort16 sum = (ushort16)(0);
+    for (int k = 0; k < slices; k++)
+        for (int j = 0; j < rows; j++)
+            sum += convert_ushort16(
+                min(LOAD(from + ((size_t)k * dims.y + j) * dims.x), (uchar16)((uchar)dims.w)));
+    return sum;
+}
+
+INLINE ushort one_sum(__global const uchar *from, int4 dims, int rows, int slices) {
+    int sum = 0;
+    for (int k = 0; k < slices; k++)
+        for (int j = 0; j < rows; j++) sum += min((int)from[((size_t)k * dims.y + j) * dims.x], dims.w);
+    return (ushort)sum;
+}
+
 WIDE __kernel void lit_scanned(__global const uchar *marks, int4 dims, int4 shares, __global uchar *out) {
-    int y = (int)get_global_id(1), z = (int)get_global_id(2), edge = shares.w;
+    int y = (int)get_global_id(1), z = (int)get_global_id(2), edge = shares.w, x = 0;
     if (y >= shares.y) return;
     __global uchar *row = out + ((size_t)z * shares.y + y) * shares.x;
     int y0 = (y - SHARE_PAD) * edge, z0 = (z - SHARE_PAD) * edge;
-    ushort sums[MAX_MARKS + 16];
-    for (int x = 0; x < dims.x; x += 16) STORE((ushort16)(0), sums + x);
-    for (int k = max(z0, 0); k < min(z0 + edge, dims.z); k++)
-        for (int j = max(y0, 0); j < min(y0 + edge, dims.y); j++) {
-            __global const uchar *from = marks + ((size_t)k * dims.y + j) * dims.x;
-            int x = 0;
-            for (; x + 16 <= dims.x; x += 16)
-                STORE(vload16(0, sums + x) +
-                          convert_ushort16(min(vload16(0, from + x), (uchar16)((uchar)dims.w))),
-                      sums + x);
-            for (; x < dims.x; x++) sums[x] += min((int)from[x], dims.w);
-        }
-    for (int x = 0; x < shares.x; x++) {
+    bool outside = min(y0, z0) < 0 || y0 >= dims.y || z0 >= dims.z;
+    int rows = outside ? 0 : min(edge, dims.y - y0), slices = outside ? 0 : min(edge, dims.z - z0);
+    __global const uchar *from = outside ? marks : marks + ((size_t)z0 * dims.y + y0) * dims.x;
+    ushort sums[MAX_MARKS];
+    for (; x + 16 <= dims.x; x += 16) STORE(sixteen_sums(from + x, dims, rows, slices), sums + x);
+    for (; x < dims.x; x++) sums[x] = one_sum(from + x, dims, rows, slices);
+    for (x = 0; x < shares.x; x++) {
         int x0 = (x - SHARE_PAD) * edge;
         uint sum = 0;
         for (int i = max(x0, 0); i < min(x0 + edge, dims.x); i++) sum += sums[i];
