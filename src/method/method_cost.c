@@ -48,7 +48,7 @@ enum {
 };
 
 /* Of 16 rays at a label: bin16_t of cl/cost/cost_tile.clh. */
-enum { TILE_BYTES = 3 * SV_LANES * sizeof(cl_short) };
+enum { TILE_BYTES = 3 * SV_LANES * (int)sizeof(cl_short) };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
