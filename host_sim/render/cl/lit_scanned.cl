@@ -35,7 +35,7 @@ INLINE ushort sum_mark(__global const uchar *from, int4 dims, int rows, int slic
 }
 
 WIDE __kernel void lit_scanned(__global const uchar *marks, int4 dims, int4 shares, __global uchar *out) {
-    int y = (int)get_global_id(1), z = (int)get_global_id(2), edge = shares.w, x = 0;
+    int y = (int)get_global_id(1), z = (int)get_global_id(2), edge = shares.w;
     if (y >= shares.y) return;
     __global uchar *row = out + ((size_t)z * shares.y + y) * shares.x;
     int y0 = max((y - SHARE_PAD) * edge, 0), rows = min((y - SHARE_PAD + 1) * edge, dims.y) - y0;
