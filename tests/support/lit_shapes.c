@@ -103,7 +103,7 @@ static hs_volume fill_volume(const body *b, uint32_t size) {
     return v;
 }
 
-double lit_brightness(const hs_dvr_settings *s, const double n[3], double t) {
+double lit_brightness(const hs_dvr_settings *s, const double n[3], double t, double echo) {
     const double azimuth = (double)s->light[0] * DEGREE, elevation = (double)s->light[1] * DEGREE;
     const double lamp[3] = {sin(azimuth) * cos(elevation), -sin(elevation), -cos(azimuth) * cos(elevation)};
     const double between[3] = {lamp[0], lamp[1], lamp[2] - 1.0};
@@ -114,10 +114,14 @@ double lit_brightness(const hs_dvr_settings *s, const double n[3], double t) {
         shine += n[k] * between[k] / length;
     }
     const double light = 0.24 - 0.24 * n[2] + 0.58 * fmax(facing, 0.0);
-    const double tone[3] = {1.0 - 0.30 * t, 1.0 - 0.55 * t, 1.0 - 0.62 * t};
-    double sum = 0.0;
-    for (int k = 0; k < 3; k++)
-        sum += fmin((double)s->skin[k] * tone[k] * light + 0.14 * pow(fmax(shine, 0.0), 24.0), 1.0);
+    const double fade[3] = {0.30, 0.55, 0.62}, share[3] = {0.30, 0.59, 0.11};
+    double sum = 0.0, tone[3], grey = 0.0;
+    for (int k = 0; k < 3; k++) grey += share[k] * (tone[k] = (double)s->skin[k] * (1.0 - fade[k] * t));
+    for (int k = 0; k < 3; k++) {
+        const double skin = tone[k] * light + 0.14 * pow(fmax(shine, 0.0), 24.0);
+        const double cut = (0.3 * tone[k] + 0.7 * grey * (k == 2 ? 1.04 : 1.0)) * (0.55 + 0.6 * echo) * light;
+        sum += fmin(echo < 0.0 ? skin : cut, 1.0);
+    }
     return sum / 3.0;
 }
 
@@ -155,6 +159,7 @@ static double expected_at(const body *b, const hs_camera *camera, const hs_dvr_s
     const double reach = b->shape->scan_face ? 0.3 : 0.42;
     for (int k = 0; k < 3; k++)
         if (fabs(start[k] + t * along[k]) > reach * EXTENT) return -1.0;
+    const double echo = b->shape->scan_face ? b->shape->level / 255.0 : -1.0;
     double world[3], seen[3], length = 0.0;
     for (int k = 0; k < 3; k++)
         world[k] = b->axes[k] * normal[0] + b->axes[3 + k] * normal[1] + b->axes[6 + k] * normal[2];
@@ -163,7 +168,7 @@ static double expected_at(const body *b, const hs_camera *camera, const hs_dvr_s
         seen[a] = (camera->rotation[a] * world[0] + camera->rotation[3 + a] * world[1] +
                    camera->rotation[6 + a] * world[2]) /
                   sqrt(length);
-    return -seen[2] < STEEP ? -1.0 : lit_brightness(s, seen, t / camera->depth_extent);
+    return -seen[2] < STEEP ? -1.0 : lit_brightness(s, seen, t / camera->depth_extent, echo);
 }
 
 static void render(const hs_cl *cl, const hs_volume *v, const hs_camera *camera, const hs_dvr_settings *s,

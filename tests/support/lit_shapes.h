@@ -40,7 +40,8 @@ typedef struct {
 lit_difference lit_shape_measure(const hs_cl *cl, const lit_shape *shape, uint32_t size);
 
 /* The brightness (mean of red, green and blue, 0 .. 1) of a surface with this normal at depth t (0 .. 1) of
- * the box, in all light: docs/rendering.md. Normals are in camera coordinates. */
-double lit_brightness(const hs_dvr_settings *s, const double normal[3], double t);
+ * the box, in all light: docs/rendering.md. Normals are in camera coordinates. `echo`: of a cut, the
+ * intensity that shows, 0 .. 1; of skin -1. */
+double lit_brightness(const hs_dvr_settings *s, const double normal[3], double t, double echo);
 
 #endif

@@ -164,8 +164,8 @@ static void slope_at(const ray *r, const uint8_t *values, const uint32_t n[3], c
     normalise(normal);
 }
 
-/* The tissue's own, or that of the scan's face. */
-static void normal_at(const ray *r, const spot *p, double normal[3]) {
+/* The tissue's own, or that of the scan's face; returns how much it is the latter. */
+static double normal_at(const ray *r, const spot *p, double normal[3]) {
     const ref_lit_volume *lit = r->lit;
     const double side = lit->side;
     double at[3], wide[3];
@@ -176,6 +176,7 @@ static void normal_at(const ray *r, const spot *p, double normal[3]) {
     slope_at(r, lit->scanned, lit->shares, at, wide);
     for (int k = 0; k < 3; k++) normal[k] += face * (wide[k] - normal[k]);
     normalise(normal);
+    return face;
 }
 
 static void map_normal(const ray *r, double normal[3]) {
@@ -220,20 +221,21 @@ static void shade(const ray *r, double n, double c, double rgb[3]) {
     const spot p = spot_at(r, n);
     const double t = ref_lit_limited(n / r->steps), fade[3] = {0.30, 0.55, 0.62};
     double normal[3], lamp[3], between[3], tone[3];
-    normal_at(r, &p, normal);
+    const double face = normal_at(r, &p, normal), pale = fmax(c, face);
     lamp_of(r->s, lamp, between);
     for (int k = 0; k < 3; k++) tone[k] = (double)r->s->skin[k] * (1.0 - fade[k] * t);
     if (c > 0.0) {
         double flat[3];
-        const double grey = 0.3 * tone[0] + 0.59 * tone[1] + 0.11 * tone[2];
-        const double echo = linear(r->lit->smooth, r->lit->n, p.at) / 255.0;
         map_normal(r, flat);
-        for (int k = 0; k < 3; k++) {
-            normal[k] += c * (flat[k] - normal[k]);
-            tone[k] += 0.7 * c * (grey * (k == 2 ? 1.04 : 1.0) - tone[k]);
-            tone[k] *= 1.0 + c * (0.55 + 0.6 * echo - 1.0);
-        }
+        for (int k = 0; k < 3; k++) normal[k] += c * (flat[k] - normal[k]);
         normalise(normal);
+    }
+    const spot in = moved(r, p, normal, -3.0 * face * r->sample);
+    const double echo = linear(r->lit->smooth, r->lit->n, in.at) / 255.0;
+    const double grey = 0.3 * tone[0] + 0.59 * tone[1] + 0.11 * tone[2];
+    for (int k = 0; k < 3; k++) {
+        tone[k] += 0.7 * pale * (grey * (k == 2 ? 1.04 : 1.0) - tone[k]);
+        tone[k] *= 1.0 + pale * (0.55 + 0.6 * echo - 1.0);
     }
     const double reach[3] = {4, 7, 11}, weight[3] = {0.4, 0.25, 0.15};
     double ambient = 1.0, blocked = 0.0;
@@ -242,7 +244,7 @@ static void shade(const ray *r, double n, double c, double rgb[3]) {
     for (int i = 1; i <= 6; i++) blocked += opacity_at(r, moved(r, start, lamp, 3.0 * i * r->unit));
     const double shadow = 1.0 / (1.0 + blocked * blocked);
     const double light = ambient * (0.24 - 0.24 * normal[2]) + 0.58 * shadow * fmax(dot(normal, lamp), 0.0);
-    const double shine = 0.14 * shadow * pow(fmax(dot(normal, between), 0.0), 24.0) * (1.0 - c);
+    const double shine = 0.14 * shadow * pow(fmax(dot(normal, between), 0.0), 24.0) * (1.0 - pale);
     for (int k = 0; k < 3; k++) rgb[k] = tone[k] * light + shine;
 }
 
@@ -345,7 +347,7 @@ void ref_lit_pixel(const hs_volume *volume, const ref_lit_volume *lit, const hs_
         const double share = 0.35 * (1.0 - exp(-m.veil)), cool[3] = {0.62, 0.78, 1.0};
         const spot p = spot_at(&r, m.veil_at);
         double normal[3], lamp[3], between[3];
-        normal_at(&r, &p, normal);
+        (void)normal_at(&r, &p, normal);
         lamp_of(s, lamp, between);
         const double light = 0.35 + 0.35 * fmax(dot(normal, lamp), 0.0);
         for (int k = 0; k < 3; k++) rgb[k] += share * (cool[k] * light - rgb[k]);

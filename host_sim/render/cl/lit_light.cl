@@ -117,8 +117,8 @@ INLINE directions slope_at(const lit_scene *s, __global const uchar *voxels, int
 #define FACE_NONE 0.8f  /* ... and from which on it is not */
 
 /* The normal of what is drawn: the tissue's own, or that of the scan's face, which is a staircase of voxels.
- */
-INLINE directions normal_at(const lit_scene *s, packet at) {
+ * *face: how much it is the latter. */
+INLINE directions normal_at(const lit_scene *s, packet at, vf *face) {
     float scale = 1.0f / (float)s->shares.w,
           shift = SHARE_PAD - scale * (LIT_PAD + 0.5f * (float)(s->shares.w - 1));
     packet p = at;
@@ -126,14 +126,14 @@ INLINE directions normal_at(const lit_scene *s, packet at) {
     p.y = at.y * scale + shift;
     p.z = at.z * scale + shift;
     vf share = blend(fetch(s->scanned, s->shares, p.x, p.y, p.z)) * (1.0f / 255.0f);
-    vf face = clamp((FACE_NONE - share) * (1.0f / (FACE_NONE - FACE_ALL)), 0.0f, 1.0f);
-    if (lanes_min(face) >= 1.0f) return slope_at(s, s->scanned, s->shares, p);
+    vf f = *face = clamp((FACE_NONE - share) * (1.0f / (FACE_NONE - FACE_ALL)), 0.0f, 1.0f);
+    if (lanes_min(f) >= 1.0f) return slope_at(s, s->scanned, s->shares, p);
     directions normal = slope_at(s, s->smooth, s->dims, at);
-    if (lanes_max(face) <= 0.0f) return normal;
+    if (lanes_max(f) <= 0.0f) return normal;
     directions wide = slope_at(s, s->scanned, s->shares, p);
-    normal.x += face * (wide.x - normal.x);
-    normal.y += face * (wide.y - normal.y);
-    normal.z += face * (wide.z - normal.z);
+    normal.x += f * (wide.x - normal.x);
+    normal.y += f * (wide.y - normal.y);
+    normal.z += f * (wide.z - normal.z);
     return normalised(normal);
 }
 
