@@ -55,8 +55,8 @@ INLINE vf cut_of(const lit_scene *s, lit_place at, vf here, vf n) {
     return select(near * clamp(max(here, around), 0.0f, 1.0f), (vf)(0.0f), MASK(at.n <= 0.0f));
 }
 
-/* The surface's colour. `cut`: 0 where it is tissue's own, 1 where it is the clipping surface's. The scan's own
- * face is a cut, too. */
+/* The surface's colour. `cut`: 0 where it is tissue's own, 1 where it is the clipping surface's. The scan's
+ * own face is a cut, too. */
 INLINE colours surface_colour(const lit_scene *s, packet p, float4 dn, int px, int py, vf n, vf cut,
                               float4 lamp, float4 half_way, float4 skin) {
     lit_place at = place_at(p, dn, px, py, n);
