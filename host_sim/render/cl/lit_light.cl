@@ -198,41 +198,55 @@ INLINE vi removed(const lit_scene *s, lit_place p) {
     return MASK((d > 0.0f) & (d < INFINITY) & (p.n < d * s->to_samples.x + s->to_samples.y));
 }
 
-/* Mean opacity at a place, 0 .. 1; none outside the volume. */
-INLINE vf mean_opacity_at(const lit_scene *s, lit_place p) {
+/* Mean opacities at so many places, MOST_PACKETS at most, 0 .. 1; none outside the volume. */
+INLINE void mean_opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
     float block = (float)s->cells.w, shift = 0.5f * (block - 1.0f), scale = 1.0f / block;
-    vf x = (p.at.x - shift) * scale, y = (p.at.y - shift) * scale, z = (p.at.z - shift) * scale;
-    vf value = blend(fetch(s->opacity, s->cells, x, y, z)) * (1.0f / 255.0f);
-    vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
-                      (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
-    return select(value, (vf)(0.0f), outside);
+    packet at[MOST_PACKETS];
+    cell c[MOST_PACKETS];
+    for (int i = 0; i < count; i++) {
+        packet here = {(p[i].at.x - shift) * scale, (p[i].at.y - shift) * scale, (p[i].at.z - shift) * scale};
+        at[i] = here;
+    }
+    fetch_together(s->opacity, s->cells, at, count, c);
+    for (int i = 0; i < count; i++) {
+        vf x = at[i].x, y = at[i].y, z = at[i].z;
+        vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
+                          (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
+        value[i] = select(blend(c[i]) * (1.0f / 255.0f), (vf)(0.0f), outside);
+    }
 }
 
 /* The same, and none in what was removed. */
-INLINE vf opacity_at(const lit_scene *s, lit_place p) {
-    vf value = mean_opacity_at(s, p);
-    if (s->map_dims.x > 0) value = select(value, (vf)(0.0f), removed(s, p));
-    return value;
+INLINE void opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
+    mean_opacities_at(s, p, count, value);
+    if (s->map_dims.x == 0) return;
+    for (int i = 0; i < count; i++) value[i] = select(value[i], (vf)(0.0f), removed(s, p[i]));
 }
 
-#define OCCLUSION_REACH 3 /* samples along the normal */
-#define SHADOW_REACH    6 /* samples along the light */
+#define LIGHT_TOGETHER 3 /* samples of light */
+#define SHADOW_REACH   6 /* of them along the lamp's direction */
 
 /* How much of the surroundings' light arrives: 1 on anything convex that stands free. */
 INLINE vf ambient_at(const lit_scene *s, lit_place p, directions n) {
-    const float reach[OCCLUSION_REACH] = {4.0f, 7.0f, 11.0f}, weight[OCCLUSION_REACH] = {0.4f, 0.25f, 0.15f};
-    vf light = (vf)(1.0f);
-    for (int i = 0; i < OCCLUSION_REACH; i++)
-        light -= weight[i] * opacity_at(s, moved(s, p, n, (vf)(reach[i] * s->per_mm.w)));
+    const float reach[LIGHT_TOGETHER] = {4.0f, 7.0f, 11.0f}, weight[LIGHT_TOGETHER] = {0.4f, 0.25f, 0.15f};
+    lit_place at[LIGHT_TOGETHER];
+    vf light = (vf)(1.0f), opacity[LIGHT_TOGETHER];
+    for (int i = 0; i < LIGHT_TOGETHER; i++) at[i] = moved(s, p, n, (vf)(reach[i] * s->per_mm.w));
+    opacities_at(s, at, LIGHT_TOGETHER, opacity);
+    for (int i = 0; i < LIGHT_TOGETHER; i++) light -= weight[i] * opacity[i];
     return light;
 }
 
 /* How much of the lamp's light arrives; from a place above the surface, so that it does not shade itself. */
 INLINE vf shadow_at(const lit_scene *s, lit_place p, directions n, float4 lamp) {
     directions l = {(vf)(lamp.x), (vf)(lamp.y), (vf)(lamp.z)};
-    lit_place start = moved(s, p, n, (vf)(4.0f * s->per_mm.w));
-    vf depth = (vf)(0.0f);
-    for (int i = 1; i <= SHADOW_REACH; i++)
-        depth += opacity_at(s, moved(s, start, l, (vf)(3.0f * (float)i * s->per_mm.w)));
+    lit_place start = moved(s, p, n, (vf)(4.0f * s->per_mm.w)), at[LIGHT_TOGETHER];
+    vf depth = (vf)(0.0f), opacity[LIGHT_TOGETHER];
+    for (int first = 1; first <= SHADOW_REACH; first += LIGHT_TOGETHER) {
+        for (int i = 0; i < LIGHT_TOGETHER; i++)
+            at[i] = moved(s, start, l, (vf)(3.0f * (float)(first + i) * s->per_mm.w));
+        opacities_at(s, at, LIGHT_TOGETHER, opacity);
+        for (int i = 0; i < LIGHT_TOGETHER; i++) depth += opacity[i];
+    }
     return 1.0f / (1.0f + depth * depth);
 }

@@ -50,7 +50,9 @@ INLINE lit_place place_at(packet p, float4 dn, int px, int py, vf n) {
 /* How much of a surface at sample n is a cut: the clipping surface (at `at`) lies in tissue itself, or in a
  * dark speckle of it, and the surface is near. 0 on rays that nothing clips. */
 INLINE vf cut_of(const lit_scene *s, lit_place at, vf here, vf n) {
-    vf around = (mean_opacity_at(s, at) - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
+    vf around;
+    mean_opacities_at(s, &at, 1, &around);
+    around = (around - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
     vf near = clamp(1.0f - (n - at.n) * (1.0f / CUT_REACH), 0.0f, 1.0f);
     return select(near * clamp(max(here, around), 0.0f, 1.0f), (vf)(0.0f), MASK(at.n <= 0.0f));
 }

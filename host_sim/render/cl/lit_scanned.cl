@@ -16,8 +16,8 @@ INLINE uchar share_of(uint sum, int4 dims, int4 shares) {
 #if LANES == 16
 #define MAX_MARKS 1024 /* half of MAX_ROW */
 
-/* Sums down a row of cubes in 16 columns, or in one. */
-INLINE ushort16 sixteen_sums(__global const uchar *from, int4 dims, int rows, int slices) {
+/* Sums of marks down a cube's section, in columns x to x + 15. */
+INLINE ushort16 sum_marks(__global const uchar *from, int4 dims, int rows, int slices) {
     ushort16 sum = (ushort16)(0);
     for (int k = 0; k < slices; k++)
         for (int j = 0; j < rows; j++)
@@ -26,24 +26,33 @@ INLINE ushort16 sixteen_sums(__global const uchar *from, int4 dims, int rows, in
     return sum;
 }
 
-INLINE ushort one_sum(__global const uchar *from, int4 dims, int rows, int slices) {
-    int sum = 0;
+INLINE ushort sum_mark(__global const uchar *from, int4 dims, int rows, int slices) {
+    ushort sum = 0;
     for (int k = 0; k < slices; k++)
-        for (int j = 0; j < rows; j++) sum += min((int)from[((size_t)k * dims.y + j) * dims.x], dims.w);
-    return (ushort)sum;
+        for (int j = 0; j < rows; j++)
+            sum += (ushort)min((int)from[((size_t)k * dims.y + j) * dims.x], dims.w);
+    return sum;
 }
 
 WIDE __kernel void lit_scanned(__global const uchar *marks, int4 dims, int4 shares, __global uchar *out) {
-    int y = (int)get_global_id(1), z = (int)get_global_id(2), edge = shares.w, x = 0;
+    int y = (int)get_global_id(1), z = (int)get_global_id(2), edge = shares.w;
     if (y >= shares.y) return;
     __global uchar *row = out + ((size_t)z * shares.y + y) * shares.x;
-    int y0 = (y - SHARE_PAD) * edge, z0 = (z - SHARE_PAD) * edge;
-    bool outside = min(y0, z0) < 0 || y0 >= dims.y || z0 >= dims.z;
-    int rows = outside ? 0 : min(edge, dims.y - y0), slices = outside ? 0 : min(edge, dims.z - z0);
-    __global const uchar *from = outside ? marks : marks + ((size_t)z0 * dims.y + y0) * dims.x;
-    ushort sums[MAX_MARKS];
-    for (; x + 16 <= dims.x; x += 16) STORE(sixteen_sums(from + x, dims, rows, slices), sums + x);
-    for (; x < dims.x; x++) sums[x] = one_sum(from + x, dims, rows, slices);
+    int y0 = max((y - SHARE_PAD) * edge, 0), rows = min((y - SHARE_PAD + 1) * edge, dims.y) - y0;
+    int z0 = max((z - SHARE_PAD) * edge, 0), slices = min((z - SHARE_PAD + 1) * edge, dims.z) - z0, x = 0;
+    __global const uchar *from = marks + ((size_t)z0 * dims.y + y0) * dims.x;
+    ushort sums[MAX_MARKS + 16];
+    if (rows <= 0 || slices <= 0) { /* a border */
+        for (; x < shares.x; x++) row[x] = 0;
+        return;
+    }
+    for (; x + 16 <= dims.x; x += 16) STORE(sum_marks(from + x, dims, rows, slices), sums + x);
+    if (x > 0 && x < dims.x) {
+        x = dims.x - 16; /* the rest, and some again */
+        STORE(sum_marks(from + x, dims, rows, slices), sums + x);
+    } else {
+        for (; x < dims.x; x++) sums[x] = sum_mark(from + x, dims, rows, slices);
+    }
     for (x = 0; x < shares.x; x++) {
         int x0 = (x - SHARE_PAD) * edge;
         uint sum = 0;
