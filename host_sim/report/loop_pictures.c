@@ -30,12 +30,13 @@ const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out,
 
 const char *hs_view_legend(const hs_view *view) {
     if (view->look != HS_LOOK_LIT) return NULL;
-    if (!view->frame.clipped) return "Skin tones: surfaces, darker and redder with depth.";
+    if (!view->frame.clipped)
+        return "Skin tones: surfaces, darker and redder with depth. Grey: the scan's end.";
     if (view->ghosted)
-        return "Skin tones: surfaces, darker and redder with depth. Grey: tissue cut by the clipping "
-               "surface. Blue veil: "
-               "removed tissue, shown faintly.";
-    return "Skin tones: surfaces, darker and redder with depth. Grey: tissue cut by the clipping surface.";
+        return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's "
+               "end. "
+               "Blue veil: removed tissue, shown faintly.";
+    return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's end.";
 }
 
 /* The colours' meaning, and below it the note; NULL if there is neither. */

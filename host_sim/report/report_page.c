@@ -143,7 +143,8 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
         hs_page_text(
             &report,
             "Renderings are lit: skin tones are surfaces, darker and redder with depth; grey is tissue "
-            "that the clipping surface cuts; a blue veil is removed tissue, shown faintly. Measures use "
+            "that the clipping surface cuts, or where the scan ends; a blue veil is removed tissue, shown "
+            "faintly. Measures use "
             "the thesis' look.");
     hs_page_heading(&report, 2, "All cases");
     put_table(&report, study, HS_TABLE_BEST);
