@@ -46,20 +46,32 @@ static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y
     return scanned;
 }
 
-/* A row of rays whose bins are single voxels. */
-static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint slice_count, uint y,
-                     __global uchar16 *bins) {
-    const uint vectors = l->padded_columns / SV_LANES, last = l->padded_columns - SV_LANES;
-    const uchar16 inside = pixels_of(last, l->width);
-    for (uint i = 0; i < slice_count; i++) {
-        __global const uchar *row = slice_at(s, i) + (size_t)y * s->row_pitch;
-        __global uchar16 *to = bins + bins_at(l, y, first_slice + i) / SV_LANES;
-        for (uint x = 0; x < vectors; x++) {
-            const uchar16 v = load_voxels(row, x * SV_LANES, l->width);
-            to[x] = max(v, (uchar16)(1)) & scanned_of(s, v, first_slice + i, x * SV_LANES, y);
+/* Bins of one or two whole slices and single pixels, the usual ones, take no sums. */
+static bool bins_are_small(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint slice_count) {
+    const bool whole = first_slice % l->bin_slices == 0 &&
+                       (slice_count % l->bin_slices == 0 || first_slice + slice_count == l->slices);
+    return l->shrink == 1 && l->bin_slices <= 2 && whole;
+}
+
+/* One such bin of a row of rays, from one slice or two: the mean rounded half up, at least 1. */
+static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint i, uint count, uint y,
+                     __global uchar16 *to) {
+    const uint vectors = l->padded_columns / SV_LANES, slice = first_slice + i;
+    const size_t at = (size_t)y * s->row_pitch;
+    __global const uchar *one = slice_at(s, i) + at, *two = slice_at(s, i + count - 1) + at;
+    for (uint v = 0; v < vectors; v++) {
+        const uint x = v * SV_LANES;
+        const uchar16 a = load_voxels(one, x, l->width), in_a = scanned_of(s, a, slice, x, y);
+        if (count == 1) {
+            to[v] = max(a, (uchar16)(1)) & in_a;
+            continue;
         }
-        to[vectors - 1] &= inside;
+        const uchar16 b = load_voxels(two, x, l->width), in_b = scanned_of(s, b, slice + 1, x, y);
+        const uchar16 both = in_a & in_b, either = in_a | in_b;
+        const uchar16 mean = (rhadd(a, b) & both) | (((a & in_a) | (b & in_b)) & ~both);
+        to[v] = max(mean, (uchar16)(1)) & either;
     }
+    to[vectors - 1] &= pixels_of(l->padded_columns - SV_LANES, l->width);
 }
 
 /* The mean rounded half up, at least 1; 0 of none. Exact, whatever the rounding of a device's division. */
@@ -158,8 +170,10 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
                       .first = scanned + SV_SCANNED_FIRST * plane,
                       .end = scanned + SV_SCANNED_END * plane,
                       .padded_width = padded_width};
-    if (l.shrink == 1 && l.bin_slices == 1) {
-        copy_row(&s, &l, first_slice, slice_count, row, bins);
+    if (bins_are_small(&s, &l, first_slice, slice_count)) {
+        for (uint i = 0; i < slice_count; i += l.bin_slices)
+            copy_row(&s, &l, first_slice, i, min(l.bin_slices, slice_count - i), row,
+                     bins + bins_at(&l, row, (first_slice + i) / l.bin_slices) / SV_LANES);
         return;
     }
     piece_t piece;

@@ -83,4 +83,9 @@ typedef struct {
     float scale;          /* bins in SV_COST_UNIT_MM */
 } sv_cost_layout;
 
+/* Rows of rays around a row of cells in which brightness is looked for, the cells' own among them. */
+static inline unsigned int sv_cost_ring_rows(const sv_cost_layout *l) {
+    return l->block + 2 * l->lateral;
+}
+
 #endif

@@ -121,6 +121,8 @@ bool hs_dvr_lit_render(const hs_cl *cl, cl_kernel kernel, const hs_dvr_lit_scene
     hs_launch_arg(&launch, sizeof p.bricks, &p.bricks);
     hs_launch_buffer(&launch, v->opacity);
     hs_launch_arg(&launch, sizeof v->cells, &v->cells);
+    hs_launch_buffer(&launch, v->share.scanned);
+    hs_launch_arg(&launch, sizeof v->share.dims, &v->share.dims);
     const cl_float4 *const rays[4] = {&p.origin, &p.dx, &p.dy, &p.dn};
     for (int i = 0; i < 4; i++) hs_launch_arg(&launch, sizeof *rays[i], rays[i]);
     set_start(&launch, scene, &p, depths);

@@ -7,6 +7,9 @@
 #include <stdlib.h>
 
 #define SMALL 96u /* voxels along the longest axis: such a volume is not halved */
+/* Smoothed voxels along a cube of the scan's share, at least, by the factor: wider than the steps of its
+ * faces. */
+static const cl_int least_cube[3] = {0, 4, 3};
 #define CELLS 48u /* along the longest axis, about: light does not depend on the volume's resolution */
 
 typedef enum { KEEP, SMOOTH, OPACITY, STEPS } step;
@@ -17,6 +20,7 @@ struct hs_lit_volume {
     cl_int4 source; /* voxels */
     hs_lit_view view;
     hs_brick_grid *bricks;
+    hs_scan_share *share;
     cl_mem between; /* after the first smoothing */
     cl_kernel kernel[STEPS];
     bool fresh, has_opacity;
@@ -35,10 +39,11 @@ hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_err
         return NULL;
     }
     cl_int longest = 0;
+    uint32_t counts[3];
     lit->cl = cl;
     const uint32_t factor = lit->view.factor = hs_lit_volume_factor(n);
     for (int k = 0; k < 3; k++) {
-        const cl_int count = (cl_int)((n[k] + factor - 1) / factor);
+        const cl_int count = (cl_int)(counts[k] = (n[k] + factor - 1) / factor);
         lit->source.s[k] = (cl_int)n[k];
         lit->view.dims.s[k] = count + 2 * HS_LIT_BORDER;
         if (count > longest) longest = count;
@@ -46,8 +51,10 @@ hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_err
     const cl_int block = longest > (cl_int)CELLS ? (longest + (cl_int)CELLS / 2) / (cl_int)CELLS : 1;
     for (int k = 0; k < 3; k++) lit->view.cells.s[k] = (lit->view.dims.s[k] + block - 1) / block;
     lit->view.cells.s[3] = block;
-    lit->bricks = hs_brick_grid_create(cl, lit->view.dims, err);
-    if (lit->bricks) return lit;
+    const cl_int cube = block > least_cube[factor] ? block : least_cube[factor];
+    if ((lit->bricks = hs_brick_grid_create(cl, lit->view.dims, err)) &&
+        (lit->share = hs_scan_share_create(cl, counts, (uint32_t)cube, err)))
+        return lit;
     hs_lit_volume_destroy(lit);
     return NULL;
 }
@@ -57,6 +64,7 @@ void hs_lit_volume_destroy(hs_lit_volume *lit) {
     for (int i = 0; i < STEPS; i++)
         if (lit->kernel[i]) (void)clReleaseKernel(lit->kernel[i]);
     hs_brick_grid_destroy(lit->bricks);
+    hs_scan_share_destroy(lit->share);
     const cl_mem buffers[] = {lit->between, lit->view.smooth, lit->view.opacity};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
         if (buffers[i]) (void)clReleaseMemObject(buffers[i]);
@@ -99,20 +107,20 @@ static hs_launch begin(const hs_lit_volume *lit, step which, cl_mem from, const 
     return launch;
 }
 
-/* The voxels with their border: the halved volume's, or a copy of a small volume's. */
+/* The voxels with their border: the halved volume's, or a copy of a small volume's. And what was scanned. */
 static bool find_source(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, cl_mem *source, hs_error *err) {
     hs_lit_view *v = &lit->view;
     hs_halved_view half;
     if (v->factor == 2) {
         if (!hs_halved_make(halved, voxels, &half, err)) return false;
         *source = half.mean;
-        return true;
+        return hs_scan_share_make(lit->share, half.marked, 2, &v->share, err);
     }
     *source = v->smooth; /* the second smoothing writes there, when nobody needs the source any more */
     hs_launch keep = begin(lit, KEEP, voxels, &lit->source);
     hs_launch_arg(&keep, sizeof v->dims, &v->dims);
     hs_launch_buffer(&keep, v->smooth);
-    return hs_launch_rows(&keep, v->dims, err);
+    return hs_launch_rows(&keep, v->dims, err) && hs_scan_share_make(lit->share, voxels, 1, &v->share, err);
 }
 
 static bool smooth_once(hs_lit_volume *lit, cl_mem from, cl_mem to, hs_error *err) {

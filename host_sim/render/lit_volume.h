@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the lit look draws, made on the device once per volume (cl/lit_volume.cl): the volume halved and
- * smoothed, with a border of empty voxels; its brick maxima; and a coarse grid of mean opacities, for light.
+ * smoothed, with a border of empty voxels; its brick maxima; and two coarse grids, of mean opacities, for
+ * light, and of what was scanned, for the scan's own faces.
  */
 #ifndef HS_LIT_VOLUME_H
 #define HS_LIT_VOLUME_H
 
 #include "render/halved.h"
+#include "render/scan_share.h"
 
 typedef struct hs_lit_volume hs_lit_volume;
 
@@ -32,6 +34,7 @@ typedef struct {
     cl_int4 dims, bricks;        /* smoothed voxels, bricks (hs_brick_view) */
     cl_mem opacity;              /* one byte each, 0 .. 255: 0 .. 1 */
     cl_int4 cells;               /* w: smoothed voxels along a cell's edge */
+    hs_scan_share_view share;    /* of the smoothed voxels without their border */
 } hs_lit_view;
 
 /*

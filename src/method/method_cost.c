@@ -17,7 +17,6 @@ enum {
     K_BINS,
     K_SURVEY,
     K_LEVEL,
-    K_SUMS,
     K_WALLS_OWN,
     K_WALLS,
     K_GATHER,
@@ -27,16 +26,15 @@ enum {
     K_MEDIAN,
     K_LEAVE
 };
-static const char *const kernels[] = {
-    "cost_bins",   "cost_survey", "cost_level",  "cost_sums", "cost_walls_own",
-    "cost_walls",  "cost_gather", "cost_decide", "cost_blur", "cost_minimum",
-    "cost_median", "cost_leave",  NULL};
+static const char *const kernels[] = {"cost_bins",    "cost_survey", "cost_level",  "cost_walls_own",
+                                      "cost_walls",   "cost_gather", "cost_decide", "cost_blur",
+                                      "cost_minimum", "cost_median", "cost_leave",  NULL};
 enum {
     BINS,
     PARTIAL,
-    SUMS,       /* brightness of every bin with its neighbours */
-    BRIGHTEST,  /* the largest of those nearby in the same row of rays */
-    TILES,      /* a tile of every row of cells */
+    SUMS,       /* a ring of rows of rays for every band: brightness of every bin with its neighbours, */
+    BRIGHTEST,  /* and the largest of those nearby in the same row of rays */
+    TILES,      /* a tile for every band */
     OWN,        /* wall and back of every cell by itself */
     WALLS,      /* the same of its neighbourhood */
     HISTOGRAMS, /* 256 words a row of cells */
@@ -50,7 +48,7 @@ enum {
 };
 
 /* Of 16 rays at a label: bin16_t of cl/cost/cost_tile.clh. */
-enum { TILE_BYTES = 3 * SV_LANES * sizeof(cl_short) };
+enum { TILE_BYTES = 3 * SV_LANES * (int)sizeof(cl_short) };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
@@ -64,15 +62,29 @@ static sv_cost_layout layout_of(const sv_map *m) {
     return sv_cost_layout_of(m->width, m->height, m->config->slices, m->config->spacing[2]);
 }
 
+/* Rows of cells that a work item takes one after the other: the more, the fewer rows of rays are made twice,
+ * but some work items have little to do. */
+enum { BANDS_PER_UNIT = 4 };
+static uint32_t band_rows(const sv_map *m, const sv_cost_layout *l) {
+    const uint32_t wanted = m->queue->device->compute_units * BANDS_PER_UNIT;
+    return (l->cells_y + wanted - 1) / wanted;
+}
+
+static uint32_t band_count(const sv_map *m, const sv_cost_layout *l) {
+    const uint32_t rows = band_rows(m, l);
+    return (l->cells_y + rows - 1) / rows;
+}
+
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_cost_layout l = layout_of(m);
     const size_t plane = (size_t)m->padded_width * m->height, cells = (size_t)l.cells_x * l.cells_y;
-    const size_t bins = (size_t)l.labels * l.padded_columns * l.rows;
+    const size_t row = (size_t)l.labels * l.padded_columns, bins = row * l.rows;
+    const size_t ring = row * sv_cost_ring_rows(&l), bands = band_count(m, &l);
     const size_t bytes[] = {[BINS] = bins,
                             [PARTIAL] = 2 * plane * sizeof(cl_ushort),
-                            [SUMS] = bins * sizeof(cl_ushort),
-                            [BRIGHTEST] = bins * sizeof(cl_ushort),
-                            [TILES] = (size_t)l.cells_y * l.block * l.labels * TILE_BYTES,
+                            [SUMS] = bands * ring * sizeof(cl_ushort),
+                            [BRIGHTEST] = bands * ring * sizeof(cl_ushort),
+                            [TILES] = bands * l.block * l.labels * TILE_BYTES,
                             [OWN] = 2 * cells,
                             [WALLS] = 2 * cells,
                             [HISTOGRAMS] = 256 * (size_t)l.cells_y * sizeof(cl_uint),
@@ -126,10 +138,10 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     return sv_launch_items(&l, layout_of(m).rows, SV_STAGE_PROFILE);
 }
 
-typedef enum { ONCE, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
+typedef enum { ONCE, BANDS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
 
-/* Arguments besides the method's buffers: the first three before them, the others behind. */
-enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16 };
+/* Arguments besides the method's buffers: the record and the surfaces behind them, the others before. */
+enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16, BAND = 32 };
 
 /* What follows the bins, in this order. */
 static const struct {
@@ -140,12 +152,11 @@ static const struct {
 } launches[] = {
     {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
     {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
-    {K_SUMS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, SUMS, BRIGHTEST, -1}},
     {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
     {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
     {K_GATHER,
-     0,
-     ROWS_OF_CELLS,
+     BAND,
+     BANDS,
      SV_STAGE_RECONSTRUCT,
      {BINS, SUMS, BRIGHTEST, WALLS, INFO, TILES, VOLUME, COUNTS, -1}},
     {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {COUNTS, INFO, -1}},
@@ -162,7 +173,10 @@ static const struct {
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* both, always: the method is linear in q */
     const sv_cost_layout layout = layout_of(m);
-    const size_t count[] = {[ONCE] = 1, [ROWS_OF_CELLS] = layout.cells_y, [ROWS_OF_PIXELS] = layout.height};
+    const size_t count[] = {[ONCE] = 1,
+                            [BANDS] = band_count(m, &layout),
+                            [ROWS_OF_CELLS] = layout.cells_y,
+                            [ROWS_OF_PIXELS] = layout.height};
     const cl_float memory = m->continues ? (cl_float)m->values.of[SV_PARAM_MEMORY] : 0.0f;
     sv_status status = SV_OK;
     for (size_t i = 0; status == SV_OK && i < sizeof launches / sizeof *launches; i++) {
@@ -172,6 +186,7 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
         if (takes & WEIGHTS) weights_arg(&l, m);
         if (takes & REMEMBERED) sv_launch_arg(&l, sizeof memory, &memory);
         if (takes & MAP_WIDTH) sv_launch_uint(&l, m->padded_width);
+        if (takes & BAND) sv_launch_uint(&l, band_rows(m, &layout));
         buffer_args(&l, s, launches[i].buffers);
         if (takes & RECORD) sv_launch_buffer(&l, m->record);
         if (takes & SURFACES) sv_launch_buffer(&l, m->surfaces);

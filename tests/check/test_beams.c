@@ -229,7 +229,8 @@ static converted convert(const hs_cl *cl, const hs_volume *v, const hs_camera *c
     bool ok = converter && hs_scanned_rays_create(&finder, cl, layout, &err);
     for (uint32_t i = 0; ok && i < slabs; i++)
         ok = hs_scan_convert_slab(converter, source, camera, i, buffer, i * bytes, NULL, &err);
-    if (!ok || !hs_scanned_rays_find(&finder, layout, source, camera, buffer, bytes, &err)) fail_msg("%s", err.text);
+    if (!ok || !hs_scanned_rays_find(&finder, layout, source, camera, buffer, bytes, &err))
+        fail_msg("%s", err.text);
     test_read(cl, buffer, bytes * slabs, out.voxels);
     test_read(cl, finder.ranges, rays * sizeof *out.ranges, out.ranges);
     hs_scanned_rays_destroy(&finder);

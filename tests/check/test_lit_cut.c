@@ -78,7 +78,7 @@ static void a_cut_is_grey_and_skin_is_not(void **state) {
     fill_map(map, 31, 0); /* in the fluid before it */
     draw(*state, &s, map, NULL, skin);
     const uint8_t *c = cut + middle(), *k = skin + middle();
-    const double t = (FACE + 0.0) / EDGE, expected = lit_brightness(&s, (const double[]){0, 0, -1}, t);
+    const double t = (FACE + 0.0) / EDGE, expected = lit_brightness(&s, (const double[]){0, 0, -1}, t, -1.0);
     assert_true(warmth(k) > 1.5);
     assert_true(warmth(c) < 1.0 + 0.5 * (warmth(k) - 1.0));
     /* The skin behind fluid is the very skin of docs/rendering.md. */

@@ -5,20 +5,30 @@
 
 #define EXTENT  100.0 /* mm */
 #define PICTURE 256u
+#define FLUID   1.0 /* grey level: black, and scanned */
+#define PARTS   8   /* of a voxel along an axis */
 #define DEGREE  0.017453292519943295
 #define STEEP   0.2588190451025207 /* cosine of 75 degrees */
 
 const lit_shape lit_shapes[LIT_SHAPES] = {
-    {"ball", false, {36, 36, 36}, 0, 0, 0, 0, 1, 200},
-    {"ball, turned camera", false, {36, 36, 36}, 0, 0, 31, 17, 1, 200},
-    {"ball, dim", false, {36, 36, 36}, 0, 0, 0, 0, 1, 110},
-    {"ball, bright, soft", false, {36, 36, 36}, 0, 0, 0, 0, 3, 255},
-    {"ellipsoid", false, {40, 28, 24}, 35, 0, 0, 0, 1, 200},
-    {"ellipsoid, turned camera", false, {30, 38, 26}, 20, 0, -40, 25, 1, 200},
-    {"plane, straight", true, {0}, 0, 0, 0, 0, 1, 200},
-    {"plane, 9 degrees", true, {0}, 9, 4, 0, 0, 1, 200},
-    {"ball, hard edge", false, {36, 36, 36}, 0, 0, 0, 0, 0, 200},
-    {"plane, 40 degrees", true, {0}, 40, -23, 0, 0, 1, 200},
+    {"ball", false, {36, 36, 36}, 0, 0, 0, 0, 1, 200, false},
+    {"ball, turned camera", false, {36, 36, 36}, 0, 0, 31, 17, 1, 200, false},
+    {"ball, dim", false, {36, 36, 36}, 0, 0, 0, 0, 1, 110, false},
+    {"ball, bright, soft", false, {36, 36, 36}, 0, 0, 0, 0, 3, 255, false},
+    {"ellipsoid", false, {40, 28, 24}, 35, 0, 0, 0, 1, 200, false},
+    {"ellipsoid, turned camera", false, {30, 38, 26}, 20, 0, -40, 25, 1, 200, false},
+    {"plane, straight", true, {0}, 0, 0, 0, 0, 1, 200, false},
+    {"plane, 9 degrees", true, {0}, 9, 4, 0, 0, 1, 200, false},
+    {"plane, 40 degrees", true, {0}, 40, -23, 0, 0, 1, 200, false},
+    {"ball, coverage", false, {36, 36, 36}, 0, 0, 0, 0, LIT_COVERED, 200, false},
+    {"ellipsoid, coverage", false, {40, 28, 24}, 35, 0, 0, 0, LIT_COVERED, 200, false},
+    {"plane, 9 deg., coverage", true, {0}, 9, 4, 0, 0, LIT_COVERED, 200, false},
+    {"ball, binary", false, {36, 36, 36}, 0, 0, 0, 0, LIT_BINARY, 200, false},
+    {"plane, 9 deg., binary", true, {0}, 9, 4, 0, 0, LIT_BINARY, 200, false},
+    {"scan's face, ball", false, {28, 28, 28}, 0, 0, 0, 0, LIT_BINARY, 200, true},
+    {"scan's face, flat cap", false, {60, 60, 25}, 0, 0, 0, 0, LIT_BINARY, 200, true},
+    {"scan's face, 3 degrees", true, {0}, 3, 0, 0, 0, LIT_BINARY, 200, true},
+    {"scan's face, 9 degrees", true, {0}, 9, 4, 0, 0, LIT_BINARY, 200, true},
 };
 
 /* A body's way of telling how far outside a point is: a rotation's columns are its axes. */
@@ -60,10 +70,25 @@ static double distance_of(const body *b, const double p[3]) {
     return slope > 0.0 ? (value - 1.0) / (2.0 * sqrt(slope)) : -EXTENT;
 }
 
+/* The share of a voxel that lies in the body. */
+static double share_of(const body *b, const double p[3], double spacing) {
+    const double edge = b->shape->edge * spacing, d = distance_of(b, p);
+    if (edge > 0.0) return fmin(fmax(0.5 - d / edge, 0.0), 1.0);
+    if (b->shape->edge >= LIT_BINARY || fabs(d) > 2.0 * spacing) return d <= 0.0;
+    int inside = 0;
+    for (int i = 0; i < PARTS * PARTS * PARTS; i++) {
+        const int part[3] = {i % PARTS, i / PARTS % PARTS, i / PARTS / PARTS};
+        double at[3];
+        for (int k = 0; k < 3; k++) at[k] = p[k] + ((part[k] + 0.5) / PARTS - 0.5) * spacing;
+        inside += distance_of(b, at) <= 0.0;
+    }
+    return inside / (double)(PARTS * PARTS * PARTS);
+}
+
 static hs_volume fill_volume(const body *b, uint32_t size) {
     hs_volume v;
     hs_error err = {0};
-    const double spacing = EXTENT / size, edge = b->shape->edge * spacing;
+    const double spacing = EXTENT / size, outside = b->shape->scan_face ? 0.0 : FLUID;
     if (!hs_volume_init(&v, size, size, size, &err)) fail_msg("%s", err.text);
     for (int k = 0; k < 3; k++) v.spacing[k] = spacing;
     uint8_t *out = v.voxels;
@@ -72,14 +97,13 @@ static hs_volume fill_volume(const body *b, uint32_t size) {
             for (uint32_t x = 0; x < size; x++) {
                 const double p[3] = {(x + 0.5) * spacing - 0.5 * EXTENT, (y + 0.5) * spacing - 0.5 * EXTENT,
                                      (z + 0.5) * spacing - 0.5 * EXTENT};
-                const double d = distance_of(b, p);
-                const double share = edge > 0.0 ? fmin(fmax(0.5 - d / edge, 0.0), 1.0) : d <= 0.0;
-                *out++ = (uint8_t)lround(share * b->shape->level);
+                const double share = share_of(b, p, spacing);
+                *out++ = (uint8_t)lround(outside + share * (b->shape->level - outside));
             }
     return v;
 }
 
-double lit_brightness(const hs_dvr_settings *s, const double n[3], double t) {
+double lit_brightness(const hs_dvr_settings *s, const double n[3], double t, double echo) {
     const double azimuth = (double)s->light[0] * DEGREE, elevation = (double)s->light[1] * DEGREE;
     const double lamp[3] = {sin(azimuth) * cos(elevation), -sin(elevation), -cos(azimuth) * cos(elevation)};
     const double between[3] = {lamp[0], lamp[1], lamp[2] - 1.0};
@@ -90,10 +114,14 @@ double lit_brightness(const hs_dvr_settings *s, const double n[3], double t) {
         shine += n[k] * between[k] / length;
     }
     const double light = 0.24 - 0.24 * n[2] + 0.58 * fmax(facing, 0.0);
-    const double tone[3] = {1.0 - 0.30 * t, 1.0 - 0.55 * t, 1.0 - 0.62 * t};
-    double sum = 0.0;
-    for (int k = 0; k < 3; k++)
-        sum += fmin((double)s->skin[k] * tone[k] * light + 0.14 * pow(fmax(shine, 0.0), 24.0), 1.0);
+    const double fade[3] = {0.30, 0.55, 0.62}, share[3] = {0.30, 0.59, 0.11};
+    double sum = 0.0, tone[3], grey = 0.0;
+    for (int k = 0; k < 3; k++) grey += share[k] * (tone[k] = (double)s->skin[k] * (1.0 - fade[k] * t));
+    for (int k = 0; k < 3; k++) {
+        const double skin = tone[k] * light + 0.14 * pow(fmax(shine, 0.0), 24.0);
+        const double cut = (0.3 * tone[k] + 0.7 * grey * (k == 2 ? 1.04 : 1.0)) * (0.55 + 0.6 * echo) * light;
+        sum += fmin(echo < 0.0 ? skin : cut, 1.0);
+    }
     return sum / 3.0;
 }
 
@@ -126,9 +154,12 @@ static double expected_at(const body *b, const hs_camera *camera, const hs_dvr_s
         for (int k = 0; k < 3; k++)
             normal[k] = (q[k] + t * d[k]) / (b->shape->radius[k] * b->shape->radius[k]);
     }
-    /* The cut of a plane through the volume's own faces is no plane any more. */
+    /* The cut of a plane through the volume's own faces is no plane any more; two faces of a scan meet there.
+     */
+    const double reach = b->shape->scan_face ? 0.3 : 0.42;
     for (int k = 0; k < 3; k++)
-        if (fabs(start[k] + t * along[k]) > 0.42 * EXTENT) return -1.0;
+        if (fabs(start[k] + t * along[k]) > reach * EXTENT) return -1.0;
+    const double echo = b->shape->scan_face ? b->shape->level / 255.0 : -1.0;
     double world[3], seen[3], length = 0.0;
     for (int k = 0; k < 3; k++)
         world[k] = b->axes[k] * normal[0] + b->axes[3 + k] * normal[1] + b->axes[6 + k] * normal[2];
@@ -137,7 +168,7 @@ static double expected_at(const body *b, const hs_camera *camera, const hs_dvr_s
         seen[a] = (camera->rotation[a] * world[0] + camera->rotation[3 + a] * world[1] +
                    camera->rotation[6 + a] * world[2]) /
                   sqrt(length);
-    return -seen[2] < STEEP ? -1.0 : lit_brightness(s, seen, t / camera->depth_extent);
+    return -seen[2] < STEEP ? -1.0 : lit_brightness(s, seen, t / camera->depth_extent, echo);
 }
 
 static void render(const hs_cl *cl, const hs_volume *v, const hs_camera *camera, const hs_dvr_settings *s,

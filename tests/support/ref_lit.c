@@ -126,26 +126,29 @@ static void normalise(double v[3]) {
     for (int k = 0; k < 3; k++) v[k] /= length;
 }
 
-/* The quadratic B-spline's weight of voxel i at p, or its slope. */
+/* The cubic B-spline's weight of voxel i at p, or its slope. */
 static double spline(double p, double i, bool slope) {
-    const double d = p - i, a = fabs(d);
-    if (slope) return a <= 0.5 ? -2.0 * d : (d > 0.0 ? -1.0 : 1.0) * (1.5 - a);
-    return a <= 0.5 ? 0.75 - d * d : 0.5 * (1.5 - a) * (1.5 - a);
+    const double d = p - i, a = fabs(d), sign = d > 0.0 ? 1.0 : -1.0;
+    if (a >= 2.0) return 0.0;
+    if (slope) return sign * (a <= 1.0 ? a * (1.5 * a - 2.0) : -0.5 * (2.0 - a) * (2.0 - a));
+    return a <= 1.0 ? 2.0 / 3.0 - a * a + 0.5 * a * a * a : (2.0 - a) * (2.0 - a) * (2.0 - a) / 6.0;
 }
 
-static void normal_at(const ray *r, const spot *p, double normal[3]) {
+/* The direction in which the values at `place` fall fastest, never away from the viewer. */
+static void slope_at(const ray *r, const uint8_t *values, const uint32_t n[3], const double place[3],
+                     double normal[3]) {
     const ref_lit_volume *lit = r->lit;
-    double g[3] = {0}, at[3], middle[3];
+    double g[3] = {0}, at[3], first[3];
     double finest = r->volume->spacing[0];
     for (int k = 0; k < 3; k++) {
-        at[k] = fmin(fmax(p->at[k], 1.0), lit->n[k] - 2.0);
-        middle[k] = floor(at[k] + 0.5);
+        at[k] = fmin(fmax(place[k], 1.0), n[k] - 2.0);
+        first[k] = fmin(floor(at[k]), n[k] - 3.0) - 1.0;
         finest = fmin(finest, r->volume->spacing[k]);
     }
-    for (int i = 0; i < 27; i++) {
-        const double voxel[3] = {middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1};
+    for (int i = 0; i < 64; i++) {
+        const double voxel[3] = {first[0] + i % 4, first[1] + i / 4 % 4, first[2] + i / 16};
         const double value =
-            lit->smooth[ref_lit_index(lit->n, (uint32_t)voxel[0], (uint32_t)voxel[1], (uint32_t)voxel[2])];
+            values[ref_lit_index(n, (uint32_t)voxel[0], (uint32_t)voxel[1], (uint32_t)voxel[2])];
         for (int k = 0; k < 3; k++) {
             double weight = value;
             for (int j = 0; j < 3; j++) weight *= spline(at[j], voxel[j], j == k);
@@ -159,6 +162,21 @@ static void normal_at(const ray *r, const spot *p, double normal[3]) {
     }
     normal[2] = -fabs(normal[2]) - 0.5 / (lit->factor * finest);
     normalise(normal);
+}
+
+/* The tissue's own, or that of the scan's face; returns how much it is the latter. */
+static double normal_at(const ray *r, const spot *p, double normal[3]) {
+    const ref_lit_volume *lit = r->lit;
+    const double side = lit->side;
+    double at[3], wide[3];
+    for (int k = 0; k < 3; k++)
+        at[k] = (p->at[k] - REF_LIT_BORDER - 0.5 * (side - 1.0)) / side + REF_LIT_BORDER;
+    const double face = ref_lit_limited((0.8 - linear(lit->scanned, lit->shares, at) / 255.0) / 0.15);
+    slope_at(r, lit->smooth, lit->n, p->at, normal);
+    slope_at(r, lit->scanned, lit->shares, at, wide);
+    for (int k = 0; k < 3; k++) normal[k] += face * (wide[k] - normal[k]);
+    normalise(normal);
+    return face;
 }
 
 static void map_normal(const ray *r, double normal[3]) {
@@ -203,20 +221,21 @@ static void shade(const ray *r, double n, double c, double rgb[3]) {
     const spot p = spot_at(r, n);
     const double t = ref_lit_limited(n / r->steps), fade[3] = {0.30, 0.55, 0.62};
     double normal[3], lamp[3], between[3], tone[3];
-    normal_at(r, &p, normal);
+    const double face = normal_at(r, &p, normal), pale = fmax(c, face);
     lamp_of(r->s, lamp, between);
     for (int k = 0; k < 3; k++) tone[k] = (double)r->s->skin[k] * (1.0 - fade[k] * t);
     if (c > 0.0) {
         double flat[3];
-        const double grey = 0.3 * tone[0] + 0.59 * tone[1] + 0.11 * tone[2];
-        const double echo = linear(r->lit->smooth, r->lit->n, p.at) / 255.0;
         map_normal(r, flat);
-        for (int k = 0; k < 3; k++) {
-            normal[k] += c * (flat[k] - normal[k]);
-            tone[k] += 0.7 * c * (grey * (k == 2 ? 1.04 : 1.0) - tone[k]);
-            tone[k] *= 1.0 + c * (0.55 + 0.6 * echo - 1.0);
-        }
+        for (int k = 0; k < 3; k++) normal[k] += c * (flat[k] - normal[k]);
         normalise(normal);
+    }
+    const spot in = moved(r, p, normal, -3.0 * face * r->sample);
+    const double echo = linear(r->lit->smooth, r->lit->n, in.at) / 255.0;
+    const double grey = 0.3 * tone[0] + 0.59 * tone[1] + 0.11 * tone[2];
+    for (int k = 0; k < 3; k++) {
+        tone[k] += 0.7 * pale * (grey * (k == 2 ? 1.04 : 1.0) - tone[k]);
+        tone[k] *= 1.0 + pale * (0.55 + 0.6 * echo - 1.0);
     }
     const double reach[3] = {4, 7, 11}, weight[3] = {0.4, 0.25, 0.15};
     double ambient = 1.0, blocked = 0.0;
@@ -225,7 +244,7 @@ static void shade(const ray *r, double n, double c, double rgb[3]) {
     for (int i = 1; i <= 6; i++) blocked += opacity_at(r, moved(r, start, lamp, 3.0 * i * r->unit));
     const double shadow = 1.0 / (1.0 + blocked * blocked);
     const double light = ambient * (0.24 - 0.24 * normal[2]) + 0.58 * shadow * fmax(dot(normal, lamp), 0.0);
-    const double shine = 0.14 * shadow * pow(fmax(dot(normal, between), 0.0), 24.0) * (1.0 - c);
+    const double shine = 0.14 * shadow * pow(fmax(dot(normal, between), 0.0), 24.0) * (1.0 - pale);
     for (int k = 0; k < 3; k++) rgb[k] = tone[k] * light + shine;
 }
 
@@ -328,7 +347,7 @@ void ref_lit_pixel(const hs_volume *volume, const ref_lit_volume *lit, const hs_
         const double share = 0.35 * (1.0 - exp(-m.veil)), cool[3] = {0.62, 0.78, 1.0};
         const spot p = spot_at(&r, m.veil_at);
         double normal[3], lamp[3], between[3];
-        normal_at(&r, &p, normal);
+        (void)normal_at(&r, &p, normal);
         lamp_of(s, lamp, between);
         const double light = 0.35 + 0.35 * fmax(dot(normal, lamp), 0.0);
         for (int k = 0; k < 3; k++) rgb[k] += share * (cool[k] * light - rgb[k]);

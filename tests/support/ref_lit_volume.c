@@ -44,6 +44,54 @@ static void smooth_once(const uint32_t n[3], const uint8_t *from, uint8_t *to) {
             }
 }
 
+/* How much of a smoothed voxel's source was scanned: 0, 1/2 or 1; nothing of what lies outside. */
+static double scanned_part(const hs_volume *v, uint32_t factor, uint32_t x, uint32_t y, uint32_t z) {
+    uint32_t count = 0, all = factor * factor * factor;
+    if (factor * x >= v->nx || factor * y >= v->ny || factor * z >= v->nz) return 0.0;
+    for (uint32_t i = 0; i < all; i++)
+        count += ref_voxel(v, least(factor * x + i % factor, v->nx - 1),
+                           least(factor * y + i / factor % factor, v->ny - 1),
+                           least(factor * z + i / factor / factor, v->nz - 1)) > 0;
+    return count == all ? 1.0 : count ? 0.5 : 0.0;
+}
+
+/* The share of a cube's voxels that was scanned, 0 .. 255, halves up. */
+static uint8_t cube_share(const hs_volume *v, const ref_lit_volume *lit, const uint32_t cube[3]) {
+    const uint32_t side = lit->side;
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++)
+        if (cube[k] < REF_LIT_BORDER || cube[k] >= lit->shares[k] - REF_LIT_BORDER) return 0;
+    for (uint32_t i = 0; i < side * side * side; i++)
+        sum += scanned_part(v, lit->factor, (cube[0] - REF_LIT_BORDER) * side + i % side,
+                            (cube[1] - REF_LIT_BORDER) * side + i / side % side,
+                            (cube[2] - REF_LIT_BORDER) * side + i / side / side);
+    return (uint8_t)floor(255.0 * sum / (double)(side * side * side) + 0.5);
+}
+
+static void *memory(size_t bytes) {
+    void *at = calloc(bytes, 1);
+    if (!at) abort();
+    return at;
+}
+
+static void make_scanned(ref_lit_volume *lit, const hs_volume *v) {
+    const uint32_t least_side = lit->factor == 1 ? 4 : 3;
+    lit->side = lit->block > least_side ? lit->block : least_side;
+    for (int k = 0; k < 3; k++)
+        lit->shares[k] = (lit->n[k] - 2 * REF_LIT_BORDER + lit->side - 1) / lit->side + 2 * REF_LIT_BORDER;
+    const size_t count = (size_t)lit->shares[0] * lit->shares[1] * lit->shares[2];
+    uint8_t *other = memory(count);
+    lit->scanned = memory(count);
+    for (uint32_t i = 0; i < count; i++)
+        lit->scanned[i] =
+            cube_share(v, lit,
+                       (const uint32_t[]){i % lit->shares[0], i / lit->shares[0] % lit->shares[1],
+                                          i / lit->shares[0] / lit->shares[1]});
+    smooth_once(lit->shares, lit->scanned, other);
+    smooth_once(lit->shares, other, lit->scanned);
+    free(other);
+}
+
 double ref_lit_ramp(const hs_dvr_settings *s, double intensity) {
     const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
     return (intensity - low) / (high - low);
@@ -65,12 +113,6 @@ static void make_opacity(ref_lit_volume *lit, const hs_dvr_settings *s) {
                     sum += ref_lit_limited(ref_lit_ramp(s, lit->smooth[ref_lit_index(lit->n, x, y, z)]));
         lit->opacity[i] = (uint8_t)lrint(255.0 * sum / (b * b * b));
     }
-}
-
-static void *memory(size_t bytes) {
-    void *at = calloc(bytes, 1);
-    if (!at) abort();
-    return at;
 }
 
 ref_lit_volume ref_lit_make(const hs_volume *v, const hs_dvr_settings *s) {
@@ -97,10 +139,12 @@ ref_lit_volume ref_lit_make(const hs_volume *v, const hs_dvr_settings *s) {
     smooth_once(lit.n, other, lit.smooth);
     free(other);
     make_opacity(&lit, s);
+    make_scanned(&lit, v);
     return lit;
 }
 
 void ref_lit_free(ref_lit_volume *lit) {
     free(lit->smooth);
     free(lit->opacity);
+    free(lit->scanned);
 }

@@ -82,6 +82,23 @@ INLINE void store_bytes(uchar16 v, __global uchar *p) {
 }
 #endif
 
+/* Asks for the byte `ahead` bytes behind p, which need not exist: the processor's own prefetcher ends with
+ * every page. */
+#define HAS_PREFETCH 0
+#if LANES == 16 && defined(__has_builtin)
+#if __has_builtin(__builtin_prefetch)
+#undef HAS_PREFETCH
+#define HAS_PREFETCH 1
+#endif
+#endif
+INLINE void fetch_ahead(__global const uchar *p, size_t ahead) {
+#if HAS_PREFETCH
+    __builtin_prefetch((const void *)((size_t)p + ahead));
+#endif
+}
+
+#define MOST_PACKETS 4 /* whose samples are made together */
+
 /* Least and largest lane. */
 #if LANES == 16
 INLINE float lanes_min(vf v) {
@@ -104,6 +121,18 @@ INLINE float lanes_max(vf v) {
     return v;
 }
 #endif
+
+/* Whether all lanes of a mask are set. */
+INLINE bool all_lanes(vi mask) {
+#if LANES == 16
+    int8 a = mask.lo & mask.hi;
+    int4 b = a.lo & a.hi;
+    int2 c = b.lo & b.hi;
+    return (c.x & c.y) != 0;
+#else
+    return mask != 0;
+#endif
+}
 
 /* (sum + count / 2) / count in integers, exact whatever the device's float division. */
 INLINE vi rounded_mean(vi sum, vi count) {

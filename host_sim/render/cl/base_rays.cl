@@ -66,57 +66,117 @@ INLINE vi split(vf position, int count, vf *fraction) {
     return i;
 }
 
+#if LANES == 16
+typedef uint16 vu;
+#define TO_VU(v) convert_uint16(v)
+#define AS_VU(v) as_uint16(v)
+#else
+typedef uint vu;
+#define TO_VU(v) convert_uint(v)
+#define AS_VU(v) as_uint(v)
+#endif
+
 /* Two neighbours in x as one 16-bit word; vload2 asks for byte alignment only. */
 #define PAIR(p, i) as_ushort(vload2(0, (p) + (i)))
 #if LANES == 16
-typedef ushort16 vpair;
 #define PAIRS(p, i)                                                                                          \
-    ((ushort16)(PAIR(p, i.s0), PAIR(p, i.s1), PAIR(p, i.s2), PAIR(p, i.s3), PAIR(p, i.s4), PAIR(p, i.s5),    \
-                PAIR(p, i.s6), PAIR(p, i.s7), PAIR(p, i.s8), PAIR(p, i.s9), PAIR(p, i.sa), PAIR(p, i.sb),    \
-                PAIR(p, i.sc), PAIR(p, i.sd), PAIR(p, i.se), PAIR(p, i.sf)))
+    TO_VU((ushort16)(PAIR(p, i.s0), PAIR(p, i.s1), PAIR(p, i.s2), PAIR(p, i.s3), PAIR(p, i.s4),              \
+                     PAIR(p, i.s5), PAIR(p, i.s6), PAIR(p, i.s7), PAIR(p, i.s8), PAIR(p, i.s9),              \
+                     PAIR(p, i.sa), PAIR(p, i.sb), PAIR(p, i.sc), PAIR(p, i.sd), PAIR(p, i.se),              \
+                     PAIR(p, i.sf)))
 #else
-typedef ushort vpair;
-#define PAIRS(p, i) PAIR(p, i)
+#define PAIRS(p, i) TO_VU(PAIR(p, i))
 #endif
 
+/* A square of voxels: two neighbours in x, and the two at y + 1 as the upper half of a word. */
+#define SQUARE(p, row, i)  ((uint)PAIR(p, i) | (uint)PAIR((p) + (row), i) << 16)
+#define SQUARES(p, row, i) (PAIRS(p, i) | PAIRS((p) + (row), i) << 16)
+
+#if LANES == 16
+/* The squares at `i` and in the next slice, for several packets. Lanes go through memory: a vector made of
+ * loaded values costs an insertion for every one of them. That takes time to arrive, so it pays for several
+ * packets only. An axis with a single voxel has no second neighbour; its fraction is 0. */
+INLINE void fetch_squares(__global const uchar *voxels, int4 dims, const vi *i, int packets, vu *near,
+                          vu *far) {
+    int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
+    int at[MOST_PACKETS * LANES];
+    uint near_at[MOST_PACKETS * LANES], far_at[MOST_PACKETS * LANES];
+    for (int p = 0; p < packets; p++) STORE(i[p], at + p * LANES);
+    for (int lane = 0; lane < packets * LANES; lane++) {
+        long o = at[lane];
+        near_at[lane] = SQUARE(voxels, row, o);
+        far_at[lane] = SQUARE(voxels + slice, row, o);
+    }
+    for (int p = 0; p < packets; p++) {
+        near[p] = LOAD(near_at + p * LANES);
+        far[p] = LOAD(far_at + p * LANES);
+    }
+}
+#else
+INLINE void fetch_squares(__global const uchar *voxels, int4 dims, const vi *i, int packets, vu *near,
+                          vu *far) {
+    int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
+    for (int p = 0; p < packets; p++) {
+        near[p] = SQUARE(voxels, row, i[p]);
+        far[p] = SQUARE(voxels + slice, row, i[p]);
+    }
+}
+#endif
+
+/* The two voxels of a square's row, 0 or 1. */
 #ifdef __ENDIAN_LITTLE__
-#define PAIR_FIRST(pair)  TO_VF((pair) & (ushort)0xff)
-#define PAIR_SECOND(pair) TO_VF((pair) >> (ushort)8)
+#define FIRST_OF(square, row)  TO_VF(((square) >> (16 * (row))) & 0xffu)
+#define SECOND_OF(square, row) TO_VF(((square) >> (16 * (row) + 8)) & 0xffu)
 #else
-#define PAIR_FIRST(pair)  TO_VF((pair) >> (ushort)8)
-#define PAIR_SECOND(pair) TO_VF((pair) & (ushort)0xff)
+#define FIRST_OF(square, row)  TO_VF(((square) >> (16 * (row) + 8)) & 0xffu)
+#define SECOND_OF(square, row) TO_VF(((square) >> (16 * (row))) & 0xffu)
 #endif
 
-/* The eight voxels around a packet's positions: pairs in x, and the positions' fractions. */
+/* The eight voxels around a packet's positions, and the positions' fractions. */
 typedef struct {
-    vpair near, below, far, far_below; /* (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1) */
+    vu near, far; /* slices z and z + 1 */
     vf fx, fy, fz;
 } cell;
 
+/* Sets the fractions; returns where the eight voxels are. */
+INLINE vi place_cell(int4 dims, packet at, cell *c) {
+    vi ix = split(at.x, dims.x, &c->fx);
+    vi iy = split(at.y, dims.y, &c->fy);
+    vi iz = split(at.z, dims.z, &c->fz);
+    return (iz * dims.y + iy) * dims.x + ix;
+}
+
 INLINE cell fetch(__global const uchar *voxels, int4 dims, vf x, vf y, vf z) {
     cell c;
-    vi ix = split(x, dims.x, &c.fx);
-    vi iy = split(y, dims.y, &c.fy);
-    vi iz = split(z, dims.z, &c.fz);
-    vi i = (iz * dims.y + iy) * dims.x + ix;
-    /* An axis with a single voxel has no second neighbour; its fraction is 0. */
+    packet at = {x, y, z};
+    vi i = place_cell(dims, at, &c);
     int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
-    c.near = PAIRS(voxels, i);
-    c.below = PAIRS(voxels + row, i);
-    c.far = PAIRS(voxels + slice, i);
-    c.far_below = PAIRS(voxels + slice + row, i);
+    c.near = SQUARES(voxels, row, i);
+    c.far = SQUARES(voxels + slice, row, i);
     return c;
 }
 
-INLINE vf mix_pair(vpair pair, vf f) {
-    vf a = PAIR_FIRST(pair);
-    return a + f * (PAIR_SECOND(pair) - a);
+/* The same at several places, MOST_PACKETS at most, at once. */
+INLINE void fetch_together(__global const uchar *voxels, int4 dims, const packet *at, int packets, cell *c) {
+    vi i[MOST_PACKETS];
+    vu near[MOST_PACKETS], far[MOST_PACKETS];
+    for (int p = 0; p < packets; p++) i[p] = place_cell(dims, at[p], c + p);
+    fetch_squares(voxels, dims, i, packets, near, far);
+    for (int p = 0; p < packets; p++) {
+        c[p].near = near[p];
+        c[p].far = far[p];
+    }
+}
+
+INLINE vf mix_row(vu square, int row, vf f) {
+    vf a = FIRST_OF(square, row);
+    return a + f * (SECOND_OF(square, row) - a);
 }
 
 /* The trilinear mean of the eight voxels, 0 .. 255. */
 INLINE vf blend(cell c) {
-    vf a = mix_pair(c.near, c.fx), b = mix_pair(c.below, c.fx);
-    vf d = mix_pair(c.far, c.fx), e = mix_pair(c.far_below, c.fx);
+    vf a = mix_row(c.near, 0, c.fx), b = mix_row(c.near, 1, c.fx);
+    vf d = mix_row(c.far, 0, c.fx), e = mix_row(c.far, 1, c.fx);
     a = a + c.fy * (b - a);
     d = d + c.fy * (e - d);
     return a + c.fz * (d - a);

@@ -62,12 +62,15 @@ INLINE ushort16 zero_in_pair(ushort16 pairs) {
     return as_ushort16(zero != (ushort16)(0));
 }
 
+#define AHEAD 2048 /* bytes: a few hundred nanoseconds' reading */
+
 /* The means of 16 x 8 voxels from x on, and they again with marks. */
 INLINE void halve_sixteen(four_rows r, int x, __global uchar *all, __global uchar *marked) {
     uchar16 least_a = (uchar16)(255), least_b = (uchar16)(255), most_a = (uchar16)(0), most_b = most_a;
     ushort16 sum = (ushort16)(4);
     for (int i = 0; i < 4; i++) {
         uchar16 a = LOAD(r.row[i] + x), b = LOAD(r.row[i] + x + 16);
+        fetch_ahead(r.row[i] + x, AHEAD);
         least_a = min(least_a, a);
         least_b = min(least_b, b);
         most_a = max(most_a, a);

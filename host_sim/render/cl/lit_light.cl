@@ -4,6 +4,9 @@
  * occlusion and shadow from the coarse opacities, and the colour of it all. Directions are in camera
  * coordinates: x right, y down, z away from the viewer.
  */
+#define LIT_PAD   2 /* empty voxels around the smoothed volume; the host's (halved.h) */
+#define SHARE_PAD 2 /* empty cubes around the share of the scan; the host's (scan_share.h) */
+
 typedef struct {
     vf x, y, z;
 } directions;
@@ -20,56 +23,75 @@ INLINE directions normalised(directions d) {
 
 /* The scene as light sees it. */
 typedef struct {
-    __global const uchar *smooth, *opacity;
+    __global const uchar *smooth, *opacity, *scanned;
     __global const float *map;
-    int4 dims, cells, map_dims; /* cells.w: smoothed voxels a cell's edge */
-    float4 to_map;              /* as render_lit takes it */
-    float4 mx, my, mz;          /* voxels of x, y, z a millimetre along the camera's axes; mx.w: see SPEED */
-    float4 to_samples;          /* as render_lit takes it */
-    float4 per_mm;              /* pixels in x, pixels in y, samples a millimetre; w: unit of light, mm */
+    int4 dims, cells, shares, map_dims; /* cells.w, shares.w: smoothed voxels along an edge */
+    float4 to_map;                      /* as render_lit takes it */
+    float4 mx, my, mz; /* voxels of x, y, z a millimetre along the camera's axes; mx.w: see SPEED */
+    float4 to_samples; /* as render_lit takes it */
+    float4 per_mm;     /* pixels in x, pixels in y, samples a millimetre; w: unit of light, mm */
 } lit_scene;
 
-/* Weights of the quadratic B-spline and of its slope around the nearest voxel; f in -0.5 .. 0.5. */
-INLINE void spline_weights(vf f, vf weight[3], vf slope[3]) {
-    weight[0] = 0.5f * (0.5f - f) * (0.5f - f);
-    weight[1] = 0.75f - f * f;
-    weight[2] = 0.5f * (0.5f + f) * (0.5f + f);
-    slope[0] = f - 0.5f;
-    slope[1] = -2.0f * f;
-    slope[2] = f + 0.5f;
+/* Weights of the cubic B-spline and of its slope around a place; f in 0 .. 1 from the second voxel on. */
+INLINE void spline_weights(vf f, vf weight[4], vf slope[4]) {
+    vf r = 1.0f - f;
+    weight[0] = (1.0f / 6.0f) * r * r * r;
+    weight[1] = (2.0f / 3.0f) - 0.5f * f * f * (1.0f + r);
+    weight[2] = (2.0f / 3.0f) - 0.5f * r * r * (1.0f + f);
+    weight[3] = (1.0f / 6.0f) * f * f * f;
+    slope[0] = -0.5f * r * r;
+    slope[1] = f * (1.5f * f - 2.0f);
+    slope[2] = -r * (1.5f * r - 2.0f);
+    slope[3] = 0.5f * f * f;
 }
 
+/* Four neighbours in x as one word, wherever it stands; PoCL makes two words of a vload4. */
+typedef struct __attribute__((packed)) {
+    uint four;
+} unaligned;
+#define FOUR(p, i) (((__global const unaligned *)((p) + (i)))->four)
 #if LANES == 16
-#define LEVELS(p, i)                                                                                         \
-    TO_VF((uchar16)((p)[i.s0], (p)[i.s1], (p)[i.s2], (p)[i.s3], (p)[i.s4], (p)[i.s5], (p)[i.s6], (p)[i.s7],  \
-                    (p)[i.s8], (p)[i.s9], (p)[i.sa], (p)[i.sb], (p)[i.sc], (p)[i.sd], (p)[i.se], (p)[i.sf]))
+typedef uint16 vfour;
+#define FOURS(p, i)                                                                                          \
+    ((uint16)(FOUR(p, i.s0), FOUR(p, i.s1), FOUR(p, i.s2), FOUR(p, i.s3), FOUR(p, i.s4), FOUR(p, i.s5),      \
+              FOUR(p, i.s6), FOUR(p, i.s7), FOUR(p, i.s8), FOUR(p, i.s9), FOUR(p, i.sa), FOUR(p, i.sb),      \
+              FOUR(p, i.sc), FOUR(p, i.sd), FOUR(p, i.se), FOUR(p, i.sf)))
 #else
-#define LEVELS(p, i) TO_VF((p)[i])
+typedef uint vfour;
+#define FOURS(p, i) FOUR(p, i)
+#endif
+#ifdef __ENDIAN_LITTLE__
+#define OF_FOUR(four, k) TO_VF((four) >> (8u * (k)) & 0xffu)
+#else
+#define OF_FOUR(four, k) TO_VF((four) >> (8u * (3 - (k))) & 0xffu)
 #endif
 
+/* The second of the four voxels around a place, between the outermost ones of an axis. */
 INLINE vi spline_voxel(vf position, int count, vf *fraction) {
     vf p = clamp(position, 1.0f, (float)(count - 2));
-    vi i = TO_VI(p + 0.5f);
+    vi i = min(TO_VI(p), (vi)(count - 3));
     *fraction = p - TO_VF(i);
     return i;
 }
 
-/* The gradient of the smoothed volume's quadratic B-spline, grey levels a millimetre. */
-INLINE directions gradient_at(const lit_scene *s, packet at) {
-    vf fx, fy, fz, wx[3], wy[3], wz[3], dx[3], dy[3], dz[3];
-    vi ix = spline_voxel(at.x, s->dims.x, &fx), iy = spline_voxel(at.y, s->dims.y, &fy);
-    vi iz = spline_voxel(at.z, s->dims.z, &fz);
+/* The gradient of the cubic B-spline of `voxels`, levels a millimetre where they are smoothed ones. */
+INLINE directions gradient_at(const lit_scene *s, __global const uchar *voxels, int4 dims, packet at) {
+    vf fx, fy, fz, wx[4], wy[4], wz[4], dx[4], dy[4], dz[4];
+    vi ix = spline_voxel(at.x, dims.x, &fx), iy = spline_voxel(at.y, dims.y, &fy);
+    vi iz = spline_voxel(at.z, dims.z, &fz);
     spline_weights(fx, wx, dx);
     spline_weights(fy, wy, dy);
     spline_weights(fz, wz, dz);
-    vi i = (iz * s->dims.y + iy) * s->dims.x + ix;
+    vi i = (iz * dims.y + iy) * dims.x + ix;
     directions g = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
-    for (int z = 0; z < 3; z++) {
+    for (int z = 0; z < 4; z++) {
         directions plane = {(vf)(0.0f), (vf)(0.0f), (vf)(0.0f)};
-        for (int y = 0; y < 3; y++) {
-            __global const uchar *p = s->smooth + ((z - 1) * s->dims.y + y - 1) * s->dims.x;
-            vf a = LEVELS(p - 1, i), b = LEVELS(p, i), c = LEVELS(p + 1, i);
-            vf along = dx[0] * a + dx[1] * b + dx[2] * c, value = wx[0] * a + wx[1] * b + wx[2] * c;
+        for (int y = 0; y < 4; y++) {
+            __global const uchar *row = voxels + ((z - 1) * dims.y + y - 1) * dims.x - 1;
+            vfour four = FOURS(row, i);
+            vf a = OF_FOUR(four, 0), b = OF_FOUR(four, 1), c = OF_FOUR(four, 2), d = OF_FOUR(four, 3);
+            vf value = wx[0] * a + wx[1] * b + wx[2] * c + wx[3] * d;
+            vf along = dx[0] * a + dx[1] * b + dx[2] * c + dx[3] * d;
             plane.x += wy[y] * along;
             plane.y += dy[y] * value;
             plane.z += wy[y] * value;
@@ -85,10 +107,34 @@ INLINE directions gradient_at(const lit_scene *s, packet at) {
 }
 
 /* Towards the viewer where there is no gradient to tell; never away from him. */
-INLINE directions normal_at(const lit_scene *s, packet at) {
-    directions g = gradient_at(s, at);
+INLINE directions slope_at(const lit_scene *s, __global const uchar *voxels, int4 dims, packet at) {
+    directions g = gradient_at(s, voxels, dims, at);
     directions n = {-g.x, -g.y, -fabs(g.z) - s->mx.w};
     return normalised(n);
+}
+
+#define FACE_ALL  0.65f /* share of the scan up to which a surface is the scan's own face ... */
+#define FACE_NONE 0.8f  /* ... and from which on it is not */
+
+/* The normal of what is drawn: the tissue's own, or that of the scan's face, which is a staircase of voxels.
+ * *face: how much it is the latter. */
+INLINE directions normal_at(const lit_scene *s, packet at, vf *face) {
+    float scale = 1.0f / (float)s->shares.w,
+          shift = SHARE_PAD - scale * (LIT_PAD + 0.5f * (float)(s->shares.w - 1));
+    packet p = at;
+    p.x = at.x * scale + shift;
+    p.y = at.y * scale + shift;
+    p.z = at.z * scale + shift;
+    vf share = blend(fetch(s->scanned, s->shares, p.x, p.y, p.z)) * (1.0f / 255.0f);
+    vf f = *face = clamp((FACE_NONE - share) * (1.0f / (FACE_NONE - FACE_ALL)), 0.0f, 1.0f);
+    if (lanes_min(f) >= 1.0f) return slope_at(s, s->scanned, s->shares, p);
+    directions normal = slope_at(s, s->smooth, s->dims, at);
+    if (lanes_max(f) <= 0.0f) return normal;
+    directions wide = slope_at(s, s->scanned, s->shares, p);
+    normal.x += f * (wide.x - normal.x);
+    normal.y += f * (wide.y - normal.y);
+    normal.z += f * (wide.z - normal.z);
+    return normalised(normal);
 }
 
 INLINE bool is_depth(float depth) {
@@ -152,41 +198,55 @@ INLINE vi removed(const lit_scene *s, lit_place p) {
     return MASK((d > 0.0f) & (d < INFINITY) & (p.n < d * s->to_samples.x + s->to_samples.y));
 }
 
-/* Mean opacity at a place, 0 .. 1; none outside the volume. */
-INLINE vf mean_opacity_at(const lit_scene *s, lit_place p) {
+/* Mean opacities at so many places, MOST_PACKETS at most, 0 .. 1; none outside the volume. */
+INLINE void mean_opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
     float block = (float)s->cells.w, shift = 0.5f * (block - 1.0f), scale = 1.0f / block;
-    vf x = (p.at.x - shift) * scale, y = (p.at.y - shift) * scale, z = (p.at.z - shift) * scale;
-    vf value = blend(fetch(s->opacity, s->cells, x, y, z)) * (1.0f / 255.0f);
-    vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
-                      (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
-    return select(value, (vf)(0.0f), outside);
+    packet at[MOST_PACKETS];
+    cell c[MOST_PACKETS];
+    for (int i = 0; i < count; i++) {
+        packet here = {(p[i].at.x - shift) * scale, (p[i].at.y - shift) * scale, (p[i].at.z - shift) * scale};
+        at[i] = here;
+    }
+    fetch_together(s->opacity, s->cells, at, count, c);
+    for (int i = 0; i < count; i++) {
+        vf x = at[i].x, y = at[i].y, z = at[i].z;
+        vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
+                          (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
+        value[i] = select(blend(c[i]) * (1.0f / 255.0f), (vf)(0.0f), outside);
+    }
 }
 
 /* The same, and none in what was removed. */
-INLINE vf opacity_at(const lit_scene *s, lit_place p) {
-    vf value = mean_opacity_at(s, p);
-    if (s->map_dims.x > 0) value = select(value, (vf)(0.0f), removed(s, p));
-    return value;
+INLINE void opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
+    mean_opacities_at(s, p, count, value);
+    if (s->map_dims.x == 0) return;
+    for (int i = 0; i < count; i++) value[i] = select(value[i], (vf)(0.0f), removed(s, p[i]));
 }
 
-#define OCCLUSION_REACH 3 /* samples along the normal */
-#define SHADOW_REACH    6 /* samples along the light */
+#define LIGHT_TOGETHER 3 /* samples of light */
+#define SHADOW_REACH   6 /* of them along the lamp's direction */
 
 /* How much of the surroundings' light arrives: 1 on anything convex that stands free. */
 INLINE vf ambient_at(const lit_scene *s, lit_place p, directions n) {
-    const float reach[OCCLUSION_REACH] = {4.0f, 7.0f, 11.0f}, weight[OCCLUSION_REACH] = {0.4f, 0.25f, 0.15f};
-    vf light = (vf)(1.0f);
-    for (int i = 0; i < OCCLUSION_REACH; i++)
-        light -= weight[i] * opacity_at(s, moved(s, p, n, (vf)(reach[i] * s->per_mm.w)));
+    const float reach[LIGHT_TOGETHER] = {4.0f, 7.0f, 11.0f}, weight[LIGHT_TOGETHER] = {0.4f, 0.25f, 0.15f};
+    lit_place at[LIGHT_TOGETHER];
+    vf light = (vf)(1.0f), opacity[LIGHT_TOGETHER];
+    for (int i = 0; i < LIGHT_TOGETHER; i++) at[i] = moved(s, p, n, (vf)(reach[i] * s->per_mm.w));
+    opacities_at(s, at, LIGHT_TOGETHER, opacity);
+    for (int i = 0; i < LIGHT_TOGETHER; i++) light -= weight[i] * opacity[i];
     return light;
 }
 
 /* How much of the lamp's light arrives; from a place above the surface, so that it does not shade itself. */
 INLINE vf shadow_at(const lit_scene *s, lit_place p, directions n, float4 lamp) {
     directions l = {(vf)(lamp.x), (vf)(lamp.y), (vf)(lamp.z)};
-    lit_place start = moved(s, p, n, (vf)(4.0f * s->per_mm.w));
-    vf depth = (vf)(0.0f);
-    for (int i = 1; i <= SHADOW_REACH; i++)
-        depth += opacity_at(s, moved(s, start, l, (vf)(3.0f * (float)i * s->per_mm.w)));
+    lit_place start = moved(s, p, n, (vf)(4.0f * s->per_mm.w)), at[LIGHT_TOGETHER];
+    vf depth = (vf)(0.0f), opacity[LIGHT_TOGETHER];
+    for (int first = 1; first <= SHADOW_REACH; first += LIGHT_TOGETHER) {
+        for (int i = 0; i < LIGHT_TOGETHER; i++)
+            at[i] = moved(s, start, l, (vf)(3.0f * (float)(first + i) * s->per_mm.w));
+        opacities_at(s, at, LIGHT_TOGETHER, opacity);
+        for (int i = 0; i < LIGHT_TOGETHER; i++) depth += opacity[i];
+    }
     return 1.0f / (1.0f + depth * depth);
 }

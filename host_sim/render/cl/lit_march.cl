@@ -8,7 +8,8 @@
 #define LOOK_BACK     2          /* samples before the surface among which its edge is sought ... */
 #define LOOK_AHEAD    3          /* ... and behind it */
 #define LOOK_FAR      5          /* one more, for rays that graze a surface */
-#define HALVINGS      6          /* of a step */
+#define LOOKS         (LOOK_BACK + LOOK_AHEAD + 2) /* of them all: between MOST_PACKETS and twice that */
+#define HALVINGS      6                            /* of a step */
 
 /* Opacity above T_L's, on a scale where T_H is 1; not limited. */
 INLINE vf ramp_of(vf value, float4 window) {
@@ -114,11 +115,7 @@ INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *
             if (veiled) take_veil(&m, ghost, (float)(n - 1), y0, y1, window.z);
             take_step(&m, ghost, (float)(n - 1), y0, y1, window.z);
             y0 = y1;
-#if LANES == 16
-            if (all(m.found)) return m;
-#else
-            if (m.found) return m;
-#endif
+            if (all_lanes(m.found)) return m;
         }
     }
     return m;
@@ -144,15 +141,22 @@ INLINE vf surface_of(met m, float thickness) {
  */
 INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, vf surface, vf full,
                   float4 window) {
-    vf value[LOOK_BACK + LOOK_AHEAD + 1], where[LOOK_BACK + LOOK_AHEAD + 1], most = (vf)(0.0f);
-    for (int i = 0; i <= LOOK_BACK + LOOK_AHEAD; i++) {
-        where[i] = max(max(surface + (float)(i - LOOK_BACK), full), (vf)(0.0f));
-        vf n = where[i];
-        value[i] = blend(fetch(smooth, dims, p.x + n * dn.x, p.y + n * dn.y, p.z + n * dn.z));
+    vf value[LOOKS], where[LOOKS], most = (vf)(0.0f);
+    packet at[LOOKS];
+    cell c[LOOKS];
+    for (int i = 0; i < LOOKS; i++) {
+        vf n = surface + (float)(i < LOOKS - 1 ? i - LOOK_BACK : LOOK_FAR);
+        if (i < LOOKS - 1) n = max(max(n, full), (vf)(0.0f));
+        packet here = {p.x + n * dn.x, p.y + n * dn.y, p.z + n * dn.z};
+        where[i] = n;
+        at[i] = here;
+    }
+    fetch_together(smooth, dims, at, MOST_PACKETS, c);
+    fetch_together(smooth, dims, at + MOST_PACKETS, LOOKS - MOST_PACKETS, c + MOST_PACKETS);
+    for (int i = 0; i < LOOKS; i++) {
+        value[i] = blend(c[i]);
         most = max(most, value[i]);
     }
-    vf ahead = surface + (float)LOOK_FAR;
-    most = max(most, blend(fetch(smooth, dims, p.x + ahead * dn.x, p.y + ahead * dn.y, p.z + ahead * dn.z)));
     vf level = min(0.5f * most, window.x + 1.0f / window.y), edge = where[0];
     vi open = MASK(value[0] < level);
     for (int i = 0; i < LOOK_BACK + LOOK_AHEAD; i++) {

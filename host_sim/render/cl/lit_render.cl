@@ -5,6 +5,7 @@
 #define CUT_REACH    6.0f  /* samples behind the clipping surface in which a cut fades out */
 #define CUT_FROM     0.25f /* mean opacity around the clipping surface from which on it cuts tissue ... */
 #define CUT_ALL      0.5f  /* ... and where it does so wholly */
+#define FACE_INSIDE  3.0f  /* samples behind the scan's face, where its echo is whole */
 
 typedef struct {
     vf red, green, blue;
@@ -49,16 +50,20 @@ INLINE lit_place place_at(packet p, float4 dn, int px, int py, vf n) {
 /* How much of a surface at sample n is a cut: the clipping surface (at `at`) lies in tissue itself, or in a
  * dark speckle of it, and the surface is near. 0 on rays that nothing clips. */
 INLINE vf cut_of(const lit_scene *s, lit_place at, vf here, vf n) {
-    vf around = (mean_opacity_at(s, at) - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
+    vf around;
+    mean_opacities_at(s, &at, 1, &around);
+    around = (around - CUT_FROM) * (1.0f / (CUT_ALL - CUT_FROM));
     vf near = clamp(1.0f - (n - at.n) * (1.0f / CUT_REACH), 0.0f, 1.0f);
     return select(near * clamp(max(here, around), 0.0f, 1.0f), (vf)(0.0f), MASK(at.n <= 0.0f));
 }
 
-/* The surface's colour. `cut`: 0 where it is tissue's own, 1 where it is the clipping surface's. */
+/* The surface's colour. `cut`: 0 where it is tissue's own, 1 where it is the clipping surface's. The scan's own
+ * face is a cut, too. */
 INLINE colours surface_colour(const lit_scene *s, packet p, float4 dn, int px, int py, vf n, vf cut,
                               float4 lamp, float4 half_way, float4 skin) {
     lit_place at = place_at(p, dn, px, py, n);
-    directions normal = normal_at(s, at.at);
+    vf face;
+    directions normal = normal_at(s, at.at, &face);
     vf t = clamp(n * skin.w, 0.0f, 1.0f);
     colours tone = skin_at(t, skin);
     if (lanes_max(cut) > 0.0f) {
@@ -67,26 +72,31 @@ INLINE colours surface_colour(const lit_scene *s, packet p, float4 dn, int px, i
         normal.y += cut * (flat.y - normal.y);
         normal.z += cut * (flat.z - normal.z);
         normal = normalised(normal);
+    }
+    vf pale = max(cut, face);
+    if (lanes_max(pale) > 0.0f) {
         vf grey = 0.3f * tone.red + 0.59f * tone.green + 0.11f * tone.blue;
-        colours pale = {grey, grey, grey * 1.04f};
-        tone = mixed(tone, pale, 0.7f * cut);
+        colours faded = {grey, grey, grey * 1.04f};
+        tone = mixed(tone, faded, 0.7f * pale);
         /* Inside tissue the echo itself shows, as in a slice. */
-        vf echo = blend(fetch(s->smooth, s->dims, at.at.x, at.at.y, at.at.z)) * (1.0f / 255.0f);
-        vf gain = 1.0f + cut * (0.55f + 0.6f * echo - 1.0f);
+        packet in = moved(s, at, normal, face * (-FACE_INSIDE / s->per_mm.z)).at;
+        vf echo = blend(fetch(s->smooth, s->dims, in.x, in.y, in.z)) * (1.0f / 255.0f);
+        vf gain = 1.0f + pale * (0.55f + 0.6f * echo - 1.0f);
         tone.red *= gain;
         tone.green *= gain;
         tone.blue *= gain;
     }
     vf ambient = ambient_at(s, at, normal), shadow = shadow_at(s, at, normal, lamp);
     vf light = diffuse_of(normal, lamp, ambient, shadow);
-    vf shine = highlight_of(normal, half_way, shadow) * (1.0f - cut);
+    vf shine = highlight_of(normal, half_way, shadow) * (1.0f - pale);
     colours c = {tone.red * light + shine, tone.green * light + shine, tone.blue * light + shine};
     return c;
 }
 
 /* The veil: a cool light of its own, by its shape, so that nobody takes it for skin. */
 INLINE colours veil_colour(const lit_scene *s, packet p, float4 dn, int px, int py, vf n, float4 lamp) {
-    directions normal = normal_at(s, place_at(p, dn, px, py, n).at);
+    vf face;
+    directions normal = normal_at(s, place_at(p, dn, px, py, n).at, &face);
     vf light = 0.35f + 0.35f * max(dot_of(normal, lamp), 0.0f);
     colours c = {0.62f * light, 0.78f * light, light};
     return c;
@@ -117,15 +127,16 @@ INLINE void store_colours(__global uchar *rgba, int4 map_dims, int px, int py, c
  * sample.
  */
 WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global const uchar *grid,
-                              int4 bricks, __global const uchar *opacity, int4 cells, float4 origin,
-                              float4 dx, float4 dy, float4 dn, __global const float *map,
-                              __global const float *confidence, int4 map_dims, float4 to_map,
-                              float4 to_samples, float4 window, float4 mx, float4 my, float4 mz,
-                              float4 per_mm, float4 lamp, float4 half_way, float4 skin,
+                              int4 bricks, __global const uchar *opacity, int4 cells,
+                              __global const uchar *scanned, int4 shares, float4 origin, float4 dx, float4 dy,
+                              float4 dn, __global const float *map, __global const float *confidence,
+                              int4 map_dims, float4 to_map, float4 to_samples, float4 window, float4 mx,
+                              float4 my, float4 mz, float4 per_mm, float4 lamp, float4 half_way, float4 skin,
                               __global uchar *rgba) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
     if (px >= map_dims.z || py >= map_dims.w) return;
-    const lit_scene s = {smooth, opacity, map, dims, cells, map_dims, to_map, mx, my, mz, to_samples, per_mm};
+    const lit_scene s = {smooth,   opacity, scanned, map, dims, cells,      shares,
+                         map_dims, to_map,  mx,      my,  mz,   to_samples, per_mm};
     packet p = packet_at(px, py, origin, dx, dy);
     ghost_range ghost = ghost_range_of(map, confidence, map_dims, to_map, to_samples, px, py);
     vf first, end;

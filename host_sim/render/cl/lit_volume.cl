@@ -8,7 +8,6 @@
  * CPU: a work item makes a row, global (1, y or more, z), or a slice. GPU: a work item makes a voxel; global
  * (x, y, z).
  */
-#define LIT_PAD 2 /* the host's (lit_volume.c) */
 
 /* A small volume is not halved: it has no voxel to spare. */
 __kernel void lit_keep(__global const uchar *voxels, int4 dims, int4 out_dims, __global uchar *out) {
@@ -65,6 +64,16 @@ INLINE void weigh_rows(const ushort *above, const ushort *at, const ushort *belo
     }
 }
 
+#define ROWS_AHEAD 8
+
+/* Asks for the rows that are read and written next. */
+INLINE void ask_ahead(__global const uchar *from, __global const uchar *to, int count) {
+    for (int x = 0; x < count; x += 64) {
+        fetch_ahead(from + x, ROWS_AHEAD * count);
+        fetch_ahead(to + x, ROWS_AHEAD * count);
+    }
+}
+
 INLINE void clear_row(__global uchar *row, int count) {
     for (int x = 0; x < count; x++) row[x] = 0;
 }
@@ -85,6 +94,7 @@ WIDE __kernel void lit_smooth(__global const uchar *half_size, int4 dims, __glob
     weigh_slices(from, slice, dims.x, sums[0]);
     weigh_slices(from + row, slice, dims.x, sums[1]);
     for (int y = 1; y < dims.y - 1; y++) {
+        ask_ahead(from + y * row + slice, to + y * row, dims.x);
         weigh_slices(from + (y + 1) * row, slice, dims.x, sums[(y + 1) % 3]);
         weigh_rows(sums[(y - 1) % 3], sums[y % 3], sums[(y + 1) % 3], dims.x, to + y * row);
         to[y * row] = to[y * row + dims.x - 1] = 0;

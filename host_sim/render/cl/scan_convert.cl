@@ -123,16 +123,15 @@ WIDE __kernel void convert_nearest(__global const uchar *voxels, int4 dims, int4
 }
 
 /* The same cell with 1 for every scanned voxel: its blend is the scanned share of a sample. */
-INLINE vpair scanned_pair(vpair pair) {
-    vpair first = min((vpair)(pair & (vpair)(0xff)), (vpair)(1)),
-          second = min((vpair)(pair >> (vpair)(8)), (vpair)(1));
-    return (vpair)(first | (vpair)(second << (vpair)(8)));
+INLINE vu scanned_bytes(vu square) {
+    square |= square >> 4;
+    square |= square >> 2;
+    square |= square >> 1;
+    return square & 0x01010101u;
 }
 INLINE cell scanned(cell c) {
-    c.near = scanned_pair(c.near);
-    c.below = scanned_pair(c.below);
-    c.far = scanned_pair(c.far);
-    c.far_below = scanned_pair(c.far_below);
+    c.near = scanned_bytes(c.near);
+    c.far = scanned_bytes(c.far);
     return c;
 }
 

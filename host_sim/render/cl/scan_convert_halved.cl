@@ -7,23 +7,10 @@
  */
 #define WEIGHT_BITS 8 /* of a position between two voxels: a sample's weights add up to 1 << 8 */
 
-/* Two neighbours in x and the two at y + 1, as the lower and the upper half of a word. */
-#if LANES == 16
-typedef uint16 vu;
-#define TO_VU(v) convert_uint16(v)
-#define AS_VU(v) as_uint16(v)
-#else
-typedef uint vu;
-#define TO_VU(v) convert_uint(v)
-#define AS_VU(v) as_uint(v)
-#endif
-#define SQUARES(p, row, i) (TO_VU(PAIRS(p, i)) | TO_VU(PAIRS((p) + (row), i)) << 16)
-
-/* The eight voxels around a packet's positions, and where between them: 0 .. 1 << WEIGHT_BITS. */
+/* Where between eight voxels a packet's positions lie: 0 .. 1 << WEIGHT_BITS. */
 typedef struct {
-    vu near, far; /* slices z and z + 1 */
-    vi fx, fy, fz;
-} fixed_cell;
+    vi x, y, z;
+} fractions;
 
 /* A position's lower voxel and its fraction; in the outer half voxel those of the nearest one. */
 INLINE vi split_fixed(vi position, int count, int bits, vi *fraction) {
@@ -34,56 +21,34 @@ INLINE vi split_fixed(vi position, int count, int bits, vi *fraction) {
 }
 
 /* Where the eight voxels lie. */
-INLINE vi place_fixed(int4 dims, vi x, vi y, vi z, int bits, fixed_cell *c) {
-    vi ix = split_fixed(x, dims.x, bits, &c->fx);
-    vi iy = split_fixed(y, dims.y, bits, &c->fy);
-    vi iz = split_fixed(z, dims.z, bits, &c->fz);
+INLINE vi place_fixed(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
+    vi ix = split_fixed(x, dims.x, bits, &f->x);
+    vi iy = split_fixed(y, dims.y, bits, &f->y);
+    vi iz = split_fixed(z, dims.z, bits, &f->z);
     return iz * (dims.y * dims.x) + iy * dims.x + ix;
 }
 
 /* The same for positions all of which lie between voxels. */
-INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fixed_cell *c) {
+INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
     int half_a_part = 1 << (bits - WEIGHT_BITS - 1), parts = (1 << WEIGHT_BITS) - 1;
     x += half_a_part;
     y += half_a_part;
     z += half_a_part;
-    c->fx = (x >> (bits - WEIGHT_BITS)) & parts;
-    c->fy = (y >> (bits - WEIGHT_BITS)) & parts;
-    c->fz = (z >> (bits - WEIGHT_BITS)) & parts;
+    f->x = (x >> (bits - WEIGHT_BITS)) & parts;
+    f->y = (y >> (bits - WEIGHT_BITS)) & parts;
+    f->z = (z >> (bits - WEIGHT_BITS)) & parts;
     return (z >> bits) * (dims.y * dims.x) + (y >> bits) * dims.x + (x >> bits);
 }
 
+/* BLOCK: edge of what a work item makes; the host's (scan_convert.c). RUN: packets made together; a sample is
+ * a long chain of steps, and so those of several packets overlap. */
 #if LANES == 16
-#define BLOCK 16 /* voxels of a work item's block, each way; the host's (scan_convert.c) */
-#define RUN   4  /* packets made together: a sample is a long chain of steps, and so four chains overlap */
+#define BLOCK 16
+#define RUN   MOST_PACKETS
 #else
 #define BLOCK 1
 #define RUN   1
 #endif
-
-/* The voxels of `packets` packets at `i`. An axis with a single voxel has no second neighbour; its fraction
- * is 0. Lanes go through memory: a vector made of loaded values costs an insertion for every one of them. */
-INLINE void fetch_squares(__global const uchar *halved, int4 dims, const vi *i, int packets, fixed_cell *c) {
-    int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
-#if LANES == 16
-    int at[RUN * LANES];
-    uint near[RUN * LANES], far[RUN * LANES];
-    for (int r = 0; r < packets; r++) STORE(i[r], at + r * LANES);
-    __global const uchar *p1 = halved + row, *p2 = halved + slice, *p3 = p2 + row;
-    for (int lane = 0; lane < packets * LANES; lane++) {
-        long o = at[lane];
-        near[lane] = (uint)PAIR(halved, o) | (uint)PAIR(p1, o) << 16;
-        far[lane] = (uint)PAIR(p2, o) | (uint)PAIR(p3, o) << 16;
-    }
-    for (int r = 0; r < packets; r++) {
-        c[r].near = LOAD(near + r * LANES);
-        c[r].far = LOAD(far + r * LANES);
-    }
-#else
-    c->near = SQUARES(halved, row, *i);
-    c->far = SQUARES(halved + slice, row, *i);
-#endif
-}
 
 #define EVEN_BYTES 0x00ff00ffu
 
@@ -102,9 +67,9 @@ INLINE vi mix_square(vu square, vi fx, vi fy) {
 }
 
 /* The trilinear mean of the eight voxels, times 1 << WEIGHT_BITS. */
-INLINE vi blend_fixed(fixed_cell c) {
-    vi a = mix_square(c.near, c.fx, c.fy), b = mix_square(c.far, c.fx, c.fy);
-    return ((a << WEIGHT_BITS) + (b - a) * c.fz + (1 << (WEIGHT_BITS - 1))) >> WEIGHT_BITS;
+INLINE vi blend_fixed(vu near, vu far, fractions f) {
+    vi a = mix_square(near, f.x, f.y), b = mix_square(far, f.x, f.y);
+    return ((a << WEIGHT_BITS) + (b - a) * f.z + (1 << (WEIGHT_BITS - 1))) >> WEIGHT_BITS;
 }
 
 /* What a packet's samples come to: their sum, times 1 << WEIGHT_BITS; -1 in lanes all of whose samples lie
@@ -113,12 +78,12 @@ typedef struct {
     vi sum, whole, empty;
 } fixed_sum;
 
-INLINE void add_cell(fixed_sum *out, fixed_cell c, vi in) {
+INLINE void add_sample(fixed_sum *out, vu near, vu far, fractions f, vi in) {
     /* A byte below HALVED_LEAST borrows. */
-    vu low = ((c.near - 0x02020202u) & ~c.near) | ((c.far - 0x02020202u) & ~c.far);
+    vu low = ((near - 0x02020202u) & ~near) | ((far - 0x02020202u) & ~far);
     out->whole &= in & MASK((low & 0x80808080u) == 0);
-    out->empty &= ~in | MASK((c.near | c.far) == 0);
-    out->sum += blend_fixed(c);
+    out->empty &= ~in | MASK((near | far) == 0);
+    out->sum += blend_fixed(near, far, f);
 }
 
 /* What a conversion works with; positions are those of the halved volume's voxels. */
@@ -135,18 +100,18 @@ typedef struct {
 
 /* Places of `packets` packets' samples, one slice behind the other. `inside`: all lie between voxels. */
 INLINE void place_run(const halved_job *job, vi x, vi y, vi z, int4 at, bool inside, int packets, vi *place,
-                      vi *in, fixed_cell *c) {
+                      vi *in, fractions *f) {
     int4 face = job->face, limit = job->limit;
     for (int r = 0; r < packets; r++, at += job->grid.z * job->l.dz) {
         vi px = x + at.x, py = y + at.y, pz = z + at.z;
         in[r] = (vi)(-1);
         if (inside) {
-            place[r] = place_inside(job->half_dims, px, py, pz, job->l.bits, c + r);
+            place[r] = place_inside(job->half_dims, px, py, pz, job->l.bits, f + r);
             continue;
         }
         in[r] = MASK((px >= face.x) & (px <= limit.x) & (py >= face.y) & (py <= limit.y) & (pz >= face.z) &
                      (pz <= limit.z));
-        place[r] = place_fixed(job->half_dims, px, py, pz, job->l.bits, c + r);
+        place[r] = place_fixed(job->half_dims, px, py, pz, job->l.bits, f + r);
     }
 }
 
@@ -155,7 +120,8 @@ INLINE void gather_halved(const halved_job *job, int4 start, bool inside, int pa
     const lattice l = job->l;
     int4 grid = job->grid;
     vi place[RUN], in[RUN];
-    fixed_cell c[RUN];
+    fractions f[RUN];
+    vu near[RUN], far[RUN];
     vi lane_x = TO_VI(LANE_X) * grid.x, lane_y = TO_VI(LANE_Y) * grid.y;
     vi x = lane_x * l.dx.x + lane_y * l.dy.x, y = lane_x * l.dx.y + lane_y * l.dy.y,
        z = lane_x * l.dx.z + lane_y * l.dy.z;
@@ -165,20 +131,12 @@ INLINE void gather_halved(const halved_job *job, int4 start, bool inside, int pa
         for (int j = 0; j < grid.y; j++) {
             int4 at = start + j * l.dy + k * l.dz;
             for (int i = 0; i < grid.x; i++, at += l.dx) {
-                place_run(job, x, y, z, at, inside, packets, place, in, c);
-                fetch_squares(job->halved, job->half_dims, place, packets, c);
-                for (int r = 0; r < packets; r++) add_cell(out + r, c[r], in[r]);
+                place_run(job, x, y, z, at, inside, packets, place, in, f);
+                fetch_squares(job->halved, job->half_dims, place, packets, near, far);
+                for (int r = 0; r < packets; r++) add_sample(out + r, near[r], far[r], f[r], in[r]);
             }
         }
     }
-}
-
-INLINE int all_lanes(vi mask) {
-#if LANES == 16
-    return all(mask);
-#else
-    return mask;
-#endif
 }
 
 /* The packet's mean from the source's nearest voxels: two samples an axis where `halved` has one. */
