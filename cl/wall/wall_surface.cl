@@ -168,7 +168,7 @@ __kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);
         const float depth = (float)l.depth * interpolate(&l, turned, u, v);
-        const float sure = interpolate(&l, places, u, v);
+        const float sure = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
         surfaces[x] = wanted ? depth : 0.0f;
         confidence[x] = wanted ? sure : 0.0f;
     }

@@ -158,6 +158,8 @@ static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const flo
             sure[(size_t)y * l->columns + x] = 1.0f / (1.0f + doubt * doubt);
         }
     interpolate(l, sure, 1.0f, confidence);
+    /* the four rounded weights of a pixel may add up to a hair more than 1 */
+    for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = fminf(confidence[i], 1.0f);
 }
 
 /* Leaves the surface in the plane PLACE: at q = 0 the far end, at 1 the near one, linear to either side of

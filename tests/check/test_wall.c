@@ -125,6 +125,7 @@ static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *w
         e.outcome == SV_WALL_SURFACE ? "" : ", no surface");
     assert_int_equal(status, e.outcome == SV_WALL_SURFACE ? SV_OK : SV_NO_SURFACE);
     assert_true(depth_error <= bound);
+    for (size_t i = 0; i < count; i++) assert_true(confidence[i] >= 0.0f && confidence[i] <= 1.0f);
     assert_true(confidence_error <= (bound > 0.0 ? 1e-6 : 0.0));
     assert_true(fabs((double)report.fluid_threshold * 255.0 - e.facts.threshold) < 1e-3);
     if (e.outcome == SV_WALL_SURFACE) {

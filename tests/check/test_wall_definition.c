@@ -262,6 +262,24 @@ static void assert_refused(sv_wall_volume v, const char *field, const char *valu
     assert_true(map[0] == 7.0f);
 }
 
+/* The weights of a pixel between four rays are rounded, and where all four are sure they may add up to more
+ * than 1: hosts refuse such a map. */
+static void test_confidence_is_in_range(void **state) {
+    (void)state;
+    enum { SCANNED = 45 }; /* columns; what was not scanned is sure */
+    for (uint32_t side = 55; side < 75; side += 2) {
+        scan s = scan_make(side, side, N);
+        const size_t plane = (size_t)side * side;
+        draw(&s, WALL, GAP, true);
+        for (size_t i = 0; i < plane; i++) s.end[i] = i % side < SCANNED ? N : 0;
+        const sv_wall_volume v = {s.voxels, side, side, N, s.first, s.end, {MM / 2.0, MM / 2.0, MM}};
+        assert_true(sv_wall_surface(&v, NULL, s.depth, s.confidence, &s.outcome, NULL));
+        assert_int_equal(s.outcome, SV_WALL_SURFACE);
+        for (size_t i = 0; i < plane; i++) assert_true(s.confidence[i] >= 0.0f && s.confidence[i] <= 1.0f);
+        scan_free(&s);
+    }
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     const uint8_t voxels[8] = {0};
@@ -309,6 +327,7 @@ int main(void) {
         cmocka_unit_test(test_small),
         cmocka_unit_test(test_unscanned_rays),
         cmocka_unit_test(test_everything_scanned),
+        cmocka_unit_test(test_confidence_is_in_range),
         cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

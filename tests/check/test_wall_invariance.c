@@ -264,6 +264,102 @@ static void test_grey_levels(void **state) {
     }
 }
 
+/* ---- other sizes of the same scan */
+
+/* Between the centres of voxels; beyond the outermost their value counts. */
+static uint8_t trilinear(const wall_case *c, const double at[3]) {
+    const uint32_t n[3] = {c->nx, c->ny, c->nz};
+    size_t low[3], high[3];
+    double part[3], sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double inside = fmin(fmax(at[k], 0.0), n[k] - 1.0);
+        low[k] = (size_t)inside;
+        high[k] = low[k] + 1 < n[k] ? low[k] + 1 : low[k];
+        part[k] = inside - (double)low[k];
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        const size_t x = corner & 1 ? high[0] : low[0], y = corner & 2 ? high[1] : low[1],
+                     z = corner & 4 ? high[2] : low[2];
+        const double weight = (corner & 1 ? part[0] : 1.0 - part[0]) *
+                              (corner & 2 ? part[1] : 1.0 - part[1]) * (corner & 4 ? part[2] : 1.0 - part[2]);
+        sum += weight * c->full[z * plane_of(c) + y * c->nx + x];
+    }
+    return (uint8_t)(sum + 0.5);
+}
+
+/* The pixel of `from` that holds the centre of pixel `i` of `c`. */
+static size_t pixel_below(const wall_case *from, const wall_case *c, size_t i) {
+    const size_t x = (2 * (i % c->nx) + 1) * from->nx / (2 * c->nx);
+    const size_t y = (2 * (i / c->nx) + 1) * from->ny / (2 * c->ny);
+    return y * from->nx + x;
+}
+
+static wall_case resampled(const wall_case *from, const uint32_t n[3]) {
+    wall_case c = like(from, n[0], n[1], n[2]);
+    const double step[3] = {(double)from->nx / n[0], (double)from->ny / n[1], (double)from->nz / n[2]};
+    for (int k = 0; k < 3; k++) c.spacing_mm[k] *= step[k];
+    for (size_t i = 0; i < plane_of(&c); i++) {
+        const size_t below = pixel_below(from, &c, i);
+        c.first[i] = (uint16_t)ceil(from->first[below] / step[2]);
+        c.end[i] = (uint16_t)(from->end[below] / step[2]);
+        if (c.first[i] > c.end[i]) c.first[i] = c.end[i];
+        for (size_t z = c.first[i]; z < c.end[i]; z++) {
+            const double at[3] = {((double)(i % n[0]) + 0.5) * step[0] - 0.5,
+                                  ((double)(i / n[0]) + 0.5) * step[1] - 0.5,
+                                  ((double)z + 0.5) * step[2] - 0.5};
+            c.full[z * plane_of(&c) + i] = trilinear(from, at);
+        }
+    }
+    return c;
+}
+
+/* The map of `c` as one of `from`, which shows the same scan: bilinear. */
+static float *map_back(const wall_case *from, const wall_case *c, const float *map) {
+    float *out = calloc(plane_of(from), sizeof *out);
+    assert_non_null(out);
+    for (size_t i = 0; i < plane_of(from); i++) {
+        const double x = ((double)(i % from->nx) + 0.5) * c->nx / from->nx - 0.5,
+                     y = ((double)(i / from->nx) + 0.5) * c->ny / from->ny - 0.5;
+        const double u = fmin(fmax(x, 0.0), c->nx - 1.0), v = fmin(fmax(y, 0.0), c->ny - 1.0);
+        const size_t left = (size_t)u, right = left + 1 < c->nx ? left + 1 : left;
+        const float *top = map + (size_t)v * c->nx;
+        const float *bottom = (size_t)v + 1 < c->ny ? top + c->nx : top;
+        const double s = u - (double)left, t = v - floor(v);
+        const double depth = (1.0 - t) * ((1.0 - s) * (double)top[left] + s * (double)top[right]) +
+                             t * ((1.0 - s) * (double)bottom[left] + s * (double)bottom[right]);
+        if (depth > 0.0) out[i] = (float)((depth + 0.5) * from->nz / c->nz - 0.5);
+    }
+    return out;
+}
+
+/* Lengths are in mm: other voxels of the same scan, and voxels of unequal sides, give as good a surface. The
+ * last two are not held to that: their blocks are a quarter wider than 2 mm, and docs/surface.md has what
+ * they cost. */
+static void test_sizes(void **state) {
+    static const struct {
+        uint32_t n[3];
+        bool held;
+    } sizes[] = {{{128, 128, 192}, true}, {{128, 128, 193}, true}, {{133, 133, 133}, true},
+                 {{192, 160, 128}, true}, {{256, 256, 256}, true}, {{96, 96, 96}, false},
+                 {{100, 144, 240}, false}};
+    const double base = error_unchanged(*state);
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        const uint32_t *n = sizes[k].n;
+        double sum = 0.0;
+        for (int i = 0; i < CASES; i++) {
+            wall_case c = resampled(&cases[i], n);
+            float *map = map_of(*state, &c, SV_NO_PADDING, true);
+            float *back = map_back(&cases[i], &c, map);
+            sum += error_of(&cases[i], back) / CASES;
+            free(back);
+            free(map);
+            wall_case_free(&c);
+        }
+        print_message("%u x %u x %u voxels: %.3f slices, %.3f as they are\n", n[0], n[1], n[2], sum, base);
+        if (sizes[k].held) assert_true(sum <= 1.25 * base);
+    }
+}
+
 static bool read_cases(const char *folder, hs_error *err) {
     for (int n = 0; n < CASES; n++)
         if (folder ? !wall_case_read(folder, names[n], &cases[n], err)
@@ -273,9 +369,9 @@ static bool read_cases(const char *folder, hs_error *err) {
 }
 
 int main(int argc, char **argv) {
-    const struct CMUnitTest tests[] = {RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_moved_sideways),
-                                       RIG_TEST(test_room_in_front), RIG_TEST(test_ranges_are_padding),
-                                       RIG_TEST(test_grey_levels)};
+    const struct CMUnitTest tests[] = {
+        RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_moved_sideways), RIG_TEST(test_room_in_front),
+        RIG_TEST(test_ranges_are_padding),      RIG_TEST(test_grey_levels),    RIG_TEST(test_sizes)};
     hs_error err = {0};
     if (!read_cases(argc > 1 ? argv[1] : NULL, &err)) {
         (void)fprintf(stderr, "%s\n", err.text);
