@@ -64,7 +64,7 @@ static sv_cost_layout layout_of(const sv_map *m) {
 
 /* Rows of cells that a work item takes one after the other: the more, the fewer rows of rays are made twice,
  * but some work items have little to do. */
-enum { BANDS_PER_UNIT = 4 };
+enum { BANDS_PER_UNIT = 2 };
 static uint32_t band_rows(const sv_map *m, const sv_cost_layout *l) {
     const uint32_t wanted = m->queue->device->compute_units * BANDS_PER_UNIT;
     return (l->cells_y + wanted - 1) / wanted;
