@@ -37,14 +37,14 @@ bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *gl
 bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, cl_event *event,
                      hs_error *err) {
     static const size_t one[3] = {1, 1, 1};
-    return hs_launch_run(launch, dimensions, global, launch->cl->lanes > 1 ? one : NULL, event, err);
+    return hs_launch_run(launch, dimensions, global, launch->cl->is_cpu ? one : NULL, event, err);
 }
 
 bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err) {
     static const size_t group[3] = {1, ROWS_OF_GROUP, 1};
     const size_t x = (size_t)dims.s[0], y = (size_t)dims.s[1], z = (size_t)dims.s[2];
     const size_t rows[3] = {1, (y + ROWS_OF_GROUP - 1) / ROWS_OF_GROUP * ROWS_OF_GROUP, z};
-    if (launch->cl->lanes == 1) return hs_launch_run(launch, 3, (const size_t[]){x, y, z}, NULL, NULL, err);
+    if (launch->cl->lanes == 1) return hs_launch_items(launch, 3, (const size_t[]){x, y, z}, NULL, err);
     return hs_launch_run(launch, 3, rows, group, NULL, err);
 }
 
