@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The family of wrong plugins (tests/wrong) against host_sim run. Guarded, none of them crashes or hangs the host, and
 # there always is a picture; in both modes a frame that failed is rendered unclipped. Unguarded, the plugins run of which
-# the guarded host notices something: the others take the same way in both modes. Called with the source and the build
-# folder.
+# the host itself notices something: the others take the same way in both modes, and those that only the guard ends would end
+# the host. Called with the source and the build folder.
 set -u
 build=$2
 table=$(mktemp)
@@ -11,7 +11,8 @@ trap 'rm -f "$table"' EXIT
 # The sanitizers' own handlers would turn a crash into an exit.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:handle_segv=0:handle_abort=0:handle_sigfpe=0:handle_sigbus=0:detect_leaks=0"
 "$1/scripts/wrong_table.sh" --tsv guard "$build" > "$table"
-mapfile -t noticed < <(grep -vP '\tguard\t0\tclipped\t' "$table" | cut -f 1)
+mapfile -t noticed < <(grep -vP '\tguard\t0\tclipped\t' "$table" |
+    grep -vE 'crashed: SIG|aborted in|left by exit|ran out of time|took more than' | cut -f 1)
 "$1/scripts/wrong_table.sh" --tsv no-guard "$build" "${noticed[@]}" >> "$table"
 failed=0
 complain() {
@@ -21,7 +22,7 @@ complain() {
 
 ids=$(grep -c '^    WRONG(' "$1/tests/wrong/wrong_list.h")
 [ "$(wc -l < "$table")" -eq $((ids + ${#noticed[@]})) ] || complain "$(wc -l < "$table") lines for $ids plugins, ${#noticed[@]} noticed"
-[ ${#noticed[@]} -ge 30 ] || complain "only ${#noticed[@]} plugins are noticed"
+[ ${#noticed[@]} -ge 20 ] || complain "only ${#noticed[@]} plugins are noticed"
 [ "$ids" -ge 40 ] || complain "only $ids plugins"
 
 while IFS=$(printf '\t') read -r id mode code picture reason; do

@@ -74,7 +74,7 @@ static double distance_of(const body *b, const double p[3]) {
 static double share_of(const body *b, const double p[3], double spacing) {
     const double edge = b->shape->edge * spacing, d = distance_of(b, p);
     if (edge > 0.0) return fmin(fmax(0.5 - d / edge, 0.0), 1.0);
-    if (b->shape->edge >= LIT_BINARY || fabs(d) > 2.0 * spacing) return d <= 0.0;
+    if (b->shape->edge >= LIT_BINARY || fabs(d) > spacing) return d <= 0.0;
     int inside = 0;
     for (int i = 0; i < PARTS * PARTS * PARTS; i++) {
         const int part[3] = {i % PARTS, i / PARTS % PARTS, i / PARTS / PARTS};
