@@ -29,9 +29,9 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .aside_mm = 5.0,
                               .around_mm = 4.0,
                               .doubt = 4.2,
-                              .wall_share = 0.05,
+                              .wall_share = 0.12,
                               .fetus_share = 0.05,
-                              .assumed_wall = 1.5,
+                              .assumed_wall = 0.6,
                               .assumed_spread = 0.5};
 }
 
