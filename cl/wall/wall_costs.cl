@@ -107,7 +107,8 @@ static void find_in_run(rays_t *r, const layers_t *s) {
  * whose fluid is behind the layer. */
 static u16l wrong_at(const sv_wall_layout *l, const rays_t *r, const layers_t *s, uint z, u16l later) {
     const i16l at = (i16l)((short)z);
-    u16l cost = share_of_cost(l->cut, s->begun[z]) + share_of_cost(l->left, later);
+    u16l cost = share_of_cost(l->left, later);
+    if (z > 0) cost += share_of_cost(l->cut, s->begun[z]); /* nothing is cut before the first layer */
     const uint skin = z + l->skin;
     if (skin < l->layers) {
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));

@@ -75,7 +75,8 @@ static void add_up(const sv_wall_layout *l, const ray_facts *f, uint32_t *away, 
         const uint32_t far = f->distance[z] < l->far ? f->distance[z] : l->far;
         const uint32_t cost = (far * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
         away[z] = cost < SV_WALL_ONE ? cost : SV_WALL_ONE;
-        wrong[z] = share(l->cut, f->begun[z]) + share(l->left, f->later[z]);
+        wrong[z] = share(l->left, f->later[z]);
+        if (z > 0) wrong[z] += share(l->cut, f->begun[z]); /* nothing is cut before the first layer */
         if (f->first.touches && z < f->first.end) {
             const uint32_t skin = z + l->skin < f->first.end ? z + l->skin : f->first.end - 1;
             wrong[z] += share(l->left, f->begun[f->first.end - 1] - f->begun[skin]);
