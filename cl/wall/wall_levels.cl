@@ -99,7 +99,8 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
     const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
     info[INFO_TISSUE] = threshold + way * l.tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
     info[INFO_BRIGHT] = bright;
-    info[INFO_OUTCOME] = is_shallow(&l, histogram, threshold) ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
+    info[INFO_SHALLOW] = is_shallow(&l, histogram, threshold);
+    info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
@@ -155,6 +156,8 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
         spread = max(spread, SV_WALL_SPREAD_LEAST);
     }
     info[INFO_WALL_RAYS] = wall_rays;
+    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;
+    if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
     const int from = odds(tables, wall);
     for (uint i = 0; i < 256; i++) {
         const int more = odds(tables, i * SV_WALL_LEVEL_ONE) - from;

@@ -77,9 +77,8 @@ uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *lev
     return levels->threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
 }
 
-sv_wall_outcome sv_wall_outcome_of(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    if (!levels->two) return SV_WALL_EMPTY;
-    return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
+bool sv_wall_is_shallow(const sv_wall_layout *l, const sv_wall_levels *levels) {
+    return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley;
 }
 
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {
