@@ -47,7 +47,7 @@ enum {
 };
 enum { FETUS = HISTOGRAMS }; /* sums of rows of rays */
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 519 };
+enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 520 };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
