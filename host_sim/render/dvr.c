@@ -23,13 +23,9 @@ typedef struct {
 static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
     if (!hs_dvr_check_settings(settings, err)) return false;
     dvr->settings = *settings;
-    cl_int code = CL_SUCCESS;
-    dvr->render = clCreateKernel(dvr->cl->program, "render_volume", &code);
-    if (!hs_cl_check(code, "clCreateKernel(render_volume)", err)) return false;
-    dvr->mip = clCreateKernel(dvr->cl->program, "project_maximum", &code);
-    if (!hs_cl_check(code, "clCreateKernel(project_maximum)", err)) return false;
-    if (settings->look == HS_LOOK_LIT) dvr->lit = clCreateKernel(dvr->cl->program, HS_DVR_LIT_KERNEL, &code);
-    return hs_cl_check(code, "clCreateKernel(" HS_DVR_LIT_KERNEL ")", err);
+    return hs_cl_take_kernel(dvr->cl, "render_volume", &dvr->render, err) &&
+           hs_cl_take_kernel(dvr->cl, "project_maximum", &dvr->mip, err) &&
+           (settings->look != HS_LOOK_LIT || hs_cl_take_kernel(dvr->cl, HS_DVR_LIT_KERNEL, &dvr->lit, err));
 }
 
 hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {

@@ -81,23 +81,17 @@ static size_t count_of(cl_int4 dims) {
 }
 
 /* Trilinear lookups read a byte behind the last voxel of a row (base_rays.cl): one more. */
-static bool take_buffer(hs_lit_volume *lit, cl_mem *buffer, cl_int4 dims, const char *call, hs_error *err) {
-    cl_int code = CL_SUCCESS;
-    if (!*buffer)
-        *buffer = clCreateBuffer(lit->cl->context, CL_MEM_READ_WRITE, count_of(dims) + 1, NULL, &code);
-    return hs_cl_check(code, call, err);
+static bool take_buffer(hs_lit_volume *lit, cl_mem *buffer, cl_int4 dims, const char *what, hs_error *err) {
+    return hs_cl_take_buffer(lit->cl, count_of(dims) + 1, what, buffer, err);
 }
 
 static bool take_memory(hs_lit_volume *lit, hs_error *err) {
-    for (int i = 0; i < STEPS; i++) {
-        cl_int code = CL_SUCCESS;
-        if (!lit->kernel[i]) lit->kernel[i] = clCreateKernel(lit->cl->program, kernel_names[i], &code);
-        if (!hs_cl_check(code, "clCreateKernel(lit volume)", err)) return false;
-    }
+    for (int i = 0; i < STEPS; i++)
+        if (!hs_cl_take_kernel(lit->cl, kernel_names[i], &lit->kernel[i], err)) return false;
     hs_lit_view *v = &lit->view;
-    return take_buffer(lit, &lit->between, v->dims, "clCreateBuffer(volume smoothed once)", err) &&
-           take_buffer(lit, &v->smooth, v->dims, "clCreateBuffer(smoothed volume)", err) &&
-           take_buffer(lit, &v->opacity, v->cells, "clCreateBuffer(opacities)", err);
+    return take_buffer(lit, &lit->between, v->dims, "volume smoothed once", err) &&
+           take_buffer(lit, &v->smooth, v->dims, "smoothed volume", err) &&
+           take_buffer(lit, &v->opacity, v->cells, "opacities", err);
 }
 
 static hs_launch begin(const hs_lit_volume *lit, step which, cl_mem from, const cl_int4 *dims) {

@@ -41,22 +41,17 @@ void hs_scan_share_destroy(hs_scan_share *share) {
 }
 
 /* Trilinear lookups read a byte behind the last cube of a row (base_rays.cl): one more. */
-static bool take_buffer(hs_scan_share *share, cl_mem *buffer, const char *call, hs_error *err) {
+static bool take_buffer(hs_scan_share *share, cl_mem *buffer, const char *what, hs_error *err) {
     const cl_int *n = share->view.dims.s;
     const size_t bytes = (size_t)n[0] * (size_t)n[1] * (size_t)n[2] + 1;
-    cl_int code = CL_SUCCESS;
-    if (!*buffer) *buffer = clCreateBuffer(share->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    return hs_cl_check(code, call, err);
+    return hs_cl_take_buffer(share->cl, bytes, what, buffer, err);
 }
 
 static bool take_memory(hs_scan_share *share, hs_error *err) {
-    for (int i = 0; i < STEPS; i++) {
-        cl_int code = CL_SUCCESS;
-        if (!share->kernel[i]) share->kernel[i] = clCreateKernel(share->cl->program, kernel_names[i], &code);
-        if (!hs_cl_check(code, "clCreateKernel(share of the scan)", err)) return false;
-    }
-    return take_buffer(share, &share->between, "clCreateBuffer(share of the scan smoothed once)", err) &&
-           take_buffer(share, &share->view.scanned, "clCreateBuffer(share of the scan)", err);
+    for (int i = 0; i < STEPS; i++)
+        if (!hs_cl_take_kernel(share->cl, kernel_names[i], &share->kernel[i], err)) return false;
+    return take_buffer(share, &share->between, "share of the scan smoothed once", err) &&
+           take_buffer(share, &share->view.scanned, "share of the scan", err);
 }
 
 static bool smooth_once(hs_scan_share *share, cl_mem from, cl_mem to, hs_error *err) {
