@@ -201,6 +201,11 @@ bool hs_cl_take_buffer(const hs_cl *cl, size_t bytes, const char *what, cl_mem *
     return check_object(code, "clCreateBuffer", what, err);
 }
 
+bool hs_cl_take_voxels(const hs_cl *cl, cl_int4 dims, const char *what, cl_mem *buffer, hs_error *err) {
+    const size_t bytes = (size_t)dims.s[0] * (size_t)dims.s[1] * (size_t)dims.s[2] + 1;
+    return hs_cl_take_buffer(cl, bytes, what, buffer, err);
+}
+
 bool hs_cl_check_size(cl_mem buffer, uint64_t bytes, const char *what, hs_error *err) {
     size_t size = 0;
     cl_int code = clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof size, &size, NULL);
