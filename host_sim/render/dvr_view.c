@@ -68,13 +68,14 @@ bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, cons
     return true;
 }
 
-void hs_launch_transfer(hs_launch *launch, const hs_dvr_settings *s) {
-    const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
-    const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
-    const float gain = s->exposure;
-    const cl_float4 skin = {{gain * s->skin[0], gain * s->skin[1], gain * s->skin[2], 0.0f}};
-    hs_launch_arg(launch, sizeof window, &window);
-    hs_launch_arg(launch, sizeof skin, &skin);
+void hs_launch_view(hs_launch *launch, const hs_ray_view *v) {
+    hs_launch_arg(launch, sizeof v->dims, &v->dims);
+    hs_launch_buffer(launch, v->maxima);
+    hs_launch_arg(launch, sizeof v->bricks, &v->bricks);
+    hs_launch_arg(launch, sizeof v->origin, &v->origin);
+    hs_launch_arg(launch, sizeof v->dx, &v->dx);
+    hs_launch_arg(launch, sizeof v->dy, &v->dy);
+    hs_launch_arg(launch, sizeof v->dn, &v->dn);
 }
 
 /*
