@@ -88,15 +88,11 @@ static void close_bench(bench *b) {
 /* Enqueues the picture from the probe's grid. */
 static bool render_probe(const bench *b, const hs_dvr_settings *s, const hs_camera *camera, bool clipped,
                          hs_error *err) {
-    const hs_device_view view = hs_device_volume_view(b->volume);
-    const hs_beams_view beams = hs_device_beams_view(view.beams);
+    const hs_beams_view beams = hs_device_beams_view(hs_device_volume_view(b->volume).beams);
     const double edge = b->copy.spacing[0];
-    hs_brick_view bricks;
     hs_ray_view v;
     cl_float4 to_mm = {{0.0f, 0.0f, 0.0f, (cl_float)edge}};
-    if (!hs_device_volume_bricks(b->volume, &bricks, err) ||
-        !hs_ray_view_of(s, &view, &bricks, camera, &v, err))
-        return false;
+    if (!hs_ray_view_of(s, b->volume, camera, &v, err)) return false;
     for (int k = 0; k < 3; k++) to_mm.s[k] = (cl_float)(beams.shape.corner[k] + 0.5 * edge);
     hs_launch launch = hs_launch_begin(b->cl, b->kernel, HS_DVR_THESIS_KERNEL);
     hs_launch_beams(&launch, &beams);

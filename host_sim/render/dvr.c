@@ -74,11 +74,7 @@ static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_
                           const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                           hs_error *err) {
     hs_ray_view v;
-    const hs_device_view view = hs_device_volume_view(source);
-    hs_brick_view bricks;
-    if (!hs_device_volume_bricks(source, &bricks, err) ||
-        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
-        return false;
+    if (!hs_ray_view_of(&dvr->settings, source, camera, &v, err)) return false;
     hs_launch launch = hs_launch_begin(dvr->cl, dvr->render, HS_DVR_THESIS_KERNEL);
     hs_launch_buffer(&launch, v.voxels);
     hs_dvr_thesis_arguments(&launch, &dvr->settings, &v, depths, rgba, termination);
@@ -105,11 +101,7 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
     const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
     hs_ray_view v;
-    const hs_device_view view = hs_device_volume_view(source);
-    hs_brick_view bricks;
-    if (!hs_device_volume_bricks(source, &bricks, err) ||
-        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
-        return false;
+    if (!hs_ray_view_of(&dvr->settings, source, camera, &v, err)) return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
     hs_launch launch = hs_launch_begin(dvr->cl, dvr->mip, "project_maximum");
     hs_launch_buffer(&launch, v.voxels);

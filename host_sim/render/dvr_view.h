@@ -34,9 +34,10 @@ typedef struct {
     double slices; /* source slices along the box' depth */
 } hs_ray_view;
 
-/* HS_ERR_INPUT: more than HS_DVR_MAX_STEPS. */
-bool hs_ray_view_of(const hs_dvr_settings *settings, const hs_device_view *source,
-                    const hs_brick_view *bricks, const hs_camera *camera, hs_ray_view *out, hs_error *err);
+/* Enqueues the volume's brick maxima if they are not there. HS_ERR_INPUT (more than HS_DVR_MAX_STEPS) or
+ * HS_ERR_DEVICE. */
+bool hs_ray_view_of(const hs_dvr_settings *settings, const hs_device_volume *source, const hs_camera *camera,
+                    hs_ray_view *out, hs_error *err);
 
 /* The next seven arguments of a kernel: the view but for what is sampled, as render_volume has it
  * (cl/dvr.cl).
