@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define SOURCE_VOXELS 3.0 /* an edge of a low-resolution voxel, as in the scan loop */
 #define SLAB_SLICES   16u
@@ -50,15 +49,13 @@ static bool finish(const bench *b, hs_error *err) {
     return hs_cl_check(clFinish(b->setup->cl->queue), "clFinish (benchmark)", err);
 }
 
-/* Wall clock, and processor time of all threads, which other load on the machine hardly changes. */
+/* Wall clock, and processor time of all threads; milliseconds. */
 typedef struct {
     double wall, processor;
 } moment;
 
 static moment now(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (moment){hs_now() * 1e3, (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6};
+    return (moment){hs_now() * 1e3, bench_processor_ms()};
 }
 
 static moment since(moment begin) {
