@@ -7,8 +7,8 @@
 
 #include <stdint.h>
 
-/* Processor time of all threads so far, milliseconds: other load on the machine hardly changes what is spent.
- */
+/* Processor time of all threads so far, milliseconds: other load on the machine
+ * hardly changes what is spent. */
 double bench_processor_ms(void);
 
 typedef struct {

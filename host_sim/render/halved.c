@@ -41,8 +41,8 @@ void hs_halved_expire(hs_halved *halved) {
     halved->fresh = false;
 }
 
-/* Lookups read the next voxel along every axis, even of the last voxel, whose neighbours then do not count.
- */
+/* Lookups read the next voxel along every axis, even of the last voxel, whose
+ * neighbours then do not count. */
 static size_t bytes_of(cl_int4 dims, cl_int border) {
     size_t n[3];
     for (int k = 0; k < 3; k++) n[k] = (size_t)dims.s[k] + 2 * (size_t)border;
