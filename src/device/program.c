@@ -6,6 +6,7 @@
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The build log goes to the host's log whole; the error keeps its beginning. */
 static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program program, cl_int code) {
@@ -38,23 +39,56 @@ static sv_status create_kernels(sv_diag *diag, sv_program *p) {
     return SV_OK;
 }
 
-/* Compiles one source with the options every program has, then `own`. */
+static cl_program find_build(const sv_builds *builds, const unsigned char *source, const char *options) {
+    for (uint32_t i = 0; builds && i < builds->count; i++)
+        if (builds->of[i].source == source && strcmp(builds->of[i].options, options) == 0)
+            return builds->of[i].program;
+    return NULL;
+}
+
+/* One more program, if there is room: a program that is not kept is compiled again. */
+static sv_status keep_build(sv_diag *diag, sv_builds *builds, const unsigned char *source,
+                            const char *options, cl_program program) {
+    if (!builds || builds->count == SV_MOST_BUILDS) return SV_OK;
+    const sv_status status = sv_clx_check(diag, clRetainProgram(program), "clRetainProgram");
+    if (status != SV_OK) return status;
+    sv_build *b = &builds->of[builds->count++];
+    b->source = source;
+    b->program = program;
+    (void)snprintf(b->options, sizeof b->options, "%s", options);
+    return SV_OK;
+}
+
+void sv_builds_release(sv_builds *builds) {
+    for (uint32_t i = 0; i < builds->count; i++) (void)clReleaseProgram(builds->of[i].program);
+    builds->count = 0;
+}
+
+/* Compiles one source with the options every program has, then `own`; or takes what was compiled so before.
+ */
 static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
                          const char *own, cl_program *out) {
     bool exactly = false;
-    const sv_status status = divides_exactly(diag, device, &exactly);
+    sv_status status = divides_exactly(diag, device, &exactly);
     if (status != SV_OK) return status;
-    char options[256];
+    char options[SV_MOST_OPTIONS];
     const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2%s %s",
                                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own);
     assert(wanted > 0 && (size_t)wanted < sizeof options);
     (void)wanted;
+    cl_program built = find_build(device->builds, source, options);
+    if (built) {
+        status = sv_clx_check(diag, clRetainProgram(built), "clRetainProgram");
+        if (status == SV_OK) *out = built;
+        return status;
+    }
     const char *text = (const char *)source;
     cl_int code = CL_SUCCESS;
     *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
     code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
-    return code == CL_SUCCESS ? SV_OK : report_build(diag, device, *out, code);
+    if (code != CL_SUCCESS) return report_build(diag, device, *out, code);
+    return keep_build(diag, device->builds, source, options, *out);
 }
 
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,

@@ -6,6 +6,22 @@
 
 #include "device/device.h"
 
+/* The programs that one activation has compiled, so that its self-tests and its pipeline make their kernels
+ * of the same ones: even a driver that keeps compiled kernels reads a source anew for every program. */
+enum { SV_MOST_BUILDS = 8, SV_MOST_OPTIONS = 256 };
+typedef struct {
+    const unsigned char *source;
+    cl_program program;
+    char options[SV_MOST_OPTIONS];
+} sv_build;
+struct sv_builds {
+    sv_build of[SV_MOST_BUILDS];
+    uint32_t count;
+};
+
+/* Lets go of the programs; their kernels stay. Safe on a zeroed struct. */
+void sv_builds_release(sv_builds *builds);
+
 /* Every kernel by its name in cl/. */
 #define SV_KERNELS(X)                                                                                        \
     X(scanned_planes)                                                                                        \

@@ -98,6 +98,7 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
         &in->timing, &in->diag, 2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
     if (status == SV_OK)
         status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
+    in->device.builds = &in->builds;
     if (status == SV_OK) status = sv_pipeline_check_memory(&in->diag, &in->device, &config);
     if (status == SV_OK) status = build_kernels(in, &config);
     if (status == SV_OK)
@@ -108,6 +109,8 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
                                     sv_map_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
     if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline, values);
     if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
+    sv_builds_release(&in->builds);
+    in->device.builds = NULL;
     if (status != SV_OK)
         sv_instance_deactivate(in);
     else

@@ -110,10 +110,12 @@ cl_kernel clCreateKernel(cl_program program, const char *name, cl_int *errcode) 
     return real(a ? a->stands_for : program, name, errcode);
 }
 
-/* A later program may lie at the same address. (Nobody but the one who made an alias retains it.) */
+/* After the last release a later program may lie at the same address. */
 cl_int clReleaseProgram(cl_program program) {
     REAL(clReleaseProgram);
     alias *a = alias_of(program);
-    if (a) *a = (alias){NULL, NULL};
+    cl_uint references = 0;
+    if (a) (void)clGetProgramInfo(program, CL_PROGRAM_REFERENCE_COUNT, sizeof references, &references, NULL);
+    if (a && references <= 1) *a = (alias){NULL, NULL};
     return real(program);
 }
