@@ -29,10 +29,10 @@ static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *e
     return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
 }
 
-static sv_status create_kernels(sv_diag *diag, sv_program *p) {
+static sv_status create_kernels(sv_diag *diag, cl_program program, sv_program *p) {
     cl_int code = CL_SUCCESS;
 #define SV_KERNEL_CREATE(name)                                                                               \
-    p->name = clCreateKernel(p->program, #name, &code);                                                      \
+    p->name = clCreateKernel(program, #name, &code);                                                         \
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateKernel(" #name ")");
     SV_KERNELS(SV_KERNEL_CREATE)
 #undef SV_KERNEL_CREATE
@@ -46,17 +46,15 @@ static cl_program find_build(const sv_builds *builds, const unsigned char *sourc
     return NULL;
 }
 
-/* One more program, if there is room: a program that is not kept is compiled again. */
-static sv_status keep_build(sv_diag *diag, sv_builds *builds, const unsigned char *source,
-                            const char *options, cl_program program) {
-    if (!builds || builds->count == SV_MOST_BUILDS) return SV_OK;
-    const sv_status status = sv_clx_check(diag, clRetainProgram(program), "clRetainProgram");
-    if (status != SV_OK) return status;
+/* False if there is no room: such a program is compiled again. */
+static bool keep_build(sv_builds *builds, const unsigned char *source, const char *options,
+                       cl_program program) {
+    if (!builds || builds->count == SV_MOST_BUILDS) return false;
     sv_build *b = &builds->of[builds->count++];
     b->source = source;
     b->program = program;
     (void)snprintf(b->options, sizeof b->options, "%s", options);
-    return SV_OK;
+    return true;
 }
 
 void sv_builds_release(sv_builds *builds) {
@@ -65,30 +63,28 @@ void sv_builds_release(sv_builds *builds) {
 }
 
 /* Compiles one source with the options every program has, then `own`; or takes what was compiled so before.
- */
+ * Only if `*kept` is false the caller has to release it: kernels keep their program. */
 static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
-                         const char *own, cl_program *out) {
+                         const char *own, cl_program *out, bool *kept) {
     bool exactly = false;
-    sv_status status = divides_exactly(diag, device, &exactly);
+    const sv_status status = divides_exactly(diag, device, &exactly);
     if (status != SV_OK) return status;
     char options[SV_MOST_OPTIONS];
     const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2%s %s",
                                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own);
     assert(wanted > 0 && (size_t)wanted < sizeof options);
     (void)wanted;
-    cl_program built = find_build(device->builds, source, options);
-    if (built) {
-        status = sv_clx_check(diag, clRetainProgram(built), "clRetainProgram");
-        if (status == SV_OK) *out = built;
-        return status;
-    }
+    *out = find_build(device->builds, source, options);
+    *kept = *out != NULL;
+    if (*kept) return SV_OK;
     const char *text = (const char *)source;
     cl_int code = CL_SUCCESS;
     *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
     code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
     if (code != CL_SUCCESS) return report_build(diag, device, *out, code);
-    return keep_build(diag, device->builds, source, options, *out);
+    *kept = keep_build(device->builds, source, options, *out);
+    return SV_OK;
 }
 
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
@@ -100,8 +96,12 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
                    "-DSV_HALF_SUMS=%d -DSV_FETCH_AHEAD=%d",
                    structure->substeps, structure->strip, structure->padded, structure->ranged,
                    structure->wide_sums, structure->half_sums, structure->fetch_ahead);
-    sv_status status = compile(diag, device, sv_kernels_frame, sv_kernels_frame_size, options, &out->program);
-    if (status == SV_OK) status = create_kernels(diag, out);
+    cl_program program = NULL;
+    bool kept = false;
+    sv_status status =
+        compile(diag, device, sv_kernels_frame, sv_kernels_frame_size, options, &program, &kept);
+    if (status == SV_OK) status = create_kernels(diag, program, out);
+    if (program && !kept) (void)clReleaseProgram(program);
     if (status != SV_OK) sv_program_release(out);
     return status;
 }
@@ -111,7 +111,6 @@ void sv_program_release(sv_program *program) {
     if (program->name) (void)clReleaseKernel(program->name);
     SV_KERNELS(SV_KERNEL_RELEASE)
 #undef SV_KERNEL_RELEASE
-    if (program->program) (void)clReleaseProgram(program->program);
     *program = (sv_program){0};
 }
 
@@ -119,12 +118,15 @@ sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsi
                               size_t source_size, const char *const *names, const char *options,
                               sv_kernel_set *out) {
     *out = (sv_kernel_set){0};
-    sv_status status = compile(diag, device, source, source_size, options, &out->program);
+    cl_program program = NULL;
+    bool kept = false;
+    sv_status status = compile(diag, device, source, source_size, options, &program, &kept);
     for (uint32_t i = 0; status == SV_OK && names[i]; i++) {
         cl_int code = CL_SUCCESS;
-        out->kernel[i] = clCreateKernel(out->program, names[i], &code);
+        out->kernel[i] = clCreateKernel(program, names[i], &code);
         status = sv_clx_check(diag, code, names[i]);
     }
+    if (program && !kept) (void)clReleaseProgram(program);
     if (status != SV_OK) sv_kernel_set_release(out);
     return status;
 }
@@ -132,6 +134,5 @@ sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsi
 void sv_kernel_set_release(sv_kernel_set *set) {
     for (uint32_t i = 0; i < SV_MAX_METHOD_KERNELS; i++)
         if (set->kernel[i]) (void)clReleaseKernel(set->kernel[i]);
-    if (set->program) (void)clReleaseProgram(set->program);
     *set = (sv_kernel_set){0};
 }

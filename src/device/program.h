@@ -41,7 +41,6 @@ void sv_builds_release(sv_builds *builds);
     X(blend)
 
 typedef struct {
-    cl_program program;
 #define SV_KERNEL_FIELD(name) cl_kernel name;
     SV_KERNELS(SV_KERNEL_FIELD)
 #undef SV_KERNEL_FIELD
@@ -50,7 +49,6 @@ typedef struct {
 /* Kernels of a program of its own, by their place in its list of names. */
 #define SV_MAX_METHOD_KERNELS 16
 typedef struct {
-    cl_program program;
     cl_kernel kernel[SV_MAX_METHOD_KERNELS];
 } sv_kernel_set;
 
