@@ -2,6 +2,7 @@
 #include "device/program.h"
 
 #include "kernels_frame.h"
+#include "kernels_profile.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -29,15 +30,22 @@ static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *e
     return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
 }
 
-static sv_status create_kernels(sv_diag *diag, cl_program program, sv_program *p) {
-    cl_int code = CL_SUCCESS;
 #define SV_KERNEL_CREATE(name)                                                                               \
     p->name = clCreateKernel(program, #name, &code);                                                         \
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateKernel(" #name ")");
-    SV_KERNELS(SV_KERNEL_CREATE)
-#undef SV_KERNEL_CREATE
+
+static sv_status create_profile_kernels(sv_diag *diag, cl_program program, sv_program *p) {
+    cl_int code = CL_SUCCESS;
+    SV_PROFILE_KERNELS(SV_KERNEL_CREATE)
     return SV_OK;
 }
+
+static sv_status create_frame_kernels(sv_diag *diag, cl_program program, sv_program *p) {
+    cl_int code = CL_SUCCESS;
+    SV_FRAME_KERNELS(SV_KERNEL_CREATE)
+    return SV_OK;
+}
+#undef SV_KERNEL_CREATE
 
 static cl_program find_build(const sv_builds *builds, const unsigned char *source, const char *options) {
     for (uint32_t i = 0; builds && i < builds->count; i++)
@@ -87,21 +95,33 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
     return SV_OK;
 }
 
+typedef sv_status create_kernels(sv_diag *diag, cl_program program, sv_program *out);
+
+static sv_status build_part(sv_diag *diag, const sv_device *device, const unsigned char *source,
+                            size_t length, const char *options, create_kernels *create, sv_program *out) {
+    cl_program program = NULL;
+    bool kept = false;
+    sv_status status = compile(diag, device, source, length, options, &program, &kept);
+    if (status == SV_OK) status = create(diag, program, out);
+    if (program && !kept) (void)clReleaseProgram(program);
+    return status;
+}
+
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
                            sv_program *out) {
     *out = (sv_program){0};
     char options[128];
     (void)snprintf(options, sizeof options,
-                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_WIDE_SUMS=%d "
-                   "-DSV_HALF_SUMS=%d -DSV_FETCH_AHEAD=%d",
+                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_FETCH_AHEAD=%d",
                    structure->substeps, structure->strip, structure->padded, structure->ranged,
-                   structure->wide_sums, structure->half_sums, structure->fetch_ahead);
-    cl_program program = NULL;
-    bool kept = false;
-    sv_status status =
-        compile(diag, device, sv_kernels_frame, sv_kernels_frame_size, options, &program, &kept);
-    if (status == SV_OK) status = create_kernels(diag, program, out);
-    if (program && !kept) (void)clReleaseProgram(program);
+                   structure->fetch_ahead);
+    sv_status status = build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
+                                  create_profile_kernels, out);
+    (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_WIDE_SUMS=%d -DSV_HALF_SUMS=%d",
+                   structure->substeps, structure->wide_sums, structure->half_sums);
+    if (status == SV_OK)
+        status = build_part(diag, device, sv_kernels_frame, sv_kernels_frame_size, options,
+                            create_frame_kernels, out);
     if (status != SV_OK) sv_program_release(out);
     return status;
 }

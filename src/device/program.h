@@ -22,11 +22,10 @@ struct sv_builds {
 /* Lets go of the programs; their kernels stay. Safe on a zeroed struct. */
 void sv_builds_release(sv_builds *builds);
 
-/* Every kernel by its name in cl/. */
-#define SV_KERNELS(X)                                                                                        \
-    X(scanned_planes)                                                                                        \
-    X(profile_strip)                                                                                         \
-    X(profile_rays)                                                                                          \
+/* Every kernel by its name in cl/: the ray profiles, a program of their own, and what every frame does with
+ * them. */
+#define SV_PROFILE_KERNELS(X) X(scanned_planes) X(profile_strip) X(profile_rays)
+#define SV_FRAME_KERNELS(X)                                                                                  \
     X(frame_end)                                                                                             \
     X(band_survey)                                                                                           \
     X(band_level)                                                                                            \
@@ -39,6 +38,7 @@ void sv_builds_release(sv_builds *builds);
     X(rays_columns)                                                                                          \
     X(rays_means)                                                                                            \
     X(blend)
+#define SV_KERNELS(X) SV_PROFILE_KERNELS(X) SV_FRAME_KERNELS(X)
 
 typedef struct {
 #define SV_KERNEL_FIELD(name) cl_kernel name;
