@@ -116,6 +116,13 @@ static bool take(int option, request *r, hs_error *err) {
     }
 }
 
+static bool is_command(const char *name) {
+    static const char *const commands[] = {"table", "reverse", "harm", "flicker", "page"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        if (strcmp(name, commands[i]) == 0) return true;
+    return false;
+}
+
 static bool parse(int argc, char **argv, request *r, hs_error *err) {
     *r = (request){.methods = {.plugin = SURF_PLUGIN}, .rounds = 4, .out = "out/sites"};
     opterr = 0;
@@ -124,6 +131,9 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     if (r->help) return true;
     if (optind + 1 != argc)
         return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - optind);
+    if (!is_command(argv[optind]))
+        return hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table, reverse, harm, flicker or page",
+                       argv[optind]);
     if (r->methods.count == 0) r->methods = site_methods_default(r->methods.plugin);
     const bool all_given = r->sites.count > 0 || strcmp(argv[optind], "flicker") == 0;
     return all_given || site_add_scenes(&r->sites, "201,0", err);
@@ -145,8 +155,7 @@ static bool run(const char *command, request *r, hs_error *err) {
     if (strcmp(command, "harm") == 0)
         return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
     if (strcmp(command, "flicker") == 0) return site_flicker(&r->sites, &r->methods, err);
-    if (strcmp(command, "page") == 0) return write_page(r, err);
-    return hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table, reverse, harm, flicker or page", command);
+    return write_page(r, err);
 }
 
 int main(int argc, char **argv) {

@@ -33,6 +33,7 @@ static const char help_text[] =
     "  --data DIR      also runs the volumes of this folder (.mha, .mhd, .vol), four at most\n"
     "  --plugin PATH   library to load, a path or a name [smartvis]\n"
     "  --quick         smaller scenes and fewer frames\n"
+    "  --picture N     every picture is N x N pixels, 64 .. 1024 [512]\n"
     "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
     "  --light AZ,EL   where the lamp of the lit look is, degrees: right, up [-35,40]\n"
     "%s"
@@ -49,6 +50,7 @@ typedef struct {
 typedef struct {
     const char *out, *data, *plugin;
     bool quick, help;
+    uint32_t picture;        /* its sides; 0: the default */
     hs_loop_options drawing; /* its renderer's look and lamp are the demo's */
     hs_guard_options guard;
     demo_case cases[MAX_CASES];
@@ -220,6 +222,7 @@ static bool run_case(demo *d, const demo_case *c, hs_error *err) {
     request.volumes = volumes;
     request.volume_count = c->scene ? 0 : 1;
     request.loop.frames = d->quick ? 10 : 30;
+    if (d->picture) request.loop.dvr.width = request.loop.dvr.height = request.panel_cell = d->picture;
     hs_print(stderr, "host_sim demo: %s ...\n", c->folder);
     if (!hs_path_join(d->out, c->folder, folder, sizeof folder, err) || !hs_path_make_folder(folder, err))
         return false;
@@ -289,15 +292,12 @@ static bool set_look(demo *d, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {
-    static const struct option options[] = {{"out", required_argument, NULL, 'o'},
-                                            {"data", required_argument, NULL, 'd'},
-                                            {"plugin", required_argument, NULL, 'p'},
-                                            {"quick", no_argument, NULL, 'q'},
-                                            {"look", required_argument, NULL, 'k'},
-                                            {"light", required_argument, NULL, 'l'},
-                                            HS_GUARD_OPTIONS,
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
+    static const struct option options[] = {
+        {"out", required_argument, NULL, 'o'},     {"data", required_argument, NULL, 'd'},
+        {"plugin", required_argument, NULL, 'p'},  {"quick", no_argument, NULL, 'q'},
+        {"picture", required_argument, NULL, 'i'}, {"look", required_argument, NULL, 'k'},
+        {"light", required_argument, NULL, 'l'},   HS_GUARD_OPTIONS,
+        {"help", no_argument, NULL, 'h'},          {0}};
     hs_loop_defaults(&d->drawing);
     hs_loop_for_pictures(&d->drawing, HS_LOOK_LIT);
     optind = 1;
@@ -320,6 +320,9 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
             break;
         case 'q':
             d->quick = true;
+            break;
+        case 'i':
+            if (!hs_cli_u32("--picture", optarg, 64, 1024, &d->picture, err)) return false;
             break;
         case 'k':
             if (!set_look(d, err)) return false;

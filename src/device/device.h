@@ -7,6 +7,8 @@
 
 #include <stdbool.h>
 
+typedef struct sv_builds sv_builds; /* device/program.h */
+
 /* The device the plugin works on. In own-queue mode context and queue are the plugin's and owned is true. */
 typedef struct {
     cl_context context;
@@ -19,6 +21,7 @@ typedef struct {
     cl_uint compute_units;
     cl_ulong memory;         /* CL_DEVICE_GLOBAL_MEM_SIZE, bytes */
     cl_ulong largest_buffer; /* CL_DEVICE_MAX_MEM_ALLOC_SIZE, bytes */
+    sv_builds *builds;       /* what was compiled for it so far, or NULL: nothing is kept */
 } sv_device;
 
 /* Uses the host's objects, or, if all are NULL, opens the first GPU, else the first device, with an in-order

@@ -2,10 +2,12 @@
 #include "device/program.h"
 
 #include "kernels_frame.h"
+#include "kernels_profile.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The build log goes to the host's log whole; the error keeps its beginning. */
 static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program program, cl_int code) {
@@ -28,33 +30,81 @@ static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *e
     return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
 }
 
-static sv_status create_kernels(sv_diag *diag, sv_program *p) {
-    cl_int code = CL_SUCCESS;
 #define SV_KERNEL_CREATE(name)                                                                               \
-    p->name = clCreateKernel(p->program, #name, &code);                                                      \
+    p->name = clCreateKernel(program, #name, &code);                                                         \
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateKernel(" #name ")");
-    SV_KERNELS(SV_KERNEL_CREATE)
-#undef SV_KERNEL_CREATE
+
+static sv_status create_profile_kernels(sv_diag *diag, cl_program program, sv_program *p) {
+    cl_int code = CL_SUCCESS;
+    SV_PROFILE_KERNELS(SV_KERNEL_CREATE)
     return SV_OK;
 }
 
-/* Compiles one source with the options every program has, then `own`. */
+static sv_status create_frame_kernels(sv_diag *diag, cl_program program, sv_program *p) {
+    cl_int code = CL_SUCCESS;
+    SV_FRAME_KERNELS(SV_KERNEL_CREATE)
+    return SV_OK;
+}
+#undef SV_KERNEL_CREATE
+
+static cl_program find_build(const sv_builds *builds, const unsigned char *source, const char *options) {
+    for (uint32_t i = 0; builds && i < builds->count; i++)
+        if (builds->of[i].source == source && strcmp(builds->of[i].options, options) == 0)
+            return builds->of[i].program;
+    return NULL;
+}
+
+/* False if there is no room: such a program is compiled again. */
+static bool keep_build(sv_builds *builds, const unsigned char *source, const char *options,
+                       cl_program program) {
+    if (!builds || builds->count == SV_MOST_BUILDS) return false;
+    sv_build *b = &builds->of[builds->count++];
+    b->source = source;
+    b->program = program;
+    (void)snprintf(b->options, sizeof b->options, "%s", options);
+    return true;
+}
+
+void sv_builds_release(sv_builds *builds) {
+    for (uint32_t i = 0; i < builds->count; i++) (void)clReleaseProgram(builds->of[i].program);
+    builds->count = 0;
+}
+
+/* Compiles one source with the options every program has, then `own`; or takes what was compiled so before.
+ * Only if `*kept` is false the caller has to release it: kernels keep their program. */
 static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned char *source, size_t length,
-                         const char *own, cl_program *out) {
+                         const char *own, cl_program *out, bool *kept) {
     bool exactly = false;
     const sv_status status = divides_exactly(diag, device, &exactly);
     if (status != SV_OK) return status;
-    char options[256];
+    char options[SV_MOST_OPTIONS];
     const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2%s %s",
                                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own);
     assert(wanted > 0 && (size_t)wanted < sizeof options);
     (void)wanted;
+    *out = find_build(device->builds, source, options);
+    *kept = *out != NULL;
+    if (*kept) return SV_OK;
     const char *text = (const char *)source;
     cl_int code = CL_SUCCESS;
     *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
     code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
-    return code == CL_SUCCESS ? SV_OK : report_build(diag, device, *out, code);
+    if (code != CL_SUCCESS) return report_build(diag, device, *out, code);
+    *kept = keep_build(device->builds, source, options, *out);
+    return SV_OK;
+}
+
+typedef sv_status create_kernels(sv_diag *diag, cl_program program, sv_program *out);
+
+static sv_status build_part(sv_diag *diag, const sv_device *device, const unsigned char *source,
+                            size_t length, const char *options, create_kernels *create, sv_program *out) {
+    cl_program program = NULL;
+    bool kept = false;
+    sv_status status = compile(diag, device, source, length, options, &program, &kept);
+    if (status == SV_OK) status = create(diag, program, out);
+    if (program && !kept) (void)clReleaseProgram(program);
+    return status;
 }
 
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
@@ -62,12 +112,16 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
     *out = (sv_program){0};
     char options[128];
     (void)snprintf(options, sizeof options,
-                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_WIDE_SUMS=%d "
-                   "-DSV_HALF_SUMS=%d -DSV_FETCH_AHEAD=%d",
+                   "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_FETCH_AHEAD=%d",
                    structure->substeps, structure->strip, structure->padded, structure->ranged,
-                   structure->wide_sums, structure->half_sums, structure->fetch_ahead);
-    sv_status status = compile(diag, device, sv_kernels_frame, sv_kernels_frame_size, options, &out->program);
-    if (status == SV_OK) status = create_kernels(diag, out);
+                   structure->fetch_ahead);
+    sv_status status = build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
+                                  create_profile_kernels, out);
+    (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_WIDE_SUMS=%d -DSV_HALF_SUMS=%d",
+                   structure->substeps, structure->wide_sums, structure->half_sums);
+    if (status == SV_OK)
+        status = build_part(diag, device, sv_kernels_frame, sv_kernels_frame_size, options,
+                            create_frame_kernels, out);
     if (status != SV_OK) sv_program_release(out);
     return status;
 }
@@ -77,7 +131,6 @@ void sv_program_release(sv_program *program) {
     if (program->name) (void)clReleaseKernel(program->name);
     SV_KERNELS(SV_KERNEL_RELEASE)
 #undef SV_KERNEL_RELEASE
-    if (program->program) (void)clReleaseProgram(program->program);
     *program = (sv_program){0};
 }
 
@@ -85,12 +138,15 @@ sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsi
                               size_t source_size, const char *const *names, const char *options,
                               sv_kernel_set *out) {
     *out = (sv_kernel_set){0};
-    sv_status status = compile(diag, device, source, source_size, options, &out->program);
+    cl_program program = NULL;
+    bool kept = false;
+    sv_status status = compile(diag, device, source, source_size, options, &program, &kept);
     for (uint32_t i = 0; status == SV_OK && names[i]; i++) {
         cl_int code = CL_SUCCESS;
-        out->kernel[i] = clCreateKernel(out->program, names[i], &code);
+        out->kernel[i] = clCreateKernel(program, names[i], &code);
         status = sv_clx_check(diag, code, names[i]);
     }
+    if (program && !kept) (void)clReleaseProgram(program);
     if (status != SV_OK) sv_kernel_set_release(out);
     return status;
 }
@@ -98,6 +154,5 @@ sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsi
 void sv_kernel_set_release(sv_kernel_set *set) {
     for (uint32_t i = 0; i < SV_MAX_METHOD_KERNELS; i++)
         if (set->kernel[i]) (void)clReleaseKernel(set->kernel[i]);
-    if (set->program) (void)clReleaseProgram(set->program);
     *set = (sv_kernel_set){0};
 }

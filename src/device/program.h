@@ -6,11 +6,26 @@
 
 #include "device/device.h"
 
-/* Every kernel by its name in cl/. */
-#define SV_KERNELS(X)                                                                                        \
-    X(scanned_planes)                                                                                        \
-    X(profile_strip)                                                                                         \
-    X(profile_rays)                                                                                          \
+/* The programs that one activation has compiled, so that its self-tests and its pipeline make their kernels
+ * of the same ones: even a driver that keeps compiled kernels reads a source anew for every program. */
+enum { SV_MOST_BUILDS = 8, SV_MOST_OPTIONS = 256 };
+typedef struct {
+    const unsigned char *source;
+    cl_program program;
+    char options[SV_MOST_OPTIONS];
+} sv_build;
+struct sv_builds {
+    sv_build of[SV_MOST_BUILDS];
+    uint32_t count;
+};
+
+/* Lets go of the programs; their kernels stay. Safe on a zeroed struct. */
+void sv_builds_release(sv_builds *builds);
+
+/* Every kernel by its name in cl/: the ray profiles, a program of their own, and what every frame does with
+ * them. */
+#define SV_PROFILE_KERNELS(X) X(scanned_planes) X(profile_strip) X(profile_rays)
+#define SV_FRAME_KERNELS(X)                                                                                  \
     X(frame_end)                                                                                             \
     X(band_survey)                                                                                           \
     X(band_level)                                                                                            \
@@ -23,9 +38,9 @@
     X(rays_columns)                                                                                          \
     X(rays_means)                                                                                            \
     X(blend)
+#define SV_KERNELS(X) SV_PROFILE_KERNELS(X) SV_FRAME_KERNELS(X)
 
 typedef struct {
-    cl_program program;
 #define SV_KERNEL_FIELD(name) cl_kernel name;
     SV_KERNELS(SV_KERNEL_FIELD)
 #undef SV_KERNEL_FIELD
@@ -34,7 +49,6 @@ typedef struct {
 /* Kernels of a program of its own, by their place in its list of names. */
 #define SV_MAX_METHOD_KERNELS 16
 typedef struct {
-    cl_program program;
     cl_kernel kernel[SV_MAX_METHOD_KERNELS];
 } sv_kernel_set;
 

@@ -58,8 +58,9 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
                               .padded = config->padding >= 0,
                               .ranged = config->ranged,
                               .half_sums = config->half_sums,
-                              .fetch_ahead = (uint64_t)config->width * config->height * config->slices >
-                                             FETCH_AHEAD_BYTES};
+                              .fetch_ahead =
+                                  strip > 16 && (uint64_t)config->width * config->height * config->slices >
+                                                    FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_map_needs_wide(config);
     sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
@@ -76,9 +77,11 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
     return status;
 }
 
-/* The widest vectors first: they need more than OpenCL C promises, so a failure only costs speed. */
+/* The widest vectors first: they need more than OpenCL C promises, so a failure only costs speed. A work item
+ * a ray has none: its programs are the same for all widths. */
 static sv_status build_kernels(sv_instance *in, const sv_config *config) {
-    const uint32_t widest = !in->device.is_cpu || config->width < 32 ? 16 : config->width < 64 ? 32 : 64;
+    const bool strips = in->device.is_cpu && config->strategy != SV_STRATEGY_RAYS;
+    const uint32_t widest = !strips || config->width < 32 ? 16 : config->width < 64 ? 32 : 64;
     if (widest > 16) {
         if (build_and_test(in, config, widest) == SV_OK) return SV_OK;
         char text[96];
@@ -98,6 +101,7 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
         &in->timing, &in->diag, 2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
     if (status == SV_OK)
         status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
+    in->device.builds = &in->builds;
     if (status == SV_OK) status = sv_pipeline_check_memory(&in->diag, &in->device, &config);
     if (status == SV_OK) status = build_kernels(in, &config);
     if (status == SV_OK)
@@ -108,6 +112,8 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
                                     sv_map_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
     if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline, values);
     if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
+    sv_builds_release(&in->builds);
+    in->device.builds = NULL;
     if (status != SV_OK)
         sv_instance_deactivate(in);
     else

@@ -17,6 +17,7 @@ typedef struct {
     sv_diag diag;
     sv_state state;
     sv_device device;
+    sv_builds builds; /* while it is being activated */
     sv_program narrow, wide;
     sv_timing timing;
     sv_pipeline pipeline;

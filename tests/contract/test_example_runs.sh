@@ -79,7 +79,8 @@ grep -q 'takes no queue' "$work/err" || fail "queue_host: $(cat "$work/err")"
 
 # --- the host simulator
 simulate() { # simulate OPTION...
-    "$build_dir/host_sim" run --scene D01 --size 64 --setting smartvis --frames 2 --out "$work/run" "$@" > "$work/out" 2>&1 ||
+    "$build_dir/host_sim" run --scene D01 --size 64 --setting smartvis --frames 2 --picture 64 --few-pictures \
+        --out "$work/run" "$@" > "$work/out" 2>&1 ||
         { cat "$work/out"; fail "host_sim run $*"; }
     grep -q 'Frames: 2 clipped' "$work/out" || fail "host_sim run $*: $(grep Frames: "$work/out")"
 }

@@ -21,7 +21,7 @@ printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCH
 "$build/host_sim" scenes D01 --size 32 --export --format vol --out "$work/vol" > /dev/null
 mv "$work/vol/D01_truth.vol" "$work/data/probe.vol"
 
-"$build/host_sim" demo --quick --out "$work/demo" --data "$work/data" > "$work/stdout" 2> "$work/stderr"
+"$build/host_sim" demo --quick --picture 128 --out "$work/demo" --data "$work/data" > "$work/stdout" 2> "$work/stderr"
 code=$?
 if [ $code -ne 0 ]; then
     echo "FAIL: exit code $code"
@@ -62,7 +62,7 @@ holds [ "$(grep -c '^<tr><th>' "$page")" -eq 8 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
 
 # With a plugin that fails, the demo ends with its code and shows the full volume.
-"$build/host_sim" demo --quick --look thesis --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so" > /dev/null 2>&1
+"$build/host_sim" demo --quick --picture 64 --look thesis --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so" > /dev/null 2>&1
 holds [ $? -eq 4 ]
 holds cmp "$work/bad/D01/full.png" "$work/bad/D01/result.png"
 holds grep -q 'no symbol smartvis_plugin_entry' "$work/bad/index.html"

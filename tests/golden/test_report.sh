@@ -70,7 +70,7 @@ code 0 "${small[@]}" --out "$work/shards" --shard 2/2
 holds [ ! -e "$work/shards/index.html" ]
 code 3 "${small[@]}" --out "$work/shards" --merge
 holds grep -q 'a shard is missing' "$work/stderr"
-code 0 "${small[@]}" --out "$work/shards" --shard 1/2 --frames 0
+code 0 "${small[@]}" --out "$work/shards" --shard 1/2 --frames 0 --beside none
 code 0 "${small[@]}" --out "$work/shards" --merge --frames 0
 holds cmp "$work/whole/space_D01.csv" "$work/shards/space_D01.csv"
 # Results of other settings are not mixed in.
@@ -78,7 +78,7 @@ code 3 "${small[@]}" --out "$work/shards" --set fill_weight=1
 holds grep -q 'holds results of other settings' "$work/stderr"
 
 # --- a plugin of zeros has the errors of the full volume, whatever its (missing) parameters
-code 0 "${small[@]}" --out "$work/zeros" --plugin "$build/tests/plugins/zeros.so"
+code 0 "${small[@]}" --out "$work/zeros" --plugin "$build/tests/plugins/zeros.so" --frames 0
 awk -F, 'FNR > 1 && $6 != $11 { bad = 1 } END { exit bad }' "$work/zeros/best.csv"
 holds [ $? -eq 0 ]
 holds grep -q '^E04,-,-,-,-,' "$work/zeros/best.csv"
@@ -127,7 +127,7 @@ label fetus.mha '\2'
 label wrong.mha '\7'
 full=$(find "$work/scene" -name 'D01*_full.mha')
 truth=$(find "$work/scene" -name 'D01*_truth.mha')
-code 0 --quick --out "$work/files" --case "$full,$truth,$work/fetus.mha"
+code 0 --quick --out "$work/files" --case "$full,$truth,$work/fetus.mha" --frames 0
 # Columns 6 and 12: e_abs of all rays and of the fetus' rays are the same.
 holds [ "$(tail -n +3 "$work"/files/space_*.csv | awk -F, '$6 != $12' | wc -l)" -eq 0 ]
 holds [ "$(tail -n +3 "$work"/files/space_*.csv | wc -l)" -eq $((11 * 4 * 7)) ]

@@ -2,6 +2,8 @@
 #include "programs/shared_programs.h"
 
 #include <dlfcn.h>
+#include <pthread.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +27,9 @@ static struct {
     alias aliases[MOST];
     size_t built_count, next_alias;
 } shared;
+
+/* Of `shared`: instances of a plugin may be activated at once. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 static const char *more_options;
 
@@ -54,8 +59,10 @@ void shared_programs_end(cl_context context) {
 static char *source_of(cl_program program) {
     cl_context context = NULL;
     size_t bytes = 0;
-    if (!shared.context) return NULL;
+    const bool any = getenv("SV_SHARE_PROGRAMS") != NULL;
+    if (!shared.context && !any) return NULL;
     (void)clGetProgramInfo(program, CL_PROGRAM_CONTEXT, sizeof(cl_context), &context, NULL);
+    if (any) shared_programs_begin(context);
     if (context != shared.context) return NULL;
     if (clGetProgramInfo(program, CL_PROGRAM_SOURCE, 0, NULL, &bytes) != CL_SUCCESS) return NULL;
     char *source = calloc(bytes + 1, 1);
@@ -81,6 +88,15 @@ static void keep(cl_program program, char *source, const char *options) {
     shared.built[shared.built_count++] = (built){program, source, copy};
 }
 
+static bool take_built(cl_program program, const char *source, const char *options) {
+    for (size_t i = 0; i < shared.built_count; i++)
+        if (strcmp(shared.built[i].options, options) == 0 && strcmp(shared.built[i].source, source) == 0) {
+            shared.aliases[shared.next_alias++ % MOST] = (alias){program, shared.built[i].program};
+            return true;
+        }
+    return false;
+}
+
 cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices, const char *options,
                       void(CL_CALLBACK *notify)(cl_program, void *), void *data) {
     REAL(clBuildProgram);
@@ -91,29 +107,37 @@ cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices
         if (length < 0 || (size_t)length >= sizeof both) abort();
         return real(program, n, devices, both, notify, data);
     }
+    (void)pthread_mutex_lock(&lock);
     char *source = source_of(program);
-    for (size_t i = 0; source && i < shared.built_count; i++)
-        if (strcmp(shared.built[i].options, with) == 0 && strcmp(shared.built[i].source, source) == 0) {
-            free(source);
-            shared.aliases[shared.next_alias++ % MOST] = (alias){program, shared.built[i].program};
-            return CL_SUCCESS;
-        }
-    const cl_int code = real(program, n, devices, options, notify, data);
-    if (source && code == CL_SUCCESS) keep(program, source, with);
-    if (source && code != CL_SUCCESS) free(source);
+    cl_int code = CL_SUCCESS;
+    if (source && take_built(program, source, with)) {
+        free(source);
+    } else {
+        code = real(program, n, devices, options, notify, data);
+        if (source && code == CL_SUCCESS) keep(program, source, with);
+        if (source && code != CL_SUCCESS) free(source);
+    }
+    (void)pthread_mutex_unlock(&lock);
     return code;
 }
 
 cl_kernel clCreateKernel(cl_program program, const char *name, cl_int *errcode) {
     REAL(clCreateKernel);
+    (void)pthread_mutex_lock(&lock);
     const alias *a = alias_of(program);
-    return real(a ? a->stands_for : program, name, errcode);
+    if (a) program = a->stands_for;
+    (void)pthread_mutex_unlock(&lock);
+    return real(program, name, errcode);
 }
 
-/* A later program may lie at the same address. (Nobody but the one who made an alias retains it.) */
+/* After the last release a later program may lie at the same address. */
 cl_int clReleaseProgram(cl_program program) {
     REAL(clReleaseProgram);
+    (void)pthread_mutex_lock(&lock);
     alias *a = alias_of(program);
-    if (a) *a = (alias){NULL, NULL};
+    cl_uint references = 0;
+    if (a) (void)clGetProgramInfo(program, CL_PROGRAM_REFERENCE_COUNT, sizeof references, &references, NULL);
+    if (a && references <= 1) *a = (alias){NULL, NULL};
+    (void)pthread_mutex_unlock(&lock);
     return real(program);
 }

@@ -6,7 +6,10 @@
  * A shared library that stands before the OpenCL loader (and behind spy/cl_spy.c, which still sees all
  * calls): a program of the same context, source and options as one that was built before is not built again;
  * its kernels are made from that one. Kernels, arguments, buffers and launches are each instance's own as
- * ever. Builds that fail are not kept. One thread and one context at a time.
+ * ever. Builds that fail are not kept. One context at a time.
+ *
+ * A program that is not linked with it can be started with it in LD_PRELOAD, and SV_SHARE_PROGRAMS set: then
+ * the first context that builds a program is shared as long as the process lives.
  */
 #ifndef SV_SHARED_PROGRAMS_H
 #define SV_SHARED_PROGRAMS_H

@@ -8,9 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_LEVELS = 12, PROBE = 5 }; /* no energy reaches further than 2 pixels */
-/* The smoother's damping, membrane and plate alike: Jacobi's eigenvalues lie below 4. */
-static const double damping = 0.35;
+enum { MOST_LEVELS = 12, PROBE = 5, SMOOTHING = 5 }; /* no energy reaches further than 2 pixels */
+/* The smoother's span, membrane and plate alike: Jacobi's eigenvalues lie below 4, and those of what a
+ * coarser level cannot show above 0.15, about. */
+static const double smallest = 0.15, largest = 4.0;
 
 typedef struct {
     uint32_t width, height;
@@ -21,6 +22,7 @@ typedef struct {
     sv_ref_energy energy;
     level levels[MOST_LEVELS];
     uint32_t count;
+    double damping[SMOOTHING]; /* of each step of the smoother */
 } solver;
 
 static double *numbers(size_t count) {
@@ -79,8 +81,17 @@ static void make_levels(solver *s, const sv_ref_map *map, double weight) {
     s->count += s->count < MOST_LEVELS;
 }
 
-static void smooth(const solver *s, uint32_t n) {
+/* Jacobi's steps damped by Chebyshev's roots: together the least that as many steps leave of the span. */
+static void find_damping(solver *s) {
+    static const double pi = 3.14159265358979323846;
+    const double middle = 0.5 * (largest + smallest), half = 0.5 * (largest - smallest);
+    for (int step = 0; step < SMOOTHING; step++)
+        s->damping[step] = 1.0 / (middle + half * cos(pi * (step + 0.5) / SMOOTHING));
+}
+
+static void smooth(const solver *s, uint32_t n, int step) {
     const level *l = &s->levels[n];
+    const double damping = s->damping[step % SMOOTHING];
     apply(s, n, l->x, l->work);
     for (size_t i = 0; i < pixels(l); i++) l->x[i] += damping * (l->b[i] - l->work[i]) / l->diagonal[i];
 }
@@ -102,8 +113,9 @@ static void cycle(const solver *s, uint32_t n) {
     static const double share[4] = {9.0 / 16, 3.0 / 16, 3.0 / 16, 1.0 / 16};
     const level *l = &s->levels[n];
     const bool last = n + 1 == s->count;
-    for (size_t i = 0; i < pixels(l); i++) l->x[i] = damping * l->b[i] / l->diagonal[i]; /* a step from 0 */
-    for (int step = 1; step < (last ? 40 : 3); step++) smooth(s, n);
+    for (size_t i = 0; i < pixels(l); i++)
+        l->x[i] = s->damping[0] * l->b[i] / l->diagonal[i]; /* a step from 0 */
+    for (int step = 1; step < (last ? 8 * SMOOTHING : SMOOTHING); step++) smooth(s, n, step);
     if (last) return;
     const level *coarse = l + 1;
     size_t at[4];
@@ -118,7 +130,7 @@ static void cycle(const solver *s, uint32_t n) {
         around(l, coarse, i, at);
         for (int c = 0; c < 4; c++) l->x[i] += share[c] * coarse->x[at[c]];
     }
-    for (int step = 0; step < 3; step++) smooth(s, n);
+    for (int step = 0; step < SMOOTHING; step++) smooth(s, n, step);
 }
 
 static double dot(const double *a, const double *b, size_t count) {
@@ -155,6 +167,7 @@ uint32_t energy_least(const sv_ref_map *map, sv_ref_energy energy, double weight
     solver s = {.energy = energy};
     const size_t count = (size_t)map->width * map->height;
     double *r = numbers(3 * count), mean = 0.0, points = 0.0;
+    find_damping(&s);
     make_levels(&s, map, weight);
     for (size_t i = 0; i < count; i++) {
         points += map->status[i] != 0;

@@ -2,11 +2,13 @@
 #include "support/lit_shapes.h"
 
 #include <math.h>
+#include <string.h>
 
 #define EXTENT  100.0 /* mm */
 #define PICTURE 256u
 #define FLUID   1.0 /* grey level: black, and scanned */
 #define PARTS   8   /* of a voxel along an axis */
+#define BLOCK   8u  /* voxels along an axis that mostly lie on one side of the surface */
 #define DEGREE  0.017453292519943295
 #define STEEP   0.2588190451025207 /* cosine of 75 degrees */
 
@@ -70,36 +72,87 @@ static double distance_of(const body *b, const double p[3]) {
     return slope > 0.0 ? (value - 1.0) / (2.0 * sqrt(slope)) : -EXTENT;
 }
 
+/* The share of the parts of a voxel whose middle lies in the body. */
+static double covered_share(const body *b, const double p[3], double spacing) {
+    double middle[3], step[PARTS][3][3],
+        weight[3]; /* step: of a part, an axis of the volume, one of the body */
+    to_body(b, p, middle);
+    for (int i = 0; i < 3; i++) {
+        weight[i] = b->shape->plane ? 0.0 : 1.0 / (b->shape->radius[i] * b->shape->radius[i]);
+        for (int part = 0; part < PARTS; part++)
+            for (int k = 0; k < 3; k++)
+                step[part][k][i] = b->axes[3 * i + k] * ((part + 0.5) / PARTS - 0.5) * spacing;
+    }
+    int inside = 0;
+    for (int part = 0; part < PARTS * PARTS; part++) {
+        const double *y = step[part % PARTS][1], *z = step[part / PARTS][2];
+        const double q[3] = {middle[0] + y[0] + z[0], middle[1] + y[1] + z[1], middle[2] + y[2] + z[2]};
+        for (int x = 0; x < PARTS; x++) {
+            const double *s = step[x][0], at[3] = {q[0] + s[0], q[1] + s[1], q[2] + s[2]};
+            const double norm =
+                at[0] * at[0] * weight[0] + at[1] * at[1] * weight[1] + at[2] * at[2] * weight[2];
+            inside += b->shape->plane ? at[2] >= 0.0 : norm <= 1.0;
+        }
+    }
+    return inside / (double)(PARTS * PARTS * PARTS);
+}
+
 /* The share of a voxel that lies in the body. */
 static double share_of(const body *b, const double p[3], double spacing) {
     const double edge = b->shape->edge * spacing, d = distance_of(b, p);
     if (edge > 0.0) return fmin(fmax(0.5 - d / edge, 0.0), 1.0);
     if (b->shape->edge >= LIT_BINARY || fabs(d) > spacing) return d <= 0.0;
-    int inside = 0;
-    for (int i = 0; i < PARTS * PARTS * PARTS; i++) {
-        const int part[3] = {i % PARTS, i / PARTS % PARTS, i / PARTS / PARTS};
-        double at[3];
-        for (int k = 0; k < 3; k++) at[k] = p[k] + ((part[k] + 0.5) / PARTS - 0.5) * spacing;
-        inside += distance_of(b, at) <= 0.0;
+    return covered_share(b, p, spacing);
+}
+
+static uint8_t level_of(const body *b, double share) {
+    const double outside = b->shape->scan_face ? 0.0 : FLUID;
+    return (uint8_t)lround(outside + share * (b->shape->level - outside));
+}
+
+/* 1: all points within `reach` of `p` lie at least `band` outside, -1: inside, 0: neither is certain. The
+ * body's norm (1 on the surface) changes by at most 1 / least a millimetre, and distance_of is at least half
+ * of what it says. */
+static int side_of(const body *b, const double p[3], double reach, double band) {
+    const double *radius = b->shape->radius, least = fmin(radius[0], fmin(radius[1], radius[2]));
+    double q[3], norm = 0.0, away;
+    to_body(b, p, q);
+    for (int i = 0; i < 3 && !b->shape->plane; i++) norm += q[i] * q[i] / (radius[i] * radius[i]);
+    away = b->shape->plane ? -q[2] : (sqrt(norm) - 1.0) * least;
+    return fabs(away) <= reach + 2.0 * band ? 0 : away > 0.0 ? 1 : -1;
+}
+
+/* A cube of BLOCK voxels a side, whose first one is `first`. */
+static void fill_block(const body *b, hs_volume *v, const uint32_t first[3]) {
+    const double spacing = v->spacing[0];
+    double p[3];
+    for (int k = 0; k < 3; k++) p[k] = (first[k] + 0.5 * BLOCK) * spacing - 0.5 * EXTENT;
+    const int side = side_of(b, p, BLOCK * spacing, fmax(b->shape->edge, 1.0) * spacing);
+    for (uint32_t i = 0; i < BLOCK * BLOCK; i++) {
+        const uint32_t y = first[1] + i % BLOCK, z = first[2] + i / BLOCK;
+        uint8_t *row = v->voxels + ((size_t)z * v->ny + y) * v->nx + first[0];
+        if (side != 0) {
+            memset(row, level_of(b, side < 0 ? 1.0 : 0.0), BLOCK);
+            continue;
+        }
+        p[1] = (y + 0.5) * spacing - 0.5 * EXTENT;
+        p[2] = (z + 0.5) * spacing - 0.5 * EXTENT;
+        for (uint32_t x = 0; x < BLOCK; x++) {
+            p[0] = (first[0] + x + 0.5) * spacing - 0.5 * EXTENT;
+            row[x] = level_of(b, share_of(b, p, spacing));
+        }
     }
-    return inside / (double)(PARTS * PARTS * PARTS);
 }
 
 static hs_volume fill_volume(const body *b, uint32_t size) {
     hs_volume v;
     hs_error err = {0};
-    const double spacing = EXTENT / size, outside = b->shape->scan_face ? 0.0 : FLUID;
+    assert_int_equal(size % BLOCK, 0);
     if (!hs_volume_init(&v, size, size, size, &err)) fail_msg("%s", err.text);
-    for (int k = 0; k < 3; k++) v.spacing[k] = spacing;
-    uint8_t *out = v.voxels;
-    for (uint32_t z = 0; z < size; z++)
-        for (uint32_t y = 0; y < size; y++)
-            for (uint32_t x = 0; x < size; x++) {
-                const double p[3] = {(x + 0.5) * spacing - 0.5 * EXTENT, (y + 0.5) * spacing - 0.5 * EXTENT,
-                                     (z + 0.5) * spacing - 0.5 * EXTENT};
-                const double share = share_of(b, p, spacing);
-                *out++ = (uint8_t)lround(outside + share * (b->shape->level - outside));
-            }
+    for (int k = 0; k < 3; k++) v.spacing[k] = EXTENT / size;
+    for (uint32_t z = 0; z < size; z += BLOCK)
+        for (uint32_t y = 0; y < size; y += BLOCK)
+            for (uint32_t x = 0; x < size; x += BLOCK) fill_block(b, &v, (const uint32_t[3]){x, y, z});
     return v;
 }
 
