@@ -38,17 +38,24 @@ opencl() {
         -Wall -Wextra -Wno-unused-parameter -Wno-unused-function -Werror "$@"
 }
 
-# Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names.
-# The benchmark's stands behind them.
+# Files as one source.
+joined() {
+    local file
+    for file in "$@"; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done
+}
+
+# Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names; the
+# benchmark's grid stands before the renderer (bench/CMakeLists.txt).
 kernels() {
-    local code=0 file lanes
+    local code=0 file lanes host=host_sim/render/cl
     for file in cl/*/*.cl; do
         opencl -I cl "$file" || code=1
         opencl -I cl -DSV_SUBSTEPS=3 -DSV_STRIP=64 -DSV_PADDED=1 -DSV_WIDE_SUMS=1 "$file" || code=1
         opencl -I cl -DSV_HALF_SUMS=1 -DSV_DOUBLES=1 "$file" || code=1
     done
     for lanes in 1 16; do
-        for file in host_sim/render/cl/*.cl bench/frame/cl/*.cl; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done |
+        joined "$host"/*.cl | opencl -DLANES=$lanes - || code=1
+        joined "$host"/{base,base_rays,scan_convert,scan_convert_beams}.cl bench/frame/cl/probe_grid.cl "$host/dvr.cl" |
             opencl -DLANES=$lanes - || code=1
     done
     return $code

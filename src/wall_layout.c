@@ -9,6 +9,7 @@ sv_wall_settings sv_wall_settings_default(void) {
     return (sv_wall_settings){.block_mm = 2.0,
                               .beside_mm = 3.75,
                               .valley = 0.9,
+                              .walled = 0.75,
                               .tissue = 0.15,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
@@ -29,9 +30,9 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .aside_mm = 5.0,
                               .around_mm = 4.0,
                               .doubt = 4.2,
-                              .wall_share = 0.05,
+                              .wall_share = 0.15,
                               .fetus_share = 0.05,
-                              .assumed_wall = 1.5,
+                              .assumed_wall = 0.6,
                               .assumed_spread = 0.5};
 }
 
@@ -78,6 +79,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->q = (float)s->q;
     l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
     l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
+    l->walled = rounded(s->walled * SV_WALL_PER_MILLE);
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
     l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
     l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define SOURCE_VOXELS 3.0 /* an edge of a low-resolution voxel, as in the scan loop */
 #define SLAB_SLICES   16u
@@ -50,15 +49,13 @@ static bool finish(const bench *b, hs_error *err) {
     return hs_cl_check(clFinish(b->setup->cl->queue), "clFinish (benchmark)", err);
 }
 
-/* Wall clock, and processor time of all threads, which other load on the machine hardly changes. */
+/* Wall clock, and processor time of all threads; milliseconds. */
 typedef struct {
     double wall, processor;
 } moment;
 
 static moment now(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (moment){hs_now() * 1e3, (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6};
+    return (moment){hs_now() * 1e3, bench_processor_ms()};
 }
 
 static moment since(moment begin) {
@@ -117,18 +114,13 @@ static bool compare(const bench *b, hs_box_error *out, hs_error *err) {
 
 static bool run_view(bench *b, int index, bench_convert_view *out, hs_error *err) {
     bench_samples samples[6] = {{0}};
-    cl_int code = CL_SUCCESS;
     hs_camera_look(&b->camera, b->volume, cameras[index].yaw, cameras[index].pitch);
     lay_out(b);
     b->slab_bytes = hs_slab_bytes(&b->layout, b->layout.slab_slices);
     b->converter = hs_scan_converter_create(b->setup->cl, &b->layout, err);
-    bool ok = b->converter != NULL;
-    if (ok)
-        b->slabs = clCreateBuffer(b->setup->cl->context, CL_MEM_READ_WRITE,
-                                  b->slab_bytes * hs_slab_count(&b->layout), NULL, &code);
-    ok = ok && hs_cl_check(code, "clCreateBuffer (benchmark)", err) &&
-         bench_samples_create(&samples[0], b->setup->frames, err);
-    for (int k = 1; ok && k < 6; k++) ok = bench_samples_create(&samples[k], b->setup->frames, err);
+    const size_t bytes = b->slab_bytes * hs_slab_count(&b->layout);
+    bool ok = b->converter && hs_cl_take_buffer(b->setup->cl, bytes, "benchmark", &b->slabs, err);
+    for (int k = 0; ok && k < 6; k++) ok = bench_samples_create(&samples[k], b->setup->frames, err);
     ok = ok && time_view(b, samples, err) && compare(b, &out->error, err);
     out->label = cameras[index].label;
     out->size[0] = b->layout.width;

@@ -4,7 +4,7 @@
 #include "base/progress.h"
 #include "kernels_bench_grids.h"
 #include "render/dvr.h"
-#include "render/dvr_view.h"
+#include "render/dvr_thesis.h"
 #include "scene/scene.h"
 #include "scene/scene_vol.h"
 #include "volume/beams_cartesian.h"
@@ -71,8 +71,8 @@ static bool open_device(bench *b, hs_error *err) {
     if (!hs_cl_build(b->cl, bench_grids_source, bench_grids_source_size, &b->program, err) ||
         !(b->volume = hs_device_volume_create(b->cl, &b->copy, err)))
         return false;
-    b->kernel = clCreateKernel(b->program, "render_beams", &code);
-    return hs_cl_check(code, "clCreateKernel(render_beams)", err) &&
+    b->kernel = clCreateKernel(b->program, HS_DVR_THESIS_KERNEL, &code);
+    return hs_cl_check(code, "clCreateKernel(" HS_DVR_THESIS_KERNEL ")", err) &&
            bench_picture_create(&b->picture, b->cl, &b->settings[0], err);
 }
 
@@ -88,33 +88,16 @@ static void close_bench(bench *b) {
 /* Enqueues the picture from the probe's grid. */
 static bool render_probe(const bench *b, const hs_dvr_settings *s, const hs_camera *camera, bool clipped,
                          hs_error *err) {
-    const hs_device_view view = hs_device_volume_view(b->volume);
-    const hs_beams_view beams = hs_device_beams_view(view.beams);
+    const hs_beams_view beams = hs_device_beams_view(hs_device_volume_view(b->volume).beams);
     const double edge = b->copy.spacing[0];
-    hs_brick_view bricks;
     hs_ray_view v;
     cl_float4 to_mm = {{0.0f, 0.0f, 0.0f, (cl_float)edge}};
-    if (!hs_device_volume_bricks(b->volume, &bricks, err) ||
-        !hs_ray_view_of(s, &view, &bricks, camera, &v, err))
-        return false;
+    if (!hs_ray_view_of(s, b->volume, camera, &v, err)) return false;
     for (int k = 0; k < 3; k++) to_mm.s[k] = (cl_float)(beams.shape.corner[k] + 0.5 * edge);
-    const double slices = b->picture.start.slices, at = BENCH_PICTURE_PLANE * slices;
-    const double depth = (at + 0.5) * v.slices / (slices * (double)s->step) - 0.5;
-    const cl_float4 rest = {
-        {clipped ? (cl_float)depth : 0.0f, (cl_float)s->width, (cl_float)s->height, 0.0f}};
-    hs_launch launch = hs_launch_begin(b->cl, b->kernel, "render_beams");
+    hs_launch launch = hs_launch_begin(b->cl, b->kernel, HS_DVR_THESIS_KERNEL);
     hs_launch_beams(&launch, &beams);
     hs_launch_arg(&launch, sizeof to_mm, &to_mm);
-    hs_launch_arg(&launch, sizeof v.dims, &v.dims);
-    hs_launch_buffer(&launch, v.maxima);
-    hs_launch_arg(&launch, sizeof v.bricks, &v.bricks);
-    hs_launch_arg(&launch, sizeof v.origin, &v.origin);
-    hs_launch_arg(&launch, sizeof v.dx, &v.dx);
-    hs_launch_arg(&launch, sizeof v.dy, &v.dy);
-    hs_launch_arg(&launch, sizeof v.dn, &v.dn);
-    hs_launch_arg(&launch, sizeof rest, &rest);
-    hs_launch_transfer(&launch, s);
-    hs_launch_buffer(&launch, b->picture.pixels);
+    hs_dvr_thesis_arguments(&launch, s, &v, clipped ? &b->picture.start : NULL, b->picture.pixels, NULL);
     return hs_dvr_launch(&launch, s, NULL, err);
 }
 

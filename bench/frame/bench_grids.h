@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Times the renderer of a probe's volume in turns in both grids that it could sample: the Cartesian copy, as
- * the host does, and the probe's own (bench/frame/cl/render_beams.cl). */
+ * the host does, and the probe's own (bench/frame/cl/probe_grid.cl). */
 #ifndef BENCH_GRIDS_H
 #define BENCH_GRIDS_H
 

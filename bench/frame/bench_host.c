@@ -73,16 +73,13 @@ static bool run_pieces(const bench_host_setup *setup, const hs_volume *volume, b
     hs_camera camera;
     hs_camera_look(&camera, volume, 0.0, 0.0);
     bench_samples mip = {0}, grid = {0};
-    cl_int code = CL_SUCCESS;
     cl_mem gray = NULL;
     hs_dvr *dvr = hs_dvr_create(setup->cl, &settings, err);
     hs_device_volume *device = dvr ? hs_device_volume_create(setup->cl, volume, err) : NULL;
+    const size_t bytes = (size_t)settings.width * settings.height;
     bool ok = device && bench_samples_create(&mip, setup->frames, err) &&
-              bench_samples_create(&grid, setup->frames, err);
-    if (ok)
-        gray = clCreateBuffer(setup->cl->context, CL_MEM_READ_WRITE, (size_t)settings.width * settings.height,
-                              NULL, &code);
-    ok = ok && hs_cl_check(code, "clCreateBuffer (benchmark)", err);
+              bench_samples_create(&grid, setup->frames, err) &&
+              hs_cl_take_buffer(setup->cl, bytes, "benchmark", &gray, err);
     for (uint32_t i = 0; ok && i < setup->frames + 1; i++) { /* the first is not counted */
         const double start = hs_now();
         ok = hs_device_volume_replace(device, volume, err) && hs_dvr_prepare(dvr, device, err) &&

@@ -6,7 +6,6 @@
 #include "plugin/loader_param.h"
 
 #include <stdio.h>
-#include <time.h>
 
 enum { LIT, UNLIT, FLOW, LOOPS, MOST_VALUES = 16, SAMPLES = HS_STAGE_COUNT + 5 };
 enum { AT_UNLIT = HS_STAGE_COUNT, AT_FLOW, AT_PROCESSOR, AT_READ, AT_READ_PROCESSOR };
@@ -22,13 +21,6 @@ typedef struct {
     sv_param_value values[MOST_VALUES + 1];
     bench_samples samples[SAMPLES];
 } bench;
-
-/* Of all threads: other load on the machine makes it a little longer at most. */
-static double processor_ms(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 static bool open_loops(bench *b, const bench_host_setup *setup, const hs_source *source, uint32_t values,
                        hs_error *err) {
@@ -60,9 +52,9 @@ static void close_loops(bench *b) {
 
 static void time_read(bench *b, bench_team *team, const hs_volume *v, bool counts) {
     bench_team_ready(team);
-    const double begin = hs_now(), busy = processor_ms();
+    const double begin = hs_now(), busy = bench_processor_ms();
     (void)plain_read(team, v->voxels, hs_volume_count(v) / 16 * 16);
-    const double ms = (hs_now() - begin) * 1e3, processor = processor_ms() - busy;
+    const double ms = (hs_now() - begin) * 1e3, processor = bench_processor_ms() - busy;
     bench_team_rest(team);
     if (!counts) return;
     bench_samples_add(&b->samples[AT_READ], ms);
@@ -73,10 +65,10 @@ static bool take_turn(bench *b, uint32_t index, bool counts, bench_loop_row *out
     hs_frame frame[LOOPS];
     double busy = 0.0;
     for (int i = 0; i < LOOPS; i++) {
-        busy = processor_ms();
+        busy = bench_processor_ms();
         if (!hs_loop_frame(b->loop[i], HS_SETTING_SMARTVIS, index, &frame[i], err)) return false;
     }
-    busy = processor_ms() - busy;
+    busy = bench_processor_ms() - busy;
     if (!counts) return true;
     for (int s = 0; s < HS_STAGE_COUNT; s++) bench_samples_add(&b->samples[s], frame[LIT].ms[s]);
     bench_samples_add(&b->samples[AT_UNLIT], frame[UNLIT].ms[HS_STAGE_LOOP]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The whole loop as a scan runs it: a turned camera, a new volume every frame, a method of the plugin's, lit.
- */
+/* The whole loop as a scan runs it: a turned camera, a new volume every frame, a
+ * method of the plugin's, lit. */
 #ifndef BENCH_LOOP_H
 #define BENCH_LOOP_H
 

@@ -12,15 +12,12 @@ const bench_view bench_views[BENCH_VIEWS] = {{"still camera clipped", 0, 0, true
 bool bench_picture_create(bench_picture *p, const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
     const cl_float depth = (cl_float)(BENCH_PICTURE_PLANE * SLICES);
     const size_t bytes = (size_t)settings->width * settings->height * 4;
-    cl_int code = CL_SUCCESS;
     *p = (bench_picture){.cl = cl, .start = {.width = SIDE, .height = SIDE, .slices = SLICES}};
-    p->pixels = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    if (code == CL_SUCCESS)
-        p->start.depth =
-            clCreateBuffer(cl->context, CL_MEM_READ_WRITE, SIDE * SIDE * sizeof depth, NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (benchmark)", err)) return false;
-    code = clEnqueueFillBuffer(cl->queue, p->start.depth, &depth, sizeof depth, 0, SIDE * SIDE * sizeof depth,
-                               0, NULL, NULL);
+    if (!hs_cl_take_buffer(cl, bytes, "picture", &p->pixels, err) ||
+        !hs_cl_take_buffer(cl, SIDE * SIDE * sizeof depth, "start depths", &p->start.depth, err))
+        return false;
+    const cl_int code = clEnqueueFillBuffer(cl->queue, p->start.depth, &depth, sizeof depth, 0,
+                                            SIDE * SIDE * sizeof depth, 0, NULL, NULL);
     return hs_cl_check(code, "clEnqueueFillBuffer (benchmark)", err) && bench_picture_wait(p, err);
 }
 

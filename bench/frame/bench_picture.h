@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the benchmarks of the renderer draw: four views, each with a picture and a depthmap that is a plane.
- */
+/* What the benchmarks of the renderer draw: four views, each with a picture and a
+ * depthmap that is a plane. */
 #ifndef BENCH_PICTURE_H
 #define BENCH_PICTURE_H
 

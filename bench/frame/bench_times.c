@@ -2,6 +2,13 @@
 #include "frame/bench_times.h"
 
 #include <stdlib.h>
+#include <time.h>
+
+double bench_processor_ms(void) {
+    struct timespec t;
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
 
 bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *err) {
     *samples = (bench_samples){.ms = malloc(capacity * sizeof(double)), .capacity = capacity};

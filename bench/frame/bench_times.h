@@ -7,6 +7,10 @@
 
 #include <stdint.h>
 
+/* Processor time of all threads so far, milliseconds: other load on the machine
+ * hardly changes what is spent. */
+double bench_processor_ms(void);
+
 typedef struct {
     double *ms;
     uint32_t count, capacity;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "sites/site_flicker.h"
 
-#include <math.h>
+#include "wall/wall_flicker.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,53 +11,13 @@ enum { SCENES = 4, FRAMES = 20, SEED = 401 };
 static const char *const scenes[SCENES] = {"E01", "E03", "M02", "D01"};
 static const double goal = 0.5; /* slices a frame */
 
-/* Ends of all rays in the frame before and in this one. */
-typedef struct {
-    float *ends[2];
-    const uint8_t *label[2];
-    size_t rays;
-} pair;
-
-/* Mean move of the rays that are labelled in both frames. */
-static double move(const pair *p) {
-    double sum = 0.0, count = 0.0;
-    for (size_t i = 0; i < p->rays; i++) {
-        if (p->label[0][i] == 0 || p->label[1][i] == 0) continue;
-        sum += fabs((double)(p->ends[1][i] - p->ends[0][i]));
-        count += 1.0;
-    }
-    return count > 0.0 ? sum / count : 0.0;
-}
-
-static double truth_moves(const site_set *frames) {
-    double sum = 0.0;
-    for (uint32_t n = 1; n < frames->count; n++) {
-        const wall_case *a = &frames->cases[n - 1], *b = &frames->cases[n];
-        const pair p = {{a->truth, b->truth}, {a->label, b->label}, (size_t)a->nx * a->ny};
-        sum += 128.0 / a->nz * move(&p) / (frames->count - 1);
-    }
-    return sum;
-}
-
-/* Mean move of the rendered ends a frame. */
-static bool result_moves(surf_session *s, const site_set *frames, double *out, hs_error *err) {
-    const size_t rays = (size_t)frames->cases[0].nx * frames->cases[0].ny;
-    float *ends = malloc(2 * rays * sizeof *ends);
-    if (!ends) return hs_fail(err, HS_ERR_MEMORY, "flicker: no memory for %zu rays", rays);
-    bool ok = true;
-    *out = 0.0;
-    for (uint32_t n = 0; ok && n < frames->count; n++) {
-        const wall_case *c = &frames->cases[n];
-        const surf_volume v = site_volume(c);
-        memcpy(ends, ends + rays, rays * sizeof *ends);
-        ok = surf_session_frame(s, &v, err);
-        for (size_t i = 0; ok && i < rays; i++) ends[rays + i] = wall_end(c, c->full, i, s->depth[i]);
-        if (!ok || n == 0) continue;
-        const pair p = {{ends, ends + rays}, {frames->cases[n - 1].label, c->label}, rays};
-        *out += 128.0 / c->nz * move(&p) / (frames->count - 1);
-    }
-    free(ends);
-    return ok;
+/* As wall_flicker_of asks for it; user: an open session. */
+static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
+    surf_session *s = user;
+    const surf_volume v = site_volume(c);
+    if (!surf_session_frame(s, &v, err)) return false;
+    memcpy(depth, s->depth, (size_t)c->nx * c->ny * sizeof *depth);
+    return true;
 }
 
 static bool make_frames(const char *scene, site_set *out, hs_error *err) {
@@ -75,13 +36,13 @@ static void free_frames(site_set *frames) {
 }
 
 /* The flicker and the error of one method. */
-static bool judge(const site_set *frames, const char *plugin, const site_method *m, double *moves,
+static bool judge(const site_set *frames, const char *plugin, const site_method *m, wall_flicker *flicker,
                   site_score *score, hs_error *err) {
     surf_session s;
     double q;
     if (!surf_session_open(&s, plugin, m->settings, err)) return false;
-    const bool ok =
-        site_judge(&s, frames, m->best_q, score, &q, NULL, err) && result_moves(&s, frames, moves, err);
+    const bool ok = site_judge(&s, frames, m->best_q, score, &q, NULL, err) &&
+                    wall_flicker_of(frames->cases, frames->count, depth_of, &s, flicker, err);
     surf_session_close(&s);
     return ok;
 }
@@ -89,30 +50,17 @@ static bool judge(const site_set *frames, const char *plugin, const site_method 
 /* Adds every method's flicker beyond the truth's to `sum`. */
 static bool print_sequence(const site_set *frames, const char *name, const site_methods *methods,
                            double sum[SITE_MAX_METHODS], hs_error *err) {
-    const double true_moves = truth_moves(frames);
-    printf("  %s, %u frames: the truth moves by %.2f\n", name, frames->count, true_moves);
     for (uint32_t i = 0; i < methods->count; i++) {
         site_score score;
-        double moves = 0.0;
-        if (!judge(frames, methods->plugin, &methods->method[i], &moves, &score, err)) return false;
-        printf("    %-28s %+5.2f   error %5.2f\n", methods->method[i].settings, moves - true_moves,
+        wall_flicker f;
+        if (!judge(frames, methods->plugin, &methods->method[i], &f, &score, err)) return false;
+        if (i == 0) printf("  %s, %u frames: the truth moves by %.2f\n", name, frames->count, f.truth);
+        printf("    %-28s %+5.2f   error %5.2f\n", methods->method[i].settings, f.result - f.truth,
                site_score_mean(&score).error);
-        sum[i] += moves - true_moves;
+        sum[i] += f.result - f.truth;
     }
     (void)fflush(stdout);
     return true;
-}
-
-/* The frames' rays must be the same. */
-static bool print_files(const site_set *set, const site_methods *methods, hs_error *err) {
-    double unused[SITE_MAX_METHODS] = {0};
-    for (uint32_t n = 1; n < set->count; n++)
-        if (set->cases[n].nx != set->cases[0].nx || set->cases[n].ny != set->cases[0].ny)
-            return hs_fail(err, HS_ERR_INPUT, "%s: %u x %u rays, the first frame has %u x %u",
-                           set->cases[n].name, set->cases[n].nx, set->cases[n].ny, set->cases[0].nx,
-                           set->cases[0].ny);
-    if (set->count < 2) return hs_fail(err, HS_ERR_USAGE, "flicker: a sequence of %u frame", set->count);
-    return print_sequence(set, set->title, methods, unused, err);
 }
 
 static bool print_scenes(const site_methods *methods, hs_error *err) {
@@ -134,11 +82,12 @@ bool site_flicker(const site_list *list, const site_methods *methods, hs_error *
     printf("Flicker: move of the rendered ends from frame to frame beyond the truth's, slices of 128 (goal "
            "%.1f); error\n",
            goal);
+    double sum[SITE_MAX_METHODS] = {0};
     bool given = false, ok = true;
     for (uint32_t i = 0; ok && i < list->count; i++) {
         if (!site_is_files(&list->set[i])) continue;
         given = true;
-        ok = print_files(&list->set[i], methods, err);
+        ok = print_sequence(&list->set[i], list->set[i].title, methods, sum, err);
     }
     ok = ok && (given || print_scenes(methods, err));
     printf("\n");

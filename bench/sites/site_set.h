@@ -36,8 +36,8 @@ bool site_is_files(const site_set *set);
 /* Adds the nine scenes at 128^3 of "SEED,POSE" to the set of scenes. */
 bool site_add_scenes(site_list *list, const char *seed_and_pose, hs_error *err);
 
-/* Adds a scene by its name or path, as hs_scene_open takes it, at its own seed, to the set of scenes.
- */
+/* Adds a scene by its name or path, as hs_scene_open takes it, at its own
+ * seed, to the set of scenes. */
 bool site_add_scene(site_list *list, const char *name, hs_error *err);
 
 /* The same for the random scenes 0 .. COUNT - 1 of "SEED,COUNT". */

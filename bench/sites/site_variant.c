@@ -12,7 +12,9 @@
 #include <unistd.h>
 
 enum { FLUID_LEVEL = 40, POOL = 65536, LEAST_POOL = 64, NEAR = 3, FAR = 8, LEAD = 16, NOISE = 24 };
-static const double bladder_mm = 20.0; /* half its width */
+/* Half a bladder's width, and how much of the tissue between it and the true surface stays: it lies on the
+ * wall of the sac, and never in the sac or the fetus. */
+static const double bladder_mm = 20.0, between_mm = 5.0;
 
 const char *site_variant_name(site_variant kind) {
     static const char *const text[] = {"bare, noisy fluid", "bare, black fluid", "no fetus", "bladder"};
@@ -86,8 +88,8 @@ static uint32_t clip_of(const wall_case *c, size_t pixel) {
     return z;
 }
 
-/* An ellipsoid half way between the start of the scan and the surface, over the middle of the labelled rays.
- */
+/* An ellipsoid half way between the start of the scan and the surface, over the
+ * middle of the labelled rays. */
 typedef struct {
     double centre[3], radius[3];
 } ellipsoid;
@@ -118,7 +120,10 @@ static bool is_inside(const ellipsoid *e, size_t x, size_t y, uint32_t z) {
 /* Whether a voxel becomes fluid. */
 static bool becomes_fluid(const wall_case *c, site_variant kind, const ellipsoid *bladder, size_t i,
                           uint32_t clip, uint32_t z) {
-    if (kind == SITE_BLADDER) return is_inside(bladder, i % c->nx, i / c->nx, z);
+    const double between = between_mm / c->spacing_mm[2];
+    if (kind == SITE_BLADDER)
+        return is_inside(bladder, i % c->nx, i / c->nx, z) &&
+               (c->label[i] == HS_LABEL_NEITHER || (double)z + between < (double)clip);
     if (kind == SITE_NO_FETUS) return c->label[i] != HS_LABEL_NEITHER && z >= clip;
     return z < clip;
 }

@@ -5,8 +5,8 @@
 
 #include "wall/wall_case.h"
 
-/* Made from a case with a truth. What becomes fluid gets levels of the case's own fluid, unless it is black.
- */
+/* Made from a case with a truth. What becomes fluid gets levels of the case's own
+ * fluid, unless it is black. */
 typedef enum {
     SITE_BARE,       /* all before the true surface is fluid: nothing hides the fetus */
     SITE_BARE_BLACK, /* the same, and that fluid is 0 */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_wall: how good the definition of the wall's surface is (docs/surface.md). */
 #include "wall/wall_constant.h"
+#include "wall/wall_flicker.h"
 #include "wall/wall_judge.h"
-#include "wall/wall_still.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +19,8 @@ static const char help[] =
     "  --scenes SEED,POSE...  the nine scenes at 128^3 for each seed and pose\n"
     "  --still SEED,POSE      the nine scenes standing still, other speckle and particles in each of 8 "
     "frames:\n"
-    "                         how much the ends of rays move from frame to frame\n"
+    "                         how much the ends of rays move from frame to frame (sv_sites flicker: in "
+    "motion)\n"
     "  --named NAME...        these scenes at 128^3: H01, or R7_3, number 3 of the random set with seed 7\n"
     "  --views FILE...        a volume with nothing to remove, from 12 x 3 sides: what is cut\n"
     "  --gain G --gamma G --black B   change the grey levels first; the judgement is on the unchanged ones\n"
@@ -27,7 +28,7 @@ static const char help[] =
     "Prints error in slices of 128 / cut, % of the fetus / left, % of the labelled rays.\n";
 
 static const char *const names[] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
-enum { CASES = sizeof names / sizeof *names, SIDE = 96 };
+enum { CASES = sizeof names / sizeof *names, SIDE = 96, STILL = 8 };
 
 typedef struct {
     sv_wall_settings settings;
@@ -148,14 +149,36 @@ static bool judge_scenes(char **sets, int count, const options *o, hs_error *err
     return true;
 }
 
-static bool judge_still(const char *set, const options *o, hs_error *err) {
+/* As wall_flicker_of asks for it; user: options. */
+static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
+    const options *o = user;
+    float *confidence = malloc((size_t)c->nx * c->ny * sizeof *confidence);
+    sv_wall_outcome outcome;
+    const bool ok = confidence ? surface_of(c, o, depth, confidence, &outcome, NULL, err)
+                               : hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);
+    free(confidence);
+    return ok;
+}
+
+/* A scene that stands still: only the seed is another in every frame. */
+static bool flicker_of(const char *scene, uint64_t seed, uint32_t pose, options *o, wall_flicker *out,
+                       hs_error *err) {
+    wall_case frames[STILL];
+    uint32_t count = 0;
+    while (count < STILL && wall_case_make(scene, seed + count, pose, 0, &frames[count], err)) count++;
+    const bool ok = count == STILL && wall_flicker_of(frames, count, depth_of, o, out, err);
+    while (count > 0) wall_case_free(&frames[--count]);
+    return ok;
+}
+
+static bool judge_still(const char *set, options *o, hs_error *err) {
     unsigned long seed, pose;
     double sum = 0.0;
     if (sscanf(set, "%lu,%lu", &seed, &pose) != 2)
         return hs_fail(err, HS_ERR_USAGE, "--still: '%s' is no SEED,POSE", set);
     for (int i = 0; i < CASES; i++) {
         wall_flicker f;
-        if (!wall_still(names[i], seed, (uint32_t)pose, &o->settings, &f, err)) return false;
+        if (!flicker_of(names[i], seed, (uint32_t)pose, o, &f, err)) return false;
         sum += (f.result - f.truth) / CASES;
         printf("  %-4s %5.2f slices a frame, truth %5.2f\n", names[i], f.result, f.truth);
     }

@@ -26,8 +26,8 @@ bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err)
  * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
 bool wall_case_files(const char *files, wall_case *out, hs_error *err);
 
-/* The same from NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and scan_end.mha of a folder.
- */
+/* The same from NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and
+ * scan_end.mha of a folder. */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
 /* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case.h). Zeros at the ends of a ray
@@ -51,8 +51,8 @@ void wall_case_free(wall_case *c);
 /* The full volume as the wall's definition takes it; borrows the case's arrays. */
 sv_wall_volume wall_case_volume(const wall_case *c);
 
-/* Slice at which a ray that starts in slice `start` ends (thesis Eq. 3.22 - 3.24, defaults of spec 9), or nz.
- */
+/* Slice at which a ray that starts in slice `start` ends (thesis Eq. 3.22 - 3.24,
+ * defaults of spec 9), or nz. */
 float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start);
 
 #endif

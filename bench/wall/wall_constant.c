@@ -10,6 +10,7 @@ double *wall_constant(sv_wall_settings *s, const char *key) {
     } all[] = {{"block_mm", &s->block_mm},
                {"beside_mm", &s->beside_mm},
                {"valley", &s->valley},
+               {"walled", &s->walled},
                {"wall_rank", &s->wall_rank},
                {"low_rank", &s->low_rank},
                {"high_rank", &s->high_rank},

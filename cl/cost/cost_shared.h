@@ -50,11 +50,10 @@
 #define SV_COST_BEHIND_PENALTY 3.0f /* less, times the probability of a run farther back */
 
 /* ---- from the costs to the surface */
-#define SV_COST_SIGMA 0.95f /* of the lateral Gaussian, in 32nds of the longer side */
-#define SV_COST_REACH 4     /* cells the Gaussian spans to either side */
-#define SV_COST_SLACK 0.3f  /* labels within this of the least cost count as the same minimum */
-#define SV_COST_KNOWN                                                                                        \
-    4.0f /* times the share of votes with fluid: below 1, the surface is so much nearer to 0 */
+#define SV_COST_SIGMA        0.95f /* of the lateral Gaussian, in 32nds of the longer side */
+#define SV_COST_REACH        4     /* cells the Gaussian spans to either side */
+#define SV_COST_SLACK        0.3f  /* labels within this of the least cost count as the same minimum */
+#define SV_COST_KNOWN        4.0f  /* times the share of votes with fluid; below 1: so much nearer to 0 */
 #define SV_COST_MARGIN       0.4f  /* lead over any other minimum that is full confidence */
 #define SV_COST_VIEWER_SHIFT 1.0f  /* towards the viewer where nothing is sure, SV_COST_UNIT_MM */
 #define SV_COST_SPREAD       2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */

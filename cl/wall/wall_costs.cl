@@ -16,6 +16,7 @@ typedef struct {
     size_t level_pitch, bright_pitch;      /* from one layer to the next */
     u8l threshold;
     __global const uint *chances;
+    bool bare;                     /* there is no wall */
     i16l first, end, run, run_end; /* scanned layers, the first tissue */
     i16l touches;                  /* that begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
@@ -107,7 +108,8 @@ static void find_in_run(rays_t *r, const layers_t *s) {
  * whose fluid is behind the layer. */
 static u16l wrong_at(const sv_wall_layout *l, const rays_t *r, const layers_t *s, uint z, u16l later) {
     const i16l at = (i16l)((short)z);
-    u16l cost = share_of_cost(l->cut, s->begun[z]) + share_of_cost(l->left, later);
+    u16l cost = share_of_cost(l->left, later);
+    if (z > 0 || !r->bare) cost += share_of_cost(l->cut, s->begun[z]);
     const uint skin = z + l->skin;
     if (skin < l->layers) {
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));
@@ -177,6 +179,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     rays_t r;
     r.threshold = (u8l)((uchar)info[INFO_TISSUE]);
     r.chances = info + INFO_CHANCES;
+    r.bare = info[INFO_BARE];
     r.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0);
     r.bright_pitch = pitch;
     ulong sum = 0;

@@ -33,9 +33,11 @@ static void smooth_levels(const ulong *histogram, ulong *smooth) {
     }
 }
 
-/* True if the lowest count between the modes of the two classes is too high for fluid. */
-static bool is_shallow(const sv_wall_layout *l, const ulong *histogram, uint threshold) {
+/* True if the lowest count between the modes of the two classes is too high for fluid. Changes the
+ * histogram. */
+static bool is_shallow(const sv_wall_layout *l, ulong *histogram, uint threshold) {
     ulong smooth[256];
+    histogram[255] = 0; /* saturated blocks are no mode */
     uint dark = 0, bright = threshold + 1;
     smooth_levels(histogram, smooth);
     for (uint i = 0; i <= threshold; i++)
@@ -99,7 +101,8 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
     const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
     info[INFO_TISSUE] = threshold + way * l.tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
     info[INFO_BRIGHT] = bright;
-    info[INFO_OUTCOME] = is_shallow(&l, histogram, threshold) ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
+    info[INFO_SHALLOW] = is_shallow(&l, histogram, threshold);
+    info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
@@ -148,13 +151,17 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     const uint wall_rays = (uint)sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS, histogram);
     uint wall = min(info[INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
     int spread = l.assumed_spread;
-    if (wall_rays > 0 && (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.wall_share) {
+    const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.wall_share;
+    if (!bare) {
         wall = quantile(histogram, l.wall_rank);
         spread =
             odds(tables, quantile(histogram, l.high_rank)) - odds(tables, quantile(histogram, l.low_rank));
         spread = max(spread, SV_WALL_SPREAD_LEAST);
     }
     info[INFO_WALL_RAYS] = wall_rays;
+    info[INFO_BARE] = bare;
+    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;
+    if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
     const int from = odds(tables, wall);
     for (uint i = 0; i < 256; i++) {
         const int more = odds(tables, i * SV_WALL_LEVEL_ONE) - from;

@@ -72,7 +72,8 @@ typedef struct {
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. blocks */
     unsigned int cut, left, other;
     unsigned int slack, reach; /* in units of 1 / SV_WALL_FINE_ONE */
-    unsigned int tissue, valley, fetus_share, wall_share, wall_rank, low_rank, high_rank; /* per mille */
+    /* per mille */
+    unsigned int tissue, valley, walled, fetus_share, wall_share, wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int sure;                         /* sixteenths */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */

@@ -48,9 +48,7 @@ static bool begin(sampler *s, const hs_volume *volume, hs_error *err) {
     copy.beams = NULL;
     if (!hs_cl_open(&s->cl, err)) return false;
     lay_out(s, volume);
-    cl_int code = CL_SUCCESS;
-    s->slab = clCreateBuffer(s->cl.context, CL_MEM_WRITE_ONLY, hs_slab_bytes(&s->layout, 1), NULL, &code);
-    return hs_cl_check(code, "clCreateBuffer", err) &&
+    return hs_cl_take_buffer(&s->cl, hs_slab_bytes(&s->layout, 1), "slab", &s->slab, err) &&
            (s->converter = hs_scan_converter_create(&s->cl, &s->layout, err)) &&
            (s->beams = hs_device_volume_create(&s->cl, volume, err)) &&
            (s->copy = hs_device_volume_create(&s->cl, &copy, err));

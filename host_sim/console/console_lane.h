@@ -45,8 +45,8 @@ bool hs_lane_build(hs_lane *lane, const hs_cl *cl, const hs_source *source, cons
  * HS_ERR_DEVICE or HS_ERR_MEMORY. */
 bool hs_lane_set(hs_lane *lane, const hs_console_lane *wanted, const hs_loop_options *options, hs_error *err);
 
-/* Does what the lane needs for volume `index`, which is brought first. HS_ERR_DEVICE, or the source's errors.
- */
+/* Does what the lane needs for volume `index`, which is brought first.
+ * HS_ERR_DEVICE, or the source's errors. */
 bool hs_lane_run(hs_lane *lane, uint32_t index, hs_error *err);
 
 /* At least this is needed at the next run. */

@@ -29,8 +29,8 @@ typedef struct {
     double source_ms;        /* that opening the source took */
 } hs_console_stage;
 
-/* Opens the device. `offers` and `files` must outlive it. HS_ERR_DEVICE. The stage must not move in memory.
- */
+/* Opens the device. `offers` and `files` must outlive it. HS_ERR_DEVICE. The stage
+ * must not move in memory. */
 bool hs_console_stage_open(hs_console_stage *stage, const hs_console_offers *offers,
                            const hs_console_files *files, hs_error *err);
 void hs_console_stage_close(hs_console_stage *stage);

@@ -81,8 +81,8 @@ bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const h
 bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, sv_status *outcome,
                          hs_error *err);
 
-/* Milliseconds from begin until the device has finished after end: the median of `repeats` frames, 1 .. 15.
- */
+/* Milliseconds from begin until the device has finished after end: the median of
+ * `repeats` frames, 1 .. 15. */
 bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t repeats, double *ms,
                        hs_error *err);
 

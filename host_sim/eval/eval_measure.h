@@ -5,8 +5,8 @@
 
 #include "eval/eval_table.h"
 
-/* Mean errors are in DVR steps. e > 0: the ray ends too early, an occluder is left. e < 0: the fetus is cut.
- */
+/* Mean errors are in DVR steps. e > 0: the ray ends too early, an occluder is left.
+ * e < 0: the fetus is cut. */
 typedef enum {
     HS_MEASURE_ABS, /* Eq. 4.6, over labels 1 and 2 */
     HS_MEASURE_POS, /* Eq. 4.8: over the rays with e > 0; 0 if there is none */

@@ -17,10 +17,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define LOOK_EVERY_MS                                                                                        \
-    20                  /* between two looks at the child's memory: it cannot fill the machine within that   \
-                         */
-#define ABOVE_PASSED 64 /* descriptors are moved up there first, so that none lands on another */
+#define LOOK_EVERY_MS 20 /* between two looks at the child's memory: too short to fill the machine */
+#define ABOVE_PASSED  64 /* descriptors are moved up there first, so that none lands on another */
 
 /* ------------------------------------------------------------------------------------ in the child -- */
 

@@ -13,8 +13,8 @@ typedef struct {
     bool active;
 } hs_server;
 
-/* Notes the call that is made next, for whoever tells how this process ended. `step` of `steps`, or 0 of 0.
- */
+/* Notes the call that is made next, for whoever tells how this process ended.
+ * `step` of `steps`, or 0 of 0. */
 void hs_server_enter(hs_server *server, const char *call, uint32_t step, uint32_t steps);
 
 /* Keeps a failure's reason for the other side. Returns the status. */

@@ -82,11 +82,10 @@ static bool activate(hs_clipper *clipper, hs_error *err) {
 
 static bool create_memory(hs_clipper *clipper, hs_error *err) {
     const hs_slab_layout *layout = hs_slabs_layout(clipper->slabs);
-    if (!hs_map_check_create(&clipper->check, clipper->cl, layout->width, layout->height, err)) return false;
-    cl_int code;
-    clipper->depth =
-        clCreateBuffer(clipper->cl->context, CL_MEM_READ_WRITE, clipper->pixels * sizeof(float), NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (depthmap)", err)) return false;
+    const size_t bytes = clipper->pixels * sizeof(float);
+    if (!hs_map_check_create(&clipper->check, clipper->cl, layout->width, layout->height, err) ||
+        !hs_cl_take_buffer(clipper->cl, bytes, "depthmap", &clipper->depth, err))
+        return false;
     clipper->host_depth = calloc(clipper->pixels, sizeof(float));
     clipper->status = calloc(clipper->pixels, 1);
     return (clipper->host_depth && clipper->status) ||

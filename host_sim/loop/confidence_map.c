@@ -26,11 +26,9 @@ static const sv_ext_confidence *find(const hs_plugin *plugin) {
 }
 
 static bool create_memory(hs_confidence_map *map, hs_error *err) {
-    const cl_context context = map->cl->context;
-    cl_int code;
-    map->values = clCreateBuffer(context, CL_MEM_READ_WRITE, map->pixels * sizeof(float), NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (confidence)", err)) return false;
-    if (!hs_map_check_create(&map->check, map->cl, map->width, map->height, err)) return false;
+    if (!hs_cl_take_buffer(map->cl, map->pixels * sizeof(float), "confidence", &map->values, err) ||
+        !hs_map_check_create(&map->check, map->cl, map->width, map->height, err))
+        return false;
     map->host_values = calloc(map->pixels, sizeof(float));
     return map->host_values ||
            hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", map->pixels);

@@ -13,13 +13,6 @@ struct hs_screen {
     cl_mem start;       /* one float32: a depthmap of one pixel */
 };
 
-static bool create_buffer(const hs_screen *screen, cl_mem *buffer, size_t bytes, const char *call,
-                          hs_error *err) {
-    cl_int code;
-    *buffer = clCreateBuffer(screen->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    return hs_cl_check(code, call, err);
-}
-
 hs_screen *hs_screen_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
     hs_screen *screen = calloc(1, sizeof *screen);
     if (!screen) {
@@ -30,11 +23,10 @@ hs_screen *hs_screen_create(const hs_cl *cl, const hs_dvr_settings *settings, hs
     screen->settings = *settings;
     screen->pixels = (size_t)settings->width * settings->height;
     screen->dvr = hs_dvr_create(cl, settings, err);
-    if (screen->dvr &&
-        create_buffer(screen, &screen->rgba, screen->pixels * 4, "clCreateBuffer (picture)", err) &&
-        create_buffer(screen, &screen->termination, screen->pixels * sizeof(float),
-                      "clCreateBuffer (termination depths)", err) &&
-        create_buffer(screen, &screen->start, sizeof(float), "clCreateBuffer (start depth)", err))
+    if (screen->dvr && hs_cl_take_buffer(cl, screen->pixels * 4, "picture", &screen->rgba, err) &&
+        hs_cl_take_buffer(cl, screen->pixels * sizeof(float), "termination depths", &screen->termination,
+                          err) &&
+        hs_cl_take_buffer(cl, sizeof(float), "start depth", &screen->start, err))
         return screen;
     hs_screen_destroy(screen);
     return NULL;

@@ -8,8 +8,8 @@
 
 typedef struct hs_truth_picture hs_truth_picture;
 
-/* Nothing is made yet. `loop` must have a source with a ground truth and outlive it. NULL with HS_ERR_MEMORY.
- */
+/* Nothing is made yet. `loop` must have a source with a ground truth and outlive it.
+ * NULL with HS_ERR_MEMORY. */
 hs_truth_picture *hs_truth_picture_create(hs_loop *loop, hs_error *err);
 void hs_truth_picture_destroy(hs_truth_picture *picture);
 

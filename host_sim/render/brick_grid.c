@@ -42,13 +42,9 @@ void hs_brick_grid_expire(hs_brick_grid *grid) {
 
 static bool take_memory(hs_brick_grid *grid, hs_error *err) {
     const cl_int4 n = grid->view.count;
-    cl_int code = CL_SUCCESS;
-    if (!grid->kernel) grid->kernel = clCreateKernel(grid->cl->program, "build_brick_grid", &code);
-    if (!hs_cl_check(code, "clCreateKernel(build_brick_grid)", err)) return false;
-    if (!grid->view.maxima)
-        grid->view.maxima = clCreateBuffer(grid->cl->context, CL_MEM_READ_WRITE,
-                                           (size_t)n.s[0] * (size_t)n.s[1] * (size_t)n.s[2], NULL, &code);
-    return hs_cl_check(code, "clCreateBuffer(brick grid)", err);
+    const size_t bytes = (size_t)n.s[0] * (size_t)n.s[1] * (size_t)n.s[2];
+    return hs_cl_take_kernel(grid->cl, "build_brick_grid", &grid->kernel, err) &&
+           hs_cl_take_buffer(grid->cl, bytes, "brick grid", &grid->view.maxima, err);
 }
 
 static bool enqueue(hs_brick_grid *grid, cl_mem voxels, hs_error *err) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the thesis' renderer may skip: the largest voxel of every brick, made once per volume (cl/bricks.cl).
- */
+/* What the thesis' renderer may skip: the largest voxel of every brick, made once
+ * per volume (cl/bricks.cl). */
 #ifndef HS_BRICK_GRID_H
 #define HS_BRICK_GRID_H
 

@@ -35,8 +35,8 @@ typedef struct {
 } hs_beams_view;
 hs_beams_view hs_device_beams_view(const hs_device_beams *db);
 
-/* The next six arguments of a kernel: what it samples, as convert_beams has them (cl/scan_convert_beams.cl).
- */
+/* The next six arguments of a kernel: what it samples, as convert_beams has them
+ * (cl/scan_convert_beams.cl). */
 void hs_launch_beams(hs_launch *launch, const hs_beams_view *view);
 
 #endif

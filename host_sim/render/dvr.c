@@ -2,6 +2,7 @@
 #include "render/dvr.h"
 
 #include "render/dvr_lit.h"
+#include "render/dvr_thesis.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,23 +14,12 @@ struct hs_dvr {
     cl_kernel lit; /* NULL: the look is the thesis' */
 };
 
-/* Where the rays start, as render_volume takes it (cl/dvr.cl). */
-typedef struct {
-    cl_mem map, confidence; /* NULL: none */
-    cl_int4 map_dims;
-    cl_float4 to_map, to_steps;
-} ray_start;
-
 static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
     if (!hs_dvr_check_settings(settings, err)) return false;
     dvr->settings = *settings;
-    cl_int code = CL_SUCCESS;
-    dvr->render = clCreateKernel(dvr->cl->program, "render_volume", &code);
-    if (!hs_cl_check(code, "clCreateKernel(render_volume)", err)) return false;
-    dvr->mip = clCreateKernel(dvr->cl->program, "project_maximum", &code);
-    if (!hs_cl_check(code, "clCreateKernel(project_maximum)", err)) return false;
-    if (settings->look == HS_LOOK_LIT) dvr->lit = clCreateKernel(dvr->cl->program, HS_DVR_LIT_KERNEL, &code);
-    return hs_cl_check(code, "clCreateKernel(" HS_DVR_LIT_KERNEL ")", err);
+    return hs_cl_take_kernel(dvr->cl, HS_DVR_THESIS_KERNEL, &dvr->render, err) &&
+           hs_cl_take_kernel(dvr->cl, "project_maximum", &dvr->mip, err) &&
+           (settings->look != HS_LOOK_LIT || hs_cl_take_kernel(dvr->cl, HS_DVR_LIT_KERNEL, &dvr->lit, err));
 }
 
 hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
@@ -58,45 +48,6 @@ uint32_t hs_dvr_steps(const hs_dvr_settings *settings, const hs_device_volume *s
     return hs_dvr_count_steps(settings, &view.shape, camera);
 }
 
-/* The view: the first arguments of both kernels. */
-static hs_launch begin_launch(const hs_dvr *dvr, cl_kernel kernel, const char *name, const hs_ray_view *v) {
-    hs_launch launch = hs_launch_begin(dvr->cl, kernel, name);
-    hs_launch_buffer(&launch, v->voxels);
-    hs_launch_arg(&launch, sizeof v->dims, &v->dims);
-    hs_launch_buffer(&launch, v->maxima);
-    hs_launch_arg(&launch, sizeof v->bricks, &v->bricks);
-    hs_launch_arg(&launch, sizeof v->origin, &v->origin);
-    hs_launch_arg(&launch, sizeof v->dx, &v->dx);
-    hs_launch_arg(&launch, sizeof v->dy, &v->dy);
-    hs_launch_arg(&launch, sizeof v->dn, &v->dn);
-    return launch;
-}
-
-/* Where the rays start, as the kernel takes it. */
-static ray_start plan_start(const hs_dvr_settings *s, const hs_ray_view *v, const hs_start_depths *depths) {
-    ray_start out = {.map_dims = {{0, 0, (cl_int)s->width, (cl_int)s->height}},
-                     .to_steps = {{0.0f, s->ghost_offset, 0.0f, 0.0f}}};
-    if (!depths || !depths->depth) return out;
-    out.map = depths->depth;
-    out.map_dims.s[0] = (cl_int)depths->width;
-    out.map_dims.s[1] = (cl_int)depths->height;
-    out.to_map = hs_dvr_to_map(s, depths);
-    out.to_steps.s[0] = (cl_float)(v->slices / ((double)depths->slices * (double)s->step));
-    out.to_steps.s[2] = s->ghost_width > HS_DVR_HARD_CUT ? 1.0f / s->ghost_width : 0.0f;
-    if (depths->confidence && out.to_steps.s[2] > 0.0f) {
-        out.confidence = depths->confidence;
-        out.to_steps.s[3] = s->ghost_width * s->ghost_doubt;
-    }
-    return out;
-}
-
-/* A buffer that may be NULL, and whether it is wanted. */
-static void set_output(hs_launch *launch, cl_mem buffer) {
-    const cl_int wanted = buffer != NULL;
-    hs_launch_buffer(launch, buffer);
-    hs_launch_arg(launch, sizeof wanted, &wanted);
-}
-
 bool hs_dvr_prepare(hs_dvr *dvr, const hs_device_volume *source, hs_error *err) {
     const hs_dvr_settings *s = &dvr->settings;
     hs_lit_view lit;
@@ -123,21 +74,10 @@ static bool render_thesis(hs_dvr *dvr, const hs_device_volume *source, const hs_
                           const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                           hs_error *err) {
     hs_ray_view v;
-    const hs_device_view view = hs_device_volume_view(source);
-    hs_brick_view bricks;
-    if (!hs_device_volume_bricks(source, &bricks, err) ||
-        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
-        return false;
-    const ray_start rays = plan_start(&dvr->settings, &v, depths);
-    hs_launch launch = begin_launch(dvr, dvr->render, "render_volume", &v);
-    hs_launch_buffer(&launch, rays.map);
-    hs_launch_arg(&launch, sizeof rays.map_dims, &rays.map_dims);
-    hs_launch_arg(&launch, sizeof rays.to_map, &rays.to_map);
-    hs_launch_arg(&launch, sizeof rays.to_steps, &rays.to_steps);
-    hs_launch_transfer(&launch, &dvr->settings);
-    set_output(&launch, rgba);
-    set_output(&launch, termination);
-    hs_launch_buffer(&launch, rays.confidence);
+    if (!hs_ray_view_of(&dvr->settings, source, camera, &v, err)) return false;
+    hs_launch launch = hs_launch_begin(dvr->cl, dvr->render, HS_DVR_THESIS_KERNEL);
+    hs_launch_buffer(&launch, v.voxels);
+    hs_dvr_thesis_arguments(&launch, &dvr->settings, &v, depths, rgba, termination);
     return hs_dvr_launch(&launch, &dvr->settings, event, err);
 }
 
@@ -161,13 +101,11 @@ bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *ca
     const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
     if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
     hs_ray_view v;
-    const hs_device_view view = hs_device_volume_view(source);
-    hs_brick_view bricks;
-    if (!hs_device_volume_bricks(source, &bricks, err) ||
-        !hs_ray_view_of(&dvr->settings, &view, &bricks, camera, &v, err))
-        return false;
+    if (!hs_ray_view_of(&dvr->settings, source, camera, &v, err)) return false;
     const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
-    hs_launch launch = begin_launch(dvr, dvr->mip, "project_maximum", &v);
+    hs_launch launch = hs_launch_begin(dvr->cl, dvr->mip, "project_maximum");
+    hs_launch_buffer(&launch, v.voxels);
+    hs_launch_view(&launch, &v);
     hs_launch_arg(&launch, sizeof picture, &picture);
     hs_launch_buffer(&launch, gray);
     return hs_dvr_launch(&launch, &dvr->settings, event, err);

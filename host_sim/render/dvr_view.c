@@ -36,21 +36,25 @@ cl_int hs_dvr_transparent(const hs_dvr_settings *s) {
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
 }
 
-bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, const hs_brick_view *bricks,
-                    const hs_camera *camera, hs_ray_view *out, hs_error *err) {
-    const uint32_t steps = hs_dvr_count_steps(s, &source->shape, camera);
+bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_volume *source, const hs_camera *camera,
+                    hs_ray_view *out, hs_error *err) {
+    const hs_device_view view = hs_device_volume_view(source);
+    const hs_volume *shape = &view.shape;
+    const uint32_t steps = hs_dvr_count_steps(s, shape, camera);
+    hs_brick_view bricks;
+    if (!hs_device_volume_bricks(source, &bricks, err)) return false;
     if (steps > HS_DVR_MAX_STEPS) {
         return hs_fail(err, HS_ERR_INPUT,
                        "renderer: step %g makes %u steps of this volume, expected at most %u",
                        (double)s->step, steps, HS_DVR_MAX_STEPS);
     }
     hs_box_map map;
-    hs_camera_box_map(camera, &source->shape, &map);
-    hs_ray_view v = {.voxels = source->voxels,
-                     .maxima = bricks->maxima,
-                     .bricks = bricks->count,
-                     .slices = hs_dvr_slices(&source->shape, camera)};
-    const uint32_t n[3] = {source->shape.nx, source->shape.ny, source->shape.nz};
+    hs_camera_box_map(camera, shape, &map);
+    hs_ray_view v = {.voxels = view.voxels,
+                     .maxima = bricks.maxima,
+                     .bricks = bricks.count,
+                     .slices = hs_dvr_slices(shape, camera)};
+    const uint32_t n[3] = {shape->nx, shape->ny, shape->nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
     for (int k = 0; k < 3; k++) {
@@ -68,13 +72,14 @@ bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_view *source, cons
     return true;
 }
 
-void hs_launch_transfer(hs_launch *launch, const hs_dvr_settings *s) {
-    const double low = (double)s->threshold_low * 255.0, high = (double)s->threshold_high * 255.0;
-    const cl_float4 window = {{(cl_float)low, (cl_float)(1.0 / (high - low)), s->termination, s->step}};
-    const float gain = s->exposure;
-    const cl_float4 skin = {{gain * s->skin[0], gain * s->skin[1], gain * s->skin[2], 0.0f}};
-    hs_launch_arg(launch, sizeof window, &window);
-    hs_launch_arg(launch, sizeof skin, &skin);
+void hs_launch_view(hs_launch *launch, const hs_ray_view *v) {
+    hs_launch_arg(launch, sizeof v->dims, &v->dims);
+    hs_launch_buffer(launch, v->maxima);
+    hs_launch_arg(launch, sizeof v->bricks, &v->bricks);
+    hs_launch_arg(launch, sizeof v->origin, &v->origin);
+    hs_launch_arg(launch, sizeof v->dx, &v->dx);
+    hs_launch_arg(launch, sizeof v->dy, &v->dy);
+    hs_launch_arg(launch, sizeof v->dn, &v->dn);
 }
 
 /*

@@ -34,12 +34,15 @@ typedef struct {
     double slices; /* source slices along the box' depth */
 } hs_ray_view;
 
-/* HS_ERR_INPUT: more than HS_DVR_MAX_STEPS. */
-bool hs_ray_view_of(const hs_dvr_settings *settings, const hs_device_view *source,
-                    const hs_brick_view *bricks, const hs_camera *camera, hs_ray_view *out, hs_error *err);
+/* Enqueues the volume's brick maxima if they are not there. HS_ERR_INPUT (more than HS_DVR_MAX_STEPS) or
+ * HS_ERR_DEVICE. */
+bool hs_ray_view_of(const hs_dvr_settings *settings, const hs_device_volume *source, const hs_camera *camera,
+                    hs_ray_view *out, hs_error *err);
 
-/* The next two arguments of a kernel: its transfer function, as render_volume has it (cl/dvr.cl). */
-void hs_launch_transfer(hs_launch *launch, const hs_dvr_settings *settings);
+/* The next seven arguments of a kernel: the view but for what is sampled, as render_volume has it
+ * (cl/dvr.cl).
+ */
+void hs_launch_view(hs_launch *launch, const hs_ray_view *view);
 
 /* Runs a kernel over the picture, a work item a packet of pixels (cl/base.cl); does not wait. */
 bool hs_dvr_launch(const hs_launch *launch, const hs_dvr_settings *settings, cl_event *event, hs_error *err);

@@ -41,33 +41,29 @@ void hs_halved_expire(hs_halved *halved) {
     halved->fresh = false;
 }
 
-/* Lookups read the next voxel along every axis, even of the last voxel, whose neighbours then do not count.
- */
+/* Lookups read the next voxel along every axis, even of the last voxel, whose
+ * neighbours then do not count. */
 static size_t bytes_of(cl_int4 dims, cl_int border) {
     size_t n[3];
     for (int k = 0; k < 3; k++) n[k] = (size_t)dims.s[k] + 2 * (size_t)border;
     return n[0] * n[1] * n[2] + n[0] * n[1] + n[0] + 2;
 }
 
-static bool take_buffer(hs_halved *halved, cl_mem *buffer, cl_int border, const char *call, hs_error *err) {
+static bool take_buffer(hs_halved *halved, cl_mem *buffer, cl_int border, const char *what, hs_error *err) {
     const size_t bytes = bytes_of(halved->view.dims, border);
     const cl_uchar nothing = 0;
-    cl_int code = CL_SUCCESS;
     if (*buffer) return true;
-    *buffer = clCreateBuffer(halved->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    if (!hs_cl_check(code, call, err)) return false;
+    if (!hs_cl_take_buffer(halved->cl, bytes, what, buffer, err)) return false;
     /* The border is never written again. */
-    code = clEnqueueFillBuffer(halved->cl->queue, *buffer, &nothing, 1, 0, bytes, 0, NULL, NULL);
+    const cl_int code = clEnqueueFillBuffer(halved->cl->queue, *buffer, &nothing, 1, 0, bytes, 0, NULL, NULL);
     return hs_cl_check(code, "clEnqueueFillBuffer(halved volume)", err);
 }
 
 static bool take_memory(hs_halved *halved, hs_error *err) {
-    cl_int code = CL_SUCCESS;
-    if (!halved->kernel) halved->kernel = clCreateKernel(halved->cl->program, "halve_volume", &code);
-    return hs_cl_check(code, "clCreateKernel(halve_volume)", err) &&
-           take_buffer(halved, &halved->view.marked, 0, "clCreateBuffer(halved volume)", err) &&
-           (!halved->with_mean || take_buffer(halved, &halved->view.mean, HS_HALVED_BORDER,
-                                              "clCreateBuffer(halved volume with a border)", err));
+    return hs_cl_take_kernel(halved->cl, "halve_volume", &halved->kernel, err) &&
+           take_buffer(halved, &halved->view.marked, 0, "halved volume", err) &&
+           (!halved->with_mean ||
+            take_buffer(halved, &halved->view.mean, HS_HALVED_BORDER, "halved volume with a border", err));
 }
 
 static bool enqueue(hs_halved *halved, cl_mem voxels, hs_error *err) {

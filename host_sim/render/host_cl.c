@@ -4,6 +4,7 @@
 #include "hs_kernels_embedded.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -179,6 +180,30 @@ void hs_cl_close(hs_cl *cl) {
     if (cl->program) (void)clReleaseProgram(cl->program);
     if (cl->context) (void)clReleaseContext(cl->context);
     memset(cl, 0, sizeof *cl);
+}
+
+/* clCreateKernel or clCreateBuffer, and what it was to make. */
+static bool check_object(cl_int code, const char *call, const char *what, hs_error *err) {
+    char text[128];
+    (void)snprintf(text, sizeof text, "%s(%s)", call, what);
+    return hs_cl_check(code, text, err);
+}
+
+bool hs_cl_take_kernel(const hs_cl *cl, const char *name, cl_kernel *kernel, hs_error *err) {
+    cl_int code = CL_SUCCESS;
+    if (!*kernel) *kernel = clCreateKernel(cl->program, name, &code);
+    return check_object(code, "clCreateKernel", name, err);
+}
+
+bool hs_cl_take_buffer(const hs_cl *cl, size_t bytes, const char *what, cl_mem *buffer, hs_error *err) {
+    cl_int code = CL_SUCCESS;
+    if (!*buffer) *buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    return check_object(code, "clCreateBuffer", what, err);
+}
+
+bool hs_cl_take_voxels(const hs_cl *cl, cl_int4 dims, const char *what, cl_mem *buffer, hs_error *err) {
+    const size_t bytes = (size_t)dims.s[0] * (size_t)dims.s[1] * (size_t)dims.s[2] + 1;
+    return hs_cl_take_buffer(cl, bytes, what, buffer, err);
 }
 
 bool hs_cl_check_size(cl_mem buffer, uint64_t bytes, const char *what, hs_error *err) {

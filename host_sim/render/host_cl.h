@@ -42,6 +42,15 @@ void hs_cl_close(hs_cl *cl);
 /* True on CL_SUCCESS; else records HS_ERR_DEVICE with the call's name, the code's name and its number. */
 bool hs_cl_check(cl_int code, const char *call, hs_error *err);
 
+/* Make *kernel of the host's program, or *buffer of `bytes` bytes for kernels to read and write, unless it is
+ * there. HS_ERR_DEVICE with the kernel's name, or with what the buffer holds. The caller releases it. */
+bool hs_cl_take_kernel(const hs_cl *cl, const char *name, cl_kernel *kernel, hs_error *err);
+bool hs_cl_take_buffer(const hs_cl *cl, size_t bytes, const char *what, cl_mem *buffer, hs_error *err);
+
+/* The same for dims.xyz voxels of a byte. Trilinear lookups read a byte behind the last one
+ * (cl/base_rays.cl), so there is one more. */
+bool hs_cl_take_voxels(const hs_cl *cl, cl_int4 dims, const char *what, cl_mem *buffer, hs_error *err);
+
 /* True if `buffer` holds at least `bytes` bytes; else records HS_ERR_DEVICE with `what` and both sizes. */
 bool hs_cl_check_size(cl_mem buffer, uint64_t bytes, const char *what, hs_error *err);
 

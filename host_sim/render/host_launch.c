@@ -3,9 +3,8 @@
 
 #include <stdio.h>
 
-enum {
-    ROWS_OF_GROUP = 8
-}; /* the same for all sizes, because PoCL compiles a kernel for every size of its groups */
+/* The same for volumes of all sizes, because PoCL compiles a kernel for every size of its groups. */
+enum { ROWS_OF_GROUP = 8 };
 
 hs_launch hs_launch_begin(const hs_cl *cl, cl_kernel kernel, const char *name) {
     return (hs_launch){.cl = cl, .kernel = kernel, .name = name, .code = CL_SUCCESS};

@@ -30,8 +30,8 @@ void hs_launch_buffer(hs_launch *launch, cl_mem buffer);
 bool hs_launch_run(const hs_launch *launch, cl_uint dimensions, const size_t *global, const size_t *local,
                    cl_event *event, hs_error *err);
 
-/* The same for a kernel whose work items do a row or a packet of rays each on a CPU: groups of one item
- * there, so that PoCL compiles it once and not for every size; else OpenCL chooses. */
+/* The same for a kernel that may run in groups of any size. On a CPU, whatever its lanes, a group is one
+ * item, so that PoCL compiles the kernel once and not for every size of group; else OpenCL chooses. */
 bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *global, cl_event *event,
                      hs_error *err);
 

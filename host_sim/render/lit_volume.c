@@ -3,6 +3,7 @@
 
 #include "render/brick_grid.h"
 #include "render/host_launch.h"
+#include "render/smoothing.h"
 
 #include <stdlib.h>
 
@@ -12,8 +13,8 @@
 static const cl_int least_cube[3] = {0, 4, 3};
 #define CELLS 48u /* along the longest axis, about: light does not depend on the volume's resolution */
 
-typedef enum { KEEP, SMOOTH, OPACITY, STEPS } step;
-static const char *const kernel_names[STEPS] = {"lit_keep", "lit_smooth", "lit_opacity"};
+typedef enum { KEEP, OPACITY, STEPS } step;
+static const char *const kernel_names[STEPS] = {"lit_keep", "lit_opacity"};
 
 struct hs_lit_volume {
     const hs_cl *cl;
@@ -21,7 +22,7 @@ struct hs_lit_volume {
     hs_lit_view view;
     hs_brick_grid *bricks;
     hs_scan_share *share;
-    cl_mem between; /* after the first smoothing */
+    hs_smoothing smoothing;
     cl_kernel kernel[STEPS];
     bool fresh, has_opacity;
     float low, high; /* what `opacity` was made with */
@@ -40,7 +41,7 @@ hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_err
     }
     cl_int longest = 0;
     uint32_t counts[3];
-    lit->cl = cl;
+    lit->cl = lit->smoothing.cl = cl;
     const uint32_t factor = lit->view.factor = hs_lit_volume_factor(n);
     for (int k = 0; k < 3; k++) {
         const cl_int count = (cl_int)(counts[k] = (n[k] + factor - 1) / factor);
@@ -65,9 +66,9 @@ void hs_lit_volume_destroy(hs_lit_volume *lit) {
         if (lit->kernel[i]) (void)clReleaseKernel(lit->kernel[i]);
     hs_brick_grid_destroy(lit->bricks);
     hs_scan_share_destroy(lit->share);
-    const cl_mem buffers[] = {lit->between, lit->view.smooth, lit->view.opacity};
-    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
-        if (buffers[i]) (void)clReleaseMemObject(buffers[i]);
+    hs_smoothing_free(&lit->smoothing);
+    if (lit->view.smooth) (void)clReleaseMemObject(lit->view.smooth);
+    if (lit->view.opacity) (void)clReleaseMemObject(lit->view.opacity);
     free(lit);
 }
 
@@ -76,28 +77,12 @@ void hs_lit_volume_expire(hs_lit_volume *lit) {
     hs_brick_grid_expire(lit->bricks);
 }
 
-static size_t count_of(cl_int4 dims) {
-    return (size_t)dims.s[0] * (size_t)dims.s[1] * (size_t)dims.s[2];
-}
-
-/* Trilinear lookups read a byte behind the last voxel of a row (base_rays.cl): one more. */
-static bool take_buffer(hs_lit_volume *lit, cl_mem *buffer, cl_int4 dims, const char *call, hs_error *err) {
-    cl_int code = CL_SUCCESS;
-    if (!*buffer)
-        *buffer = clCreateBuffer(lit->cl->context, CL_MEM_READ_WRITE, count_of(dims) + 1, NULL, &code);
-    return hs_cl_check(code, call, err);
-}
-
 static bool take_memory(hs_lit_volume *lit, hs_error *err) {
-    for (int i = 0; i < STEPS; i++) {
-        cl_int code = CL_SUCCESS;
-        if (!lit->kernel[i]) lit->kernel[i] = clCreateKernel(lit->cl->program, kernel_names[i], &code);
-        if (!hs_cl_check(code, "clCreateKernel(lit volume)", err)) return false;
-    }
+    for (int i = 0; i < STEPS; i++)
+        if (!hs_cl_take_kernel(lit->cl, kernel_names[i], &lit->kernel[i], err)) return false;
     hs_lit_view *v = &lit->view;
-    return take_buffer(lit, &lit->between, v->dims, "clCreateBuffer(volume smoothed once)", err) &&
-           take_buffer(lit, &v->smooth, v->dims, "clCreateBuffer(smoothed volume)", err) &&
-           take_buffer(lit, &v->opacity, v->cells, "clCreateBuffer(opacities)", err);
+    return hs_cl_take_voxels(lit->cl, v->dims, "smoothed volume", &v->smooth, err) &&
+           hs_cl_take_voxels(lit->cl, v->cells, "opacities", &v->opacity, err);
 }
 
 static hs_launch begin(const hs_lit_volume *lit, step which, cl_mem from, const cl_int4 *dims) {
@@ -123,18 +108,12 @@ static bool find_source(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, cl
     return hs_launch_rows(&keep, v->dims, err) && hs_scan_share_make(lit->share, voxels, 1, &v->share, err);
 }
 
-static bool smooth_once(hs_lit_volume *lit, cl_mem from, cl_mem to, hs_error *err) {
-    hs_launch smooth = begin(lit, SMOOTH, from, &lit->view.dims);
-    hs_launch_buffer(&smooth, to);
-    return hs_launch_slices(&smooth, lit->view.dims, err);
-}
-
 static bool make_smooth(hs_lit_volume *lit, cl_mem voxels, hs_halved *halved, hs_error *err) {
     hs_lit_view *v = &lit->view;
     hs_brick_view bricks;
     cl_mem source;
-    if (!find_source(lit, voxels, halved, &source, err) || !smooth_once(lit, source, lit->between, err) ||
-        !smooth_once(lit, lit->between, v->smooth, err) ||
+    if (!find_source(lit, voxels, halved, &source, err) ||
+        !hs_smoothing_run(&lit->smoothing, source, v->smooth, v->dims, err) ||
         !hs_brick_grid_make(lit->bricks, v->smooth, &bricks, err))
         return false;
     v->brick_maxima = bricks.maxima;

@@ -4,12 +4,9 @@
 #include "render/host_launch.h"
 
 bool hs_map_check_create(hs_map_check *check, const hs_cl *cl, uint32_t width, uint32_t rows, hs_error *err) {
-    cl_int code;
     *check = (hs_map_check){.cl = cl, .width = width, .rows = rows};
-    check->wrong = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, sizeof check->count, NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (map check)", err)) return false;
-    check->kernel = clCreateKernel(cl->program, "check_map", &code);
-    return hs_cl_check(code, "clCreateKernel(check_map)", err);
+    return hs_cl_take_buffer(cl, sizeof check->count, "map check", &check->wrong, err) &&
+           hs_cl_take_kernel(cl, "check_map", &check->kernel, err);
 }
 
 void hs_map_check_destroy(hs_map_check *check) {

@@ -77,11 +77,8 @@ static bool check_layout(const hs_slab_layout *l, hs_error *err) {
 static bool init(hs_scan_converter *converter, const hs_slab_layout *layout, hs_error *err) {
     if (!check_layout(layout, err)) return false;
     converter->layout = *layout;
-    cl_int code = CL_SUCCESS;
-    for (int i = 0; i < WAYS; i++) {
-        converter->kernel[i] = clCreateKernel(converter->cl->program, kernel_names[i], &code);
-        if (!hs_cl_check(code, "clCreateKernel(scan conversion)", err)) return false;
-    }
+    for (int i = 0; i < WAYS; i++)
+        if (!hs_cl_take_kernel(converter->cl, kernel_names[i], &converter->kernel[i], err)) return false;
     return true;
 }
 

@@ -2,18 +2,18 @@
 #include "render/scan_share.h"
 
 #include "render/host_launch.h"
+#include "render/smoothing.h"
 
 #include <stdlib.h>
 
-typedef enum { SUM, SMOOTH, STEPS } step;
-static const char *const kernel_names[STEPS] = {"lit_scanned", "lit_smooth"};
+static const char kernel_name[] = "lit_scanned";
 
 struct hs_scan_share {
     const hs_cl *cl;
     cl_int4 marks; /* w: set when they are made */
     hs_scan_share_view view;
-    cl_mem between; /* after the first smoothing */
-    cl_kernel kernel[STEPS];
+    cl_kernel kernel;
+    hs_smoothing smoothing;
 };
 
 hs_scan_share *hs_scan_share_create(const hs_cl *cl, const uint32_t n[3], uint32_t edge, hs_error *err) {
@@ -22,7 +22,7 @@ hs_scan_share *hs_scan_share_create(const hs_cl *cl, const uint32_t n[3], uint32
         (void)hs_fail(err, HS_ERR_MEMORY, "share of the scan: no memory");
         return NULL;
     }
-    share->cl = cl;
+    share->cl = share->smoothing.cl = cl;
     for (int k = 0; k < 3; k++) {
         share->marks.s[k] = (cl_int)n[k];
         share->view.dims.s[k] = (cl_int)((n[k] + edge - 1) / edge) + 2 * HS_SCAN_SHARE_BORDER;
@@ -33,52 +33,25 @@ hs_scan_share *hs_scan_share_create(const hs_cl *cl, const uint32_t n[3], uint32
 
 void hs_scan_share_destroy(hs_scan_share *share) {
     if (!share) return;
-    for (int i = 0; i < STEPS; i++)
-        if (share->kernel[i]) (void)clReleaseKernel(share->kernel[i]);
-    if (share->between) (void)clReleaseMemObject(share->between);
+    hs_smoothing_free(&share->smoothing);
+    if (share->kernel) (void)clReleaseKernel(share->kernel);
     if (share->view.scanned) (void)clReleaseMemObject(share->view.scanned);
     free(share);
 }
 
-/* Trilinear lookups read a byte behind the last cube of a row (base_rays.cl): one more. */
-static bool take_buffer(hs_scan_share *share, cl_mem *buffer, const char *call, hs_error *err) {
-    const cl_int *n = share->view.dims.s;
-    const size_t bytes = (size_t)n[0] * (size_t)n[1] * (size_t)n[2] + 1;
-    cl_int code = CL_SUCCESS;
-    if (!*buffer) *buffer = clCreateBuffer(share->cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    return hs_cl_check(code, call, err);
-}
-
-static bool take_memory(hs_scan_share *share, hs_error *err) {
-    for (int i = 0; i < STEPS; i++) {
-        cl_int code = CL_SUCCESS;
-        if (!share->kernel[i]) share->kernel[i] = clCreateKernel(share->cl->program, kernel_names[i], &code);
-        if (!hs_cl_check(code, "clCreateKernel(share of the scan)", err)) return false;
-    }
-    return take_buffer(share, &share->between, "clCreateBuffer(share of the scan smoothed once)", err) &&
-           take_buffer(share, &share->view.scanned, "clCreateBuffer(share of the scan)", err);
-}
-
-static bool smooth_once(hs_scan_share *share, cl_mem from, cl_mem to, hs_error *err) {
-    hs_launch smooth = hs_launch_begin(share->cl, share->kernel[SMOOTH], kernel_names[SMOOTH]);
-    hs_launch_buffer(&smooth, from);
-    hs_launch_arg(&smooth, sizeof share->view.dims, &share->view.dims);
-    hs_launch_buffer(&smooth, to);
-    return hs_launch_slices(&smooth, share->view.dims, err);
-}
-
 bool hs_scan_share_make(hs_scan_share *share, cl_mem marks, uint32_t all, hs_scan_share_view *view,
                         hs_error *err) {
-    if (!take_memory(share, err)) return false;
+    if (!hs_cl_take_kernel(share->cl, kernel_name, &share->kernel, err) ||
+        !hs_cl_take_voxels(share->cl, share->view.dims, "share of the scan", &share->view.scanned, err))
+        return false;
     share->marks.s[3] = (cl_int)all;
-    hs_launch sum = hs_launch_begin(share->cl, share->kernel[SUM], kernel_names[SUM]);
+    hs_launch sum = hs_launch_begin(share->cl, share->kernel, kernel_name);
     hs_launch_buffer(&sum, marks);
     hs_launch_arg(&sum, sizeof share->marks, &share->marks);
     hs_launch_arg(&sum, sizeof share->view.dims, &share->view.dims);
     hs_launch_buffer(&sum, share->view.scanned);
     if (!hs_launch_rows(&sum, share->view.dims, err) ||
-        !smooth_once(share, share->view.scanned, share->between, err) ||
-        !smooth_once(share, share->between, share->view.scanned, err))
+        !hs_smoothing_run(&share->smoothing, share->view.scanned, share->view.scanned, share->view.dims, err))
         return false;
     *view = share->view;
     return true;

@@ -6,12 +6,9 @@
 bool hs_scanned_rays_create(hs_scanned_rays *rays, const hs_cl *cl, const hs_slab_layout *layout,
                             hs_error *err) {
     const size_t bytes = (size_t)layout->width * layout->height * sizeof(cl_ushort2);
-    cl_int code;
     *rays = (hs_scanned_rays){.cl = cl};
-    rays->ranges = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (scanned ranges)", err)) return false;
-    rays->kernel = clCreateKernel(cl->program, "scanned_rays", &code);
-    return hs_cl_check(code, "clCreateKernel(scanned_rays)", err);
+    return hs_cl_take_buffer(cl, bytes, "scanned ranges", &rays->ranges, err) &&
+           hs_cl_take_kernel(cl, "scanned_rays", &rays->kernel, err);
 }
 
 void hs_scanned_rays_destroy(hs_scanned_rays *rays) {

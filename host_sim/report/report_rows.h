@@ -31,8 +31,8 @@ void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, ch
 /* Both tables, and that of two methods beside each other, to a terminal. */
 void hs_eval_study_print(const hs_eval_study *study, FILE *out);
 
-/* The same as "best.csv", "common.csv" and "beside.csv" in the study's folder. HS_ERR_OUTPUT names the file.
- */
+/* The same as "best.csv", "common.csv" and "beside.csv" in the study's folder.
+ * HS_ERR_OUTPUT names the file. */
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
 
 #endif

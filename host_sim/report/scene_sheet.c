@@ -178,13 +178,13 @@ static bool enqueue(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what, hs_de
 
 /* Renders into s->rgba, or the maximum projection into s->mip. */
 static bool render(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what) {
-    cl_int code;
     const bool truth = what == RESULT_TRUTH && s->settings.look != HS_LOOK_LIT, mip = what == RESULT_MIP;
     hs_device_volume *source = hs_device_volume_create(cl, truth ? &s->data->truth : &s->data->full, s->err);
     if (!source) return false;
     const size_t bytes = (size_t)RENDER * RENDER * (mip ? 1 : 4);
-    cl_mem buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    bool ok = hs_cl_check(code, "clCreateBuffer", s->err) && enqueue(s, cl, dvr, what, source, buffer);
+    cl_mem buffer = NULL;
+    bool ok =
+        hs_cl_take_buffer(cl, bytes, "picture", &buffer, s->err) && enqueue(s, cl, dvr, what, source, buffer);
     if (ok)
         ok = hs_cl_check(
             clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, 0, bytes, mip ? s->mip : s->rgba, 0, NULL, NULL),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The pixels of a slice through a volume in the camera's axes: what is removed is dimmed, its edge is a line.
- */
+/* The pixels of a slice through a volume in the camera's axes: what is removed is
+ * dimmed, its edge is a line. */
 #ifndef HS_SLICE_PIXELS_H
 #define HS_SLICE_PIXELS_H
 

@@ -131,8 +131,7 @@ static bool open_files(writing *w, uint32_t wanted) {
     return true;
 }
 
-/* --------------------------------------------------------------------------------------------- one volume --
- */
+/* -------------------------------------------------------------------------------------- one volume -- */
 
 /* In mm from the map, which lies in the middle of the first slice. */
 static bool write_depthmap(writing *w, hs_metaimage_stream *out) {

@@ -21,8 +21,8 @@ typedef struct {
     float turn[9];
 } camera;
 
-/* The trilinear value at low + t over the neighbours that are in the volume and were scanned. One of them is.
- */
+/* The trilinear value at low + t over the neighbours that are in the volume and were
+ * scanned. One of them is. */
 static uint8_t sample_border(const camera *c, const int32_t low[3], const float t[3]) {
     const hs_field *f = c->field;
     float sum = 0.0f, weights = 0.0f;

@@ -174,8 +174,7 @@ static bool make_volume(const hs_metaimage *m, hs_volume *out) {
     return true;
 }
 
-/* --------------------------------------------------------------------------------------------- the file --
- */
+/* ---------------------------------------------------------------------------------------- the file -- */
 
 static bool check_window(const char *path, const hs_metaimage_options *o, hs_error *err) {
     const bool is_window =

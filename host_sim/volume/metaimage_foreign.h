@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Files of other formats, told by what is in them and not by their names. Internal to the MetaImage reader.
- */
+/* Files of other formats, told by what is in them and not by their names. Internal
+ * to the MetaImage reader. */
 #ifndef HS_METAIMAGE_FOREIGN_H
 #define HS_METAIMAGE_FOREIGN_H
 

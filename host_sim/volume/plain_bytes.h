@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A file's bytes, and what zlib makes of them, with nothing else: what reading a volume is measured against.
- */
+/* A file's bytes, and what zlib makes of them, with nothing else: what reading a
+ * volume is measured against. */
 #ifndef HS_PLAIN_BYTES_H
 #define HS_PLAIN_BYTES_H
 

@@ -31,8 +31,7 @@ static inline sv_status sva_wrong_state(sva *a, const char *call) {
     return sva_blame(a, SV_ERR_STATE, "%s: the instance is %s", call, names[a->state]);
 }
 
-/* ---------------------------------------------------------------------------------------------- control --
- */
+/* ----------------------------------------------------------------------------------------- control -- */
 
 static inline void sva_release(sva *a) {
     if (a->method->deactivate) a->method->deactivate(a);
@@ -115,8 +114,7 @@ static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_f
     return status;
 }
 
-/* ------------------------------------------------------------------------------------------------ frame --
- */
+/* ------------------------------------------------------------------------------------------- frame -- */
 
 static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_frame *frame) {
     sva *a = sva_enter(plugin);
@@ -233,8 +231,7 @@ static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_par
     return a->method->output ? sva_deliver(a, "adjust", SV_OK, result) : sva_give_out(a, "adjust", result);
 }
 
-/* -------------------------------------------------------------------------------------------------- any --
- */
+/* --------------------------------------------------------------------------------------------- any -- */
 
 static inline uint32_t SV_CALL sva_param_count(const sv_plugin *plugin) {
     return ((const sva *)plugin->plugin_data)->method->param_count;
@@ -300,8 +297,7 @@ static inline const void *SV_CALL sva_get_extension(const sv_plugin *plugin, con
     return id && a->method->extension ? a->method->extension(a, id) : NULL;
 }
 
-/* --------------------------------------------------------------------------------------------- creation --
- */
+/* ---------------------------------------------------------------------------------------- creation -- */
 
 /* What is wrong with the author's own tables, or NULL. */
 static inline const char *sva_fault(const sva_method *m) {

@@ -62,8 +62,7 @@ static inline sv_status sva_take_values(sva *a, const char *call, const sv_param
     return SV_OK;
 }
 
-/* ------------------------------------------------------------------------------------- format and frame --
- */
+/* -------------------------------------------------------------------------------- format and frame -- */
 
 static inline sv_status sva_check_size(sva *a, const char *what, uint32_t size, size_t least) {
     if (size >= least) return SV_OK;
@@ -163,8 +162,7 @@ static inline sv_status sva_check_frame(sva *a, const sv_frame *f) {
     return SV_OK;
 }
 
-/* -------------------------------------------------------------------------------------- slab and result --
- */
+/* --------------------------------------------------------------------------------- slab and result -- */
 
 /* The least bytes of a slab of n slices, as at sv_slab. */
 static inline uint64_t sva_slab_bytes(const sv_format *f, uint32_t n) {

@@ -86,8 +86,7 @@ static inline sv_status sva_cl_check(sva *a, cl_int code, const char *call) {
     return code == CL_SUCCESS ? SV_OK : sva_error(a, SV_ERR_OPENCL, "%s: OpenCL error %d", call, (int)code);
 }
 
-/* ---------------------------------------------------------------------------------- activate, deactivate --
- */
+/* ---------------------------------------------------------------------------- activate, deactivate -- */
 
 /* [control] A buffer that sva_cl_close releases; at most SVA_CL_OBJECTS of them. */
 static inline sv_status sva_cl_buffer(sva *a, size_t bytes, cl_mem *out) {
@@ -187,8 +186,7 @@ static inline sv_status sva_cl_open(sva *a, const char *source, const char *cons
     return s;
 }
 
-/* -------------------------------------------------------------------------------------------- frame path --
- */
+/* -------------------------------------------------------------------------------------- frame path -- */
 
 /* SV_OK if `object` is a buffer that holds `bytes` from `offset` on, else `status`. */
 static inline sv_status sva_cl_check_buffer(sva *a, const char *field, cl_mem object, uint64_t offset,

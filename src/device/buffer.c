@@ -32,6 +32,18 @@ cl_mem sv_buffer_make(const sv_queue *queue, size_t bytes, sv_status *status) {
     return buffer;
 }
 
+sv_status sv_buffers_make(const sv_queue *queue, const size_t *bytes, size_t count, cl_mem *buffers) {
+    sv_status status = SV_OK;
+    for (size_t i = 0; i < count; i++) buffers[i] = sv_buffer_make(queue, bytes[i], &status);
+    return status;
+}
+
+sv_status sv_buffer_read(const sv_queue *queue, cl_mem buffer, size_t bytes, void *out, const char *what) {
+    return sv_clx_check(
+        queue->diag, clEnqueueReadBuffer(queue->device->queue, buffer, CL_TRUE, 0, bytes, out, 0, NULL, NULL),
+        what);
+}
+
 cl_mem sv_buffer_wrap(const sv_queue *queue, const void *memory, size_t bytes, sv_status *status) {
     if (*status != SV_OK || queue->tally) return NULL;
     return create(queue, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, bytes, (void *)(uintptr_t)memory, status);

@@ -9,6 +9,7 @@
 #include "cost_layout.h"
 #include "device/buffer.h"
 #include "kernels_cost.h"
+#include "method/method_slabs.h"
 #include "ref/ref_cost_surface.h"
 
 #include <math.h>
@@ -95,10 +96,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
                             [PREVIOUS] = cells * SV_COST_VALUES * sizeof(cl_float),
                             [MINIMA] = cells * 4 * sizeof(cl_float),
                             [CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
-    sv_status status = SV_OK;
-    for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
-        s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
-    return status;
+    return sv_buffers_make(m->queue, bytes, sizeof bytes / sizeof *bytes, s->buffer);
 }
 
 static void layout_arg(sv_launch *launch, const sv_map *m) {
@@ -121,18 +119,7 @@ static void buffer_args(sv_launch *launch, const sv_method_state *s, const int *
 }
 
 static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
-    const sv_config *c = m->config;
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_BINS], kernels[K_BINS]);
-    const cl_ulong first_byte = from->offset;
-    sv_launch_buffer(&l, from->buffer);
-    sv_launch_arg(&l, sizeof first_byte, &first_byte);
-    const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
-    const uint32_t numbers[] = {c->row_pitch,      c->tiles_x,        c->tile_w, c->tile_h,
-                                from->first_slice, from->slice_count, padding};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
-    sv_launch_uint(&l, c->ranged);
-    sv_launch_uint(&l, m->padded_width);
-    sv_launch_buffer(&l, c->ranged ? m->scanned : s->buffer[PARTIAL]); /* without ranges it is not read */
+    sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_BINS], kernels[K_BINS], from, s->buffer[PARTIAL]);
     layout_arg(&l, m);
     buffer_args(&l, s, (const int[]){PARTIAL, BINS, -1});
     return sv_launch_items(&l, layout_of(m).rows, SV_STAGE_PROFILE);
@@ -201,9 +188,9 @@ static cl_mem confidence(const sv_method_state *s) {
 
 static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv_confidence_report *out) {
     cl_uint info[SV_COST_INFO_WORDS];
-    const cl_int code = clEnqueueReadBuffer(m->queue->device->queue, s->buffer[INFO], CL_TRUE, 0, sizeof info,
-                                            info, 0, NULL, NULL);
-    if (code != CL_SUCCESS) return sv_clx_check(m->queue->diag, code, "confidence: clEnqueueReadBuffer");
+    const sv_status status =
+        sv_buffer_read(m->queue, s->buffer[INFO], sizeof info, info, "confidence: clEnqueueReadBuffer");
+    if (status != SV_OK) return status;
     out->fluid_threshold = (float)info[SV_COST_INFO_LEVEL] / 255.0f;
     out->rays = info[SV_COST_INFO_RAYS];
     out->open_rays = info[SV_COST_INFO_OPEN];

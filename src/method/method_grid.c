@@ -76,9 +76,7 @@ sv_status sv_grid_buffers(const sv_map *m, sv_method_state *s) {
                             [SOLUTION] = 2 * all,
                             [PARTIAL] = 3 * (size_t)m->height * real,
                             [SCALARS] = (size_t)2 * SCALAR_COUNT * real};
-    sv_status status = SV_OK;
-    for (int i = 0; i <= SCALARS; i++) s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
-    return status;
+    return sv_buffers_make(m->queue, bytes, sizeof bytes / sizeof *bytes, s->buffer);
 }
 
 static sv_launch begin(const solver *v, int kernel, uint32_t level) {

@@ -88,9 +88,7 @@ static sv_status make_buffers(const sv_map *m, sv_method_state *s) {
                             [PANEL] = SV_SPLINE_PANEL * stride * real,
                             [NODES] = 2 * nodes * nodes * sizeof(cl_float),
                             [REPORT] = SV_SPLINE_REPORT_WORDS * sizeof(cl_float)};
-    sv_status status = SV_OK;
-    for (int i = 0; i <= REPORT; i++) s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
-    return status;
+    return sv_buffers_make(m->queue, bytes, sizeof bytes / sizeof *bytes, s->buffer);
 }
 
 static sv_launch begin(const sv_map *m, const sv_method_state *s, int kernel) {
@@ -224,9 +222,9 @@ static uint32_t passes(const sv_map *m) {
  * plane, unknowns left out, condition estimate, residual in slices. */
 static sv_status spline_report(const sv_map *m, const sv_method_state *s, sv_spline_report *out) {
     float r[SV_SPLINE_REPORT_WORDS];
-    const cl_int code = clEnqueueReadBuffer(m->queue->device->queue, s->buffer[REPORT], CL_TRUE, 0, sizeof r,
-                                            r, 0, NULL, NULL);
-    if (code != CL_SUCCESS) return sv_clx_check(m->queue->diag, code, "spline: clEnqueueReadBuffer");
+    const sv_status status =
+        sv_buffer_read(m->queue, s->buffer[REPORT], sizeof r, r, "spline: clEnqueueReadBuffer");
+    if (status != SV_OK) return status;
     out->points = (uint32_t)r[0];
     out->merge_grid = (uint32_t)r[1];
     out->rank = (uint32_t)r[2];

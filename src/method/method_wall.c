@@ -7,6 +7,7 @@
 
 #include "device/buffer.h"
 #include "kernels_wall.h"
+#include "method/method_slabs.h"
 #include "ref/ref_wall.h"
 
 #include <stdlib.h>
@@ -47,7 +48,7 @@ enum {
 };
 enum { FETUS = HISTOGRAMS }; /* sums of rows of rays */
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 518 };
+enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 520 };
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
@@ -102,10 +103,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
                             [AWAYS] = plane * l.layers,
                             [PLACES] = PLACE_PLANES * plane * sizeof(cl_float),
                             [CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
-    sv_status status = SV_OK;
-    for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
-        s->buffer[i] = sv_buffer_make(m->queue, bytes[i], &status);
-    return status;
+    return sv_buffers_make(m->queue, bytes, sizeof bytes / sizeof *bytes, s->buffer);
 }
 
 static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, size_t bytes) {
@@ -131,17 +129,8 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
 }
 
 static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
-    const sv_config *c = m->config;
     const sv_wall_layout layout = layout_of(m);
-    const cl_ulong first_byte = from->offset;
-    const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
-    const uint32_t numbers[] = {c->row_pitch,      c->tiles_x, c->tile_w, c->tile_h,      from->first_slice,
-                                from->slice_count, padding,    c->ranged, m->padded_width};
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_TAKE], kernels[K_TAKE]);
-    sv_launch_buffer(&l, from->buffer);
-    sv_launch_arg(&l, sizeof first_byte, &first_byte);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
-    sv_launch_buffer(&l, c->ranged ? m->scanned : s->buffer[PLACES]); /* without ranges it is not read */
+    sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_TAKE], kernels[K_TAKE], from, s->buffer[PLACES]);
     sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SPANS]);
     sv_launch_buffer(&l, s->buffer[SUMS]);
@@ -216,9 +205,9 @@ static cl_mem confidence(const sv_method_state *s) {
 
 static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv_confidence_report *out) {
     cl_uint info[INFO_WALL_RAYS + 1];
-    const cl_int code = clEnqueueReadBuffer(m->queue->device->queue, s->buffer[INFO], CL_TRUE, 0, sizeof info,
-                                            info, 0, NULL, NULL);
-    if (code != CL_SUCCESS) return sv_clx_check(m->queue->diag, code, "confidence: clEnqueueReadBuffer");
+    const sv_status status =
+        sv_buffer_read(m->queue, s->buffer[INFO], sizeof info, info, "confidence: clEnqueueReadBuffer");
+    if (status != SV_OK) return status;
     out->fluid_threshold = (float)info[INFO_THRESHOLD] / 255.0f;
     out->rays = info[INFO_RAYS];
     out->open_rays = info[INFO_WALL_RAYS];

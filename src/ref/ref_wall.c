@@ -27,7 +27,14 @@ static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, fl
     return done;
 }
 
-/* The surface of a volume with fluid. */
+/* Haze fills the valley between fluid and tissue. Where both are one, the threshold halves the tissue, and
+ * chance lets half of the rays begin above it; many more do at a wall. */
+static bool begin_at_a_wall(const sv_wall_scan *scan, const sv_wall_evidence *evidence) {
+    return (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
+           (uint64_t)scan->blocks->rays * scan->layout->walled;
+}
+
+/* The surface of a volume of two classes. */
 static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const sv_wall_levels *levels,
                     float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
@@ -38,7 +45,9 @@ static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const
     facts->wall_rays = evidence.wall_rays;
     facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
     facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-    const bool done = place(&scan, &evidence, depth, confidence, outcome, facts);
+    const bool fluid = !sv_wall_is_shallow(l, levels) || begin_at_a_wall(&scan, &evidence);
+    *outcome = SV_WALL_NO_FLUID;
+    const bool done = !fluid || place(&scan, &evidence, depth, confidence, outcome, facts);
     free(bright);
     return done;
 }
@@ -56,8 +65,8 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     const sv_wall_levels levels = sv_wall_levels_of(histogram);
     sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley, .rays = blocks.rays};
     bool done = true;
-    *outcome = sv_wall_outcome_of(&l, &levels);
-    if (*outcome == SV_WALL_SURFACE) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
+    *outcome = SV_WALL_EMPTY;
+    if (levels.two) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
     if (done && *outcome != SV_WALL_SURFACE) clip_nothing(&l, depth, confidence);
     sv_wall_blocks_destroy(&blocks);
     if (done && facts) *facts = found;

@@ -64,8 +64,9 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
     uint32_t tables[SV_WALL_TABLE_WORDS];
     sv_wall_tables(tables);
     *out = (sv_wall_evidence){.wall_rays = wall_histogram(scan, histogram)};
-    if (out->wall_rays > 0 &&
-        (uint64_t)out->wall_rays * SV_WALL_PER_MILLE >= (uint64_t)scan->blocks->rays * l->wall_share) {
+    out->bare = out->wall_rays == 0 ||
+                (uint64_t)out->wall_rays * SV_WALL_PER_MILLE < (uint64_t)scan->blocks->rays * l->wall_share;
+    if (!out->bare) {
         out->wall = sv_wall_quantile(histogram, l->wall_rank);
         out->spread = odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
                       odds(tables, sv_wall_quantile(histogram, l->low_rank));

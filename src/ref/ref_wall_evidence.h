@@ -7,6 +7,7 @@
 
 typedef struct {
     uint32_t wall_rays;
+    bool bare;                       /* there is no wall: the next two are assumed */
     uint32_t wall;                   /* grey level, in units of 1 / SV_WALL_LEVEL_ONE */
     int32_t spread;                  /* ln of the odds, fixed-point */
     uint32_t first[256], other[256]; /* brightness to probability: the first tissue of a ray, any other */

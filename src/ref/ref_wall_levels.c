@@ -10,10 +10,12 @@ void sv_wall_histogram(const sv_wall_blocks *b, uint64_t histogram[256]) {
         for (size_t z = b->first[ray]; z < b->end[ray]; z++) histogram[b->levels[z * plane + ray]]++;
 }
 
-/* Lowest smoothed count between the modes of the two classes, and the lower mode. */
+/* Lowest smoothed count between the modes of the two classes, and the lower mode. Saturated blocks are no
+ * mode: a gain would make one of any tissue. */
 static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
     uint64_t counts[256], smooth[256];
     memcpy(counts, histogram, sizeof counts);
+    counts[255] = 0;
     for (int turn = 0; turn < 2; turn++) {
         for (int i = 0; i < 256; i++) {
             smooth[i] = 0;
@@ -77,9 +79,8 @@ uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *lev
     return levels->threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
 }
 
-sv_wall_outcome sv_wall_outcome_of(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    if (!levels->two) return SV_WALL_EMPTY;
-    return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley ? SV_WALL_NO_FLUID : SV_WALL_SURFACE;
+bool sv_wall_is_shallow(const sv_wall_layout *l, const sv_wall_levels *levels) {
+    return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley;
 }
 
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {

@@ -26,8 +26,8 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]);
  * class, rounded down. */
 uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
-/* No fluid if the valley is shallow. */
-sv_wall_outcome sv_wall_outcome_of(const sv_wall_layout *layout, const sv_wall_levels *levels);
+/* True if the valley between the classes is so shallow that they may be one. */
+bool sv_wall_is_shallow(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE; a level's
  * count is spread evenly over level +- 0.5. */

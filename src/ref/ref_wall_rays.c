@@ -69,13 +69,14 @@ static void first_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
     while (f->fluid_end < s->blocks->end[ray] && !sv_wall_is_tissue(s, ray, f->fluid_end)) f->fluid_end++;
 }
 
-static void add_up(const sv_wall_layout *l, const ray_facts *f, uint32_t *away, uint32_t *wrong) {
+static void add_up(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t *away, uint32_t *wrong) {
     const uint32_t none = SV_WALL_SURE - f->begun[l->layers - 1];
     for (uint32_t z = 0; z < l->layers; z++) {
         const uint32_t far = f->distance[z] < l->far ? f->distance[z] : l->far;
         const uint32_t cost = (far * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
         away[z] = cost < SV_WALL_ONE ? cost : SV_WALL_ONE;
-        wrong[z] = share(l->cut, f->begun[z]) + share(l->left, f->later[z]);
+        wrong[z] = share(l->left, f->later[z]);
+        if (z > 0 || !bare) wrong[z] += share(l->cut, f->begun[z]);
         if (f->first.touches && z < f->first.end) {
             const uint32_t skin = z + l->skin < f->first.end ? z + l->skin : f->first.end - 1;
             wrong[z] += share(l->left, f->begun[f->first.end - 1] - f->begun[skin]);
@@ -115,7 +116,7 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
         fetus_begins(s, e, ray, &f);
         fluid_behind(s, ray, &f);
         first_fluid(s, ray, &f);
-        add_up(l, &f, costs->away + ray * l->layers, costs->wrong + ray * l->layers);
+        add_up(l, e->bare, &f, costs->away + ray * l->layers, costs->wrong + ray * l->layers);
         costs->fetus += f.begun[l->layers - 1];
     }
     facts_free(&f);

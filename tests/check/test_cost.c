@@ -23,7 +23,7 @@ static const double COST = 6.0;   /* the value of parameter method */
 typedef struct {
     uint32_t width, height, slices, slab_slices;
     int32_t padding;
-    float slice_mm; /* 0: not told */
+    float voxel_mm; /* 0: not told */
 } shape;
 
 static sv_param_value value_of(const rig *r, const char *key, double value) {
@@ -47,7 +47,7 @@ static sv_status run(rig *r, const shape *s, const uint8_t *volume, float q, dou
                           .slices = s->slices,
                           .slab_slices = s->slab_slices,
                           .padding = s->padding,
-                          .slice_mm = s->slice_mm,
+                          .voxel_mm = s->voxel_mm,
                           .extra_w = 3,
                           .fixed = {value_of(r, "method", COST)},
                           .fixed_count = 1};
@@ -64,7 +64,7 @@ static void compare(rig *r, const shape *s, const uint8_t *volume, float q, cons
     rig_result out = rig_result_make(s->width, s->height);
     sv_ref_cost_facts facts;
     assert_non_null(maps);
-    assert_true(sv_ref_cost_surface(&v, s->slice_mm, maps, maps + count, maps + 2 * count, tie, &facts));
+    assert_true(sv_ref_cost_surface(&v, s->voxel_mm, maps, maps + count, maps + 2 * count, tie, &facts));
     const sv_status status = run(r, s, volume, q, 0.0, &out);
     if (status < 0) print_message("%s\n", r->last_log);
     const bool wanted = facts.open > 0 && facts.open * 8 >= facts.rays && out.stats.points > 0;
@@ -93,12 +93,13 @@ static void test_scenes(void **state) {
         hs_scene_data data;
         hs_error err = {0};
         assert_true(hs_scene_generate(names[n], 96, 1, &data, &err));
-        const shape s = {96, 96, 96, 16, 0, 0.0f};
+        const shape s = {96, 96, 96, .slab_slices = 16};
         compare(*state, &s, data.full.voxels, 0.5f, names[n]);
         if (n == 1) {
-            const shape whole = {96, 96, 96, 96, 0, 0.0f}, single = {96, 96, 96, 1, 0, 0.0f},
-                        odd = {96, 96, 96, 7, 0, 0.0f};
-            const shape fine = {96, 96, 96, 16, 0, 0.4f}, coarse = {96, 96, 96, 16, 0, 2.0f};
+            const shape whole = {96, 96, 96, .slab_slices = 96}, single = {96, 96, 96, .slab_slices = 1},
+                        odd = {96, 96, 96, .slab_slices = 7};
+            const shape fine = {96, 96, 96, .slab_slices = 16, .voxel_mm = 0.4f},
+                        coarse = {96, 96, 96, .slab_slices = 16, .voxel_mm = 2.0f};
             compare(*state, &whole, data.full.voxels, 0.0f, "one slab, q = 0");
             compare(*state, &single, data.full.voxels, 1.5f, "a slab a slice, q = 1.5");
             compare(*state, &odd, data.full.voxels, 1.0f, "a short last slab, q = 1");
@@ -112,9 +113,14 @@ static void test_scenes(void **state) {
 /* Sizes that are no multiple of anything, and volumes that are no scans. */
 static void test_any_volume(void **state) {
     static const shape shapes[] = {
-        {75, 40, 61, 9, 0, 0.0f},   {171, 33, 171, 16, 0, 0.0f}, {17, 130, 40, 40, SV_NO_PADDING, 0.0f},
-        {1, 1, 1, 1, 0, 0.0f},      {3, 5, 2, 1, 0, 0.0f},       {40, 40, 200, 16, 255, 0.0f},
-        {263, 40, 400, 16, 0, 0.0f}}; /* the last: rays of 2 x 2 pixels, bins of 3 slices */
+        {75, 40, 61, .slab_slices = 9},
+        {171, 33, 171, .slab_slices = 16},
+        {17, 130, 40, .slab_slices = 40, .padding = SV_NO_PADDING},
+        {1, 1, 1, .slab_slices = 1},
+        {3, 5, 2, .slab_slices = 1},
+        {40, 40, 200, .slab_slices = 16, .padding = 255},
+        {263, 40, 400, .slab_slices = 16}, /* rays of 2 x 2 pixels, bins of 3 slices */
+    };
     for (size_t n = 0; n < sizeof shapes / sizeof *shapes; n++)
         for (int kind = 0; kind < RIG_KIND_COUNT; kind++) {
             const shape *s = &shapes[n];
@@ -128,7 +134,7 @@ static void test_any_volume(void **state) {
 /* Tissue everywhere: nothing may be clipped, and the extension says why. */
 static void test_no_fluid(void **state) {
     rig *r = *state;
-    const shape s = {64, 48, 64, 16, 0, 0.0f};
+    const shape s = {64, 48, 64, .slab_slices = 16};
     const size_t voxels = (size_t)s.width * s.height * s.slices, count = (size_t)s.width * s.height;
     uint8_t *volume = malloc(voxels);
     assert_non_null(volume);

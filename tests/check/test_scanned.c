@@ -26,8 +26,8 @@ static uint32_t noise(uint32_t *random) {
     return *random >> 24;
 }
 
-/* Layers, with bone; ranges of every kind: whole, late, early, one slice, none, empty, and beyond the volume.
- */
+/* Layers, with bone; ranges of every kind: whole, late, early, one slice, none,
+ * empty, and beyond the volume. */
 static int setup(void **state) {
     scene *s = calloc(1, sizeof *s);
     if (!s) return -1;
@@ -101,8 +101,8 @@ static void device_is_definition(void **state) {
     compare_print("scanned ranges", &summary);
 }
 
-/* A volume whose unscanned voxels, and only those, hold 0: ranges, padding value and both give the same bits.
- */
+/* A volume whose unscanned voxels, and only those, hold 0: ranges, padding value and
+ * both give the same bits. */
 static void ranges_are_padding(void **state) {
     scene *s = *state;
     for (size_t i = 0; i < RAYS; i++)

@@ -211,8 +211,7 @@ static void the_fill_does_not_recurse(void **state) {
     hs_volume_free(&volume);
 }
 
-/* ---------------------------------------------------------------------------------------------- filling --
- */
+/* ----------------------------------------------------------------------------------------- filling -- */
 
 enum { FILL_X = 300, FILL_Y = 70, FILL_Z = 9, FILL = FILL_X * FILL_Y * FILL_Z }; /* in several pieces */
 

@@ -152,6 +152,65 @@ static void test_bare_fetus(void **state) {
     scan_free(&s);
 }
 
+/* Nor if its skin is dim and what lies behind it is bright, as with a head in black fluid: without a wall
+ * nobody knows how bright a fetus is. */
+static void test_bare_and_dim(void **state) {
+    (void)state;
+    enum { FRONT = 20, HOLLOW = 26, BACK = 34, DEEP = 42 };
+    scan s = scan_make(N, N, N);
+    for (uint32_t z = FRONT; z < N; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++) {
+                const double level = z >= HOLLOW && z < BACK ? 0.0 : z >= BACK && z < DEEP ? BONE : FLESH;
+                s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z) + 0.5);
+            }
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] <= FRONT && s.confidence[i] > 0.9f);
+    scan_free(&s);
+}
+
+/* Haze in the fluid fills the histogram up to the tissue; but the rays begin at a wall. */
+static void test_haze(void **state) {
+    (void)state;
+    enum { HAZE = 54 };
+    scan s = scene(), clear = scene();
+    for (uint32_t z = WALL; z < 58; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++) {
+                uint8_t *const voxel = &s.voxels[at(&s, x, y, z)];
+                if (*voxel < 2 * FLUID) *voxel = (uint8_t)((FLUID + (double)(HAZE * y) / N) * grain(x, y, z));
+            }
+    scan_run(&clear);
+    scan_run(&s);
+    assert_true(clear.facts.valley < 0.5 && s.facts.valley > 0.9);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    for (uint32_t y = 0; y < N; y++)
+        for (uint32_t x = 0; x < N; x++)
+            if (skin(x, y) < GAP + 6)
+                assert_true(s.depth[y * N + x] > WALL - 1.0f && s.depth[y * N + x] <= (float)skin(x, y));
+    scan_free(&s);
+    scan_free(&clear);
+}
+
+/* Flesh that begins with the scan, dark shadows beside it, and a hollow in it: no wall, and no fluid before
+ * it. */
+static void test_touching(void **state) {
+    (void)state;
+    scan s = scan_make(N, N, N);
+    for (uint32_t z = 0; z < N; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = N / 2; x < N; x++) {
+                const bool hollow = x >= 50 && x < 58 && y >= 20 && y < 50 && z >= 20 && z < 30;
+                s.voxels[at(&s, x, y, z)] = (uint8_t)((hollow ? FLUID : FLESH) * grain(x, y, z));
+            }
+    scan_run(&s);
+    printf("begins in a wall: %.1f %%\n", 100.0 * s.facts.wall_rays / s.facts.rays);
+    for (uint32_t y = 4; y < N - 4; y++)
+        for (uint32_t x = N / 2 + 4; x < N - 4; x++) assert_true(s.depth[y * N + x] < 2.0f);
+    scan_free(&s);
+}
+
 /* Runs it: the outcome is `expected`, and the maps are 0. */
 static void assert_clips_nothing(scan *s, sv_wall_outcome expected) {
     scan_run(s);
@@ -320,6 +379,9 @@ int main(void) {
         cmocka_unit_test(test_moved_by_a_pixel),
         cmocka_unit_test(test_grey_levels),
         cmocka_unit_test(test_bare_fetus),
+        cmocka_unit_test(test_bare_and_dim),
+        cmocka_unit_test(test_haze),
+        cmocka_unit_test(test_touching),
         cmocka_unit_test(test_no_fluid),
         cmocka_unit_test(test_no_fetus),
         cmocka_unit_test(test_nothing_brighter_than_the_wall),

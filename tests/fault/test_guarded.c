@@ -33,8 +33,7 @@ static void open_with(hs_plugin *plugin, const char *name, const hs_guard_option
     assert_int_equal(hs_is_guarded(plugin), options->choice == HS_GUARD_ON);
 }
 
-/* ------------------------------------------------------------------------------------ the same as without --
- */
+/* ----------------------------------------------------------------------------- the same as without -- */
 
 static void expect_same(const void *a, const void *b, size_t bytes, const char *what, size_t way) {
     if ((a == NULL) != (b == NULL) || (a && memcmp(a, b, bytes) != 0))
@@ -180,8 +179,7 @@ static void extensions_reach_through(void **state) {
     assert_true(hs_guarded_close(&plugin, &err));
 }
 
-/* --------------------------------------------------------------------------------------- what goes wrong --
- */
+/* --------------------------------------------------------------------------------- what goes wrong -- */
 
 /* Frames 0, 3, 6 and 9 of ten end the child; all others are clipped. */
 static void a_crash_costs_its_frame(void **state) {

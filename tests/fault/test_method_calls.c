@@ -156,8 +156,8 @@ static void allocations_fail(void **state) {
     }
 }
 
-/* A device whose answer to the self-test is wrong: whichever of the maps it is, the method is not activated.
- */
+/* A device whose answer to the self-test is wrong: whichever of the maps it is, the
+ * method is not activated. */
 static void wrong_answers_are_noticed(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);

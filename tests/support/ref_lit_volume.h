@@ -13,9 +13,8 @@ typedef struct {
     uint8_t *smooth;
     uint32_t cells[3], block; /* cubes of block^3 smoothed voxels */
     uint8_t *opacity;
-    uint32_t shares[3],
-        side; /* cubes of side^3 smoothed voxels, with a border of two; how much was scanned */
-    uint8_t *scanned;
+    uint32_t shares[3], side; /* cubes of side^3 smoothed voxels, and a border of two around them */
+    uint8_t *scanned;         /* how much of each was */
 } ref_lit_volume;
 
 /* The caller frees it. The test fails without memory. */

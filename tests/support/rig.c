@@ -239,7 +239,7 @@ rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t
                      .tiles_x = f->tiles_x ? f->tiles_x : 4,
                      .tile_w = f->width + f->extra_w,
                      .tile_h = f->height + f->extra_h,
-                     .spacing_mm = {f->slice_mm, f->slice_mm, f->slice_mm}};
+                     .spacing_mm = {f->voxel_mm, f->voxel_mm, f->voxel_mm}};
     m->row_pitch = m->tiles_x * m->tile_w + f->extra_pitch;
     if (!f->own_queue) {
         m->context = r->context;

@@ -35,7 +35,7 @@ typedef struct {
     uint32_t carrier;                       /* 0: SV_CARRIER_HOST */
     bool own_queue;                         /* the plugin picks its device */
     bool in_place;                          /* register the slab memory at activation */
-    float slice_mm;                         /* of a voxel, a cube; 0: not told */
+    float voxel_mm;                         /* edge of a voxel; 0: not told */
     int32_t padding;                        /* 0 is a value: SV_NO_PADDING for none */
     const sv_scanned *scanned;              /* of every ray; NULL: the frames bring none */
     bool scanned_in_buffer;                 /* hands them over in an OpenCL buffer */

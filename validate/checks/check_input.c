@@ -40,9 +40,7 @@ static void same_map(v_rig *r, const v_way *way, const v_map *wanted, const char
     v_map map;
     v_rig_again(r, way);
     v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
-    const char *difference = v_map_difference(wanted, &map);
-    V_EXPECT(r->s.run, !difference, "%s: %s", what, difference);
-    v_map_free(&map);
+    v_map_expect(r->s.run, wanted, &map, "%s", what);
 }
 
 void check_reads_within_slab(v_run *run) {
@@ -102,10 +100,7 @@ static void outside_does_not_count(v_rig *r) {
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         v_volume_outside(r->s.run, &r->volume, values[i]);
         frame_now(r, &map);
-        const char *difference = v_map_difference(&first, &map);
-        V_EXPECT(r->s.run, !difference, "voxels outside of the scanned ranges show in the map: %s",
-                 difference);
-        v_map_free(&map);
+        v_map_expect(r->s.run, &first, &map, "voxels outside of the scanned ranges show in the map");
     }
     v_map_free(&first);
 }
@@ -124,9 +119,7 @@ void check_scanned_ranges(v_run *run) {
     frame_now(&r, &whole);
     for (uint32_t i = 0; i < rays; i++) r.volume.ranges[i].end = UINT16_MAX;
     frame_now(&r, &map);
-    const char *difference = v_map_difference(&whole, &map);
-    V_EXPECT(run, !difference, "ranges that end beyond the volume are not cut off: %s", difference);
-    v_map_free(&map);
+    v_map_expect(run, &whole, &map, "ranges that end beyond the volume are not cut off");
     outside_does_not_count(&r);
     for (uint32_t i = 0; i < rays; i++) r.volume.ranges[i] = (sv_scanned){20, 10};
     frame_now(&r, &map);
@@ -213,10 +206,10 @@ void check_carriers(v_run *run) {
         run->random = 1; /* the same volume every time */
         v_rig_set(&r, &way, V_LAYERS);
         v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-        const char *difference = first->depth ? v_map_difference(first, &map) : NULL;
-        V_EXPECT(run, !difference, "%s give another map: %s", what, difference);
-        v_map_free(first->depth ? &map : first);
-        if (!first->depth) *first = map;
+        if (first->depth)
+            v_map_expect(run, first, &map, "%s give another map", what);
+        else
+            *first = map;
         v_rig_drop(&r);
         ways++;
     }

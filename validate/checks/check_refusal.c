@@ -25,9 +25,7 @@ static void still_good(place *at, const char *after) {
     const sv_status status = v_try_frame(at->r.s.plugin, &at->r.stage, NULL, 0, &map);
     V_EXPECT(at->r.s.run, status >= 0, "a good frame after %s: %s: %s: %s", after, at->r.s.run->report->where,
              v_status(status), at->r.s.plugin->last_error(at->r.s.plugin));
-    const char *difference = v_map_difference(&at->good, &map);
-    V_EXPECT(at->r.s.run, !difference, "a good frame after %s is another one: %s", after, difference);
-    v_map_free(&map);
+    v_map_expect(at->r.s.run, &at->good, &map, "a good frame after %s is another one", after);
 }
 
 static void close_place(place *at) {
@@ -290,9 +288,7 @@ static void longer(place *at) {
     V_EXPECT(run, status >= 0, "end refuses a longer sv_result: %s", v_status(status));
     v_map map;
     v_collect(&at->r.stage, status, &map);
-    const char *difference = v_map_difference(&at->good, &map);
-    V_EXPECT(run, !difference, "longer structs give another map: %s", difference);
-    v_map_free(&map);
+    v_map_expect(run, &at->good, &map, "longer structs give another map");
 }
 
 void check_struct_sizes(v_run *run) {

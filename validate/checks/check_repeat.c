@@ -12,9 +12,7 @@
 static void again(v_rig *r, const v_map *wanted, const char *what) {
     v_map map;
     v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
-    const char *difference = v_map_difference(wanted, &map);
-    V_EXPECT(r->s.run, !difference, "%s: %s", what, difference);
-    v_map_free(&map);
+    v_map_expect(r->s.run, wanted, &map, "%s", what);
 }
 
 void check_same_frame_same_bits(v_run *run) {
@@ -80,11 +78,9 @@ void check_slab_splits(v_run *run) {
         v_map map;
         v_rig_again(&r, &way);
         v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-        const char *difference = v_map_difference(&whole, &map);
-        V_EXPECT(run, !difference,
-                 "the volume in %u slabs (the first of %u slices) gives another map than in one: %s",
-                 r.stage.slab_count, lengths[0], difference);
-        v_map_free(&map);
+        v_map_expect(run, &whole, &map,
+                     "the volume in %u slabs (the first of %u slices) gives another map than in one",
+                     r.stage.slab_count, lengths[0]);
     }
     v_map_free(&whole);
     v_rig_close(&r);
@@ -129,10 +125,8 @@ void check_instances_interleaved(v_run *run) {
             V_EXPECT(run, status[i] >= 0, "two instances in turn: instance %d: %s", i + 1,
                      v_status(status[i]));
             v_collect(i ? &st : &a.stage, status[i], &map[i]);
-            const char *difference = v_map_difference(&alone[i], &map[i]);
-            V_EXPECT(run, !difference, "instance %d gives another map beside another instance than alone: %s",
-                     i + 1, difference);
-            v_map_free(&map[i]);
+            v_map_expect(run, &alone[i], &map[i],
+                         "instance %d gives another map beside another instance than alone", i + 1);
         }
     }
     v_deactivate(&a.s, second);

@@ -61,11 +61,9 @@ static void try_setting(v_rig *r, const sv_param_info *p, double value) {
             v_rig_again(r, &way);
         }
         v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
-        const char *difference = v_map_difference(&first, &map);
-        V_EXPECT(run, !difference, "%s: %s give another map: %s", what, ways[turn], difference);
+        v_map_expect(run, &first, &map, "%s: %s give another map", what, ways[turn]);
         const char *place = v_stage_trespass(&r->stage, V_POISON);
         V_EXPECT(run, !place, "%s: end writes %s", what, place);
-        v_map_free(&map);
     }
     v_map_free(&first);
 }

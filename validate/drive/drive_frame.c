@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "drive/drive_frame.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,19 @@ const char *v_map_difference(const v_map *a, const v_map *b) {
     (void)snprintf(text, sizeof texts[0], "the outcome is %s and %s", v_status(a->outcome),
                    v_status(b->outcome));
     return text;
+}
+
+void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *format, ...) {
+    const char *difference = v_map_difference(wanted, map);
+    if (difference) {
+        char text[256];
+        va_list arguments;
+        va_start(arguments, format);
+        (void)vsnprintf(text, sizeof text, format, arguments);
+        va_end(arguments);
+        v_fail(run, "%s: %s", text, difference);
+    }
+    v_map_free(map);
 }
 
 /* ---- single calls */

@@ -21,6 +21,10 @@ void v_map_free(v_map *map);
  * status maps and outcome are the same. */
 const char *v_map_difference(const v_map *a, const v_map *b);
 
+/* The check fails with this text and where the maps differ, unless they are the same. Frees `map`. */
+void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
 /* activate; the check fails on an error. */
 void v_activate(v_subject *s, const sv_plugin *p, const v_stage *st);
 void v_deactivate(v_subject *s, const sv_plugin *p);

@@ -54,6 +54,13 @@ typedef struct {
     vf end;            /* samples from here on are not needed; where it terminated, if it did */
 } gathered;
 
+/* What the rays sample: arguments of the kernel, and a packet's intensities at samples t. A program that
+ * defines them before this file samples another grid (bench/frame/cl/probe_grid.cl). */
+#ifndef SAMPLED
+#define SAMPLED          __global const uchar *voxels
+#define SAMPLE(p, dn, t) sample_packet(voxels, dims, p, dn, t)
+#endif
+
 #define HARD_CUT_MARGIN 1e-3f /* steps: a sample on the surface is drawn, whatever the rounding */
 
 /*
@@ -64,12 +71,11 @@ typedef struct {
  * map_dims: depthmap width (0: none), height, picture width, height
  * to_map:   pixels of the map a pixel of the picture in x and y, and where the picture begins in the map
  */
-WIDE __kernel void render_volume(__global const uchar *voxels, int4 dims, __global const uchar *grid,
-                                 int4 bricks, float4 origin, float4 dx, float4 dy, float4 dn,
-                                 __global const float *map, int4 map_dims, float4 to_map, float4 to_steps,
-                                 float4 window, float4 skin, __global uchar *rgba, int want_rgba,
-                                 __global float *termination, int want_termination,
-                                 __global const float *confidence) {
+WIDE __kernel void render_volume(SAMPLED, int4 dims, __global const uchar *grid, int4 bricks, float4 origin,
+                                 float4 dx, float4 dy, float4 dn, __global const float *map, int4 map_dims,
+                                 float4 to_map, float4 to_steps, float4 window, float4 skin,
+                                 __global uchar *rgba, int want_rgba, __global float *termination,
+                                 int want_termination, __global const float *confidence) {
     int px = (int)get_global_id(0) * PACKET_W, py = (int)get_global_id(1) * PACKET_H;
     int width = map_dims.z, height = map_dims.w;
     if (px >= width || py >= height) return;
@@ -96,7 +102,7 @@ WIDE __kernel void render_volume(__global const uchar *voxels, int4 dims, __glob
         int stop = min(n + run, (int)last);
         for (; n < stop; n++) {
             float t = (float)n;
-            vf value = sample_packet(voxels, dims, p, dn, t);
+            vf value = SAMPLE(p, dn, t);
             vf alpha = clamp((value - window.x) * window.y, 0.0f, 1.0f);
             if (to_steps.z > 0.0f) alpha *= clamp((t - rise) * slope, 0.0f, 1.0f);
             if (window.w != 1.0f) alpha = 1.0f - pow(1.0f - alpha, (vf)(window.w));

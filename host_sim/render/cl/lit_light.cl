@@ -189,7 +189,7 @@ INLINE vi removed(const lit_scene *s, lit_place p) {
 #if LANES == 16
     int at[LANES];
     float depth[LANES];
-    vstore16(i, 0, at);
+    STORE(i, at);
     for (int lane = 0; lane < LANES; lane++) depth[lane] = s->map[at[lane]];
     vf d = LOAD(depth);
 #else

@@ -47,12 +47,29 @@ INLINE int any_lane(vi mask) {
 }
 
 /*
- * dims: samples, lines, planes; reach: start [mm], samples a mm, axis [mm], side; even: of theta (xy) and phi
- * (zw). origin, dx, dy, dz: place of sample (0, 0, 0) of the low-resolution volume and its steps, in mm from
- * the array's centre of curvature. The others are those of convert_trilinear.
+ * A packet's intensities at places in mm from the array's centre of curvature, linear between echoes; 0 where
+ * nothing was scanned. *in: -1 where something was. dims: samples, lines, planes; reach: start [mm], samples
+ * a mm, axis [mm], side; even: of theta (xy) and phi (zw).
  *
  * atan2 tells what lies behind the sweep's axis or behind the array from what was scanned: its angle is more
  * than a right one, and no table reaches that.
+ */
+INLINE vf echoes_at(__global const uchar *voxels, int4 dims, __global const float *theta,
+                    __global const float *phi, float4 reach, float4 even, packet at, vi *in) {
+    vf z = at.z - reach.z;
+    vf c = sqrt(at.y * at.y + z * z) + reach.z;
+    vf r = (sqrt(at.x * at.x + c * c) - reach.x) * reach.y;
+    *in = within(r, dims.x);
+    if (!any_lane(*in)) return (vf)(0.0f);
+    vf line = angle_index(theta, dims.y, even.xy, atan2(at.x, c));
+    vf plane = angle_index(phi, dims.z, even.zw, atan2(reach.w * at.y, z));
+    *in &= within(line, dims.y) & within(plane, dims.z);
+    return select((vf)(0.0f), blend(fetch(voxels, dims, r, line, plane)), *in);
+}
+
+/*
+ * voxels to even: as echoes_at. origin, dx, dy, dz: place of sample (0, 0, 0) of the low-resolution volume
+ * and its steps, in mm from the array's centre of curvature. The others are those of convert_trilinear.
  */
 WIDE __kernel void convert_beams(__global const uchar *voxels, int4 dims, __global const float *theta,
                                  __global const float *phi, float4 reach, float4 even, int4 grid,
@@ -68,17 +85,11 @@ WIDE __kernel void convert_beams(__global const uchar *voxels, int4 dims, __glob
             vf v = (LANE_Y + (float)at.y) * (float)grid.y + (float)j;
             for (int i = 0; i < grid.x; i++) {
                 vf u = (LANE_X + (float)at.x) * (float)grid.x + (float)i;
-                vf x = origin.x + u * dx.x + v * dy.x + w * dz.x;
-                vf y = origin.y + u * dx.y + v * dy.y + w * dz.y;
-                vf z = origin.z + u * dx.z + v * dy.z + w * dz.z - reach.z;
-                vf c = sqrt(y * y + z * z) + reach.z;
-                vf r = (sqrt(x * x + c * c) - reach.x) * reach.y;
-                vi in = within(r, dims.x);
-                if (!any_lane(in)) continue;
-                vf line = angle_index(theta, dims.y, even.xy, atan2(x, c));
-                vf plane = angle_index(phi, dims.z, even.zw, atan2(reach.w * y, z));
-                in &= within(line, dims.y) & within(plane, dims.z);
-                sum += select((vf)(0.0f), blend(fetch(voxels, dims, r, line, plane)), in);
+                packet mm = {origin.x + u * dx.x + v * dy.x + w * dz.x,
+                             origin.y + u * dx.y + v * dy.y + w * dz.y,
+                             origin.z + u * dx.z + v * dy.z + w * dz.z};
+                vi in;
+                sum += echoes_at(voxels, dims, theta, phi, reach, even, mm, &in);
                 count -= in;
             }
         }
