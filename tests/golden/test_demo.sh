@@ -36,6 +36,8 @@ for case in D01 E01 D02; do
     # And the plugin takes some of it away.
     holds [ "$(cmp -s "$work/demo/$case/full.png" "$work/demo/$case/result.png"; echo $?)" = 1 ]
 done
+# Width and height in the PNG's head: as --picture says.
+holds [ "$(od -An -tu1 -j 16 -N 8 "$work/demo/D01/result.png")" = "   0   0   0 128   0   0   0 128" ]
 holds [ -s "$work/demo/layers_mha/panel.png" ]
 holds [ ! -e "$work/demo/layers_mha/truth.png" ]
 holds [ -s "$work/demo/hidden_layers_mha/truth.png" ]
