@@ -17,6 +17,7 @@
 #define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most: its rows sum up to 16 bits */
 #define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
 #define SV_WALL_KERNEL_ONE 64    /* their sum: two passes without rounding are exact in float32 */
+#define SV_WALL_STEADY     8     /* a block of one voxel: its neighbours weigh 1 / 8 each */
 #define SV_WALL_BESIDE     64    /* blocks to either side, at most */
 #define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
 #define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */
