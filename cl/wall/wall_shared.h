@@ -31,7 +31,7 @@
 #define SV_WALL_LEVEL_ONE     256 /* a grey level: the wall's brightness lies between two */
 #define SV_WALL_ROOT_ONE      256 /* a square root of a grey level */
 #define SV_WALL_ODDS_BITS     12  /* fraction of ln of the odds, of spreads, of evidence */
-#define SV_WALL_SPREAD_LEAST  205 /* 0.05: a wall of one single brightness */
+#define SV_WALL_SPREAD_LEAST  819 /* 0.2: a wall of one single brightness */
 #define SV_WALL_FAR_ABOVE     (32 << SV_WALL_ODDS_BITS) /* evidence is cut off here */
 #define SV_WALL_LOGISTIC      193 /* entries of the logistic function, from evidence 0 to 12: */
 #define SV_WALL_LOGISTIC_BITS 8   /* fraction of a step between them, a sixteenth */
