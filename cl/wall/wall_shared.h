@@ -63,6 +63,7 @@ typedef struct {
     unsigned int width, height, slices; /* voxels */
     unsigned int columns, rows, layers; /* blocks */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
+    unsigned int single[3];             /* 1: along x, y, z a block is one voxel */
     unsigned int beside[2];             /* blocks to either side along x, y */
     unsigned int skin;                  /* layers */
     unsigned int far;                   /* layers: from this distance on the cost is full */

@@ -54,7 +54,6 @@ static uint32_t mean_beside(const sv_wall_blocks *b, const uint32_t at[3], int a
 /* A block of one voxel is all speckle: a dark one would part the wall, a bright one behind it would be the
  * fetus. So its neighbours weigh 1 / SV_WALL_STEADY each. */
 static void steady(const sv_wall_layout *l, const sv_wall_blocks *b) {
-    const bool single[3] = {l->columns == l->width, l->rows == l->height, l->depth == 1};
     const size_t plane = (size_t)b->columns * b->rows;
     uint32_t at[3];
     for (at[1] = 0; at[1] < b->rows; at[1]++)
@@ -64,7 +63,7 @@ static void steady(const sv_wall_layout *l, const sv_wall_blocks *b) {
                 const uint32_t own = b->means[at[2] * plane + ray];
                 uint32_t sum = SV_WALL_STEADY * own;
                 for (int axis = 0; axis < 3; axis++)
-                    if (single[axis])
+                    if (l->single[axis])
                         sum = sum + mean_beside(b, at, axis, -1, own) + mean_beside(b, at, axis, 1, own) -
                               2 * own;
                 b->levels[at[2] * plane + ray] = (uint8_t)((sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY);
