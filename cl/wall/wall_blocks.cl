@@ -71,7 +71,7 @@ static void largest_of_row(const sv_wall_layout *l, __global const uchar *levels
 
 /* One work item per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
  * ranges. `beside`: the largest means of a row beside every ray. Where wall_steady follows, that counts the
- * levels. */
+ * levels anew. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
@@ -79,7 +79,6 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
     const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
     __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
     __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
-    const bool counts = !is_steadied(&l);
     uint histogram[4][256];
     clear_counts(histogram);
     histograms += (size_t)row * HISTOGRAM_WORDS;
@@ -91,12 +90,12 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
             const i16l scanned = (first[x] <= at) & (end[x] > at);
             const u8l level = here[x] & bytes_of(scanned);
             here[x] = level;
-            if (counts) count(histogram, level, scanned);
+            count(histogram, level, scanned);
         }
         /* a layer later: a vector that was just stored is slow to load in parts */
         if (z > 1) largest_of_row(&l, levels, z - 2, row, beside);
     }
     if (l.layers > 1) largest_of_row(&l, levels, l.layers - 2, row, beside);
     largest_of_row(&l, levels, l.layers - 1, row, beside); /* zeros lie behind the last layer */
-    if (counts) leave_counts(histogram, histograms);
+    leave_counts(histogram, histograms);
 }
