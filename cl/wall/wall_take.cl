@@ -87,41 +87,53 @@ static void note_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
     }
 }
 
-/* LANES voxels of a row from x on, none from beyond it; 0 where there is padding. */
-static u8l load_lanes(__global const uchar *row, uint x, uint width, uint padding) {
-    u8l v;
-    if (x + LANES <= width) {
-        v = ((__global const u8l_anywhere *)(row + x))->v;
-    } else {
-        uchar16 parts[LANES / SV_LANES];
-        for (uint i = 0; i < LANES / SV_LANES; i++) {
-            const uint at = x + i * SV_LANES;
-            parts[i] = (uchar16)(0);
-            if (at < width) parts[i] = load_voxels(row, at, width) & pixels_of(at, width);
-        }
-        v = *(const u8l *)parts;
+/* LANES voxels from `at` on. Rows that have fewer end with zeros. */
+static u8l load_lanes(__global const uchar *at, bool narrow, uint width) {
+    if (!narrow) return ((__global const u8l_anywhere *)at)->v;
+    uchar16 parts[LANES / SV_LANES];
+    for (uint i = 0; i < LANES / SV_LANES; i++) {
+        const uint x = i * SV_LANES;
+        parts[i] = (uchar16)(0);
+        if (x < width) parts[i] = load_voxels(at, x, width) & pixels_of(x, width);
     }
-    if (padding <= 255) v &= AS_U8(v != (u8l)((uchar)padding));
-    return v;
+    return *(const u8l *)parts;
 }
 
-/* Adds `count` slices to the row's sums; `fresh`: the first one is the first of its layer. */
+/* Sums of LANES columns from x on over `count` slices; 0 where there is padding. */
+static u16l sum_slices(const sv_wall_layout *l, const strip_t *s, const texture_t *t, uint i, uint count,
+                       uint x) {
+    const bool narrow = l->width < LANES;
+    u16l sum = (u16l)(0);
+    for (uint k = i; k < i + count; k++) {
+        __global const uchar *at = slice_of(t, k) + (size_t)s->span.first * t->row_pitch + x;
+        for (uint j = 0; j < s->span.count; j++) {
+            const bool shared =
+                (j == 0 && s->span.shares_first) || (j + 1 == s->span.count && s->span.shares_last);
+            u8l v = load_lanes(at + (size_t)j * t->row_pitch, narrow, l->width);
+            if (s->padding <= 255) v &= AS_U8(v != (u8l)((uchar)s->padding));
+            sum += TO_U16(v) << (u16l)((ushort)(shared ? 0 : 1));
+        }
+    }
+    return sum;
+}
+
+/* Adds `count` slices to the row's sums; `fresh`: the first one is the first of its layer. What is left over
+ * at the end of a row is summed with the pixels before it, and then moved to its place: to move every row
+ * would take longer than all the rest. */
 static void add_slices(const sv_wall_layout *l, const strip_t *s, const texture_t *t, uint i, uint count,
                        bool fresh) {
     const u16l keep = (u16l)((ushort)(fresh ? 0 : 0xffff));
     __global u16l *sums = (__global u16l *)s->sums;
     for (uint x = 0; x < l->width; x += LANES) {
-        u16l sum = sums[x / LANES] & keep;
-        for (uint k = i; k < i + count; k++) {
-            __global const uchar *row = slice_of(t, k) + (size_t)s->span.first * t->row_pitch;
-            for (uint j = 0; j < s->span.count; j++) {
-                const bool shared =
-                    (j == 0 && s->span.shares_first) || (j + 1 == s->span.count && s->span.shares_last);
-                const u16l v = TO_U16(load_lanes(row + (size_t)j * t->row_pitch, x, l->width, s->padding));
-                sum += v << (u16l)((ushort)(shared ? 0 : 1));
-            }
+        const uint from = x + LANES <= l->width || l->width < LANES ? x : l->width - LANES;
+        u16l sum = sum_slices(l, s, t, i, count, from);
+        if (from < x) {
+            u16l moved[2];
+            moved[0] = sum;
+            moved[1] = (u16l)(0);
+            sum = ((const u16l_anywhere *)((const ushort *)moved + (x - from)))->v;
         }
-        sums[x / LANES] = sum;
+        sums[x / LANES] = (sums[x / LANES] & keep) + sum;
     }
 }
 

@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { SEED_STEP = 1000 }; /* so that none is another scene's own, or this one's: those are small numbers */
+
 /* "PATH [KEY=VALUE]...", parted by blanks. */
 static bool parse_method(hs_eval_method *m, const char *text, hs_error *err) {
     char *next = NULL;
@@ -75,7 +77,7 @@ bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t see
     const hs_eval_request request = {.name = o->cases[index],
                                      .size = o->size,
                                      .lowres = o->lowres,
-                                     .seed = seed ? o->seed + seed : o->seed,
+                                     .seed = o->seed + (uint64_t)SEED_STEP * seed,
                                      .real = o->real};
     if (!hs_eval_case_open(c, &x->cl, &x->method[0].plugin, &x->method[0].values, &request, err))
         return false;

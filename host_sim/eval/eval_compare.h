@@ -49,8 +49,8 @@ bool hs_eval_compare_open(hs_eval_comparison *x, const hs_eval_options *options,
 /* False with HS_ERR_PLUGIN if a guarded plugin ended before it was to. */
 bool hs_eval_compare_close(hs_eval_comparison *x, hs_error *err);
 
-/* Makes the volume of case `index` with seed `seed` (0 .. x->seeds - 1: options->seed and those that follow
- * it) and measures every method on it. Then `c` is open, for pictures, and the caller closes it
+/* Makes the volume of case `index` with seed `seed` (0 .. x->seeds - 1: options->seed and others, 1000 apart)
+ * and measures every method on it. Then `c` is open, for pictures, and the caller closes it
  * (hs_eval_case_close); on failure it is closed. */
 bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t seed, hs_eval_case *c,
                              hs_error *err);

@@ -205,9 +205,9 @@ static void the_spy_sees_activation(void **state) {
     watch(f);
     fixture_change(f, (rig_format){.own_queue = true});
     assert_int_equal(fixture_activate(f), SV_OK);
-    /* context, queue, program, 14 kernels or more, a dozen buffers, twice for the self-test */
+    /* context, queue, programs, 14 kernels or more, a dozen buffers, twice for the self-test */
     assert_true(spy_count(SPY_CREATE) > 30);
-    assert_int_equal(spy_count(SPY_BUILD), 1);
+    assert_int_equal(spy_count(SPY_BUILD), 2); /* profiles and mean: self-test and pipeline share them */
     assert_true(spy_count(SPY_WAIT) > 1);
     assert_true(spy_count(SPY_ENQUEUE) > 20);
     assert_true(spy_count(SPY_RELEASE) > 10); /* the self-test's buffers */
@@ -218,6 +218,20 @@ static void the_spy_sees_activation(void **state) {
     if (heap_spy_works()) assert_int_equal(heap_spy_live(), 0);
     if (!heap_spy_works())
         print_message("AddressSanitizer owns the heap: allocations are not counted here\n");
+}
+
+/* The self-tests, of the frame and of the method, and the pipeline make their kernels of the same programs.
+ */
+static void each_program_is_built_once(void **state) {
+    fixture *f = *state;
+    watch(f);
+    rig_format how = {.fixed_count = 1};
+    how.fixed[0] = (sv_param_value){rig_param(&f->r, "method"), 0, 6.0}; /* cost */
+    fixture_change(f, how);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    assert_int_equal(spy_count(SPY_BUILD), 4); /* profiles, mean, chain, cost */
+    f->r.plugin->deactivate(f->r.plugin);
+    assert_int_equal(spy_live(), 0);
 }
 
 /* Calls of this program count once it watches itself. */
@@ -256,11 +270,9 @@ static void the_spy_sees_blocking_calls(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(the_spy_sees_activation),
-        FIXTURE_TEST(the_spy_sees_blocking_calls),
-        FIXTURE_TEST(frames_are_quiet),
-        FIXTURE_TEST(refusals_are_quiet),
-        FIXTURE_TEST(timed_frames),
+        FIXTURE_TEST(the_spy_sees_activation),     FIXTURE_TEST(each_program_is_built_once),
+        FIXTURE_TEST(the_spy_sees_blocking_calls), FIXTURE_TEST(frames_are_quiet),
+        FIXTURE_TEST(refusals_are_quiet),          FIXTURE_TEST(timed_frames),
     };
     return cmocka_run_group_tests_name("frame path", tests, NULL, NULL);
 }

@@ -41,7 +41,7 @@ make_volume "$work/short.mha" 16 4000
 : > "$work/empty.mha"
 cd "$work" || exit 1
 
-run=(run --frames 1 --picture 32 --out "$work/out")
+run=(run --frames 1 --picture 32 --panel 64 --out "$work/out")
 good=("${run[@]}" --volume good.mha --lowres 24)
 
 # ------------------------------------------------------------------------------- exit code 2: usage

@@ -34,7 +34,7 @@ make_volume lying.mha 'TransformMatrix = -1 0 0 0 0 1 0 1 0\nOffset = 1 2 3\n'
 make_volume doubt.mha 'TransformMatrix = 1 0 0 0 1 0 0 0 1\nAnatomicalOrientation = LPI\n'
 make_volume mirror.mha 'AnatomicalOrientation = LAI\n'
 
-run=(run --frames 1 --setting smartvis --picture 32 --lowres 48 --out out --plugin "$build/tests/plugins/plane.so" --set depth=2)
+run=(run --frames 1 --setting smartvis --picture 32 --panel 64 --lowres 48 --out out --plugin "$build/tests/plugins/plane.so" --set depth=2)
 
 # ------------------------------------------------------------------------------------------ orientation
 expect 0 "in the patient: not said" info plain.mha

@@ -117,6 +117,10 @@ for picture in full truth method_1 method_5; do holds [ -s "$work/compare/D01/$p
 # A map of zeros shows the full volume.
 holds cmp "$work/compare/D01/method_2.png" "$work/compare/D01/full.png"
 
+# Every seed is another volume, of E01, too, whose own seed is 1.
+code 0 --quick --size 96 --case E01 --out "$work/seeds" --seeds 2 --compare "$build/tests/plugins/zeros.so" --compare "$plane depth=22"
+holds [ "$(tail -n +2 "$work/seeds/compare.csv" | cut -d, -f9 | sort -u | wc -l)" -eq 2 ]
+
 # --- files with a ground truth: a scene's own, with a label map that says "fetus" everywhere
 label() { # label NAME CHARACTER: one slice of 48 x 48 labels
     printf 'ObjectType = Image\nNDims = 3\nDimSize = 48 48 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n' > "$work/$1"
