@@ -122,6 +122,9 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
     l.rows = whole(height, side_of(s, mm[1]));
     l.depth = side_of(s, mm[2]);
     l.layers = whole(slices, l.depth);
+    l.single[0] = l.columns == width;
+    l.single[1] = l.rows == height;
+    l.single[2] = l.depth == 1;
     const double block_mm[2] = {mm[0] * width / l.columns, mm[1] * height / l.rows};
     const double layer_mm = mm[2] * l.depth;
     for (int axis = 0; axis < 2; axis++) {

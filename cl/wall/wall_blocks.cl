@@ -6,6 +6,9 @@
 #ifndef SV_WALL_CLH
 #include "wall/wall.clh"
 #endif
+#ifndef SV_WALL_HISTOGRAM_CLH
+#include "wall/wall_histogram.clh"
+#endif
 
 /* The layers at which all voxels of a ray were scanned. `ranges`: planes of the pixels' ranges. */
 static void find_range(const sv_wall_layout *l, const sv_wall_span *across, const sv_wall_span *along,
@@ -44,29 +47,6 @@ static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pi
     return count;
 }
 
-/* Counts LANES levels where the mask is set; four histograms, so that equal neighbours do not wait. */
-static void count(uint histogram[4][256], u8l levels, i16l mask) {
-    if (!some_words(~mask)) {
-        const ulong *packed = (const ulong *)&levels;
-        for (uint k = 0; k < LANES / 8; k += 2) {
-            ulong a = packed[k], b = packed[k + 1];
-            for (uint i = 0; i < 4; i++) {
-                histogram[0][a & 255]++;
-                histogram[1][b & 255]++;
-                histogram[2][(a >> 8) & 255]++;
-                histogram[3][(b >> 8) & 255]++;
-                a >>= 16;
-                b >>= 16;
-            }
-        }
-        return;
-    }
-    if (!some_words(mask)) return;
-    const uchar *lanes = (const uchar *)&levels;
-    const short *wanted = (const short *)&mask;
-    for (uint i = 0; i < LANES; i++) histogram[0][lanes[i]] += wanted[i] != 0;
-}
-
 /* Means of LANES levels and of those behind them, rounded half up. */
 static u8l mean_at(__global const uchar *at, __global const uchar *behind) {
     const u8l a = ((__global const u8l_anywhere *)at)->v, b = ((__global const u8l_anywhere *)behind)->v;
@@ -90,7 +70,8 @@ static void largest_of_row(const sv_wall_layout *l, __global const uchar *levels
 }
 
 /* One work item per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
- * ranges. `beside`: the largest means of a row beside every ray. */
+ * ranges. `beside`: the largest means of a row beside every ray. Where wall_steady follows, that counts the
+ * levels anew. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
@@ -99,7 +80,7 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
     __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
     __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
     uint histogram[4][256];
-    for (uint i = 0; i < 256; i++) histogram[0][i] = histogram[1][i] = histogram[2][i] = histogram[3][i] = 0;
+    clear_counts(histogram);
     histograms += (size_t)row * HISTOGRAM_WORDS;
     histograms[HISTOGRAM_RAYS] = find_ranges(&l, row, bounded, pitch, spans, ranges, rays);
     for (uint z = 0; z < l.layers; z++) {
@@ -116,6 +97,5 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
     }
     if (l.layers > 1) largest_of_row(&l, levels, l.layers - 2, row, beside);
     largest_of_row(&l, levels, l.layers - 1, row, beside); /* zeros lie behind the last layer */
-    for (uint i = 0; i < 256; i++)
-        histograms[i] = histogram[0][i] + histogram[1][i] + histogram[2][i] + histogram[3][i];
+    leave_counts(histogram, histograms);
 }

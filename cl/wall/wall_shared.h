@@ -17,6 +17,7 @@
 #define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most: its rows sum up to 16 bits */
 #define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
 #define SV_WALL_KERNEL_ONE 64    /* their sum: two passes without rounding are exact in float32 */
+#define SV_WALL_STEADY     8     /* a block of one voxel: its neighbours weigh 1 / 8 each */
 #define SV_WALL_BESIDE     64    /* blocks to either side, at most */
 #define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
 #define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */
@@ -30,7 +31,7 @@
 #define SV_WALL_LEVEL_ONE     256 /* a grey level: the wall's brightness lies between two */
 #define SV_WALL_ROOT_ONE      256 /* a square root of a grey level */
 #define SV_WALL_ODDS_BITS     12  /* fraction of ln of the odds, of spreads, of evidence */
-#define SV_WALL_SPREAD_LEAST  205 /* 0.05: a wall of one single brightness */
+#define SV_WALL_SPREAD_LEAST  819 /* 0.2: a wall of one single brightness */
 #define SV_WALL_FAR_ABOVE     (32 << SV_WALL_ODDS_BITS) /* evidence is cut off here */
 #define SV_WALL_LOGISTIC      193 /* entries of the logistic function, from evidence 0 to 12: */
 #define SV_WALL_LOGISTIC_BITS 8   /* fraction of a step between them, a sixteenth */
@@ -62,6 +63,7 @@ typedef struct {
     unsigned int width, height, slices; /* voxels */
     unsigned int columns, rows, layers; /* blocks */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
+    unsigned int single[3];             /* 1: along x, y, z a block is one voxel */
     unsigned int beside[2];             /* blocks to either side along x, y */
     unsigned int skin;                  /* layers */
     unsigned int far;                   /* layers: from this distance on the cost is full */

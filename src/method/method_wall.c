@@ -15,6 +15,7 @@
 enum {
     K_TAKE,
     K_BLOCKS,
+    K_STEADY,
     K_LEVELS,
     K_WALLS,
     K_EVIDENCE,
@@ -27,13 +28,14 @@ enum {
     K_LEAVE
 };
 static const char *const kernels[] = {
-    "wall_take",     "wall_blocks", "wall_levels", "wall_walls", "wall_evidence", "wall_costs", "wall_decide",
-    "wall_cheapest", "wall_median", "wall_trust",  "wall_turn",  "wall_leave",    NULL};
+    "wall_take",   "wall_blocks",   "wall_steady", "wall_levels", "wall_walls", "wall_evidence", "wall_costs",
+    "wall_decide", "wall_cheapest", "wall_median", "wall_trust",  "wall_turn",  "wall_leave",    NULL};
 enum {
     SPANS,
     SUMS,   /* of the layer that the slabs are in */
     RANGES, /* of pixels */
     LEVELS,
+    STEADY, /* the same, smoothed where blocks are one voxel; else LEVELS take its place */
     BESIDE, /* brightest of the row */
     BRIGHT,
     RAYS,
@@ -69,6 +71,10 @@ static bool is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
 
+static bool is_steadied(const sv_wall_layout *l) {
+    return l->single[0] || l->single[1] || l->single[2];
+}
+
 static size_t lanes_of(uint32_t values) {
     return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
 }
@@ -87,11 +93,12 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
     const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
+    const size_t levels = margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last layer */
     const size_t bytes[] = {[SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
                             [SUMS] = lanes_of(l.width) * l.rows * sizeof(cl_ushort),
                             [RANGES] = is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
-                            [LEVELS] =
-                                margin + level_row * l.rows * (l.layers + 1), /* zeros behind the last */
+                            [LEVELS] = levels,
+                            [STEADY] = is_steadied(&l) ? levels : 1,
                             [BESIDE] = plane * l.layers,
                             [BRIGHT] = plane * l.layers,
                             [RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
@@ -152,14 +159,15 @@ static const struct {
     int buffers[9]; /* up to -1 */
 } launches[] = {
     {K_BLOCKS, BOUNDS, RAY_ROWS, SV_STAGE_THRESHOLD, {SPANS, RANGES, LEVELS, RAYS, BESIDE, HISTOGRAMS, -1}},
+    {K_STEADY, 0, RAY_ROWS, SV_STAGE_THRESHOLD, {LEVELS, RAYS, STEADY, HISTOGRAMS, -1}},
     {K_LEVELS, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
-    {K_WALLS, 0, RAY_ROWS, SV_STAGE_THRESHOLD, {INFO, LEVELS, BESIDE, BRIGHT, RAYS, HISTOGRAMS, -1}},
+    {K_WALLS, 0, RAY_ROWS, SV_STAGE_THRESHOLD, {INFO, STEADY, BESIDE, BRIGHT, RAYS, HISTOGRAMS, -1}},
     {K_EVIDENCE, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, TABLES, INFO, -1}},
     {K_COSTS,
      SCRATCH_WORDS,
      RAY_ROWS,
      SV_STAGE_RECONSTRUCT,
-     {INFO, LEVELS, BRIGHT, RAYS, SCRATCH, COSTS, AWAYS, FETUS, -1}},
+     {INFO, STEADY, BRIGHT, RAYS, SCRATCH, COSTS, AWAYS, FETUS, -1}},
     {K_DECIDE, RECORD, ONCE, SV_STAGE_RECONSTRUCT, {FETUS, INFO, -1}},
     {K_CHEAPEST, SCRATCH_WORDS, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, SCRATCH, PLACES, -1}},
     {K_MEDIAN, 0, RAY_ROWS, SV_STAGE_RECONSTRUCT, {INFO, COSTS, AWAYS, PLACES, -1}},
@@ -171,17 +179,20 @@ enum { ALL = sizeof launches / sizeof *launches, FIRST_OF_TURN = ALL - 2 };
 
 static sv_status run_from(const sv_map *m, sv_method_state *s, size_t first, size_t end, float q) {
     sv_wall_layout layout = layout_of(m);
+    const bool steadied = is_steadied(&layout);
     layout.q = q;
     const size_t count[] = {[ONCE] = 1, [RAY_ROWS] = layout.rows, [PIXEL_ROWS] = layout.height};
     sv_status status = SV_OK;
     for (size_t i = first; status == SV_OK && i < end; i++) {
         const int kernel = launches[i].kernel, takes = launches[i].takes;
+        if (kernel == K_STEADY && !steadied) continue;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[kernel], kernels[kernel]);
         sv_launch_arg(&l, sizeof layout, &layout);
         if (takes & BOUNDS) sv_launch_uint(&l, is_bounded(m->config));
         if (takes & BOUNDS) sv_launch_uint(&l, m->padded_width);
         if (takes & SCRATCH_WORDS) sv_launch_uint(&l, (uint32_t)scratch_words(&layout));
-        for (const int *b = launches[i].buffers; *b >= 0; b++) sv_launch_buffer(&l, s->buffer[*b]);
+        for (const int *b = launches[i].buffers; *b >= 0; b++)
+            sv_launch_buffer(&l, s->buffer[*b == STEADY && !steadied ? LEVELS : *b]);
         if (takes & RECORD) sv_launch_buffer(&l, m->record);
         if (takes & SURFACES) sv_launch_uint(&l, m->padded_width);
         if (takes & SURFACES) sv_launch_buffer(&l, m->surfaces);

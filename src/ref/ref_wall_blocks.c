@@ -40,15 +40,47 @@ static uint8_t mean_of(const sv_wall_volume *v, const sv_wall_layout *l, const s
     return (uint8_t)((sum + weight / 2) / weight);
 }
 
+/* The mean `step` blocks along an axis from a block at `at`; `own` if that was not scanned. */
+static uint32_t mean_beside(const sv_wall_blocks *b, const uint32_t at[3], int axis, int step, uint32_t own) {
+    const uint32_t count[3] = {b->columns, b->rows, b->layers};
+    uint32_t to[3] = {at[0], at[1], at[2]};
+    if (step < 0 ? at[axis] == 0 : at[axis] + 1 == count[axis]) return own;
+    to[axis] = step < 0 ? at[axis] - 1 : at[axis] + 1;
+    const size_t ray = (size_t)to[1] * b->columns + to[0];
+    const bool scanned = to[2] >= b->first[ray] && to[2] < b->end[ray];
+    return scanned ? b->means[(size_t)to[2] * b->columns * b->rows + ray] : own;
+}
+
+/* A block of one voxel is all speckle: a dark one would part the wall, a bright one behind it would be the
+ * fetus. So its neighbours weigh 1 / SV_WALL_STEADY each. */
+static void steady(const sv_wall_layout *l, const sv_wall_blocks *b) {
+    const size_t plane = (size_t)b->columns * b->rows;
+    uint32_t at[3];
+    for (at[1] = 0; at[1] < b->rows; at[1]++)
+        for (at[0] = 0; at[0] < b->columns; at[0]++) {
+            const size_t ray = (size_t)at[1] * b->columns + at[0];
+            for (at[2] = b->first[ray]; at[2] < b->end[ray]; at[2]++) {
+                const uint32_t own = b->means[at[2] * plane + ray];
+                uint32_t sum = SV_WALL_STEADY * own;
+                for (int axis = 0; axis < 3; axis++)
+                    if (l->single[axis])
+                        sum = sum + mean_beside(b, at, axis, -1, own) + mean_beside(b, at, axis, 1, own) -
+                              2 * own;
+                b->levels[at[2] * plane + ray] = (uint8_t)((sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY);
+            }
+        }
+}
+
 bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_wall_blocks *b) {
     const size_t plane = (size_t)l->columns * l->rows;
     *b = (sv_wall_blocks){.columns = l->columns,
                           .rows = l->rows,
                           .layers = l->layers,
+                          .means = calloc(plane, l->layers),
                           .levels = calloc(plane, l->layers),
                           .first = calloc(plane, sizeof(uint16_t)),
                           .end = calloc(plane, sizeof(uint16_t))};
-    if (!b->levels || !b->first || !b->end) {
+    if (!b->means || !b->levels || !b->first || !b->end) {
         sv_wall_blocks_destroy(b);
         return false;
     }
@@ -60,12 +92,14 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
             find_range(v, l, &sx, &sy, &b->first[ray], &b->end[ray]);
             b->rays += b->first[ray] < b->end[ray];
             for (uint32_t z = b->first[ray]; z < b->end[ray]; z++)
-                b->levels[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
+                b->means[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
         }
+    steady(l, b);
     return true;
 }
 
 void sv_wall_blocks_destroy(sv_wall_blocks *b) {
+    free(b->means);
     free(b->levels);
     free(b->first);
     free(b->end);
@@ -96,8 +130,8 @@ uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
     uint8_t *rows = calloc(count, 1), *bright = calloc(count, 1);
     if (rows && bright) {
         for (size_t i = 0; i < count; i++) {
-            const uint32_t behind = i + plane < count ? b->levels[i + plane] : 0;
-            bright[i] = (uint8_t)((b->levels[i] + behind + 1) / 2);
+            const uint32_t behind = i + plane < count ? b->means[i + plane] : 0;
+            bright[i] = (uint8_t)((b->means[i] + behind + 1) / 2);
         }
         largest_along(bright, rows, (size_t)l->rows * l->layers, l->columns, 1, l->beside[0]);
         largest_along(rows, bright, l->layers, l->rows, l->columns, l->beside[1]);

@@ -5,11 +5,13 @@
 
 #include "ref/ref_wall_volume.h"
 
-/* Block (x, y, z) at levels[(z * rows + y) * columns + x]: the mean of its voxels, rounded half up; 0 if the
- * block was not scanned. Blocks first .. end - 1 of a ray were scanned: those all of whose voxels were. */
+/* Block (x, y, z) at means[(z * rows + y) * columns + x]: the mean of its voxels, rounded half up; 0 if the
+ * block was not scanned. Blocks first .. end - 1 of a ray were scanned: those all of whose voxels were.
+ * `levels`: the same, smoothed along every axis along which a block is one voxel; tissue is told from them.
+ */
 typedef struct {
     uint32_t columns, rows, layers;
-    uint8_t *levels;
+    uint8_t *means, *levels;
     uint16_t *first, *end;
     uint32_t rays; /* that were scanned */
 } sv_wall_blocks;
@@ -20,8 +22,8 @@ bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *l
 void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
 
 /* The brightness of every block: the largest within layout->beside blocks of its ray, in the same layer, of
- * the means of a block and the one behind it, rounded half up; what was not scanned counts as 0. NULL: no
- * memory. The caller frees it. */
+ * half the sums of the means of a block and the one behind it, rounded half up; what was not scanned counts
+ * as 0. NULL: no memory. The caller frees it. */
 uint8_t *sv_wall_brightest(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
 
 #endif

@@ -221,6 +221,51 @@ static void test_spacings(void **state) {
     assert_true(surfaces >= 6); /* or the test would say little */
 }
 
+/* Ranges that differ from ray to ray, some of them empty: single blocks whose neighbours were not scanned. */
+static sv_scanned *ragged_ranges(uint32_t width, uint32_t height, uint32_t slices, uint32_t seed) {
+    sv_scanned *ranges = calloc((size_t)width * height, sizeof *ranges);
+    uint32_t random = seed * 2654435761u + 1;
+    assert_non_null(ranges);
+    for (size_t i = 0; i < (size_t)width * height; i++) {
+        const uint32_t first = surface_random(&random) % (slices / 8 + 1);
+        const uint32_t end = slices - surface_random(&random) % (slices / 8 + 1);
+        if (surface_random(&random) % 19 > 0) ranges[i] = (sv_scanned){(uint16_t)first, (uint16_t)end};
+    }
+    return ranges;
+}
+
+/* Voxels of 1.4 to 2 mm are blocks of their own, which are smoothed: along all axes and along single ones,
+ * with ranges and without, padded, in sizes that are no multiple of anything. */
+static void test_single_voxels(void **state) {
+    static const struct {
+        uint32_t size[3];
+        float mm[3];
+    } cases[] = {{{70, 61, 66}, {1.5f, 1.5f, 1.5f}},  {{67, 71, 59}, {1.8f, 1.8f, 1.8f}},
+                 {{65, 45, 53}, {2.0f, 1.9f, 1.6f}},  {{71, 83, 90}, {1.8f, 0.9f, 0.9f}},
+                 {{83, 67, 90}, {0.9f, 1.7f, 0.8f}},  {{90, 75, 55}, {0.8f, 0.9f, 1.9f}},
+                 {{33, 64, 100}, {1.4f, 1.5f, 1.0f}}, {{31, 1, 70}, {2.0f, 2.0f, 2.0f}},
+                 {{1, 29, 64}, {1.8f, 1.8f, 1.8f}},   {{32, 97, 1}, {1.5f, 1.5f, 1.5f}}};
+    uint32_t surfaces = 0;
+    for (uint32_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        const uint32_t width = cases[n].size[0], height = cases[n].size[1], slices = cases[n].size[2];
+        uint8_t *volume = layered_noise(width, height, slices, 10, 9, 40 + n);
+        sv_scanned *ranges = ragged_ranges(width, height, slices, n);
+        for (int kind = 0; kind < 3; kind++) {
+            const shape s = {.width = width,
+                             .height = height,
+                             .slices = slices,
+                             .slab_slices = 7 + 9 * n % 20,
+                             .padding = kind == 2 ? 4 : SV_NO_PADDING,
+                             .spacing_mm = {cases[n].mm[0], cases[n].mm[1], cases[n].mm[2]},
+                             .scanned = kind > 0 ? ranges : NULL};
+            surfaces += compare(*state, &s, volume, "blocks of one voxel");
+        }
+        free(ranges);
+        free(volume);
+    }
+    assert_true(surfaces >= 18);
+}
+
 static void test_layered_noise(void **state) {
     uint32_t surfaces = 0;
     for (uint32_t n = 0; n < 6; n++) {
@@ -289,8 +334,8 @@ static void test_ranges(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {RIG_TEST(test_scenes), RIG_TEST(test_spacings),
-                                       RIG_TEST(test_any_volume), RIG_TEST(test_layered_noise),
-                                       RIG_TEST(test_ranges)};
+    const struct CMUnitTest tests[] = {RIG_TEST(test_scenes),        RIG_TEST(test_spacings),
+                                       RIG_TEST(test_single_voxels), RIG_TEST(test_any_volume),
+                                       RIG_TEST(test_layered_noise), RIG_TEST(test_ranges)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -170,29 +170,6 @@ static void test_bare_and_dim(void **state) {
     scan_free(&s);
 }
 
-/* Haze in the fluid fills the histogram up to the tissue; but the rays begin at a wall. */
-static void test_haze(void **state) {
-    (void)state;
-    enum { HAZE = 54 };
-    scan s = scene(), clear = scene();
-    for (uint32_t z = WALL; z < 58; z++)
-        for (uint32_t y = 0; y < N; y++)
-            for (uint32_t x = 0; x < N; x++) {
-                uint8_t *const voxel = &s.voxels[at(&s, x, y, z)];
-                if (*voxel < 2 * FLUID) *voxel = (uint8_t)((FLUID + (double)(HAZE * y) / N) * grain(x, y, z));
-            }
-    scan_run(&clear);
-    scan_run(&s);
-    assert_true(clear.facts.valley < 0.5 && s.facts.valley > 0.9);
-    assert_int_equal(s.outcome, SV_WALL_SURFACE);
-    for (uint32_t y = 0; y < N; y++)
-        for (uint32_t x = 0; x < N; x++)
-            if (skin(x, y) < GAP + 6)
-                assert_true(s.depth[y * N + x] > WALL - 1.0f && s.depth[y * N + x] <= (float)skin(x, y));
-    scan_free(&s);
-    scan_free(&clear);
-}
-
 /* Flesh that begins with the scan, dark shadows beside it, and a hollow in it: no wall, and no fluid before
  * it. */
 static void test_touching(void **state) {
@@ -230,6 +207,56 @@ static void test_no_fluid(void **state) {
                 s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z));
             }
     assert_clips_nothing(&s, SV_WALL_NO_FLUID);
+    scan_free(&s);
+}
+
+/* The scene with fluid from dark at one side to nearly as bright as tissue at the other. */
+static scan hazy(void) {
+    scan s = scene();
+    for (uint32_t z = WALL; z < N; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++) {
+                uint8_t *const voxel = &s.voxels[at(&s, x, y, z)];
+                if (*voxel < 2 * FLUID)
+                    *voxel = (uint8_t)((10.0 + 65.0 * sqrt((double)y / N)) * grain(x, y, z));
+            }
+    return s;
+}
+
+/* Haze in the fluid fills the histogram up to the tissue; but the rays begin at a wall. With the wall gone
+ * from half of them, that tells nothing. */
+static void test_haze(void **state) {
+    (void)state;
+    scan s = hazy(), clear = scene();
+    scan_run(&clear);
+    scan_run(&s);
+    assert_true(clear.facts.valley < 0.5 && s.facts.valley > 0.9);
+    assert_in_range(s.facts.wall_rays, PIXELS * 3 / 4, PIXELS);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    for (uint32_t y = 0; y < N; y++)
+        for (uint32_t x = 0; x < N; x++)
+            if (skin(x, y) < GAP + 6)
+                assert_true(s.depth[y * N + x] > WALL - 1.0f && s.depth[y * N + x] <= (float)skin(x, y));
+    for (uint32_t z = 0; z < N; z++)
+        for (uint32_t y = 0; y < N; y++) memset(&s.voxels[at(&s, N / 2, y, z)], MUSCLE, N / 2);
+    assert_clips_nothing(&s, SV_WALL_NO_FLUID);
+    assert_true(s.facts.valley > 0.9);
+    scan_free(&s);
+    scan_free(&clear);
+}
+
+/* Voxels as long as a block, each with speckle of its own: dark ones do not part the wall. */
+static void test_speckle(void **state) {
+    (void)state;
+    static const double speckle[8] = {0.3, 0.4, 0.6, 0.8, 1.0, 1.2, 1.6, 2.0};
+    scan s = scene();
+    for (size_t i = 0; i < (size_t)PIXELS * WALL; i++)
+        s.voxels[i] = (uint8_t)(MUSCLE * speckle[(i * 2654435761u >> 16) % 8]);
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    uint32_t rays = 0;
+    for (size_t i = 0; i < PIXELS; i++) rays += s.depth[i] > WALL - 1.0f;
+    assert_in_range(rays, PIXELS * 98 / 100, PIXELS);
     scan_free(&s);
 }
 
@@ -380,9 +407,10 @@ int main(void) {
         cmocka_unit_test(test_grey_levels),
         cmocka_unit_test(test_bare_fetus),
         cmocka_unit_test(test_bare_and_dim),
-        cmocka_unit_test(test_haze),
         cmocka_unit_test(test_touching),
         cmocka_unit_test(test_no_fluid),
+        cmocka_unit_test(test_haze),
+        cmocka_unit_test(test_speckle),
         cmocka_unit_test(test_no_fetus),
         cmocka_unit_test(test_nothing_brighter_than_the_wall),
         cmocka_unit_test(test_empty),
