@@ -69,25 +69,6 @@ static void largest_of_row(const sv_wall_layout *l, __global const uchar *levels
     }
 }
 
-/* Row `row` of layer `z`: levels of blocks that were not scanned become 0. */
-static void mask_row(const sv_wall_layout *l, uint z, __global const i16l *first, __global const i16l *end,
-                     __global u8l *levels) {
-    const i16l at = (i16l)((short)z);
-    for (uint x = 0; x < vectors_of(l); x++) levels[x] &= bytes_of((first[x] <= at) & (end[x] > at));
-}
-
-/* The same, and counts them. */
-static void mask_and_count_row(const sv_wall_layout *l, uint z, __global const i16l *first,
-                               __global const i16l *end, __global u8l *levels, uint histogram[4][256]) {
-    const i16l at = (i16l)((short)z);
-    for (uint x = 0; x < vectors_of(l); x++) {
-        const i16l scanned = (first[x] <= at) & (end[x] > at);
-        const u8l level = levels[x] & bytes_of(scanned);
-        levels[x] = level;
-        count(histogram, level, scanned);
-    }
-}
-
 /* One work item per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
  * ranges. `beside`: the largest means of a row beside every ray. Where wall_steady follows, that counts the
  * levels. */
@@ -95,7 +76,7 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
                           __global uchar *restrict beside, __global uint *restrict histograms) {
-    const uint row = (uint)get_global_id(0);
+    const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
     const bool steadied = (l.single[0] | l.single[1] | l.single[2]) != 0;
     __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
     __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
@@ -104,11 +85,14 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
     histograms += (size_t)row * HISTOGRAM_WORDS;
     histograms[HISTOGRAM_RAYS] = find_ranges(&l, row, bounded, pitch, spans, ranges, rays);
     for (uint z = 0; z < l.layers; z++) {
+        const i16l at = (i16l)((short)z);
         __global u8l *here = (__global u8l *)(levels + level_row(&l, z, row));
-        if (steadied)
-            mask_row(&l, z, first, end, here);
-        else
-            mask_and_count_row(&l, z, first, end, here, histogram);
+        for (uint x = 0; x < vectors; x++) {
+            const i16l scanned = (first[x] <= at) & (end[x] > at);
+            const u8l level = here[x] & bytes_of(scanned);
+            here[x] = level;
+            if (!steadied) count(histogram, level, scanned);
+        }
         /* a layer later: a vector that was just stored is slow to load in parts */
         if (z > 1) largest_of_row(&l, levels, z - 2, row, beside);
     }
