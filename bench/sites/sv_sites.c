@@ -46,6 +46,7 @@ static const char help[] =
 enum { MAX_VOLUMES = 16 };
 
 typedef struct {
+    const struct command *command;
     site_list sites;
     site_methods methods;
     const char *volumes[MAX_VOLUMES];
@@ -116,11 +117,42 @@ static bool take(int option, request *r, hs_error *err) {
     }
 }
 
-static bool is_command(const char *name) {
-    static const char *const commands[] = {"table", "reverse", "harm", "flicker", "page"};
+static bool table(const request *r, hs_error *err) {
+    return site_table(&r->sites, &r->methods, err);
+}
+
+static bool reverse(const request *r, hs_error *err) {
+    return site_reverse(&r->sites, r->rounds, err);
+}
+
+static bool harm(const request *r, hs_error *err) {
+    return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
+}
+
+static bool flicker(const request *r, hs_error *err) {
+    return site_flicker(&r->sites, &r->methods, err);
+}
+
+static bool page(const request *r, hs_error *err) {
+    const site_page page = {.sites = &r->sites,
+                            .volumes = r->volumes,
+                            .volume_count = r->volume_count,
+                            .plugin = r->methods.plugin,
+                            .settings = r->methods.method[r->methods.count - 1].settings,
+                            .out = r->out};
+    return site_page_write(&page, err);
+}
+
+static const struct command {
+    const char *name;
+    bool (*run)(const request *r, hs_error *err);
+} commands[] = {{"table", table}, {"reverse", reverse}, {"harm", harm}, {"flicker", flicker}, {"page", page}};
+
+static bool find_command(const char *name, request *r, hs_error *err) {
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        if (strcmp(name, commands[i]) == 0) return true;
-    return false;
+        if (strcmp(name, commands[i].name) == 0) r->command = &commands[i];
+    return r->command ||
+           hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table, reverse, harm, flicker or page", name);
 }
 
 static bool parse(int argc, char **argv, request *r, hs_error *err) {
@@ -131,31 +163,10 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     if (r->help) return true;
     if (optind + 1 != argc)
         return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - optind);
-    if (!is_command(argv[optind]))
-        return hs_fail(err, HS_ERR_USAGE, "'%s' is no command: table, reverse, harm, flicker or page",
-                       argv[optind]);
+    if (!find_command(argv[optind], r, err)) return false;
     if (r->methods.count == 0) r->methods = site_methods_default(r->methods.plugin);
-    const bool all_given = r->sites.count > 0 || strcmp(argv[optind], "flicker") == 0;
+    const bool all_given = r->sites.count > 0 || r->command->run == flicker;
     return all_given || site_add_scenes(&r->sites, "201,0", err);
-}
-
-static bool write_page(const request *r, hs_error *err) {
-    const site_page page = {.sites = &r->sites,
-                            .volumes = r->volumes,
-                            .volume_count = r->volume_count,
-                            .plugin = r->methods.plugin,
-                            .settings = r->methods.method[r->methods.count - 1].settings,
-                            .out = r->out};
-    return site_page_write(&page, err);
-}
-
-static bool run(const char *command, request *r, hs_error *err) {
-    if (strcmp(command, "table") == 0) return site_table(&r->sites, &r->methods, err);
-    if (strcmp(command, "reverse") == 0) return site_reverse(&r->sites, r->rounds, err);
-    if (strcmp(command, "harm") == 0)
-        return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
-    if (strcmp(command, "flicker") == 0) return site_flicker(&r->sites, &r->methods, err);
-    return write_page(r, err);
 }
 
 int main(int argc, char **argv) {
@@ -165,7 +176,7 @@ int main(int argc, char **argv) {
     if (ok && r.help)
         printf("%s%s", help, hs_exit_codes_help);
     else if (ok)
-        ok = run(argv[optind], &r, &err);
+        ok = r.command->run(&r, &err);
     site_free(&r.sites);
     if (!ok) fprintf(stderr, "sv_sites: %s\n", err.text);
     return ok ? HS_OK : (int)err.code;
