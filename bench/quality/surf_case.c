@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "quality/surf_case.h"
 
+#include "base/paths.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -57,12 +59,11 @@ static bool write_pose(const char *name, uint32_t pose, char *path, size_t size,
     size_t i;
     json_t *structure;
     json_array_foreach(json_object_get(root, "structures"), i, structure) shift_structure(structure, &state);
-    (void)snprintf(path, size, "%s/surfaces_XXXXXX.json", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
-    const int file = mkstemps(path, 5);
-    const bool ok = file >= 0 && json_dumpfd(root, file, JSON_INDENT(1)) == 0;
+    const int file = hs_path_temporary("surfaces", ".json", path, size, err);
+    const bool written = file >= 0 && json_dumpfd(root, file, JSON_INDENT(1)) == 0;
     if (file >= 0) (void)close(file);
     json_decref(root);
-    return ok || hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written", path);
+    return written || (file >= 0 && hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written", path));
 }
 
 /* Where a ray from fine slice `start` on ends (thesis Eq. 3.22-3.24), or m. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "sites/site_variant.h"
 
+#include "base/paths.h"
 #include "eval/eval_source.h"
 #include "scene/scene_data.h"
 #include "volume/metaimage_write.h"
@@ -180,11 +181,6 @@ bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *
 /* Writes the slices in which anything was scanned: the room before them would pass for fluid, and the
  * occluders grow with the volume. */
 static bool write_volume(const wall_case *c, char *path, size_t size, hs_error *err) {
-    const char *const folder = getenv("TMPDIR");
-    (void)snprintf(path, size, "%s/occluded_XXXXXX.mha", folder ? folder : "/tmp");
-    const int file = mkstemps(path, 4);
-    if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made", path);
-    (void)close(file);
     uint32_t from = c->nz, to = 0;
     for (size_t i = 0; i < plane_of(c); i++) {
         if (c->first[i] >= c->end[i]) continue;
@@ -192,6 +188,9 @@ static bool write_volume(const wall_case *c, char *path, size_t size, hs_error *
         if (c->end[i] > to) to = c->end[i];
     }
     if (from >= to) return hs_fail(err, HS_ERR_INPUT, "%s: nothing of it was scanned", c->name);
+    const int file = hs_path_temporary("occluded", ".mha", path, size, err);
+    if (file < 0) return false;
+    (void)close(file);
     const hs_metaimage_array array = {.type = HS_ARRAY_U8,
                                       .data = c->full + from * plane_of(c),
                                       .dims = 3,

@@ -44,6 +44,16 @@ bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes,
                    bytes - 1);
 }
 
+int hs_path_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err) {
+    const char *const folder = getenv("TMPDIR");
+    char name[NAME_MAX];
+    (void)snprintf(name, sizeof name, "%s_XXXXXX%s", stem, ending);
+    if (!hs_path_join(folder ? folder : "/tmp", name, out, bytes, err)) return -1;
+    const int file = mkstemps(out, (int)strlen(ending));
+    if (file < 0) (void)hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made: %s", out, strerror(errno));
+    return file;
+}
+
 bool hs_path_beside_program(const char *name, char *out, size_t bytes) {
     char self[PATH_MAX];
     const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
