@@ -39,9 +39,8 @@ typedef struct {
 bool hs_ray_view_of(const hs_dvr_settings *settings, const hs_device_volume *source, const hs_camera *camera,
                     hs_ray_view *out, hs_error *err);
 
-/* The next seven arguments of a kernel: the view but for what is sampled, as render_volume has it
- * (cl/dvr.cl).
- */
+/* The next seven arguments of a kernel, as render_volume has them (cl/dvr.cl): the view but for what is
+ * sampled. */
 void hs_launch_view(hs_launch *launch, const hs_ray_view *view);
 
 /* Runs a kernel over the picture, a work item a packet of pixels (cl/base.cl); does not wait. */

@@ -74,8 +74,8 @@ static double distance_of(const body *b, const double p[3]) {
 
 /* The share of the parts of a voxel whose middle lies in the body. */
 static double covered_share(const body *b, const double p[3], double spacing) {
-    double middle[3], step[PARTS][3][3],
-        weight[3]; /* step: of a part, an axis of the volume, one of the body */
+    double middle[3], weight[3];
+    double step[PARTS][3][3]; /* of a part, an axis of the volume, one of the body */
     to_body(b, p, middle);
     for (int i = 0; i < 3; i++) {
         weight[i] = b->shape->plane ? 0.0 : 1.0 / (b->shape->radius[i] * b->shape->radius[i]);
