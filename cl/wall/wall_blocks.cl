@@ -3,28 +3,15 @@
  * The wall's surface, blocks: which of them were scanned, their histogram, and the brightest of a row beside
  * every ray.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
 #endif
 #ifndef SV_WALL_HISTOGRAM_CLH
 #include "wall/wall_histogram.clh"
 #endif
-
-/* The layers at which all voxels of a ray were scanned. `ranges`: planes of the pixels' ranges. */
-static void find_range(const sv_wall_layout *l, const sv_wall_span *across, const sv_wall_span *along,
-                       uint pitch, __global const ushort *ranges, ushort *first, ushort *end) {
-    uint from = 0, to = l->slices;
-    for (uint y = along->first; y < along->first + along->count; y++)
-        for (uint x = across->first; x < across->first + across->count; x++) {
-            __global const ushort *at = ranges + (size_t)y * pitch + x;
-            from = max(from, (uint)at[0]);
-            to = min(to, (uint)at[(size_t)l->height * pitch]);
-        }
-    from = (from + l->depth - 1) / l->depth;
-    to = to == l->slices ? l->layers : to / l->depth;
-    *first = (ushort)(from < to ? from : 0);
-    *end = (ushort)(from < to ? to : 0);
-}
+#ifndef SV_WALL_SLICES_CLH
+#include "wall/wall_slices.clh"
+#endif
 
 /* The ranges of a row of rays, and how many of them were scanned. */
 static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pitch,

@@ -3,14 +3,13 @@
  * The wall's surface, from costs to the cheapest layer of every ray: the lateral Gaussian, the least, the
  * mean around it, and how far around it the knob may go. Beyond the border the ray at the border counts.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
 #endif
 
 /* Costs are summed up in lines of float32, which hold all sums exactly, with this much before and behind
  * them. */
 #define LINE_MARGIN SV_WALL_KERNEL
-#define FINE        (SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE / (SV_WALL_FINE_ONE / SV_WALL_ONE))
 
 static __global const u16l *costs_at(const sv_wall_layout *l, __global const ushort *costs, uint z, int row) {
     return (__global const u16l *)(costs + block_row(l, z, (uint)clamp(row, 0, (int)l->rows - 1)));

@@ -6,8 +6,8 @@
  * and back to front, which tells how far the fluid behind is and what the fluid leaves to the tissue behind
  * it.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
 #endif
 
 /* LANES rays, and what is known of them. */

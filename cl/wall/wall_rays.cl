@@ -3,8 +3,8 @@
  * The wall's surface, along the rays: how bright they are, their first tissue, and how bright that is where
  * it is the wall.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
 #endif
 
 /* The first tissue of LANES rays, front to back. */

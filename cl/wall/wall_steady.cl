@@ -3,8 +3,8 @@
  * The wall's surface, blocks of one voxel: such a block is all speckle, so its two neighbours along every
  * axis where blocks are single weigh 1 / SV_WALL_STEADY each. Tissue is told from what comes of that.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
 #endif
 #ifndef SV_WALL_HISTOGRAM_CLH
 #include "wall/wall_histogram.clh"

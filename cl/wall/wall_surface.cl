@@ -3,13 +3,12 @@
  * The wall's surface, from the layers of rays to the surface: the median, the confidence, and the way back to
  * pixels. Beyond the border the ray at the border counts.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
 #endif
-
-static uint beside(uint at, int step, uint count) {
-    return (uint)clamp((int)at + step, 0, (int)count - 1);
-}
+#ifndef SV_WALL_PIXELS_CLH
+#include "wall/wall_pixels.clh"
+#endif
 
 /* 16 rays of a row from x + step on, their neighbours in that direction. */
 static float16 load_places(__global const float *row, uint x, int step, uint columns) {
@@ -112,45 +111,11 @@ __kernel void wall_turn(sv_wall_layout l, __global const uint *restrict info,
     }
 }
 
-/* Two blocks and their weights. */
-typedef struct {
-    uint low, high;
-    float low_weight, high_weight;
-} pair_t;
-
-/* Where a pixel lies between the centres of blocks: behind that of `block` by rest / (2 pixels). */
-typedef struct {
-    int block, rest;
-} between_t;
-
-static between_t between(uint i, uint pixels, uint blocks) {
-    const int at = (int)((2 * i + 1) * blocks + pixels), width = (int)(2 * pixels);
-    return (between_t){at / width - 1, at % width};
-}
-
 static void next_pixel(between_t *b, uint pixels, uint blocks) {
     b->rest += (int)(2 * blocks);
     const bool over = b->rest >= (int)(2 * pixels);
     b->rest -= over ? (int)(2 * pixels) : 0;
     b->block += over;
-}
-
-/* Both weights are quotients of integers, so that the mirrored pixel has the same. */
-static pair_t pair_of(between_t b, uint pixels, uint blocks) {
-    const float width = (float)(2 * pixels), part = (float)b.rest,
-                other = (float)((int)(2 * pixels) - b.rest);
-    if (b.block < 0) return (pair_t){0, 0, 1.0f, 0.0f};
-    if ((uint)b.block + 1 >= blocks) return (pair_t){blocks - 1, blocks - 1, 1.0f, 0.0f};
-    return (pair_t){(uint)b.block, (uint)b.block + 1, other / width, part / width};
-}
-
-/* The four products are added in an order that neither mirroring nor transposing changes. */
-static float interpolate(const sv_wall_layout *l, __global const float *plane, pair_t u, pair_t v) {
-    __global const float *top = plane + place_row(l, 0, v.low), *bottom = plane + place_row(l, 0, v.high);
-    const float a = u.low_weight * v.low_weight * top[u.low], b = u.high_weight * v.low_weight * top[u.high];
-    const float c = u.low_weight * v.high_weight * bottom[u.low];
-    const float d = u.high_weight * v.high_weight * bottom[u.high];
-    return (a + d) + (b + c);
 }
 
 /* One work item per row of pixels. The surface at q goes into the first plane. Without a surface, zeros. */

@@ -3,8 +3,11 @@
  * The wall's surface, while the slabs come: every voxel is read once, and added to its block; and the scanned
  * range of every pixel, where that is not the whole of it.
  */
-#ifndef SV_WALL_CLH
-#include "wall/wall.clh"
+#ifndef SV_WALL_LANES_CLH
+#include "wall/wall_lanes.clh"
+#endif
+#ifndef SV_WALL_SLICES_CLH
+#include "wall/wall_slices.clh"
 #endif
 
 static uchar16 bytes16_of(short16 mask) {
@@ -15,8 +18,6 @@ static short16 words16_of(uchar16 mask) {
     return convert_short16(as_char16(mask));
 }
 
-#define NEVER 32767 /* first slice of a pixel that was not scanned */
-
 /* A row of blocks and what it is taken from. */
 typedef struct {
     uint row;
@@ -26,16 +27,6 @@ typedef struct {
     uint range_pitch;  /* of the planes of ranges */
     __global ushort *sums, *first, *end;
 } strip_t;
-
-/* Where the slices of a slab lie. */
-typedef struct {
-    __global const uchar *slab;
-    uint row_pitch, tiles_x, tile_w, tile_h;
-} texture_t;
-
-static __global const uchar *slice_of(const texture_t *t, uint i) {
-    return t->slab + (size_t)(i / t->tiles_x) * t->tile_h * t->row_pitch + i % t->tiles_x * t->tile_w;
-}
 
 /* Rows of pixels that are this row's to range: those between two rows of blocks belong to the second. */
 static uint first_own_row(const strip_t *s) {
