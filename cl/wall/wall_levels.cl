@@ -1,45 +1,41 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, grey levels: the threshold between fluid and tissue, whether there is fluid at all, and
- * how likely tissue of a brightness is the fetus. One work item each, integers only.
+ * The wall's surface, grey levels, in both layouts: the threshold between fluid and tissue, whether there is
+ * fluid at all, and how likely tissue of a brightness is the fetus. One work group of any size each, integers
+ * only. The histograms of all rows are some 16,000 words that a single work item of a GPU would wait for one
+ * by one; so is the smoothing. What one work item does alone are some thousand steps in local memory.
  */
 #ifndef SV_WALL_CLH
 #include "wall/wall.clh"
 #endif
 
-/* All rows' histograms together, and word `extra` of them. */
-static ulong sum_rows(const sv_wall_layout *l, __global const uint *histograms, uint extra,
-                      ulong histogram[256]) {
-    ulong sum = 0;
-    for (uint i = 0; i < 256; i++) histogram[i] = 0;
+/* All rows' histograms together, and behind them their words `extra`. For all work items of the group. */
+static void sum_rows(const sv_wall_layout *l, __global const uint *histograms, uint extra,
+                     __local ulong *sums) {
+    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    for (uint i = item; i < 256; i += items) sums[i] = 0;
+    if (item == 0) sums[256] = 0;
     for (uint y = 0; y < l->rows; y++, histograms += HISTOGRAM_WORDS) {
-        for (uint i = 0; i < 256; i++) histogram[i] += histograms[i];
-        sum += histograms[extra];
-    }
-    return sum;
-}
-
-/* The histogram after two box filters; beyond its ends it is mirrored. */
-static void smooth_levels(const ulong *histogram, ulong *smooth) {
-    ulong counts[256];
-    for (int i = 0; i < 256; i++) counts[i] = histogram[i];
-    for (int turn = 0; turn < 2; turn++) {
-        for (int i = 0; i < 256; i++) {
-            smooth[i] = 0;
-            for (int k = i - SV_WALL_SMOOTH; k <= i + SV_WALL_SMOOTH; k++)
-                smooth[i] += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
-        }
-        for (int i = 0; i < 256; i++) counts[i] = smooth[i];
+        for (uint i = item; i < 256; i += items) sums[i] += histograms[i];
+        if (item == 0) sums[256] += histograms[extra];
     }
 }
 
-/* True if the lowest count between the modes of the two classes is too high for fluid. Changes the
- * histogram. */
-static bool is_shallow(const sv_wall_layout *l, ulong *histogram, uint threshold) {
-    ulong smooth[256];
-    histogram[255] = 0; /* saturated blocks are no mode */
+/* One box filter over the counts; beyond their ends they are mirrored. For all work items of the group. */
+static void smooth_levels(__local const ulong *counts, __local ulong *smooth) {
+    const int items = (int)get_local_size(0);
+    for (int i = (int)get_local_id(0); i < 256; i += items) {
+        ulong sum = 0;
+        for (int k = i - SV_WALL_SMOOTH; k <= i + SV_WALL_SMOOTH; k++)
+            sum += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
+        smooth[i] = sum;
+    }
+}
+
+/* True if the lowest count of the smoothed histogram between the modes of the two classes is too high for
+ * fluid. */
+static bool is_shallow(const sv_wall_layout *l, __local const ulong *smooth, uint threshold) {
     uint dark = 0, bright = threshold + 1;
-    smooth_levels(histogram, smooth);
     for (uint i = 0; i <= threshold; i++)
         if (smooth[i] > smooth[dark]) dark = i;
     for (uint i = threshold + 1; i < 256; i++)
@@ -51,7 +47,7 @@ static bool is_shallow(const sv_wall_layout *l, ulong *histogram, uint threshold
 }
 
 /* Count and sum of root * count up to the split. */
-static void below(const ulong *histogram, __global const uint *root, ulong split, ulong *counted,
+static void below(__local const ulong *histogram, __global const uint *root, ulong split, ulong *counted,
                   ulong *sum) {
     *counted = *sum = 0;
     for (uint i = 0; i < 256 && root[i] <= split; i++) {
@@ -62,7 +58,7 @@ static void below(const ulong *histogram, __global const uint *root, ulong split
 
 /* The split between the classes, midway between the means of their roots (isodata); false if there is one
  * class only. */
-static bool find_split(const ulong *histogram, __global const uint *root, ulong *split) {
+static bool find_split(__local const ulong *histogram, __global const uint *root, ulong *split) {
     ulong all, total, counted, sum, next;
     below(histogram, root, (ulong)root[255], &all, &total);
     if (all == 0) return false;
@@ -78,12 +74,11 @@ static bool find_split(const ulong *histogram, __global const uint *root, ulong 
     return counted > 0 && counted < all;
 }
 
-/* One work item. */
-__kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histograms,
-                          __global const uint *restrict tables, __global uint *restrict info) {
-    ulong histogram[256], split = 0, counted = 0, sum = 0;
-    __global const uint *root = tables + SV_WALL_ROOTS;
-    info[INFO_RAYS] = (uint)sum_rows(&l, histograms, HISTOGRAM_RAYS, histogram);
+/* What the histogram says. One work item. */
+static void leave_levels(const sv_wall_layout *l, __local const ulong *histogram, __local const ulong *smooth,
+                         __global const uint *root, __global uint *info) {
+    ulong split = 0, counted = 0, sum = 0;
+    info[INFO_RAYS] = (uint)histogram[256];
     info[INFO_OUTCOME] = SV_WALL_EMPTY;
     info[INFO_THRESHOLD] = info[INFO_TISSUE] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
     if (!find_split(histogram, root, &split)) return;
@@ -99,14 +94,30 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
     info[INFO_THRESHOLD] = threshold;
     const uint bright = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
     const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
-    info[INFO_TISSUE] = threshold + way * l.tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
+    info[INFO_TISSUE] = threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
     info[INFO_BRIGHT] = bright;
-    info[INFO_SHALLOW] = is_shallow(&l, histogram, threshold);
+    info[INFO_SHALLOW] = is_shallow(l, smooth, threshold);
     info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
+/* One work group. */
+__kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histograms,
+                          __global const uint *restrict tables, __global uint *restrict info) {
+    __local ulong histogram[257], once[256], twice[256];
+    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    sum_rows(&l, histograms, HISTOGRAM_RAYS, histogram);
+    for (uint i = item; i < 256; i += items)
+        twice[i] = i < 255 ? histogram[i] : 0; /* saturated blocks are no mode */
+    barrier(CLK_LOCAL_MEM_FENCE);
+    smooth_levels(twice, once);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    smooth_levels(once, twice);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item == 0) leave_levels(&l, histogram, twice, tables + SV_WALL_ROOTS, info);
+}
+
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
-static uint quantile(const ulong *histogram, uint rank) {
+static uint quantile(__local const ulong *histogram, uint rank) {
     ulong all = 0, before = 0;
     for (uint i = 0; i < 256; i++) all += histogram[i];
     const ulong wanted = all * rank;
@@ -142,13 +153,16 @@ static uint probability(const sv_wall_layout *l, __global const uint *tables, in
     return evidence < 0 ? SV_WALL_SURE - p : p;
 }
 
-/* One work item: from the histogram of the walls to probabilities. */
+/* One work group: from the histogram of the walls to probabilities. All its work items find the same wall. */
 __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict histograms,
                             __global const uint *restrict tables, __global uint *restrict info) {
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    ulong histogram[256];
-    const uint rays = info[INFO_RAYS];
-    const uint wall_rays = (uint)sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS, histogram);
+    __local ulong histogram[257];
+    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), rays = info[INFO_RAYS];
+    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS, histogram);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* all have read the outcome */
+    if (!wanted) return;
+    const uint wall_rays = (uint)histogram[256];
     uint wall = min(info[INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
     int spread = l.assumed_spread;
     const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.wall_share;
@@ -158,21 +172,22 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
             odds(tables, quantile(histogram, l.high_rank)) - odds(tables, quantile(histogram, l.low_rank));
         spread = max(spread, SV_WALL_SPREAD_LEAST);
     }
-    info[INFO_WALL_RAYS] = wall_rays;
-    info[INFO_BARE] = bare;
-    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;
-    if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
     const int from = odds(tables, wall);
-    for (uint i = 0; i < 256; i++) {
+    for (uint i = item; i < 256; i += items) {
         const int more = odds(tables, i * SV_WALL_LEVEL_ONE) - from;
         const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l.level;
         info[INFO_CHANCES + i] = probability(&l, tables, above - l.first);
         info[INFO_CHANCES + 256 + i] = probability(&l, tables, above);
     }
+    if (item > 0) return;
+    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;
+    info[INFO_WALL_RAYS] = wall_rays;
+    info[INFO_BARE] = bare;
+    if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
 }
 
 /* One work item: whether the frame has a surface. `fetus`: sums over the rays of a row of the
- * probability that the fetus is on them. */
+ * probability that the fetus is on them; so few that they need no group. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
                           __global uint *restrict info, __global uint *restrict record) {
     bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;

@@ -46,6 +46,11 @@ sv_status sv_launch_pixels(sv_launch *l, uint32_t width, uint32_t height, sv_sta
     return launch(l, 2, global, local, stage);
 }
 
+sv_status sv_launch_groups(sv_launch *l, size_t groups, sv_stage stage) {
+    const size_t local = SV_GROUP_ITEMS, global = groups * SV_GROUP_ITEMS;
+    return launch(l, 1, &global, &local, stage);
+}
+
 sv_status sv_launch_grid(sv_launch *l, size_t items_x, size_t items_y, sv_stage stage) {
     const size_t local[2] = {1, 1};
     const size_t global[2] = {items_x, items_y};

@@ -27,6 +27,10 @@ sv_status sv_launch_items(sv_launch *launch, size_t items, sv_stage stage);
 sv_status sv_launch_pixels(sv_launch *launch, uint32_t width, uint32_t height, sv_stage stage);
 #define SV_RAYS_LOCAL 32
 
+/* Work groups of SV_GROUP_ITEMS, for kernels whose work items share local memory. */
+sv_status sv_launch_groups(sv_launch *launch, size_t groups, sv_stage stage);
+#define SV_GROUP_ITEMS 64
+
 /* Any 2D range; local size 1. */
 sv_status sv_launch_grid(sv_launch *launch, size_t items_x, size_t items_y, sv_stage stage);
 

@@ -56,9 +56,11 @@ sv_status sv_chain_buffers(sv_chain *chain) {
 static sv_status build_method(const sv_map *map, const sv_method *method, sv_method_state *state) {
     char options[64];
     (void)snprintf(options, sizeof options, "-DSV_DOUBLES=%d", map->doubles);
-    const sv_source source = method->source();
+    const bool rays = method->ray_source && map->config->strategy == SV_STRATEGY_RAYS;
+    const sv_source source = rays ? method->ray_source() : method->source();
+    const char *const *const names = rays ? method->ray_kernels : method->kernels;
     const sv_status status = sv_kernel_set_build(map->queue->diag, map->queue->device, source.text,
-                                                 source.size, method->kernels, options, &state->kernels);
+                                                 source.size, names, options, &state->kernels);
     return status == SV_OK && method->prepare ? method->prepare(map, state) : status;
 }
 

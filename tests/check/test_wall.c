@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Method wall against its definition (docs/surface.md): on scenes, on any volume, by any split into slabs,
- * with ranges, padding and spacing, at any place of the knob. Everything up to the labels is integer
- * arithmetic, so on a device that divides exactly the maps are the same bits.
+ * with ranges, padding and spacing, at any place of the knob; by rows of rays and by single rays. Everything
+ * up to the labels is integer arithmetic, so on a device that divides exactly the maps are the same bits.
  */
 #include "ref/ref_wall.h"
 #include "scene/scene.h"
@@ -25,26 +25,34 @@ typedef struct {
     const sv_scanned *scanned;
 } shape;
 
-/* What the definition makes of it, and what the device does. */
+/* Places of the knob: that of the frame, then those that it is turned to. */
+static const double places[] = {0.5, 0.0, 0.3, 0.5, 0.7, 1.0, 1.5};
+enum { PLACES = sizeof places / sizeof *places };
+
+/* What the definition makes of it, at every place; outcome and facts are the same at all of them. */
 typedef struct {
-    float *depth, *confidence;
+    float *depth[PLACES], *confidence;
     sv_wall_outcome outcome;
     sv_wall_facts facts;
 } expected;
 
-static expected expect(const shape *s, const uint8_t *volume, double q) {
+static expected expect(const shape *s, const uint8_t *volume) {
     const size_t count = (size_t)s->width * s->height;
     const sv_ref_volume v = {volume,    s->width,   s->height,
                              s->slices, s->padding, (const sv_ref_range *)s->scanned};
     const double mm[3] = {(double)s->spacing_mm[0], (double)s->spacing_mm[1], (double)s->spacing_mm[2]};
-    expected e = {.depth = calloc(count, sizeof(float)), .confidence = calloc(count, sizeof(float))};
-    assert_true(e.depth && e.confidence);
-    assert_true(sv_wall_surface_padded(&v, mm, q, e.depth, e.confidence, &e.outcome, &e.facts));
+    expected e = {.confidence = calloc(count, sizeof(float))};
+    for (size_t n = 0; n < PLACES; n++) {
+        e.depth[n] = calloc(count, sizeof(float));
+        assert_true(e.depth[n] && e.confidence);
+        assert_true(
+            sv_wall_surface_padded(&v, mm, places[n], e.depth[n], e.confidence, &e.outcome, &e.facts));
+    }
     return e;
 }
 
 static void expected_free(expected *e) {
-    free(e->depth);
+    for (size_t n = 0; n < PLACES; n++) free(e->depth[n]);
     free(e->confidence);
 }
 
@@ -66,30 +74,28 @@ static bool is_exact(const rig *r) {
 
 /* After a frame at q = 0.5: `adjust` gives what the definition gives, and a larger q lies nowhere behind a
  * smaller one. */
-static void check_knob(rig *r, const shape *s, const uint8_t *volume, double bound) {
-    static const double places[] = {0.0, 0.3, 0.5, 0.7, 1.0, 1.5};
+static void check_knob(rig *r, const shape *s, const expected *e, double bound) {
     const size_t count = (size_t)s->width * s->height;
     float *last = malloc(count * sizeof *last);
     rig_result out = rig_result_make(s->width, s->height);
     assert_non_null(last);
-    for (size_t n = 0; n < sizeof places / sizeof *places; n++) {
+    for (size_t n = 1; n < PLACES; n++) {
         const sv_param_value q = {rig_param(r, "q"), 0, places[n]};
         const sv_result result = {.size = sizeof result, .depth = out.depth};
-        expected e = expect(s, volume, places[n]);
         assert_true(r->plugin->adjust(r->plugin, &q, 1, &result) >= SV_OK);
         if (r->queue) assert_int_equal(clFinish(r->queue), CL_SUCCESS);
-        const double error = largest_difference(out.depth, e.depth, count);
+        const double error = largest_difference(out.depth, e->depth[n], count);
         if (error > bound) fail_msg("q %g: error %g slices", places[n], error);
-        for (size_t i = 0; n > 0 && i < count; i++) assert_true(out.depth[i] <= last[i]);
+        for (size_t i = 0; n > 1 && i < count; i++) assert_true(out.depth[i] <= last[i]);
         memcpy(last, out.depth, count * sizeof *last);
-        expected_free(&e);
     }
     rig_result_free(&out);
     free(last);
 }
 
-/* True if there is a surface. */
-static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
+/* In one layout of the work: strategy rays is a work item a ray, all others are a work item a row. */
+static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const expected *e,
+                           const char *strategy, const char *what) {
     const size_t count = (size_t)s->width * s->height;
     const double bound = is_exact(r) ? 0.0 : s->slices * 16.0 * 0x1p-24;
     const rig_format f = {.width = s->width,
@@ -99,9 +105,9 @@ static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *w
                           .padding = s->padding,
                           .scanned = s->scanned,
                           .extra_w = 3,
-                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
-                          .fixed_count = 1};
-    expected e = expect(s, volume, 0.5);
+                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")},
+                                    {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}},
+                          .fixed_count = 2};
     rig_textures *t = rig_textures_make(r, &f, volume);
     memcpy(t->format.spacing_mm, s->spacing_mm, sizeof s->spacing_mm);
     rig_result out = rig_result_make(s->width, s->height);
@@ -113,29 +119,37 @@ static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *w
     if (active != SV_OK) fail_msg("%s: %s", what, r->last_log);
     const sv_status status = rig_frame(r, t, NULL, 0, &out);
     assert_int_equal(ext->read(r->plugin, confidence, &report), SV_OK);
-    check_knob(r, s, volume, bound);
+    check_knob(r, s, e, bound);
     r->plugin->deactivate(r->plugin);
-    const double depth_error = largest_difference(out.depth, e.depth, count);
-    const double confidence_error = largest_difference(confidence, e.confidence, count);
+    const double depth_error = largest_difference(out.depth, e->depth[0], count);
+    const double confidence_error = largest_difference(confidence, e->confidence, count);
     print_message(
-        "%-24s %3u x %3u x %3u, slabs of %2u: error %.1e slices, confidence %.1e; T %u, %u of %u rays "
+        "%-24s %-6s %3u x %3u x %3u, slabs of %2u: error %.1e slices, confidence %.1e; T %u, %u of %u rays "
         "begin in the wall%s\n",
-        what, s->width, s->height, s->slices, s->slab_slices, depth_error, confidence_error,
-        e.facts.threshold, e.facts.wall_rays, e.facts.rays,
-        e.outcome == SV_WALL_SURFACE ? "" : ", no surface");
-    assert_int_equal(status, e.outcome == SV_WALL_SURFACE ? SV_OK : SV_NO_SURFACE);
+        what, strategy, s->width, s->height, s->slices, s->slab_slices, depth_error, confidence_error,
+        e->facts.threshold, e->facts.wall_rays, e->facts.rays,
+        e->outcome == SV_WALL_SURFACE ? "" : ", no surface");
+    assert_int_equal(status, e->outcome == SV_WALL_SURFACE ? SV_OK : SV_NO_SURFACE);
     assert_true(depth_error <= bound);
     for (size_t i = 0; i < count; i++) assert_true(confidence[i] >= 0.0f && confidence[i] <= 1.0f);
     assert_true(confidence_error <= (bound > 0.0 ? 1e-6 : 0.0));
-    assert_true(fabs((double)report.fluid_threshold * 255.0 - e.facts.threshold) < 1e-3);
-    if (e.outcome == SV_WALL_SURFACE) {
-        assert_int_equal(report.rays, e.facts.rays);
-        assert_int_equal(report.open_rays, e.facts.wall_rays);
+    assert_true(fabs((double)report.fluid_threshold * 255.0 - e->facts.threshold) < 1e-3);
+    if (e->outcome == SV_WALL_SURFACE) {
+        assert_int_equal(report.rays, e->facts.rays);
+        assert_int_equal(report.open_rays, e->facts.wall_rays);
     }
     rig_textures_free(t);
     rig_result_free(&out);
-    expected_free(&e);
     free(confidence);
+}
+
+/* True if there is a surface. */
+static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
+    static const char *const layouts[] = {"single", "rays"};
+    expected e = expect(s, volume);
+    for (size_t n = 0; n < sizeof layouts / sizeof *layouts; n++)
+        compare_layout(r, s, volume, &e, layouts[n], what);
+    expected_free(&e);
     return e.outcome == SV_WALL_SURFACE;
 }
 
@@ -294,10 +308,10 @@ static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned 
     both.padding = padded.padding = 0;
     padded.scanned = NULL;
     const shape *const all[] = {&told, &both, &padded};
-    expected first = expect(&told, volume, 0.5);
+    expected first = expect(&told, volume);
     for (size_t n = 0; n < 3; n++) {
-        expected e = expect(all[n], volume, 0.5);
-        assert_memory_equal(e.depth, first.depth, plane * sizeof(float));
+        expected e = expect(all[n], volume);
+        assert_memory_equal(e.depth[0], first.depth[0], plane * sizeof(float));
         assert_true(compare(r, all[n], volume, "ranges or padding"));
         expected_free(&e);
     }

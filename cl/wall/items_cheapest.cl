@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The wall's surface by work items, from costs to the cheapest layer of every ray: the lateral Gaussian along
+ * y and along x, the least, the mean around it, and how far around it the knob may go. Beyond the border the
+ * ray at the border counts. `scratch` has 32 bits a block twice, for the sums along y and for the costs after
+ * both.
+ */
+#ifndef SV_WALL_ITEMS_CLH
+#include "wall/items.clh"
+#endif
+#ifndef SV_WALL_PIXELS_CLH
+#include "wall/wall_pixels.clh"
+#endif
+
+/* One work item per block. */
+__kernel void wall_items_sum_rows(sv_wall_layout l, __global const uint *restrict info,
+                                  __global const ushort *restrict costs, __global uint *restrict scratch) {
+    const uint x = (uint)get_global_id(0), row = row_of_block(&l), z = layer_of_block(&l);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    uint sum = l.kernel_y[0] * costs[block_row(&l, z, row) + x];
+    for (int k = 1; k <= (int)l.reach_y; k++)
+        sum += l.kernel_y[k] * ((uint)costs[block_row(&l, z, beside(row, -k, l.rows)) + x] +
+                                costs[block_row(&l, z, beside(row, k, l.rows)) + x]);
+    scratch[block_row(&l, z, row) + x] = sum;
+}
+
+/* One work item per block; rounded half up. */
+__kernel void wall_items_sum_columns(sv_wall_layout l, __global const uint *restrict info,
+                                     __global uint *restrict scratch) {
+    const uint x = (uint)get_global_id(0), row = row_of_block(&l), z = layer_of_block(&l);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    __global const uint *line = scratch + block_row(&l, z, row);
+    uint sum = l.kernel_x[0] * line[x];
+    for (int k = 1; k <= (int)l.reach_x; k++)
+        sum += l.kernel_x[k] * (line[beside(x, -k, l.columns)] + line[beside(x, k, l.columns)]);
+    scratch[block_row(&l, l.layers + z, row) + x] = (sum + FINE / 2) / FINE;
+}
+
+/* Costs of a ray, from the first layer on. */
+typedef struct {
+    __global const uint *first;
+    size_t pitch;
+    uint layers;
+} costs_t;
+
+static uint cost_at(const costs_t *c, uint z) {
+    return c->first[z * c->pitch];
+}
+
+/* The cheapest layer, of several the one nearest to the viewer. */
+static uint cheapest(const costs_t *c, uint *least) {
+    uint best = 0;
+    *least = cost_at(c, 0);
+    for (uint z = 1; z < c->layers; z++) {
+        const uint cost = cost_at(c, z);
+        best = cost < *least ? z : best;
+        *least = min(*least, cost);
+    }
+    return best;
+}
+
+/* The mean of the layers around the cheapest one that cost less than the limit, weighted by what they cost
+ * less than that. */
+static float mean_around(const costs_t *c, uint best, uint limit) {
+    uint weight = 0, sum = 0;
+    for (uint z = best + 1; z-- > 0 && cost_at(c, z) < limit;) {
+        weight += limit - cost_at(c, z);
+        sum += (limit - cost_at(c, z)) * z;
+    }
+    for (uint z = best + 1; z < c->layers && cost_at(c, z) < limit; z++) {
+        weight += limit - cost_at(c, z);
+        sum += (limit - cost_at(c, z)) * z;
+    }
+    return weight ? (float)sum / (float)weight : (float)best;
+}
+
+/* Where the costs between two layers cross the limit, from `inside` on. */
+static float crossing(uint inside, uint outside, uint limit) {
+    return (float)(limit - inside) / (float)(outside - inside);
+}
+
+/* How far around the cheapest layer the costs stay below the limit. */
+static float near_end(const costs_t *c, uint best, uint limit) {
+    uint z = best;
+    while (z > 0 && cost_at(c, z - 1) < limit) z--;
+    return z > 0 ? (float)z - crossing(cost_at(c, z), cost_at(c, z - 1), limit) : 0.0f;
+}
+
+static float far_end(const costs_t *c, uint best, uint limit) {
+    uint z = best;
+    while (z + 1 < c->layers && cost_at(c, z + 1) < limit) z++;
+    return z + 1 < c->layers ? (float)z + crossing(cost_at(c, z), cost_at(c, z + 1), limit) : (float)z;
+}
+
+/* One work item per ray. `places`: the planes of the layers, and of the ends around them, which never pass
+ * them. */
+__kernel void wall_items_cheapest(sv_wall_layout l, __global const uint *restrict info,
+                                  __global const uint *restrict scratch, __global float *restrict places) {
+    const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const costs_t c = {scratch + block_row(&l, l.layers, row) + x, block_row(&l, 1, 0), l.layers};
+    uint least;
+    const uint best = cheapest(&c, &least);
+    const float mean = mean_around(&c, best, least + l.slack);
+    places[place_row(&l, PLACE_LAYER, row) + x] = mean;
+    places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, least + l.reach), mean);
+    places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, least + l.reach), mean);
+}

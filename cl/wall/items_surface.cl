@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The wall's surface by work items, from the layers of rays to the surface: the median, the confidence, and
+ * the way back to pixels. Beyond the border the ray at the border counts. Every float32 is computed in the
+ * order of wall_surface.cl.
+ */
+#ifndef SV_WALL_ITEMS_CLH
+#include "wall/items.clh"
+#endif
+#ifndef SV_WALL_PIXELS_CLH
+#include "wall/wall_pixels.clh"
+#endif
+
+/* A ray and its eight neighbours, so many blocks away. */
+static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
+                       float *out) {
+    const int dx = (int)away[0], dy = (int)away[1];
+    for (int v = -1; v <= 1; v++)
+        for (int u = -1; u <= 1; u++)
+            *out++ = plane[place_row(l, 0, beside(y, v * dy, l->rows)) + beside(x, u * dx, l->columns)];
+}
+
+static void sort2(float *a, float *b) {
+    const float low = fmin(*a, *b);
+    *b = fmax(*a, *b);
+    *a = low;
+}
+
+static void sort3(float *a, float *b, float *c) {
+    sort2(a, b);
+    sort2(b, c);
+    sort2(a, b);
+}
+
+/* Of nine: the median of the largest of the least, the middle one of the middle, and the least of the
+ * largest, of three sorted threes. */
+static float median(float *v) {
+    for (int i = 0; i < 9; i += 3) sort3(&v[i], &v[i + 1], &v[i + 2]);
+    float low = fmax(fmax(v[0], v[3]), v[6]), high = fmin(fmin(v[2], v[5]), v[8]);
+    sort3(&v[1], &v[4], &v[7]);
+    sort3(&low, &v[4], &high);
+    return v[4];
+}
+
+static float settled(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
+    float near[9];
+    neighbours(l, l->aside, places + place_row(l, plane, 0), x, y, near);
+    return l->median ? median(near) : near[4];
+}
+
+/* One work item per ray: the median of the layers and of the ends around them, and what the ray itself says
+ * of the layer. The planes it writes are none of those it reads. */
+__kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict info,
+                                __global const ushort *restrict costs, __global const uchar *restrict aways,
+                                __global float *restrict places) {
+    const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const float chosen = settled(&l, places, PLACE_LAYER, x, y);
+    places[place_row(&l, PLACE_CHOSEN, y) + x] = chosen;
+    places[place_row(&l, PLACE_CHOSEN_NEAR, y) + x] = settled(&l, places, PLACE_NEAR, x, y);
+    places[place_row(&l, PLACE_CHOSEN_FAR, y) + x] = settled(&l, places, PLACE_FAR, x, y);
+    const size_t at = block_row(&l, (uint)(chosen + 0.5f), y) + x;
+    const uint own = costs[at] + (SV_WALL_OWN_AWAY - 1u) * aways[at];
+    places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
+}
+
+/* One work item per ray: the confidence. Opposite neighbours are added first, so a mirrored map gives the
+ * mirrored result. */
+__kernel void wall_items_trust(sv_wall_layout l, __global const uint *restrict info,
+                               __global float *restrict places) {
+    const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    float n[9];
+    neighbours(&l, l.around, places + place_row(&l, PLACE_OWN, 0), x, y, n);
+    const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
+    const float own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
+    places[place_row(&l, PLACE_LAYER, y) + x] = 1.0f / (1.0f + own * own);
+}
+
+/* One work item per ray: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear to
+ * either side of 0.5. */
+__kernel void wall_items_turn(sv_wall_layout l, __global const uint *restrict info,
+                              __global float *restrict places) {
+    const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_CHOSEN, y) + x];
+    const float end = places[place_row(&l, l.q < 0.5f ? PLACE_CHOSEN_FAR : PLACE_CHOSEN_NEAR, y) + x];
+    const float at = place + part * (end - place);
+    places[place_row(&l, PLACE_TURNED, y) + x] = fmax(at, 0.0f);
+}
+
+/* One work item per pixel. The surface at q goes into the first plane. Without a surface, zeros. */
+__kernel void wall_items_leave(sv_wall_layout l, __global const uint *restrict info,
+                               __global const float *restrict places, __global float *restrict confidence,
+                               uint padded_width, __global float *restrict surfaces) {
+    const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
+    if (x >= l.width) return;
+    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
+    const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
+    const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_TURNED, 0), u, v);
+    const float sure = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+    surfaces[(size_t)y * padded_width + x] = wanted ? depth : 0.0f;
+    confidence[(size_t)y * l.width + x] = wanted ? sure : 0.0f;
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+#include "method/method_wall_items.h"
+
+#include "kernels_wall_items.h"
+#include "method/method_slabs.h"
+
+enum {
+    K_RANGE,
+    K_TAKE,
+    K_BLOCKS,
+    K_STEADY,
+    K_BESIDE,
+    K_LEVELS,
+    K_BRIGHT,
+    K_WALLS,
+    K_EVIDENCE,
+    K_COSTS,
+    K_DECIDE,
+    K_SUM_ROWS,
+    K_SUM_COLUMNS,
+    K_CHEAPEST,
+    K_MEDIAN,
+    K_TRUST,
+    K_TURN,
+    K_LEAVE
+};
+const char *const sv_wall_items_kernels[] = {"wall_items_range",
+                                             "wall_items_take",
+                                             "wall_items_blocks",
+                                             "wall_items_steady",
+                                             "wall_items_beside",
+                                             "wall_levels",
+                                             "wall_items_bright",
+                                             "wall_items_walls",
+                                             "wall_evidence",
+                                             "wall_items_costs",
+                                             "wall_decide",
+                                             "wall_items_sum_rows",
+                                             "wall_items_sum_columns",
+                                             "wall_items_cheapest",
+                                             "wall_items_median",
+                                             "wall_items_trust",
+                                             "wall_items_turn",
+                                             "wall_items_leave",
+                                             NULL};
+_Static_assert(K_LEAVE < SV_MAX_METHOD_KERNELS, "every kernel has a place");
+
+sv_source sv_wall_items_source(void) {
+    return (sv_source){sv_kernels_wall_items, sv_kernels_wall_items_size};
+}
+
+/* Layers to launch for the slab: those it reaches, but not the last one if a later slab ends it and another
+ * one can take it, too (cl/wall/items_take.cl). One at least, for the warm-up. */
+static uint32_t layers_of(const sv_placed_slab *from, const sv_wall_layout *l) {
+    const uint32_t end = from->first_slice + from->slice_count;
+    const uint32_t layers = (end + l->depth - 1) / l->depth - from->first_slice / l->depth;
+    const bool open = end % l->depth != 0 && end < l->slices;
+    return layers > 1 && open ? layers - 1 : layers > 0 ? layers : 1;
+}
+
+static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from,
+                      const sv_wall_layout *layout) {
+    const bool padded = m->config->padding != SV_NO_PADDING;
+    sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_RANGE], sv_wall_items_kernels[K_RANGE], from,
+                                 s->buffer[SV_WALL_PLACES]);
+    sv_launch_arg(&l, sizeof *layout, layout);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_RANGES]);
+    sv_status status = SV_OK;
+    if (padded || (m->config->ranged && from->first_slice == 0))
+        status = sv_launch_pixels(&l, layout->width, layout->height, SV_STAGE_PROFILE);
+    if (status != SV_OK) return status;
+    l = sv_slab_launch(m, s->kernels.kernel[K_TAKE], sv_wall_items_kernels[K_TAKE], from,
+                       s->buffer[SV_WALL_PLACES]);
+    sv_launch_arg(&l, sizeof *layout, layout);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_LEVELS]);
+    return sv_launch_pixels(&l, layout->columns, layout->rows * layers_of(from, layout), SV_STAGE_PROFILE);
+}
+
+static const sv_wall_launch launches[] = {
+    {.kernel = K_BLOCKS,
+     .takes = SV_WALL_BOUNDS,
+     .over = SV_WALL_GROUPS,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_SPANS, SV_WALL_RANGES, SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_HISTOGRAMS, -1}},
+    {.kernel = K_STEADY,
+     .over = SV_WALL_GROUPS,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_STEADIED, SV_WALL_HISTOGRAMS, -1},
+     .when = SV_WALL_IF_STEADIED},
+    {.kernel = K_BESIDE,
+     .over = SV_WALL_EACH_BLOCK,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_LEVELS, SV_WALL_LARGEST, -1}},
+    {.kernel = K_LEVELS,
+     .over = SV_WALL_ONE_GROUP,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
+    {.kernel = K_BRIGHT,
+     .over = SV_WALL_EACH_BLOCK,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_INFO, SV_WALL_LARGEST, SV_WALL_BRIGHT, -1}},
+    {.kernel = K_WALLS,
+     .over = SV_WALL_GROUPS,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_HISTOGRAMS, -1}},
+    {.kernel = K_EVIDENCE,
+     .over = SV_WALL_ONE_GROUP,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
+    {.kernel = K_COSTS,
+     .over = SV_WALL_GROUPS,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_COSTS,
+                 SV_WALL_AWAYS, SV_WALL_FETUS, -1}},
+    {.kernel = K_DECIDE,
+     .takes = SV_WALL_RECORD,
+     .over = SV_WALL_ONCE,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_FETUS, SV_WALL_INFO, -1}},
+    {.kernel = K_SUM_ROWS,
+     .over = SV_WALL_EACH_BLOCK,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, -1}},
+    {.kernel = K_SUM_COLUMNS,
+     .over = SV_WALL_EACH_BLOCK,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, -1}},
+    {.kernel = K_CHEAPEST,
+     .over = SV_WALL_EACH_RAY,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_PLACES, -1}},
+    {.kernel = K_MEDIAN,
+     .over = SV_WALL_EACH_RAY,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_AWAYS, SV_WALL_PLACES, -1}},
+    {.kernel = K_TRUST,
+     .over = SV_WALL_EACH_RAY,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
+    {.kernel = K_TURN,
+     .over = SV_WALL_EACH_RAY,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
+    {.kernel = K_LEAVE,
+     .takes = SV_WALL_SURFACES,
+     .over = SV_WALL_EACH_PIXEL,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1}},
+};
+enum { COUNT = sizeof launches / sizeof *launches };
+
+const sv_wall_work sv_wall_items = {.kernels = sv_wall_items_kernels,
+                                    .slab = slab,
+                                    .launches = launches,
+                                    .count = COUNT,
+                                    .first_of_turn = COUNT - 2};

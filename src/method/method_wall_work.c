@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+#include "method/method_wall_work.h"
+
+bool sv_wall_is_bounded(const sv_config *c) {
+    return c->ranged || c->padding != SV_NO_PADDING;
+}
+
+static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layout *layout, sv_stage stage) {
+    switch (over) {
+    case SV_WALL_ONCE:
+        return sv_launch_items(l, 1, stage);
+    case SV_WALL_ROWS:
+        return sv_launch_items(l, layout->rows, stage);
+    case SV_WALL_PIXEL_ROWS:
+        return sv_launch_items(l, layout->height, stage);
+    case SV_WALL_ONE_GROUP:
+        return sv_launch_groups(l, 1, stage);
+    case SV_WALL_GROUPS:
+        return sv_launch_groups(l, layout->rows, stage);
+    case SV_WALL_EACH_RAY:
+        return sv_launch_pixels(l, layout->columns, layout->rows, stage);
+    case SV_WALL_EACH_BLOCK:
+        return sv_launch_pixels(l, layout->columns, layout->rows * layout->layers, stage);
+    case SV_WALL_EACH_PIXEL:
+        break;
+    }
+    return sv_launch_pixels(l, layout->width, layout->height, stage);
+}
+
+sv_status sv_wall_launch_all(const sv_map *m, const sv_method_state *s, const sv_wall_work *work,
+                             uint32_t first, uint32_t end, const sv_wall_layout *layout,
+                             uint32_t scratch_words) {
+    const bool steadied = layout->single[0] || layout->single[1] || layout->single[2];
+    sv_status status = SV_OK;
+    for (uint32_t i = first; status == SV_OK && i < end; i++) {
+        const sv_wall_launch *w = &work->launches[i];
+        if (w->when == SV_WALL_IF_STEADIED && !steadied) continue;
+        sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[w->kernel], work->kernels[w->kernel]);
+        sv_launch_arg(&l, sizeof *layout, layout);
+        if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, sv_wall_is_bounded(m->config));
+        if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, m->padded_width);
+        if (w->takes & SV_WALL_SCRATCH_WORDS) sv_launch_uint(&l, scratch_words);
+        for (const int *b = w->buffers; *b >= 0; b++)
+            sv_launch_buffer(&l, s->buffer[*b == SV_WALL_STEADIED && !steadied ? SV_WALL_LEVELS : *b]);
+        if (w->takes & SV_WALL_RECORD) sv_launch_buffer(&l, m->record);
+        if (w->takes & SV_WALL_SURFACES) sv_launch_uint(&l, m->padded_width);
+        if (w->takes & SV_WALL_SURFACES) sv_launch_buffer(&l, m->surfaces);
+        status = launch_over(&l, w->over, layout, w->stage);
+    }
+    return status;
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What method wall's two layouts of the work share: rows, a work item a row of rays with vectors of rays, for
+ * CPUs; and items, a work item a ray, a block or a pixel, for GPUs (docs/architecture.md). A layout says
+ * which kernels there are, what each is launched over, and with which of the method's buffers.
+ */
+#ifndef SV_METHOD_WALL_WORK_H
+#define SV_METHOD_WALL_WORK_H
+
+#include "method/method.h"
+#include "wall/wall_shared.h"
+
+/* The method's buffers. */
+enum {
+    SV_WALL_SPANS,
+    SV_WALL_SUMS,   /* of the layer that the slabs are in */
+    SV_WALL_RANGES, /* of pixels */
+    SV_WALL_LEVELS,
+    SV_WALL_STEADIED, /* the same, smoothed where blocks are one voxel; else LEVELS take its place */
+    SV_WALL_LARGEST,  /* brightest of the row */
+    SV_WALL_BRIGHT,
+    SV_WALL_RAYS,
+    SV_WALL_HISTOGRAMS, /* later the sums of rows of rays, FETUS */
+    SV_WALL_TABLES,
+    SV_WALL_INFO,
+    SV_WALL_SCRATCH,
+    SV_WALL_COSTS,
+    SV_WALL_AWAYS,
+    SV_WALL_PLACES,
+    SV_WALL_CONFIDENCE,
+    SV_WALL_BUFFERS
+};
+enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS };
+
+/* What a kernel is launched over. */
+typedef enum {
+    SV_WALL_ONCE,       /* one work item */
+    SV_WALL_ROWS,       /* a work item a row of rays */
+    SV_WALL_PIXEL_ROWS, /* a work item a row of pixels */
+    SV_WALL_ONE_GROUP,  /* one work group */
+    SV_WALL_GROUPS,     /* a work group a row of rays */
+    SV_WALL_EACH_RAY,   /* a work item each */
+    SV_WALL_EACH_BLOCK,
+    SV_WALL_EACH_PIXEL
+} sv_wall_over;
+
+/* Arguments besides the layout, which is always the first, and the method's buffers: numbers before these,
+ * the frame's buffers behind. */
+enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_SURFACES = 8 };
+
+/* Kernels that are not launched for every volume. */
+typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_STEADIED } sv_wall_when;
+
+typedef struct {
+    int kernel, takes;
+    sv_wall_over over;
+    sv_stage stage;
+    int buffers[9]; /* up to -1 */
+    sv_wall_when when;
+} sv_wall_launch;
+
+typedef struct {
+    const char *const *kernels; /* names, NULL-terminated */
+    sv_status (*slab)(const sv_map *map, sv_method_state *state, const sv_placed_slab *from,
+                      const sv_wall_layout *layout);
+    const sv_wall_launch *launches; /* what follows the slabs, in this order */
+    uint32_t count, first_of_turn;  /* of them; from this one on they are `turn` */
+} sv_wall_work;
+
+/* True if pixels have ranges. */
+bool sv_wall_is_bounded(const sv_config *config);
+
+/* Launches what follows the slabs, `first` .. end - 1. `scratch_words`: of a row of rays. */
+sv_status sv_wall_launch_all(const sv_map *map, const sv_method_state *state, const sv_wall_work *work,
+                             uint32_t first, uint32_t end, const sv_wall_layout *layout,
+                             uint32_t scratch_words);
+
+#endif
