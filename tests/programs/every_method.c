@@ -12,6 +12,7 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 #include <dlfcn.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -209,9 +210,11 @@ static void try_all(const sv_plugin *p, device *d) {
             if (only && strcmp(only, name) != 0) continue;
             (void)snprintf(label, sizeof label, "%s %s", name, layout);
             /* A small run tries a layout a method: its kernels are the same in all of them, the ray profiles
-             * are not. */
+             * are not. Only wall has kernels of its own for rays. */
             const int turn = (int)((m - method.min_value) / method.step) % 3 + 1;
-            if (small && m > method.min_value && s != strategy.min_value + turn * strategy.step) continue;
+            const bool own = strcmp(name, "wall") == 0 && strcmp(layout, "rays") == 0;
+            if (small && m > method.min_value && s != strategy.min_value + turn * strategy.step && !own)
+                continue;
             try_one(p, d, SV_CARRIER_BUFFER, values, label);
             if (m > method.min_value) continue; /* how the slabs come is the same for all methods */
             try_one(p, d, SV_CARRIER_HOST, values, label);
