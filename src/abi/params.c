@@ -126,8 +126,9 @@ static const struct {
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_STRATEGY, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "strategy", "Work layout", "",
-     "How the work is laid out on the device; the result is the same.", 0.0, 3.0, 0.0, 3.0, 0.0, 1.0,
-     strategies, GROUP_WORK, 0, 0},
+     "How the work is laid out on the device; the result is the same. A work item has a row of rays or more, "
+     "or, with rays, a single ray, for GPUs. Auto chooses by device and size.",
+     0.0, 3.0, 0.0, 3.0, 0.0, 1.0, strategies, GROUP_WORK, 0, 0},
 };
 enum { COUNT = sizeof table / sizeof *table };
 
