@@ -51,7 +51,7 @@ static size_t padded_columns(const sv_wall_layout *l) {
 /* Words of 32 bits that a row of rays keeps. By rows, wall_cheapest's two lines between margins and the costs
  * of every layer; by items, two numbers a block. wall_costs needs less: 3 bytes a block. Whole vectors. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
-    if (by_items(m)) return 2 * l->layers * padded_columns(l);
+    if (by_items(m)) return (size_t)2 * l->layers * padded_columns(l);
     return (l->layers + 2) * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
 }
 
