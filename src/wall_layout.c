@@ -10,6 +10,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .beside_mm = 3.75,
                               .valley = 0.9,
                               .walled = 0.75,
+                              .parted = 0.8,
                               .tissue = 0.15,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
@@ -80,6 +81,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
     l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
     l->walled = rounded(s->walled * SV_WALL_PER_MILLE);
+    l->parted = rounded(s->parted * SV_WALL_PER_MILLE);
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
     l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
     l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);

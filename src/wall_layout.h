@@ -15,9 +15,9 @@
 typedef struct {
     double block_mm;  /* side of a block */
     double beside_mm; /* brightness: the largest of the blocks so far to either side of the ray */
-    /* No fluid if the histogram's valley is higher than `valley` of its lower mode, and fewer than `walled`
-     * of the rays see a wall. */
-    double valley, walled;
+    /* No fluid if the histogram's valley is higher than `valley` of its lower mode, fewer than `walled` of
+     * the rays see a wall, and the classes make up at most `parted` of the variance of the levels. */
+    double valley, walled, parted;
     double tissue;    /* tissue is this share of the way from the threshold to the mean of the bright class */
     double wall_rank; /* the wall's brightness among the brightnesses of first tissues */
     double low_rank, high_rank; /* the spread of the wall's brightness lies between these */

@@ -11,6 +11,7 @@ double *wall_constant(sv_wall_settings *s, const char *key) {
                {"beside_mm", &s->beside_mm},
                {"valley", &s->valley},
                {"walled", &s->walled},
+               {"parted", &s->parted},
                {"wall_rank", &s->wall_rank},
                {"low_rank", &s->low_rank},
                {"high_rank", &s->high_rank},

@@ -46,6 +46,27 @@ static bool is_shallow(const sv_wall_layout *l, __local const ulong *smooth, uin
     return least * SV_WALL_PER_MILLE > mode * l->valley;
 }
 
+/* True if the variance of the levels' roots is so much between the classes that there must be two. */
+static bool is_parted(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
+                      ulong split) {
+    ulong count[2] = {0, 0}, sum[2] = {0, 0}, mean[2], between = 0, within = 0;
+    for (uint i = 0; i < 256; i++) {
+        count[root[i] > split] += histogram[i];
+        sum[root[i] > split] += histogram[i] * root[i];
+    }
+    const ulong middle = (sum[0] + sum[1]) / (count[0] + count[1]);
+    for (uint k = 0; k < 2; k++) {
+        mean[k] = sum[k] / count[k];
+        const ulong away = abs_diff(mean[k], middle);
+        between += count[k] * away * away;
+    }
+    for (uint i = 0; i < 256; i++) {
+        const ulong away = abs_diff((ulong)root[i], mean[root[i] > split]);
+        within += histogram[i] * away * away;
+    }
+    return between * SV_WALL_PER_MILLE > (between + within) * l->parted;
+}
+
 /* Count and sum of root * count up to the split. */
 static void below(__local const ulong *histogram, __global const uint *root, ulong split, ulong *counted,
                   ulong *sum) {
@@ -96,7 +117,8 @@ static void leave_levels(const sv_wall_layout *l, __local const ulong *histogram
     const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
     info[INFO_TISSUE] = threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
     info[INFO_BRIGHT] = bright;
-    info[INFO_SHALLOW] = is_shallow(l, smooth, threshold);
+    const bool parted = is_parted(l, histogram, root, split);
+    info[INFO_SHALLOW] = is_shallow(l, smooth, threshold) && !parted;
     info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 

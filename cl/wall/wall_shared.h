@@ -75,7 +75,7 @@ typedef struct {
     unsigned int cut, left, other;
     unsigned int slack, reach; /* in units of 1 / SV_WALL_FINE_ONE */
     /* per mille */
-    unsigned int tissue, valley, walled, fetus_share, wall_share, wall_rank, low_rank, high_rank;
+    unsigned int tissue, valley, walled, parted, fetus_share, wall_share, wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int sure;                         /* sixteenths */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */

@@ -28,10 +28,13 @@ static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, fl
 }
 
 /* Haze fills the valley between fluid and tissue. Where both are one, the threshold halves the tissue, and
- * chance lets half of the rays begin above it; many more do at a wall. */
-static bool begin_at_a_wall(const sv_wall_scan *scan, const sv_wall_evidence *evidence) {
-    return (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
-           (uint64_t)scan->blocks->rays * scan->layout->walled;
+ * chance lets half of the rays begin above it; many more do at a wall. Tissue that fades with depth has no
+ * mode of its own, but it is far from fluid. */
+static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
+                        const sv_wall_evidence *evidence) {
+    const bool walled = (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
+                        (uint64_t)scan->blocks->rays * scan->layout->walled;
+    return walled || !sv_wall_is_shallow(scan->layout, levels) || sv_wall_is_parted(scan->layout, levels);
 }
 
 /* The surface of a volume of two classes. */
@@ -45,7 +48,7 @@ static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const
     facts->wall_rays = evidence.wall_rays;
     facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
     facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-    const bool fluid = !sv_wall_is_shallow(l, levels) || begin_at_a_wall(&scan, &evidence);
+    const bool fluid = shows_fluid(&scan, levels, &evidence);
     *outcome = SV_WALL_NO_FLUID;
     const bool done = !fluid || place(&scan, &evidence, depth, confidence, outcome, facts);
     free(bright);
@@ -64,6 +67,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     sv_wall_histogram(&blocks, histogram);
     const sv_wall_levels levels = sv_wall_levels_of(histogram);
     sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley, .rays = blocks.rays};
+    if (levels.two) found.parted = (double)levels.between / (double)(levels.between + levels.within);
     bool done = true;
     *outcome = SV_WALL_EMPTY;
     if (levels.two) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);

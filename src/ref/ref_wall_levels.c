@@ -39,6 +39,28 @@ static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
     out->valley = (double)least / (double)mode;
 }
 
+/* The variance of the square roots of the levels, in two parts: between the classes, and within them. Levels
+ * that are spread evenly and halved have three quarters of it between. */
+static void find_variance(const uint64_t histogram[256], const uint32_t *root, uint64_t split,
+                          sv_wall_levels *out) {
+    uint64_t count[2] = {0}, sum[2] = {0}, mean[2];
+    for (int i = 0; i < 256; i++) {
+        count[root[i] > split] += histogram[i];
+        sum[root[i] > split] += histogram[i] * root[i];
+    }
+    const uint64_t middle = (sum[0] + sum[1]) / (count[0] + count[1]);
+    out->between = out->within = 0;
+    for (int k = 0; k < 2; k++) {
+        mean[k] = sum[k] / count[k];
+        const uint64_t away = mean[k] > middle ? mean[k] - middle : middle - mean[k];
+        out->between += count[k] * away * away;
+    }
+    for (int i = 0; i < 256; i++) {
+        const uint64_t of = mean[root[i] > split], away = root[i] > of ? root[i] - of : of - root[i];
+        out->within += histogram[i] * away * away;
+    }
+}
+
 sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const uint32_t *root = tables + SV_WALL_ROOTS;
@@ -71,6 +93,7 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     if (!out.two) return out;
     out.bright = (uint32_t)(SV_WALL_LEVEL_ONE * sum / count);
     find_valley(histogram, &out);
+    find_variance(histogram, root, split, &out);
     return out;
 }
 
@@ -81,6 +104,10 @@ uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *lev
 
 bool sv_wall_is_shallow(const sv_wall_layout *l, const sv_wall_levels *levels) {
     return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley;
+}
+
+bool sv_wall_is_parted(const sv_wall_layout *l, const sv_wall_levels *levels) {
+    return levels->between * SV_WALL_PER_MILLE > (levels->between + levels->within) * l->parted;
 }
 
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {

@@ -16,6 +16,9 @@ typedef struct {
      * that is 0. */
     uint64_t least, mode;
     double valley; /* their ratio */
+    /* Variance of the levels' square roots times the blocks: between the means of the classes, within them.
+     */
+    uint64_t between, within;
 } sv_wall_levels;
 
 /* The classes are split midway between the means of their square roots, until the split no longer moves
@@ -28,6 +31,9 @@ uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels
 
 /* True if the valley between the classes is so shallow that they may be one. */
 bool sv_wall_is_shallow(const sv_wall_layout *layout, const sv_wall_levels *levels);
+
+/* True if the variance between the classes is so much of all that there must be two. */
+bool sv_wall_is_parted(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE; a level's
  * count is spread evenly over level +- 0.5. */
