@@ -45,8 +45,11 @@ static expected expect(const shape *s, const uint8_t *volume) {
     for (size_t n = 0; n < PLACES; n++) {
         e.depth[n] = calloc(count, sizeof(float));
         assert_true(e.depth[n] && e.confidence);
-        assert_true(
-            sv_wall_surface_padded(&v, mm, places[n], e.depth[n], e.confidence, &e.outcome, &e.facts));
+        if (n > 0 && places[n] == places[0]) /* turned back: the same again */
+            memcpy(e.depth[n], e.depth[0], count * sizeof(float));
+        else
+            assert_true(
+                sv_wall_surface_padded(&v, mm, places[n], e.depth[n], e.confidence, &e.outcome, &e.facts));
     }
     return e;
 }
