@@ -7,6 +7,9 @@
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
 #endif
+#ifndef SV_WALL_MEDIAN_CLH
+#include "wall/wall_median.clh"
+#endif
 #ifndef SV_WALL_PIXELS_CLH
 #include "wall/wall_pixels.clh"
 #endif
@@ -18,28 +21,6 @@ static void neighbours(const sv_wall_layout *l, const uint *away, __global const
     for (int v = -1; v <= 1; v++)
         for (int u = -1; u <= 1; u++)
             *out++ = plane[place_row(l, 0, beside(y, v * dy, l->rows)) + beside(x, u * dx, l->columns)];
-}
-
-static void sort2(float *a, float *b) {
-    const float low = fmin(*a, *b);
-    *b = fmax(*a, *b);
-    *a = low;
-}
-
-static void sort3(float *a, float *b, float *c) {
-    sort2(a, b);
-    sort2(b, c);
-    sort2(a, b);
-}
-
-/* Of nine: the median of the largest of the least, the middle one of the middle, and the least of the
- * largest, of three sorted threes. */
-static float median(float *v) {
-    for (int i = 0; i < 9; i += 3) sort3(&v[i], &v[i + 1], &v[i + 2]);
-    float low = fmax(fmax(v[0], v[3]), v[6]), high = fmin(fmin(v[2], v[5]), v[8]);
-    sort3(&v[1], &v[4], &v[7]);
-    sort3(&low, &v[4], &high);
-    return v[4];
 }
 
 static float settled(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
@@ -64,17 +45,14 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
     places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
 }
 
-/* One work item per ray: the confidence. Opposite neighbours are added first, so a mirrored map gives the
- * mirrored result. */
+/* One work item per ray: the confidence. */
 __kernel void wall_items_trust(sv_wall_layout l, __global const uint *restrict info,
                                __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     float n[9];
     neighbours(&l, l.around, places + place_row(&l, PLACE_OWN, 0), x, y, n);
-    const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
-    const float own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
-    places[place_row(&l, PLACE_LAYER, y) + x] = 1.0f / (1.0f + own * own);
+    places[place_row(&l, PLACE_LAYER, y) + x] = trust_in(&l, n);
 }
 
 /* One work item per ray: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear to

@@ -6,6 +6,9 @@
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
 #endif
+#ifndef SV_WALL_MEDIAN_CLH
+#include "wall/wall_median.clh"
+#endif
 #ifndef SV_WALL_PIXELS_CLH
 #include "wall/wall_pixels.clh"
 #endif
@@ -27,28 +30,6 @@ static void neighbours(const sv_wall_layout *l, const uint *away, __global const
         __global const float *row = plane + place_row(l, 0, beside(y, v * dy, l->rows));
         for (int u = -1; u <= 1; u++) *out++ = load_places(row, x, u * dx, l->columns);
     }
-}
-
-static void sort2(float16 *a, float16 *b) {
-    const float16 low = fmin(*a, *b);
-    *b = fmax(*a, *b);
-    *a = low;
-}
-
-static void sort3(float16 *a, float16 *b, float16 *c) {
-    sort2(a, b);
-    sort2(b, c);
-    sort2(a, b);
-}
-
-/* Of nine: the median of the largest of the least, the middle one of the middle, and the least of the
- * largest, of three sorted threes. */
-static float16 median(float16 *v) {
-    for (int i = 0; i < 9; i += 3) sort3(&v[i], &v[i + 1], &v[i + 2]);
-    float16 low = fmax(fmax(v[0], v[3]), v[6]), high = fmin(fmin(v[2], v[5]), v[8]);
-    sort3(&v[1], &v[4], &v[7]);
-    sort3(&low, &v[4], &high);
-    return v[4];
 }
 
 /* 16 rays of a plane. */
@@ -80,8 +61,7 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
     }
 }
 
-/* One work item per row of rays: the confidence. Opposite neighbours are added first, so a mirrored map gives
- * the mirrored result. */
+/* One work item per row of rays: the confidence. */
 __kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
                          __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
@@ -89,9 +69,7 @@ __kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         float16 n[9];
         neighbours(&l, l.around, places + place_row(&l, PLACE_OWN, 0), x, y, n);
-        const float16 corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
-        const float16 own = (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f / l.doubt;
-        *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = 1.0f / (1.0f + own * own);
+        *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = trust_in(&l, n);
     }
 }
 
