@@ -18,7 +18,7 @@ __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
                                 __global ushort *restrict rays, __global uint *restrict histograms) {
     __local uint counts[HISTOGRAM_WORDS];
     const uint row = (uint)get_group_id(0);
-    const bool steadied = (l.single[0] | l.single[1] | l.single[2]) != 0;
+    const bool steadied = is_steadied(&l);
     const sv_wall_span along = spans[l.columns + row];
     clear_counts(counts);
     for (uint x = (uint)get_local_id(0); x < l.columns; x += (uint)get_local_size(0)) {

@@ -64,7 +64,7 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
                           __global uchar *restrict levels, __global ushort *restrict rays,
                           __global uchar *restrict beside, __global uint *restrict histograms) {
     const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
-    const bool steadied = (l.single[0] | l.single[1] | l.single[2]) != 0;
+    const bool steadied = is_steadied(&l);
     __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
     __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
     uint histogram[4][256];

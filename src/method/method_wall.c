@@ -36,10 +36,6 @@ static sv_wall_layout layout_of(const sv_map *m) {
     return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
 }
 
-static bool is_steadied(const sv_wall_layout *l) {
-    return l->single[0] || l->single[1] || l->single[2];
-}
-
 static size_t lanes_of(uint32_t values) {
     return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
 }
@@ -71,7 +67,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_SUMS] = sum_bytes(m, &l),
         [SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
         [SV_WALL_LEVELS] = levels,
-        [SV_WALL_STEADIED] = is_steadied(&l) ? levels : 1,
+        [SV_WALL_STEADIED] = sv_wall_is_steadied(&l) ? levels : 1,
         [SV_WALL_LARGEST] = plane * l.layers,
         [SV_WALL_BRIGHT] = plane * l.layers,
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),

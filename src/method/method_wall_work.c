@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_wall_work.h"
 
+bool sv_wall_is_steadied(const sv_wall_layout *l) {
+    return l->single[0] || l->single[1] || l->single[2];
+}
+
 bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
@@ -30,7 +34,7 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
 sv_status sv_wall_launch_all(const sv_map *m, const sv_method_state *s, const sv_wall_work *work,
                              uint32_t first, uint32_t end, const sv_wall_layout *layout,
                              uint32_t scratch_words) {
-    const bool steadied = layout->single[0] || layout->single[1] || layout->single[2];
+    const bool steadied = sv_wall_is_steadied(layout);
     sv_status status = SV_OK;
     for (uint32_t i = first; status == SV_OK && i < end; i++) {
         const sv_wall_launch *w = &work->launches[i];

@@ -67,6 +67,9 @@ typedef struct {
     uint32_t count, first_of_turn;  /* of them; from this one on they are `turn` */
 } sv_wall_work;
 
+/* True if blocks are one voxel along an axis: they are smoothed. */
+bool sv_wall_is_steadied(const sv_wall_layout *layout);
+
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);
 
