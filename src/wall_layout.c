@@ -11,35 +11,37 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .valley = 0.9,
                               .walled = 0.75,
                               .parted = 0.8,
-                              .tissue = 0.15,
+                              .tissue = 0.17,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
                               .high_rank = 0.9,
                               .sure = 5.0,
                               .level = 0.4,
-                              .first = 0.85,
+                              .first = 0.95,
                               .skin_mm = 5.5,
                               .tau_mm = 9.0,
                               .cut = 13.0,
-                              .left = 5.6,
+                              .left = 6.55,
                               .other = 1.15,
-                              .sigma_mm = 3.0,
+                              .sigma_mm = 2.9,
                               .slack = 0.5,
                               .reach = 0.25,
                               .q = 0.5,
                               .median = true,
-                              .aside_mm = 5.0,
-                              .around_mm = 4.0,
-                              .doubt = 4.2,
+                              .aside_mm = 5.6,
+                              .around_mm = 5.0,
+                              .doubt = 4.6,
                               .wall_share = 0.15,
                               .fetus_share = 0.05,
                               .assumed_wall = 0.6,
                               .assumed_spread = 0.5};
 }
 
-/* A length in voxels, rounded half up; at least `least`. The hair makes up for a spacing that was rounded. */
+#define HAIR 1e-4 /* makes up for a spacing that was rounded, and for the rounding of quotients */
+
+/* A length in voxels, rounded half up; at least `least`. */
 static uint32_t voxels(double mm, double spacing, uint32_t least) {
-    const double hair = 1e-4, n = floor(mm / spacing + 0.5 + hair);
+    const double n = floor(mm / spacing + 0.5 + HAIR);
     return n > least ? (uint32_t)n : least;
 }
 
@@ -105,57 +107,112 @@ static void find_spacing(const sv_wall_layout *l, const double given[3], double 
             fmin(fmax(given[axis] > 0.0 ? given[axis] : assumed, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM);
 }
 
-/* Voxels along a side of a block. */
-static uint32_t side_of(const sv_wall_settings *s, double mm) {
-    return at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
-}
+#define NEARLY 0.1 /* the sides of blocks may be so much longer or shorter than wanted */
 
 static uint32_t whole(uint32_t voxels, uint32_t side) {
     return (voxels + side - 1) / side;
 }
 
-/* The slack is capped so that the sums over it (slack * layers^2 / 2) stay below 2^32. */
+/* Cells along an axis across the image: of whole voxels where that comes near enough, for that is fast. */
+static uint32_t cells_of(const sv_wall_settings *s, uint32_t count, double mm) {
+    const uint32_t side = at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
+    if (side == SV_WALL_BLOCK || fabs(side * mm / s->block_mm - 1.0) <= NEARLY + HAIR)
+        return whole(count, side);
+    return at_most(voxels(count * mm, s->block_mm, 1), count);
+}
+
+#define THICKER 0.25 /* a layer may be so much deeper than a block */
+
+/* Slices of a layer: as many as come nearest to a block, but for ones that are much deeper than that. */
+static uint32_t depth_of(const sv_wall_settings *s, double mm) {
+    const uint32_t depth = at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
+    return depth > 1 && depth * mm > (1.0 + THICKER + HAIR) * s->block_mm ? depth - 1 : depth;
+}
+
+/* The slack is capped so that the sums over it (slack * layers^2 / 2) stay below 2^32, and both it and the
+ * reach so that they and the costs have 16 bits. */
 sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
                                  const sv_wall_settings *s) {
     sv_wall_layout l = {.width = width, .height = height, .slices = slices};
     double mm[3];
     find_spacing(&l, spacing_mm, mm);
-    l.columns = whole(width, side_of(s, mm[0]));
-    l.rows = whole(height, side_of(s, mm[1]));
-    l.depth = side_of(s, mm[2]);
+    l.cells[0] = cells_of(s, width, mm[0]);
+    l.cells[1] = cells_of(s, height, mm[1]);
+    l.columns = 2 * l.cells[0];
+    l.rows = 2 * l.cells[1];
+    l.depth = depth_of(s, mm[2]);
     l.layers = whole(slices, l.depth);
-    l.single[0] = l.columns == width;
-    l.single[1] = l.rows == height;
-    l.single[2] = l.depth == 1;
-    const double block_mm[2] = {mm[0] * width / l.columns, mm[1] * height / l.rows};
+    l.steadied = l.depth == 1;
+    const double ray_mm[2] = {mm[0] * width / l.columns, mm[1] * height / l.rows};
     const double layer_mm = mm[2] * l.depth;
     for (int axis = 0; axis < 2; axis++) {
-        l.beside[axis] = at_most(voxels(s->beside_mm, block_mm[axis], 0), SV_WALL_BESIDE);
-        l.aside[axis] = at_most(voxels(s->aside_mm, block_mm[axis], 1), SV_WALL_BESIDE);
-        l.around[axis] = at_most(voxels(s->around_mm, block_mm[axis], 1), SV_WALL_BESIDE);
+        l.beside[axis] = at_most(voxels(s->beside_mm, 2.0 * ray_mm[axis], 0), SV_WALL_BESIDE);
+        l.aside[axis] = at_most(voxels(s->aside_mm, ray_mm[axis], 1), SV_WALL_BESIDE);
+        l.around[axis] = at_most(voxels(s->around_mm, ray_mm[axis], 1), SV_WALL_BESIDE);
     }
     l.skin = voxels(s->skin_mm, layer_mm, 0);
     l.far = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_FAR);
     l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
-    l.reach_x = gaussian(s->sigma_mm / block_mm[0], l.kernel_x);
-    l.reach_y = gaussian(s->sigma_mm / block_mm[1], l.kernel_y);
+    l.reach_x = gaussian(s->sigma_mm / (2.0 * ray_mm[0]), l.kernel_x);
+    l.reach_y = gaussian(s->sigma_mm / (2.0 * ray_mm[1]), l.kernel_y);
     take_numbers(&l, s);
     l.slack = at_most(l.slack, (uint32_t)(((uint64_t)1 << 33) / l.layers / l.layers));
+    l.slack = at_most(l.slack, SV_WALL_FINE_ONE - 1);
+    l.reach = at_most(l.reach, SV_WALL_FINE_ONE - 1);
     return l;
 }
 
-sv_wall_span sv_wall_span_of(uint32_t block, uint32_t voxels, uint32_t blocks) {
-    /* In halves of voxels; the centre of voxel i is 2 i + 1. */
-    const uint64_t from = 2 * (uint64_t)block * voxels, to = 2 * (uint64_t)(block + 1) * voxels;
-    sv_wall_span s = {.first = (uint32_t)(from / blocks / 2), .weight = 2};
-    const bool inside = (2 * (uint64_t)s.first + 1) * blocks >= from;
-    if (!inside) s.first++;
-    s.shares_first = block > 0 && (2 * (uint64_t)s.first + 1) * blocks == from;
-    uint32_t last = s.first;
-    while (last + 1 < voxels && (2 * (uint64_t)last + 3) * blocks <= to) last++;
-    s.shares_last = block + 1 < blocks && (2 * (uint64_t)last + 1) * blocks == to;
-    s.count = last + 1 - s.first;
-    s.weight = 2 * s.count - s.shares_first - s.shares_last;
+#define LEAST_REACH 0.75 /* voxels from a ray to the sides of its block: a single voxel is all speckle */
+
+/* Whole weights that add up to SV_WALL_SPAN_ONE for voxels `first` and those behind it, of which `part` lies
+ * in the block around `centre`. They are rounded down, and those that lost most get the rest, the nearest
+ * first: so mirrored blocks get mirrored weights. */
+static void weigh(const double *part, uint32_t count, double all, double first, double centre,
+                  unsigned char *weight) {
+    double lost[SV_WALL_SPAN + 1];
+    uint32_t rest = SV_WALL_SPAN_ONE;
+    for (uint32_t i = 0; i < count; i++) {
+        const double wanted = part[i] * SV_WALL_SPAN_ONE / all;
+        weight[i] = (unsigned char)floor(wanted + HAIR);
+        lost[i] = wanted - weight[i] - HAIR * fabs(first + i + 0.5 - centre);
+        rest -= weight[i];
+    }
+    for (; rest > 0; rest--) {
+        uint32_t most = 0;
+        for (uint32_t i = 1; i < count; i++)
+            if (lost[i] > lost[most]) most = i;
+        weight[most]++;
+        lost[most] -= 1.0;
+    }
+}
+
+/* Of a ray in the first half. */
+static sv_wall_span near_span(uint32_t ray, uint32_t voxels, uint32_t rays) {
+    const double step = (double)voxels / rays, centre = (ray + 0.5) * step;
+    const double reach = fmax(step, LEAST_REACH), from = centre - reach, to = centre + reach;
+    const double first = floor(from + HAIR);
+    double part[SV_WALL_SPAN + 1];
+    unsigned char weight[SV_WALL_SPAN + 1];
+    uint32_t touched = 0;
+    for (double at = first; at < to - HAIR && touched <= SV_WALL_SPAN; at += 1.0)
+        part[touched++] = fmin(to, at + 1.0) - fmax(from, at);
+    weigh(part, touched, to - from, first, centre, weight);
+    sv_wall_span s = {.count = 0};
+    for (uint32_t i = 0; i < touched; i++) {
+        const double at = fmin(fmax(first + i, 0.0), voxels - 1.0);
+        if (weight[i] == 0) continue;
+        if (s.count == 0) s.first = (uint32_t)at;
+        s.count = (uint32_t)at - s.first + 1;
+        s.weight[s.count - 1] = (unsigned char)(s.weight[s.count - 1] + weight[i]);
+    }
+    return s;
+}
+
+sv_wall_span sv_wall_span_of(uint32_t ray, uint32_t voxels, uint32_t rays) {
+    if (ray < rays / 2) return near_span(ray, voxels, rays);
+    const sv_wall_span other = near_span(rays - 1 - ray, voxels, rays);
+    sv_wall_span s = {.first = voxels - other.first - other.count, .count = other.count};
+    for (uint32_t i = 0; i < s.count; i++) s.weight[i] = other.weight[s.count - 1 - i];
     return s;
 }
 

@@ -14,7 +14,7 @@
 /* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
 typedef struct {
     double block_mm;  /* side of a block */
-    double beside_mm; /* brightness: the largest of the blocks so far to either side of the ray */
+    double beside_mm; /* brightness: the largest of the rays so far to either side */
     /* No fluid if the histogram's valley is higher than `valley` of its lower mode, fewer than `walled` of
      * the rays see a wall, and the classes make up at most `parted` of the variance of the levels. */
     double valley, walled, parted;
@@ -54,9 +54,10 @@ sv_wall_settings sv_wall_settings_default(void);
 sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
                                  const sv_wall_settings *settings);
 
-/* Block `block` of `blocks` along an axis of `voxels`; blocks at most as many. A voxel belongs to the block
- * that holds its centre, so each end of the volume looks like the other. */
-sv_wall_span sv_wall_span_of(uint32_t block, uint32_t voxels, uint32_t blocks);
+/* The block around ray `ray` of `rays` along an axis of `voxels`: a ray's distance to either side, and at
+ * least three quarters of a voxel. What lies beyond the border counts for the voxel at the border. An even
+ * number of rays; ray i and ray rays - 1 - i are mirrored. */
+sv_wall_span sv_wall_span_of(uint32_t ray, uint32_t voxels, uint32_t rays);
 
 /* Square roots, ln of odds and the logistic function in fixed-point: the kernels get the same numbers. Signed
  * values in two's complement. */

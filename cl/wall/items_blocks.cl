@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, blocks: which of them were scanned, their histogram, and the brightest
- * beside every ray; and blocks of one voxel, smoothed.
+ * The wall's surface by work items, blocks: which of them were scanned, their histogram, and the brightest of
+ * a row beside every cell; and blocks of one slice, smoothed.
  */
 #ifndef SV_WALL_SLICES_CLH
 #include "wall/wall_slices.clh"
@@ -10,80 +10,79 @@
 #include "wall/items.clh"
 #endif
 
-/* One work group per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
- * ranges. Where wall_items_steady follows, that counts the levels. */
+/* One work group per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels
+ * have ranges. Where wall_items_steady follows, that counts the levels. */
 __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
                                 __global const sv_wall_span *restrict spans,
                                 __global const ushort *restrict ranges, __global uchar *restrict levels,
                                 __global ushort *restrict rays, __global uint *restrict histograms) {
     __local uint counts[HISTOGRAM_WORDS];
-    const uint row = (uint)get_group_id(0);
-    const bool steadied = is_steadied(&l);
-    const sv_wall_span along = spans[l.columns + row];
     clear_counts(counts);
-    for (uint x = (uint)get_local_id(0); x < l.columns; x += (uint)get_local_size(0)) {
+    for (uint i = (uint)get_local_id(0); i < 2 * l.columns; i += (uint)get_local_size(0)) {
+        const ray_place_t at = ray_of_group(&l, i);
+        const bool counted = !l.steadied && is_counted(&l, at);
         ushort first = 0, end = (ushort)l.layers;
         if (bounded) {
-            const sv_wall_span across = spans[x];
+            const sv_wall_span across = spans[at.x], along = spans[l.columns + at.row];
             find_range(&l, &across, &along, pitch, ranges, &first, &end);
         }
-        rays[block_row(&l, RAY_FIRST, row) + x] = first;
-        rays[block_row(&l, RAY_END, row) + x] = end;
+        rays[block_row(&l, RAY_FIRST, at.row) + at.x] = first;
+        rays[block_row(&l, RAY_END, at.row) + at.x] = end;
         if (end > first) atomic_inc(counts + HISTOGRAM_RAYS);
         for (uint z = 0; z < l.layers; z++) {
-            __global uchar *level = levels + level_row(&l, z, row) + x;
+            __global uchar *level = levels + level_row(&l, z, at.row) + at.x;
             const bool scanned = z >= first && z < end;
             if (!scanned) *level = 0;
-            if (scanned && !steadied) atomic_inc(counts + *level);
+            if (scanned && counted) atomic_inc(counts + *level);
         }
     }
-    leave_counts(counts, HISTOGRAM_RAYS, histograms + (size_t)row * HISTOGRAM_WORDS);
+    leave_counts(counts, HISTOGRAM_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
-/* The level beside a block of level `own`, at a column, row and layer that may lie outside. */
-static uint level_beside(const sv_wall_layout *l, __global const uchar *levels, __global const ushort *rays,
-                         int x, int row, int z, uint own) {
-    if (x < 0 || x >= (int)l->columns || row < 0 || row >= (int)l->rows) return own;
-    __global const ushort *ray = rays + block_row(l, RAY_FIRST, (uint)row) + x;
-    const int first = (int)ray[0], end = (int)ray[block_row(l, RAY_END, 0)];
-    return z >= first && z < end ? levels[level_row(l, (uint)z, (uint)row) + x] : own;
+/* The levels of a ray, smoothed and counted. A block that was not scanned counts as its neighbour. */
+static void steady_ray(const sv_wall_layout *l, ray_place_t at, __global const uchar *levels,
+                       __global const ushort *rays, __global uchar *steady, __local uint *counts) {
+    const size_t ray = level_row(l, 0, at.row) + at.x, pitch = level_row(l, 1, 0) - level_row(l, 0, 0);
+    const uint first = rays[block_row(l, RAY_FIRST, at.row) + at.x];
+    const uint end = rays[block_row(l, RAY_END, at.row) + at.x];
+    const bool counted = is_counted(l, at);
+    for (uint z = 0; z < l->layers; z++) {
+        const size_t here = ray + z * pitch;
+        uint level = 0;
+        if (z >= first && z < end) {
+            const uint own = levels[here], before = z > first ? levels[here - pitch] : own;
+            const uint behind = z + 1 < end ? levels[here + pitch] : own;
+            const uint sum = (SV_WALL_STEADY - 2) * own + before + behind;
+            level = (sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY;
+            if (counted) atomic_inc(counts + level);
+        }
+        steady[here] = (uchar)level;
+    }
 }
 
-/* One work group per row of rays, after wall_items_blocks: `steady` lies as `levels` do. Only where there are
- * blocks of one voxel. */
+/* One work group per row of cells, after wall_items_blocks: `steady` lies as `levels` do. Only where layers
+ * are one slice. */
 __kernel void wall_items_steady(sv_wall_layout l, __global const uchar *restrict levels,
                                 __global const ushort *restrict rays, __global uchar *restrict steady,
                                 __global uint *restrict histograms) {
     __local uint counts[HISTOGRAM_WORDS];
-    const int row = (int)get_group_id(0);
     clear_counts(counts);
-    for (int x = (int)get_local_id(0); x < (int)l.columns; x += (int)get_local_size(0))
-        for (int z = 0; z < (int)l.layers; z++) {
-            const uint none = 256, own = level_beside(&l, levels, rays, x, row, z, none);
-            const size_t at = level_row(&l, (uint)z, (uint)row) + (uint)x;
-            uint sum = SV_WALL_STEADY * own;
-            for (int axis = 0; axis < 3; axis++) {
-                const int dx = axis == 0, dy = axis == 1, dz = axis == 2;
-                if (l.single[axis])
-                    sum += level_beside(&l, levels, rays, x - dx, row - dy, z - dz, own) +
-                           level_beside(&l, levels, rays, x + dx, row + dy, z + dz, own) - 2 * own;
-            }
-            const uint mean = own == none ? 0 : (sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY;
-            steady[at] = (uchar)mean;
-            if (own != none) atomic_inc(counts + mean);
-        }
-    leave_counts(counts, NO_EXTRA, histograms + (size_t)row * HISTOGRAM_WORDS);
+    for (uint i = (uint)get_local_id(0); i < 2 * l.columns; i += (uint)get_local_size(0))
+        steady_ray(&l, ray_of_group(&l, i), levels, rays, steady, counts);
+    leave_counts(counts, NO_EXTRA, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
-/* One work item per block. `beside`: the largest mean of a block and the one behind it, over those of the row
- * beside every ray. Zeros lie behind the last layer. */
+/* One work item per cell. `beside`: the largest mean of a block and the one behind it, over the rays of the
+ * row's cells beside every cell. Zeros lie behind the last layer. */
 __kernel void wall_items_beside(sv_wall_layout l, __global const uchar *restrict levels,
                                 __global uchar *restrict beside) {
-    const uint x = (uint)get_global_id(0), row = row_of_block(&l), z = layer_of_block(&l);
-    if (x >= l.columns) return;
-    __global const uchar *at = levels + level_row(&l, z, row), *behind = levels + level_row(&l, z + 1, row);
+    const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
+    if (x >= l.cells[0]) return;
+    const uint from = x - min(x, l.beside[0]), to = min(x + l.beside[0], l.cells[0] - 1);
     uint most = 0;
-    for (uint k = x - min(x, l.beside[0]); k <= min(x + l.beside[0], l.columns - 1); k++)
-        most = max(most, (at[k] + behind[k] + 1u) / 2u);
-    beside[block_row(&l, z, row) + x] = (uchar)most;
+    for (uint r = 2 * row; r < 2 * row + 2; r++) {
+        __global const uchar *at = levels + level_row(&l, z, r), *behind = levels + level_row(&l, z + 1, r);
+        for (uint k = 2 * from; k < 2 * to + 2; k++) most = max(most, (at[k] + behind[k] + 1u) / 2u);
+    }
+    beside[cell_row(&l, z, row) + x] = (uchar)most;
 }

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, from costs to the cheapest layer of every ray: the lateral Gaussian along
- * y and along x, the least, the mean around it, and how far around it the knob may go. Beyond the border the
- * ray at the border counts. `scratch` has 32 bits a block twice, for the sums along y and for the costs after
- * both.
+ * The wall's surface by work items, from costs to the cheapest layer of every ray: the lateral Gaussian over
+ * the costs of cells along y and along x, what rays pay between cells, the least, the mean around it, and how
+ * far around it the knob may go. Beyond the border the cell at the border counts.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
@@ -12,39 +11,51 @@
 #include "wall/wall_pixels.clh"
 #endif
 
-/* One work item per block. */
+/* One work item per cell. `sums`: 32 bits for each. */
 __kernel void wall_items_sum_rows(sv_wall_layout l, __global const uint *restrict info,
-                                  __global const ushort *restrict costs, __global uint *restrict scratch) {
-    const uint x = (uint)get_global_id(0), row = row_of_block(&l), z = layer_of_block(&l);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    uint sum = l.kernel_y[0] * costs[block_row(&l, z, row) + x];
+                                  __global const ushort *restrict costs, __global uint *restrict sums) {
+    const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
+    if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    uint sum = l.kernel_y[0] * costs[cell_row(&l, z, row) + x];
     for (int k = 1; k <= (int)l.reach_y; k++)
-        sum += l.kernel_y[k] * ((uint)costs[block_row(&l, z, beside(row, -k, l.rows)) + x] +
-                                costs[block_row(&l, z, beside(row, k, l.rows)) + x]);
-    scratch[block_row(&l, z, row) + x] = sum;
+        sum += l.kernel_y[k] * ((uint)costs[cell_row(&l, z, beside(row, -k, l.cells[1])) + x] +
+                                costs[cell_row(&l, z, beside(row, k, l.cells[1])) + x]);
+    sums[cell_row(&l, z, row) + x] = sum;
 }
 
-/* One work item per block; rounded half up. */
+/* One work item per cell; rounded half up. */
 __kernel void wall_items_sum_columns(sv_wall_layout l, __global const uint *restrict info,
-                                     __global uint *restrict scratch) {
-    const uint x = (uint)get_global_id(0), row = row_of_block(&l), z = layer_of_block(&l);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    __global const uint *line = scratch + block_row(&l, z, row);
+                                     __global const uint *restrict sums, __global ushort *restrict fine) {
+    const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
+    if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    __global const uint *line = sums + cell_row(&l, z, row);
     uint sum = l.kernel_x[0] * line[x];
     for (int k = 1; k <= (int)l.reach_x; k++)
-        sum += l.kernel_x[k] * (line[beside(x, -k, l.columns)] + line[beside(x, k, l.columns)]);
-    scratch[block_row(&l, l.layers + z, row) + x] = (sum + FINE / 2) / FINE;
+        sum += l.kernel_x[k] * (line[beside(x, -k, l.cells[0])] + line[beside(x, k, l.cells[0])]);
+    fine[fine_row(&l, z, row) + x] = (ushort)((sum + FINE / 2) / FINE);
 }
 
-/* Costs of a ray, from the first layer on. */
+/* Costs after the Gaussian of the four cells around a ray, from the first layer on: of its own, of those
+ * beside it along x and along y, and of the one beside it along both. */
 typedef struct {
-    __global const uint *first;
+    __global const ushort *own, *across, *down, *both;
     size_t pitch;
     uint layers;
 } costs_t;
 
+static costs_t costs_of(const sv_wall_layout *l, __global const ushort *fine, uint x, uint row) {
+    __global const ushort *line = fine + fine_row(l, 0, row / 2);
+    __global const ushort *other = fine + fine_row(l, 0, cell_beside(row, l->cells[1]));
+    const uint own = x / 2, across = cell_beside(x, l->cells[0]);
+    return (costs_t){
+        line + own, line + across, other + own, other + across, fine_row(l, 1, 0) - fine_row(l, 0, 0),
+        l->layers};
+}
+
+/* Linear between the cells, rounded half up: a ray lies a quarter of a cell from the middle of its own. */
 static uint cost_at(const costs_t *c, uint z) {
-    return c->first[z * c->pitch];
+    const size_t at = z * c->pitch;
+    return (9u * c->own[at] + 3u * ((uint)c->across[at] + c->down[at]) + c->both[at] + 8u) / 16u;
 }
 
 /* The cheapest layer, of several the one nearest to the viewer. */
@@ -62,14 +73,14 @@ static uint cheapest(const costs_t *c, uint *least) {
 /* The mean of the layers around the cheapest one that cost less than the limit, weighted by what they cost
  * less than that. */
 static float mean_around(const costs_t *c, uint best, uint limit) {
-    uint weight = 0, sum = 0;
-    for (uint z = best + 1; z-- > 0 && cost_at(c, z) < limit;) {
-        weight += limit - cost_at(c, z);
-        sum += (limit - cost_at(c, z)) * z;
+    uint weight = 0, sum = 0, cost;
+    for (uint z = best + 1; z-- > 0 && (cost = cost_at(c, z)) < limit;) {
+        weight += limit - cost;
+        sum += (limit - cost) * z;
     }
-    for (uint z = best + 1; z < c->layers && cost_at(c, z) < limit; z++) {
-        weight += limit - cost_at(c, z);
-        sum += (limit - cost_at(c, z)) * z;
+    for (uint z = best + 1; z < c->layers && (cost = cost_at(c, z)) < limit; z++) {
+        weight += limit - cost;
+        sum += (limit - cost) * z;
     }
     return weight ? (float)sum / (float)weight : (float)best;
 }
@@ -95,10 +106,10 @@ static float far_end(const costs_t *c, uint best, uint limit) {
 /* One work item per ray. `places`: the planes of the layers, and of the ends around them, which never pass
  * them. */
 __kernel void wall_items_cheapest(sv_wall_layout l, __global const uint *restrict info,
-                                  __global const uint *restrict scratch, __global float *restrict places) {
+                                  __global const ushort *restrict fine, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const costs_t c = {scratch + block_row(&l, l.layers, row) + x, block_row(&l, 1, 0), l.layers};
+    const costs_t c = costs_of(&l, fine, x, row);
     uint least;
     const uint best = cheapest(&c, &least);
     const float mean = mean_around(&c, best, least + l.slack);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, costs: what every ray pays for being clipped at every layer. A ray is
- * walked front to back and back to front, as wall_costs.cl does.
+ * The wall's surface by work items, costs: what every cell of two by two rays pays for being clipped at
+ * every layer. A ray is walked front to back and back to front, as wall_costs.cl does; what it pays is kept
+ * in `scratch` until its cell takes the mean.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
@@ -10,7 +11,7 @@
 /* A ray, and what is known of it. */
 typedef struct {
     __global const uchar *levels, *bright; /* of the first layer */
-    size_t level_pitch, pitch;             /* from one layer to the next, of levels and of all else */
+    size_t level_pitch, bright_pitch;      /* from one layer to the next */
     uint threshold;
     __global const uint *chances;
     bool bare;                     /* there is no wall */
@@ -20,19 +21,33 @@ typedef struct {
     uint begun, in_run;            /* probability of a fetus; of one that begins in the first tissue */
 } ray_t;
 
-/* What is kept of every layer of the ray while it is walked, `pitch` apart. */
+/* What is kept of every layer of a ray, `pitch` apart. */
 typedef struct {
     __global ushort *begun; /* probability that the fetus has begun */
-    __global uchar *near;   /* distance to the fluid in front; later what it costs */
+    __global ushort *costs;
+    __global uchar *away; /* distance to the fluid in front; later what the distance costs */
+    size_t pitch;
 } layers_t;
+
+/* Those of the ray at this place in `scratch`: planes of 16 bits a block, twice, and of 8 bits. */
+static layers_t layers_of(const sv_wall_layout *l, __global ushort *scratch, uint row, uint x) {
+    const size_t plane = block_row(l, l->layers, 0), at = block_row(l, 0, row) + x;
+    return (layers_t){scratch + at, scratch + plane + at, (__global uchar *)(scratch + 2 * plane) + at,
+                      block_row(l, 1, 0)};
+}
 
 static bool is_tissue(const ray_t *r, uint z) {
     return r->levels[z * r->level_pitch] > r->threshold;
 }
 
-/* Shares of a value, rounded half up. */
+/* Shares of probabilities, rounded half up. */
 static uint share(uint value, uint chance) {
     return (value * chance + SV_WALL_SURE / 2u) / (uint)SV_WALL_SURE;
+}
+
+/* Shares of costs, rounded down. */
+static uint share_of_cost(uint cost, uint chance) {
+    return cost * chance / (uint)SV_WALL_SURE;
 }
 
 /* Front to back. */
@@ -44,8 +59,8 @@ static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         const bool tissue = is_tissue(r, z);
         if (tissue) {
             const bool at_run = r->touches && r->run_end > z;
-            most = max(most, (uint)r->bright[z * r->pitch]);
-            now = before - share(before, r->chances[most + (at_run ? 0u : 256u)]);
+            most = max(most, (uint)r->bright[z * r->bright_pitch]);
+            now = before - share(before, (at_run ? r->chances[most] & 0xffffu : r->chances[most] >> 16));
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
                 over = true;
@@ -57,8 +72,8 @@ static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         const bool open_front = r->scanned && !r->touches && z < r->first;
         const bool fluid = open_front || (!tissue && z >= r->first && z < r->end);
         near = fluid ? 0 : min(near + 1, l->far);
-        s->begun[z * r->pitch] = (ushort)(SV_WALL_SURE - now);
-        s->near[z * r->pitch] = (uchar)near;
+        s->begun[z * s->pitch] = (ushort)(SV_WALL_SURE - now);
+        s->away[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
     r->begun = SV_WALL_SURE - now;
@@ -69,17 +84,17 @@ static void look_back(ray_t *r, const layers_t *s) {
     const bool in_front = !(r->touches && r->run_end < r->end);
     r->fluid = in_front ? 0 : r->run_end;
     r->fluid_end = in_front ? r->run : r->fluid_end;
-    r->in_run = r->touches && r->run_end > r->run ? s->begun[(r->run_end - 1) * r->pitch] : 0;
+    r->in_run = r->touches && r->run_end > r->run ? s->begun[(r->run_end - 1) * s->pitch] : 0;
 }
 
 /* What a ray pays in layer z but for the distance. `later`: probability that the fetus begins with tissue
  * whose fluid is behind the layer. */
 static uint wrong_at(const sv_wall_layout *l, const ray_t *r, const layers_t *s, uint z, uint later) {
     const uint skin = z + l->skin;
-    uint cost = share(l->left, later);
-    if (z > 0 || !r->bare) cost += share(l->cut, s->begun[z * r->pitch]);
-    if (r->touches && skin < r->run_end) cost += share(l->left, r->in_run - s->begun[skin * r->pitch]);
-    if (z < r->fluid || z >= r->fluid_end) cost += share(l->other, SV_WALL_SURE - r->begun);
+    if (r->touches && skin < r->run_end) later += r->in_run - s->begun[skin * s->pitch];
+    uint cost = share_of_cost(l->left, later);
+    if (z > 0 || !r->bare) cost += share_of_cost(l->cut, s->begun[z * s->pitch]);
+    if (z < r->fluid || z >= r->fluid_end) cost += share_of_cost(l->other, SV_WALL_SURE - r->begun);
     return cost;
 }
 
@@ -89,12 +104,12 @@ static uint away_at(const sv_wall_layout *l, uint near) {
 }
 
 /* Back to front: leaves the costs of the ray. */
-static void walk_back(const sv_wall_layout *l, const ray_t *r, const layers_t *s, __global ushort *costs) {
+static void walk_back(const sv_wall_layout *l, const ray_t *r, const layers_t *s) {
     bool behind = false, fluid_behind = false;
     uint later = 0, run_end = r->begun, near = l->far;
     for (uint z = l->layers; z-- > 0;) {
         const bool tissue = is_tissue(r, z);
-        const uint begun = s->begun[z * r->pitch], before = s->near[z * r->pitch];
+        const uint begun = s->begun[z * s->pitch], before = s->away[z * s->pitch];
         if (tissue && fluid_behind) later += run_end - begun;
         if (tissue && !behind) run_end = begun;
         fluid_behind = before == 0;
@@ -102,8 +117,8 @@ static void walk_back(const sv_wall_layout *l, const ray_t *r, const layers_t *s
         near = fluid_behind ? 0 : min(near + 1, l->far);
         const uint away = away_at(l, min(near, before));
         const uint cost = away + wrong_at(l, r, s, z, later);
-        costs[z * r->pitch] = (ushort)(r->scanned ? cost : 0);
-        s->near[z * r->pitch] = (uchar)(r->scanned ? away : 0);
+        s->costs[z * s->pitch] = (ushort)(r->scanned ? cost : 0);
+        s->away[z * s->pitch] = (uchar)(r->scanned ? away : 0);
     }
 }
 
@@ -116,32 +131,50 @@ static void load_ray(const sv_wall_layout *l, __global const ushort *rays, uint 
     r->touches = r->scanned && r->run == r->first;
 }
 
-/* One work group per row of rays: their costs, of these what is due to the distance from the fluid, and the
- * sum of the probabilities that the fetus is on them. `begun`: 16 bits a block, for the walk. */
+/* One work item per ray: what is kept of its layers. */
 __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict info,
                                __global const uchar *restrict levels, __global const uchar *restrict bright,
-                               __global const ushort *restrict rays, __global ushort *restrict begun,
-                               __global ushort *restrict costs, __global uchar *restrict aways,
-                               __global ulong *restrict fetus) {
-    __local uint sum;
-    const uint row = (uint)get_group_id(0);
-    const uint columns = info[INFO_OUTCOME] == SV_WALL_SURFACE ? l.columns : 0;
+                               __global const ushort *restrict rays, __global ushort *restrict scratch) {
+    const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
+    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const layers_t s = layers_of(&l, scratch, row, x);
     ray_t r = {.threshold = info[INFO_TISSUE], .chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
+    r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0);
-    r.pitch = block_row(&l, 1, 0);
-    if (get_local_id(0) == 0) sum = 0;
+    r.bright = bright + cell_row(&l, 0, row / 2) + x / 2;
+    r.bright_pitch = cell_row(&l, 1, 0);
+    load_ray(&l, rays, x, row, &r);
+    walk_forth(&l, &r, &s);
+    look_back(&r, &s);
+    walk_back(&l, &r, &s);
+}
+
+/* One work group per row of cells, after that: the means of their rays, rounded half up, and the sum of the
+ * probabilities that the fetus is on these; on one that was not scanned it is 0. `aways`: of the costs what
+ * is due to the distance from the fluid. */
+__kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict info,
+                               __global ushort *restrict scratch, __global ushort *restrict costs,
+                               __global uchar *restrict aways, __global ulong *restrict fetus) {
+    __local uint sum;
+    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), row = (uint)get_group_id(0);
+    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const uint count = wanted ? l.cells[0] * l.layers : 0, rays = wanted ? 2 * l.columns : 0;
+    if (item == 0) sum = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint x = (uint)get_local_id(0); x < columns; x += (uint)get_local_size(0)) {
-        const size_t at = block_row(&l, 0, row) + x;
-        const layers_t s = {begun + at, aways + at};
-        r.levels = levels + level_row(&l, 0, row) + x;
-        r.bright = bright + at;
-        load_ray(&l, rays, x, row, &r);
-        walk_forth(&l, &r, &s);
-        look_back(&r, &s);
-        if (r.scanned) atomic_add(&sum, r.begun);
-        walk_back(&l, &r, &s, costs + at);
+    for (uint i = item; i < rays; i += items) {
+        const ray_place_t at = ray_of_group(&l, i);
+        const layers_t s = layers_of(&l, scratch, at.row, at.x);
+        atomic_add(&sum, (uint)s.begun[(l.layers - 1) * s.pitch]);
+    }
+    for (uint i = item; i < count; i += items) {
+        const uint x = i % l.cells[0], z = i / l.cells[0];
+        const layers_t above = layers_of(&l, scratch, 2 * row, 2 * x);
+        const size_t at = z * above.pitch, below = at + block_row(&l, 0, 1), to = cell_row(&l, z, row) + x;
+        __global const ushort *cost = above.costs;
+        __global const uchar *away = above.away;
+        costs[to] = (ushort)((cost[at] + cost[at + 1] + cost[below] + cost[below + 1] + 2u) / 4u);
+        aways[to] = (uchar)((away[at] + away[at + 1] + away[below] + away[below + 1] + 2u) / 4u);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) fetus[row] = sum;
+    if (item == 0) fetus[row] = sum;
 }

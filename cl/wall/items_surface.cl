@@ -14,7 +14,7 @@
 #include "wall/wall_pixels.clh"
 #endif
 
-/* A ray and its eight neighbours, so many blocks away. */
+/* A ray and its eight neighbours, so many rays away. */
 static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
                        float *out) {
     const int dx = (int)away[0], dy = (int)away[1];
@@ -29,8 +29,8 @@ static float settled(const sv_wall_layout *l, __global const float *places, uint
     return l->median ? median(near) : near[4];
 }
 
-/* One work item per ray: the median of the layers and of the ends around them, and what the ray itself says
- * of the layer. The planes it writes are none of those it reads. */
+/* One work item per ray: the median of the layers and of the ends around them, and what the ray's cell
+ * itself says of the layer. The planes it writes are none of those it reads. */
 __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict info,
                                 __global const ushort *restrict costs, __global const uchar *restrict aways,
                                 __global float *restrict places) {
@@ -40,7 +40,7 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
     places[place_row(&l, PLACE_CHOSEN, y) + x] = chosen;
     places[place_row(&l, PLACE_CHOSEN_NEAR, y) + x] = settled(&l, places, PLACE_NEAR, x, y);
     places[place_row(&l, PLACE_CHOSEN_FAR, y) + x] = settled(&l, places, PLACE_FAR, x, y);
-    const size_t at = block_row(&l, (uint)(chosen + 0.5f), y) + x;
+    const size_t at = cell_row(&l, (uint)(chosen + 0.5f), y / 2) + x / 2;
     const uint own = costs[at] + (SV_WALL_OWN_AWAY - 1u) * aways[at];
     places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
 }

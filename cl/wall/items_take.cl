@@ -39,21 +39,15 @@ __kernel void wall_items_range(__global const uchar *restrict slab, ulong slab_o
     ranges[plane + at] = (ushort)end;
 }
 
-/* What voxel `i` of a span weighs. */
-static uint weight_of(const sv_wall_span *s, uint i) {
-    const bool shared = (i == 0 && s->shares_first) || (i + 1 == s->count && s->shares_last);
-    return shared ? 1 : 2;
-}
-
 /* A block's weighted sum over one slice; padding counts as 0. */
-static uint sum_slice(__global const uchar *at, uint row_pitch, const sv_wall_span *across,
-                      const sv_wall_span *along, uint padding) {
+static uint sum_slice(__global const uchar *at, uint row_pitch, __global const sv_wall_span *across,
+                      __global const sv_wall_span *along, uint padding) {
     uint sum = 0;
     for (uint j = 0; j < along->count; j++, at += row_pitch) {
         uint of_row = 0;
         for (uint i = 0; i < across->count; i++)
-            of_row += at[i] == padding ? 0 : weight_of(across, i) * at[i];
-        sum += weight_of(along, j) * of_row;
+            of_row += at[i] == padding ? 0u : (uint)across->weight[i] * at[i];
+        sum += along->weight[j] * of_row;
     }
     return sum;
 }
@@ -73,17 +67,17 @@ __kernel void wall_items_take(__global const uchar *restrict slab, ulong slab_of
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1) % l.rows;
     if (x >= l.columns) return;
     const uint launched = (uint)get_global_size(1) / l.rows, slab_end = first_slice + slice_count;
-    const sv_wall_span across = spans[x], along = spans[l.columns + row];
+    __global const sv_wall_span *across = spans + x, *along = spans + l.columns + row;
     const texture_t t = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h};
-    const size_t corner = (size_t)along.first * row_pitch + across.first;
+    const size_t corner = (size_t)along->first * row_pitch + across->first;
     __global uint *carried = sums + block_row(&l, 0, row) + x;
     for (uint layer = first_slice / l.depth + (uint)get_global_id(1) / l.rows; layer * l.depth < slab_end;
          layer += launched) {
         const uint begin = layer * l.depth, end = min(begin + l.depth, l.slices);
         uint sum = begin < first_slice ? *carried : 0;
         for (uint z = max(begin, first_slice); z < min(end, slab_end); z++)
-            sum += sum_slice(slice_of(&t, z - first_slice) + corner, row_pitch, &across, &along, padding);
-        const uint weight = across.weight * along.weight * (end - begin);
+            sum += sum_slice(slice_of(&t, z - first_slice) + corner, row_pitch, across, along, padding);
+        const uint weight = SV_WALL_SPAN_ONE * SV_WALL_SPAN_ONE * (end - begin);
         if (end <= slab_end)
             levels[level_row(&l, layer, row) + x] = (uchar)((sum + weight / 2) / weight);
         else

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The wall's surface, blocks: which of them were scanned, their histogram, and the brightest of a row beside
- * every ray.
+ * every cell.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -36,54 +36,82 @@ static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pi
 
 /* Means of LANES levels and of those behind them, rounded half up. */
 static u8l mean_at(__global const uchar *at, __global const uchar *behind) {
-    const u8l a = ((__global const u8l_anywhere *)at)->v, b = ((__global const u8l_anywhere *)behind)->v;
-    return TO_U8((TO_U16(a) + TO_U16(b) + (ushort)1) >> (ushort)1);
+    const u16l sum = TO_U16(*(__global const u8l *)at) + TO_U16(*(__global const u8l *)behind);
+    return TO_U8((sum + (ushort)1) >> (ushort)1);
 }
 
-/* The largest of these means in row `row` of layer `z` and of those up to `reach` to either side. */
-static void largest_of_row(const sv_wall_layout *l, __global const uchar *levels, uint z, uint row,
-                           __global uchar *to) {
-    __global const uchar *at = levels + level_row(l, z, row), *behind = levels + level_row(l, z + 1, row);
+/* The largest of these means in every cell of row `row` of layer `z`. */
+static void largest_of_cells(const sv_wall_layout *l, __global const uchar *levels, uint z, uint row,
+                             __global uchar *line) {
+    for (uint x = 0; x < padded_columns_of(l); x += LANES) {
+        const u8l above =
+            mean_at(levels + level_row(l, z, 2 * row) + x, levels + level_row(l, z + 1, 2 * row) + x);
+        const u8l below =
+            mean_at(levels + level_row(l, z, 2 * row + 1) + x, levels + level_row(l, z + 1, 2 * row + 1) + x);
+        const u16h pairs = SEEN_AS(MOST(above, below), u16h); /* neighbours share a word */
+        const u16h left = pairs & (ushort)255, right = pairs >> (ushort)8;
+        *(__global u8h *)(line + x / 2) = HALF_TO_U8(MOST(left, right));
+    }
+}
+
+/* The largest of a line of cells and of those up to `beside` to either side. */
+static void largest_of_line(const sv_wall_layout *l, __global const uchar *line, __global uchar *to) {
     const int reach = (int)l->beside[0];
-    to += block_row(l, z, row);
-    for (int x = 0; x < (int)padded_columns_of(l); x += LANES) {
-        u8l most = mean_at(at + x, behind + x);
-        for (int k = -reach; k <= reach; k++) {
-            const u8l other = mean_at(at + x + k, behind + x + k);
-            most = MOST(most, other);
+    for (int x = 0; x < (int)padded_cells_of(l); x += LANES) {
+        u8l most = *(__global const u8l *)(line + x);
+        for (int k = 1; k <= reach; k++) {
+            const u8l left = ((__global const u8l_anywhere *)(line + x - k))->v;
+            const u8l right = ((__global const u8l_anywhere *)(line + x + k))->v;
+            const u8l both = MOST(left, right);
+            most = MOST(most, both);
         }
         *(__global u8l *)(to + x) = most;
     }
 }
 
-/* One work item per row of rays. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
- * ranges. `beside`: the largest means of a row beside every ray. Where wall_steady follows, that counts the
- * levels. */
-__kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch,
+static void clear_lines(__global uchar *lines, uint bytes) {
+    for (uint x = 0; x < bytes; x += LANES) *(__global u8l *)(lines + x) = (u8l)(0);
+}
+
+/* Levels of a row of rays in layer `z` that were not scanned become 0; inner ones are counted. */
+static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uint row, __global uchar *levels,
+                     uint histogram[4][256]) {
+    const i16l at = (i16l)((short)z);
+    __global const i16l *first = (__global const i16l *)ray_row(rays, l, RAY_FIRST, row);
+    __global const i16l *end = (__global const i16l *)ray_row(rays, l, RAY_END, row);
+    __global u8l *here = (__global u8l *)(levels + level_row(l, z, row));
+    const bool counts = !l->steadied && is_inner(row, l->rows);
+    for (uint x = 0; x < vectors_of(l); x++) {
+        const i16l scanned = (first[x] <= at) & (end[x] > at);
+        const u8l level = here[x] & bytes_of(scanned);
+        here[x] = level;
+        if (counts) count(histogram, level, scanned, x * LANES, l->columns);
+    }
+}
+
+/* One work item per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
+ * ranges. `beside`: the largest means of a row beside every cell. `scratch`: scratch_words words of 32 bits
+ * for each row. Where wall_steady follows, that counts the levels. */
+__kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scratch_words,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
-                          __global uchar *restrict beside, __global uint *restrict histograms) {
-    const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
-    const bool steadied = is_steadied(&l);
-    __global const i16l *first = (__global const i16l *)ray_row(rays, &l, RAY_FIRST, row);
-    __global const i16l *end = (__global const i16l *)ray_row(rays, &l, RAY_END, row);
+                          __global uint *restrict scratch, __global uchar *restrict beside,
+                          __global uint *restrict histograms) {
+    const uint row = (uint)get_global_id(0), line_pitch = padded_cells_of(&l) + 2 * MARGIN;
+    /* three lines, in turns: a vector that was just stored is slow to load in parts */
+    __global uchar *lines = (__global uchar *)(scratch + (size_t)row * scratch_words);
     uint histogram[4][256];
     clear_counts(histogram);
+    clear_lines(lines, 3 * line_pitch);
+    lines += MARGIN;
     histograms += (size_t)row * HISTOGRAM_WORDS;
-    histograms[HISTOGRAM_RAYS] = find_ranges(&l, row, bounded, pitch, spans, ranges, rays);
-    for (uint z = 0; z < l.layers; z++) {
-        const i16l at = (i16l)((short)z);
-        __global u8l *here = (__global u8l *)(levels + level_row(&l, z, row));
-        for (uint x = 0; x < vectors; x++) {
-            const i16l scanned = (first[x] <= at) & (end[x] > at);
-            const u8l level = here[x] & bytes_of(scanned);
-            here[x] = level;
-            if (!steadied) count(histogram, level, scanned);
-        }
-        /* a layer later: a vector that was just stored is slow to load in parts */
-        if (z > 1) largest_of_row(&l, levels, z - 2, row, beside);
+    histograms[HISTOGRAM_RAYS] = find_ranges(&l, 2 * row, bounded, pitch, spans, ranges, rays) +
+                                 find_ranges(&l, 2 * row + 1, bounded, pitch, spans, ranges, rays);
+    for (uint z = 0; z < l.layers + 2; z++) { /* zeros lie behind the last layer */
+        for (uint r = 0; z < l.layers && r < 2; r++) mask_row(&l, rays, z, 2 * row + r, levels, histogram);
+        if (z > 1) largest_of_line(&l, lines + (z - 2) % 3 * line_pitch, beside + cell_row(&l, z - 2, row));
+        if (z > 0 && z <= l.layers)
+            largest_of_cells(&l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
     }
-    if (l.layers > 1) largest_of_row(&l, levels, l.layers - 2, row, beside);
-    largest_of_row(&l, levels, l.layers - 1, row, beside); /* zeros lie behind the last layer */
-    if (!steadied) leave_counts(histogram, histograms);
+    if (!l.steadied) leave_counts(histogram, histograms);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, costs: what every ray pays for being clipped at every layer.
+ * The wall's surface, costs: what every cell of two by two rays pays for being clipped at every layer.
  *
  * LANES rays are walked front to back, which tells where the fetus begins and how far the fluid in front is,
  * and back to front, which tells how far the fluid behind is and what the fluid leaves to the tissue behind
@@ -10,113 +10,156 @@
 #include "wall/wall_lanes.clh"
 #endif
 
+/* Before a loop over both rows of rays: what is known of them is to stay in registers. */
+#define BOTH _Pragma("unroll")
+
 /* LANES rays, and what is known of them. */
 typedef struct {
-    __global const uchar *levels, *bright; /* of the first layer */
-    size_t level_pitch, bright_pitch;      /* from one layer to the next */
-    u8l threshold;
-    __global const uint *chances;
-    bool bare;                     /* there is no wall */
+    __global const uchar *levels;  /* of the first layer */
     i16l first, end, run, run_end; /* scanned layers, the first tissue */
     i16l touches;                  /* that begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
     u16l begun, in_run;            /* probability of a fetus; of one that begins in the first tissue */
+    /* of every layer: probability that the fetus has begun, distance to the fluid in front */
+    __global u16l *begun_at;
+    __global u8l *near_at;
 } rays_t;
 
-/* What is kept of every layer of LANES rays while they are walked. */
+/* The two rows of rays that HALF cells have. */
 typedef struct {
-    __global u16l *begun; /* probability that the fetus has begun */
-    __global u8l *near;   /* distance to the fluid in front */
-} layers_t;
+    rays_t rays[2];
+    size_t level_pitch, cell_pitch; /* from one layer to the next */
+    u8l threshold;
+    bool bare;                    /* there is no wall */
+    __global const uchar *bright; /* of the first layer */
+    __global const uint *chances; /* of every brightness */
+    /* Of every layer with tissue before `sure`: probability that tissue as bright as the cell is the fetus;
+     * of any * 65536 + of a ray's first */
+    __global u32h *chance;
+    uint sure; /* from this layer on the fetus has begun on all that were scanned; 1 at least, for what is
+                  cut at depth 0 may cost nothing */
+} twin_rays_t;
 
-static u8l tissue_at(const rays_t *r, uint z) {
-    return AS_U8(*(__global const u8l *)(r->levels + z * r->level_pitch) > r->threshold);
+static u8l tissue_at(const twin_rays_t *s, const rays_t *r, uint z) {
+    return AS_U8(*(__global const u8l *)(r->levels + z * s->level_pitch) > s->threshold);
 }
 
-/* Shares of a value, a number or one a ray, rounded half up. */
-static u32l share(u32l value, u16l chance) {
-    return (value * TO_U32(chance) + SV_WALL_SURE / 2u) / (uint)SV_WALL_SURE;
+/* Shares of probabilities, rounded half up. */
+static u16l share(u16l value, u16l chance) {
+    const u16l low = ((value * chance >> (ushort)1) + (ushort)(SV_WALL_SURE / 4)) >> (ushort)14;
+    return (high_of(value, chance) << (ushort)1) + low;
 }
 
-/* The same of costs, which have 13 bits at most, in 16 bits. */
+/* Shares of a cost, which has 13 bits at most, rounded down. */
 static u16l share_of_cost(uint cost, u16l chance) {
-    const u16l twice = (u16l)((ushort)(2 * cost));
-    const u16l high = TO_U16((TO_U32(twice) * TO_U32(chance)) >> 16u), low = twice * chance;
-    return high + (low >> (ushort)15);
+    return high_of((u16l)((ushort)(2 * cost)), chance);
 }
 
-/* Probabilities of brightnesses; the first tissue of a ray has its own. */
-static u16l chances_of(const rays_t *r, u8l bright, i16l at_run) {
-    const uchar *level = (const uchar *)&bright;
-    const short *in_run = (const short *)&at_run;
-    u16l chance;
-    for (uint i = 0; i < LANES; i++)
-        ((ushort *)&chance)[i] = (ushort)r->chances[level[i] + (in_run[i] ? 0u : 256u)];
-    return chance;
+/* Looks up the probabilities of the brightnesses of HALF cells. */
+static void find_chances(const twin_rays_t *s, uint z) {
+    __global const uchar *bright = s->bright + z * s->cell_pitch;
+    LOOK_UPS
+    for (uint i = 0; i < HALF; i++) ((__global uint *)(s->chance + z))[i] = s->chances[bright[i]];
 }
 
-/* Front to back. */
-static void walk_forth(const sv_wall_layout *l, rays_t *r, const layers_t *s) {
-    const u8l far = (u8l)((uchar)l->far);
-    const i16l scanned = r->end > r->first;
-    const u8l open_front = bytes_of(scanned & ~r->touches);
-    u16l before = (u16l)(SV_WALL_SURE), now = before;
-    u8l most = (u8l)(0), behind = most, near = far, over = (u8l)(0);
+/* What is known of LANES rays on the way front to back. The fetus: probability that it has not begun before
+ * this run, and so far; the largest chance that the run has shown. */
+typedef struct {
+    u16l before, now, most;
+    u8l behind, near, over; /* tissue before; distance to the fluid; the first fluid has ended */
+} forth_t;
+
+static void fetus_begins(const twin_rays_t *s, rays_t *r, uint z, u16l tissue, forth_t *w) {
+    const u32h both = s->chance[z]; /* two rays share a word */
+    const u16l any = SEEN_AS(both >> 16u | (both & 0xffff0000u), u16l);
+    const u16l first = SEEN_AS((both & 0xffffu) | both << 16u, u16l);
+    const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
+    const u16l chance = PICK(any, first, in_run);
+    w->most = MOST(w->most, chance) & tissue;
+    w->now = PICK(w->now, w->before - share(w->before, w->most), tissue);
+    w->before = PICK(w->now, w->before, tissue);
+    const u16l begun = (u16l)(SV_WALL_SURE)-w->now;
+    r->in_run = PICK(r->in_run, begun, in_run);
+    r->begun_at[z] = begun;
+}
+
+static void pass_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue, forth_t *w) {
+    const i16l at = (i16l)((short)z);
+    const u8l open_front = bytes_of((r->end > r->first) & ~r->touches & (r->first > at));
+    const u8l fluid = (bytes_of((r->first <= at) & (r->end > at)) & ~tissue) | open_front;
+    w->near = LEAST(w->near + (u8l)(1), (u8l)((uchar)l->far)) & ~fluid;
+    r->near_at[z] = w->near;
+    /* tissue behind the first fluid */
+    const u8l enters = tissue & ~w->behind & bytes_of(r->run_end < at) & ~w->over;
+    r->fluid_end = PICK(r->fluid_end, at, words_of(enters));
+    w->over |= enters;
+    w->behind = tissue;
+}
+
+/* What is known before the first layer. */
+static void set_out(const sv_wall_layout *l, rays_t *r, forth_t *w) {
+    w->before = w->now = (u16l)(SV_WALL_SURE);
+    w->most = (u16l)(0);
+    w->behind = w->over = (u8l)(0);
+    w->near = (u8l)((uchar)l->far);
     r->fluid_end = r->end;
-    for (uint z = 0; z < l->layers; z++) {
-        const i16l at = (i16l)((short)z);
-        const u8l tissue = tissue_at(r, z);
-        const u8l bright = *(__global const u8l *)(r->bright + z * r->bright_pitch) & tissue;
-        const u8l asks = tissue & (AS_U8(bright > most) | ~behind);
-        most &= tissue;
-        most = MOST(most, bright);
-        if (some_bytes(asks)) {
-            const u16l chance = chances_of(r, most, r->touches & (r->run_end > at));
-            now = PICK(now, before - TO_U16(share(TO_U32(before), chance)), AS_U16(words_of(tissue)));
-        }
-        before = PICK(now, before, AS_U16(words_of(tissue)));
-        s->begun[z] = (u16l)(SV_WALL_SURE)-now;
-        const u8l fluid =
-            (bytes_of((r->first <= at) & (r->end > at)) & ~tissue) | (open_front & bytes_of(r->first > at));
-        near = LEAST(near + (u8l)(1), far) & ~fluid;
-        s->near[z] = near;
-        /* tissue behind the first fluid */
-        const u8l enters = tissue & ~behind & bytes_of(r->run_end < at) & ~over;
-        if (some_bytes(enters)) r->fluid_end = PICK(r->fluid_end, at, words_of(enters));
-        over |= enters;
-        behind = tissue;
-    }
-    /* An open front, or no fluid at all: all that is before the tissue. */
+    r->in_run = (u16l)(0);
+}
+
+/* And behind the last. An open front, or no fluid at all: the surface belongs before the tissue. */
+static void arrive(rays_t *r, const forth_t *w) {
     const i16l in_front = ~(r->touches & (r->run_end < r->end));
     r->fluid = r->run_end & ~in_front;
     r->fluid_end = PICK(r->fluid_end, r->run, in_front);
-    r->begun = (u16l)(SV_WALL_SURE)-now;
+    r->begun = (u16l)(SV_WALL_SURE)-w->now;
 }
 
-/* Probability that the fetus begins in the first tissue, where that begins with the scan. */
-static void find_in_run(rays_t *r, const layers_t *s) {
-    const i16l has_run = r->touches & (r->run_end > r->run);
-    const short *end = (const short *)&r->run_end, *some = (const short *)&has_run;
-    for (uint i = 0; i < LANES; i++) {
-        const uint last = some[i] ? (uint)(end[i] - 1) : 0;
-        const ushort begun = ((__global const ushort *)(s->begun + last))[i];
-        ((ushort *)&r->in_run)[i] = some[i] ? begun : (ushort)0;
+/* Tissue of both rows in layer z, and what is looked up for it a layer ahead: what was just stored is slow to
+ * load. */
+static void look_ahead(const sv_wall_layout *l, const twin_rays_t *s, uint z, u8l tissue[2]) {
+    tissue[0] = tissue[1] = (u8l)(0);
+    if (z == l->layers) return;
+    BOTH for (uint i = 0; i < 2; i++) tissue[i] = tissue_at(s, &s->rays[i], z);
+    if (s->sure == l->layers && some_bytes(tissue[0] | tissue[1])) find_chances(s, z);
+}
+
+/* Front to back. */
+static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
+    rays_t *const r = s->rays;
+    const i16l scanned[2] = {r[0].end > r[0].first, r[1].end > r[1].first};
+    forth_t w[2];
+    u8l next[2];
+    s->sure = l->layers;
+    BOTH for (uint i = 0; i < 2; i++) set_out(l, &r[i], &w[i]);
+    look_ahead(l, s, 0, next);
+    for (uint z = 0; z < l->layers; z++) {
+        const u8l tissue[2] = {next[0], next[1]};
+        look_ahead(l, s, z + 1, next);
+        if (s->sure == l->layers) {
+            BOTH for (uint i = 0; i < 2; i++) fetus_begins(s, &r[i], z, AS_U16(words_of(tissue[i])), &w[i]);
+            const i16l open = (AS_I16(w[0].now) & scanned[0]) | (AS_I16(w[1].now) & scanned[1]);
+            if (z > 0 && !some_words(open)) s->sure = z;
+        }
+        BOTH for (uint i = 0; i < 2; i++) pass_fluid(l, &r[i], z, tissue[i], &w[i]);
     }
+    BOTH for (uint i = 0; i < 2; i++) arrive(&r[i], &w[i]);
 }
 
-/* What LANES rays pay in layer z but for the distance. `later`: probability that the fetus begins with tissue
- * whose fluid is behind the layer. */
-static u16l wrong_at(const sv_wall_layout *l, const rays_t *r, const layers_t *s, uint z, u16l later) {
+/* What LANES rays pay in layer z, before `sure`, but for the distance. `later`: probability that the fetus
+ * begins with tissue whose fluid is behind the layer. `wrong_fluid`: what the layer costs them if it is not
+ * in the fluid where the surface belongs if there is no fetus. */
+static u16l wrong_at(const sv_wall_layout *l, const twin_rays_t *s, const rays_t *r, uint z, u16l later,
+                     u16l wrong_fluid) {
     const i16l at = (i16l)((short)z);
-    u16l cost = share_of_cost(l->left, later);
-    if (z > 0 || !r->bare) cost += share_of_cost(l->cut, s->begun[z]);
     const uint skin = z + l->skin;
-    if (skin < l->layers) {
+    if (skin < min(l->layers, s->sure)) { /* from there on nothing is left to begin */
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));
-        if (some_words(over)) cost += share_of_cost(l->left, (r->in_run - s->begun[skin]) & AS_U16(over));
+        if (some_words(over)) later += (r->in_run - r->begun_at[skin]) & AS_U16(over);
     }
+    u16l cost = share_of_cost(l->left, later);
+    if (z > 0 || !s->bare) cost += share_of_cost(l->cut, r->begun_at[z]);
     const i16l other = (at < r->fluid) | (at >= r->fluid_end);
-    return cost + share_of_cost(l->other, ((u16l)(SV_WALL_SURE)-r->begun) & AS_U16(other));
+    return cost + (wrong_fluid & AS_U16(other));
 }
 
 static u16l away_at(const sv_wall_layout *l, u8l near) {
@@ -125,25 +168,57 @@ static u16l away_at(const sv_wall_layout *l, u8l near) {
     return LEAST(far, (u16l)(SV_WALL_ONE));
 }
 
-/* Back to front: leaves the costs of LANES rays in layers `pitch` apart. */
-static void walk_back(const sv_wall_layout *l, const rays_t *r, const layers_t *s, size_t pitch,
-                      __global ushort *costs, __global uchar *aways) {
-    const u8l far = (u8l)((uchar)l->far);
-    const i16l scanned = r->end > r->first;
-    u8l behind = (u8l)(0), fluid_behind = behind, near = far;
-    u16l later = (u16l)(0), run_end = r->begun;
+/* Means of two by two rays, rounded half up; given the sums of both rows of rays. */
+static u32h mean_of_cells(u16l sums) {
+    const u32h pairs = SEEN_AS(sums, u32h); /* neighbours share a word */
+    return ((pairs & 0xffffu) + (pairs >> 16u) + 2u) >> 2u;
+}
+
+/* What is known of LANES rays on the way back to front: tissue and fluid behind, and how far that is; the
+ * probability that the fetus begins with tissue whose fluid is behind, or in or before the run behind. */
+typedef struct {
+    u8l behind, fluid_behind, near;
+    u16l later, run_end, wrong_fluid;
+} back_t;
+
+static void turn_back(const sv_wall_layout *l, const rays_t *r, back_t *w) {
+    w->behind = w->fluid_behind = (u8l)(0);
+    w->near = (u8l)((uchar)l->far);
+    w->later = (u16l)(0);
+    w->run_end = r->begun;
+    w->wrong_fluid = share_of_cost(l->other, (u16l)(SV_WALL_SURE)-r->begun);
+}
+
+/* What LANES rays cost in layer z; `away`: of this what is due to the distance from the fluid. */
+static u16l step_back(const sv_wall_layout *l, const twin_rays_t *s, const rays_t *r, uint z, back_t *w,
+                      u16l *away) {
+    const u8l tissue = tissue_at(s, r, z), before = r->near_at[z], fluid = AS_U8(before == (u8l)(0));
+    const u16l scanned = AS_U16(r->end > r->first);
+    u16l wrong = (u16l)((ushort)l->cut); /* where the fetus has begun */
+    if (z < s->sure) {
+        const u16l begun = r->begun_at[z];
+        w->later += (w->run_end - begun) & AS_U16(words_of(tissue & w->fluid_behind));
+        w->run_end = PICK(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
+        wrong = wrong_at(l, s, r, z, w->later, w->wrong_fluid);
+    }
+    w->fluid_behind = fluid;
+    w->behind = tissue;
+    w->near = LEAST(w->near + (u8l)(1), (u8l)((uchar)l->far)) & ~fluid;
+    const u16l distance = away_at(l, LEAST(w->near, before));
+    *away = distance & scanned;
+    return (distance + wrong) & scanned;
+}
+
+/* Back to front: leaves the costs of HALF cells, and of these what is due to the distance from the fluid. */
+static void walk_back(const sv_wall_layout *l, const twin_rays_t *s, __global ushort *costs,
+                      __global uchar *aways) {
+    back_t w[2];
+    BOTH for (uint i = 0; i < 2; i++) turn_back(l, &s->rays[i], &w[i]);
     for (uint z = l->layers; z-- > 0;) {
-        const u8l tissue = tissue_at(r, z), before = s->near[z], fluid = AS_U8(before == (u8l)(0));
-        const u16l begun = s->begun[z];
-        later += (run_end - begun) & AS_U16(words_of(tissue & fluid_behind));
-        run_end = PICK(run_end, begun, AS_U16(words_of(tissue & ~behind)));
-        fluid_behind = fluid;
-        behind = tissue;
-        near = LEAST(near + (u8l)(1), far) & ~fluid;
-        const u16l away = away_at(l, LEAST(near, before));
-        const u16l cost = away + wrong_at(l, r, s, z, later);
-        *(__global u16l *)(costs + z * pitch) = cost & AS_U16(scanned);
-        *(__global u8l *)(aways + z * pitch) = TO_U8(away) & bytes_of(scanned);
+        u16l cost[2], away[2];
+        BOTH for (uint i = 0; i < 2; i++) cost[i] = step_back(l, s, &s->rays[i], z, &w[i], &away[i]);
+        *(__global u16h *)(costs + z * s->cell_pitch) = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
+        *(__global u8h *)(aways + z * s->cell_pitch) = HALF_TO_U8(mean_of_cells(away[0] + away[1]));
     }
 }
 
@@ -162,36 +237,40 @@ static ulong sum_lanes(u16l values) {
     return sum;
 }
 
-/* One work item per row of rays: their costs, of these what is due to the distance from the fluid, and the
- * sum of the probabilities that the fetus is on them. `scratch`: scratch_words words of 32 bits for each row.
- */
+/* One work item per row of cells: their costs, of these what is due to the distance from the fluid, and the
+ * sum of the probabilities that the fetus is on its rays. `scratch`: scratch_words words of 32 bits for each
+ * row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict bright,
                          __global ushort *restrict rays, __global uint *restrict scratch,
                          __global ushort *restrict costs, __global uchar *restrict aways,
                          __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
-    const size_t pitch = block_row(&l, 1, 0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    layers_t s;
-    s.begun = (__global u16l *)(scratch + (size_t)row * scratch_words);
-    s.near = (__global u8l *)(s.begun + l.layers);
-    rays_t r;
-    r.threshold = (u8l)((uchar)info[INFO_TISSUE]);
-    r.chances = info + INFO_CHANCES;
-    r.bare = info[INFO_BARE];
-    r.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0);
-    r.bright_pitch = pitch;
+    twin_rays_t s = {.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0),
+                     .cell_pitch = padded_cells_of(&l),
+                     .threshold = (u8l)((uchar)info[INFO_TISSUE]),
+                     .bare = info[INFO_BARE] != 0,
+                     .chances = info + INFO_CHANCES};
+    s.chance = (__global u32h *)(scratch + (size_t)row * scratch_words);
+    s.rays[0].begun_at = (__global u16l *)(s.chance + l.layers);
+    s.rays[1].begun_at = s.rays[0].begun_at + l.layers;
+    s.rays[0].near_at = (__global u8l *)(s.rays[1].begun_at + l.layers);
+    s.rays[1].near_at = s.rays[0].near_at + l.layers;
     ulong sum = 0;
     for (uint x = 0; x < vectors_of(&l); x++) {
-        r.levels = levels + level_row(&l, 0, row) + x * LANES;
-        r.bright = bright + block_row(&l, 0, row) + x * LANES;
-        load_rays(&l, rays, x, row, &r);
-        walk_forth(&l, &r, &s);
-        find_in_run(&r, &s);
-        sum += sum_lanes(r.begun & AS_U16(r.end > r.first));
-        walk_back(&l, &r, &s, pitch, costs + block_row(&l, 0, row) + x * LANES,
-                  aways + block_row(&l, 0, row) + x * LANES);
+        const size_t at = cell_row(&l, 0, row) + x * HALF;
+        s.bright = bright + at;
+        BOTH for (uint i = 0; i < 2; i++) {
+            s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;
+            load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);
+        }
+        walk_forth(&l, &s);
+        BOTH for (uint i = 0; i < 2; i++) {
+            const u16l scanned = AS_U16(s.rays[i].end > s.rays[i].first);
+            sum += sum_lanes(s.rays[i].begun & scanned);
+        }
+        walk_back(&l, &s, costs + at, aways + at);
     }
     fetus[row] = sum;
 }

@@ -15,7 +15,7 @@ static void sum_rows(const sv_wall_layout *l, __global const uint *histograms, u
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     for (uint i = item; i < 256; i += items) sums[i] = 0;
     if (item == 0) sums[256] = 0;
-    for (uint y = 0; y < l->rows; y++, histograms += HISTOGRAM_WORDS) {
+    for (uint y = 0; y < l->cells[1]; y++, histograms += HISTOGRAM_WORDS) {
         for (uint i = item; i < 256; i += items) sums[i] += histograms[i];
         if (item == 0) sums[256] += histograms[extra];
     }
@@ -198,8 +198,8 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     for (uint i = item; i < 256; i += items) {
         const int more = odds(tables, i * SV_WALL_LEVEL_ONE) - from;
         const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l.level;
-        info[INFO_CHANCES + i] = probability(&l, tables, above - l.first);
-        info[INFO_CHANCES + 256 + i] = probability(&l, tables, above);
+        const uint any = probability(&l, tables, above), first = probability(&l, tables, above - l.first);
+        info[INFO_CHANCES + i] = any << 16 | first;
     }
     if (item > 0) return;
     const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;
@@ -208,14 +208,14 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
 }
 
-/* One work item: whether the frame has a surface. `fetus`: sums over the rays of a row of the
+/* One work item: whether the frame has a surface. `fetus`: sums over the rays of a row of cells of the
  * probability that the fetus is on them; so few that they need no group. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
                           __global uint *restrict info, __global uint *restrict record) {
     bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     if (wanted) {
         ulong sum = 0;
-        for (uint y = 0; y < l.rows; y++) sum += fetus[y];
+        for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
         wanted = sum * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * SV_WALL_SURE * l.fetus_share;
         if (!wanted) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
     }

@@ -37,34 +37,52 @@ static void count_walls(const walk_t *w, i16l first, i16l end, __global uint *hi
     }
 }
 
-/* One work item per row of rays. `bright`: the largest of `beside` over the rows beside every ray. */
+/* The largest of a row of layer `z` and of the rows of cells beside it. */
+static void brightest(const sv_wall_layout *l, __global const uchar *beside, uint z, uint row,
+                      __global uchar *bright) {
+    const uint from = row - min(row, l->beside[1]), to = min(row + l->beside[1], l->cells[1] - 1);
+    for (uint x = 0; x < padded_cells_of(l) / LANES; x++) {
+        u8l most = ((__global const u8l *)(beside + cell_row(l, z, from)))[x];
+        for (uint y = from + 1; y <= to; y++) {
+            const u8l other = ((__global const u8l *)(beside + cell_row(l, z, y)))[x];
+            most = MOST(most, other);
+        }
+        ((__global u8l *)(bright + cell_row(l, z, row)))[x] = most;
+    }
+}
+
+/* LANES rays, up to where the first tissue of the last of them ends. */
+static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *bright,
+                        uint row, uint x, u8l threshold, i16l end) {
+    walk_t w = {.begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .most = (u8l)(0)};
+    const u8l scanned = bytes_of(end > (i16l)(0));
+    for (uint z = 0; z < l->layers && some_bytes(scanned & ~w.over); z++) {
+        const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
+        const u8h cells = ((__global const u8h *)(bright + cell_row(l, z, row / 2)))[x];
+        step(&w, (short)z, AS_U8(level > threshold), rays_of_cells(cells));
+    }
+    return w;
+}
+
+/* One work item per row of cells. `bright`: the largest of `beside` over the rows beside every cell. */
 __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict beside,
                          __global uchar *restrict bright, __global ushort *restrict rays,
                          __global uint *restrict histograms) {
-    const uint row = (uint)get_global_id(0), vectors = vectors_of(&l);
-    const uint from = row - min(row, l.beside[1]), to = min(row + l.beside[1], l.rows - 1);
+    const uint row = (uint)get_global_id(0);
     const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     histograms += (size_t)row * HISTOGRAM_WORDS;
     for (uint i = 0; i < 256; i++) histograms[i] = 0;
     histograms[HISTOGRAM_WALL_RAYS] = 0;
-    for (uint x = 0; x < vectors; x++) {
-        const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, row)[x]);
-        const i16l end = AS_I16(ray_row(rays, &l, RAY_END, row)[x]);
-        walk_t w = {.begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .most = (u8l)(0)};
-        for (uint z = 0; z < l.layers; z++) {
-            u8l most = ((__global const u8l *)(beside + block_row(&l, z, from)))[x];
-            for (uint y = from + 1; y <= to; y++) {
-                const u8l other = ((__global const u8l *)(beside + block_row(&l, z, y)))[x];
-                most = MOST(most, other);
-            }
-            ((__global u8l *)(bright + block_row(&l, z, row)))[x] = most;
-            const u8l level = ((__global const u8l *)(levels + level_row(&l, z, row)))[x];
-            step(&w, (short)z, AS_U8(level > threshold), most);
+    for (uint z = 0; z < l.layers; z++) brightest(&l, beside, z, row, bright);
+    for (uint line = 2 * row; line < 2 * row + 2; line++)
+        for (uint x = 0; x < vectors_of(&l); x++) {
+            const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
+            const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
+            const walk_t w = walk_rays(&l, levels, bright, line, x, threshold, end);
+            ray_row(rays, &l, RAY_RUN, line)[x] = AS_U16(w.begin);
+            ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
+            count_walls(&w, first, end, histograms);
         }
-        ray_row(rays, &l, RAY_RUN, row)[x] = AS_U16(w.begin);
-        ray_row(rays, &l, RAY_RUN_END, row)[x] = AS_U16(w.end);
-        count_walls(&w, first, end, histograms);
-    }
 }

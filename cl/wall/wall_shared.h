@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The surface told by the wall (docs/surface.md): what its kernels, its definition and the C side all need to
- * know. The volume is first reduced to blocks of about 2 mm; a column of blocks is a ray, and a slice of them
- * a layer. All arithmetic up to the cheapest layer is of integers: probabilities in units of 1 /
- * SV_WALL_SURE, costs in units of 1 / SV_WALL_ONE, and of the Gaussian over them in units of 1 /
- * SV_WALL_FINE_ONE.
+ * know. The volume is first reduced to blocks of about 2 mm, which overlap by half across the image; a column
+ * of blocks is a ray, and a slice of them a layer. Two by two rays are a cell. All arithmetic up to the
+ * cheapest layer is of integers: probabilities in units of 1 / SV_WALL_SURE, costs in units of 1 /
+ * SV_WALL_ONE, and of the Gaussian over them in units of 1 / SV_WALL_FINE_ONE.
  */
 #ifndef SV_WALL_SHARED_H
 #define SV_WALL_SHARED_H
@@ -13,12 +13,14 @@
 #define SV_WALL_ONE        128   /* a cost of 1 */
 #define SV_WALL_FINE_ONE   2048  /* the same after the Gaussian */
 #define SV_WALL_PER_MILLE  1000  /* shares and ranks of the settings */
-#define SV_WALL_LANES      32    /* rows of blocks and of rays are padded to these */
-#define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most: its rows sum up to 16 bits */
+#define SV_WALL_LANES      32    /* rows of blocks, rays and cells are padded to these */
+#define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most */
+#define SV_WALL_SPAN       12    /* voxels that such a side touches, at most */
+#define SV_WALL_SPAN_ONE   16    /* their weights together: the rows of a layer sum up to 16 bits */
 #define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
 #define SV_WALL_KERNEL_ONE 64    /* their sum: two passes without rounding are exact in float32 */
-#define SV_WALL_STEADY     8     /* a block of one voxel: its neighbours weigh 1 / 8 each */
-#define SV_WALL_BESIDE     64    /* blocks to either side, at most */
+#define SV_WALL_STEADY     7     /* a layer of one slice: its neighbours weigh 1 / 7 each */
+#define SV_WALL_BESIDE     64    /* rays to either side, at most */
 #define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
 #define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */
 
@@ -49,29 +51,29 @@ typedef enum {
     SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than it: the same */
 } sv_wall_outcome;
 
-/* The voxels of a block along one axis: `first` .. first + count - 1. A voxel weighs 2; one that lies on the
- * border of two blocks weighs 1 in each. */
+/* The voxels of a block along one axis, first .. first + count - 1, and what they weigh: as much as lies in
+ * the block. The weights add up to SV_WALL_SPAN_ONE. */
 typedef struct {
     unsigned int first, count;
-    unsigned int shares_first, shares_last; /* 1: the first, the last voxel is on a border */
-    unsigned int weight;                    /* of all together */
+    unsigned char weight[SV_WALL_SPAN];
 } sv_wall_span;
 
 /* What the settings become in voxels, blocks and layers of one volume. By value; 32-bit members only, so both
  * compilers lay it out alike. */
 typedef struct {
     unsigned int width, height, slices; /* voxels */
-    unsigned int columns, rows, layers; /* blocks */
+    unsigned int columns, rows, layers; /* rays across, rays down, blocks along them */
+    unsigned int cells[2];              /* of two by two rays: half as many across and down */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
-    unsigned int single[3];             /* 1: along x, y, z a block is one voxel */
-    unsigned int beside[2];             /* blocks to either side along x, y */
+    unsigned int steadied;              /* 1: a layer is one slice: its levels are smoothed */
+    unsigned int beside[2];             /* rays to either side along x, y */
     unsigned int skin;                  /* layers */
     unsigned int far;                   /* layers: from this distance on the cost is full */
     unsigned int rate;                  /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
-    unsigned int aside[2];              /* blocks to the neighbours that the median looks at */
-    unsigned int around[2];             /* blocks to those that the confidence looks at */
-    unsigned int reach_x, reach_y;      /* blocks to either side that the Gaussian reaches */
-    unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. blocks */
+    unsigned int aside[2];              /* rays to the neighbours that the median looks at */
+    unsigned int around[2];             /* rays to those that the confidence looks at */
+    unsigned int reach_x, reach_y;      /* cells to either side that the Gaussian reaches */
+    unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
     unsigned int cut, left, other;
     unsigned int slack, reach; /* in units of 1 / SV_WALL_FINE_ONE */
     /* per mille */
@@ -79,7 +81,7 @@ typedef struct {
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int sure;                         /* sixteenths */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */
-    unsigned int median;              /* 1: the median of a block and its eight neighbours */
+    unsigned int median;              /* 1: the median of a ray and its eight neighbours */
     float q;                          /* the knob */
     float doubt;                      /* own cost at which a surface is as likely wrong as right */
 } sv_wall_layout;

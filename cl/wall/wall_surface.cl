@@ -18,11 +18,12 @@ static float16 load_places(__global const float *row, uint x, int step, uint col
     const int from = (int)x + step;
     float lanes[SV_LANES];
     if (from >= 0 && from + SV_LANES <= (int)columns) return vload16(0, row + from);
+    LOOK_UPS
     for (uint i = 0; i < SV_LANES; i++) lanes[i] = row[beside(x + i, step, columns)];
     return *(const float16 *)lanes;
 }
 
-/* 16 rays and their eight neighbours, so many blocks away. */
+/* 16 rays and their eight neighbours, so many rays away. */
 static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
                        float16 *out) {
     const int dx = (int)away[0], dy = (int)away[1];
@@ -39,8 +40,8 @@ static float16 settled(const sv_wall_layout *l, __global const float *places, ui
     return l->median ? median(near) : near[4];
 }
 
-/* One work item per row of rays: the median of the layers and of the ends around them, and what the ray
- * itself says of the layer. */
+/* One work item per row of rays: the median of the layers and of the ends around them, and what the
+ * ray's cell itself says of the layer. */
 __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
                           __global const ushort *restrict costs, __global const uchar *restrict aways,
                           __global float *restrict places) {
@@ -54,8 +55,9 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
         *(__global float16 *)(near + x) = settled(&l, places, PLACE_NEAR, x, y);
         *(__global float16 *)(far + x) = settled(&l, places, PLACE_FAR, x, y);
     }
+    LOOK_UPS
     for (uint x = 0; x < l.columns; x++) {
-        const size_t at = block_row(&l, (uint)(chosen[x] + 0.5f), y) + x;
+        const size_t at = cell_row(&l, (uint)(chosen[x] + 0.5f), y / 2) + x / 2;
         const uint own = costs[at] + (SV_WALL_OWN_AWAY - 1u) * aways[at];
         places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
     }
@@ -89,11 +91,21 @@ __kernel void wall_turn(sv_wall_layout l, __global const uint *restrict info,
     }
 }
 
-static void next_pixel(between_t *b, uint pixels, uint blocks) {
-    b->rest += (int)(2 * blocks);
-    const bool over = b->rest >= (int)(2 * pixels);
-    b->rest -= over ? (int)(2 * pixels) : 0;
-    b->block += over;
+/* There are at most twice as many rays as pixels. */
+static void next_pixel(between_t *b, uint pixels, uint rays) {
+    const int width = (int)(2 * pixels), rest = b->rest + (int)(2 * rays);
+    const int passed = (rest >= width) + (rest >= 2 * width);
+    b->rest = rest - passed * width;
+    b->ray += passed;
+}
+
+/* A row where every pixel is a ray. */
+static void leave_rays_of(const sv_wall_layout *l, __global const float *turned, __global const float *sure,
+                          __global float *surface, __global float *confidence) {
+    for (uint x = 0; x < l->width; x++) {
+        surface[x] = (float)l->depth * turned[x];
+        confidence[x] = fmin(sure[x], 1.0f);
+    }
 }
 
 /* One work item per row of pixels. The surface at q goes into the first plane. Without a surface, zeros. */
@@ -107,6 +119,10 @@ __kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
     __global const float *turned = places + place_row(&l, PLACE_TURNED, 0);
     surfaces += (size_t)y * padded_width;
     confidence += (size_t)y * l.width;
+    if (wanted && l.width == l.columns && l.height == l.rows) {
+        leave_rays_of(&l, turned + place_row(&l, 0, y), places + place_row(&l, 0, y), surfaces, confidence);
+        return;
+    }
     for (uint x = 0; x < l.width; x++) {
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);

@@ -20,7 +20,7 @@
 #include "smartvis/confidence.h"
 #include "smartvis/spline.h"
 
-#define SV_MAX_METHOD_BUFFERS 16
+#define SV_MAX_METHOD_BUFFERS 18
 #define SV_MAX_LEVELS         14 /* of a pyramid over 8192 pixels */
 
 /* Sizes of a pyramid's levels, the map itself first; offsets count pixels from the first level's start. */

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 520 };
+enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 264 };
 
 /* Which layout of the work: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -44,39 +44,45 @@ static size_t padded_columns(const sv_wall_layout *l) {
     return lanes_of(l->columns);
 }
 
-/* Words of 32 bits that a row of rays keeps. By rows, wall_cheapest's two lines between margins and the costs
- * of every layer; by items, two numbers a block. wall_costs needs less: 3 bytes a block. Whole vectors. */
+/* Words of 32 bits that a row keeps. By rows, in whole vectors: wall_costs needs 8 bytes a layer for each of
+ * SV_WALL_LANES rays, wall_blocks three lines of levels, wall_blur two lines of cells. By items,
+ * wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell of wall_items_sum_rows. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
-    if (by_items(m)) return (size_t)2 * l->layers * padded_columns(l);
-    return (l->layers + 2) * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
+    if (by_items(m)) return (size_t)5 * l->layers * padded_columns(l) / sizeof(cl_uint);
+    const size_t layers = (size_t)2 * l->layers * SV_WALL_LANES;
+    const size_t lines = 2 * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
+    return layers > lines ? layers : lines;
 }
 
-/* By rows, 16 bits a pixel of a row of blocks; by items, 32 bits a block. */
+/* By rows, words of 16 bits for each row of rays (sv_wall_sum_words); by items, 32 bits a ray. */
 static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
     return by_items(m) ? padded_columns(l) * l->rows * sizeof(cl_uint)
-                       : lanes_of(l->width) * l->rows * sizeof(cl_ushort);
+                       : (size_t)sv_wall_sum_words(l) * l->rows * sizeof(cl_ushort);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
+    const size_t cells = lanes_of(l.cells[0]) * l.cells[1] * l.layers;
+    const size_t fine = SV_WALL_BESIDE + (lanes_of(l.cells[0]) + SV_WALL_BESIDE) * l.cells[1] * l.layers;
     const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
-    const size_t levels = margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last layer */
+    const size_t levels = margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last of each row */
     const size_t bytes[SV_WALL_BUFFERS] = {
         [SV_WALL_SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
         [SV_WALL_SUMS] = sum_bytes(m, &l),
         [SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
         [SV_WALL_LEVELS] = levels,
-        [SV_WALL_STEADIED] = sv_wall_is_steadied(&l) ? levels : 1,
-        [SV_WALL_LARGEST] = plane * l.layers,
-        [SV_WALL_BRIGHT] = plane * l.layers,
+        [SV_WALL_STEADIED] = l.steadied ? levels : 1,
+        [SV_WALL_LARGEST] = cells,
+        [SV_WALL_BRIGHT] = cells,
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
-        [SV_WALL_HISTOGRAMS] = (size_t)l.rows * HISTOGRAM_WORDS * sizeof(cl_uint),
+        [SV_WALL_HISTOGRAMS] = (size_t)l.cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint),
         [SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),
         [SV_WALL_INFO] = INFO_WORDS * sizeof(cl_uint),
         [SV_WALL_SCRATCH] = l.rows * scratch_words(m, &l) * sizeof(cl_uint),
-        [SV_WALL_COSTS] = plane * l.layers * sizeof(cl_ushort),
-        [SV_WALL_AWAYS] = plane * l.layers,
+        [SV_WALL_COSTS] = cells * sizeof(cl_ushort),
+        [SV_WALL_AWAYS] = cells,
+        [SV_WALL_FINE] = fine * sizeof(cl_ushort),
         [SV_WALL_PLACES] = PLACE_PLANES * plane * sizeof(cl_float),
         [SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
     return sv_buffers_make(m->queue, bytes, SV_WALL_BUFFERS, s->buffer);

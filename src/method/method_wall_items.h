@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Method wall's work, a work item a ray, a block or a pixel: cl/wall/items_*.cl. */
+/* Method wall's work, a work item a ray, a block, a cell or a pixel: cl/wall/items_*.cl. */
 #ifndef SV_METHOD_WALL_ITEMS_H
 #define SV_METHOD_WALL_ITEMS_H
 

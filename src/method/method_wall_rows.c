@@ -13,18 +13,25 @@ enum {
     K_EVIDENCE,
     K_COSTS,
     K_DECIDE,
+    K_BLUR,
     K_CHEAPEST,
     K_MEDIAN,
     K_TRUST,
     K_TURN,
     K_LEAVE
 };
-const char *const sv_wall_rows_kernels[] = {
-    "wall_take",   "wall_blocks",   "wall_steady", "wall_levels", "wall_walls", "wall_evidence", "wall_costs",
-    "wall_decide", "wall_cheapest", "wall_median", "wall_trust",  "wall_turn",  "wall_leave",    NULL};
+const char *const sv_wall_rows_kernels[] = {"wall_take",  "wall_blocks",   "wall_steady", "wall_levels",
+                                            "wall_walls", "wall_evidence", "wall_costs",  "wall_decide",
+                                            "wall_blur",  "wall_cheapest", "wall_median", "wall_trust",
+                                            "wall_turn",  "wall_leave",    NULL};
 
 sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
+}
+
+/* Sums of pixels between margins. */
+uint32_t sv_wall_sum_words(const sv_wall_layout *l) {
+    return (l->width + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES + 2 * SV_WALL_LANES;
 }
 
 static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from,
@@ -36,18 +43,18 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_RANGES]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_LEVELS]);
-    return sv_launch_items(&l, layout->rows, SV_STAGE_PROFILE);
+    return sv_launch_items(&l, layout->cells[1], SV_STAGE_PROFILE);
 }
 
 static const sv_wall_launch launches[] = {
     {.kernel = K_BLOCKS,
-     .takes = SV_WALL_BOUNDS,
-     .over = SV_WALL_ROWS,
+     .takes = SV_WALL_BOUNDS | SV_WALL_SCRATCH_WORDS,
+     .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_THRESHOLD,
-     .buffers = {SV_WALL_SPANS, SV_WALL_RANGES, SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_LARGEST,
-                 SV_WALL_HISTOGRAMS, -1}},
+     .buffers = {SV_WALL_SPANS, SV_WALL_RANGES, SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_SCRATCH,
+                 SV_WALL_LARGEST, SV_WALL_HISTOGRAMS, -1}},
     {.kernel = K_STEADY,
-     .over = SV_WALL_ROWS,
+     .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_STEADIED, SV_WALL_HISTOGRAMS, -1},
      .when = SV_WALL_IF_STEADIED},
@@ -56,7 +63,7 @@ static const sv_wall_launch launches[] = {
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {.kernel = K_WALLS,
-     .over = SV_WALL_ROWS,
+     .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_LARGEST, SV_WALL_BRIGHT, SV_WALL_RAYS,
                  SV_WALL_HISTOGRAMS, -1}},
@@ -66,7 +73,7 @@ static const sv_wall_launch launches[] = {
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {.kernel = K_COSTS,
      .takes = SV_WALL_SCRATCH_WORDS,
-     .over = SV_WALL_ROWS,
+     .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_COSTS,
                  SV_WALL_AWAYS, SV_WALL_FETUS, -1}},
@@ -75,11 +82,16 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_FETUS, SV_WALL_INFO, -1}},
+    {.kernel = K_BLUR,
+     .takes = SV_WALL_SCRATCH_WORDS,
+     .over = SV_WALL_CELL_ROWS,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, SV_WALL_FINE, -1}},
     {.kernel = K_CHEAPEST,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, SV_WALL_PLACES, -1}},
+     .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_SCRATCH, SV_WALL_PLACES, -1}},
     {.kernel = K_MEDIAN,
      .over = SV_WALL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,

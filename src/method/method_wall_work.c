@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_wall_work.h"
 
-bool sv_wall_is_steadied(const sv_wall_layout *l) {
-    return l->single[0] || l->single[1] || l->single[2];
-}
-
 bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
@@ -15,16 +11,18 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
         return sv_launch_items(l, 1, stage);
     case SV_WALL_ROWS:
         return sv_launch_items(l, layout->rows, stage);
+    case SV_WALL_CELL_ROWS:
+        return sv_launch_items(l, layout->cells[1], stage);
     case SV_WALL_PIXEL_ROWS:
         return sv_launch_items(l, layout->height, stage);
     case SV_WALL_ONE_GROUP:
         return sv_launch_groups(l, 1, stage);
     case SV_WALL_GROUPS:
-        return sv_launch_groups(l, layout->rows, stage);
+        return sv_launch_groups(l, layout->cells[1], stage);
     case SV_WALL_EACH_RAY:
         return sv_launch_pixels(l, layout->columns, layout->rows, stage);
-    case SV_WALL_EACH_BLOCK:
-        return sv_launch_pixels(l, layout->columns, layout->rows * layout->layers, stage);
+    case SV_WALL_EACH_CELL:
+        return sv_launch_pixels(l, layout->cells[0], layout->cells[1] * layout->layers, stage);
     case SV_WALL_EACH_PIXEL:
         break;
     }
@@ -34,7 +32,7 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
 sv_status sv_wall_launch_all(const sv_map *m, const sv_method_state *s, const sv_wall_work *work,
                              uint32_t first, uint32_t end, const sv_wall_layout *layout,
                              uint32_t scratch_words) {
-    const bool steadied = sv_wall_is_steadied(layout);
+    const bool steadied = layout->steadied != 0;
     sv_status status = SV_OK;
     for (uint32_t i = first; status == SV_OK && i < end; i++) {
         const sv_wall_launch *w = &work->launches[i];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What method wall's two layouts of the work share: rows, a work item a row of rays with vectors of rays, for
- * CPUs; and items, a work item a ray, a block or a pixel, for GPUs (docs/architecture.md). A layout says
- * which kernels there are, what each is launched over, and with which of the method's buffers.
+ * What method wall's two layouts of the work share: rows, a work item a row of rays or cells with vectors of
+ * rays, for CPUs; and items, a work item a ray, a block, a cell or a pixel, for GPUs (docs/architecture.md).
+ * A layout says which kernels there are, what each is launched over, and with which of the method's buffers.
  */
 #ifndef SV_METHOD_WALL_WORK_H
 #define SV_METHOD_WALL_WORK_H
@@ -16,16 +16,17 @@ enum {
     SV_WALL_SUMS,   /* of the layer that the slabs are in */
     SV_WALL_RANGES, /* of pixels */
     SV_WALL_LEVELS,
-    SV_WALL_STEADIED, /* the same, smoothed where blocks are one voxel; else LEVELS take its place */
-    SV_WALL_LARGEST,  /* brightest of the row */
+    SV_WALL_STEADIED, /* the same, smoothed where layers are one slice; else LEVELS take its place */
+    SV_WALL_LARGEST,  /* brightest of the row of cells */
     SV_WALL_BRIGHT,
     SV_WALL_RAYS,
-    SV_WALL_HISTOGRAMS, /* later the sums of rows of rays, FETUS */
+    SV_WALL_HISTOGRAMS, /* later the sums of rows of rays or cells, FETUS */
     SV_WALL_TABLES,
     SV_WALL_INFO,
     SV_WALL_SCRATCH,
     SV_WALL_COSTS,
     SV_WALL_AWAYS,
+    SV_WALL_FINE, /* costs after the Gaussian */
     SV_WALL_PLACES,
     SV_WALL_CONFIDENCE,
     SV_WALL_BUFFERS
@@ -36,11 +37,12 @@ enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS };
 typedef enum {
     SV_WALL_ONCE,       /* one work item */
     SV_WALL_ROWS,       /* a work item a row of rays */
+    SV_WALL_CELL_ROWS,  /* a work item a row of cells */
     SV_WALL_PIXEL_ROWS, /* a work item a row of pixels */
     SV_WALL_ONE_GROUP,  /* one work group */
-    SV_WALL_GROUPS,     /* a work group a row of rays */
+    SV_WALL_GROUPS,     /* a work group a row of cells */
     SV_WALL_EACH_RAY,   /* a work item each */
-    SV_WALL_EACH_BLOCK,
+    SV_WALL_EACH_CELL,  /* of every layer */
     SV_WALL_EACH_PIXEL
 } sv_wall_over;
 
@@ -66,9 +68,6 @@ typedef struct {
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_of_turn;  /* of them; from this one on they are `turn` */
 } sv_wall_work;
-
-/* True if blocks are one voxel along an axis: they are smoothed. */
-bool sv_wall_is_steadied(const sv_wall_layout *layout);
 
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);

@@ -2,12 +2,7 @@
 #include "ref/ref_wall_blocks.h"
 
 #include <stdlib.h>
-
-/* What voxel `i` of a span weighs. */
-static uint32_t weight_of(const sv_wall_span *s, uint32_t i) {
-    const bool shared = (i == 0 && s->shares_first) || (i + 1 == s->count && s->shares_last);
-    return shared ? 1 : 2;
-}
+#include <string.h>
 
 /* The layers at which all voxels of a ray of blocks were scanned. */
 static void find_range(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_span *sx,
@@ -34,40 +29,24 @@ static uint8_t mean_of(const sv_wall_volume *v, const sv_wall_layout *l, const s
         for (uint32_t j = 0; j < sy->count; j++)
             for (uint32_t i = 0; i < sx->count; i++) {
                 const size_t row = (size_t)z * l->height + sy->first + j;
-                sum += weight_of(sx, i) * weight_of(sy, j) * v->voxels[row * l->width + sx->first + i];
+                sum += (uint32_t)sx->weight[i] * sy->weight[j] * v->voxels[row * l->width + sx->first + i];
             }
-    const uint32_t weight = sx->weight * sy->weight * (to - from);
+    const uint32_t weight = SV_WALL_SPAN_ONE * SV_WALL_SPAN_ONE * (to - from);
     return (uint8_t)((sum + weight / 2) / weight);
 }
 
-/* The mean `step` blocks along an axis from a block at `at`; `own` if that was not scanned. */
-static uint32_t mean_beside(const sv_wall_blocks *b, const uint32_t at[3], int axis, int step, uint32_t own) {
-    const uint32_t count[3] = {b->columns, b->rows, b->layers};
-    uint32_t to[3] = {at[0], at[1], at[2]};
-    if (step < 0 ? at[axis] == 0 : at[axis] + 1 == count[axis]) return own;
-    to[axis] = step < 0 ? at[axis] - 1 : at[axis] + 1;
-    const size_t ray = (size_t)to[1] * b->columns + to[0];
-    const bool scanned = to[2] >= b->first[ray] && to[2] < b->end[ray];
-    return scanned ? b->means[(size_t)to[2] * b->columns * b->rows + ray] : own;
-}
-
-/* A block of one voxel is all speckle: a dark one would part the wall, a bright one behind it would be the
- * fetus. So its neighbours weigh 1 / SV_WALL_STEADY each. */
-static void steady(const sv_wall_layout *l, const sv_wall_blocks *b) {
+/* A layer of one slice is more speckle than tissue: a dark block would part the wall, a bright one behind it
+ * would be the fetus. So its neighbours along the ray weigh 1 / SV_WALL_STEADY each; the block itself does in
+ * the place of one that was not scanned. */
+static void steady(const sv_wall_blocks *b) {
     const size_t plane = (size_t)b->columns * b->rows;
-    uint32_t at[3];
-    for (at[1] = 0; at[1] < b->rows; at[1]++)
-        for (at[0] = 0; at[0] < b->columns; at[0]++) {
-            const size_t ray = (size_t)at[1] * b->columns + at[0];
-            for (at[2] = b->first[ray]; at[2] < b->end[ray]; at[2]++) {
-                const uint32_t own = b->means[at[2] * plane + ray];
-                uint32_t sum = SV_WALL_STEADY * own;
-                for (int axis = 0; axis < 3; axis++)
-                    if (l->single[axis])
-                        sum = sum + mean_beside(b, at, axis, -1, own) + mean_beside(b, at, axis, 1, own) -
-                              2 * own;
-                b->levels[at[2] * plane + ray] = (uint8_t)((sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY);
-            }
+    for (size_t ray = 0; ray < plane; ray++)
+        for (size_t z = b->first[ray]; z < b->end[ray]; z++) {
+            const uint8_t *own = &b->means[z * plane + ray];
+            const uint32_t before = z > b->first[ray] ? *(own - plane) : *own;
+            const uint32_t behind = z + 1 < b->end[ray] ? own[plane] : *own;
+            const uint32_t sum = (SV_WALL_STEADY - 2) * *own + before + behind;
+            b->levels[z * plane + ray] = (uint8_t)((sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY);
         }
 }
 
@@ -94,7 +73,10 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
             for (uint32_t z = b->first[ray]; z < b->end[ray]; z++)
                 b->means[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
         }
-    steady(l, b);
+    if (l->steadied)
+        steady(b);
+    else
+        memcpy(b->levels, b->means, plane * l->layers);
     return true;
 }
 
@@ -124,21 +106,32 @@ static void largest_along(const uint8_t *from, uint8_t *to, size_t groups, size_
         }
 }
 
+/* The brighter of a cell's rays. */
+static void brightest_of_cells(const sv_wall_layout *l, const uint8_t *rays, uint8_t *cells) {
+    for (uint32_t z = 0; z < l->layers; z++)
+        for (uint32_t y = 0; y < l->cells[1]; y++)
+            for (uint32_t x = 0; x < l->cells[0]; x++) {
+                const uint8_t *const at = rays + ((size_t)z * l->rows + 2 * y) * l->columns + 2 * x;
+                const uint8_t above = largest_of(at, 1, 2), below = largest_of(at + l->columns, 1, 2);
+                *cells++ = above > below ? above : below;
+            }
+}
+
 uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
-    const size_t count = (size_t)l->columns * l->rows * l->layers;
-    const size_t plane = (size_t)l->columns * l->rows;
-    uint8_t *rows = calloc(count, 1), *bright = calloc(count, 1);
-    if (rows && bright) {
+    const size_t plane = (size_t)l->columns * l->rows, count = plane * l->layers;
+    uint8_t *means = calloc(count, 1), *cells = calloc(count, 1);
+    if (means && cells) {
         for (size_t i = 0; i < count; i++) {
             const uint32_t behind = i + plane < count ? b->means[i + plane] : 0;
-            bright[i] = (uint8_t)((b->means[i] + behind + 1) / 2);
+            means[i] = (uint8_t)((b->means[i] + behind + 1) / 2);
         }
-        largest_along(bright, rows, (size_t)l->rows * l->layers, l->columns, 1, l->beside[0]);
-        largest_along(rows, bright, l->layers, l->rows, l->columns, l->beside[1]);
-        free(rows);
-        return bright;
+        brightest_of_cells(l, means, cells);
+        largest_along(cells, means, (size_t)l->cells[1] * l->layers, l->cells[0], 1, l->beside[0]);
+        largest_along(means, cells, l->layers, l->cells[1], l->cells[0], l->beside[1]);
+        free(means);
+        return cells;
     }
-    free(rows);
-    free(bright);
+    free(means);
+    free(cells);
     return NULL;
 }

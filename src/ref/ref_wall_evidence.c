@@ -5,6 +5,12 @@ bool sv_wall_is_tissue(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->blocks->levels[z * s->layout->columns * s->layout->rows + ray] > s->threshold;
 }
 
+uint8_t sv_wall_brightness(const sv_wall_scan *s, size_t ray, size_t z) {
+    const sv_wall_layout *l = s->layout;
+    const size_t x = ray % l->columns / 2, y = ray / l->columns / 2;
+    return s->bright[(z * l->cells[1] + y) * l->cells[0] + x];
+}
+
 sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
     const uint32_t start = s->blocks->first[ray], end = s->blocks->end[ray];
     uint32_t z = start;
@@ -26,7 +32,7 @@ static uint32_t wall_histogram(const sv_wall_scan *s, uint64_t histogram[256]) {
         if (!run.touches || !run.fluid || run.begin == run.end) continue;
         uint8_t most = 0;
         for (size_t z = run.begin; z < run.end; z++)
-            if (s->bright[z * plane + ray] > most) most = s->bright[z * plane + ray];
+            if (sv_wall_brightness(s, ray, z) > most) most = sv_wall_brightness(s, ray, z);
         histogram[most]++;
         rays++;
     }

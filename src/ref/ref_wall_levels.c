@@ -3,11 +3,20 @@
 
 #include <string.h>
 
+/* True if a ray is no farther from the middle of the image than the other one of its cell. */
+static bool is_inner(uint32_t ray, uint32_t rays) {
+    return ray < rays / 2 ? ray % 2 == 1 || ray + 1 == rays / 2 : ray % 2 == 0 || ray == rays / 2;
+}
+
 void sv_wall_histogram(const sv_wall_blocks *b, uint64_t histogram[256]) {
     const size_t plane = (size_t)b->columns * b->rows;
     memset(histogram, 0, 256 * sizeof *histogram);
-    for (size_t ray = 0; ray < plane; ray++)
-        for (size_t z = b->first[ray]; z < b->end[ray]; z++) histogram[b->levels[z * plane + ray]]++;
+    for (uint32_t y = 0; y < b->rows; y++)
+        for (uint32_t x = 0; x < b->columns; x++) {
+            const size_t ray = (size_t)y * b->columns + x;
+            if (!is_inner(x, b->columns) || !is_inner(y, b->rows)) continue;
+            for (size_t z = b->first[ray]; z < b->end[ray]; z++) histogram[b->levels[z * plane + ray]]++;
+        }
 }
 
 /* Lowest smoothed count between the modes of the two classes, and the lower mode. Saturated blocks are no

@@ -5,7 +5,9 @@
 
 #include "ref/ref_wall_blocks.h"
 
-/* Histogram of the scanned blocks. */
+/* Histogram of the scanned blocks of one ray a cell: of four that overlap by half it tells as much as all.
+ * The ray next to the middle of the image, so a mirrored volume has the same histogram; both of a cell that
+ * lies in the middle. */
 void sv_wall_histogram(const sv_wall_blocks *blocks, uint64_t histogram[256]);
 
 typedef struct {

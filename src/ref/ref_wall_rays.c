@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#define RAYS_OF_CELL 4
+
 /* One ray: arrays by layer. Allocated once for all rays. */
 typedef struct {
     uint32_t *begun;                 /* probability that the fetus begins in the layer or before it */
@@ -12,20 +14,24 @@ typedef struct {
     uint32_t fluid_begin, fluid_end; /* where the surface belongs if no fetus is seen */
 } ray_facts;
 
-/* Products and shares of probabilities and costs, rounded half up. */
+/* Shares of probabilities, rounded half up. */
 static uint32_t share(uint32_t value, uint32_t probability) {
     return (uint32_t)(((uint64_t)value * probability + SV_WALL_SURE / 2) / SV_WALL_SURE);
+}
+
+/* Shares of costs, rounded down. */
+static uint32_t share_of_cost(uint32_t cost, uint32_t probability) {
+    return (uint32_t)((uint64_t)cost * probability / SV_WALL_SURE);
 }
 
 /* Front to back: the fetus begins where the brightest that a run has shown so far makes it likely, unless it
  * has begun. */
 static void fetus_begins(const sv_wall_scan *s, const sv_wall_evidence *e, size_t ray, ray_facts *f) {
-    const size_t plane = (size_t)s->layout->columns * s->layout->rows;
     uint32_t before = SV_WALL_SURE, now = SV_WALL_SURE; /* that it has not begun: before this run, so far */
     uint8_t most = 0;
     for (uint32_t z = 0; z < s->layout->layers; z++) {
         if (sv_wall_is_tissue(s, ray, z)) {
-            const uint8_t bright = s->bright[z * plane + ray];
+            const uint8_t bright = sv_wall_brightness(s, ray, z);
             const bool at_first = f->first.touches && z < f->first.end;
             if (bright > most) most = bright;
             now = before - share(before, (at_first ? e->first : e->other)[most]);
@@ -69,19 +75,28 @@ static void first_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
     while (f->fluid_end < s->blocks->end[ray] && !sv_wall_is_tissue(s, ray, f->fluid_end)) f->fluid_end++;
 }
 
-static void add_up(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t *away, uint32_t *wrong) {
+/* What is wrong with a surface in layer z: the fetus is cut, an occluder is left, it is in another fluid. */
+static uint32_t wrong_at(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t z) {
     const uint32_t none = SV_WALL_SURE - f->begun[l->layers - 1];
+    uint32_t later = f->later[z];
+    if (f->first.touches && z < f->first.end) {
+        const uint32_t skin = z + l->skin < f->first.end ? z + l->skin : f->first.end - 1;
+        later += f->begun[f->first.end - 1] - f->begun[skin];
+    }
+    uint32_t wrong = share_of_cost(l->left, later);
+    if (z > 0 || !bare) wrong += share_of_cost(l->cut, f->begun[z]);
+    if (z < f->fluid_begin || z >= f->fluid_end) wrong += share_of_cost(l->other, none);
+    return wrong;
+}
+
+/* Adds what a ray costs. */
+static void add_up(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t *all, uint32_t *away) {
     for (uint32_t z = 0; z < l->layers; z++) {
         const uint32_t far = f->distance[z] < l->far ? f->distance[z] : l->far;
         const uint32_t cost = (far * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
-        away[z] = cost < SV_WALL_ONE ? cost : SV_WALL_ONE;
-        wrong[z] = share(l->left, f->later[z]);
-        if (z > 0 || !bare) wrong[z] += share(l->cut, f->begun[z]);
-        if (f->first.touches && z < f->first.end) {
-            const uint32_t skin = z + l->skin < f->first.end ? z + l->skin : f->first.end - 1;
-            wrong[z] += share(l->left, f->begun[f->first.end - 1] - f->begun[skin]);
-        }
-        if (z < f->fluid_begin || z >= f->fluid_end) wrong[z] += share(l->other, none);
+        const uint32_t capped = cost < SV_WALL_ONE ? cost : SV_WALL_ONE;
+        away[z] += capped;
+        all[z] += capped + wrong_at(l, bare, f, z);
     }
 }
 
@@ -102,29 +117,33 @@ static bool facts_make(uint32_t layers, ray_facts *f) {
 
 bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_wall_costs *costs) {
     const sv_wall_layout *l = s->layout;
-    const size_t plane = (size_t)l->columns * l->rows;
+    const size_t rays = (size_t)l->columns * l->rows, count = (size_t)l->cells[0] * l->cells[1] * l->layers;
     ray_facts f;
-    *costs = (sv_wall_costs){.away = calloc(plane * l->layers, sizeof(uint32_t)),
-                             .wrong = calloc(plane * l->layers, sizeof(uint32_t))};
-    if (!costs->away || !costs->wrong || !facts_make(l->layers, &f)) {
+    *costs = (sv_wall_costs){.all = calloc(count, sizeof(uint32_t)), .away = calloc(count, sizeof(uint32_t))};
+    if (!costs->all || !costs->away || !facts_make(l->layers, &f)) {
         sv_wall_costs_destroy(costs);
         return false;
     }
-    for (size_t ray = 0; ray < plane; ray++) {
+    for (size_t ray = 0; ray < rays; ray++) {
         if (s->blocks->first[ray] == s->blocks->end[ray]) continue;
         f.first = sv_wall_first_run(s, ray);
         fetus_begins(s, e, ray, &f);
         fluid_behind(s, ray, &f);
         first_fluid(s, ray, &f);
-        add_up(l, e->bare, &f, costs->away + ray * l->layers, costs->wrong + ray * l->layers);
+        const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;
+        add_up(l, e->bare, &f, costs->all + cell * l->layers, costs->away + cell * l->layers);
         costs->fetus += f.begun[l->layers - 1];
+    }
+    for (size_t i = 0; i < count; i++) {
+        costs->all[i] = (costs->all[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
+        costs->away[i] = (costs->away[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
     }
     facts_free(&f);
     return true;
 }
 
 void sv_wall_costs_destroy(sv_wall_costs *costs) {
+    free(costs->all);
     free(costs->away);
-    free(costs->wrong);
     *costs = (sv_wall_costs){0};
 }

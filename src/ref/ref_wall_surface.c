@@ -10,7 +10,7 @@ static size_t inside(int64_t at, size_t count) {
     return at < 0 ? 0 : at >= (int64_t)count ? count - 1 : (size_t)at;
 }
 
-/* A weighted sum along one axis; beyond the border the ray at the border counts. */
+/* A weighted sum along one axis; beyond the border the cell at the border counts. */
 static void blur_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t count, size_t stride,
                        const uint32_t *weights, uint32_t reach) {
     for (size_t block = 0; block < blocks; block++, from += count * stride)
@@ -26,11 +26,30 @@ static void blur_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t
 
 /* The lateral Gaussian, rounded half up at its end only: so the order of the axes does not matter. */
 static void blur(const sv_wall_layout *l, uint32_t *costs, uint32_t *rows) {
-    const size_t all = (size_t)l->columns * l->rows * l->layers;
+    const size_t all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     const uint32_t one = SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE / (SV_WALL_FINE_ONE / SV_WALL_ONE);
-    blur_along(costs, rows, l->rows, l->columns, l->layers, l->kernel_x, l->reach_x);
-    blur_along(rows, costs, 1, l->rows, (size_t)l->columns * l->layers, l->kernel_y, l->reach_y);
+    blur_along(costs, rows, l->cells[1], l->cells[0], l->layers, l->kernel_x, l->reach_x);
+    blur_along(rows, costs, 1, l->cells[1], (size_t)l->cells[0] * l->layers, l->kernel_y, l->reach_y);
     for (size_t i = 0; i < all; i++) costs[i] = (costs[i] + one / 2) / one;
+}
+
+/* The cell beside that of a ray, on the side where the ray lies; at the border the cell itself. */
+static size_t cell_beside(uint32_t ray, uint32_t cells) {
+    return inside((int64_t)(ray / 2) + (ray % 2 ? 1 : -1), cells);
+}
+
+/* What a ray pays, linear between the costs of the four cells around it and rounded half up. A ray lies a
+ * quarter of a cell from the middle of its own. */
+static void between_cells(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y,
+                          uint32_t *ray) {
+    const size_t row = (size_t)l->cells[0] * l->layers, column = l->layers;
+    const size_t own_x = x / 2 * column, beside_x = cell_beside(x, l->cells[0]) * column;
+    const size_t own_y = y / 2 * row, beside_y = cell_beside(y, l->cells[1]) * row;
+    for (uint32_t z = 0; z < l->layers; z++) {
+        const uint32_t own = costs[own_y + own_x + z], across = costs[own_y + beside_x + z];
+        const uint32_t down = costs[beside_y + own_x + z], both = costs[beside_y + beside_x + z];
+        ray[z] = (9 * own + 3 * (across + down) + both + 8) / 16;
+    }
 }
 
 /* Of a ray, in layers: the surface and the ends of the stretch that the knob moves it in. */
@@ -74,7 +93,7 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Of a ray and its eight neighbours so many blocks away; beyond the border the ray at the border counts. */
+/* Of a ray and its eight neighbours so many rays away; beyond the border the ray at the border counts. */
 static void neighbours(const sv_wall_layout *l, const uint32_t away[2], const float *map, uint32_t x,
                        uint32_t y, float out[9]) {
     const int64_t dx = away[0], dy = away[1];
@@ -99,21 +118,21 @@ static float smooth(const sv_wall_layout *l, const float *map, uint32_t x, uint3
     return (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f;
 }
 
-/* Two blocks and their weights. */
+/* Two rays and their weights. */
 typedef struct {
     uint32_t low, high;
     float low_weight, high_weight;
 } pair;
 
-/* Where pixel i lies between the centres of blocks; beyond the outermost centres their value counts. Both
- * weights are quotients of integers, so that the mirrored pixel has the same. */
-static pair between(uint32_t i, uint32_t pixels, uint32_t blocks) {
-    const int64_t at = (int64_t)(2 * (uint64_t)i + 1) * blocks - pixels, width = 2 * (int64_t)pixels;
+/* Where pixel i lies between rays; beyond the outermost ones their value counts. Both weights are quotients
+ * of integers, so that the mirrored pixel has the same. */
+static pair between(uint32_t i, uint32_t pixels, uint32_t rays) {
+    const int64_t at = (int64_t)(2 * (uint64_t)i + 1) * rays - pixels, width = 2 * (int64_t)pixels;
     if (at <= 0) return (pair){0, 0, 1.0f, 0.0f};
-    const uint32_t block = (uint32_t)(at / width);
-    if (block + 1 >= blocks) return (pair){blocks - 1, blocks - 1, 1.0f, 0.0f};
+    const uint32_t ray = (uint32_t)(at / width);
+    if (ray + 1 >= rays) return (pair){rays - 1, rays - 1, 1.0f, 0.0f};
     const int64_t rest = at % width;
-    return (pair){block, block + 1, (float)(width - rest) / (float)width, (float)rest / (float)width};
+    return (pair){ray, ray + 1, (float)(width - rest) / (float)width, (float)rest / (float)width};
 }
 
 /* Bilinear. The four products are added in an order that neither mirroring nor transposing changes. */
@@ -131,10 +150,11 @@ static void interpolate(const sv_wall_layout *l, const float *rays, float scale,
         }
 }
 
-/* What the ray itself says of the depth that its neighbourhood chose. */
-static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, size_t ray, float layer) {
-    const size_t at = ray * l->layers + (size_t)(layer + 0.5f);
-    return (float)(SV_WALL_OWN_AWAY * costs->away[at] + costs->wrong[at]) / SV_WALL_ONE;
+/* What the ray's cell itself says of the depth that its neighbourhood chose. */
+static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, uint32_t x, uint32_t y,
+                      float layer) {
+    const size_t at = ((size_t)(y / 2) * l->cells[0] + x / 2) * l->layers + (size_t)(layer + 0.5f);
+    return (float)(costs->all[at] + (SV_WALL_OWN_AWAY - 1) * costs->away[at]) / SV_WALL_ONE;
 }
 
 /* The median of every plane. */
@@ -150,8 +170,11 @@ static void settle(const sv_wall_layout *l, const float *layers, float *chosen) 
 /* `own` and `sure` have room for a number a ray. */
 static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const float *layers, float *own,
                   float *sure, float *confidence) {
-    for (size_t ray = 0; ray < (size_t)l->columns * l->rows; ray++)
-        own[ray] = own_cost(l, costs, ray, layers[ray]);
+    for (uint32_t y = 0; y < l->rows; y++)
+        for (uint32_t x = 0; x < l->columns; x++) {
+            const size_t ray = (size_t)y * l->columns + x;
+            own[ray] = own_cost(l, costs, x, y, layers[ray]);
+        }
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
             const float doubt = smooth(l, own, x, y) / l->doubt;
@@ -176,19 +199,34 @@ static void turn(const sv_wall_layout *l, float *chosen) {
     }
 }
 
-bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float *depth, float *confidence) {
-    const size_t count = (size_t)l->columns * l->rows, all = count * l->layers;
-    uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
-    float *layers = calloc(PLANES * count, sizeof *layers), *chosen = calloc(PLANES * count, sizeof *chosen);
-    const bool done = costs && rows && layers && chosen;
-    if (done) {
-        for (size_t i = 0; i < all; i++) costs[i] = given->away[i] + given->wrong[i];
-        blur(l, costs, rows);
-        for (size_t i = 0; i < count; i++) {
+/* The planes of every ray; `costs` of cells, after the Gaussian. False: no memory. */
+static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *layers) {
+    const size_t count = (size_t)l->columns * l->rows;
+    uint32_t *const ray = malloc(l->layers * sizeof *ray);
+    if (!ray) return false;
+    for (uint32_t y = 0; y < l->rows; y++)
+        for (uint32_t x = 0; x < l->columns; x++) {
             float of_ray[PLANES];
-            cheapest(costs + i * l->layers, l->layers, l->slack, l->reach, of_ray);
-            for (size_t plane = 0; plane < PLANES; plane++) layers[plane * count + i] = of_ray[plane];
+            between_cells(l, costs, x, y, ray);
+            cheapest(ray, l->layers, l->slack, l->reach, of_ray);
+            for (size_t plane = 0; plane < PLANES; plane++)
+                layers[plane * count + (size_t)y * l->columns + x] = of_ray[plane];
         }
+    free(ray);
+    return true;
+}
+
+bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float *depth, float *confidence) {
+    const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
+    uint32_t *costs = malloc(all * sizeof *costs), *rows = malloc(all * sizeof *rows);
+    float *layers = calloc(PLANES * count, sizeof *layers), *chosen = calloc(PLANES * count, sizeof *chosen);
+    bool done = costs && rows && layers && chosen;
+    if (done) {
+        memcpy(costs, given->all, all * sizeof *costs);
+        blur(l, costs, rows);
+        done = place_rays(l, costs, layers);
+    }
+    if (done) {
         settle(l, layers, chosen);
         trust(l, given, chosen + PLACE * count, layers, layers + count, confidence);
         turn(l, chosen);

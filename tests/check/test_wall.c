@@ -285,6 +285,26 @@ static void test_single_voxels(void **state) {
     assert_true(surfaces >= 18);
 }
 
+/* No wall, and bone from the first slice on behind half of the pixels: there the fetus has begun at once. */
+static void test_bone_at_once(void **state) {
+    const shape s = {.width = 150,
+                     .height = 40,
+                     .slices = 64,
+                     .slab_slices = 16,
+                     .padding = SV_NO_PADDING,
+                     .spacing_mm = {0.9f, 0.9f, 0.9f}};
+    const size_t plane = (size_t)s.width * s.height;
+    uint8_t *volume = malloc(plane * s.slices);
+    uint32_t random = 7;
+    assert_non_null(volume);
+    for (size_t i = 0; i < plane * s.slices; i++) {
+        const bool fluid = i % s.width < s.width / 2 && i / plane < s.slices / 2;
+        volume[i] = (uint8_t)((fluid ? 5 : 245) + surface_random(&random) % 10);
+    }
+    assert_true(compare(*state, &s, volume, "bone at once"));
+    free(volume);
+}
+
 static void test_layered_noise(void **state) {
     uint32_t surfaces = 0;
     for (uint32_t n = 0; n < 6; n++) {
@@ -354,7 +374,8 @@ static void test_ranges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {RIG_TEST(test_scenes),        RIG_TEST(test_spacings),
-                                       RIG_TEST(test_single_voxels), RIG_TEST(test_any_volume),
-                                       RIG_TEST(test_layered_noise), RIG_TEST(test_ranges)};
+                                       RIG_TEST(test_single_voxels), RIG_TEST(test_bone_at_once),
+                                       RIG_TEST(test_any_volume),    RIG_TEST(test_layered_noise),
+                                       RIG_TEST(test_ranges)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Method wall through the ABI, on scenes of ours at 128^3, or on the folder of volumes that the first
- * argument names: what turns, moves or brightens the scan must turn, move or keep the surface
+ * Method wall through the ABI, on three scenes of ours at 128^3, or on the nine volumes of the folder that
+ * the first argument names: what turns, moves or brightens the scan must turn, move or keep the surface
  * (docs/surface.md). Errors are those of sv_wall, the mean over the cases.
  */
 #include "support/rig.h"
@@ -16,9 +16,11 @@
 
 #include <cmocka.h>
 
-enum { CASES = 3 };
-static const char *const names[CASES] = {"E01", "E04", "M01"};
-static wall_case cases[CASES];
+enum { MOST_CASES = 9 };
+/* Of our scenes the first three. */
+static const char *const names[MOST_CASES] = {"E01", "E04", "M01", "E02", "E03", "M02", "M03", "D01", "D02"};
+static wall_case cases[MOST_CASES];
+static int case_count;
 
 static size_t plane_of(const wall_case *c) {
     return (size_t)c->nx * c->ny;
@@ -84,9 +86,9 @@ static double error_of(const wall_case *c, const float *map) {
 
 static double error_unchanged(rig *r) {
     double sum = 0.0;
-    for (int n = 0; n < CASES; n++) {
+    for (int n = 0; n < case_count; n++) {
         float *map = map_of(r, &cases[n], SV_NO_PADDING, true);
-        sum += error_of(&cases[n], map) / CASES;
+        sum += error_of(&cases[n], map) / case_count;
         free(map);
     }
     return sum;
@@ -119,7 +121,7 @@ static wall_case turned(const wall_case *from, turn t) {
 
 static void test_mirrored_and_transposed(void **state) {
     static const turn turns[] = {{true, false, false}, {false, true, false}, {false, false, true}};
-    for (int n = 0; n < CASES; n++) {
+    for (int n = 0; n < case_count; n++) {
         float *map = map_of(*state, &cases[n], SV_NO_PADDING, true);
         for (size_t k = 0; k < sizeof turns / sizeof *turns; k++) {
             wall_case c = turned(&cases[n], turns[k]);
@@ -135,11 +137,10 @@ static void test_mirrored_and_transposed(void **state) {
     }
 }
 
-/* One pixel sideways is less than a block, so every block is another one. The aim is 0.2 slices (not met,
- * docs/surface.md); the bound is that it gets no worse than before there were blocks. */
+/* One pixel sideways is less than a block, so every block is another one. */
 static void test_moved_sideways(void **state) {
     double sum = 0.0, rays = 0.0;
-    for (int n = 0; n < CASES; n++) {
+    for (int n = 0; n < case_count; n++) {
         const wall_case *from = &cases[n];
         wall_case c = copy_of(from);
         for (size_t i = plane_of(&c) * c.nz; i-- > 1;) /* to the right; the first column stays */
@@ -160,13 +161,13 @@ static void test_moved_sideways(void **state) {
         wall_case_free(&c);
     }
     print_message("one pixel sideways: %.3f slices\n", sum / rays);
-    assert_true(sum / rays <= 0.78);
+    assert_true(sum / rays <= 0.2);
 }
 
 /* Room in front that was not scanned. Eight slices are no whole number of layers at every spacing. */
 static void test_room_in_front(void **state) {
     enum { ROOM = 8 };
-    for (int n = 0; n < CASES; n++) {
+    for (int n = 0; n < case_count; n++) {
         const wall_case *from = &cases[n];
         wall_case c = like(from, from->nx, from->ny, from->nz + ROOM);
         memcpy(c.full + plane_of(&c) * ROOM, from->full, plane_of(&c) * from->nz);
@@ -239,19 +240,20 @@ static void blur(wall_case *c) {
 }
 
 static void test_grey_levels(void **state) {
-    static const double changes[][3] = {{0.5, 1, 0}, {1, 0.7, 0}, {1, 1.4, 0}, {1, 1, 15}, {1, 1, -15}};
+    static const double changes[][3] = {{0.5, 1, 0}, {2, 1, 0},  {1, 0.7, 0},
+                                        {1, 1.4, 0}, {1, 1, 15}, {1, 1, -15}};
     enum { LEVELS = sizeof changes / sizeof *changes, SPECKLE = LEVELS, BLUR, ALL };
     const double base = error_unchanged(*state);
     print_message("unchanged: %.3f slices\n", base);
     for (int k = 0; k < ALL; k++) {
         double sum = 0.0;
-        for (int n = 0; n < CASES; n++) {
+        for (int n = 0; n < case_count; n++) {
             wall_case c = copy_of(&cases[n]);
             if (k == SPECKLE) add_speckle(&c);
             if (k == BLUR) blur(&c);
             if (k < LEVELS) wall_case_change(&c, changes[k][0], changes[k][1], changes[k][2]);
             float *map = map_of(*state, &c, SV_NO_PADDING, true);
-            sum += error_of(&cases[n], map) / CASES;
+            sum += error_of(&cases[n], map) / case_count;
             free(map);
             wall_case_free(&c);
         }
@@ -332,36 +334,30 @@ static float *map_back(const wall_case *from, const wall_case *c, const float *m
     return out;
 }
 
-/* Lengths are in mm: other voxels of the same scan, and voxels of unequal sides, give as good a surface. The
- * last two are not held to that: their blocks are a quarter wider than 2 mm, and docs/surface.md has what
- * they cost. */
+/* Lengths are in mm: other voxels of the same scan, and voxels of unequal sides, give as good a surface. */
 static void test_sizes(void **state) {
-    static const struct {
-        uint32_t n[3];
-        bool held;
-    } sizes[] = {{{128, 128, 192}, true}, {{128, 128, 193}, true}, {{133, 133, 133}, true},
-                 {{192, 160, 128}, true}, {{256, 256, 256}, true}, {{96, 96, 96}, false},
-                 {{100, 144, 240}, false}};
+    static const uint32_t sizes[][3] = {{128, 128, 192}, {128, 128, 193}, {133, 133, 133}, {192, 160, 128},
+                                        {256, 256, 256}, {96, 96, 96},    {100, 144, 240}};
     const double base = error_unchanged(*state);
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
-        const uint32_t *n = sizes[k].n;
+        const uint32_t *n = sizes[k];
         double sum = 0.0;
-        for (int i = 0; i < CASES; i++) {
+        for (int i = 0; i < case_count; i++) {
             wall_case c = resampled(&cases[i], n);
             float *map = map_of(*state, &c, SV_NO_PADDING, true);
             float *back = map_back(&cases[i], &c, map);
-            sum += error_of(&cases[i], back) / CASES;
+            sum += error_of(&cases[i], back) / case_count;
             free(back);
             free(map);
             wall_case_free(&c);
         }
         print_message("%u x %u x %u voxels: %.3f slices, %.3f as they are\n", n[0], n[1], n[2], sum, base);
-        if (sizes[k].held) assert_true(sum <= 1.25 * base);
+        assert_true(sum <= 1.25 * base);
     }
 }
 
 static bool read_cases(const char *folder, hs_error *err) {
-    for (int n = 0; n < CASES; n++)
+    for (int n = 0; n < case_count; n++)
         if (folder ? !wall_case_read(folder, names[n], &cases[n], err)
                    : !wall_case_make(names[n], 1, 0, 0, &cases[n], err))
             return false;
@@ -373,11 +369,12 @@ int main(int argc, char **argv) {
         RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_moved_sideways), RIG_TEST(test_room_in_front),
         RIG_TEST(test_ranges_are_padding),      RIG_TEST(test_grey_levels),    RIG_TEST(test_sizes)};
     hs_error err = {0};
+    case_count = argc > 1 ? MOST_CASES : 3;
     if (!read_cases(argc > 1 ? argv[1] : NULL, &err)) {
         (void)fprintf(stderr, "%s\n", err.text);
         return 1;
     }
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    for (int n = 0; n < CASES; n++) wall_case_free(&cases[n]);
+    for (int n = 0; n < case_count; n++) wall_case_free(&cases[n]);
     return failed;
 }

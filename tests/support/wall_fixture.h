@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-enum { N = 64, PIXELS = N * N };
+enum { N = 64, PIXELS = N * N, RAYS = 4 * PIXELS };
 static const double MM = 1.875; /* of a voxel: the cube is 120 mm wide */
 enum { WALL = 16, GAP = 34, FLUID = 6, FLESH = 90, MUSCLE = 85, BONE = 200 };
 
