@@ -66,7 +66,8 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t cells = lanes_of(l.cells[0]) * l.cells[1] * l.layers;
     const size_t fine = SV_WALL_BESIDE + (lanes_of(l.cells[0]) + SV_WALL_BESIDE) * l.cells[1] * l.layers;
     const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
-    const size_t levels = margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last of each row */
+    const size_t levels =
+        margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last of each row */
     const size_t bytes[SV_WALL_BUFFERS] = {
         [SV_WALL_SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
         [SV_WALL_SUMS] = sum_bytes(m, &l),
