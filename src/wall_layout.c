@@ -169,7 +169,7 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
  * first: so mirrored blocks get mirrored weights. */
 static void weigh(const double *part, uint32_t count, double all, double first, double centre,
                   unsigned char *weight) {
-    double lost[SV_WALL_SPAN + 1];
+    double lost[SV_WALL_SPAN + 1] = {0};
     uint32_t rest = SV_WALL_SPAN_ONE;
     for (uint32_t i = 0; i < count; i++) {
         const double wanted = part[i] * SV_WALL_SPAN_ONE / all;
@@ -192,7 +192,7 @@ static sv_wall_span near_span(uint32_t ray, uint32_t voxels, uint32_t rays) {
     const double reach = fmax(step, LEAST_REACH), from = centre - reach, to = centre + reach;
     const double first = floor(from + HAIR);
     double part[SV_WALL_SPAN + 1];
-    unsigned char weight[SV_WALL_SPAN + 1];
+    unsigned char weight[SV_WALL_SPAN + 1] = {0};
     uint32_t touched = 0;
     for (double at = first; at < to - HAIR && touched <= SV_WALL_SPAN; at += 1.0)
         part[touched++] = fmin(to, at + 1.0) - fmax(from, at);

@@ -111,7 +111,8 @@ static void brightest_of_cells(const sv_wall_layout *l, const uint8_t *rays, uin
     for (uint32_t z = 0; z < l->layers; z++)
         for (uint32_t y = 0; y < l->cells[1]; y++)
             for (uint32_t x = 0; x < l->cells[0]; x++) {
-                const uint8_t *const at = rays + ((size_t)z * l->rows + 2 * y) * l->columns + 2 * x;
+                const uint8_t *const at =
+                    rays + ((size_t)z * l->rows + (size_t)2 * y) * l->columns + (size_t)2 * x;
                 const uint8_t above = largest_of(at, 1, 2), below = largest_of(at + l->columns, 1, 2);
                 *cells++ = above > below ? above : below;
             }

@@ -218,7 +218,7 @@ static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *la
 
 bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float *depth, float *confidence) {
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
-    uint32_t *costs = malloc(all * sizeof *costs), *rows = malloc(all * sizeof *rows);
+    uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
     float *layers = calloc(PLANES * count, sizeof *layers), *chosen = calloc(PLANES * count, sizeof *chosen);
     bool done = costs && rows && layers && chosen;
     if (done) {
