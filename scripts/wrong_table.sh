@@ -20,7 +20,7 @@ tab=$(printf '\t')
 one() {
     local id=$1 mode=$2 out=$work/$1-$2 code reason picture=none
     # Without a guard nothing ends what hangs.
-    local seconds=60
+    local seconds=180 # a slow machine that compiles its first kernels takes a minute
     [[ $mode$id != no-guardhang* ]] || seconds=5
     timeout -k 1 $seconds "$build/host_sim" run --scene E01 --size 32 --frames 1 --setting smartvis --picture 16 --few-pictures \
         --plugin "$build/wrong/$id.so" "--$mode" --guard-time 2,10 --guard-memory 512 --out "$out" \
