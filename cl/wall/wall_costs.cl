@@ -17,7 +17,8 @@
 typedef struct {
     __global const uchar *levels;  /* of the first layer */
     i16l first, end, run, run_end; /* scanned layers, the first tissue */
-    i16l touches;                  /* that begins where the scan does */
+    i16l scanned;                  /* there are such layers */
+    i16l touches;                  /* the first tissue begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
     u16l begun, in_run;            /* probability of a fetus; of one that begins in the first tissue */
     /* of every layer: probability that the fetus has begun, distance to the fluid in front */
@@ -85,7 +86,7 @@ static void fetus_begins(const twin_rays_t *s, rays_t *r, uint z, u16l tissue, f
 
 static void pass_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue, forth_t *w) {
     const i16l at = (i16l)((short)z);
-    const u8l open_front = bytes_of((r->end > r->first) & ~r->touches & (r->first > at));
+    const u8l open_front = bytes_of(r->scanned & ~r->touches & (r->first > at));
     const u8l fluid = (bytes_of((r->first <= at) & (r->end > at)) & ~tissue) | open_front;
     w->near = LEAST(w->near + (u8l)(1), (u8l)((uchar)l->far)) & ~fluid;
     r->near_at[z] = w->near;
@@ -126,7 +127,6 @@ static void look_ahead(const sv_wall_layout *l, const twin_rays_t *s, uint z, u8
 /* Front to back. */
 static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
     rays_t *const r = s->rays;
-    const i16l scanned[2] = {r[0].end > r[0].first, r[1].end > r[1].first};
     forth_t w[2];
     u8l next[2];
     s->sure = l->layers;
@@ -137,7 +137,7 @@ static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
         look_ahead(l, s, z + 1, next);
         if (s->sure == l->layers) {
             BOTH for (uint i = 0; i < 2; i++) fetus_begins(s, &r[i], z, AS_U16(words_of(tissue[i])), &w[i]);
-            const i16l open = (AS_I16(w[0].now) & scanned[0]) | (AS_I16(w[1].now) & scanned[1]);
+            const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
             if (z > 0 && !some_words(open)) s->sure = z;
         }
         BOTH for (uint i = 0; i < 2; i++) pass_fluid(l, &r[i], z, tissue[i], &w[i]);
@@ -193,7 +193,6 @@ static void turn_back(const sv_wall_layout *l, const rays_t *r, back_t *w) {
 static u16l step_back(const sv_wall_layout *l, const twin_rays_t *s, const rays_t *r, uint z, back_t *w,
                       u16l *away) {
     const u8l tissue = tissue_at(s, r, z), before = r->near_at[z], fluid = AS_U8(before == (u8l)(0));
-    const u16l scanned = AS_U16(r->end > r->first);
     u16l wrong = (u16l)((ushort)l->cut); /* where the fetus has begun */
     if (z < s->sure) {
         const u16l begun = r->begun_at[z];
@@ -205,8 +204,8 @@ static u16l step_back(const sv_wall_layout *l, const twin_rays_t *s, const rays_
     w->behind = tissue;
     w->near = LEAST(w->near + (u8l)(1), (u8l)((uchar)l->far)) & ~fluid;
     const u16l distance = away_at(l, LEAST(w->near, before));
-    *away = distance & scanned;
-    return (distance + wrong) & scanned;
+    *away = distance & AS_U16(r->scanned);
+    return (distance + wrong) & AS_U16(r->scanned);
 }
 
 /* Back to front: leaves the costs of HALF cells, and of these what is due to the distance from the fluid. */
@@ -227,7 +226,8 @@ static void load_rays(const sv_wall_layout *l, __global ushort *rays, uint x, ui
     r->end = AS_I16(ray_row(rays, l, RAY_END, row)[x]);
     r->run = AS_I16(ray_row(rays, l, RAY_RUN, row)[x]);
     r->run_end = AS_I16(ray_row(rays, l, RAY_RUN_END, row)[x]);
-    r->touches = (r->end > r->first) & (r->run == r->first);
+    r->scanned = r->end > r->first;
+    r->touches = r->scanned & (r->run == r->first);
 }
 
 static ulong sum_lanes(u16l values) {
@@ -266,10 +266,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);
         }
         walk_forth(&l, &s);
-        BOTH for (uint i = 0; i < 2; i++) {
-            const u16l scanned = AS_U16(s.rays[i].end > s.rays[i].first);
-            sum += sum_lanes(s.rays[i].begun & scanned);
-        }
+        BOTH for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].begun & AS_U16(s.rays[i].scanned));
         walk_back(&l, &s, costs + at, aways + at);
     }
     fetus[row] = sum;

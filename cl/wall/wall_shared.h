@@ -66,7 +66,7 @@ typedef struct {
     unsigned int cells[2];              /* of two by two rays: half as many across and down */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
     unsigned int steadied;              /* 1: a layer is one slice: its levels are smoothed */
-    unsigned int beside[2];             /* rays to either side along x, y */
+    unsigned int beside[2];             /* cells to either side along x, y */
     unsigned int skin;                  /* layers */
     unsigned int far;                   /* layers: from this distance on the cost is full */
     unsigned int rate;                  /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */

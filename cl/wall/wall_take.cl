@@ -169,7 +169,7 @@ __kernel void wall_take(__global const uchar *restrict slab, ulong slab_offset, 
                         sv_wall_layout l, __global const sv_wall_span *restrict spans,
                         __global ushort *restrict sums, __global ushort *restrict ranges,
                         __global uchar *restrict levels) {
-    const uint row = (uint)get_global_id(0), sum_words = padded_pixels_of(&l) + 2 * MEANS_MARGIN;
+    const uint row = (uint)get_global_id(0), sum_words = whole_lanes(l.width) + 2 * MEANS_MARGIN;
     strip_t s = {.row = row,
                  .padding = padding,
                  .range_pitch = range_pitch,

@@ -54,10 +54,10 @@ static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     return layers > lines ? layers : lines;
 }
 
-/* By rows, words of 16 bits for each row of rays (sv_wall_sum_words); by items, 32 bits a ray. */
+/* By rows, 16 bits for each pixel of a row of rays, between margins; by items, 32 bits a ray. */
 static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
     return by_items(m) ? padded_columns(l) * l->rows * sizeof(cl_uint)
-                       : (size_t)sv_wall_sum_words(l) * l->rows * sizeof(cl_ushort);
+                       : (lanes_of(l->width) + (size_t)2 * SV_WALL_LANES) * l->rows * sizeof(cl_ushort);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {

@@ -29,11 +29,6 @@ sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
 }
 
-/* Sums of pixels between margins. */
-uint32_t sv_wall_sum_words(const sv_wall_layout *l) {
-    return (l->width + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES + 2 * SV_WALL_LANES;
-}
-
 static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from,
                       const sv_wall_layout *layout) {
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_TAKE], sv_wall_rows_kernels[K_TAKE], from,

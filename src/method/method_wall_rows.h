@@ -9,7 +9,4 @@ extern const sv_wall_work sv_wall_rows;
 extern const char *const sv_wall_rows_kernels[];
 sv_source sv_wall_rows_source(void);
 
-/* Words of 16 bits that wall_take keeps for a row of rays. */
-uint32_t sv_wall_sum_words(const sv_wall_layout *layout);
-
 #endif

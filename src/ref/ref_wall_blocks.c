@@ -63,16 +63,17 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
         sv_wall_blocks_destroy(b);
         return false;
     }
-    for (uint32_t y = 0; y < l->rows; y++)
+    for (uint32_t y = 0; y < l->rows; y++) {
+        const sv_wall_span sy = sv_wall_span_of(y, l->height, l->rows);
         for (uint32_t x = 0; x < l->columns; x++) {
-            const sv_wall_span sx = sv_wall_span_of(x, l->width, l->columns),
-                               sy = sv_wall_span_of(y, l->height, l->rows);
+            const sv_wall_span sx = sv_wall_span_of(x, l->width, l->columns);
             const size_t ray = (size_t)y * l->columns + x;
             find_range(v, l, &sx, &sy, &b->first[ray], &b->end[ray]);
             b->rays += b->first[ray] < b->end[ray];
             for (uint32_t z = b->first[ray]; z < b->end[ray]; z++)
                 b->means[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
         }
+    }
     if (l->steadied)
         steady(b);
     else
