@@ -10,8 +10,8 @@
 
 /* A ray, and what is known of it. */
 typedef struct {
-    __global const uchar *levels, *bright; /* of the first layer */
-    size_t level_pitch, bright_pitch;      /* from one layer to the next */
+    __global const uchar *levels, *bright, *enclosed; /* of the first layer; the last two of its cell */
+    size_t level_pitch, cell_pitch;                   /* from one layer to the next */
     uint threshold;
     __global const uint *chances;
     bool bare;                     /* there is no wall */
@@ -58,9 +58,11 @@ static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     for (uint z = 0; z < l->layers; z++) {
         const bool tissue = is_tissue(r, z);
         if (tissue) {
-            const bool at_run = r->touches && r->run_end > z;
-            most = max(most, (uint)r->bright[z * r->bright_pitch]);
-            now = before - share(before, (at_run ? r->chances[most] & 0xffffu : r->chances[most] >> 16));
+            const size_t at = z * r->cell_pitch;
+            const bool is_wall = (r->touches && r->run_end > z) || r->enclosed[at] != 0;
+            const uint chance = r->chances[r->bright[at]];
+            most = max(most, is_wall ? chance & 0xffffu : chance >> 16);
+            now = before - share(before, most);
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
                 over = true;
@@ -134,7 +136,8 @@ static void load_ray(const sv_wall_layout *l, __global const ushort *rays, uint 
 /* One work item per ray: what is kept of its layers. */
 __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict info,
                                __global const uchar *restrict levels, __global const uchar *restrict bright,
-                               __global const ushort *restrict rays, __global ushort *restrict scratch) {
+                               __global const uchar *restrict enclosed, __global const ushort *restrict rays,
+                               __global ushort *restrict scratch) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
@@ -142,7 +145,8 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0);
     r.bright = bright + cell_row(&l, 0, row / 2) + x / 2;
-    r.bright_pitch = cell_row(&l, 1, 0);
+    r.enclosed = enclosed + cell_row(&l, 0, row / 2) + x / 2;
+    r.cell_pitch = cell_row(&l, 1, 0);
     load_ray(&l, rays, x, row, &r);
     walk_forth(&l, &r, &s);
     look_back(&r, &s);

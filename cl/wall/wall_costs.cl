@@ -31,9 +31,9 @@ typedef struct {
     rays_t rays[2];
     size_t level_pitch, cell_pitch; /* from one layer to the next */
     u8l threshold;
-    bool bare;                    /* there is no wall */
-    __global const uchar *bright; /* of the first layer */
-    __global const uint *chances; /* of every brightness */
+    bool bare;                               /* there is no wall */
+    __global const uchar *bright, *enclosed; /* of the first layer */
+    __global const uint *chances;            /* of every brightness */
     /* Of every layer with tissue before `sure`: probability that tissue as bright as the cell is the fetus;
      * of any * 65536 + of a ray's first */
     __global u32h *chance;
@@ -70,12 +70,13 @@ typedef struct {
     u8l behind, near, over; /* tissue before; distance to the fluid; the first fluid has ended */
 } forth_t;
 
-static void fetus_begins(const twin_rays_t *s, rays_t *r, uint z, u16l tissue, forth_t *w) {
+/* `enclosed`: rays whose cell the wall encloses. */
+static void fetus_begins(const twin_rays_t *s, rays_t *r, uint z, u16l tissue, u16l enclosed, forth_t *w) {
     const u32h both = s->chance[z]; /* two rays share a word */
     const u16l any = SEEN_AS(both >> 16u | (both & 0xffff0000u), u16l);
     const u16l first = SEEN_AS((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
-    const u16l chance = PICK(any, first, in_run);
+    const u16l chance = PICK(any, first, in_run | enclosed);
     w->most = MOST(w->most, chance) & tissue;
     w->now = PICK(w->now, w->before - share(w->before, w->most), tissue);
     w->before = PICK(w->now, w->before, tissue);
@@ -136,7 +137,10 @@ static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
         const u8l tissue[2] = {next[0], next[1]};
         look_ahead(l, s, z + 1, next);
         if (s->sure == l->layers) {
-            BOTH for (uint i = 0; i < 2; i++) fetus_begins(s, &r[i], z, AS_U16(words_of(tissue[i])), &w[i]);
+            const u8h cells = *(__global const u8h *)(s->enclosed + z * s->cell_pitch);
+            const u16l enclosed = AS_U16(words_of(rays_of_cells(cells)));
+            BOTH for (uint i = 0; i < 2; i++)
+                fetus_begins(s, &r[i], z, AS_U16(words_of(tissue[i])), enclosed, &w[i]);
             const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
             if (z > 0 && !some_words(open)) s->sure = z;
         }
@@ -242,9 +246,9 @@ static ulong sum_lanes(u16l values) {
  * row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict bright,
-                         __global ushort *restrict rays, __global uint *restrict scratch,
-                         __global ushort *restrict costs, __global uchar *restrict aways,
-                         __global ulong *restrict fetus) {
+                         __global const uchar *restrict enclosed, __global ushort *restrict rays,
+                         __global uint *restrict scratch, __global ushort *restrict costs,
+                         __global uchar *restrict aways, __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     twin_rays_t s = {.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0),
@@ -261,6 +265,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
         s.bright = bright + at;
+        s.enclosed = enclosed + at;
         BOTH for (uint i = 0; i < 2; i++) {
             s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The wall's surface, along the rays: how bright they are, their first tissue, and how bright that is where
- * it is the wall.
+ * it is the wall; then what the wall encloses.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
+#endif
+#ifndef SV_WALL_ENCLOSED_CLH
+#include "wall/wall_enclosed.clh"
 #endif
 
 /* The first tissue of LANES rays, front to back. */
@@ -68,7 +71,7 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels, _
 __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict beside,
                          __global uchar *restrict bright, __global ushort *restrict rays,
-                         __global uint *restrict histograms) {
+                         __global uint *restrict histograms, __global uchar *restrict enclosed) {
     const uint row = (uint)get_global_id(0);
     const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -85,4 +88,12 @@ __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
             count_walls(&w, first, end, histograms);
         }
+    find_across(&l, levels, rays, row, threshold, enclosed);
+}
+
+/* One work item per layer: which cells the wall encloses, all bits or none. */
+__kernel void wall_enclose(sv_wall_layout l, __global const uint *restrict info,
+                           __global uchar *restrict enclosed) {
+    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    for (uint x = 0; x < padded_cells_of(&l); x += LANES) look_down(&l, (uint)get_global_id(0), x, enclosed);
 }

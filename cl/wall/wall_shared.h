@@ -20,6 +20,7 @@
 #define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
 #define SV_WALL_KERNEL_ONE 64    /* their sum: two passes without rounding are exact in float32 */
 #define SV_WALL_STEADY     6     /* a layer of one slice: its neighbours weigh 1 / 6 each */
+#define SV_WALL_MOST_RAYS  3     /* of the four of a cell: it is tissue, or wall, if so many are */
 #define SV_WALL_BESIDE     64    /* rays to either side, at most */
 #define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
 #define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */

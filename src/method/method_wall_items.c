@@ -13,6 +13,7 @@ enum {
     K_LEVELS,
     K_BRIGHT,
     K_WALLS,
+    K_ENCLOSE,
     K_EVIDENCE,
     K_COSTS,
     K_CELLS,
@@ -25,16 +26,14 @@ enum {
     K_TURN,
     K_LEAVE
 };
-const char *const sv_wall_items_kernels[] = {"wall_items_range",    "wall_items_take",
-                                             "wall_items_blocks",   "wall_items_steady",
-                                             "wall_items_beside",   "wall_levels",
-                                             "wall_items_bright",   "wall_items_walls",
-                                             "wall_evidence",       "wall_items_costs",
-                                             "wall_items_cells",    "wall_decide",
-                                             "wall_items_sum_rows", "wall_items_sum_columns",
-                                             "wall_items_cheapest", "wall_items_median",
-                                             "wall_items_trust",    "wall_items_turn",
-                                             "wall_items_leave",    NULL};
+const char *const sv_wall_items_kernels[] = {
+    "wall_items_range",    "wall_items_take",     "wall_items_blocks",
+    "wall_items_steady",   "wall_items_beside",   "wall_levels",
+    "wall_items_bright",   "wall_items_walls",    "wall_items_enclose",
+    "wall_evidence",       "wall_items_costs",    "wall_items_cells",
+    "wall_decide",         "wall_items_sum_rows", "wall_items_sum_columns",
+    "wall_items_cheapest", "wall_items_median",   "wall_items_trust",
+    "wall_items_turn",     "wall_items_leave",    NULL};
 _Static_assert(K_LEAVE < SV_MAX_METHOD_KERNELS, "every kernel has a place");
 
 sv_source sv_wall_items_source(void) {
@@ -97,6 +96,10 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_GROUPS,
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_HISTOGRAMS, -1}},
+    {.kernel = K_ENCLOSE,
+     .over = SV_WALL_EACH_LAYER,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_RAYS, SV_WALL_ENCLOSED, -1}},
     {.kernel = K_EVIDENCE,
      .over = SV_WALL_ONE_GROUP,
      .stage = SV_STAGE_THRESHOLD,
@@ -104,7 +107,8 @@ static const sv_wall_launch launches[] = {
     {.kernel = K_COSTS,
      .over = SV_WALL_EACH_RAY,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_SCRATCH, -1}},
+     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_ENCLOSED, SV_WALL_RAYS,
+                 SV_WALL_SCRATCH, -1}},
     {.kernel = K_CELLS,
      .over = SV_WALL_GROUPS,
      .stage = SV_STAGE_RECONSTRUCT,

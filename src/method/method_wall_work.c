@@ -15,10 +15,14 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
         return sv_launch_items(l, layout->cells[1], stage);
     case SV_WALL_PIXEL_ROWS:
         return sv_launch_items(l, layout->height, stage);
+    case SV_WALL_LAYERS:
+        return sv_launch_items(l, layout->layers, stage);
     case SV_WALL_ONE_GROUP:
         return sv_launch_groups(l, 1, stage);
     case SV_WALL_GROUPS:
         return sv_launch_groups(l, layout->cells[1], stage);
+    case SV_WALL_EACH_LAYER:
+        return sv_launch_groups(l, layout->layers, stage);
     case SV_WALL_EACH_RAY:
         return sv_launch_pixels(l, layout->columns, layout->rows, stage);
     case SV_WALL_EACH_CELL:

@@ -19,6 +19,7 @@ enum {
     SV_WALL_STEADIED, /* the same, smoothed where layers are one slice; else LEVELS take its place */
     SV_WALL_LARGEST,  /* brightest of the row of cells */
     SV_WALL_BRIGHT,
+    SV_WALL_ENCLOSED,
     SV_WALL_RAYS,
     SV_WALL_HISTOGRAMS, /* later the sums of rows of rays or cells, FETUS */
     SV_WALL_TABLES,
@@ -39,8 +40,10 @@ typedef enum {
     SV_WALL_ROWS,       /* a work item a row of rays */
     SV_WALL_CELL_ROWS,  /* a work item a row of cells */
     SV_WALL_PIXEL_ROWS, /* a work item a row of pixels */
+    SV_WALL_LAYERS,     /* a work item a layer */
     SV_WALL_ONE_GROUP,  /* one work group */
     SV_WALL_GROUPS,     /* a work group a row of cells */
+    SV_WALL_EACH_LAYER, /* a work group each */
     SV_WALL_EACH_RAY,   /* a work item each */
     SV_WALL_EACH_CELL,  /* of every layer */
     SV_WALL_EACH_PIXEL
@@ -57,7 +60,7 @@ typedef struct {
     int kernel, takes;
     sv_wall_over over;
     sv_stage stage;
-    int buffers[9]; /* up to -1 */
+    int buffers[10]; /* up to -1 */
     sv_wall_when when;
 } sv_wall_launch;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall.h"
 
+#include "ref/ref_wall_enclosed.h"
 #include "ref/ref_wall_surface.h"
 
 #include <math.h>
@@ -41,9 +42,15 @@ static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
 static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const sv_wall_levels *levels,
                     float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
-    uint8_t *const bright = sv_wall_brightest(l, blocks);
-    if (!bright) return false;
-    const sv_wall_scan scan = {l, blocks, bright, sv_wall_tissue_above(l, levels)};
+    sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = sv_wall_tissue_above(l, levels)};
+    uint8_t *const bright = sv_wall_brightest(l, blocks), *const enclosed = sv_wall_enclosed(&scan);
+    if (!bright || !enclosed) {
+        free(bright);
+        free(enclosed);
+        return false;
+    }
+    scan.bright = bright;
+    scan.enclosed = enclosed;
     sv_wall_evidence_of(&scan, levels, &evidence);
     facts->wall_rays = evidence.wall_rays;
     facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
@@ -52,6 +59,7 @@ static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const
     *outcome = SV_WALL_NO_FLUID;
     const bool done = !fluid || place(&scan, &evidence, depth, confidence, outcome, facts);
     free(bright);
+    free(enclosed);
     return done;
 }
 

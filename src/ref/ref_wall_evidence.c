@@ -5,10 +5,18 @@ bool sv_wall_is_tissue(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->blocks->levels[z * s->layout->columns * s->layout->rows + ray] > s->threshold;
 }
 
-uint8_t sv_wall_brightness(const sv_wall_scan *s, size_t ray, size_t z) {
-    const sv_wall_layout *l = s->layout;
+/* Where what is kept of a ray's cell lies. */
+static size_t cell_of(const sv_wall_layout *l, size_t ray, size_t z) {
     const size_t x = ray % l->columns / 2, y = ray / l->columns / 2;
-    return s->bright[(z * l->cells[1] + y) * l->cells[0] + x];
+    return (z * l->cells[1] + y) * l->cells[0] + x;
+}
+
+uint8_t sv_wall_brightness(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->bright[cell_of(s->layout, ray, z)];
+}
+
+bool sv_wall_is_enclosed(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->enclosed[cell_of(s->layout, ray, z)] != 0;
 }
 
 sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {

@@ -17,8 +17,9 @@ typedef struct {
 typedef struct {
     const sv_wall_layout *layout;
     const sv_wall_blocks *blocks;
-    const uint8_t *bright; /* of every cell (sv_wall_brightest) */
-    uint32_t threshold;    /* tissue is brighter */
+    const uint8_t *bright;   /* of every cell (sv_wall_brightest) */
+    const uint8_t *enclosed; /* every cell (sv_wall_enclosed) */
+    uint32_t threshold;      /* tissue is brighter */
 } sv_wall_scan;
 
 /* True if the block in layer z of a ray is tissue. */
@@ -26,6 +27,9 @@ bool sv_wall_is_tissue(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* The brightness of a ray in layer z: its cell's. */
 uint8_t sv_wall_brightness(const sv_wall_scan *scan, size_t ray, size_t z);
+
+/* True if the wall encloses the ray's cell there. */
+bool sv_wall_is_enclosed(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* The first tissue of a ray: layers [begin, end), both the end of the scan if there is none. `touches`: it
  * begins where the scan does. `fluid`: fluid follows it. */

@@ -24,17 +24,19 @@ static uint32_t share_of_cost(uint32_t cost, uint32_t probability) {
     return (uint32_t)((uint64_t)cost * probability / SV_WALL_SURE);
 }
 
-/* Front to back: the fetus begins where the brightest that a run has shown so far makes it likely, unless it
- * has begun. */
+/* Front to back: the fetus begins where what a run has shown so far makes it likely, unless it has begun.
+ * What the wall encloses is told like the first tissue of a ray. */
 static void fetus_begins(const sv_wall_scan *s, const sv_wall_evidence *e, size_t ray, ray_facts *f) {
     uint32_t before = SV_WALL_SURE, now = SV_WALL_SURE; /* that it has not begun: before this run, so far */
-    uint8_t most = 0;
+    uint32_t most = 0;
     for (uint32_t z = 0; z < s->layout->layers; z++) {
         if (sv_wall_is_tissue(s, ray, z)) {
             const uint8_t bright = sv_wall_brightness(s, ray, z);
             const bool at_first = f->first.touches && z < f->first.end;
-            if (bright > most) most = bright;
-            now = before - share(before, (at_first ? e->first : e->other)[most]);
+            const bool is_wall = at_first || sv_wall_is_enclosed(s, ray, z);
+            const uint32_t chance = (is_wall ? e->first : e->other)[bright];
+            if (chance > most) most = chance;
+            now = before - share(before, most);
         } else {
             before = now;
             most = 0;

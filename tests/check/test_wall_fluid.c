@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the surface told by the wall (docs/surface.md) takes for fluid, as scalar C: levels without a valley
- * that are two classes all the same.
+ * that are two classes all the same; a bladder, which the wall encloses.
  */
+#include "ref/ref_wall_enclosed.h"
 #include "support/wall_fixture.h"
 
 #include <stdio.h>
@@ -27,7 +28,79 @@ static void test_fading_tissue(void **state) {
     scan_free(&s);
 }
 
+enum { BLADDER = 6, BACK = 12, SAC = 22, DEEPER = 6 };
+
+/* A bladder of slices BLADDER .. BACK - 1 before the sac, and what lies behind it in the wall, which is
+ * brighter, as behind all fluid. */
+static scan with_bladder(void) {
+    scan s = scan_make(N, N, N);
+    draw(&s, SAC, GAP + DEEPER, true);
+    for (uint32_t z = BLADDER; z < SAC; z++)
+        for (uint32_t y = 0; y < N; y++)
+            for (uint32_t x = 0; x < N; x++) {
+                if (square((double)x - 28.0) + square((double)y - 33.0) > square(16.0)) continue;
+                const double level = z < BACK ? FLUID : 1.1 * MUSCLE;
+                s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z));
+            }
+    return s;
+}
+
+/* The tissue behind it passes for wall, so the surface lies behind that. */
+static void test_bladder(void **state) {
+    (void)state;
+    scan s = with_bladder();
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    uint32_t rays = 0;
+    for (uint32_t y = 0; y < N; y++)
+        for (uint32_t x = 0; x < N; x++) {
+            if (skin(x, y) >= GAP + 6) continue; /* the ball's rim */
+            const float depth = s.depth[y * N + x];
+            assert_true(depth > SAC - 1.0f && depth <= (float)(skin(x, y) + DEEPER));
+            rays++;
+        }
+    assert_in_range(rays, 200, 600);
+    scan_free(&s);
+}
+
+/* Five by five cells of one layer, two rays to a side: all wall but for what `open` and `tissue` name. Wall
+ * is tissue from layer 0 on; `tissue` lies behind fluid. */
+static uint8_t enclosed_in_middle(const int *open, int opens) {
+    enum { CELLS = 5, SIDE = 2 * CELLS, LAYERS = 3, PLANE = SIDE * SIDE, MIDDLE = 2 * CELLS + 2 };
+    uint8_t levels[LAYERS * PLANE];
+    uint16_t first[PLANE] = {0}, end[PLANE];
+    sv_wall_layout l = {.columns = SIDE, .rows = SIDE, .layers = LAYERS, .cells = {CELLS, CELLS}};
+    const sv_wall_blocks blocks = {
+        .columns = SIDE, .rows = SIDE, .layers = LAYERS, .levels = levels, .first = first, .end = end};
+    const sv_wall_scan judged = {.layout = &l, .blocks = &blocks, .threshold = FLUID};
+    for (size_t i = 0; i < LAYERS * PLANE; i++) levels[i] = MUSCLE;
+    for (size_t i = 0; i < PLANE; i++) {
+        const size_t cell = i / SIDE / 2 * CELLS + i % SIDE / 2;
+        end[i] = LAYERS;
+        if (cell / CELLS % 4 && cell % CELLS % 4)
+            levels[PLANE + i] = FLUID; /* behind it the rays are no wall */
+        for (int k = 0; k < opens; k++)
+            if ((int)cell == open[k]) levels[2 * PLANE + i] = FLUID;
+    }
+    uint8_t *const enclosed = sv_wall_enclosed(&judged);
+    assert_non_null(enclosed);
+    assert_int_equal(enclosed[CELLS * CELLS + MIDDLE], 0); /* fluid */
+    const uint8_t is = enclosed[2 * CELLS * CELLS + MIDDLE];
+    free(enclosed);
+    return is;
+}
+
+/* Fluid to one side is enough to set tissue free, wherever between it and the wall; elsewhere it is not. */
+static void test_enclosed(void **state) {
+    static const int sides[] = {11, 13, 7, 17}, corners[] = {6, 8, 16, 18, 0, 24};
+    (void)state;
+    assert_int_equal(enclosed_in_middle(NULL, 0), 1);
+    assert_int_equal(enclosed_in_middle(corners, 6), 1);
+    for (size_t i = 0; i < 4; i++) assert_int_equal(enclosed_in_middle(&sides[i], 1), 0);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fading_tissue)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
+                                       cmocka_unit_test(test_enclosed)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
