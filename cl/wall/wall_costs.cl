@@ -6,8 +6,8 @@
  * and back to front, which tells how far the fluid behind is and what the fluid leaves to the tissue behind
  * it.
  */
-#ifndef SV_WALL_LANES_CLH
-#include "wall/wall_lanes.clh"
+#ifndef SV_WALL_ENCLOSED_CLH
+#include "wall/wall_enclosed.clh"
 #endif
 
 /* Before a loop over both rows of rays: what is known of them is to stay in registers. */
@@ -31,9 +31,11 @@ typedef struct {
     rays_t rays[2];
     size_t level_pitch, cell_pitch; /* from one layer to the next */
     u8l threshold;
-    bool bare;                               /* there is no wall */
-    __global const uchar *bright, *enclosed; /* of the first layer */
-    __global const uint *chances;            /* of every brightness */
+    bool bare;                      /* there is no wall */
+    __global const uchar *bright;   /* of the first layer */
+    __global const ulong *enclosed; /* the same */
+    size_t word_pitch;              /* from one word of `enclosed` to the next */
+    __global const uint *chances;   /* of every brightness */
     /* Of every layer with tissue before `sure`: probability that tissue as bright as the cell is the fetus;
      * of any * 65536 + of a ray's first */
     __global u32h *chance;
@@ -70,13 +72,20 @@ typedef struct {
     u8l behind, near, over; /* tissue before; distance to the fluid; the first fluid has ended */
 } forth_t;
 
-/* `enclosed`: rays whose cell the wall encloses. */
-static void fetus_begins(const twin_rays_t *s, rays_t *r, uint z, u16l tissue, u16l enclosed, forth_t *w) {
-    const u32h both = s->chance[z]; /* two rays share a word */
+/* What was looked up; where the wall encloses a cell, its chance is that of a first tissue. */
+static u32h chances_at(const twin_rays_t *s, uint z) {
+    u8h cells;
+    for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->enclosed[i * s->word_pitch + z];
+    const u32h both = s->chance[z], enclosed = HALF_TO_U32(cells) << 24u; /* the upper bits, if any */
+    return PICK(both, both << 16u | (both & 0xffffu), SEEN_AS(enclosed, i32h) < (i32h)(0));
+}
+
+/* `both`: chances of the cells, of any tissue * 65536 + of a ray's first; two rays share a word. */
+static void fetus_begins(rays_t *r, uint z, u16l tissue, u32h both, forth_t *w) {
     const u16l any = SEEN_AS(both >> 16u | (both & 0xffff0000u), u16l);
     const u16l first = SEEN_AS((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
-    const u16l chance = PICK(any, first, in_run | enclosed);
+    const u16l chance = PICK(any, first, in_run);
     w->most = MOST(w->most, chance) & tissue;
     w->now = PICK(w->now, w->before - share(w->before, w->most), tissue);
     w->before = PICK(w->now, w->before, tissue);
@@ -137,10 +146,9 @@ static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
         const u8l tissue[2] = {next[0], next[1]};
         look_ahead(l, s, z + 1, next);
         if (s->sure == l->layers) {
-            const u8h cells = *(__global const u8h *)(s->enclosed + z * s->cell_pitch);
-            const u16l enclosed = AS_U16(words_of(rays_of_cells(cells)));
+            const u32h chances = chances_at(s, z);
             BOTH for (uint i = 0; i < 2; i++)
-                fetus_begins(s, &r[i], z, AS_U16(words_of(tissue[i])), enclosed, &w[i]);
+                fetus_begins(&r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
             const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
             if (z > 0 && !some_words(open)) s->sure = z;
         }
@@ -246,13 +254,14 @@ static ulong sum_lanes(u16l values) {
  * row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict bright,
-                         __global const uchar *restrict enclosed, __global ushort *restrict rays,
+                         __global const ulong *restrict enclosed, __global ushort *restrict rays,
                          __global uint *restrict scratch, __global ushort *restrict costs,
                          __global uchar *restrict aways, __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     twin_rays_t s = {.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0),
                      .cell_pitch = padded_cells_of(&l),
+                     .word_pitch = padded_layers_of(&l),
                      .threshold = (u8l)((uchar)info[INFO_TISSUE]),
                      .bare = info[INFO_BARE] != 0,
                      .chances = info + INFO_CHANCES};
@@ -265,7 +274,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
         s.bright = bright + at;
-        s.enclosed = enclosed + at;
+        s.enclosed = enclosed + word_column(&l, row, x * WORDS_OF_HALF);
         BOTH for (uint i = 0; i < 2; i++) {
             s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);

@@ -71,7 +71,7 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels, _
 __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict beside,
                          __global uchar *restrict bright, __global ushort *restrict rays,
-                         __global uint *restrict histograms, __global uchar *restrict enclosed) {
+                         __global uint *restrict histograms, __global ulong *restrict enclosed) {
     const uint row = (uint)get_global_id(0);
     const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -91,9 +91,13 @@ __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
     find_across(&l, levels, rays, row, threshold, enclosed);
 }
 
-/* One work item per layer: which cells the wall encloses, all bits or none. */
+/* One work item per word of cells of a row and LAYERS_AT_ONCE layers: which cells of its column the wall
+ * encloses, all bits or none. */
 __kernel void wall_enclose(sv_wall_layout l, __global const uint *restrict info,
-                           __global uchar *restrict enclosed) {
+                           __global ulong *restrict enclosed) {
+    const uint word = (uint)get_global_id(0) % words_of_row(&l),
+               z = (uint)get_global_id(0) / words_of_row(&l);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint x = 0; x < padded_cells_of(&l); x += LANES) look_down(&l, (uint)get_global_id(0), x, enclosed);
+    look_down(enclosed + word_column(&l, 0, word) + (size_t)z * LAYERS_AT_ONCE, word_column(&l, 1, 0),
+              l.cells[1]);
 }

@@ -76,7 +76,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_STEADIED] = l.steadied ? levels : 1,
         [SV_WALL_LARGEST] = cells,
         [SV_WALL_BRIGHT] = cells,
-        [SV_WALL_ENCLOSED] = cells,
+        [SV_WALL_ENCLOSED] = lanes_of(l.cells[0]) * l.cells[1] * (l.layers + SV_WALL_LAYERS - 1),
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
         [SV_WALL_HISTOGRAMS] = (size_t)l.cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint),
         [SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),

@@ -64,7 +64,7 @@ static const sv_wall_launch launches[] = {
      .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_LARGEST, SV_WALL_BRIGHT, SV_WALL_RAYS,
                  SV_WALL_HISTOGRAMS, SV_WALL_ENCLOSED, -1}},
     {.kernel = K_ENCLOSE,
-     .over = SV_WALL_LAYERS,
+     .over = SV_WALL_WORDS,
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_ENCLOSED, -1}},
     {.kernel = K_EVIDENCE,

@@ -5,6 +5,12 @@ bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
 
+/* Words of eight cells of a row, times SV_WALL_LAYERS layers. */
+static size_t words_of(const sv_wall_layout *l) {
+    const size_t lanes = (l->cells[0] + SV_WALL_LANES - 1) / SV_WALL_LANES;
+    return lanes * SV_WALL_LANES / 8 * ((l->layers + SV_WALL_LAYERS - 1) / SV_WALL_LAYERS);
+}
+
 static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layout *layout, sv_stage stage) {
     switch (over) {
     case SV_WALL_ONCE:
@@ -15,8 +21,8 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
         return sv_launch_items(l, layout->cells[1], stage);
     case SV_WALL_PIXEL_ROWS:
         return sv_launch_items(l, layout->height, stage);
-    case SV_WALL_LAYERS:
-        return sv_launch_items(l, layout->layers, stage);
+    case SV_WALL_WORDS:
+        return sv_launch_items(l, words_of(layout), stage);
     case SV_WALL_ONE_GROUP:
         return sv_launch_groups(l, 1, stage);
     case SV_WALL_GROUPS:

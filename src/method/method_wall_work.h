@@ -40,7 +40,7 @@ typedef enum {
     SV_WALL_ROWS,       /* a work item a row of rays */
     SV_WALL_CELL_ROWS,  /* a work item a row of cells */
     SV_WALL_PIXEL_ROWS, /* a work item a row of pixels */
-    SV_WALL_LAYERS,     /* a work item a layer */
+    SV_WALL_WORDS,      /* a work item for 8 columns of cells and SV_WALL_LAYERS layers */
     SV_WALL_ONE_GROUP,  /* one work group */
     SV_WALL_GROUPS,     /* a work group a row of cells */
     SV_WALL_EACH_LAYER, /* a work group each */
