@@ -100,7 +100,36 @@ typedef struct {
     uint32_t evaluations;
 } choice;
 
-/* One constant at a time to its best value, until a round changes nothing. */
+/* Values that make a site at most so much worse than the best one are as good: which of them is best there is
+ * chance, and their mean is the choice. */
+static const double as_good = 1.03;
+
+/* One constant at a time, while the others keep the values that were found. */
+static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error *err) {
+    double chosen[CONSTANTS];
+    site_score score;
+    for (int i = 0; i < CONSTANTS; i++) {
+        const int found = at[i];
+        double sum = constants[i].value[found], count = 1.0;
+        for (int k = 0; k < VALUES; k++) {
+            if (k == found) continue;
+            at[i] = k;
+            put(&out->settings, at);
+            if (!evaluate(set, &out->settings, &score, err)) return false;
+            out->evaluations++;
+            if (objective(&score) > as_good * out->objective) continue;
+            sum += constants[i].value[k];
+            count += 1.0;
+        }
+        at[i] = found;
+        chosen[i] = sum / count;
+    }
+    for (int i = 0; i < CONSTANTS; i++) *wall_constant(&out->settings, constants[i].key) = chosen[i];
+    return true;
+}
+
+/* One constant at a time to its best value, until a round changes nothing; then to the middle of those that
+ * are as good. */
 static bool search(const site_set *set, int start, uint32_t rounds, choice *out, hs_error *err) {
     int at[CONSTANTS];
     site_score score;
@@ -130,8 +159,7 @@ static bool search(const site_set *set, int start, uint32_t rounds, choice *out,
             moved = moved || best != was;
         }
     }
-    put(&out->settings, at);
-    return true;
+    return settle(set, at, out, err);
 }
 
 static bool print_on(const site_list *list, const sv_wall_settings *settings, hs_error *err) {
@@ -158,7 +186,7 @@ static bool choose(const site_list *list, uint32_t index, uint32_t rounds, hs_er
         list->set[index].title, answer[0].evaluations + answer[1].evaluations, answer[0].objective,
         answer[1].objective);
     for (int i = 0; i < CONSTANTS; i++)
-        printf(" %s %g", constants[i].key, *wall_constant(&best->settings, constants[i].key));
+        printf(" %s %.3g", constants[i].key, *wall_constant(&best->settings, constants[i].key));
     printf("\n");
     (void)fflush(stdout);
     return print_on(list, &best->settings, err);
