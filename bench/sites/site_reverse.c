@@ -96,7 +96,7 @@ static void put(sv_wall_settings *s, const int at[CONSTANTS]) {
 /* A settled answer of the search. */
 typedef struct {
     sv_wall_settings settings;
-    double objective;
+    double objective, settled; /* of the best values found, and of the settings */
     uint32_t evaluations;
 } choice;
 
@@ -125,6 +125,9 @@ static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error
         chosen[i] = sum / count;
     }
     for (int i = 0; i < CONSTANTS; i++) *wall_constant(&out->settings, constants[i].key) = chosen[i];
+    if (!evaluate(set, &out->settings, &score, err)) return false;
+    out->evaluations++;
+    out->settled = objective(&score);
     return true;
 }
 
@@ -180,11 +183,12 @@ static bool choose(const site_list *list, uint32_t index, uint32_t rounds, hs_er
     choice answer[2];
     for (int i = 0; i < 2; i++)
         if (!search(&list->set[index], i ? VALUES - 1 : 0, rounds, &answer[i], err)) return false;
-    choice *best = &answer[answer[1].objective < answer[0].objective];
-    printf(
-        "  chosen on %s alone (%u settings tried; from the lowest values %.3f, from the highest %.3f)\n   ",
-        list->set[index].title, answer[0].evaluations + answer[1].evaluations, answer[0].objective,
-        answer[1].objective);
+    choice *best = &answer[answer[1].settled < answer[0].settled];
+    printf("  chosen on %s alone (%u settings tried; from the lowest values %.3f, settled %.3f; from the "
+           "highest "
+           "%.3f, settled %.3f)\n   ",
+           list->set[index].title, answer[0].evaluations + answer[1].evaluations, answer[0].objective,
+           answer[0].settled, answer[1].objective, answer[1].settled);
     for (int i = 0; i < CONSTANTS; i++)
         printf(" %s %.3g", constants[i].key, *wall_constant(&best->settings, constants[i].key));
     printf("\n");

@@ -72,12 +72,12 @@ map "$work/site/scan_end.mha" 32 ' '
 code 0 reverse --rounds 1 --site "$work/site" --case "$(export_scene E04 32)"
 holds [ "$(grep -c '^  chosen on ' "$work/stdout")" -eq 2 ]
 holds [ "$(grep -c '^    on .* largest ratio' "$work/stdout")" -eq 6 ]
-# row LINE: what is minimised, from the printed error, cut and left; found LINE: what the search says.
+# row LINE: what is minimised, from the printed error, cut and left; found LINE: what the choice that was taken says.
 row() {
     grep '^    on ' "$work/stdout" | sed -n "$1p" | sed 's/^.* \([0-9.]*\) \/ *\([0-9.]*\) \/ *\([0-9.]*\)  worst.*/\1 \2 \3/' |
         awk '{ print $1 / 0.7 + $2 / 1.5 + $3 / 2 }'
 }
-found() { grep '^  chosen on ' "$work/stdout" | sed -n "$1p" | tr -c '0-9.\n' ' ' | awk '{ print $(NF - 1) < $NF ? $(NF - 1) : $NF }'; }
+found() { grep '^  chosen on ' "$work/stdout" | sed -n "$1p" | tr -c '0-9.\n' ' ' | awk '{ print $(NF - 2) < $NF ? $(NF - 2) : $NF }'; }
 holds awk -v row="$(row 3)" -v found="$(found 1)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.02 && d > -0.02) }'
 holds awk -v row="$(row 6)" -v found="$(found 2)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.02 && d > -0.02) }'
 code 2 reverse --site "$work/site"
