@@ -100,6 +100,22 @@ typedef struct {
     uint32_t evaluations;
 } choice;
 
+/* What the settings come to. */
+static bool try_settings(const site_set *set, choice *c, double *value, hs_error *err) {
+    site_score score;
+    if (!evaluate(set, &c->settings, &score, err)) return false;
+    c->evaluations++;
+    *value = objective(&score);
+    return true;
+}
+
+/* The same with these values of the constants. */
+static bool try_values(const site_set *set, const int at[CONSTANTS], choice *c, double *value,
+                       hs_error *err) {
+    put(&c->settings, at);
+    return try_settings(set, c, value, err);
+}
+
 /* Values that make a site at most so much worse than the best one are as good: which of them is best there is
  * chance, and their mean is the choice. */
 static const double as_good = 1.03;
@@ -107,17 +123,14 @@ static const double as_good = 1.03;
 /* One constant at a time, while the others keep the values that were found. */
 static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error *err) {
     double chosen[CONSTANTS];
-    site_score score;
     for (int i = 0; i < CONSTANTS; i++) {
         const int found = at[i];
-        double sum = constants[i].value[found], count = 1.0;
+        double sum = constants[i].value[found], count = 1.0, value;
         for (int k = 0; k < VALUES; k++) {
             if (k == found) continue;
             at[i] = k;
-            put(&out->settings, at);
-            if (!evaluate(set, &out->settings, &score, err)) return false;
-            out->evaluations++;
-            if (objective(&score) > as_good * out->objective) continue;
+            if (!try_values(set, at, out, &value, err)) return false;
+            if (value > as_good * out->objective) continue;
             sum += constants[i].value[k];
             count += 1.0;
         }
@@ -125,23 +138,16 @@ static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error
         chosen[i] = sum / count;
     }
     for (int i = 0; i < CONSTANTS; i++) *wall_constant(&out->settings, constants[i].key) = chosen[i];
-    if (!evaluate(set, &out->settings, &score, err)) return false;
-    out->evaluations++;
-    out->settled = objective(&score);
-    return true;
+    return try_settings(set, out, &out->settled, err);
 }
 
 /* One constant at a time to its best value, until a round changes nothing; then to the middle of those that
  * are as good. */
 static bool search(const site_set *set, int start, uint32_t rounds, choice *out, hs_error *err) {
     int at[CONSTANTS];
-    site_score score;
     for (int i = 0; i < CONSTANTS; i++) at[i] = start;
-    out->settings = sv_wall_settings_default();
-    put(&out->settings, at);
-    if (!evaluate(set, &out->settings, &score, err)) return false;
-    out->objective = objective(&score);
-    out->evaluations = 1;
+    *out = (choice){.settings = sv_wall_settings_default()};
+    if (!try_values(set, at, out, &out->objective, err)) return false;
     bool moved = true;
     for (uint32_t round = 0; moved && round < rounds; round++) {
         moved = false;
@@ -149,13 +155,12 @@ static bool search(const site_set *set, int start, uint32_t rounds, choice *out,
             const int was = at[i];
             int best = was;
             for (int k = 0; k < VALUES; k++) {
+                double value;
                 if (k == was) continue;
                 at[i] = k;
-                put(&out->settings, at);
-                if (!evaluate(set, &out->settings, &score, err)) return false;
-                out->evaluations++;
-                if (objective(&score) >= out->objective) continue;
-                out->objective = objective(&score);
+                if (!try_values(set, at, out, &value, err)) return false;
+                if (value >= out->objective) continue;
+                out->objective = value;
                 best = k;
             }
             at[i] = best;
@@ -184,9 +189,8 @@ static bool choose(const site_list *list, uint32_t index, uint32_t rounds, hs_er
     for (int i = 0; i < 2; i++)
         if (!search(&list->set[index], i ? VALUES - 1 : 0, rounds, &answer[i], err)) return false;
     choice *best = &answer[answer[1].settled < answer[0].settled];
-    printf("  chosen on %s alone (%u settings tried; from the lowest values %.3f, settled %.3f; from the "
-           "highest "
-           "%.3f, settled %.3f)\n   ",
+    printf("  chosen on %s alone (%u settings tried; from the lowest values %.3f, settled %.3f; "
+           "from the highest %.3f, settled %.3f)\n   ",
            list->set[index].title, answer[0].evaluations + answer[1].evaluations, answer[0].objective,
            answer[0].settled, answer[1].objective, answer[1].settled);
     for (int i = 0; i < CONSTANTS; i++)

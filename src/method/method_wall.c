@@ -36,12 +36,8 @@ static sv_wall_layout layout_of(const sv_map *m) {
     return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
 }
 
-static size_t lanes_of(uint32_t values) {
-    return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
-}
-
 static size_t padded_columns(const sv_wall_layout *l) {
-    return lanes_of(l->columns);
+    return sv_wall_lanes_of(l->columns);
 }
 
 /* Words of 32 bits that a row keeps. By rows, in whole vectors: wall_costs needs 8 bytes a layer for each of
@@ -56,15 +52,17 @@ static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
 
 /* By rows, 16 bits for each pixel of a row of rays, between margins; by items, 32 bits a ray. */
 static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
-    return by_items(m) ? padded_columns(l) * l->rows * sizeof(cl_uint)
-                       : (lanes_of(l->width) + (size_t)2 * SV_WALL_LANES) * l->rows * sizeof(cl_ushort);
+    return by_items(m)
+               ? padded_columns(l) * l->rows * sizeof(cl_uint)
+               : (sv_wall_lanes_of(l->width) + (size_t)2 * SV_WALL_LANES) * l->rows * sizeof(cl_ushort);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
-    const size_t cells = lanes_of(l.cells[0]) * l.cells[1] * l.layers;
-    const size_t fine = SV_WALL_BESIDE + (lanes_of(l.cells[0]) + SV_WALL_BESIDE) * l.cells[1] * l.layers;
+    const size_t cells = sv_wall_lanes_of(l.cells[0]) * l.cells[1] * l.layers;
+    const size_t fine =
+        SV_WALL_BESIDE + (sv_wall_lanes_of(l.cells[0]) + SV_WALL_BESIDE) * l.cells[1] * l.layers;
     const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
     const size_t levels =
         margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last of each row */
@@ -76,7 +74,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_STEADIED] = l.steadied ? levels : 1,
         [SV_WALL_LARGEST] = cells,
         [SV_WALL_BRIGHT] = cells,
-        [SV_WALL_ENCLOSED] = lanes_of(l.cells[0]) * l.cells[1] * (l.layers + SV_WALL_LAYERS - 1),
+        [SV_WALL_ENCLOSED] = sv_wall_enclosed_bytes(&l),
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
         [SV_WALL_HISTOGRAMS] = (size_t)l.cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint),
         [SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),

@@ -5,10 +5,17 @@ bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
 
-/* Words of eight cells of a row, times SV_WALL_LAYERS layers. */
-static size_t words_of(const sv_wall_layout *l) {
-    const size_t lanes = (l->cells[0] + SV_WALL_LANES - 1) / SV_WALL_LANES;
-    return lanes * SV_WALL_LANES / 8 * ((l->layers + SV_WALL_LAYERS - 1) / SV_WALL_LAYERS);
+size_t sv_wall_lanes_of(uint32_t values) {
+    return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
+}
+
+/* SV_WALL_LAYERS of them at a time. */
+static size_t layer_groups_of(const sv_wall_layout *l) {
+    return ((size_t)l->layers + SV_WALL_LAYERS - 1) / SV_WALL_LAYERS;
+}
+
+size_t sv_wall_enclosed_bytes(const sv_wall_layout *l) {
+    return sv_wall_lanes_of(l->cells[0]) * l->cells[1] * layer_groups_of(l) * SV_WALL_LAYERS;
 }
 
 static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layout *layout, sv_stage stage) {
@@ -22,7 +29,7 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
     case SV_WALL_PIXEL_ROWS:
         return sv_launch_items(l, layout->height, stage);
     case SV_WALL_WORDS:
-        return sv_launch_items(l, words_of(layout), stage);
+        return sv_launch_items(l, sv_wall_lanes_of(layout->cells[0]) / 8 * layer_groups_of(layout), stage);
     case SV_WALL_ONE_GROUP:
         return sv_launch_groups(l, 1, stage);
     case SV_WALL_GROUPS:

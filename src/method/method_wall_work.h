@@ -72,6 +72,12 @@ typedef struct {
     uint32_t count, first_of_turn;  /* of them; from this one on they are `turn` */
 } sv_wall_work;
 
+/* Rounded up to whole rows of SV_WALL_LANES. */
+size_t sv_wall_lanes_of(uint32_t values);
+
+/* A byte for each cell, in whole lanes and whole groups of SV_WALL_LAYERS layers. */
+size_t sv_wall_enclosed_bytes(const sv_wall_layout *layout);
+
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);
 
