@@ -30,6 +30,9 @@ LOOKS_PACKAGES := scripts/packages-looks.txt
 build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
 	cmake --build $(1) -j $(JOBS)
 
+# Other builds' tests need the same kernels as those of build: what PoCL compiled for one is there for all.
+KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
+
 .NOTPARALLEL:
 .PHONY: all setup install dist deb try-deb demo looks console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help
@@ -78,12 +81,12 @@ test: ## set up, build, run all tests
 
 test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
-	@$(call build,build-sanitize,-DSV_SANITIZE=ON -DSV_WERROR=OFF)
+	@$(call build,build-sanitize,-DSV_SANITIZE=ON -DSV_WERROR=OFF $(KERNELS))
 	@scripts/run_tests.sh build-sanitize $(JOBS)
 
 test-clang: ## the tests, built with clang
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES) $(PYTHON_PACKAGES)
-	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang)
+	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang $(KERNELS))
 	@scripts/run_tests.sh build-clang $(JOBS)
 
 fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it finds stays in out/fuzz

@@ -30,7 +30,7 @@ def holds(condition, what):
 
 
 def settle(b, what):
-    b.wait_for(SETTLED, what, 90)
+    b.wait_for(SETTLED, what)
 
 
 def pixels(b, view):

@@ -13,6 +13,8 @@ import urllib.request
 
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
 KEYS = {"left": "\ue012", "up": "\ue013", "right": "\ue014", "down": "\ue015", "home": "\ue011", "tab": "\ue004"}
+# Seconds in which what a test waits for has come, kernels compiled before included; instrumented code takes longer.
+PATIENCE = 300 if os.environ.get("SV_SANITIZE") else 90
 
 
 def programs():
@@ -75,7 +77,7 @@ class Browser:
     def run(self, script, *arguments):
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
 
-    def wait_for(self, script, what, seconds=60):
+    def wait_for(self, script, what, seconds=PATIENCE):
         """Until the expression is true; its value."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
