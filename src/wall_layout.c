@@ -21,7 +21,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .skin_mm = 5.5,
                               .tau_mm = 7.0,
                               .cut = 13.0,
-                              .left = 6.4,
+                              .left = 7.0,
                               .other = 1.15,
                               .sigma_mm = 2.9,
                               .slack = 0.5,

@@ -56,15 +56,17 @@ __kernel void wall_items_trust(sv_wall_layout l, __global const uint *restrict i
 }
 
 /* One work item per ray: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear to
- * either side of 0.5. */
+ * either side of 0.5. In tissue it goes back to the fluid before. */
 __kernel void wall_items_turn(sv_wall_layout l, __global const uint *restrict info,
+                              __global const uchar *restrict levels, __global const ushort *restrict rays,
                               __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_CHOSEN, y) + x];
     const float end = places[place_row(&l, l.q < 0.5f ? PLACE_CHOSEN_FAR : PLACE_CHOSEN_NEAR, y) + x];
-    const float at = place + part * (end - place);
-    places[place_row(&l, PLACE_TURNED, y) + x] = fmax(at, 0.0f);
+    const float at = fmax(place + part * (end - place), 0.0f);
+    places[place_row(&l, PLACE_TURNED, y) + x] = before_tissue(
+        &l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE], rays[block_row(&l, RAY_FIRST, y) + x], at);
 }
 
 /* One work item per pixel. The surface at q goes into the first plane. Without a surface, zeros. */

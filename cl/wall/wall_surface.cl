@@ -76,19 +76,25 @@ __kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
 }
 
 /* One work item per row of rays: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear
- * to either side of 0.5. */
+ * to either side of 0.5. In tissue it goes back to the fluid before. */
 __kernel void wall_turn(sv_wall_layout l, __global const uint *restrict info,
+                        __global const uchar *restrict levels, __global const ushort *restrict rays,
                         __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f);
     __global const float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
     __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_CHOSEN_FAR : PLACE_CHOSEN_NEAR, y);
+    __global float *turned = places + place_row(&l, PLACE_TURNED, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         const float16 place = *(__global const float16 *)(chosen + x);
         const float16 at = place + part * (*(__global const float16 *)(end + x) - place);
-        *(__global float16 *)(places + place_row(&l, PLACE_TURNED, y) + x) = fmax(at, 0.0f);
+        *(__global float16 *)(turned + x) = fmax(at, 0.0f);
     }
+    LOOK_UPS
+    for (uint x = 0; x < l.columns; x++)
+        turned[x] = before_tissue(&l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE],
+                                  rays[block_row(&l, RAY_FIRST, y) + x], turned[x]);
 }
 
 /* There are at most twice as many rays as pixels. */

@@ -23,7 +23,7 @@ static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, fl
     facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_SURE);
     *outcome = costs.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
     const bool done =
-        *outcome != SV_WALL_SURFACE || sv_wall_cheapest(scan->layout, &costs, depth, confidence);
+        *outcome != SV_WALL_SURFACE || sv_wall_cheapest(scan, &costs, depth, confidence);
     sv_wall_costs_destroy(&costs);
     return done;
 }

@@ -199,6 +199,16 @@ static void turn(const sv_wall_layout *l, float *chosen) {
     }
 }
 
+/* A surface in tissue goes back to where that begins, at most `far` layers: the rays around this one have
+ * drawn it out of the fluid before the tissue. Tissue at the start of the scan has no fluid before it. */
+static float before_tissue(const sv_wall_scan *s, size_t ray, float place) {
+    const uint32_t at = (uint32_t)place, start = s->blocks->first[ray];
+    if (!sv_wall_is_tissue(s, ray, at)) return place;
+    for (uint32_t z = at; z > start && at - z < s->layout->far; z--)
+        if (!sv_wall_is_tissue(s, ray, z - 1)) return (float)z;
+    return place;
+}
+
 /* The planes of every ray; `costs` of cells, after the Gaussian. False: no memory. */
 static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *layers) {
     const size_t count = (size_t)l->columns * l->rows;
@@ -216,7 +226,8 @@ static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *la
     return true;
 }
 
-bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float *depth, float *confidence) {
+bool sv_wall_cheapest(const sv_wall_scan *scan, const sv_wall_costs *given, float *depth, float *confidence) {
+    const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
     float *layers = calloc(PLANES * count, sizeof *layers), *chosen = calloc(PLANES * count, sizeof *chosen);
@@ -230,7 +241,9 @@ bool sv_wall_cheapest(const sv_wall_layout *l, const sv_wall_costs *given, float
         settle(l, layers, chosen);
         trust(l, given, chosen + PLACE * count, layers, layers + count, confidence);
         turn(l, chosen);
-        interpolate(l, chosen + PLACE * count, (float)l->depth, depth);
+        float *const surface = chosen + PLACE * count;
+        for (size_t ray = 0; ray < count; ray++) surface[ray] = before_tissue(scan, ray, surface[ray]);
+        interpolate(l, surface, (float)l->depth, depth);
     }
     free(costs);
     free(rows);

@@ -6,7 +6,6 @@
 #include "ref/ref_wall_rays.h"
 
 /* Maps of width * height. False: no memory. */
-bool sv_wall_cheapest(const sv_wall_layout *layout, const sv_wall_costs *costs, float *depth,
-                      float *confidence);
+bool sv_wall_cheapest(const sv_wall_scan *scan, const sv_wall_costs *costs, float *depth, float *confidence);
 
 #endif

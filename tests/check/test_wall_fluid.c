@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the surface told by the wall (docs/surface.md) takes for fluid, as scalar C: levels without a valley
- * that are two classes all the same; a bladder, which the wall encloses.
+ * that are two classes all the same; a bladder, which the wall encloses; what is before a finger.
  */
 #include "ref/ref_wall_enclosed.h"
 #include "support/wall_fixture.h"
@@ -99,8 +99,30 @@ static void test_enclosed(void **state) {
     for (size_t i = 0; i < 4; i++) assert_int_equal(enclosed_in_middle(&sides[i], 1), 0);
 }
 
+/* A finger stands out of the ball by less than tau_mm. What is around it weighs more, so the far end of the
+ * knob's stretch lies behind its tip; the surface does not. */
+static void test_finger(void **state) {
+    enum { LENGTH = 3, X = 26, Y = 35 };
+    (void)state;
+    scan s = scene();
+    const uint32_t tip = skin(X, Y) - LENGTH;
+    for (uint32_t z = tip; z < tip + LENGTH; z++)
+        for (uint32_t y = Y - 1; y <= Y + 1; y++)
+            for (uint32_t x = X - 1; x <= X + 1; x++)
+                s.voxels[at(&s, x, y, z)] = (uint8_t)(FLESH * grain(x, y, z));
+    const sv_wall_volume v = {s.voxels, N, N, N, s.first, s.end, {MM, MM, MM}};
+    sv_wall_settings settings = sv_wall_settings_default();
+    settings.q = 0.0;
+    assert_true(sv_wall_surface(&v, &settings, s.depth, s.confidence, &s.outcome, &s.facts));
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    const float above = s.depth[Y * N + X], beside = s.depth[Y * N + X + 4];
+    printf("finger: tip in slice %u, surface %.2f, beside it %.2f\n", tip, (double)above, (double)beside);
+    assert_true(above > WALL && above <= (float)tip && beside > (float)tip);
+    scan_free(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
-                                       cmocka_unit_test(test_enclosed)};
+                                       cmocka_unit_test(test_enclosed), cmocka_unit_test(test_finger)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
