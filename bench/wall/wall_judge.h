@@ -6,8 +6,8 @@
 
 #include "wall/wall_case.h"
 
-#define WALL_BINS                                                                                            \
-    2048 /* of the confidence: most of it is above 0.98, where coarse bins would make equal what is not */
+/* Of the confidence. Most of it is above 0.98, where coarse bins would make equal what is not. */
+#define WALL_BINS 2048
 
 typedef struct {
     double error; /* mean over labelled rays of |end in the result - end in the truth|, slices of 128 */

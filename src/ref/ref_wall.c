@@ -22,8 +22,7 @@ static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, fl
     const uint64_t rays = scan->blocks->rays, least = rays * SV_WALL_SURE * scan->layout->fetus_share;
     facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_SURE);
     *outcome = costs.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
-    const bool done =
-        *outcome != SV_WALL_SURFACE || sv_wall_cheapest(scan, &costs, depth, confidence);
+    const bool done = *outcome != SV_WALL_SURFACE || sv_wall_cheapest(scan, &costs, depth, confidence);
     sv_wall_costs_destroy(&costs);
     return done;
 }
