@@ -42,7 +42,7 @@ __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
 /* The levels of a ray, smoothed and counted. A block that was not scanned counts as its neighbour. */
 static void steady_ray(const sv_wall_layout *l, ray_place_t at, __global const uchar *levels,
                        __global const ushort *rays, __global uchar *steady, __local uint *counts) {
-    const size_t ray = level_row(l, 0, at.row) + at.x, pitch = level_row(l, 1, 0) - level_row(l, 0, 0);
+    const size_t ray = level_row(l, 0, at.row) + at.x, pitch = level_pitch_of(l);
     const uint first = rays[block_row(l, RAY_FIRST, at.row) + at.x];
     const uint end = rays[block_row(l, RAY_END, at.row) + at.x];
     const bool counted = is_counted(l, at);

@@ -143,7 +143,7 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     const layers_t s = layers_of(&l, scratch, row, x);
     ray_t r = {.threshold = info[INFO_TISSUE], .chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
-    r.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0);
+    r.level_pitch = level_pitch_of(&l);
     r.bright = bright + cell_row(&l, 0, row / 2) + x / 2;
     r.enclosed = enclosed + cell_row(&l, 0, row / 2) + x / 2;
     r.cell_pitch = cell_row(&l, 1, 0);

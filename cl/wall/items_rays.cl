@@ -27,7 +27,7 @@ typedef struct {
  * the end of the scan. */
 static run_t first_run(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *bright,
                        uint threshold, uint end) {
-    const size_t level_pitch = level_row(l, 1, 0) - level_row(l, 0, 0), pitch = cell_row(l, 1, 0);
+    const size_t level_pitch = level_pitch_of(l), pitch = cell_row(l, 1, 0);
     uint z = 0;
     while (z < l->layers && levels[z * level_pitch] <= threshold) z++;
     run_t run = {z < l->layers ? z : end, end, 0};

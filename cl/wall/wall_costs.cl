@@ -259,7 +259,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                          __global uchar *restrict aways, __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    twin_rays_t s = {.level_pitch = level_row(&l, 1, 0) - level_row(&l, 0, 0),
+    twin_rays_t s = {.level_pitch = level_pitch_of(&l),
                      .cell_pitch = padded_cells_of(&l),
                      .word_pitch = padded_layers_of(&l),
                      .threshold = (u8l)((uchar)info[INFO_TISSUE]),

@@ -91,13 +91,13 @@ __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
     find_across(&l, levels, rays, row, threshold, enclosed);
 }
 
-/* One work item per word of cells of a row and LAYERS_AT_ONCE layers: which cells of its column the wall
+/* One work item per word of cells of a row and SV_WALL_LAYERS layers: which cells of its column the wall
  * encloses, all bits or none. */
 __kernel void wall_enclose(sv_wall_layout l, __global const uint *restrict info,
                            __global ulong *restrict enclosed) {
     const uint word = (uint)get_global_id(0) % words_of_row(&l),
                z = (uint)get_global_id(0) / words_of_row(&l);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    look_down(enclosed + word_column(&l, 0, word) + (size_t)z * LAYERS_AT_ONCE, word_column(&l, 1, 0),
+    look_down(enclosed + word_column(&l, 0, word) + (size_t)z * SV_WALL_LAYERS, word_column(&l, 1, 0),
               l.cells[1]);
 }

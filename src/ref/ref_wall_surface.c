@@ -185,20 +185,6 @@ static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const flo
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = fminf(confidence[i], 1.0f);
 }
 
-/* Leaves the surface in the plane PLACE: at q = 0 the far end, at 1 the near one, linear to either side of
- * 0.5.
- */
-static void turn(const sv_wall_layout *l, float *chosen) {
-    const size_t count = (size_t)l->columns * l->rows;
-    const float part = fabsf(2.0f * l->q - 1.0f);
-    const float *const end = chosen + (l->q < 0.5f ? FAR : NEAR) * count;
-    float *const place = chosen + PLACE * count;
-    for (size_t ray = 0; ray < count; ray++) {
-        const float at = place[ray] + part * (end[ray] - place[ray]);
-        place[ray] = at > 0.0f ? at : 0.0f;
-    }
-}
-
 /* A surface in tissue goes back to where that begins, at most `far` layers: the rays around this one have
  * drawn it out of the fluid before the tissue. Tissue at the start of the scan has no fluid before it. */
 static float before_tissue(const sv_wall_scan *s, size_t ray, float place) {
@@ -207,6 +193,20 @@ static float before_tissue(const sv_wall_scan *s, size_t ray, float place) {
     for (uint32_t z = at; z > start && at - z < s->layout->far; z--)
         if (!sv_wall_is_tissue(s, ray, z - 1)) return (float)z;
     return place;
+}
+
+/* Leaves the surface in the plane PLACE: at q = 0 the far end, at 1 the near one, linear to either side of
+ * 0.5. In tissue it goes back to the fluid before. */
+static void turn(const sv_wall_scan *scan, float *chosen) {
+    const sv_wall_layout *l = scan->layout;
+    const size_t count = (size_t)l->columns * l->rows;
+    const float part = fabsf(2.0f * l->q - 1.0f);
+    const float *const end = chosen + (l->q < 0.5f ? FAR : NEAR) * count;
+    float *const place = chosen + PLACE * count;
+    for (size_t ray = 0; ray < count; ray++) {
+        const float at = place[ray] + part * (end[ray] - place[ray]);
+        place[ray] = before_tissue(scan, ray, at > 0.0f ? at : 0.0f);
+    }
 }
 
 /* The planes of every ray; `costs` of cells, after the Gaussian. False: no memory. */
@@ -240,10 +240,8 @@ bool sv_wall_cheapest(const sv_wall_scan *scan, const sv_wall_costs *given, floa
     if (done) {
         settle(l, layers, chosen);
         trust(l, given, chosen + PLACE * count, layers, layers + count, confidence);
-        turn(l, chosen);
-        float *const surface = chosen + PLACE * count;
-        for (size_t ray = 0; ray < count; ray++) surface[ray] = before_tissue(scan, ray, surface[ray]);
-        interpolate(l, surface, (float)l->depth, depth);
+        turn(scan, chosen);
+        interpolate(l, chosen + PLACE * count, (float)l->depth, depth);
     }
     free(costs);
     free(rows);

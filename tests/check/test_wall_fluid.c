@@ -110,10 +110,9 @@ static void test_finger(void **state) {
         for (uint32_t y = Y - 1; y <= Y + 1; y++)
             for (uint32_t x = X - 1; x <= X + 1; x++)
                 s.voxels[at(&s, x, y, z)] = (uint8_t)(FLESH * grain(x, y, z));
-    const sv_wall_volume v = {s.voxels, N, N, N, s.first, s.end, {MM, MM, MM}};
     sv_wall_settings settings = sv_wall_settings_default();
     settings.q = 0.0;
-    assert_true(sv_wall_surface(&v, &settings, s.depth, s.confidence, &s.outcome, &s.facts));
+    scan_run_with(&s, &settings);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     const float above = s.depth[Y * N + X], beside = s.depth[Y * N + X + 4];
     printf("finger: tip in slice %u, surface %.2f, beside it %.2f\n", tip, (double)above, (double)beside);

@@ -47,14 +47,19 @@ static inline void scan_free(scan *s) {
     free(s->confidence);
 }
 
-static inline void scan_run(scan *s) {
+/* `settings` NULL: the default. */
+static inline void scan_run_with(scan *s, const sv_wall_settings *settings) {
     const sv_wall_volume v = {s->voxels, s->width, s->height, s->slices, s->first, s->end, {MM, MM, MM}};
     for (size_t i = 0; i < (size_t)s->width * s->height; i++) s->depth[i] = s->confidence[i] = -1.0f;
-    assert_true(sv_wall_surface(&v, NULL, s->depth, s->confidence, &s->outcome, &s->facts));
+    assert_true(sv_wall_surface(&v, settings, s->depth, s->confidence, &s->outcome, &s->facts));
     for (size_t i = 0; i < (size_t)s->width * s->height; i++) {
         assert_true(s->depth[i] >= 0.0f && s->depth[i] <= (float)s->slices);
         assert_true(s->confidence[i] >= 0.0f && s->confidence[i] <= 1.0f);
     }
+}
+
+static inline void scan_run(scan *s) {
+    scan_run_with(s, NULL);
 }
 
 static inline size_t at(const scan *s, uint32_t x, uint32_t y, uint32_t z) {
