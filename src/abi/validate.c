@@ -186,9 +186,9 @@ static sv_status check_buffer(sv_diag *diag, const sv_slab *slab) {
     return SV_OK;
 }
 
-static sv_status check_memory(sv_diag *diag, const sv_pipeline *p, const sv_slab *slab) {
-    const sv_config *c = &p->config;
-    if (!p->buffers.host_slabs) return SV_OK;
+/* On every device, also where slabs are copied: a host's mistake is not to wait for another device. */
+static sv_status check_memory(sv_diag *diag, const sv_config *c, const sv_slab *slab) {
+    if (!c->host_memory) return SV_OK;
     const char *start = c->host_memory, *memory = slab->memory;
     if (memory < start || memory > start + c->host_memory_bytes ||
         slab->bytes > (uint64_t)(start + c->host_memory_bytes - memory))
@@ -220,7 +220,7 @@ sv_status sv_validate_slab(sv_diag *diag, const sv_pipeline *p, const sv_slab *s
     if (slab->bytes < needed)
         BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: bytes is %llu, %u slices need %llu",
               (unsigned long long)slab->bytes, slab->slice_count, (unsigned long long)needed);
-    return c->carrier == SV_CARRIER_BUFFER ? check_buffer(diag, slab) : check_memory(diag, p, slab);
+    return c->carrier == SV_CARRIER_BUFFER ? check_buffer(diag, slab) : check_memory(diag, c, slab);
 }
 
 static sv_status check_depth_object(sv_diag *diag, const char *call, const sv_pipeline *p,

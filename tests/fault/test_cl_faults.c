@@ -109,7 +109,7 @@ static void activate_with_wide_vectors(void **state) {
         }
         assert_int_equal(spy_live(), 0);
     }
-    assert_true(fell_back > 3);
+    if (rig_is_cpu(r)) assert_true(fell_back > 3); /* GPUs take 16 rays a vector at once */
     rig_textures_free(t);
     free(volume);
 }

@@ -35,6 +35,13 @@ static void open_device(rig *r) {
     shared_programs_begin(r->context);
 }
 
+bool rig_is_cpu(const rig *r) {
+    cl_device_type type = 0;
+    if (clGetDeviceInfo(r->device, CL_DEVICE_TYPE, sizeof type, &type, NULL) != CL_SUCCESS)
+        fail("OpenCL", "clGetDeviceInfo");
+    return (type & CL_DEVICE_TYPE_CPU) != 0;
+}
+
 void rig_open_library(rig *r, const char *path) {
     char standard[1024];
     memset(r, 0, sizeof *r);

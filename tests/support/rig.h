@@ -55,6 +55,9 @@ typedef struct {
 void rig_open(rig *r, const char *path);
 void rig_close(rig *r);
 
+/* Whether the device is a CPU: it reads the host's memory in place and computes in wide vectors. */
+bool rig_is_cpu(const rig *r);
+
 /* The same without OpenCL: only the library and the instance. */
 void rig_open_library(rig *r, const char *path);
 void rig_close_library(rig *r);
