@@ -18,10 +18,12 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .sure = 5.0,
                               .level = 0.4,
                               .first = 0.95,
+                              .flank = 0.7,
+                              .one_side = 0.3,
                               .skin_mm = 5.5,
                               .tau_mm = 7.0,
                               .cut = 13.0,
-                              .left = 7.0,
+                              .left = 8.0,
                               .other = 1.15,
                               .sigma_mm = 2.9,
                               .slack = 0.5,
@@ -94,6 +96,8 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->level = (int)floor(s->level * odds_one + 0.5);
     l->first = (int)floor(s->first * odds_one + 0.5);
     l->sure = (int)floor(s->sure * 16.0 + 0.5);
+    l->flank = rounded(s->flank * SV_WALL_SURE);
+    l->one_side = rounded(s->one_side * SV_WALL_SURE);
     l->median = s->median;
     l->doubt = (float)s->doubt;
 }

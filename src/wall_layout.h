@@ -23,9 +23,11 @@ typedef struct {
     double low_rank, high_rank; /* the spread of the wall's brightness lies between these */
     double sure;                /* evidence per spread */
     double level;               /* spreads above the wall where any tissue is as likely the fetus as not */
-    double first;   /* spreads more for the first tissue of a ray, and for what the wall encloses */
-    double skin_mm; /* bone of a first tissue lies this far behind its skin */
-    double tau_mm;  /* distance to the fluid that costs 1 */
+    double first;    /* spreads more for the first tissue of a ray, and for what the wall encloses */
+    double flank;    /* a cell behind fluid is the fetus beside the wall if it is with this probability */
+    double one_side; /* share to which a first tissue with the fetus on one side is told like any other */
+    double skin_mm;  /* bone of a first tissue lies this far behind its skin */
+    double tau_mm;   /* distance to the fluid that costs 1 */
     /* Costs: the fetus is cut; an occluder is left; another fluid than the first. Together at most 31, or the
      * sums of the Gaussian leave 24 bits. */
     double cut, left, other;

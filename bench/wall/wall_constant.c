@@ -18,6 +18,8 @@ double *wall_constant(sv_wall_settings *s, const char *key) {
                {"sure", &s->sure},
                {"level", &s->level},
                {"first", &s->first},
+               {"flank", &s->flank},
+               {"one_side", &s->one_side},
                {"skin_mm", &s->skin_mm},
                {"tau_mm", &s->tau_mm},
                {"cut", &s->cut},

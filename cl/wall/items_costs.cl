@@ -10,11 +10,12 @@
 
 /* A ray, and what is known of it. */
 typedef struct {
-    __global const uchar *levels, *bright, *enclosed; /* of the first layer; the last two of its cell */
-    size_t level_pitch, cell_pitch;                   /* from one layer to the next */
+    __global const uchar *levels, *bright, *kinds; /* of the first layer; the last two of its cell */
+    size_t level_pitch, cell_pitch;                /* from one layer to the next */
     uint threshold;
     __global const uint *chances;
     bool bare;                     /* there is no wall */
+    uint one_side;                 /* of the layout */
     uint first, end, run, run_end; /* scanned layers, the first tissue */
     bool scanned, touches;         /* the first tissue begins where the scan does */
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
@@ -50,6 +51,16 @@ static uint share_of_cost(uint cost, uint chance) {
     return cost * chance / (uint)SV_WALL_SURE;
 }
 
+/* How likely tissue is the fetus. */
+static uint chance_at(const ray_t *r, uint z) {
+    const size_t at = z * r->cell_pitch;
+    const uint kind = r->kinds[at], chance = r->chances[r->bright[at]];
+    const uint any = chance >> 16, first = chance & 0xffffu;
+    if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
+    if (kind & CELL_FLANKED) return any;
+    return (kind & CELL_BESIDE) ? first + share(any - first, r->one_side) : first;
+}
+
 /* Front to back. */
 static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     uint before = SV_WALL_SURE, now = before, most = 0, near = l->far;
@@ -58,10 +69,7 @@ static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     for (uint z = 0; z < l->layers; z++) {
         const bool tissue = is_tissue(r, z);
         if (tissue) {
-            const size_t at = z * r->cell_pitch;
-            const bool is_wall = (r->touches && r->run_end > z) || r->enclosed[at] != 0;
-            const uint chance = r->chances[r->bright[at]];
-            most = max(most, is_wall ? chance & 0xffffu : chance >> 16);
+            most = max(most, chance_at(r, z));
             now = before - share(before, most);
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
@@ -136,16 +144,19 @@ static void load_ray(const sv_wall_layout *l, __global const ushort *rays, uint 
 /* One work item per ray: what is kept of its layers. */
 __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict info,
                                __global const uchar *restrict levels, __global const uchar *restrict bright,
-                               __global const uchar *restrict enclosed, __global const ushort *restrict rays,
+                               __global const uchar *restrict kinds, __global const ushort *restrict rays,
                                __global ushort *restrict scratch) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
-    ray_t r = {.threshold = info[INFO_TISSUE], .chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
+    ray_t r = {.threshold = info[INFO_TISSUE],
+               .chances = info + INFO_CHANCES,
+               .bare = info[INFO_BARE] != 0,
+               .one_side = l.one_side};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
     r.bright = bright + cell_row(&l, 0, row / 2) + x / 2;
-    r.enclosed = enclosed + cell_row(&l, 0, row / 2) + x / 2;
+    r.kinds = kinds + cell_row(&l, 0, row / 2) + x / 2;
     r.cell_pitch = cell_row(&l, 1, 0);
     load_ray(&l, rays, x, row, &r);
     walk_forth(&l, &r, &s);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The wall's surface by work items, along the rays: how bright they are, their first tissue, and how bright
- * that is where it is the wall; then what the wall encloses.
+ * that is where it is the wall; then what is around tissue.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
@@ -61,7 +61,7 @@ __kernel void wall_items_walls(sv_wall_layout l, __global const uint *restrict i
     leave_counts(counts, HISTOGRAM_WALL_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
-/* A cell of a layer, from its four rays: CELL_TISSUE and CELL_WALL. */
+/* A cell of a layer, from its four rays: CELL_TISSUE and CELL_WALL; CELL_FETUS if it is other tissue. */
 static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __global const ushort *rays,
                      uint threshold, uint z, uint row, uint x) {
     uint tissue = 0, wall = 0;
@@ -74,50 +74,72 @@ static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __gl
         wall += touches && z < rays[block_row(l, RAY_RUN_END, line) + column];
     }
     return (uchar)((tissue >= SV_WALL_MOST_RAYS ? CELL_TISSUE : 0) |
-                   (wall >= SV_WALL_MOST_RAYS ? CELL_WALL : 0));
+                   (wall >= SV_WALL_MOST_RAYS ? CELL_WALL : 0) |
+                   (tissue - wall >= SV_WALL_MOST_RAYS ? CELL_FETUS : 0));
 }
 
-/* Whether the wall is reached in a cell, after it was or was not in the one before. */
-static bool goes_on(uchar cell, bool reached) {
-    return (cell & CELL_TISSUE) && ((cell & CELL_WALL) || reached);
+/* Goes from cell `from` on by `step`, `count` cells: those from which `source` is reached through tissue,
+ * going that way, and that have all bits of `among`, get the bit `mark`; the others lose it. */
+static void go(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
+               uint mark) {
+    bool reached = false;
+    for (uint i = 0; i < count; i++) {
+        __global uchar *const cell = cells + ((long)from + (long)i * step);
+        reached = (*cell & CELL_TISSUE) && ((*cell & source) || reached);
+        const bool marked = reached && (*cell & among) == among;
+        *cell = (uchar)((*cell & ~mark) | (marked ? mark : 0));
+    }
 }
 
-/* One work group per layer: which cells the wall encloses, all bits or none. Its work items take rows in
- * turns, then columns. */
-__kernel void wall_items_enclose(sv_wall_layout l, __global const uint *restrict info,
-                                 __global const uchar *restrict levels, __global const ushort *restrict rays,
-                                 __global uchar *restrict enclosed) {
+/* Cells from which the wall is reached both ways get the bit `mark`, if they have all bits of `among`. */
+static void find_wall(__global uchar *cells, long step, uint count, uint among, uint mark) {
+    go(cells, 0, step, count, CELL_WALL, among, CELL_ONE_WAY);
+    go(cells, (count - 1) * (size_t)step, -step, count, CELL_WALL, among | CELL_ONE_WAY, mark);
+}
+
+/* What the fetus flanks both ways, and what is beside it one way. */
+static void find_fetus(__global uchar *cells, long step, uint count) {
+    bool reached = false;
+    go(cells, 0, step, count, CELL_FETUS, 0, CELL_ONE_WAY);
+    for (uint i = count; i-- > 0;) {
+        __global uchar *const cell = cells + (long)i * step;
+        const bool there = (*cell & CELL_ONE_WAY) != 0;
+        reached = (*cell & CELL_TISSUE) && ((*cell & CELL_FETUS) || reached);
+        *cell |= (uchar)((reached && there ? CELL_FLANKED : 0) | (reached || there ? CELL_BESIDE : 0));
+    }
+}
+
+/* Which other tissue of a column is the fetus. */
+static void tell_fetus(const sv_wall_layout *l, __global uchar *cells, __global const uchar *bright,
+                       uint least, size_t pitch) {
+    for (uint y = 0; y < l->cells[1]; y++) {
+        __global uchar *const cell = cells + y * pitch;
+        if ((*cell & CELL_ENCLOSED) || bright[y * pitch] < least) *cell &= (uchar)~CELL_FETUS;
+    }
+}
+
+/* One work group per layer: what is around tissue. Its work items take rows in turns, then columns, then
+ * rows. */
+__kernel void wall_items_around(sv_wall_layout l, __global const uint *restrict info,
+                                __global const uchar *restrict levels, __global const uchar *restrict bright,
+                                __global const ushort *restrict rays, __global uchar *restrict kinds) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), z = (uint)get_group_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const uint threshold = info[INFO_TISSUE], rows = wanted ? l.cells[1] : 0,
-               columns = wanted ? l.cells[0] : 0;
+    const uint threshold = info[INFO_TISSUE], least = info[INFO_FETUS];
+    const uint rows = wanted ? l.cells[1] : 0, columns = wanted ? l.cells[0] : 0;
+    const size_t layer = cell_row(&l, z, 0), pitch = cell_row(&l, 0, 1);
     for (uint y = item; y < rows; y += items) {
-        __global uchar *const line = enclosed + cell_row(&l, z, y);
-        bool reached = false;
-        for (uint x = 0; x < columns; x++) {
-            const uchar cell = kind_of(&l, levels, rays, threshold, z, y, x);
-            reached = goes_on(cell, reached);
-            line[x] = (uchar)(cell | (reached ? CELL_ACROSS : 0));
-        }
-        reached = false;
-        for (uint x = columns; x-- > 0;) {
-            reached = goes_on(line[x], reached);
-            if (!reached) line[x] &= (uchar)~CELL_ACROSS;
-        }
+        __global uchar *const line = kinds + layer + y * pitch;
+        for (uint x = 0; x < columns; x++) line[x] = kind_of(&l, levels, rays, threshold, z, y, x);
+        find_wall(line, 1, columns, 0, CELL_ACROSS);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint x = item; x < columns; x += items) {
-        bool reached = false;
-        for (uint y = 0; y < rows; y++) {
-            __global uchar *const cell = enclosed + cell_row(&l, z, y) + x;
-            reached = goes_on(*cell, reached);
-            if (reached) *cell |= CELL_DOWN;
-        }
-        reached = false;
-        for (uint y = rows; y-- > 0;) {
-            __global uchar *const cell = enclosed + cell_row(&l, z, y) + x;
-            reached = goes_on(*cell, reached);
-            *cell = reached && (*cell & CELL_ACROSS) && (*cell & CELL_DOWN) ? 255 : 0;
-        }
+        __global uchar *const column = kinds + layer + x;
+        find_wall(column, (long)pitch, rows, CELL_ACROSS, CELL_ENCLOSED);
+        tell_fetus(&l, column, bright + layer + x, least, pitch);
+        find_fetus(column, (long)pitch, rows);
     }
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    for (uint y = item; y < rows; y += items) find_fetus(kinds + layer + y * pitch, 1, columns);
 }

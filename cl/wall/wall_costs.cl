@@ -6,8 +6,8 @@
  * and back to front, which tells how far the fluid behind is and what the fluid leaves to the tissue behind
  * it.
  */
-#ifndef SV_WALL_ENCLOSED_CLH
-#include "wall/wall_enclosed.clh"
+#ifndef SV_WALL_AROUND_CLH
+#include "wall/wall_around.clh"
 #endif
 
 /* Before a loop over both rows of rays: what is known of them is to stay in registers. */
@@ -31,11 +31,12 @@ typedef struct {
     rays_t rays[2];
     size_t level_pitch, cell_pitch; /* from one layer to the next */
     u8l threshold;
-    bool bare;                      /* there is no wall */
-    __global const uchar *bright;   /* of the first layer */
-    __global const ulong *enclosed; /* the same */
-    size_t word_pitch;              /* from one word of `enclosed` to the next */
-    __global const uint *chances;   /* of every brightness */
+    bool bare;                    /* there is no wall */
+    uint one_side;                /* of the layout */
+    __global const uchar *bright; /* of the first layer */
+    __global const ulong *kinds;  /* the same */
+    size_t word_pitch;            /* from one word of `kinds` to the next */
+    __global const uint *chances; /* of every brightness */
     /* Of every layer with tissue before `sure`: probability that tissue as bright as the cell is the fetus;
      * of any * 65536 + of a ray's first */
     __global u32h *chance;
@@ -72,12 +73,21 @@ typedef struct {
     u8l behind, near, over; /* tissue before; distance to the fluid; the first fluid has ended */
 } forth_t;
 
-/* What was looked up; where the wall encloses a cell, its chance is that of a first tissue. */
+static i32h has_bit(u32h kinds, uint bit) {
+    return SEEN_AS(kinds * (0x80000000u / bit), i32h) < (i32h)(0);
+}
+
+/* What was looked up, changed by what is around the cells: enclosed tissue is told like a first one. A first
+ * one that the fetus flanks is told like any tissue, and one beside the fetus the share `one_side` so. */
 static u32h chances_at(const twin_rays_t *s, uint z) {
     u8h cells;
-    for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->enclosed[i * s->word_pitch + z];
-    const u32h both = s->chance[z], enclosed = HALF_TO_U32(cells) << 24u; /* the upper bits, if any */
-    return PICK(both, both << 16u | (both & 0xffffu), SEEN_AS(enclosed, i32h) < (i32h)(0));
+    for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->kinds[i * s->word_pitch + z];
+    const u32h looked_up = s->chance[z], kinds = HALF_TO_U32(cells);
+    const u32h any = looked_up >> 16u, first = looked_up & 0xffffu;
+    const u32h part = ((any - first) * s->one_side + (uint)(SV_WALL_SURE / 2)) / (uint)SV_WALL_SURE;
+    const u32h beside = PICK(first, first + part, has_bit(kinds, CELL_BESIDE));
+    return PICK(any, first, has_bit(kinds, CELL_ENCLOSED)) << 16u |
+           PICK(beside, any, has_bit(kinds, CELL_FLANKED));
 }
 
 /* `both`: chances of the cells, of any tissue * 65536 + of a ray's first; two rays share a word. */
@@ -254,7 +264,7 @@ static ulong sum_lanes(u16l values) {
  * row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict bright,
-                         __global const ulong *restrict enclosed, __global ushort *restrict rays,
+                         __global ulong *restrict kinds, __global ushort *restrict rays,
                          __global uint *restrict scratch, __global ushort *restrict costs,
                          __global uchar *restrict aways, __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
@@ -264,6 +274,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                      .word_pitch = padded_layers_of(&l),
                      .threshold = (u8l)((uchar)info[INFO_TISSUE]),
                      .bare = info[INFO_BARE] != 0,
+                     .one_side = l.one_side,
                      .chances = info + INFO_CHANCES};
     s.chance = (__global u32h *)(scratch + (size_t)row * scratch_words);
     s.rays[0].begun_at = (__global u16l *)(s.chance + l.layers);
@@ -271,10 +282,11 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     s.rays[0].near_at = (__global u8l *)(s.rays[1].begun_at + l.layers);
     s.rays[1].near_at = s.rays[0].near_at + l.layers;
     ulong sum = 0;
+    find_beside(&l, row, kinds);
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
         s.bright = bright + at;
-        s.enclosed = enclosed + word_column(&l, row, x * WORDS_OF_HALF);
+        s.kinds = kinds + word_column(&l, row, x * WORDS_OF_HALF);
         BOTH for (uint i = 0; i < 2; i++) {
             s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);

@@ -175,6 +175,14 @@ static uint probability(const sv_wall_layout *l, __global const uint *tables, in
     return evidence < 0 ? SV_WALL_SURE - p : p;
 }
 
+/* Of tissue of a brightness; `from`: ln of the odds of the wall's. `first`: it is the first of a ray. */
+static uint chance_of(const sv_wall_layout *l, __global const uint *tables, uint bright, int from, int spread,
+                      bool first) {
+    const int more = odds(tables, bright * SV_WALL_LEVEL_ONE) - from;
+    const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l->level;
+    return probability(l, tables, first ? above - l->first : above);
+}
+
 /* One work group: from the histogram of the walls to probabilities. All its work items find the same wall. */
 __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict histograms,
                             __global const uint *restrict tables, __global uint *restrict info) {
@@ -196,10 +204,12 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     }
     const int from = odds(tables, wall);
     for (uint i = item; i < 256; i += items) {
-        const int more = odds(tables, i * SV_WALL_LEVEL_ONE) - from;
-        const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l.level;
-        const uint any = probability(&l, tables, above), first = probability(&l, tables, above - l.first);
-        info[INFO_CHANCES + i] = any << 16 | first;
+        const uint any = chance_of(&l, tables, i, from, spread, false);
+        const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < l.flank;
+        info[INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
+        /* chances grow with the brightness: one work item writes */
+        if (any >= l.flank && is_least) info[INFO_FETUS] = i;
+        if (any < l.flank && i == 255) info[INFO_FETUS] = 256;
     }
     if (item > 0) return;
     const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;

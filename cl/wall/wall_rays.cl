@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The wall's surface, along the rays: how bright they are, their first tissue, and how bright that is where
- * it is the wall; then what the wall encloses.
+ * it is the wall; then what is around tissue.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
 #endif
-#ifndef SV_WALL_ENCLOSED_CLH
-#include "wall/wall_enclosed.clh"
+#ifndef SV_WALL_AROUND_CLH
+#include "wall/wall_around.clh"
 #endif
 
 /* The first tissue of LANES rays, front to back. */
@@ -71,7 +71,7 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels, _
 __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict beside,
                          __global uchar *restrict bright, __global ushort *restrict rays,
-                         __global uint *restrict histograms, __global ulong *restrict enclosed) {
+                         __global uint *restrict histograms, __global ulong *restrict kinds) {
     const uint row = (uint)get_global_id(0);
     const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -88,16 +88,16 @@ __kernel void wall_walls(sv_wall_layout l, __global const uint *restrict info,
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
             count_walls(&w, first, end, histograms);
         }
-    find_across(&l, levels, rays, row, threshold, enclosed);
+    find_across(&l, levels, rays, row, threshold, kinds);
 }
 
-/* One work item per word of cells of a row and SV_WALL_LAYERS layers: which cells of its column the wall
- * encloses, all bits or none. */
-__kernel void wall_enclose(sv_wall_layout l, __global const uint *restrict info,
-                           __global ulong *restrict enclosed) {
+/* One work item per word of cells of a row and SV_WALL_LAYERS layers: what the cells of its column are, but
+ * for what is beside the fetus in their rows. */
+__kernel void wall_around(sv_wall_layout l, __global const uint *restrict info,
+                          __global const uchar *restrict bright, __global ulong *restrict kinds) {
     const uint word = (uint)get_global_id(0) % words_of_row(&l),
-               z = (uint)get_global_id(0) / words_of_row(&l);
+               z = (uint)get_global_id(0) / words_of_row(&l) * SV_WALL_LAYERS;
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    look_down(enclosed + word_column(&l, 0, word) + (size_t)z * SV_WALL_LAYERS, word_column(&l, 1, 0),
-              l.cells[1]);
+    look_down(&l, bright, info[INFO_FETUS], word, z, kinds + word_column(&l, 0, word) + z,
+              word_column(&l, 1, 0));
 }

@@ -14,7 +14,7 @@
 #define SV_WALL_FINE_ONE   2048  /* the same after the Gaussian */
 #define SV_WALL_PER_MILLE  1000  /* shares and ranks of the settings */
 #define SV_WALL_LANES      32    /* rows of blocks, rays and cells are padded to these */
-#define SV_WALL_LAYERS     8     /* layers of what is enclosed are padded to these */
+#define SV_WALL_LAYERS     8     /* layers of the cells' kinds are padded to these */
 #define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most */
 #define SV_WALL_SPAN       12    /* voxels that such a side touches, at most */
 #define SV_WALL_SPAN_ONE   16    /* their weights together: the rows of a layer sum up to 16 bits */
@@ -82,6 +82,7 @@ typedef struct {
     unsigned int tissue, valley, walled, parted, fetus_share, wall_share, wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int sure;                         /* sixteenths */
+    unsigned int flank, one_side;     /* in units of 1 / SV_WALL_SURE */
     int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */
     unsigned int median;              /* 1: the median of a ray and its eight neighbours */
     float q;                          /* the knob */

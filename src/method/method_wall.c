@@ -13,7 +13,7 @@
 #include <stdlib.h>
 
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 264 };
+enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 265 };
 
 /* Which layout of the work: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -74,7 +74,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_STEADIED] = l.steadied ? levels : 1,
         [SV_WALL_LARGEST] = cells,
         [SV_WALL_BRIGHT] = cells,
-        [SV_WALL_ENCLOSED] = sv_wall_enclosed_bytes(&l),
+        [SV_WALL_KINDS] = sv_wall_kinds_bytes(&l),
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
         [SV_WALL_HISTOGRAMS] = (size_t)l.cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint),
         [SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),

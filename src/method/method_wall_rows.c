@@ -10,8 +10,8 @@ enum {
     K_STEADY,
     K_LEVELS,
     K_WALLS,
-    K_ENCLOSE,
     K_EVIDENCE,
+    K_AROUND,
     K_COSTS,
     K_DECIDE,
     K_BLUR,
@@ -21,10 +21,10 @@ enum {
     K_TURN,
     K_LEAVE
 };
-const char *const sv_wall_rows_kernels[] = {"wall_take",   "wall_blocks",  "wall_steady",   "wall_levels",
-                                            "wall_walls",  "wall_enclose", "wall_evidence", "wall_costs",
-                                            "wall_decide", "wall_blur",    "wall_cheapest", "wall_median",
-                                            "wall_trust",  "wall_turn",    "wall_leave",    NULL};
+const char *const sv_wall_rows_kernels[] = {"wall_take",   "wall_blocks",   "wall_steady",   "wall_levels",
+                                            "wall_walls",  "wall_evidence", "wall_around",   "wall_costs",
+                                            "wall_decide", "wall_blur",     "wall_cheapest", "wall_median",
+                                            "wall_trust",  "wall_turn",     "wall_leave",    NULL};
 
 sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
@@ -62,21 +62,21 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_LARGEST, SV_WALL_BRIGHT, SV_WALL_RAYS,
-                 SV_WALL_HISTOGRAMS, SV_WALL_ENCLOSED, -1}},
-    {.kernel = K_ENCLOSE,
-     .over = SV_WALL_WORDS,
-     .stage = SV_STAGE_THRESHOLD,
-     .buffers = {SV_WALL_INFO, SV_WALL_ENCLOSED, -1}},
+                 SV_WALL_HISTOGRAMS, SV_WALL_KINDS, -1}},
     {.kernel = K_EVIDENCE,
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
+    {.kernel = K_AROUND,
+     .over = SV_WALL_WORDS,
+     .stage = SV_STAGE_THRESHOLD,
+     .buffers = {SV_WALL_INFO, SV_WALL_BRIGHT, SV_WALL_KINDS, -1}},
     {.kernel = K_COSTS,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_ENCLOSED, SV_WALL_RAYS,
-                 SV_WALL_SCRATCH, SV_WALL_COSTS, SV_WALL_AWAYS, SV_WALL_FETUS, -1}},
+     .buffers = {SV_WALL_INFO, SV_WALL_STEADIED, SV_WALL_BRIGHT, SV_WALL_KINDS, SV_WALL_RAYS, SV_WALL_SCRATCH,
+                 SV_WALL_COSTS, SV_WALL_AWAYS, SV_WALL_FETUS, -1}},
     {.kernel = K_DECIDE,
      .takes = SV_WALL_RECORD,
      .over = SV_WALL_ONCE,

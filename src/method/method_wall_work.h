@@ -19,7 +19,7 @@ enum {
     SV_WALL_STEADIED, /* the same, smoothed where layers are one slice; else LEVELS take its place */
     SV_WALL_LARGEST,  /* brightest of the row of cells */
     SV_WALL_BRIGHT,
-    SV_WALL_ENCLOSED,
+    SV_WALL_KINDS, /* of cells */
     SV_WALL_RAYS,
     SV_WALL_HISTOGRAMS, /* later the sums of rows of rays or cells, FETUS */
     SV_WALL_TABLES,
@@ -76,7 +76,7 @@ typedef struct {
 size_t sv_wall_lanes_of(uint32_t values);
 
 /* A byte for each cell, in whole lanes and whole groups of SV_WALL_LAYERS layers. */
-size_t sv_wall_enclosed_bytes(const sv_wall_layout *layout);
+size_t sv_wall_kinds_bytes(const sv_wall_layout *layout);
 
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall.h"
 
-#include "ref/ref_wall_enclosed.h"
+#include "ref/ref_wall_around.h"
 #include "ref/ref_wall_surface.h"
 
 #include <math.h>
@@ -37,28 +37,40 @@ static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
     return walled || !sv_wall_is_shallow(scan->layout, levels) || sv_wall_is_parted(scan->layout, levels);
 }
 
+/* What is known of every cell; all three allocated, or NULL. */
+typedef struct {
+    uint8_t *bright, *enclosed, *beside;
+} cell_maps;
+
+/* What rays are judged from. False: no memory; what there is in `maps` must be freed all the same. */
+static bool look(sv_wall_scan *scan, const sv_wall_levels *levels, cell_maps *maps,
+                 sv_wall_evidence *evidence) {
+    scan->bright = maps->bright = sv_wall_brightest(scan->layout, scan->blocks);
+    scan->enclosed = maps->enclosed = sv_wall_enclosed(scan);
+    if (!maps->bright || !maps->enclosed) return false;
+    sv_wall_evidence_of(scan, levels, evidence);
+    scan->beside = maps->beside = sv_wall_beside(scan, evidence);
+    return maps->beside != NULL;
+}
+
 /* The surface of a volume of two classes. */
 static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const sv_wall_levels *levels,
                     float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
     sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = sv_wall_tissue_above(l, levels)};
-    uint8_t *const bright = sv_wall_brightest(l, blocks), *const enclosed = sv_wall_enclosed(&scan);
-    if (!bright || !enclosed) {
-        free(bright);
-        free(enclosed);
-        return false;
+    cell_maps maps = {0};
+    bool done = look(&scan, levels, &maps, &evidence);
+    if (done) {
+        facts->wall_rays = evidence.wall_rays;
+        facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
+        facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
+        *outcome = SV_WALL_NO_FLUID;
+        if (shows_fluid(&scan, levels, &evidence))
+            done = place(&scan, &evidence, depth, confidence, outcome, facts);
     }
-    scan.bright = bright;
-    scan.enclosed = enclosed;
-    sv_wall_evidence_of(&scan, levels, &evidence);
-    facts->wall_rays = evidence.wall_rays;
-    facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
-    facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-    const bool fluid = shows_fluid(&scan, levels, &evidence);
-    *outcome = SV_WALL_NO_FLUID;
-    const bool done = !fluid || place(&scan, &evidence, depth, confidence, outcome, facts);
-    free(bright);
-    free(enclosed);
+    free(maps.bright);
+    free(maps.enclosed);
+    free(maps.beside);
     return done;
 }
 

@@ -19,6 +19,10 @@ bool sv_wall_is_enclosed(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->enclosed[cell_of(s->layout, ray, z)] != 0;
 }
 
+uint8_t sv_wall_is_beside(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->beside[cell_of(s->layout, ray, z)];
+}
+
 sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
     const uint32_t start = s->blocks->first[ray], end = s->blocks->end[ray];
     uint32_t z = start;

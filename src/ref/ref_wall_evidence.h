@@ -19,6 +19,7 @@ typedef struct {
     const sv_wall_blocks *blocks;
     const uint8_t *bright;   /* of every cell (sv_wall_brightest) */
     const uint8_t *enclosed; /* every cell (sv_wall_enclosed) */
+    const uint8_t *beside;   /* the same (sv_wall_beside) */
     uint32_t threshold;      /* tissue is brighter */
 } sv_wall_scan;
 
@@ -30,6 +31,10 @@ uint8_t sv_wall_brightness(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* True if the wall encloses the ray's cell there. */
 bool sv_wall_is_enclosed(const sv_wall_scan *scan, size_t ray, size_t z);
+
+/* How much of the fetus is beside the ray's cell there: nothing, on one side, on both sides. */
+enum { SV_WALL_ONE_SIDE = 1, SV_WALL_FLANKED };
+uint8_t sv_wall_is_beside(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* The first tissue of a ray: layers [begin, end), both the end of the scan if there is none. `touches`: it
  * begins where the scan does. `fluid`: fluid follows it. */

@@ -24,17 +24,25 @@ static uint32_t share_of_cost(uint32_t cost, uint32_t probability) {
     return (uint32_t)((uint64_t)cost * probability / SV_WALL_SURE);
 }
 
-/* Front to back: the fetus begins where what a run has shown so far makes it likely, unless it has begun.
- * What the wall encloses is told like the first tissue of a ray. */
+/* How likely a block of tissue is the fetus. What the wall encloses is told like the first tissue of a ray.
+ * Of such a first tissue, what the fetus flanks is told like any other, and what is beside it a share so. */
+static uint32_t chance_of(const sv_wall_scan *s, const sv_wall_evidence *e, size_t ray, uint32_t z,
+                          const sv_wall_run *first) {
+    const uint8_t bright = sv_wall_brightness(s, ray, z);
+    const uint32_t as_first = e->first[bright], as_other = e->other[bright];
+    if (!first->touches || z >= first->end) return sv_wall_is_enclosed(s, ray, z) ? as_first : as_other;
+    const uint8_t beside = sv_wall_is_beside(s, ray, z);
+    if (beside == SV_WALL_FLANKED) return as_other;
+    return as_first + (beside ? share(as_other - as_first, s->layout->one_side) : 0);
+}
+
+/* Front to back: the fetus begins where what a run has shown so far makes it likely, unless it has begun. */
 static void fetus_begins(const sv_wall_scan *s, const sv_wall_evidence *e, size_t ray, ray_facts *f) {
     uint32_t before = SV_WALL_SURE, now = SV_WALL_SURE; /* that it has not begun: before this run, so far */
     uint32_t most = 0;
     for (uint32_t z = 0; z < s->layout->layers; z++) {
         if (sv_wall_is_tissue(s, ray, z)) {
-            const uint8_t bright = sv_wall_brightness(s, ray, z);
-            const bool at_first = f->first.touches && z < f->first.end;
-            const bool is_wall = at_first || sv_wall_is_enclosed(s, ray, z);
-            const uint32_t chance = (is_wall ? e->first : e->other)[bright];
+            const uint32_t chance = chance_of(s, e, ray, z, &f->first);
             if (chance > most) most = chance;
             now = before - share(before, most);
         } else {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the surface told by the wall (docs/surface.md) takes for fluid, as scalar C: levels without a valley
- * that are two classes all the same; a bladder, which the wall encloses; what is before a finger.
+ * that are two classes all the same; a bladder, which the wall encloses; what is before a finger; and a limb
+ * that lies against the wall.
  */
-#include "ref/ref_wall_enclosed.h"
+#include "ref/ref_wall_around.h"
 #include "support/wall_fixture.h"
 
 #include <stdio.h>
@@ -120,8 +121,52 @@ static void test_finger(void **state) {
     scan_free(&s);
 }
 
+enum { LIMB_FROM = 17, LIMB_TO = 28, LIMB_LEVEL = 99 };
+
+/* A limb of slices LIMB_FROM .. LIMB_TO - 1 across the scan, little brighter than the wall. It is behind
+ * fluid but where it lies against the wall, from column `from` to column `to`. */
+static scan with_limb(uint32_t from, uint32_t to) {
+    scan s = scan_make(N, N, N);
+    draw(&s, LIMB_FROM - 5, GAP + 6, true);
+    for (uint32_t z = LIMB_FROM - 5; z < LIMB_TO; z++)
+        for (uint32_t y = 26; y < 38; y++)
+            for (uint32_t x = 8; x < 56; x++) {
+                const double level = z >= LIMB_FROM ? LIMB_LEVEL : x >= from && x < to ? MUSCLE : FLUID;
+                s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z));
+            }
+    return s;
+}
+
+/* How many rays through the middle of the limb, of 8 x 8, begin behind it. */
+static uint32_t rays_behind_limb(uint32_t from, uint32_t to, const sv_wall_settings *settings) {
+    scan s = with_limb(from, to);
+    scan_run_with(&s, settings);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    uint32_t rays = 0;
+    for (uint32_t y = 28; y < 36; y++)
+        for (uint32_t x = 28; x < 36; x++) rays += s.depth[y * N + x] >= LIMB_TO - 1;
+    scan_free(&s);
+    return rays;
+}
+
+/* Where it lies against the wall it is told by what it is on both sides of that, and where one end of it
+ * does, by what it is on the other side, though less so. By itself it is told like the wall. */
+static void test_limb(void **state) {
+    (void)state;
+    const sv_wall_settings all = sv_wall_settings_default();
+    sv_wall_settings none = all, both_sides = all;
+    none.flank = 1.1; /* no tissue is the fetus with such a probability */
+    both_sides.one_side = 0.0;
+    assert_in_range(rays_behind_limb(24, 40, &none), 48, 64);
+    assert_int_equal(rays_behind_limb(24, 40, &both_sides), 0);
+    assert_int_equal(rays_behind_limb(24, 40, &all), 0);
+    assert_in_range(rays_behind_limb(24, 56, &both_sides), 48, 64);
+    assert_in_range(rays_behind_limb(24, 56, &all), 0, 4);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
-                                       cmocka_unit_test(test_enclosed), cmocka_unit_test(test_finger)};
+                                       cmocka_unit_test(test_enclosed), cmocka_unit_test(test_finger),
+                                       cmocka_unit_test(test_limb)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+#include "ref/ref_wall_around.h"
+
+#include <stdlib.h>
+
+/* What a cell is in one layer. */
+enum { FLUID, TISSUE, WALL, OTHER, FETUS };
+
+/* From where something is reached. */
+enum { LEFT = 1, RIGHT = 2, ACROSS = LEFT | RIGHT, ABOVE = 4, BELOW = 8, DOWN = ABOVE | BELOW };
+
+/* Adds a layer of a ray to what its cell counts. */
+static void count_ray(const sv_wall_scan *s, size_t ray, const sv_wall_run *run, size_t z, int *tissue,
+                      int *wall) {
+    if (z < s->blocks->first[ray] || z >= s->blocks->end[ray] || !sv_wall_is_tissue(s, ray, z)) return;
+    ++*tissue;
+    *wall += run->touches && z < run->end;
+}
+
+/* `tissue`: of a cell's rays; `wall`: of these. */
+static uint8_t kind_of(int tissue, int wall) {
+    if (wall >= SV_WALL_MOST_RAYS) return WALL;
+    if (tissue - wall >= SV_WALL_MOST_RAYS) return OTHER;
+    return tissue >= SV_WALL_MOST_RAYS ? TISSUE : FLUID;
+}
+
+/* Of one layer. `runs`: the first tissue of every ray. */
+static void tell_cells(const sv_wall_scan *s, const sv_wall_run *runs, size_t z, uint8_t *kind) {
+    const sv_wall_layout *l = s->layout;
+    for (size_t y = 0; y < l->cells[1]; y++)
+        for (size_t x = 0; x < l->cells[0]; x++) {
+            int tissue = 0, wall = 0;
+            for (size_t k = 0; k < 4; k++) {
+                const size_t ray = (2 * y + k / 2) * l->columns + 2 * x + k % 2;
+                count_ray(s, ray, &runs[ray], z, &tissue, &wall);
+            }
+            kind[y * l->cells[0] + x] = kind_of(tissue, wall);
+        }
+}
+
+/* Which other tissue of a layer is the fetus. */
+static void tell_fetus(const sv_wall_scan *s, const sv_wall_evidence *e, size_t z, uint8_t *kind) {
+    const size_t cells = (size_t)s->layout->cells[0] * s->layout->cells[1];
+    for (size_t i = 0; i < cells; i++) {
+        const bool is_shown = e->other[s->bright[z * cells + i]] >= s->layout->flank;
+        if (kind[i] == OTHER && !s->enclosed[z * cells + i] && is_shown) kind[i] = FETUS;
+    }
+}
+
+/* Cells at `start`, then every `step` further, `count` of them: those that `source` reaches through tissue,
+ * going that way, are marked. */
+static void go(const uint8_t *kind, uint8_t source, ptrdiff_t start, ptrdiff_t step, uint32_t count,
+               uint8_t way, uint8_t *ways) {
+    bool reached = false;
+    for (uint32_t i = 0; i < count; i++) {
+        const ptrdiff_t at = start + (ptrdiff_t)i * step;
+        reached = kind[at] == source || (kind[at] != FLUID && reached);
+        if (reached) ways[at] |= way;
+    }
+}
+
+/* From each of the four sides. */
+static void go_all_ways(const sv_wall_layout *l, const uint8_t *kind, uint8_t source, uint8_t *ways) {
+    const ptrdiff_t w = l->cells[0], h = l->cells[1];
+    for (ptrdiff_t y = 0; y < h; y++) {
+        go(kind, source, y * w, 1, l->cells[0], LEFT, ways);
+        go(kind, source, y * w + w - 1, -1, l->cells[0], RIGHT, ways);
+    }
+    for (ptrdiff_t x = 0; x < w; x++) {
+        go(kind, source, x, w, l->cells[1], ABOVE, ways);
+        go(kind, source, (h - 1) * w + x, -w, l->cells[1], BELOW, ways);
+    }
+}
+
+/* How much is around a cell that is reached from these ways. */
+static uint8_t beside_of(uint8_t ways) {
+    if ((ways & ACROSS) == ACROSS || (ways & DOWN) == DOWN) return SV_WALL_FLANKED;
+    return ways ? SV_WALL_ONE_SIDE : 0;
+}
+
+/* Which cells are beside the fetus; without evidence, which the wall encloses. */
+static uint8_t *look_around(const sv_wall_scan *s, const sv_wall_evidence *evidence) {
+    const sv_wall_layout *l = s->layout;
+    const size_t cells = (size_t)l->cells[0] * l->cells[1], rays = (size_t)l->columns * l->rows;
+    uint8_t *const found = calloc(cells * l->layers, 1), *const kind = malloc(cells);
+    sv_wall_run *const runs = malloc(rays * sizeof *runs);
+    const bool made = found && kind && runs;
+    for (size_t ray = 0; made && ray < rays; ray++) runs[ray] = sv_wall_first_run(s, ray);
+    for (size_t z = 0; made && z < l->layers; z++) {
+        uint8_t *const ways = found + z * cells;
+        tell_cells(s, runs, z, kind);
+        if (evidence) tell_fetus(s, evidence, z, kind);
+        go_all_ways(l, kind, evidence ? FETUS : WALL, ways);
+        for (size_t i = 0; i < cells; i++)
+            ways[i] = evidence ? beside_of(ways[i]) : ways[i] == (ACROSS | DOWN);
+    }
+    free(kind);
+    free(runs);
+    if (made) return found;
+    free(found);
+    return NULL;
+}
+
+uint8_t *sv_wall_enclosed(const sv_wall_scan *s) {
+    return look_around(s, NULL);
+}
+
+uint8_t *sv_wall_beside(const sv_wall_scan *s, const sv_wall_evidence *evidence) {
+    return look_around(s, evidence);
+}
