@@ -3,6 +3,7 @@
 #include "wall/wall_constant.h"
 #include "wall/wall_flicker.h"
 #include "wall/wall_judge.h"
+#include "wall/wall_tilt.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +24,8 @@ static const char help[] =
     "motion)\n"
     "  --named NAME...        these scenes at 128^3: H01, or R7_3, number 3 of the random set with seed 7\n"
     "  --views FILE...        a volume with nothing to remove, from 12 x 3 sides: what is cut\n"
+    "  --tilt X,Y             turn the camera by so many degrees about x and then y first (not views and "
+    "still)\n"
     "  --gain G --gamma G --black B   change the grey levels first; the judgement is on the unchanged ones\n"
     "  --KEY VALUE            another value of a constant: a field of sv_wall_settings\n"
     "Prints error in slices of 128 / cut, % of the fetus / left, % of the labelled rays.\n";
@@ -32,10 +35,18 @@ enum { CASES = sizeof names / sizeof *names, SIDE = 96, STILL = 8 };
 
 typedef struct {
     sv_wall_settings settings;
-    double gain, gamma, black;
+    double gain, gamma, black, tilt[2];
 } options;
 
+static bool set_tilt(options *o, const char *text, hs_error *err) {
+    int length = 0;
+    const bool read = sscanf(text, "%lf,%lf%n", &o->tilt[0], &o->tilt[1], &length) == 2 && text[length] == 0;
+    return (read && fabs(o->tilt[0]) <= 45.0 && fabs(o->tilt[1]) <= 45.0) ||
+           hs_fail(err, HS_ERR_USAGE, "--tilt: '%s' is no X,Y of -45 to 45 degrees", text);
+}
+
 static bool set(options *o, const char *key, const char *text, hs_error *err) {
+    if (strcmp(key, "tilt") == 0) return set_tilt(o, text, err);
     double *const value = strcmp(key, "gain") == 0    ? &o->gain
                           : strcmp(key, "gamma") == 0 ? &o->gamma
                           : strcmp(key, "black") == 0 ? &o->black
@@ -70,6 +81,10 @@ static bool surface_of(const wall_case *c, const options *o, float *depth, float
 /* Judges one case, adds it to the totals and frees it. */
 static bool judge(wall_case *c, const options *o, totals *t, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
+    if ((o->tilt[0] != 0.0 || o->tilt[1] != 0.0) && !wall_case_tilt(c, o->tilt, err)) {
+        wall_case_free(c);
+        return false;
+    }
     float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
     uint8_t *original = malloc(plane * c->nz);
     sv_wall_outcome outcome;
@@ -236,7 +251,7 @@ static bool judge_views(char **files, int count, const options *o, hs_error *err
 }
 
 int main(int argc, char **argv) {
-    options o = {sv_wall_settings_default(), 1.0, 1.0, 0.0};
+    options o = {sv_wall_settings_default(), 1.0, 1.0, 0.0, {0.0, 0.0}};
     hs_error err = {0};
     int i = 1;
     bool ok = true, done = false;

@@ -18,8 +18,9 @@
 uint8_t *sv_wall_enclosed(const sv_wall_scan *scan);
 
 /* What is beside the fetus: SV_WALL_FLANKED where one comes to it through tissue alone to the left and to the
- * right, or upwards and downwards; SV_WALL_ONE_SIDE where one comes to it on one side; else 0. The fetus: cells
- * of other tissue that are not enclosed, and that are the fetus with a probability of `flank` at least. */
+ * right, or upwards and downwards; SV_WALL_ONE_SIDE where one comes to it on one side; else 0. The fetus:
+ * cells of other tissue that are not enclosed, and that are the fetus with a probability of `flank` at least.
+ */
 uint8_t *sv_wall_beside(const sv_wall_scan *scan, const sv_wall_evidence *evidence);
 
 #endif
