@@ -32,7 +32,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .median = true,
                               .aside_mm = 5.6,
                               .around_mm = 5.0,
-                              .doubt = 4.6,
+                              .doubt = 5.0,
                               .wall_share = 0.15,
                               .fetus_share = 0.05,
                               .assumed_wall = 0.6,
