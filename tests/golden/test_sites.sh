@@ -112,5 +112,11 @@ code 2 table --case "$small" --method method=wall --plugin "$build/tests/plugins
 code 6 page --case "$small" --out /dev/null/page
 "$build/sv_wall" --case "$small" > "$work/stdout" 2>&1
 holds grep -q '^cases: ' "$work/stdout"
+"$build/sv_wall" --tilt 10,-5 --case "$small" > "$work/stdout" 2>&1
+holds grep -q ' 10,-5 .*outcome 0' "$work/stdout"
+for wrong in 1 50,0 0,x 1,2,3; do
+    ends 2 "$build/sv_wall" --tilt "$wrong" --case "$small"
+    holds grep -q -- "--tilt: '$wrong' is no X,Y of -45 to 45 degrees" "$work/stderr"
+done
 
 [ $failed -eq 0 ]
