@@ -65,13 +65,14 @@ __kernel void wall_items_walls(sv_wall_layout l, __global const uint *restrict i
 static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __global const ushort *rays,
                      uint threshold, uint z, uint row, uint x) {
     uint tissue = 0, wall = 0;
-    for (uint i = 0; i < 4; i++) {
+    _Pragma("unroll") for (uint i = 0; i < 4; i++) {
         const uint line = 2 * row + i / 2, column = 2 * x + i % 2;
-        if (levels[level_row(l, z, line) + column] <= threshold) continue;
-        const bool touches =
-            rays[block_row(l, RAY_RUN, line) + column] == rays[block_row(l, RAY_FIRST, line) + column];
-        tissue++;
-        wall += touches && z < rays[block_row(l, RAY_RUN_END, line) + column];
+        const uint begin = rays[block_row(l, RAY_RUN, line) + column];
+        const uint first = rays[block_row(l, RAY_FIRST, line) + column];
+        const uint end = rays[block_row(l, RAY_RUN_END, line) + column];
+        const uint is_tissue = levels[level_row(l, z, line) + column] > threshold;
+        tissue += is_tissue;
+        wall += is_tissue & (uint)(begin == first) & (uint)(z < end);
     }
     return (uchar)((tissue >= SV_WALL_MOST_RAYS ? CELL_TISSUE : 0) |
                    (wall >= SV_WALL_MOST_RAYS ? CELL_WALL : 0) |
@@ -128,11 +129,12 @@ __kernel void wall_items_around(sv_wall_layout l, __global const uint *restrict 
     const uint threshold = info[INFO_TISSUE], least = info[INFO_FETUS];
     const uint rows = wanted ? l.cells[1] : 0, columns = wanted ? l.cells[0] : 0;
     const size_t layer = cell_row(&l, z, 0), pitch = cell_row(&l, 0, 1);
-    for (uint y = item; y < rows; y += items) {
-        __global uchar *const line = kinds + layer + y * pitch;
-        for (uint x = 0; x < columns; x++) line[x] = kind_of(&l, levels, rays, threshold, z, y, x);
-        find_wall(line, 1, columns, 0, CELL_ACROSS);
-    }
+    for (uint i = item; i < rows * columns; i += items)
+        kinds[layer + i / columns * pitch + i % columns] =
+            kind_of(&l, levels, rays, threshold, z, i / columns, i % columns);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    for (uint y = item; y < rows; y += items)
+        find_wall(kinds + layer + y * pitch, 1, columns, 0, CELL_ACROSS);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint x = item; x < columns; x += items) {
         __global uchar *const column = kinds + layer + x;
