@@ -251,7 +251,7 @@ static bool judge_views(char **files, int count, const options *o, hs_error *err
 }
 
 int main(int argc, char **argv) {
-    options o = {sv_wall_settings_default(), 1.0, 1.0, 0.0, {0.0, 0.0}};
+    options o = {.settings = sv_wall_settings_default(), .gain = 1.0, .gamma = 1.0};
     hs_error err = {0};
     int i = 1;
     bool ok = true, done = false;

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { NEAR_RAYS = 2, NEAR_SLICES = 3 };
 

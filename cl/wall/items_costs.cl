@@ -15,7 +15,6 @@ typedef struct {
     uint threshold;
     __global const uint *chances;
     bool bare;                     /* there is no wall */
-    uint one_side;                 /* of the layout */
     uint first, end, run, run_end; /* scanned layers, the first tissue */
     bool scanned, touches;         /* the first tissue begins where the scan does */
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
@@ -52,13 +51,13 @@ static uint share_of_cost(uint cost, uint chance) {
 }
 
 /* How likely tissue is the fetus. */
-static uint chance_at(const ray_t *r, uint z) {
+static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const size_t at = z * r->cell_pitch;
     const uint kind = r->kinds[at], chance = r->chances[r->bright[at]];
     const uint any = chance >> 16, first = chance & 0xffffu;
     if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
     if (kind & CELL_FLANKED) return any;
-    return (kind & CELL_BESIDE) ? first + share(any - first, r->one_side) : first;
+    return (kind & CELL_BESIDE) ? first + share(any - first, l->one_side) : first;
 }
 
 /* Front to back. */
@@ -69,7 +68,7 @@ static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     for (uint z = 0; z < l->layers; z++) {
         const bool tissue = is_tissue(r, z);
         if (tissue) {
-            most = max(most, chance_at(r, z));
+            most = max(most, chance_at(l, r, z));
             now = before - share(before, most);
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
@@ -149,10 +148,7 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
-    ray_t r = {.threshold = info[INFO_TISSUE],
-               .chances = info + INFO_CHANCES,
-               .bare = info[INFO_BARE] != 0,
-               .one_side = l.one_side};
+    ray_t r = {.threshold = info[INFO_TISSUE], .chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
     r.bright = bright + cell_row(&l, 0, row / 2) + x / 2;

@@ -32,7 +32,6 @@ typedef struct {
     size_t level_pitch, cell_pitch; /* from one layer to the next */
     u8l threshold;
     bool bare;                    /* there is no wall */
-    uint one_side;                /* of the layout */
     __global const uchar *bright; /* of the first layer */
     __global const ulong *kinds;  /* the same */
     size_t word_pitch;            /* from one word of `kinds` to the next */
@@ -79,12 +78,12 @@ static i32h has_bit(u32h kinds, uint bit) {
 
 /* What was looked up, changed by what is around the cells: enclosed tissue is told like a first one. A first
  * one that the fetus flanks is told like any tissue, and one beside the fetus the share `one_side` so. */
-static u32h chances_at(const twin_rays_t *s, uint z) {
+static u32h chances_at(const sv_wall_layout *l, const twin_rays_t *s, uint z) {
     u8h cells;
     for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->kinds[i * s->word_pitch + z];
     const u32h looked_up = s->chance[z], kinds = HALF_TO_U32(cells);
     const u32h any = looked_up >> 16u, first = looked_up & 0xffffu;
-    const u32h part = ((any - first) * s->one_side + (uint)(SV_WALL_SURE / 2)) / (uint)SV_WALL_SURE;
+    const u32h part = ((any - first) * l->one_side + (uint)(SV_WALL_SURE / 2)) / (uint)SV_WALL_SURE;
     const u32h beside = PICK(first, first + part, has_bit(kinds, CELL_BESIDE));
     return PICK(any, first, has_bit(kinds, CELL_ENCLOSED)) << 16u |
            PICK(beside, any, has_bit(kinds, CELL_FLANKED));
@@ -156,7 +155,7 @@ static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
         const u8l tissue[2] = {next[0], next[1]};
         look_ahead(l, s, z + 1, next);
         if (s->sure == l->layers) {
-            const u32h chances = chances_at(s, z);
+            const u32h chances = chances_at(l, s, z);
             BOTH for (uint i = 0; i < 2; i++)
                 fetus_begins(&r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
             const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
@@ -274,7 +273,6 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                      .word_pitch = padded_layers_of(&l),
                      .threshold = (u8l)((uchar)info[INFO_TISSUE]),
                      .bare = info[INFO_BARE] != 0,
-                     .one_side = l.one_side,
                      .chances = info + INFO_CHANCES};
     s.chance = (__global u32h *)(scratch + (size_t)row * scratch_words);
     s.rays[0].begun_at = (__global u16l *)(s.chance + l.layers);

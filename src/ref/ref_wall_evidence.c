@@ -19,7 +19,7 @@ bool sv_wall_is_enclosed(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->enclosed[cell_of(s->layout, ray, z)] != 0;
 }
 
-uint8_t sv_wall_is_beside(const sv_wall_scan *s, size_t ray, size_t z) {
+uint8_t sv_wall_fetus_beside(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->beside[cell_of(s->layout, ray, z)];
 }
 

@@ -34,7 +34,7 @@ bool sv_wall_is_enclosed(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* How much of the fetus is beside the ray's cell there: nothing, on one side, on both sides. */
 enum { SV_WALL_ONE_SIDE = 1, SV_WALL_FLANKED };
-uint8_t sv_wall_is_beside(const sv_wall_scan *scan, size_t ray, size_t z);
+uint8_t sv_wall_fetus_beside(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* The first tissue of a ray: layers [begin, end), both the end of the scan if there is none. `touches`: it
  * begins where the scan does. `fluid`: fluid follows it. */

@@ -31,7 +31,7 @@ static uint32_t chance_of(const sv_wall_scan *s, const sv_wall_evidence *e, size
     const uint8_t bright = sv_wall_brightness(s, ray, z);
     const uint32_t as_first = e->first[bright], as_other = e->other[bright];
     if (!first->touches || z >= first->end) return sv_wall_is_enclosed(s, ray, z) ? as_first : as_other;
-    const uint8_t beside = sv_wall_is_beside(s, ray, z);
+    const uint8_t beside = sv_wall_fetus_beside(s, ray, z);
     if (beside == SV_WALL_FLANKED) return as_other;
     return as_first + (beside ? share(as_other - as_first, s->layout->one_side) : 0);
 }
