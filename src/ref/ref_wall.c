@@ -37,20 +37,19 @@ static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
     return walled || !sv_wall_is_shallow(scan->layout, levels) || sv_wall_is_parted(scan->layout, levels);
 }
 
-/* What is known of every cell; all three allocated, or NULL. */
+/* What is known of every cell; both allocated, or NULL. */
 typedef struct {
-    uint8_t *bright, *enclosed, *beside;
+    uint8_t *bright, *around;
 } cell_maps;
 
 /* What rays are judged from. False: no memory; what there is in `maps` must be freed all the same. */
 static bool look(sv_wall_scan *scan, const sv_wall_levels *levels, cell_maps *maps,
                  sv_wall_evidence *evidence) {
     scan->bright = maps->bright = sv_wall_brightest(scan->layout, scan->blocks);
-    scan->enclosed = maps->enclosed = sv_wall_enclosed(scan);
-    if (!maps->bright || !maps->enclosed) return false;
+    if (!maps->bright) return false;
     sv_wall_evidence_of(scan, levels, evidence);
-    scan->beside = maps->beside = sv_wall_beside(scan, evidence);
-    return maps->beside != NULL;
+    scan->around = maps->around = sv_wall_look_around(scan, evidence);
+    return maps->around != NULL;
 }
 
 /* The surface of a volume of two classes. */
@@ -69,8 +68,7 @@ static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const
             done = place(&scan, &evidence, depth, confidence, outcome, facts);
     }
     free(maps.bright);
-    free(maps.enclosed);
-    free(maps.beside);
+    free(maps.around);
     return done;
 }
 

@@ -2,6 +2,7 @@
 #include "ref/ref_wall_around.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* What a cell is in one layer. */
 enum { FLUID, TISSUE, WALL, OTHER, FETUS };
@@ -39,11 +40,12 @@ static void tell_cells(const sv_wall_scan *s, const sv_wall_run *runs, size_t z,
 }
 
 /* Which other tissue of a layer is the fetus. */
-static void tell_fetus(const sv_wall_scan *s, const sv_wall_evidence *e, size_t z, uint8_t *kind) {
+static void tell_fetus(const sv_wall_scan *s, const sv_wall_evidence *e, size_t z, const uint8_t *around,
+                       uint8_t *kind) {
     const size_t cells = (size_t)s->layout->cells[0] * s->layout->cells[1];
     for (size_t i = 0; i < cells; i++) {
         const bool is_shown = e->other[s->bright[z * cells + i]] >= s->layout->flank;
-        if (kind[i] == OTHER && !s->enclosed[z * cells + i] && is_shown) kind[i] = FETUS;
+        if (kind[i] == OTHER && !(around[i] & SV_WALL_ENCLOSED) && is_shown) kind[i] = FETUS;
     }
 }
 
@@ -59,9 +61,10 @@ static void go(const uint8_t *kind, uint8_t source, ptrdiff_t start, ptrdiff_t s
     }
 }
 
-/* From each of the four sides. */
+/* From each of the four sides, from none at first. */
 static void go_all_ways(const sv_wall_layout *l, const uint8_t *kind, uint8_t source, uint8_t *ways) {
     const ptrdiff_t w = l->cells[0], h = l->cells[1];
+    memset(ways, 0, (size_t)(w * h));
     for (ptrdiff_t y = 0; y < h; y++) {
         go(kind, source, y * w, 1, l->cells[0], LEFT, ways);
         go(kind, source, y * w + w - 1, -1, l->cells[0], RIGHT, ways);
@@ -72,39 +75,39 @@ static void go_all_ways(const sv_wall_layout *l, const uint8_t *kind, uint8_t so
     }
 }
 
-/* How much is around a cell that is reached from these ways. */
+/* How a cell lies to the fetus that is reached from these ways. */
 static uint8_t beside_of(uint8_t ways) {
     if ((ways & ACROSS) == ACROSS || (ways & DOWN) == DOWN) return SV_WALL_FLANKED;
     return ways ? SV_WALL_ONE_SIDE : 0;
 }
 
-/* Which cells are beside the fetus; without evidence, which the wall encloses. */
-static uint8_t *look_around(const sv_wall_scan *s, const sv_wall_evidence *evidence) {
+/* Of one layer. `kind` and `ways` have room for a byte a cell. */
+static void look_around_layer(const sv_wall_scan *s, const sv_wall_evidence *e, const sv_wall_run *runs,
+                              size_t z, uint8_t *kind, uint8_t *ways, uint8_t *around) {
+    const sv_wall_layout *l = s->layout;
+    const size_t cells = (size_t)l->cells[0] * l->cells[1];
+    tell_cells(s, runs, z, kind);
+    go_all_ways(l, kind, WALL, ways);
+    for (size_t i = 0; i < cells; i++) around[i] = ways[i] == (ACROSS | DOWN) ? SV_WALL_ENCLOSED : 0;
+    tell_fetus(s, e, z, around, kind);
+    go_all_ways(l, kind, FETUS, ways);
+    for (size_t i = 0; i < cells; i++) around[i] |= beside_of(ways[i]);
+}
+
+uint8_t *sv_wall_look_around(const sv_wall_scan *s, const sv_wall_evidence *evidence) {
     const sv_wall_layout *l = s->layout;
     const size_t cells = (size_t)l->cells[0] * l->cells[1], rays = (size_t)l->columns * l->rows;
-    uint8_t *const found = calloc(cells * l->layers, 1), *const kind = malloc(cells);
+    uint8_t *const around = malloc(cells * l->layers), *const kind = malloc(cells),
+                   *const ways = malloc(cells);
     sv_wall_run *const runs = malloc(rays * sizeof *runs);
-    const bool made = found && kind && runs;
+    const bool made = around && kind && ways && runs;
     for (size_t ray = 0; made && ray < rays; ray++) runs[ray] = sv_wall_first_run(s, ray);
-    for (size_t z = 0; made && z < l->layers; z++) {
-        uint8_t *const ways = found + z * cells;
-        tell_cells(s, runs, z, kind);
-        if (evidence) tell_fetus(s, evidence, z, kind);
-        go_all_ways(l, kind, evidence ? FETUS : WALL, ways);
-        for (size_t i = 0; i < cells; i++)
-            ways[i] = evidence ? beside_of(ways[i]) : ways[i] == (ACROSS | DOWN);
-    }
+    for (size_t z = 0; made && z < l->layers; z++)
+        look_around_layer(s, evidence, runs, z, kind, ways, around + z * cells);
     free(kind);
+    free(ways);
     free(runs);
-    if (made) return found;
-    free(found);
+    if (made) return around;
+    free(around);
     return NULL;
-}
-
-uint8_t *sv_wall_enclosed(const sv_wall_scan *s) {
-    return look_around(s, NULL);
-}
-
-uint8_t *sv_wall_beside(const sv_wall_scan *s, const sv_wall_evidence *evidence) {
-    return look_around(s, evidence);
 }

@@ -15,12 +15,8 @@ uint8_t sv_wall_brightness(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->bright[cell_of(s->layout, ray, z)];
 }
 
-bool sv_wall_is_enclosed(const sv_wall_scan *s, size_t ray, size_t z) {
-    return s->enclosed[cell_of(s->layout, ray, z)] != 0;
-}
-
-uint8_t sv_wall_fetus_beside(const sv_wall_scan *s, size_t ray, size_t z) {
-    return s->beside[cell_of(s->layout, ray, z)];
+uint8_t sv_wall_around(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->around[cell_of(s->layout, ray, z)];
 }
 
 sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {

@@ -30,10 +30,10 @@ static uint32_t chance_of(const sv_wall_scan *s, const sv_wall_evidence *e, size
                           const sv_wall_run *first) {
     const uint8_t bright = sv_wall_brightness(s, ray, z);
     const uint32_t as_first = e->first[bright], as_other = e->other[bright];
-    if (!first->touches || z >= first->end) return sv_wall_is_enclosed(s, ray, z) ? as_first : as_other;
-    const uint8_t beside = sv_wall_fetus_beside(s, ray, z);
-    if (beside == SV_WALL_FLANKED) return as_other;
-    return as_first + (beside ? share(as_other - as_first, s->layout->one_side) : 0);
+    const uint8_t around = sv_wall_around(s, ray, z);
+    if (!first->touches || z >= first->end) return around & SV_WALL_ENCLOSED ? as_first : as_other;
+    if (around & SV_WALL_FLANKED) return as_other;
+    return as_first + (around & SV_WALL_ONE_SIDE ? share(as_other - as_first, s->layout->one_side) : 0);
 }
 
 /* Front to back: the fetus begins where what a run has shown so far makes it likely, unless it has begun. */
