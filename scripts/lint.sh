@@ -19,6 +19,9 @@ check() { # check NAME COMMAND...: runs it, says how it went
     fi
 }
 
+# Of the documents: every link to a file or a heading leads there.
+links() { scripts/list_sources.sh md | xargs -r python3 scripts/check_links.py; }
+
 format() { scripts/list_sources.sh c h cl clh | xargs -r clang-format --dry-run -Werror; }
 
 # Every file that the build compiles. One file a process: clang-tidy's own script would need Python.
@@ -76,6 +79,7 @@ python_types() {
 }
 
 check "house rules" scripts/check_rules.sh
+check "links" links
 check "include rule" scripts/check_includes.sh
 check "clang-format" format
 check "kernels" kernels
