@@ -30,5 +30,7 @@ simulate() { # simulate METHOD
 export -f simulate
 export build out beside
 
-# Each method by itself: the simulation uses one processor.
-awk '{ print $1 }' "$beside" | uniq | xargs -P "$jobs" -I METHOD bash -c 'simulate METHOD' && echo "oclgrind: nothing found"
+# Each method by itself: the simulation uses one processor. Those of the longest simulation first.
+methods=$(awk '{ print $1 }' "$beside" | uniq)
+(grep -xE 'plate|wall' <<< "$methods" && grep -vxE 'plate|wall' <<< "$methods") |
+    xargs -P "$jobs" -I METHOD bash -c 'simulate METHOD' && echo "oclgrind: nothing found"
