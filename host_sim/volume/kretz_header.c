@@ -207,9 +207,9 @@ static bool check_table(const found *f, field w, double *table, uint32_t count, 
         if (!isfinite(table[i]))
             return hs_fail(err, HS_ERR_INPUT, CONTEXT ": angle %" PRIu32 " is %g", ARGS(f, w), i, table[i]);
     const double first = table[0], last = table[count - 1], span = fabs(last - first);
-    if (!(span > 0.0 && span < PI))
-        return hs_fail(err, HS_ERR_INPUT, CONTEXT " span %g, expected more than 0 and less than pi radians",
-                       ARGS(f, w), span);
+    if (!(span >= HS_KRETZ_MIN_SPAN && span < PI))
+        return hs_fail(err, HS_ERR_INPUT, CONTEXT " span %g, expected at least %g and less than pi radians",
+                       ARGS(f, w), span, HS_KRETZ_MIN_SPAN);
     for (uint32_t i = 1; i < count; i++)
         if (last > first ? !(table[i] > table[i - 1]) : !(table[i] < table[i - 1]))
             return hs_fail(err, HS_ERR_INPUT,

@@ -8,6 +8,7 @@
 
 #define HS_KRETZ_MIN_PITCH  0.01   /* mm between samples, or a voxel's edge */
 #define HS_KRETZ_MAX_PITCH  5.0    /* mm */
+#define HS_KRETZ_MIN_SPAN   0.01   /* rad: of a narrower fan the copy would be one voxel wide */
 #define HS_KRETZ_MAX_OFFSET 1000.0 /* mm: start of the samples, and place of the sweep's axis */
 #define HS_KRETZ_TIMES      65536u /* volumes of a sequence */
 

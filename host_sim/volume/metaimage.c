@@ -73,6 +73,8 @@ static bool search_block(void *context, uint32_t block, hs_error *err) {
     return true;
 }
 
+#define MAX_VALUE 1e30 /* beyond stand marks and rubbish, which would leave two grey levels of a scan */
+
 /* Reads all the data once for the smallest and largest value: one mapping serves the whole sequence. */
 static bool find_range(hs_metaimage *m) {
     const size_t count = volume_voxels(m->header);
@@ -88,6 +90,11 @@ static bool find_range(hs_metaimage *m) {
     if (!ok || !reach_end(m)) return false;
     m->low = s.low;
     m->high = s.high;
+    if (m->low < -MAX_VALUE || m->high > MAX_VALUE)
+        return hs_fail(
+            m->err, HS_ERR_INPUT,
+            "%s:%u: ElementDataFile '%s': values are %g .. %g, expected -1e30 .. 1e30; give a window",
+            m->path, m->header->data_line, m->header->data_name, m->low, m->high);
     if (m->low < m->high) return true;
     return hs_fail(m->err, HS_ERR_INPUT,
                    "%s:%u: ElementDataFile '%s': every voxel is %g: no range to map to 8 bit, give a window",

@@ -79,7 +79,7 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
     char context[1024];
     (void)snprintf(context, sizeof context, "%s:%u: ElementDataFile '%s'", DATA_ARGS(d));
     uint64_t file_bytes = 0;
-    d->file = hs_met_open(header->data_path, context, &file_bytes, err);
+    d->file = hs_met_open_below(header->local ? NULL : path, header->data_path, context, &file_bytes, err);
     bool ok = d->file != NULL;
     ok = ok && (header->compressed ? check_compressed_size(d, file_bytes, err)
                                    : check_plain_size(d, file_bytes, err));

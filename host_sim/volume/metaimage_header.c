@@ -42,6 +42,9 @@ static bool check_dims(const hs_met_text *p, hs_met_header *h) {
     return true;
 }
 
+#define MIN_SPACING 1e-6 /* mm: below and above, sizes are no longer numbers in single precision */
+#define MAX_SPACING 1e6
+
 /* One number an axis. In four dimensions the last is no length, and some programs leave it out. */
 static bool check_spacing(const hs_met_text *p, hs_met_header *h) {
     for (int axis = 0; axis < 3; axis++) h->spacing[axis] = 1.0;
@@ -51,8 +54,9 @@ static bool check_spacing(const hs_met_text *p, hs_met_header *h) {
     const char *text = p->fields[id].value;
     double rest;
     for (int axis = 0; axis < 3; axis++)
-        if (!hs_met_number(&text, &h->spacing[axis]) || h->spacing[axis] <= 0.0)
-            return hs_met_bad_value(p, id, "three numbers above 0 (mm)");
+        if (!hs_met_number(&text, &h->spacing[axis]) || h->spacing[axis] < MIN_SPACING ||
+            h->spacing[axis] > MAX_SPACING)
+            return hs_met_bad_value(p, id, "three numbers above 0 (mm), 1e-6 .. 1e6");
     if (h->dims == 4 && !hs_met_at_end(text) && !hs_met_number(&text, &rest))
         return hs_met_bad_value(p, id, "a fourth number");
     return hs_met_at_end(text) || hs_met_bad_value(p, id, "as many numbers as NDims");

@@ -3,17 +3,37 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err) {
+/* The kernel's name of what was opened is compared, so nobody can change a link in between. */
+static bool is_below(int descriptor, const char *header) {
+    char link[64], file[4096];
+    (void)snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+    const ssize_t bytes = readlink(link, file, sizeof file - 1);
+    const char *slash = strrchr(header, '/');
+    char *named = slash ? strndup(header, (size_t)(slash - header) + 1) : strdup(".");
+    char *folder = named ? realpath(named, NULL) : NULL;
+    const size_t length = folder && folder[1] != '\0' ? strlen(folder) : 0; /* "/" holds everything */
+    file[bytes > 0 ? bytes : 0] = '\0';
+    const bool below = folder && strncmp(file, folder, length) == 0 && file[length] == '/';
+    free(folder);
+    free(named);
+    return below;
+}
+
+FILE *hs_met_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
+                        hs_error *err) {
     const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat status;
     if (descriptor < 0 || fstat(descriptor, &status) != 0) {
         hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: %s", context, strerror(errno));
     } else if (!S_ISREG(status.st_mode)) {
         hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: not a regular file", context);
+    } else if (header && !is_below(descriptor, header)) {
+        hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: a link leads out of the header's folder", context);
     } else {
         *bytes = (uint64_t)status.st_size;
         FILE *file = fdopen(descriptor, "rb");
@@ -22,4 +42,8 @@ FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_err
     }
     if (descriptor >= 0) (void)close(descriptor);
     return NULL;
+}
+
+FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err) {
+    return hs_met_open_below(NULL, path, context, bytes, err);
 }

@@ -12,4 +12,9 @@
  * <reason>". Never waits, not even on a FIFO. */
 FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
 
+/* The same for a file that the file at `header` names: links must not lead out of that file's folder. NULL:
+ * any file. */
+FILE *hs_met_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
+                        hs_error *err);
+
 #endif

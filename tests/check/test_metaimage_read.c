@@ -30,7 +30,7 @@ static const struct {
     {"MET_LONG_LONG", SIGNED, 8, -9007199254740992.0, 9007199254740992.0}, /* 2^53: exact in double */
     {"MET_ULONG_LONG", UNSIGNED, 8, 3, 9007199254740992.0},
     {"MET_FLOAT", FLOAT, 4, -12.5, 3.0e4},
-    {"MET_DOUBLE", FLOAT, 8, -1.7e308, 1.7e308}, /* the difference is above the largest double */
+    {"MET_DOUBLE", FLOAT, 8, -1e30, 1e30},
 };
 
 /* Voxel i of the test volume, as the type holds it. 7 is coprime to 60: all of

@@ -120,7 +120,10 @@ static const row tables[] = {
     {NULL, {{SET, ITEM(0xC300, 2, F64, 1.2, 1.2000001, 1.9)}}},
     {NULL, {{SET, ITEM(0xC300, 2, F64, 1.9, 1.3, 1.2)}}},
     {"(C300,0001) sweep angles span 0,", {{SET, ITEM(0xC300, 1, F64, 1.3, 1.3)}}},
-    {NULL, {{SET, ITEM(0xC300, 1, F64, 1.3, 1.3000001)}}},
+    {"(C300,0001) sweep angles span 1e-300, expected at least 0.01",
+     {{SET, ITEM(0xC300, 1, F64, 0, 1e-300)}}},
+    {"(C300,0001) sweep angles span 0.0099,", {{SET, ITEM(0xC300, 1, F64, 0, 0.0099)}}},
+    {NULL, {{SET, ITEM(0xC300, 1, F64, 0, 0.01)}}},
     {NULL, {{SET, ITEM(0xC300, 1, F64, 1.8, 1.3)}}},
     {"(C300,0001) sweep angles have 0 bytes, expected 16", {{SET, BYTES(0xC300, 1, 0)}}},
     {"(C300,0001) sweep angles: angle 1 is nan", {{SET, ITEM(0xC300, 1, F64, 1.3, NAN)}}},
@@ -132,7 +135,7 @@ static const row tables[] = {
     {NULL, {{SET, ITEM(0xC300, 1, F64, 0.0, 3.1415926)}}},
     {"(C300,0001) sweep angles span 3.15,", {{SET, ITEM(0xC300, 1, F64, 0.0, 3.15)}}},
     {NULL, {{SET, ITEM(0xC300, 1, F64, 0.0, 3.14)}}},
-    {"(C300,0001) sweep angles span 80, expected more than 0 and less than pi radians",
+    {"(C300,0001) sweep angles span 80, expected at least 0.01 and less than pi radians",
      {{SET, ITEM(0xC300, 1, F64, 50, 130)}}},
 };
 

@@ -4,6 +4,9 @@
  * test_metaimage_pose; sequences and other formats: test_metaimage_sequence; damage: test_metaimage.) */
 #include "support/metaimage_files.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #define TEXT                                                                                                 \
     "ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 4 3 2\n"            \
     "ElementType = MET_USHORT\n"
@@ -59,8 +62,11 @@ static void sizes(void **state) {
         {"DimSize = 2048 1025 1024\n", 48, "at most 2147483648 voxels", "DimSize = 4 3 2\n", 48},
         {"DimSize = 4 3 2 1\n", 48, "as many numbers as NDims", "DimSize = 4 3 2 \n", 48},
         {"DimSize = 4 3 +2\n", 48, "DimSize is '4 3 +2'", "DimSize = 4 3 002\n", 48},
-        {"ElementSpacing = 0 1 1\n", 48, "above 0", "ElementSpacing = 1e-300 1 1\n", 48},
-        {"ElementSpacing = 1 1 1e309\n", 48, "above 0", "ElementSpacing = 1 1 1e308\n", 48},
+        {"ElementSpacing = 0 1 1\n", 48, "above 0", "ElementSpacing = 1e-6 1 1\n", 48},
+        {"ElementSpacing = 9e-7 1 1\n", 48, "1e-6 .. 1e6", "ElementSpacing = 1 1e-6 1\n", 48},
+        {"ElementSpacing = 1 1 1e309\n", 48, "above 0", "ElementSpacing = 1 1 1e6\n", 48},
+        {"ElementSpacing = 1 1 1e308\n", 48, "ElementSpacing is '1 1 1e308'", "ElementSpacing = 1 1 9e5\n",
+         48},
         {"ElementSpacing = 1 1\n", 48, "three numbers", "ElementSpacing = 1 1 .5\n", 48},
     };
     expect_both_sides(rules, sizeof rules / sizeof *rules);
@@ -135,6 +141,62 @@ static void data_files(void **state) {
     }
 }
 
+/* Links may lead to another file of the folder, and not out of it; what is no file is not waited for. */
+static void links(void **state) {
+    (void)state;
+    static const uint8_t voxels[48] = {1};
+    char outside[] = "/tmp/sv_outside_XXXXXX", up[32];
+    const int file = mkstemp(outside);
+    assert_int_equal(write(file, voxels, sizeof voxels), sizeof voxels);
+    (void)snprintf(up, sizeof up, "up%s", outside + strlen("/tmp"));
+    files_write("real.raw", NULL, voxels, sizeof voxels);
+    assert_int_equal(symlink("real.raw", files_path("in.raw")), 0);
+    assert_int_equal(symlink(".", files_path("here")), 0);
+    assert_int_equal(symlink(outside, files_path("out.raw")), 0);
+    assert_int_equal(symlink("/tmp", files_path("up")), 0);
+    assert_int_equal(symlink("/dev/zero", files_path("zero.raw")), 0);
+    assert_int_equal(mkfifo(files_path("pipe.raw"), 0600), 0);
+    const struct {
+        const char *name, *told;
+    } rows[] = {{"in.raw", NULL},
+                {"here/real.raw", NULL},
+                {"out.raw", "ElementDataFile 'out.raw': cannot be read: a link leads out of the header's"},
+                {up, "cannot be read: a link leads out of the header's folder"},
+                {"zero.raw", "ElementDataFile 'zero.raw': cannot be read: not a regular file"},
+                {"pipe.raw", "ElementDataFile 'pipe.raw': cannot be read: not a regular file"}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char text[200];
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = 4 3 4\nElementType = MET_UCHAR\nElementDataFile = %s\n",
+                       rows[i].name);
+        files_write("link.mhd", text, NULL, 0);
+        if (rows[i].told) {
+            files_refused("link.mhd", rows[i].told);
+            continue;
+        }
+        hs_volume volume;
+        files_read("link.mhd", NULL, &volume);
+        hs_volume_free(&volume);
+    }
+    assert_int_equal(close(file) | unlink(outside), 0);
+}
+
+/* Values that would leave a scan two grey levels are refused, unless a window says what is meant. */
+static void values(void **state) {
+    (void)state;
+    const hs_metaimage_options window = {.has_window = true, .window_low = 0, .window_high = 255};
+    double voxels[24] = {-1.7e308, 1.7e308, 100};
+    char text[300];
+    (void)snprintf(text, sizeof text, "NDims = 3\nDimSize = 4 3 2\nElementType = MET_DOUBLE\n" LAST);
+    files_write("far.mha", text, (uint8_t *)voxels, sizeof voxels);
+    files_refused("far.mha", ":4: ElementDataFile 'LOCAL': values are -1.7e+308 .. 1.7e+308, expected -1e30");
+    hs_volume volume;
+    files_read("far.mha", &window, &volume);
+    assert_int_equal(volume.voxels[1], 255);
+    assert_int_equal(volume.voxels[2], 100);
+    hs_volume_free(&volume);
+}
+
 /* The compressed stream's length, by one byte more and less, and the best that compression can do. */
 static void compressed(void **state) {
     (void)state;
@@ -160,8 +222,9 @@ static void compressed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sizes),      cmocka_unit_test(encodings),  cmocka_unit_test(data),
-        cmocka_unit_test(data_files), cmocka_unit_test(compressed),
+        cmocka_unit_test(sizes),      cmocka_unit_test(encodings), cmocka_unit_test(data),
+        cmocka_unit_test(data_files), cmocka_unit_test(links),     cmocka_unit_test(values),
+        cmocka_unit_test(compressed),
     };
     return cmocka_run_group_tests(tests, files_setup, files_teardown);
 }
