@@ -4,8 +4,6 @@
 #
 # - A file includes only what its floor may include, by the table below.
 # - Nothing includes in a circle. A source and its header count as one: x.c and x.h.
-# - A source in src/, host_sim/, bench/ and validate/ has a header of its own, unless it holds a program's main or the
-#   library's entry, whose header is the ABI's.
 # - Every source lies in a folder that the table knows.
 set -eu
 cd "${1:-$(dirname "$0")/..}"
@@ -41,21 +39,19 @@ host_sim/render/cl         | .                                                  
 host_sim/guarded           | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
 host_sim/loop              | abi MACHINE .                                              | libc opencl
 host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
-host_sim/eval              | abi MACHINE host_sim/loop .                                | libc opencl zlib
-host_sim/report            | abi MACHINE host_sim/picture host_sim/loop host_sim/eval . | libc opencl zlib
-host_sim/console           | abi HOST kernels .                                         | libc opencl json web
-host_sim/commands          | abi HOST host_sim/console .                                | libc opencl json
-bench/frame                | abi HOST kernels .                                         | libc opencl json futex
-bench/frame/cl             | .                                                          |
-bench/methods              | abi HOST shared src src/ref bench/frame .                  | libc opencl
-bench/quality/sv_surfaces.c| abi HOST shared src src/ref bench/sites bench/quality       | libc opencl
-bench/quality              | abi HOST shared src src/ref .                              | libc opencl json
-bench/wall                 | abi HOST shared src src/ref bench/quality .                | libc opencl json
-bench/sites                | abi HOST shared src src/ref bench/quality bench/wall .     | libc opencl json
-validate/spy               | .                                                          | libc opencl elf
-validate/drive             | abi host_sim/base host_sim/plugin validate/spy .           | libc opencl
-validate/checks            | abi host_sim/base host_sim/plugin validate/spy validate/drive . | libc opencl elf
-validate                   | abi host_sim/base host_sim/guard validate/drive validate/checks . | libc json
+host_sim/show              | abi MACHINE host_sim/picture host_sim/loop .                | libc opencl
+host_sim/commands          | abi HOST .                                                 | libc opencl json
+tools/eval                 | abi MACHINE host_sim/loop .                                | libc opencl zlib
+tools/report               | abi HOST host_sim/commands tools/eval .                    | libc opencl json zlib
+tools/console              | abi HOST host_sim/commands kernels .                       | libc opencl json web
+tools/bench                | abi HOST shared src src/ref tools/eval kernels .           | libc opencl json futex
+tools/bench/cl             | .                                                          |
+tools/judge                | abi HOST shared src src/ref tools/eval .                   | libc opencl json
+tools/validate/spy         | .                                                          | libc opencl elf
+tools/validate/drive       | abi host_sim/base host_sim/plugin tools/validate/spy .     | libc opencl
+tools/validate/checks      | abi host_sim/base host_sim/plugin tools/validate/spy tools/validate/drive . | libc opencl elf
+tools/validate             | abi host_sim/base host_sim/guard tools/validate/drive tools/validate/checks . | libc json
+tools                      | abi HOST host_sim/commands tools/report tools/console .    | libc
 examples/*                 | abi .                                                      | libc opencl
 python/bench               | abi .                                                      | libc
 tests/*                    | any kernels                                                | any
@@ -63,7 +59,7 @@ tests/*/*                  | any kernels                                        
 TABLE
 }
 machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render host_sim/guarded' # MACHINE
-host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/eval host_sim/report"        # HOST
+host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/show"        # HOST
 
 # The groups of <...>, and where a "..." may be found from each part of the tree.
 groups() {
@@ -87,11 +83,10 @@ include  include
 cl       cl
 src      include src cl
 host_sim include host_sim
-bench    include bench host_sim src cl
+tools    include tools host_sim src cl
 examples include
 python   include
-validate include validate host_sim
-tests    include tests bench validate host_sim src cl
+tests    include tests tools host_sim src cl
 TABLE
 }
 
@@ -102,8 +97,7 @@ groups > "$work/groups"
 roots > "$work/roots"
 find . \( -path './build*' -o -path ./out -o -path ./.git \) -prune -o \
     -type f \( -name '*.c' -o -name '*.h' -o -name '*.cl' -o -name '*.clh' \) -print | sed 's|^\./||' > "$work/sources"
-# Where programs and the library begin, and "FILE:LINE:TEXT" of every line that includes something.
-xargs grep -lE '^(int main\(|.*const sv_entry smartvis_plugin_entry = )' < "$work/sources" > "$work/mains" || true
+# "FILE:LINE:TEXT" of every line that includes something.
 xargs grep -nHE '^[[:space:]]*(#|%:)[[:space:]]*(include|import|embed)' < "$work/sources" > "$work/lines" || true
 
 awk -v edges="$work/edges" '
@@ -178,7 +172,6 @@ FILENAME ~ /\/(groups|roots)$/ {
     next
 }
 FILENAME ~ /\/sources$/ { known[$0] = 1; next }
-FILENAME ~ /\/mains$/ { begins[$0] = 1; next }
 {
     match($0, /^[^:]*:[0-9]+:/)
     where = substr($0, 1, RLENGTH - 1)
@@ -206,11 +199,9 @@ FILENAME ~ /\/mains$/ { begins[$0] = 1; next }
 END {
     for (path in known) {
         if (!floor_of(path)) complain(path ":1", "a source in a folder without a rule")
-        if (path !~ /^(src|host_sim|bench|validate)\/.*\.c$/ || path in begins) continue
-        if (!((unit_of(path) ".h") in known)) complain(path ":1", "a source without a header of its own")
     }
     exit failed
-}' "$work"/{floors,groups,roots,sources,mains,lines} || failed=1
+}' "$work"/{floors,groups,roots,sources,lines} || failed=1
 
 # tsort names the members of every loop on lines of their own, after "tsort: ".
 touch "$work/edges"

@@ -6,10 +6,10 @@
 #include "base/paths.h"
 #include "base/text.h"
 #include "commands/scene_line.h"
-#include "report/scene_sheet.h"
 #include "scene/scene_export.h"
 #include "scene/scene_names.h"
 #include "scene/scene_ranges.h"
+#include "show/scene_sheet.h"
 
 #include <getopt.h>
 #include <inttypes.h>

@@ -4,8 +4,8 @@
 #include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "render/camera_mark.h"
-#include "report/loop_knob.h"
-#include "report/loop_pictures.h"
+#include "show/loop_knob.h"
+#include "show/loop_pictures.h"
 
 #include <stdio.h>
 #include <stdlib.h>

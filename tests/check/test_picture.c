@@ -2,7 +2,7 @@
 /* hs_picture: colours, scaling, files, and where and how each kind of map is drawn. */
 #include "picture/picture_colour.h"
 #include "picture/picture_text.h"
-#include "report/picture_map.h"
+#include "show/picture_map.h"
 #include "smartvis_plugin.h"
 
 #include <limits.h>

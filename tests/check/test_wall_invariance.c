@@ -4,8 +4,8 @@
  * the first argument names: what turns, moves or brightens the scan must turn, move or keep the surface
  * (docs/surface.md). Errors are those of sv_wall, the mean over the cases.
  */
+#include "judge/wall_judge.h"
 #include "support/rig.h"
-#include "wall/wall_judge.h"
 
 #include <math.h>
 #include <setjmp.h>

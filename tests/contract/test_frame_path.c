@@ -4,9 +4,9 @@
  * and adjust in every work layout and with every carrier, seen through interposed OpenCL calls and an
  * interposed heap. With the plugin's own queue, end and adjust wait exactly once.
  */
-#include "spy/cl_spy.h"
-#include "spy/heap_spy.h"
 #include "support/fixture.h"
+#include "validate/spy/cl_spy.h"
+#include "validate/spy/heap_spy.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

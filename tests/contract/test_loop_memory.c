@@ -3,9 +3,9 @@
  * A frame of the scan loop allocates nothing, and creates, builds and releases no OpenCL object: volumes that
  * follow each other, both looks, stage by stage and in flow; seen through an interposed heap and OpenCL.
  */
-#include "spy/cl_spy.h"
-#include "spy/heap_spy.h"
 #include "support/loop_fixture.h"
+#include "validate/spy/cl_spy.h"
+#include "validate/spy/heap_spy.h"
 
 static void frames_take_no_memory(void **state) {
     fixture *f = *state;

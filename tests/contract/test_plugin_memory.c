@@ -3,8 +3,8 @@
  * A format that the device has no room for is refused before anything is allocated, and the error names both
  * numbers. What activate says it needs is what it makes, to the byte.
  */
-#include "spy/cl_spy.h"
 #include "support/fixture.h"
+#include "validate/spy/cl_spy.h"
 
 #include <inttypes.h>
 #include <setjmp.h>

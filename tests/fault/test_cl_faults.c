@@ -4,9 +4,9 @@
  * and during a frame in every work layout and with every carrier. Each time an error with the call's reason,
  * nothing left behind, and the next activation or frame works.
  */
-#include "spy/cl_spy.h"
 #include "support/compare.h"
 #include "support/fixture.h"
+#include "validate/spy/cl_spy.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

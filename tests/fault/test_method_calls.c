@@ -4,10 +4,10 @@
  * allocate nothing and never wait; and whichever of their calls fails, in activate or in a frame, there is an
  * error with a reason, nothing is left behind, and the next frame is good.
  */
-#include "spy/cl_spy.h"
-#include "spy/heap_spy.h"
 #include "support/fixture.h"
 #include "support/surfaces.h"
+#include "validate/spy/cl_spy.h"
+#include "validate/spy/heap_spy.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -4,9 +4,9 @@
  * its log. Not under AddressSanitizer, which owns the heap (spy/heap_spy.h).
  */
 #include "programs/shared_programs.h"
-#include "spy/cl_spy.h"
-#include "spy/heap_spy.h"
 #include "support/fixture.h"
+#include "validate/spy/cl_spy.h"
+#include "validate/spy/heap_spy.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Command lines of any bytes: an argument a line of the input, read as `run` and as `report` read theirs.
  * Nothing is run. */
-#include "commands/report_line.h"
 #include "commands/run_line.h"
 #include "fuzz/fuzz_target.h"
+#include "report/report_line.h"
 
 #include <getopt.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The scan loop: pictures and depths that can be computed by hand, and frames that create nothing. */
-#include "report/loop_pictures.h"
+#include "show/loop_pictures.h"
 #include "support/loop_fixture.h"
 
 #include <dlfcn.h>

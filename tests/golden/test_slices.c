@@ -2,8 +2,8 @@
 /* Slices beside a rendering, and what is said of a frame: over layers whose every pixel can be computed by
  * hand. */
 #include "picture/picture_text.h"
-#include "report/loop_pictures.h"
-#include "report/picture_slices.h"
+#include "show/loop_pictures.h"
+#include "show/picture_slices.h"
 #include "support/loop_fixture.h"
 
 #include <math.h>

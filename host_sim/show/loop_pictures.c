@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+#include "show/loop_pictures.h"
+
+#include "base/paths.h"
+#include "picture/picture_colour.h"
+#include "show/picture_map.h"
+#include "show/picture_slices.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ORBIT_CELL 256u /* pixels */
+
+const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes) {
+    if (frame->clipped && frame->outcome == SV_OK) return NULL;
+    if (frame->clipped)
+        (void)snprintf(out, bytes,
+                       "Clipped in part: %u of %u rays have no clipping surface and show everything.",
+                       frame->stats.unfilled, frame->stats.rays);
+    else if (frame->outcome == SV_NO_SURFACE)
+        (void)snprintf(out, bytes, "Nothing hides the fetus here, as far as fluid tells: not clipped.");
+    else if (frame->outcome > SV_OK)
+        (void)snprintf(out, bytes, "Not clipped: the plugin says %s.", hs_status_name(frame->outcome));
+    else
+        (void)snprintf(out, bytes, "Not clipped: %s", failure);
+    return out;
+}
+
+const char *hs_view_legend(const hs_view *view) {
+    if (view->look != HS_LOOK_LIT) return NULL;
+    if (!view->frame.clipped)
+        return "Skin tones: surfaces, darker and redder with depth. Grey: the scan's end.";
+    if (view->ghosted)
+        return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's "
+               "end. "
+               "Blue veil: removed tissue, shown faintly.";
+    return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's end.";
+}
+
+/* The colours' meaning, and below it the note; NULL if there is neither. */
+static const char *foot_of(const hs_view *view, const char *note, char *out, size_t bytes) {
+    const char *legend = hs_view_legend(view);
+    if (!legend) return note;
+    (void)snprintf(out, bytes, "%s%s%s", legend, note ? "\n" : "", note ? note : "");
+    return out;
+}
+
+/* The depthmap in millimetres from the front of the box; what clips nothing stays 0 or below. The caller
+ * frees it. NULL without memory. */
+static float *depth_in_mm(const hs_view *view, hs_error *err) {
+    const size_t rays = (size_t)view->map_width * view->map_height;
+    const double slice = view->camera.depth_extent / view->slices;
+    float *mm = malloc(rays * sizeof *mm);
+    if (!mm) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu rays", rays);
+        return NULL;
+    }
+    for (size_t i = 0; i < rays; i++)
+        mm[i] = view->depth[i] > 0.0f ? (float)(((double)view->depth[i] + 0.5) * slice) : view->depth[i];
+    return mm;
+}
+
+/* Saves and frees; `made` tells whether the picture is there. */
+static bool save(bool made, hs_picture *picture, const char *folder, const char *name, hs_error *err) {
+    char path[PATH_MAX];
+    const bool ok =
+        made && hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
+    if (made) hs_picture_free(picture);
+    return ok;
+}
+
+static hs_image rgba_image(const hs_view *view, const uint8_t *pixels) {
+    return (hs_image){.data = pixels, .width = view->width, .height = view->height, .channels = 4};
+}
+
+/* A rendered picture without anything around it. */
+static bool write_plain(const hs_view *view, const uint8_t *pixels, const char *folder, const char *name,
+                        hs_error *err) {
+    hs_picture picture;
+    const hs_image image = rgba_image(view, pixels);
+    const bool made = hs_picture_init(&picture, view->width, view->height, 0, err);
+    if (made) hs_picture_blit(&picture, 0, 0, view->width, view->height, &image, HS_SCALE_NEAREST);
+    return save(made, &picture, folder, name, err);
+}
+
+static bool write_panel(const hs_view *view, const char *folder, const char *title, const char *note,
+                        uint32_t cell, hs_error *err) {
+    const hs_panel_item items[3] = {{.caption = view->frame.clipped ? "Result" : "Result: not clipped",
+                                     .image = rgba_image(view, view->result)},
+                                    {.caption = "Full volume", .image = rgba_image(view, view->full)},
+                                    {.caption = "Ground truth", .image = rgba_image(view, view->truth)}};
+    char foot[1400];
+    const hs_caption caption = {.title = title, .footer = foot_of(view, note, foot, sizeof foot)};
+    hs_picture picture;
+    const bool made = hs_picture_panel(&picture, items, view->truth ? 3 : 2, cell, &caption, err);
+    return save(made, &picture, folder, "panel.png", err);
+}
+
+static bool write_depthmap(const hs_view *view, const float *mm, const char *folder, const char *title,
+                           const char *note, hs_error *err) {
+    char facts[1400];
+    const hs_camera *c = &view->camera;
+    (void)snprintf(facts, sizeof facts,
+                   "%u x %u rays over %.0f x %.0f mm, %.0f mm deep, seen from the viewer%s%s",
+                   view->map_width, view->map_height, c->extent, c->extent, c->depth_extent, note ? "\n" : "",
+                   note ? note : "");
+    const hs_caption caption = {.title = title, .footer = facts};
+    hs_picture picture;
+    const bool made =
+        hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, (hs_range){0, 0}, &caption, err);
+    return save(made, &picture, folder, "depthmap.png", err);
+}
+
+static bool write_points(const hs_view *view, const float *mm, const char *folder, const char *title,
+                         const char *note, hs_error *err) {
+    const hs_image mip = {.data = view->mip, .width = view->width, .height = view->height, .channels = 1};
+    char facts[1400];
+    char threshold[32] = "";
+    if (view->frame.points.size > 0)
+        (void)snprintf(threshold, sizeof threshold, ", T_B %.3f", (double)view->frame.points.bone_threshold);
+    (void)snprintf(facts, sizeof facts, "%s%s%s%s",
+                   view->frame.clipped ? "coloured by the depth of the clipping surface there"
+                                       : "initial points",
+                   threshold, note ? "\n" : "", note ? note : "");
+    const hs_caption caption = {.title = title, .footer = facts};
+    hs_picture picture;
+    const bool made = hs_picture_points(&picture, &mip, view->status, mm, view->map_width, view->map_height,
+                                        (hs_range){0, 0}, &caption, err);
+    return save(made, &picture, folder, "points.png", err);
+}
+
+/* Both maps are about depths. */
+static bool write_depths(const hs_view *view, const char *folder, const char *title, const char *note,
+                         hs_error *err) {
+    float *mm = depth_in_mm(view, err);
+    const bool ok = mm && write_depthmap(view, mm, folder, title, note, err) &&
+                    write_points(view, mm, folder, title, note, err);
+    free(mm);
+    return ok;
+}
+
+/* Only a plugin that has one gives a confidence. */
+static bool write_confidence(const hs_view *view, const char *folder, const char *title, hs_error *err) {
+    static const hs_share_words words = {.quantity = "confidence", .high = "sure", .low = "nothing is known"};
+    const hs_caption caption = {
+        .title = title,
+        .footer = "how sure the plugin is of its depthmap; where it is not, ghosting begins sooner"};
+    hs_picture picture;
+    if (!view->sure) return true;
+    const bool made =
+        hs_picture_share(&picture, view->sure, view->map_width, view->map_height, &words, &caption, err);
+    return save(made, &picture, folder, "confidence.png", err);
+}
+
+static bool write_slices(const hs_view *view, const char *folder, const char *title, const char *note,
+                         uint32_t cell, hs_error *err) {
+    char foot[1400];
+    const hs_caption caption = {.title = title, .footer = foot_of(view, note, foot, sizeof foot)};
+    hs_picture picture;
+    const bool made = hs_picture_slices(&picture, view, cell, &caption, err);
+    return save(made, &picture, folder, "slices.png", err);
+}
+
+bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err) {
+    return write_plain(view, view->result, folder, "result.png", err) &&
+           write_plain(view, view->full, folder, "full.png", err);
+}
+
+bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
+                            uint32_t cell, hs_error *err) {
+    return hs_loop_write_result(view, folder, err) &&
+           (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
+           write_panel(view, folder, title, note, cell, err) &&
+           write_slices(view, folder, title, note, cell, err) &&
+           write_depths(view, folder, title, note, err) && write_confidence(view, folder, title, err);
+}
+
+/* `upper` above `lower`, on a picture as wide as the wider one. */
+static bool stack(const hs_picture *upper, const hs_picture *lower, hs_picture *out, hs_error *err) {
+    const uint32_t width = upper->width > lower->width ? upper->width : lower->width;
+    if (!hs_picture_init(out, width, upper->height + lower->height, HS_COLOUR_BACKGROUND, err)) return false;
+    const hs_picture *parts[2] = {upper, lower};
+    uint32_t *row = out->pixels;
+    for (int p = 0; p < 2; p++)
+        for (uint32_t y = 0; y < parts[p]->height; y++, row += width)
+            memcpy(row, parts[p]->pixels + (size_t)y * parts[p]->width, parts[p]->width * sizeof *row);
+    return true;
+}
+
+/* Two strips from the views; captions are the camera's yaw. */
+static bool draw_orbit(const hs_view *views, const char captions[][32], const char *title, hs_picture *out,
+                       hs_error *err) {
+    hs_panel_item full[HS_ORBIT_VIEWS], result[HS_ORBIT_VIEWS];
+    for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) {
+        full[i] = (hs_panel_item){.caption = captions[i], .image = rgba_image(&views[i], views[i].full)};
+        result[i] = (hs_panel_item){.caption = views[i].frame.clipped ? "result" : "result: not clipped",
+                                    .image = rgba_image(&views[i], views[i].result)};
+    }
+    const hs_caption upper_caption = {.title = title}, lower_caption = {0};
+    hs_picture upper = {0}, lower = {0};
+    const bool ok = hs_picture_panel(&upper, full, HS_ORBIT_VIEWS, ORBIT_CELL, &upper_caption, err) &&
+                    hs_picture_panel(&lower, result, HS_ORBIT_VIEWS, ORBIT_CELL, &lower_caption, err) &&
+                    stack(&upper, &lower, out, err);
+    hs_picture_free(&upper);
+    hs_picture_free(&lower);
+    return ok;
+}
+
+bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
+                         hs_error *err) {
+    hs_view views[HS_ORBIT_VIEWS] = {0};
+    char captions[HS_ORBIT_VIEWS][32];
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < HS_ORBIT_VIEWS; i++) {
+        const uint32_t index = i * (options->frames - 1) / (HS_ORBIT_VIEWS - 1);
+        (void)snprintf(captions[i], sizeof captions[i], "full, yaw %+.0f°", hs_loop_yaw(options, index));
+        ok = hs_loop_view(loop, index, &views[i], err);
+    }
+    hs_picture picture;
+    ok = ok && save(draw_orbit(views, (const char(*)[32])captions, title, &picture, err), &picture, folder,
+                    "orbit.png", err);
+    for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) hs_view_free(&views[i]);
+    return ok;
+}

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT */
+#include "show/picture_map.h"
+
+#include "picture/picture_bar.h"
+#include "picture/picture_colour.h"
+#include "picture/picture_draw.h"
+#include "smartvis_plugin.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+enum {
+    MARGIN = 16,
+    TITLE_BAND = 44,
+    LEGEND_WIDTH = 280,
+    SWATCH = 18,
+    ROW_STEP = 27,
+    FACT_STEP = 22,
+    BAR_MARGIN = 30,
+    TARGET = 768,    /* pixels the longer side of a small map is drawn on, about */
+    LARGEST = 1280,  /* pixels a large map is reduced to */
+    MIN_HEIGHT = 420 /* the legend needs it */
+};
+
+#define POINT_SHADE 0.6 /* of the depths' colours: an initial point in the legend */
+
+uint32_t hs_colour_label(uint8_t label) {
+    /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): colour-blind readers can
+     * tell them apart. */
+    static const uint32_t colours[] = {HS_COLOUR_NO_VALUE, 0x56b4e9, 0xe69f00};
+    return label < sizeof colours / sizeof *colours ? colours[label] : HS_COLOUR_INVALID;
+}
+
+/* A map's place in its picture. */
+typedef struct {
+    uint32_t map_width, map_height; /* entries */
+    uint32_t x, y, width, height;   /* pixels the map covers */
+    uint32_t legend_x, legend_bottom;
+} layout;
+
+/* Whole pixels per entry where they fit, so that every entry is drawn equally large. */
+static void scale_map(layout *l) {
+    const uint32_t longest = l->map_width > l->map_height ? l->map_width : l->map_height;
+    if (longest <= LARGEST) {
+        const uint32_t nearest = (TARGET + longest / 2) / longest;
+        const uint32_t scale = nearest > 1 ? nearest : 1;
+        l->width = l->map_width * scale;
+        l->height = l->map_height * scale;
+        return;
+    }
+    const double shrink = (double)LARGEST / longest;
+    l->width = (uint32_t)fmax(1.0, l->map_width * shrink);
+    l->height = (uint32_t)fmax(1.0, l->map_height * shrink);
+}
+
+/* Makes an empty picture with room for the map and its legend. */
+static bool begin_map(hs_picture *out, layout *l, uint32_t width, uint32_t height, const hs_caption *caption,
+                      hs_error *err) {
+    *out = (hs_picture){0};
+    if (width == 0 || height == 0)
+        return hs_fail(err, HS_ERR_INPUT,
+                       "picture: map is %" PRIu32 " x %" PRIu32 ", expected 1 x 1 at least", width, height);
+    *l = (layout){.map_width = width, .map_height = height, .x = MARGIN};
+    scale_map(l);
+    l->y = caption->title ? TITLE_BAND : MARGIN;
+    const uint32_t body = l->height > MIN_HEIGHT ? l->height : MIN_HEIGHT;
+    l->legend_x = l->x + l->width + 24;
+    l->legend_bottom = l->y + body;
+    return hs_picture_init(out, l->legend_x + LEGEND_WIDTH + MARGIN,
+                           l->y + body + MARGIN + FACT_STEP * hs_draw_line_count(caption->footer),
+                           HS_COLOUR_BACKGROUND, err);
+}
+
+/* Title and footer; ends the drawing. On failure frees the picture. */
+static bool end_map(hs_picture *out, cairo_t *cr, const layout *l, const hs_caption *caption, hs_error *err) {
+    const double width = out->width - 2.0 * MARGIN;
+    if (caption->title)
+        hs_draw_text(cr, MARGIN, TITLE_BAND - 14, 20, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width, caption->title);
+    hs_draw_lines(cr, MARGIN, l->legend_bottom + FACT_STEP, FACT_STEP, 14, HS_COLOUR_FAINT_TEXT, width,
+                  caption->footer);
+    if (hs_draw_end(cr, err)) return true;
+    hs_picture_free(out);
+    return false;
+}
+
+/* The hatch of two greys that stands for "clips nothing". */
+static uint32_t hatch(uint32_t x, uint32_t y) {
+    return (x + y) / 5 % 2 ? HS_COLOUR_NOTHING_A : HS_COLOUR_NOTHING_B;
+}
+
+/* One line of a legend: a square and a text. */
+static void draw_entry(cairo_t *cr, const layout *l, double y, uint32_t colour, bool hatched,
+                       const char *text) {
+    if (hatched) {
+        for (uint32_t j = 0; j < SWATCH; j++)
+            for (uint32_t i = 0; i < SWATCH; i++) hs_draw_box(cr, l->legend_x + i, y + j, 1, 1, hatch(i, j));
+    } else {
+        hs_draw_box(cr, l->legend_x, y, SWATCH, SWATCH, colour);
+    }
+    hs_draw_text(cr, l->legend_x + SWATCH + 10.0, y + SWATCH - 4.0, 14, HS_COLOUR_TEXT, HS_ALIGN_LEFT,
+                 LEGEND_WIDTH - SWATCH - 10.0, text);
+}
+
+/* Entry of the map under a pixel of its picture. */
+static size_t entry_at(const layout *l, uint32_t i, uint32_t j) {
+    const uint32_t x = (uint32_t)((uint64_t)i * l->map_width / l->width);
+    const uint32_t y = (uint32_t)((uint64_t)j * l->map_height / l->height);
+    return (size_t)y * l->map_width + x;
+}
+
+static uint32_t *pixel_at(hs_picture *out, const layout *l, uint32_t i, uint32_t j) {
+    return &out->pixels[(size_t)(l->y + j) * out->width + l->x + i];
+}
+
+static double percent(size_t part, size_t whole) {
+    return 100.0 * (double)part / (double)whole;
+}
+
+/* The range of the colour bar: the given one, or that of the depths that are points in `status` (may be
+ * NULL: all are). */
+static hs_range find_range(hs_range range, const float *depth, const uint8_t *status, size_t count) {
+    if (range.low < range.high) return range;
+    range = (hs_range){INFINITY, -INFINITY};
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(depth[i]) || depth[i] <= 0.0f || (status && status[i] != SV_POINT_INITIAL)) continue;
+        range.low = fminf(range.low, depth[i]);
+        range.high = fmaxf(range.high, depth[i]);
+    }
+    return range;
+}
+
+/* A depth's place in the range. In an empty range, where no ray has a surface, all are of the legend's
+ * colour. */
+static uint32_t depth_colour(float depth, hs_range range) {
+    if (range.low > range.high) return hs_colour_viridis(POINT_SHADE);
+    const double span = (double)range.high - range.low;
+    return hs_colour_viridis(span > 0.0 ? ((double)depth - range.low) / span : 1.0);
+}
+
+/* Draws the bar in the legend's column above `rows` entries. Returns where the first entry starts. */
+static double draw_bar(cairo_t *cr, const layout *l, hs_colour_bar *bar, uint32_t rows) {
+    const double room = (double)l->legend_bottom - l->y - rows * (double)ROW_STEP - 2.0 * BAR_MARGIN;
+    bar->x = l->legend_x;
+    bar->y = (double)l->y + BAR_MARGIN;
+    bar->height = fmin(room, 420.0);
+    bar->max_width = LEGEND_WIDTH;
+    hs_draw_colour_bar(cr, bar);
+    return bar->y + bar->height + BAR_MARGIN;
+}
+
+/* The bar of depths; `none` stands in its place if there is no depth. */
+static double draw_depth_bar(cairo_t *cr, const layout *l, hs_range range, const char *none, uint32_t rows) {
+    if (range.low > range.high) {
+        hs_draw_text(cr, l->legend_x, l->y + 14.0, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, none);
+        return (double)l->y + BAR_MARGIN;
+    }
+    hs_colour_bar bar = {.low = range.low,
+                         .high = range.high,
+                         .colour = hs_colour_viridis,
+                         .heading = "depth [mm]",
+                         .high_word = "far",
+                         .low_word = "near"};
+    return draw_bar(cr, l, &bar, rows);
+}
+
+bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height, hs_range range,
+                         const hs_caption *caption, hs_error *err) {
+    layout l;
+    if (!begin_map(out, &l, width, height, caption, err)) return false;
+    const size_t count = (size_t)width * height;
+    range = find_range(range, depth, NULL, count);
+    size_t nothing = 0, invalid = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(depth[i]))
+            invalid++;
+        else if (depth[i] <= 0.0f)
+            nothing++;
+    }
+    for (uint32_t j = 0; j < l.height; j++) {
+        for (uint32_t i = 0; i < l.width; i++) {
+            const float d = depth[entry_at(&l, i, j)];
+            *pixel_at(out, &l, i, j) = !isfinite(d) ? HS_COLOUR_INVALID
+                                       : d <= 0.0f  ? hatch(i, j)
+                                                    : depth_colour(d, range);
+        }
+    }
+    cairo_t *cr = hs_draw_begin(out);
+    char text[96];
+    const double y = draw_depth_bar(cr, &l, range, "no ray is clipped", 2);
+    (void)snprintf(text, sizeof text, "clips nothing: %.1f %%", percent(nothing, count));
+    draw_entry(cr, &l, y, 0, true, text);
+    if (invalid > 0) {
+        (void)snprintf(text, sizeof text, "not a number: %zu", invalid);
+        draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
+    }
+    return end_map(out, cr, &l, caption, err);
+}
+
+bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
+                       uint32_t width, uint32_t height, hs_range range, const hs_caption *caption,
+                       hs_error *err) {
+    layout l;
+    if (!begin_map(out, &l, width, height, caption, err)) return false;
+    const size_t count = (size_t)width * height;
+    range = find_range(range, depth, status, count);
+    size_t points = 0, empty = 0;
+    for (size_t i = 0; i < count; i++) {
+        points += status[i] == SV_POINT_INITIAL;
+        empty += status[i] == SV_POINT_EMPTY;
+    }
+    hs_picture_blit(out, (int32_t)l.x, (int32_t)l.y, l.width, l.height, mip, HS_SCALE_SMOOTH);
+    for (uint32_t j = 0; j < l.height; j++) {
+        for (uint32_t i = 0; i < l.width; i++) {
+            const size_t at = entry_at(&l, i, j);
+            if (status[at] == SV_POINT_INITIAL)
+                *pixel_at(out, &l, i, j) = depth_colour(depth[at], range);
+            else if (status[at] == SV_POINT_EMPTY)
+                *pixel_at(out, &l, i, j) = HS_COLOUR_EMPTY;
+        }
+    }
+    cairo_t *cr = hs_draw_begin(out);
+    char text[96];
+    const double y = draw_depth_bar(cr, &l, range, "no point has a surface", 3);
+    (void)snprintf(text, sizeof text, "%zu points, %.1f %% of the rays", points, percent(points, count));
+    draw_entry(cr, &l, y, hs_colour_viridis(POINT_SHADE), false, text);
+    (void)snprintf(text, sizeof text, "%zu points with an empty interval", empty);
+    draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_EMPTY, false, text);
+    draw_entry(cr, &l, y + 2.0 * ROW_STEP, 0x808080, false, "maximum intensity, no point");
+    return end_map(out, cr, &l, caption, err);
+}
+
+bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint32_t height, float limit,
+                       const hs_signed_words *words, const hs_caption *caption, hs_error *err) {
+    layout l;
+    if (!begin_map(out, &l, width, height, caption, err)) return false;
+    const size_t count = (size_t)width * height;
+    float largest = 0.0f;
+    size_t valid = 0;
+    for (size_t i = 0; i < count; i++) {
+        valid += isnan(value[i]) ? 0 : 1;
+        if (isfinite(value[i])) largest = fmaxf(largest, fabsf(value[i]));
+    }
+    if (!(limit > 0.0f)) limit = largest > 0.0f ? largest : 1.0f;
+    for (uint32_t j = 0; j < l.height; j++) {
+        for (uint32_t i = 0; i < l.width; i++) {
+            const float v = value[entry_at(&l, i, j)];
+            *pixel_at(out, &l, i, j) = isnan(v) ? HS_COLOUR_NO_VALUE : hs_colour_diverging((double)v / limit);
+        }
+    }
+    cairo_t *cr = hs_draw_begin(out);
+    char heading[96], text[96];
+    (void)snprintf(heading, sizeof heading, "%s [%s]", words->quantity, words->unit);
+    hs_colour_bar bar = {.low = -limit,
+                         .high = limit,
+                         .colour = hs_colour_diverging,
+                         .t_low = -1.0,
+                         .heading = heading,
+                         .high_word = words->positive,
+                         .low_word = words->negative};
+    const double y = draw_bar(cr, &l, &bar, 1);
+    (void)snprintf(text, sizeof text, "no value: %.1f %%", percent(count - valid, count));
+    draw_entry(cr, &l, y, HS_COLOUR_NO_VALUE, false, text);
+    return end_map(out, cr, &l, caption, err);
+}
+
+bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
+                      const hs_share_words *words, const hs_caption *caption, hs_error *err) {
+    layout l;
+    if (!begin_map(out, &l, width, height, caption, err)) return false;
+    const size_t count = (size_t)width * height;
+    double sum = 0;
+    size_t valid = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!(value[i] >= 0.0f && value[i] <= 1.0f)) continue;
+        sum += (double)value[i];
+        valid++;
+    }
+    for (uint32_t j = 0; j < l.height; j++) {
+        for (uint32_t i = 0; i < l.width; i++) {
+            const float v = value[entry_at(&l, i, j)];
+            *pixel_at(out, &l, i, j) =
+                v >= 0.0f && v <= 1.0f ? hs_colour_viridis((double)v) : HS_COLOUR_INVALID;
+        }
+    }
+    cairo_t *cr = hs_draw_begin(out);
+    char text[96];
+    hs_colour_bar bar = {.high = 1.0,
+                         .colour = hs_colour_viridis,
+                         .heading = words->quantity,
+                         .high_word = words->high,
+                         .low_word = words->low};
+    const double y = draw_bar(cr, &l, &bar, 2);
+    (void)snprintf(text, sizeof text, "mean: %.2f", valid > 0 ? sum / (double)valid : 0.0);
+    hs_draw_text(cr, l.legend_x, y + 14.0, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, text);
+    if (valid < count) {
+        (void)snprintf(text, sizeof text, "not in 0 .. 1: %zu", count - valid);
+        draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
+    }
+    return end_map(out, cr, &l, caption, err);
+}
+
+bool hs_picture_labels(hs_picture *out, const uint8_t *label, uint32_t width, uint32_t height,
+                       const hs_caption *caption, hs_error *err) {
+    layout l;
+    if (!begin_map(out, &l, width, height, caption, err)) return false;
+    const size_t count = (size_t)width * height;
+    size_t of_label[4] = {0}; /* the last: unknown */
+    for (size_t i = 0; i < count; i++) of_label[label[i] < 3 ? label[i] : 3]++;
+    for (uint32_t j = 0; j < l.height; j++)
+        for (uint32_t i = 0; i < l.width; i++)
+            *pixel_at(out, &l, i, j) = hs_colour_label(label[entry_at(&l, i, j)]);
+    static const char *const names[4] = {"neither", "sac only", "fetus", "unknown label"};
+    cairo_t *cr = hs_draw_begin(out);
+    double y = l.y;
+    for (uint8_t i = 0; i < 4; i++) {
+        if (i == 3 && of_label[3] == 0) break;
+        char text[96];
+        (void)snprintf(text, sizeof text, "%s: %.1f %%", names[i], percent(of_label[i], count));
+        draw_entry(cr, &l, y, hs_colour_label(i), false, text);
+        y += ROW_STEP;
+    }
+    return end_map(out, cr, &l, caption, err);
+}

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT */
+#include "show/picture_slices.h"
+
+#include "picture/picture_bar.h"
+#include "picture/picture_colour.h"
+#include "picture/picture_draw.h"
+#include "show/slice_pixels.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PLANE_COLOUR 0x56b4e9u /* where the other slices lie */
+
+enum {
+    GAP = 16,
+    SCALE = 52, /* pixels for the numbers left of a slice */
+    TITLE_BAND = 44,
+    CAPTION_BAND = 30,
+    FOOT = 44, /* the numbers below a slice, and their unit */
+    LEGEND = 34,
+    FACT_STEP = 23,
+    DEFAULT_CELL = 512,
+    MOST_TICKS = 6
+};
+
+typedef struct {
+    const hs_view *view;
+    hs_slice_scene scene;
+    double depth; /* of the slice at a depth, 0 .. 1 */
+    double mm;    /* a square's side: all have one scale */
+    uint32_t cell;
+} slices;
+
+/* Millimetres along the square's sides. */
+static double side_mm(const slices *s, hs_slice_plane p, bool horizontal) {
+    const hs_camera *c = &s->view->camera;
+    if (p == HS_SLICE_ACROSS) return horizontal ? c->extent : c->depth_extent;
+    if (p == HS_SLICE_ALONG) return horizontal ? c->depth_extent : c->extent;
+    return c->extent;
+}
+
+/* Ticks at round millimetres along one side. */
+static void draw_scale(cairo_t *cr, double x, double y, double length, double mm, bool horizontal) {
+    const double step = hs_tick_step(mm, MOST_TICKS);
+    char text[32];
+    for (double at = 0.0; at <= mm * (1.0 + 1e-9); at += step) {
+        const double pixel = at / mm * length;
+        (void)snprintf(text, sizeof text, "%.0f", at);
+        if (horizontal) {
+            hs_draw_box(cr, x + pixel, y, 1, 5, HS_COLOUR_FAINT_TEXT);
+            hs_draw_text(cr, x + pixel, y + 19, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, 0, text);
+        } else {
+            hs_draw_box(cr, x - 5, y + pixel, 5, 1, HS_COLOUR_FAINT_TEXT);
+            hs_draw_text(cr, x - 9, y + pixel + 5, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_RIGHT, 0, text);
+        }
+    }
+}
+
+/* The other slices' places: two lines, at shares of the slice's sides. */
+static void draw_planes(cairo_t *cr, double x, double y, double width, double height, double vertical,
+                        double horizontal) {
+    hs_draw_box(cr, x + vertical * width, y, 1, height, PLANE_COLOUR);
+    hs_draw_box(cr, x, y + horizontal * height, width, 1, PLANE_COLOUR);
+}
+
+static void draw_frame_of(const slices *s, cairo_t *cr, hs_slice_plane p, double x, double y) {
+    /* Which way the sides run. */
+    static const char *const sides[3] = {"→ right, ↓ depth [mm]", "→ depth, ↓ down [mm]",
+                                         "→ right, ↓ down [mm]"};
+    const hs_camera *c = &s->view->camera;
+    const double n = s->cell, right = side_mm(s, p, true), down = side_mm(s, p, false);
+    const double width = n * right / s->mm, height = n * down / s->mm;
+    char text[96];
+    if (p == HS_SLICE_ACROSS)
+        (void)snprintf(text, sizeof text, "Across, %.0f mm down", 0.5 * c->extent);
+    else if (p == HS_SLICE_ALONG)
+        (void)snprintf(text, sizeof text, "Along, %.0f mm right", 0.5 * c->extent);
+    else
+        (void)snprintf(text, sizeof text, "%.0f mm deep", s->depth * c->depth_extent);
+    hs_draw_text(cr, x, y - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
+    draw_scale(cr, x, y + height, width, right, true);
+    draw_scale(cr, x, y, height, down, false);
+    hs_draw_text(cr, x + width / 2, y + height + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n, sides[p]);
+    draw_planes(cr, x, y, width, height, p == HS_SLICE_ALONG ? s->depth : 0.5,
+                p == HS_SLICE_ACROSS ? s->depth : 0.5);
+}
+
+static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double height, const char *text) {
+    hs_draw_box(cr, x, y - 5 - height / 2, 22, height, colour);
+    hs_draw_text(cr, x + 30, y, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, 0, text);
+    return x + 30 + 8.2 * (double)strlen(text) + 24;
+}
+
+static void draw_legend(const slices *s, cairo_t *cr, double y) {
+    double x = GAP;
+    if (hs_view_clip_depth(s->view) >= 0.0) {
+        x = draw_key(cr, x, y, HS_SLICE_LINE, 4, "clipping surface");
+        x = draw_key(cr, x, y, 0x606060u, 14, "removed (dimmed)");
+    } else {
+        x = draw_key(cr, x, y, 0xa0a0a0u, 14, "nothing is removed");
+    }
+    x = draw_key(cr, x, y, 0x000000u, 14, "fluid, or not scanned");
+    (void)draw_key(cr, x, y, PLANE_COLOUR, 2, "the other slices");
+}
+
+static int by_value(const void *a, const void *b) {
+    const float x = *(const float *)a, y = *(const float *)b;
+    return x < y ? -1 : x > y;
+}
+
+double hs_view_clip_depth(const hs_view *view) {
+    const size_t rays = (size_t)view->map_width * view->map_height;
+    float *depth = malloc(rays * sizeof *depth);
+    size_t count = 0;
+    for (size_t i = 0; depth && i < rays; i++)
+        if (view->depth[i] > 0.0f && isfinite(view->depth[i])) depth[count++] = view->depth[i];
+    double median = -1.0;
+    if (count > 0) {
+        qsort(depth, count, sizeof *depth, by_value);
+        median = ((double)depth[count / 2] + 0.5) / view->slices * view->camera.depth_extent;
+    }
+    free(depth);
+    return median;
+}
+
+static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *err) {
+    const size_t pixels = (size_t)s->cell * s->cell;
+    uint8_t *rgba = calloc(pixels, 4);
+    bool *removed = calloc(pixels, sizeof *removed);
+    const bool ok =
+        (rgba && removed) || hs_fail(err, HS_ERR_MEMORY, "slices: no memory for %zu pixels", pixels);
+    for (int p = 0; ok && p < 3; p++) {
+        const hs_image image = {.data = rgba, .width = s->cell, .height = s->cell, .channels = 4};
+        const double x = GAP + s->cell + SCALE + p * (double)(s->cell + SCALE + GAP);
+        hs_slice_fill(&s->scene, (hs_slice_plane)p, s->cell, rgba, removed);
+        hs_picture_blit(out, (int32_t)x, (int32_t)top, s->cell, s->cell, &image, HS_SCALE_NEAREST);
+        cairo_t *cr = hs_draw_begin(out);
+        draw_frame_of(s, cr, (hs_slice_plane)p, x, top);
+        if (!hs_draw_end(cr, err)) {
+            free(rgba);
+            free(removed);
+            return false;
+        }
+    }
+    free(rgba);
+    free(removed);
+    return ok;
+}
+
+/* Slices through the middle of the picture, in squares that begin with the box. */
+static hs_slice_scene scene_of(const hs_view *view, double depth, double mm) {
+    const hs_camera *c = &view->camera;
+    return (hs_slice_scene){.volume = view->volume,
+                            .camera = *c,
+                            .map_width = view->map_width,
+                            .map_height = view->map_height,
+                            .slices = view->slices,
+                            .depth = view->depth,
+                            .at = {0.5, 0.5, depth},
+                            .side = {mm / c->extent, mm / c->extent, mm / c->depth_extent}};
+}
+
+bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, const hs_caption *caption,
+                       hs_error *err) {
+    slices s = {.view = view, .cell = cell ? cell : DEFAULT_CELL};
+    const double clip = hs_view_clip_depth(view);
+    *out = (hs_picture){0};
+    s.mm = fmax(view->camera.extent, view->camera.depth_extent);
+    s.depth = clip >= 0.0 ? fmin(clip / view->camera.depth_extent, 1.0) : 0.5;
+    s.scene = scene_of(view, s.depth, s.mm);
+    const uint32_t top = (caption->title ? TITLE_BAND : GAP) + CAPTION_BAND,
+                   facts = hs_draw_line_count(caption->footer);
+    const uint32_t width = GAP + s.cell + 3 * (SCALE + s.cell + GAP);
+    if (s.cell > HS_PICTURE_MAX_AXIS / 4)
+        return hs_fail(err, HS_ERR_INPUT, "slices: a picture is %" PRIu32 " pixels wide, expected at most %u",
+                       s.cell, HS_PICTURE_MAX_AXIS / 4);
+    if (!hs_picture_init(out, width, top + s.cell + FOOT + LEGEND + facts * FACT_STEP + GAP / 2,
+                         HS_COLOUR_BACKGROUND, err))
+        return false;
+    const hs_image result = {
+        .data = view->result, .width = view->width, .height = view->height, .channels = 4};
+    hs_picture_blit(out, GAP, (int32_t)top, s.cell, s.cell, &result, HS_SCALE_SMOOTH);
+    cairo_t *cr = hs_draw_begin(out);
+    if (caption->title)
+        hs_draw_text(cr, GAP, TITLE_BAND - 14, 24, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
+                     caption->title);
+    hs_draw_text(cr, GAP, top - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
+                 view->frame.clipped ? "Result" : "Result: not clipped");
+    draw_scale(cr, GAP, top + s.cell, s.cell, view->picture_mm, true);
+    draw_legend(&s, cr, top + s.cell + FOOT + 22);
+    hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, s.cell,
+                 "→ right, ↓ down [mm]");
+    hs_draw_lines(cr, GAP, top + s.cell + FOOT + LEGEND + 16, FACT_STEP, 15, HS_COLOUR_FAINT_TEXT,
+                  width - 2.0 * GAP, caption->footer);
+    if (hs_draw_end(cr, err) && draw_slices(&s, out, top, err)) return true;
+    hs_picture_free(out);
+    return false;
+}

@@ -1,0 +1,356 @@
+/* SPDX-License-Identifier: MIT */
+#include "bench/bench_plugin.h"
+
+#include "bench/plain_frame.h"
+#include "bench/plain_read.h"
+#include "plugin/loader_param.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WARM_UP = 5, STAGE_FRAMES = 20, OWN_VALUES = 3 };
+static const double tolerance = 1e-3; /* slices */
+static const double default_q = 0.25, other_q = 0.75;
+static const double bone_offset = 0.24;
+#define PLAIN_METHOD "mean" /* what plain C computes */
+
+/* One variant under way. Zeroed: nothing to free. */
+typedef struct {
+    const bench_plugin_setup *setup;
+    const bench_slabs *slabs;
+    const bench_variant *variant;
+    const sv_plugin *instance;
+    bool active, host_queue;
+    cl_mem buffer, depth_buffer;
+    float *depth, *plain_depth;
+    uint8_t *status, *plain_status;
+    sv_param_value *fixed, *values; /* for activate; for begin */
+    uint32_t fixed_count, value_count;
+    uint32_t q_id; /* 0: the plugin has no such knob, and adjust is not timed */
+    plain_frame *plain;
+    bench_samples samples[BENCH_PARTS];
+    sv_stats stats;
+    sv_points_report points;
+} bench;
+
+static const struct {
+    const char *key, *label;
+    bool host_queue, in_place;
+} routes[BENCH_ROUTES] = {
+    {"place-own", "host memory in place, own queue", false, true},
+    {"place-host", "host memory in place, host's queue", true, true},
+    {"copy-own", "host memory copied, own queue", false, false},
+    {"copy-host", "host memory copied, host's queue", true, false},
+    {"buffer-host", "OpenCL buffer, host's queue", true, false},
+};
+
+const char *bench_route_label(bench_route route) {
+    return routes[route].label;
+}
+const char *bench_route_key(bench_route route) {
+    return routes[route].key;
+}
+
+static bool method_value(const hs_plugin *plugin, const char *method, sv_param_value *out, hs_error *err) {
+    char text[64];
+    (void)snprintf(text, sizeof text, "method=%.40s", method);
+    return hs_plugin_parse_param(plugin, text, out, err);
+}
+
+bool bench_plugin_has_method(const hs_plugin *plugin, const char *method) {
+    sv_param_value value;
+    hs_error none = {0};
+    return method_value(plugin, method, &value, &none);
+}
+
+bool bench_plugin_is_foreign(const hs_plugin *plugin) {
+    sv_param_info info = {.size = sizeof info};
+    return !hs_plugin_find_param(plugin, "q", &info) || !hs_plugin_find_param(plugin, "kernel", &info);
+}
+
+hs_handover bench_route_handover(bench_route route) {
+    return (hs_handover){route == BENCH_BUFFER_HOST ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
+                         !routes[route].host_queue};
+}
+
+/* The benchmark's own values, q and the window, where the plugin has such parameters. */
+static void own_values(bench *b) {
+    const hs_plugin *plugin = b->setup->plugin;
+    sv_param_info q = {.size = sizeof q}, kernel = {.size = sizeof kernel};
+    if (!hs_plugin_find_param(plugin, "q", &q) || !hs_plugin_find_param(plugin, "kernel", &kernel)) return;
+    b->q_id = q.id;
+    b->values[b->value_count++] = (sv_param_value){.id = q.id, .value = default_q};
+    b->values[b->value_count++] = (sv_param_value){.id = kernel.id, .value = b->variant->k};
+}
+
+/* Sorts the user's values and the benchmark's own into those of activate and those of begin. */
+static bool make_values(bench *b, hs_error *err) {
+    const bench_plugin_setup *s = b->setup;
+    b->fixed = malloc((s->value_count + 2u) * sizeof *b->fixed);
+    b->values = malloc((s->value_count + OWN_VALUES) * sizeof *b->values);
+    if (!b->fixed || !b->values)
+        return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u values", s->value_count);
+    own_values(b);
+    const char *const method = s->method ? s->method : PLAIN_METHOD;
+    const bool named =
+        s->method ? strcmp(method, BENCH_OWN) != 0 : bench_plugin_has_method(s->plugin, method);
+    if (named) {
+        if (!method_value(s->plugin, method, &b->fixed[0], err)) return false;
+        b->values[b->value_count++] = b->fixed[b->fixed_count++];
+    }
+    for (uint32_t v = 0; v < s->value_count; v++) {
+        b->values[b->value_count++] = s->values[v];
+        for (uint32_t i = 0; i < hs_plugin_param_count(s->plugin); i++) {
+            sv_param_info info = {.size = sizeof info};
+            if (b->instance->param_info(b->instance, i, &info) == SV_OK && info.id == s->values[v].id &&
+                (info.flags & SV_PARAM_REACTIVATE))
+                b->fixed[b->fixed_count++] = s->values[v];
+        }
+    }
+    return true;
+}
+
+static bool make_memory(bench *b, hs_error *err) {
+    const size_t rays = (size_t)b->variant->n * b->variant->n;
+    const plain_settings settings = {.fluid_level = BENCH_FLUID_LEVEL,
+                                     .bone_drop = (uint8_t)ceil(bone_offset * 255.0),
+                                     .k = b->variant->k,
+                                     .q = (float)default_q};
+    b->depth = calloc(rays, sizeof *b->depth);
+    b->plain_depth = calloc(rays, sizeof *b->plain_depth);
+    b->status = calloc(rays, 1);
+    b->plain_status = calloc(rays, 1);
+    if (!b->depth || !b->plain_depth || !b->status || !b->plain_status)
+        return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu rays", rays);
+    for (int p = 0; p < BENCH_PARTS; p++)
+        if (!bench_samples_create(&b->samples[p], b->setup->frames, err)) return false;
+    b->plain =
+        plain_frame_create(b->setup->team, b->variant->n, b->variant->n, b->variant->n, &settings, err);
+    if (!b->plain || !b->host_queue) return b->plain;
+    cl_int code = CL_SUCCESS;
+    b->depth_buffer =
+        clCreateBuffer(b->setup->cl->context, CL_MEM_READ_WRITE, rays * sizeof(float), NULL, &code);
+    if (code == CL_SUCCESS && b->variant->route == BENCH_BUFFER_HOST)
+        b->buffer = clCreateBuffer(b->setup->cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+                                   b->slabs->bytes, b->slabs->memory, &code);
+    return hs_cl_check(code, "clCreateBuffer (benchmark)", err);
+}
+
+static bool activate(bench *b, hs_error *err) {
+    const hs_slab_layout *l = &b->slabs->layout;
+    sv_format format = {.size = sizeof format,
+                        .width = l->width,
+                        .height = l->height,
+                        .slices = l->slices,
+                        .max_slab_slices = l->slab_slices,
+                        .voxel_type = SV_VOXEL_U8,
+                        .carrier = b->buffer ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
+                        .padding_value = SV_NO_PADDING,
+                        .tiles_x = l->tiles_x,
+                        .tile_w = l->tile_w,
+                        .tile_h = l->tile_h,
+                        .row_pitch = l->row_pitch,
+                        .values = b->fixed_count ? b->fixed : NULL,
+                        .value_count = b->fixed_count};
+    if (b->host_queue) {
+        format.context = b->setup->cl->context;
+        format.device = b->setup->cl->device;
+        format.queue = b->setup->cl->queue;
+    }
+    if (routes[b->variant->route].in_place) {
+        format.host_memory = b->slabs->memory;
+        format.host_memory_bytes = b->slabs->bytes;
+    }
+    b->active =
+        hs_plugin_check(b->setup->plugin, b->instance->activate(b->instance, &format), "activate", err);
+    return b->active;
+}
+
+static sv_status give_slabs(const bench *b) {
+    sv_status status = SV_OK;
+    for (uint32_t i = 0; i < b->slabs->count && status == SV_OK; i++) {
+        const uint32_t slices = hs_slab_length(&b->slabs->layout, i);
+        const size_t offset = i * b->slabs->stride;
+        const sv_slab slab = {.size = sizeof slab,
+                              .first_slice = i * b->slabs->layout.slab_slices,
+                              .slice_count = slices,
+                              .memory = b->buffer ? NULL : b->slabs->memory + offset,
+                              .object = b->buffer,
+                              .offset = b->buffer ? offset : 0,
+                              .bytes = hs_slab_bytes(&b->slabs->layout, slices)};
+        status = b->instance->slab(b->instance, &slab);
+    }
+    return status;
+}
+
+/* The result of a frame: the depthmap where the host wants it, and the statistics, as in the scan loop. */
+static sv_result make_result(bench *b) {
+    b->stats = (sv_stats){.size = sizeof b->stats};
+    return (sv_result){.size = sizeof(sv_result),
+                       .depth = b->host_queue ? NULL : b->depth,
+                       .depth_object = b->depth_buffer,
+                       .stats = &b->stats};
+}
+
+/* With the host's queue a result is there when the queue has run. */
+static bool finish(const bench *b, hs_error *err) {
+    return !b->host_queue || hs_cl_check(clFinish(b->setup->cl->queue), "clFinish (benchmark)", err);
+}
+
+/* One frame; `status_map` too if asked. Leaves milliseconds in ms, which may be NULL. */
+static bool plugin_frame(bench *b, uint8_t *status_map, double ms[BENCH_PARTS], hs_error *err) {
+    const hs_plugin *p = b->setup->plugin;
+    const sv_frame frame = {.size = sizeof frame, .values = b->values, .value_count = b->value_count};
+    sv_result result = make_result(b);
+    result.status = status_map;
+    const double start = hs_now();
+    if (!hs_plugin_check(p, b->instance->begin(b->instance, &frame), "begin", err)) return false;
+    const double begun = hs_now();
+    if (!hs_plugin_check(p, give_slabs(b), "slab", err)) return false;
+    const double given = hs_now();
+    if (!hs_plugin_check(p, b->instance->end(b->instance, &result), "end", err) || !finish(b, err))
+        return false;
+    const double ended = hs_now();
+    hs_plugin_points(b->instance, &b->points);
+    if (!finish(b, err)) return false;
+    if (!ms) return true;
+    ms[BENCH_BEGIN] = (begun - start) * 1e3;
+    ms[BENCH_SLABS] = (given - begun) * 1e3;
+    ms[BENCH_END] = (ended - given) * 1e3;
+    ms[BENCH_FRAME] = (ended - start) * 1e3;
+    return true;
+}
+
+static bool plugin_adjust(bench *b, double *ms, hs_error *err) {
+    const sv_param_value q = {.id = b->q_id, .value = other_q};
+    const sv_result result = make_result(b);
+    const double start = hs_now();
+    if (!hs_plugin_check(b->setup->plugin, b->instance->adjust(b->instance, &q, 1, &result), "adjust", err) ||
+        !finish(b, err))
+        return false;
+    *ms = (hs_now() - start) * 1e3;
+    return true;
+}
+
+/* Two threads' work: woken before the clock starts, asleep again after. */
+static double time_plain(bench *b) {
+    bench_team_ready(b->setup->team);
+    const double start = hs_now();
+    (void)plain_frame_run(b->plain, &b->slabs->volume, b->plain_depth, b->plain_status);
+    const double ms = (hs_now() - start) * 1e3;
+    bench_team_rest(b->setup->team);
+    return ms;
+}
+static double time_read(bench *b) {
+    static volatile uint64_t sink;
+    bench_team_ready(b->setup->team);
+    const double start = hs_now();
+    sink = plain_read(b->setup->team, b->slabs->memory, b->slabs->bytes);
+    const double ms = (hs_now() - start) * 1e3;
+    bench_team_rest(b->setup->team);
+    (void)sink;
+    return ms;
+}
+
+/* Plain C and the plugin must come to the same map. */
+static bool verify(bench *b, double *difference, hs_error *err) {
+    const size_t rays = (size_t)b->variant->n * b->variant->n;
+    if (!plugin_frame(b, b->status, NULL, err)) return false;
+    if (b->setup->method) return true; /* plain C is the mean filter */
+    (void)time_plain(b);
+    if (b->host_queue) {
+        const cl_int code = clEnqueueReadBuffer(b->setup->cl->queue, b->depth_buffer, CL_TRUE, 0,
+                                                rays * sizeof(float), b->depth, 0, NULL, NULL);
+        if (!hs_cl_check(code, "clEnqueueReadBuffer (benchmark)", err)) return false;
+    }
+    *difference = 0.0;
+    for (size_t i = 0; i < rays; i++) {
+        const double off = fabs((double)b->depth[i] - b->plain_depth[i]);
+        if (b->status[i] != b->plain_status[i] || !(off <= tolerance))
+            return hs_fail(err, HS_ERR_FAILED,
+                           "%u^3, %s: ray (%zu, %zu): the plugin gives depth %g, status %u; plain C %g, %u",
+                           b->variant->n, routes[b->variant->route].label, i % b->variant->n,
+                           i / b->variant->n, b->depth[i], b->status[i], b->plain_depth[i],
+                           b->plain_status[i]);
+        if (off > *difference) *difference = off;
+    }
+    return true;
+}
+
+/* In turns, so that whatever else the machine does hits all alike. */
+static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
+    for (uint32_t i = 0; i < WARM_UP + b->setup->frames; i++) {
+        double ms[BENCH_PARTS] = {0};
+        ms[BENCH_READ] = time_read(b);
+        if (!b->setup->method) ms[BENCH_PLAIN] = time_plain(b);
+        if (!plugin_frame(b, NULL, ms, err) || (b->q_id && !plugin_adjust(b, &ms[BENCH_ADJUST], err)))
+            return false;
+        for (int p = 0; i >= WARM_UP && p < BENCH_PARTS; p++) bench_samples_add(&b->samples[p], ms[p]);
+        if (progress && i >= WARM_UP) hs_progress_step(progress, i + 1 - WARM_UP);
+    }
+    return true;
+}
+
+/* Stage times of a few more frames, apart from the others because events cost time. */
+static bool time_stages(bench *b, bench_plugin_result *result, hs_error *err) {
+    const sv_ext_timing *ext = hs_plugin_timing(b->instance);
+    if (!ext || ext->enable(b->instance, 1) != SV_OK) return true;
+    bench_samples samples[5] = {{0}};
+    bool ok = true;
+    for (int s = 0; s < 5; s++) ok = ok && bench_samples_create(&samples[s], STAGE_FRAMES, err);
+    result->has_stages = ok;
+    for (uint32_t i = 0; ok && i < STAGE_FRAMES; i++) {
+        sv_stage_times t = {.size = sizeof t};
+        ok = plugin_frame(b, NULL, NULL, err);
+        if (!ok || ext->stage_times(b->instance, &t) != SV_OK) {
+            result->has_stages = false;
+            break;
+        }
+        const double ms[5] = {t.transfer_ms, t.profile_ms, t.threshold_ms, t.reconstruct_ms, t.output_ms};
+        for (int s = 0; s < 5; s++) bench_samples_add(&samples[s], ms[s]);
+    }
+    double median[5];
+    for (int s = 0; s < 5; s++) {
+        median[s] = bench_samples_times(&samples[s]).median;
+        bench_samples_destroy(&samples[s]);
+    }
+    result->stages =
+        (sv_stage_times){sizeof(sv_stage_times), 0, median[0], median[1], median[2], median[3], median[4]};
+    (void)ext->enable(b->instance, 0);
+    return ok;
+}
+
+static void release(bench *b) {
+    if (b->active) b->instance->deactivate(b->instance);
+    plain_frame_destroy(b->plain);
+    if (b->buffer) (void)clReleaseMemObject(b->buffer);
+    if (b->depth_buffer) (void)clReleaseMemObject(b->depth_buffer);
+    for (int p = 0; p < BENCH_PARTS; p++) bench_samples_destroy(&b->samples[p]);
+    free(b->depth);
+    free(b->plain_depth);
+    free(b->status);
+    free(b->plain_status);
+    free(b->fixed);
+    free(b->values);
+}
+
+bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs, const bench_variant *variant,
+                      hs_progress *progress, bench_plugin_result *result, hs_error *err) {
+    bench b = {.setup = setup,
+               .slabs = slabs,
+               .variant = variant,
+               .instance = setup->plugin->instance,
+               .host_queue = routes[variant->route].host_queue};
+    *result = (bench_plugin_result){
+        .variant = *variant, .method = setup->method ? setup->method : PLAIN_METHOD, .frames = setup->frames};
+    const bool ok = make_values(&b, err) && make_memory(&b, err) && activate(&b, err) &&
+                    verify(&b, &result->difference, err) && time_frames(&b, progress, err) &&
+                    time_stages(&b, result, err);
+    for (int p = 0; ok && p < BENCH_PARTS; p++) result->times[p] = bench_samples_times(&b.samples[p]);
+    result->stats = b.stats;
+    result->points = b.points;
+    release(&b);
+    return ok;
+}

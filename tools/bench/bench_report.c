@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+#include "bench/bench_report.h"
+
+#include "bench/bench_method.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void bench_print_plugin_head(uint32_t n, uint32_t k) {
+    printf("\nPlugin frame, %u^3 voxels, k = %u; milliseconds, medians unless named; ratios of medians, (of "
+           "minima)\n",
+           n, k);
+    printf("%-34s %4s | %6s | %7s %7s | %7s %7s %7s | %5s %13s | %6s %6s %7s %6s\n", "slabs", "of", "read",
+           "plain C", "min", "plugin", "min", "p95", "/read", "/plain C", "begin", "slabs", "end", "adjust");
+    (void)fflush(stdout);
+}
+
+static double ratio(double a, double b) {
+    return b > 0.0 ? a / b : 0.0;
+}
+
+void bench_print_plugin(const bench_plugin_result *r) {
+    const bench_times *t = r->times, *frame = &t[BENCH_FRAME], *plain = &t[BENCH_PLAIN];
+    printf("%-34s %4u | %6.3f | %7.3f %7.3f | %7.3f %7.3f %7.3f | %5.1f %5.2f (%5.2f) | %6.3f %6.3f %7.3f "
+           "%6.3f\n",
+           bench_route_label(r->variant.route), r->variant.slab_slices, t[BENCH_READ].median, plain->median,
+           plain->min, frame->median, frame->min, frame->p95, ratio(frame->median, t[BENCH_READ].median),
+           ratio(frame->median, plain->median), ratio(frame->min, plain->min), t[BENCH_BEGIN].median,
+           t[BENCH_SLABS].median, t[BENCH_END].median, t[BENCH_ADJUST].median);
+    (void)fflush(stdout);
+}
+
+void bench_print_stages(const bench_plugin_result *results, uint32_t count) {
+    printf("\nStages of the plugin's frame by its own events (" SV_EXT_TIMING "), medians in milliseconds\n");
+    printf("%4s %-34s %4s | %8s %8s %9s %11s %7s | %s\n", "n", "slabs", "of", "transfer", "profile",
+           "threshold", "reconstruct", "output", "initial points, empty, passes");
+    for (uint32_t i = 0; i < count; i++) {
+        const bench_plugin_result *r = &results[i];
+        if (!r->has_stages || strcmp(r->method, "mean") != 0) continue;
+        printf("%4u %-34s %4u | %8.3f %8.3f %9.3f %11.3f %7.3f | %.1f %%, %u, %u\n", r->variant.n,
+               bench_route_label(r->variant.route), r->variant.slab_slices, r->stages.transfer_ms,
+               r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, r->stages.output_ms,
+               100.0 * ratio(r->stats.points, r->stats.rays), r->points.empty_points, r->points.passes);
+    }
+}
+
+static void print_view(const bench_view_result *view) {
+    for (int s = 0; s < HS_SETTING_COUNT; s++) {
+        const hs_loop_result *r = &view->settings[s];
+        printf("%-20s %-32s | %7.2f %7.2f %7.2f %7.2f | %7.2f %7.2f | %6.1f %5.1f %% | %u of %u\n",
+               view->label, hs_setting_label((hs_setting)s), r->stage[HS_STAGE_UPLOAD].median,
+               r->stage[HS_STAGE_CONVERT].median, r->stage[HS_STAGE_PLUGIN].median,
+               r->stage[HS_STAGE_DVR].median, r->stage[HS_STAGE_LOOP].median, r->stage[HS_STAGE_LOOP].p95,
+               r->volumes_per_second, 100.0 * r->plugin_share, r->clipped_frames, r->frames);
+    }
+}
+
+void bench_print_host(const bench_host_result *h) {
+    printf("\nScan loop, %u^3 voxels (%s) to %u across, picture 512 x 512; medians in milliseconds\n",
+           h->size, h->volume, h->lowres);
+    printf("%-20s %-32s | %7s %7s %7s %7s | %7s %7s | %6s %7s | %s\n", "camera", "setting", "upload",
+           "convert", "plugin", "DVR", "loop", "p95", "vol/s", "plugin", "clipped");
+    print_view(&h->still);
+    print_view(&h->rotated);
+    print_view(&h->live);
+    printf("maximum intensity projection %.2f (p95 %.2f); volume to the device, with the grid of maxima "
+           "%.2f (p95 %.2f)\n",
+           h->mip.median, h->mip.p95, h->grid.median, h->grid.p95);
+    bench_print_lit(&h->lit);
+}
+
+static const char *verdict(bool holds) {
+    return holds ? "holds" : "does not hold";
+}
+
+/* The slowest of the combinations that were measured: the limit holds if it does. */
+static void print_limit(const bench_report *report, const bench_method *method, uint32_t n) {
+    const bench_plugin_result *slowest = NULL;
+    for (uint32_t i = 0; i < report->plugin_count; i++) {
+        const bench_plugin_result *r = &report->plugin[i];
+        if (r->variant.n == n && strcmp(r->method, method->name) == 0 &&
+            (!slowest || r->times[BENCH_FRAME].median > slowest->times[BENCH_FRAME].median))
+            slowest = r;
+    }
+    if (!slowest) return;
+    const double ms = slowest->times[BENCH_FRAME].median, limit = bench_limit_ms(method, n);
+    printf("%4u^3, method %s, slowest: slabs of %3u, %-34s at most %4.1f ms: %6.2f ms  %s\n", n, method->name,
+           slowest->variant.slab_slices, bench_route_label(slowest->variant.route), limit, ms,
+           verdict(ms <= limit));
+}
+
+static void print_ratio(const bench_plugin_result *r, const char *what) {
+    const bench_times *frame = &r->times[BENCH_FRAME], *plain = &r->times[BENCH_PLAIN];
+    const double medians = ratio(frame->median, plain->median), minima = ratio(frame->min, plain->min);
+    printf("%4u^3, %-6s slabs of %3u, %-34s at most %.0f x plain C: %5.2f x (%5.2f x)  %s\n", r->variant.n,
+           what, r->variant.slab_slices, bench_route_label(r->variant.route), BENCH_TARGET_RATIO, medians,
+           minima, verdict(medians <= BENCH_TARGET_RATIO && minima <= BENCH_TARGET_RATIO));
+}
+
+/* For each size the first combination that was measured, and the fastest. A busy machine can hide plain C's
+ * speed in the medians: the target holds if it does for medians and for minima. */
+void bench_print_targets(const bench_report *report) {
+    printf("\nTargets (in brackets: the ratio of the minima)\n");
+    for (uint32_t first = 0, next; first < report->plugin_count; first = next) {
+        const bench_plugin_result *r = &report->plugin[first], *best = r;
+        if (strcmp(r->method, "mean") != 0) break; /* the others come last */
+        for (next = first; next < report->plugin_count && report->plugin[next].variant.n == r->variant.n &&
+                           strcmp(report->plugin[next].method, r->method) == 0;
+             next++)
+            if (report->plugin[next].times[BENCH_FRAME].median < best->times[BENCH_FRAME].median)
+                best = &report->plugin[next];
+        print_ratio(r, "first:");
+        if (best != r) print_ratio(best, "best:");
+    }
+    for (int i = 0; i < BENCH_METHODS; i++) {
+        print_limit(report, &bench_methods[i], 128);
+        print_limit(report, &bench_methods[i], 171);
+    }
+    if (!report->host) return;
+    const hs_loop_result *still = &report->host->still.settings[HS_SETTING_SMARTVIS];
+    const hs_loop_result *live = &report->host->live.settings[HS_SETTING_SMARTVIS];
+    printf("%-63s at most %.0f ms:      %6.1f ms  %s\n", "clipped DVR", BENCH_TARGET_DVR_MS,
+           still->stage[HS_STAGE_DVR].median,
+           verdict(still->stage[HS_STAGE_DVR].median <= BENCH_TARGET_DVR_MS));
+    printf("%-63s at least %.0f a second: %5.1f  %s\n", "whole loop (still camera)", BENCH_TARGET_VOLUMES,
+           still->volumes_per_second, verdict(still->volumes_per_second >= BENCH_TARGET_VOLUMES));
+    printf("%-63s at least %.0f a second: %5.1f  %s\n", "whole loop, a new volume every frame",
+           BENCH_TARGET_VOLUMES, live->volumes_per_second,
+           verdict(live->volumes_per_second >= BENCH_TARGET_VOLUMES));
+}

@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: MIT */
+/* sv_surfaces_bench: what each reconstruction method costs, and how wrong it is. */
+#include "base/cli.h"
+#include "base/progress.h"
+#include "bench/methods_csv.h"
+#include "bench/methods_print.h"
+#include "bench/methods_svg.h"
+#include "plugin/loader.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double default_q = 0.5;
+
+typedef struct {
+    char plugin[1024];
+    const char *id, *csv, *svg, *points;
+    uint32_t frames;
+    double seconds, budget; /* of a variant; of a definition, operations */
+    bool size[BENCH_SIZES], kind[METHODS_KINDS], quick, truth, fit;
+} options;
+
+static const char help[] =
+    "Usage: sv_surfaces_bench [options]\n"
+    "Times the surface reconstruction of every method, precision and approximation, and measures its error:\n"
+    "against the float64 definition on the same initial points, and against the ground truth of scenes. The\n"
+    "map's initial points lie on 3 % of the rays, in patches; the volume is 64 slices deep, because only "
+    "the\n"
+    "reconstruction is timed. Ratios of medians are to the memory limit (two float32 maps read and one "
+    "written,\n"
+    "its least time) and to the mean filter in plain C (in brackets: ratio of minima), both on two threads "
+    "and\n"
+    "in turns with the plugin.\n\n"
+    "  --plugin PATH    plugin library (default: smartvis.so beside this program)\n"
+    "  --id ID          the library's plugin of that id (default: its first)\n"
+    "  --size N         maps of N x N pixels only: 128, 171 or 512; may be repeated\n"
+    "  --method NAME    mean, minimum, spline, pushpull, membrane or plate only; may be repeated\n"
+    "  --frames N       timed frames of each variant at most (default 30)\n"
+    "  --seconds S      a variant that took longer ends early, after 3 frames at least (default 2)\n"
+    "  --operations N   leave out a float64 definition that takes more scalar operations (default 2e10)\n"
+    "  --no-truth       without the scenes\n"
+    "  --no-fit         without the exponents\n"
+    "  --quick          17 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n"
+    "  --csv FILE       all numbers as CSV\n"
+    "  --svg FILE       a plot of time against error, with the Pareto fronts\n"
+    "  --points FILE    write the initial points of the one --size as lines 'x y near far', and end\n"
+    "  --help           this text\n\n"
+    "Variants: k, the mean and minimum filter's window; m, cells per side that a spline's points are merged\n"
+    "on; grid or g, cells per side it is evaluated on (pixels: every pixel); f32, solver in float32; int16,\n"
+    "16-bit planes; 1/2 and 1/4, reduced resolution. Errors are those against the full one.\n"
+    "Exit codes as host_sim's; 1: the plugin finds other initial points, or no surface.\n";
+
+static bool parse_method(options *o, const char *text, hs_error *err) {
+    for (int i = 0; i < METHODS_KINDS; i++)
+        if (strcmp(text, methods_kind_key((methods_kind)i)) == 0) return o->kind[i] = true;
+    return hs_fail(err, HS_ERR_USAGE, "--method: there is no '%s'; see --help", text);
+}
+
+static void make_quick(options *o) {
+    o->quick = true;
+    o->frames = 10;
+    o->seconds = 0.3;
+    o->budget = 5.5e9;
+}
+
+enum {
+    OPT_PLUGIN = BENCH_OPT_FIRST,
+    OPT_ID,
+    OPT_SIZE,
+    OPT_METHOD,
+    OPT_FRAMES,
+    OPT_SECONDS,
+    OPT_OPERATIONS,
+    OPT_NO_TRUTH,
+    OPT_NO_FIT,
+    OPT_QUICK,
+    OPT_CSV,
+    OPT_SVG,
+    OPT_POINTS
+};
+static const struct option long_options[] = {
+    {"plugin", required_argument, NULL, OPT_PLUGIN},
+    {"id", required_argument, NULL, OPT_ID},
+    {"size", required_argument, NULL, OPT_SIZE},
+    {"method", required_argument, NULL, OPT_METHOD},
+    {"frames", required_argument, NULL, OPT_FRAMES},
+    {"seconds", required_argument, NULL, OPT_SECONDS},
+    {"operations", required_argument, NULL, OPT_OPERATIONS},
+    {"no-truth", no_argument, NULL, OPT_NO_TRUTH},
+    {"no-fit", no_argument, NULL, OPT_NO_FIT},
+    {"quick", no_argument, NULL, OPT_QUICK},
+    {"csv", required_argument, NULL, OPT_CSV},
+    {"svg", required_argument, NULL, OPT_SVG},
+    {"points", required_argument, NULL, OPT_POINTS},
+    {"help", no_argument, NULL, BENCH_OPT_HELP},
+    {NULL, 0, NULL, 0},
+};
+
+static bool set_option(void *all, int option, hs_error *err) {
+    options *o = all;
+    switch (option) {
+    case OPT_PLUGIN:
+        (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
+        return true;
+    case OPT_ID:
+        o->id = optarg;
+        return true;
+    case OPT_SIZE:
+        return bench_parse_size(optarg, o->size, err);
+    case OPT_METHOD:
+        return parse_method(o, optarg, err);
+    case OPT_FRAMES:
+        return hs_cli_u32("--frames", optarg, 3, 100000, &o->frames, err);
+    case OPT_SECONDS:
+        return hs_cli_number("--seconds", optarg, 0.0, 3600.0, &o->seconds, err);
+    case OPT_OPERATIONS:
+        return hs_cli_number("--operations", optarg, 0.0, 1e15, &o->budget, err);
+    case OPT_NO_TRUTH:
+        o->truth = false;
+        return true;
+    case OPT_NO_FIT:
+        o->fit = false;
+        return true;
+    case OPT_QUICK:
+        make_quick(o);
+        return true;
+    case OPT_CSV:
+        o->csv = optarg;
+        return true;
+    case OPT_SVG:
+        o->svg = optarg;
+        return true;
+    default: /* OPT_POINTS */
+        o->points = optarg;
+        return true;
+    }
+}
+
+static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
+    *o = (options){.frames = 30, .seconds = 2.0, .budget = 2e10, .truth = true, .fit = true};
+    hs_plugin_default_path(o->plugin, sizeof o->plugin);
+    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
+    if (*wants_help) return true;
+    const int sizes = bench_choose_all_if_none(o->size, BENCH_SIZES);
+    (void)bench_choose_all_if_none(o->kind, METHODS_KINDS);
+    return !o->points || sizes == 1 ||
+           hs_fail(err, HS_ERR_USAGE, "--points: needs one --size, got %d", sizes);
+}
+
+/* A run's own. `reference` is the last definition that was computed: variants
+ * that share it stand together. */
+typedef struct {
+    options o;
+    hs_cl cl;
+    hs_plugin plugin;
+    methods_setup setup;
+    methods_report report;
+    float *depth;
+    double *reference;
+    const methods_variant *reference_of;
+} bench_run;
+
+static bool wanted(const options *o, const methods_variant *v) {
+    return o->kind[v->kind] && (v->quick || !o->quick);
+}
+
+/* Error against the definition, unless that takes too long. */
+static bool find_error(bench_run *run, const methods_map *map, methods_row *row, hs_error *err) {
+    const methods_variant *v = row->variant;
+    if (methods_reference_cost(map, v) > run->o.budget) return true;
+    if (!run->reference || !methods_reference_same(v, run->reference_of)) {
+        free(run->reference);
+        run->reference = methods_reference_make(map, v, run->setup.q, err);
+        run->reference_of = v;
+    }
+    if (!run->reference) return false;
+    row->error = methods_error_of(run->depth, run->reference, (size_t)map->n * map->n);
+    return true;
+}
+
+static bool run_row(bench_run *run, const methods_map *map, const methods_variant *variant, methods_row *row,
+                    hs_error *err) {
+    *row = (methods_row){.variant = variant, .n = map->n, .points = map->points};
+    if (!methods_time(&run->setup, map, variant, run->depth, &row->times, err) ||
+        !find_error(run, map, row, err))
+        return false;
+    methods_print_row(row);
+    return true;
+}
+
+static void new_map(bench_run *run, methods_map *map) {
+    methods_map_free(map);
+    free(run->reference);
+    run->reference = NULL;
+}
+
+static bool run_size(bench_run *run, uint32_t n, hs_error *err) {
+    methods_map map;
+    if (!methods_map_bones(&map, n, err)) return false;
+    char what[64];
+    (void)snprintf(what, sizeof what, "%u x %u pixels, %u initial points", n, n, map.points);
+    methods_print_head(what);
+    bool ok = true;
+    for (int v = 0; ok && v < METHODS_VARIANTS; v++)
+        if (wanted(&run->o, &methods_variants[v])) {
+            ok = run_row(run, &map, &methods_variants[v], &run->report.rows[run->report.row_count], err);
+            if (ok) run->report.row_count++;
+        }
+    new_map(run, &map);
+    return ok;
+}
+
+/* Splines through more and more points, for the fit. */
+static bool run_splines(bench_run *run, hs_error *err) {
+    static const methods_variant unmerged = {.label = "spline unmerged, pixels", .kind = METHODS_SPLINE};
+    methods_print_head("Splines through scattered points, 128 x 128 pixels");
+    for (int i = 0; i < METHODS_SPLINES; i++) {
+        methods_map map;
+        if (!methods_map_scattered(&map, bench_sizes[0], methods_spline_points[i], err)) return false;
+        const bool ok = run_row(run, &map, &unmerged, &run->report.splines[i], err);
+        if (ok) run->report.spline_count++;
+        new_map(run, &map);
+        if (!ok) return false;
+    }
+    return true;
+}
+
+static bool run_scene(bench_run *run, int s, hs_error *err) {
+    methods_scene scene;
+    if (!methods_scene_open(&scene, &run->cl, methods_scene_names[s], err)) return false;
+    run->report.unclipped[s] = scene.unclipped;
+    bool ok = true;
+    hs_progress progress;
+    hs_progress_begin(&progress, methods_scene_names[s], METHODS_VARIANTS);
+    for (int v = 0; ok && v < METHODS_VARIANTS; v++) {
+        methods_truth_row *row = &run->report.truth[v];
+        if (!wanted(&run->o, &methods_variants[v])) continue;
+        row->known = true;
+        ok = methods_scene_difference(&scene, &run->cl, &run->plugin, &methods_variants[v], &row->slices[s],
+                                      &row->clipped[s], err);
+        hs_progress_step(&progress, (uint64_t)v + 1);
+    }
+    hs_progress_end(&progress);
+    methods_scene_close(&scene);
+    return ok;
+}
+
+static bool run_truth(bench_run *run, hs_error *err) {
+    for (int s = 0; s < METHODS_SCENES; s++)
+        if (!run_scene(run, s, err)) return false;
+    methods_print_truth(&run->report);
+    return true;
+}
+
+static bool measure(bench_run *run, hs_error *err) {
+    const options *o = &run->o;
+    const size_t largest = (size_t)bench_sizes[BENCH_SIZES - 1] * bench_sizes[BENCH_SIZES - 1];
+    if (!bench_try_output(o->csv, err) || !bench_try_output(o->svg, err)) return false;
+    run->depth = malloc(largest * sizeof *run->depth);
+    if (!run->depth) return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu pixels", largest);
+    bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
+    bench_machine_print(&run->report.machine);
+    for (int s = 0; s < BENCH_SIZES; s++)
+        if (o->size[s] && !run_size(run, bench_sizes[s], err)) return false;
+    if (o->fit && o->kind[METHODS_SPLINE] && !run_splines(run, err)) return false;
+    if (o->truth && !run_truth(run, err)) return false;
+    if (o->fit) methods_print_fits(&run->report);
+    if (o->csv && !methods_write_csv(&run->report, o->csv, err)) return false;
+    if (o->svg && !methods_write_svg(&run->report, o->svg, err)) return false;
+    if (o->csv) printf("\nnumbers: %s\n", o->csv);
+    if (o->svg) printf("plot:    %s\n", o->svg);
+    return true;
+}
+
+/* Opens what a run needs, and closes it. */
+static bool open_and_measure(bench_run *run, hs_error *err) {
+    const options *o = &run->o;
+    if (!hs_cl_open(&run->cl, err)) return false;
+    bool ok = hs_plugin_open(&run->plugin, o->plugin, o->id, SV_LOG_WARNING, err);
+    bench_team *team = ok ? bench_team_create(err) : NULL;
+    run->setup = (methods_setup){.plugin = &run->plugin,
+                                 .team = team,
+                                 .q = (float)default_q,
+                                 .frames = o->frames,
+                                 .seconds = o->seconds};
+    if (ok) {
+        ok = team && measure(run, err);
+        bench_team_destroy(team);
+        hs_plugin_close(&run->plugin);
+    }
+    free(run->depth);
+    free(run->reference);
+    hs_cl_close(&run->cl);
+    return ok;
+}
+
+static bool write_points(const options *o, hs_error *err) {
+    int size = 0;
+    while (!o->size[size]) size++;
+    methods_map map;
+    if (!methods_map_bones(&map, bench_sizes[size], err)) return false;
+    const bool ok = methods_map_write(&map, o->points, err);
+    methods_map_free(&map);
+    return ok;
+}
+
+int main(int argc, char **argv) {
+    hs_error err = {HS_OK, ""};
+    bool wants_help = false, ok = false;
+    bench_run *run = calloc(1, sizeof *run);
+    if (!run) (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
+    if (run) ok = parse_options(argc, argv, &run->o, &wants_help, &err);
+    if (wants_help) (void)fputs(help, stdout);
+    if (ok && !wants_help) ok = run->o.points ? write_points(&run->o, &err) : open_and_measure(run, &err);
+    free(run);
+    if (ok) return HS_OK;
+    return bench_fail("sv_surfaces_bench", &err);
+}

@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: MIT */
+/* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
+#include "base/cli.h"
+#include "bench/bench_cli.h"
+#include "bench/bench_convert.h"
+#include "bench/bench_files.h"
+#include "bench/bench_guard.h"
+#include "bench/bench_loop.h"
+#include "bench/bench_method.h"
+#include "bench/bench_report.h"
+#include "plugin/loader_param.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define GRIDS_SCENE "D01"
+#define GRIDS_SIZE  256u
+
+enum {
+    MAX_VALUES = 16,
+    MAX_SLABS = 8,
+    MAX_RESULTS = (1 + BENCH_METHODS) * BENCH_SIZES * MAX_SLABS * BENCH_ROUTES
+};
+
+static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
+
+typedef struct {
+    char plugin[1024];
+    const char *id, *scene, *scan, *csv, *json;
+    uint32_t frames, host_frames, host_size;
+    bool size[BENCH_SIZES], route[BENCH_ROUTES];
+    uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
+    bool plugin_part, guard_part, convert_part, host_part, grids_part;
+    const char *value_texts[MAX_VALUES];
+    uint32_t value_count;
+} options;
+
+static const char help[] =
+    "Usage: sv_bench [options]\n"
+    "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
+    "C,\n"
+    "both on two threads; then its methods cost and wall, if it has them; then the host's scan loop around "
+    "the plugin.\n"
+    "Last, the renderer of a probe's volume in the Cartesian copy and in the probe's own grid.\n"
+    "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
+    "and\n"
+    "kernel is timed as it is.\n\n"
+    "  --plugin PATH      plugin library (default: smartvis.so beside this program)\n"
+    "  --id ID            the library's plugin of that id (default: its first)\n"
+    "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
+    "                     change the result make the comparison with plain C fail\n"
+    "  --only PART        'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n"
+    "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
+    "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
+    "0)\n"
+    "  --route NAME       how slabs get to the plugin; may be repeated (default: all)\n"
+    "                       place-own    host memory, read in place; the plugin's own queue\n"
+    "                       place-host   host memory, read in place; the host's queue\n"
+    "                       copy-own     host memory, copied; the plugin's own queue\n"
+    "                       copy-host    host memory, copied; the host's queue\n"
+    "                       buffer-host  OpenCL buffer; the host's queue\n"
+    "  --frames N         timed frames of each combination (default 100)\n"
+    "  --loop-frames N    timed frames of each camera and setting of the scan loop (default 20)\n"
+    "  --loop-size N      voxels an axis of the scan loop's volume (default 400)\n"
+    "  --scene NAME       a scene for the scan loop: E01 .. D02 or a scene file (default: the layered "
+    "volume\n"
+    "                     that the plugin is timed on)\n"
+    "  --scan FILE        a scan file for 'convert': MetaImage, or Kretz in probe geometry\n"
+    "  --quick            20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n"
+    "  --csv FILE         all numbers as CSV\n"
+    "  --json FILE        all numbers as JSON\n"
+    "  --help             this text\n\n"
+    "Exit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is no "
+    "failure.\n";
+
+static bool parse_route(options *o, const char *text, hs_error *err) {
+    for (int i = 0; i < BENCH_ROUTES; i++)
+        if (strcmp(text, bench_route_key((bench_route)i)) == 0) return o->route[i] = true;
+    return hs_fail(err, HS_ERR_USAGE, "--route: there is no '%s'; see --help", text);
+}
+
+static bool parse_slab(options *o, const char *text, hs_error *err) {
+    if (o->slab_count == MAX_SLABS)
+        return hs_fail(err, HS_ERR_USAGE, "--slab: given more than %d times", MAX_SLABS);
+    return hs_cli_u32("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
+}
+
+static bool parse_part(options *o, const char *text, hs_error *err) {
+    o->plugin_part = strcmp(text, "plugin") == 0;
+    o->guard_part = strcmp(text, "guard") == 0;
+    o->convert_part = strcmp(text, "convert") == 0;
+    o->host_part = strcmp(text, "loop") == 0;
+    o->grids_part = strcmp(text, "grids") == 0;
+    return o->plugin_part || o->guard_part || o->convert_part || o->host_part || o->grids_part ||
+           hs_fail(err, HS_ERR_USAGE,
+                   "--only: '%s' is none of 'plugin', 'guard', 'convert', 'loop' and 'grids'", text);
+}
+
+static void make_quick(options *o) {
+    o->frames = 20;
+    o->host_frames = 5;
+    o->slabs[0] = 32;
+    o->slab_count = 1;
+    o->route[BENCH_PLACE_OWN] = o->route[BENCH_BUFFER_HOST] = true;
+}
+
+/* What was not chosen takes its default. */
+static void fill_defaults(options *o) {
+    (void)bench_choose_all_if_none(o->size, BENCH_SIZES);
+    (void)bench_choose_all_if_none(o->route, BENCH_ROUTES);
+    if (o->slab_count > 0) return;
+    static const uint32_t usual[] = {16, 32, 0};
+    memcpy(o->slabs, usual, sizeof usual);
+    o->slab_count = sizeof usual / sizeof *usual;
+}
+
+enum {
+    OPT_PLUGIN = BENCH_OPT_FIRST,
+    OPT_ID,
+    OPT_PARAM,
+    OPT_ONLY,
+    OPT_SIZE,
+    OPT_SLAB,
+    OPT_ROUTE,
+    OPT_FRAMES,
+    OPT_HOST_FRAMES,
+    OPT_HOST_SIZE,
+    OPT_SCENE,
+    OPT_SCAN,
+    OPT_QUICK,
+    OPT_CSV,
+    OPT_JSON
+};
+static const struct option long_options[] = {
+    {"plugin", required_argument, NULL, OPT_PLUGIN},
+    {"id", required_argument, NULL, OPT_ID},
+    {"param", required_argument, NULL, OPT_PARAM},
+    {"only", required_argument, NULL, OPT_ONLY},
+    {"size", required_argument, NULL, OPT_SIZE},
+    {"slab", required_argument, NULL, OPT_SLAB},
+    {"route", required_argument, NULL, OPT_ROUTE},
+    {"frames", required_argument, NULL, OPT_FRAMES},
+    {"loop-frames", required_argument, NULL, OPT_HOST_FRAMES},
+    {"loop-size", required_argument, NULL, OPT_HOST_SIZE},
+    {"scene", required_argument, NULL, OPT_SCENE},
+    {"scan", required_argument, NULL, OPT_SCAN},
+    {"quick", no_argument, NULL, OPT_QUICK},
+    {"csv", required_argument, NULL, OPT_CSV},
+    {"json", required_argument, NULL, OPT_JSON},
+    {"help", no_argument, NULL, BENCH_OPT_HELP},
+    {NULL, 0, NULL, 0},
+};
+
+static bool set_option(void *all, int option, hs_error *err) {
+    options *o = all;
+    switch (option) {
+    case OPT_PLUGIN:
+        (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
+        return true;
+    case OPT_ID:
+        o->id = optarg;
+        return true;
+    case OPT_PARAM:
+        if (o->value_count == MAX_VALUES)
+            return hs_fail(err, HS_ERR_USAGE, "--param: given more than %d times", MAX_VALUES);
+        o->value_texts[o->value_count++] = optarg;
+        return true;
+    case OPT_ONLY:
+        return parse_part(o, optarg, err);
+    case OPT_SIZE:
+        return bench_parse_size(optarg, o->size, err);
+    case OPT_SLAB:
+        return parse_slab(o, optarg, err);
+    case OPT_ROUTE:
+        return parse_route(o, optarg, err);
+    case OPT_FRAMES:
+        return hs_cli_u32("--frames", optarg, 1, 100000, &o->frames, err);
+    case OPT_HOST_FRAMES:
+        return hs_cli_u32("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
+    case OPT_HOST_SIZE:
+        return hs_cli_u32("--loop-size", optarg, 32, 1024, &o->host_size, err);
+    case OPT_SCENE:
+        o->scene = optarg;
+        return true;
+    case OPT_SCAN:
+        o->scan = optarg;
+        return true;
+    case OPT_QUICK:
+        make_quick(o);
+        return true;
+    case OPT_CSV:
+        o->csv = optarg;
+        return true;
+    default: /* OPT_JSON */
+        o->json = optarg;
+        return true;
+    }
+}
+
+static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
+    *o = (options){.frames = 100,
+                   .host_frames = 20,
+                   .host_size = 400,
+                   .plugin_part = true,
+                   .guard_part = true,
+                   .convert_part = true,
+                   .host_part = true,
+                   .grids_part = true};
+    hs_plugin_default_path(o->plugin, sizeof o->plugin);
+    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
+    fill_defaults(o);
+    return true;
+}
+
+/* A run's own: what is opened and what has been measured. */
+typedef struct {
+    options o;
+    hs_cl cl;
+    hs_plugin plugin;
+    bench_team *team;
+    sv_param_value values[MAX_VALUES];
+    bench_plugin_result results[MAX_RESULTS];
+    bench_convert_result convert;
+    bench_host_result host;
+    bench_grids_result grids;
+    bench_report report;
+} bench_run;
+
+/* All chosen ways of one slab length. `method` as in bench_plugin_setup. */
+static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const char *method, hs_error *err) {
+    const bench_plugin_setup setup = {.plugin = &run->plugin,
+                                      .cl = &run->cl,
+                                      .team = run->team,
+                                      .frames = run->o.frames,
+                                      .values = run->values,
+                                      .value_count = run->o.value_count,
+                                      .method = method};
+    bench_slabs slabs;
+    if (!bench_slabs_create(&slabs, bench_sizes[size], slab_slices, err)) return false;
+    bool ok = true;
+    for (int route = 0; ok && route < BENCH_ROUTES; route++) {
+        if (!run->o.route[route]) continue;
+        if (!hs_plugin_takes(run->plugin.instance->descriptor, bench_route_handover((bench_route)route))) {
+            printf("%-34s %4u | left out: the plugin takes no such slabs\n",
+                   bench_route_label((bench_route)route), slabs.layout.slab_slices);
+            continue;
+        }
+        const bench_variant variant = {bench_sizes[size], kernels[size], slabs.layout.slab_slices,
+                                       (bench_route)route};
+        bench_plugin_result *result = &run->results[run->report.plugin_count];
+        hs_progress progress;
+        hs_progress_begin(&progress, bench_route_label(variant.route), run->o.frames);
+        ok = bench_plugin_run(&setup, &slabs, &variant, &progress, result, err);
+        hs_progress_end(&progress);
+        if (!ok) break;
+        if (!method) bench_print_plugin(result);
+        run->report.plugin_count++;
+    }
+    bench_slabs_destroy(&slabs);
+    return ok;
+}
+
+/* A method on the same volumes, as large as it is timed on. */
+static bool run_method(bench_run *run, const bench_method *method, hs_error *err) {
+    if (!bench_plugin_has_method(&run->plugin, method->name)) return true;
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        if (!run->o.size[size] || bench_sizes[size] > method->largest) continue;
+        for (uint32_t s = 0; s < run->o.slab_count; s++) {
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
+            if (!run_routes(run, size, slab, method->name, err)) return false;
+        }
+    }
+    bench_print_method(&run->report, method->name);
+    return true;
+}
+
+static bool run_plugin_part(bench_run *run, hs_error *err) {
+    const bool foreign = bench_plugin_is_foreign(&run->plugin);
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        if (!run->o.size[size]) continue;
+        if (!foreign) bench_print_plugin_head(bench_sizes[size], kernels[size]);
+        for (uint32_t s = 0; s < run->o.slab_count; s++) {
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
+            if (!run_routes(run, size, slab, foreign ? BENCH_OWN : NULL, err)) return false;
+        }
+    }
+    if (foreign) bench_print_method(&run->report, BENCH_OWN);
+    bench_print_stages(run->results, run->report.plugin_count);
+    for (int i = 0; i < BENCH_METHODS; i++)
+        if (!run_method(run, &bench_methods[i], err)) return false;
+    return true;
+}
+
+/* Both ways of every size; a plugin of the user's is started both ways, too. */
+static bool run_guard_part(bench_run *run, hs_error *err) {
+    const bench_guard_setup setup = {.path = run->o.plugin,
+                                     .id = run->o.id,
+                                     .cl = &run->cl,
+                                     .frames = run->o.frames,
+                                     .values = run->values,
+                                     .value_count = run->o.value_count};
+    bench_guard_print_head();
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        bench_guard_result result;
+        if (!run->o.size[size]) continue;
+        if (!bench_guard_run(&setup, bench_sizes[size], &result, err)) return false;
+        bench_guard_print(&result);
+    }
+    return true;
+}
+
+static bool run_convert_part(bench_run *run, hs_error *err) {
+    const bench_convert_setup setup = {.cl = &run->cl, .team = run->team, .frames = run->o.host_frames};
+    hs_source source = {0};
+    hs_volume volume = {0};
+    const hs_volume *list[1];
+    const char *named = run->o.scan ? run->o.scan : run->o.scene;
+    const bool ok = (run->o.scan ? hs_source_open_files(&source, &run->o.scan, 1, NULL, err)
+                                 : bench_open_source(named, run->o.host_size, &source, &volume, list, err)) &&
+                    bench_convert_run(&setup, hs_source_bring(&source, 0, err), &run->convert, err);
+    if (ok) bench_print_convert(&run->convert);
+    bench_close_source(named, &source, &volume);
+    return ok;
+}
+
+/* The loop as a scan runs it. */
+static bool run_live_part(bench_run *run, const bench_host_setup *setup, hs_error *err) {
+    bench_loop_result result;
+    hs_source source = {0};
+    hs_volume volume = {0};
+    const hs_volume *list[1];
+    const bool ok = bench_open_source(setup->scene, setup->size, &source, &volume, list, err) &&
+                    bench_loop_run(setup, run->team, &source, &result, err);
+    if (ok) bench_print_loop(&result);
+    bench_close_source(setup->scene, &source, &volume);
+    return ok;
+}
+
+static bool run_host_part(bench_run *run, hs_error *err) {
+    const bench_host_setup setup = {.plugin = &run->plugin,
+                                    .cl = &run->cl,
+                                    .frames = run->o.host_frames,
+                                    .scene = run->o.scene,
+                                    .size = run->o.host_size,
+                                    .values = run->values,
+                                    .value_count = run->o.value_count};
+    if (!bench_host_run(&setup, &run->host, err)) return false;
+    bench_print_host(&run->host);
+    run->report.host = &run->host;
+    return run_live_part(run, &setup, err);
+}
+
+/* A scene, since the layered volume fills no fan. */
+static bool run_grids_part(bench_run *run, hs_error *err) {
+    const char *scene = run->o.scene ? run->o.scene : GRIDS_SCENE;
+    if (!bench_grids_run(&run->cl, scene, GRIDS_SIZE, run->o.host_frames, &run->grids, err)) return false;
+    bench_print_grids(&run->grids);
+    run->report.grids = &run->grids;
+    return true;
+}
+
+static bool measure(bench_run *run, hs_error *err) {
+    if (!bench_try_output(run->o.csv, err) || !bench_try_output(run->o.json, err)) return false;
+    for (uint32_t i = 0; i < run->o.value_count; i++)
+        if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
+    bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
+    bench_machine_print(&run->report.machine);
+    run->team = bench_team_create(err);
+    run->report.plugin = run->results;
+    if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
+        (run->o.guard_part && !run_guard_part(run, err)) ||
+        (run->o.convert_part && !run_convert_part(run, err)) ||
+        (run->o.host_part && !run_host_part(run, err)) || (run->o.grids_part && !run_grids_part(run, err)))
+        return false;
+    bench_print_targets(&run->report);
+    return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&
+           (!run->o.json || bench_write_json(&run->report, run->o.json, err));
+}
+
+int main(int argc, char **argv) {
+    hs_error err = {HS_OK, ""};
+    bool wants_help;
+    bench_run *run = calloc(1, sizeof *run);
+    if (!run) {
+        (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
+        return bench_fail("sv_bench", &err);
+    }
+    bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
+    if (wants_help) (void)fputs(help, stdout);
+    if (ok && !wants_help) {
+        const bool device = hs_cl_open(&run->cl, &err);
+        const bool plugin =
+            device && hs_plugin_open(&run->plugin, run->o.plugin, run->o.id, SV_LOG_WARNING, &err);
+        ok = plugin && measure(run, &err);
+        bench_team_destroy(run->team);
+        if (plugin) hs_plugin_close(&run->plugin);
+        if (device) hs_cl_close(&run->cl);
+    }
+    free(run);
+    return ok ? HS_OK : bench_fail("sv_bench", &err);
+}

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: MIT */
+#include "console/console_reply.h"
+
+#include "base/json_text.h"
+#include "console/console_line.h"
+#include "plugin/loader_param.h"
+#include "scene/scene_names.h"
+#include "scene/scene_read.h"
+#include "show/loop_pictures.h"
+
+#include <jansson.h>
+#include <limits.h>
+#include <stdlib.h>
+
+static void put(json_t *object, const char *key, json_t *value) {
+    (void)json_object_set_new(object, key, value);
+}
+
+static char *dump(json_t *root) {
+    char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
+    json_decref(root);
+    return text;
+}
+
+char *hs_console_reply_text(const char *type, const char *text) {
+    json_t *root = json_object();
+    put(root, "type", json_string(type));
+    put(root, "text", hs_json_text(text));
+    return dump(root);
+}
+
+/* -------------------------------------------------------------------------------------------- hello -- */
+
+/* The title alone: opening a scene also finds places for what it holds, which takes a while. */
+static json_t *scene_part(const char *name) {
+    hs_error ignored = {0};
+    char path[PATH_MAX + 256];
+    char *text = hs_scene_text(name, path, sizeof path, &ignored);
+    hs_scene_spec *spec = text ? calloc(1, sizeof *spec) : NULL;
+    json_t *one = NULL;
+    if (spec && hs_scene_read_text(path, text, spec, &ignored)) {
+        one = json_object();
+        put(one, "name", json_string(name));
+        put(one, "title", hs_json_text(spec->title));
+    }
+    free(spec);
+    free(text);
+    return one;
+}
+
+static json_t *scenes(void) {
+    json_t *list = json_array();
+    const char *name;
+    for (int group = 0; group < HS_SCENES_REAL; group++)
+        for (uint32_t i = 0; (name = hs_scene_of_group((hs_scene_group)group, i)) != NULL; i++) {
+            json_t *one = scene_part(name);
+            if (one) (void)json_array_append_new(list, one);
+        }
+    return list;
+}
+
+static bool add_file(void *context, uint32_t folder, const char *path) {
+    json_t *name = json_string(path);
+    if (!name) return true; /* a name that is no UTF-8 could not come back */
+    return json_array_append_new(context, json_pack("{s:i, s:o}", "folder", (int)folder, "path", name)) == 0;
+}
+
+static json_t *plugins(const hs_console_offers *offers) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < offers->count; i++) {
+        const hs_console_offer *o = &offers->offer[i];
+        json_t *one = json_object();
+        put(one, "id", hs_json_text(o->id));
+        put(one, "name", hs_json_text(o->name));
+        put(one, "version", hs_json_text(o->version));
+        put(one, "failure", hs_json_text(o->failure.text));
+        (void)json_array_append_new(list, one);
+    }
+    return list;
+}
+
+char *hs_console_reply_hello(const hs_console_offers *offers, const hs_console_files *files) {
+    json_t *root = json_object(), *list = json_array(), *places = json_array();
+    hs_dvr_settings usual;
+    hs_dvr_defaults(&usual);
+    hs_console_files_list(files, add_file, list);
+    for (int i = 0; i < HS_FROM_COUNT; i++)
+        (void)json_array_append_new(places, json_string(hs_from_name((hs_from)i)));
+    put(root, "type", json_string("hello"));
+    put(root, "scenes", scenes());
+    put(root, "files", list);
+    put(root, "places", places);
+    put(root, "plugins", plugins(offers));
+    put(root, "render",
+        json_pack("{s:s, s:[f, f], s:f, s:f, s:f, s:f, s:f, s:f}", "look", hs_look_key(HS_LOOK_LIT), "light",
+                  (double)usual.light[0], (double)usual.light[1], "t_low", (double)usual.threshold_low,
+                  "t_high", (double)usual.threshold_high, "ghost_width", (double)usual.ghost_width,
+                  "ghost_offset", (double)usual.ghost_offset, "ghost_doubt", (double)usual.ghost_doubt,
+                  "exposure", 1.0));
+    return dump(root);
+}
+
+/* ------------------------------------------------------------------------------------------- plugin -- */
+
+static json_t *enum_names(const hs_plugin *plugin, const sv_param_info *info) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < hs_plugin_enum_count(info); i++) {
+        char name[HS_ENUM_NAME];
+        double value;
+        if (!hs_plugin_enum_at(plugin, info, i, &value, name, sizeof name))
+            (void)snprintf(name, sizeof name, "%g", value);
+        json_t *one = json_object();
+        put(one, "value", json_real(value));
+        put(one, "name", hs_json_text(name));
+        (void)json_array_append_new(list, one);
+    }
+    return list;
+}
+
+/* Bits of depends_values, as their numbers: a page counts to 2^53 only. */
+static json_t *bit_numbers(uint64_t bits) {
+    json_t *list = json_array();
+    for (int n = 0; n < 64; n++)
+        if (bits >> n & 1u) (void)json_array_append_new(list, json_integer(n));
+    return list;
+}
+
+static json_t *param(const hs_plugin *plugin, const sv_param_info *i) {
+    static const char *const types[] = {"float", "int", "bool", "enum"};
+    json_t *one = json_object();
+    put(one, "id", json_integer(i->id));
+    put(one, "type", json_string(i->type <= SV_PARAM_ENUM ? types[i->type] : "float"));
+    put(one, "key", hs_json_text(i->key));
+    put(one, "label", hs_json_text(i->label));
+    put(one, "unit", hs_json_text(i->unit));
+    put(one, "help", hs_json_text(i->help));
+    put(one, "group", hs_json_text(i->group));
+    put(one, "primary", json_boolean(i->flags & SV_PARAM_PRIMARY));
+    put(one, "expert", json_boolean(i->flags & SV_PARAM_EXPERT));
+    put(one, "reactivate", json_boolean(i->flags & SV_PARAM_REACTIVATE));
+    put(one, "adjust", json_boolean(i->flags & SV_PARAM_ADJUST));
+    put(one, "min", json_real(i->min_value));
+    put(one, "max", json_real(i->max_value));
+    put(one, "low", json_real(i->display_min));
+    put(one, "high", json_real(i->display_max));
+    put(one, "default", json_real(i->default_value));
+    put(one, "step", json_real(i->step));
+    put(one, "depends_on", json_integer(i->depends_on));
+    put(one, "depends_values", bit_numbers(i->depends_values));
+    if (i->type == SV_PARAM_ENUM) put(one, "names", enum_names(plugin, i));
+    return one;
+}
+
+char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
+    const hs_lane *l = &stage->lane[lane];
+    json_t *root = json_object(), *params = json_array();
+    put(root, "type", json_string("plugin"));
+    put(root, "lane", json_integer(lane));
+    put(root, "plugin", json_integer(l->offer ? l->offer - stage->offers->offer : 0));
+    put(root, "failure", hs_json_text(l->failure.text));
+    const uint32_t count = l->has_plugin ? hs_plugin_param_count(&l->plugin) : 0;
+    for (uint32_t i = 0; i < count; i++) {
+        sv_param_info info = {.size = sizeof info};
+        if (l->plugin.instance->param_info(l->plugin.instance, i, &info) != SV_OK || !info.key) continue;
+        (void)json_array_append_new(params, param(&l->plugin, &info));
+    }
+    put(root, "params", params);
+    return dump(root);
+}
+
+/* -------------------------------------------------------------------------------------------- frame -- */
+
+static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
+    const hs_lane *l = &stage->lane[i];
+    const sv_points_report *p = &l->frame.points;
+    char words[1200];
+    const char *note = hs_frame_note(&l->frame, hs_lane_error(l)->text, words, sizeof words);
+    json_t *one = json_object();
+    char *line = stage->state.hurried ? NULL : hs_console_line(stage, i);
+    put(one, "outcome", json_string(hs_status_name(l->frame.outcome)));
+    put(one, "words", hs_json_text(note ? note : "Clipped."));
+    put(one, "clipped", json_boolean(l->frame.clipped));
+    put(one, "failed", json_boolean(hs_lane_error(l)->code != HS_OK));
+    put(one, "adjusted", json_boolean(l->was_adjusted));
+    put(one, "activation_ms", json_real(l->activation_ms));
+    put(one, "activations", json_integer(l->activations));
+    put(one, "restarts", json_integer(l->has_plugin ? hs_guarded_restarts(&l->plugin) : 0));
+    put(one, "rays", json_integer(l->frame.stats.rays));
+    put(one, "points", json_integer(l->frame.stats.points));
+    put(one, "unfilled", json_integer(l->frame.stats.unfilled));
+    if (p->size > 0) {
+        put(one, "t_b", json_real((double)p->bone_threshold));
+        put(one, "volume_max", json_real((double)p->volume_max));
+    }
+    if (line) put(one, "line", hs_json_text(line));
+    free(line);
+    return one;
+}
+
+static json_t *source_part(const hs_console_stage *stage) {
+    const hs_volume *v = hs_source_shape(&stage->source);
+    const hs_slab_layout *l = hs_loop_layout(stage->lane[0].loop);
+    hs_camera window;
+    float share;
+    hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
+    return json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:b, s:f}", "name",
+                     hs_json_text(v->name), "title", hs_json_text(stage->source.title), "volumes",
+                     (int)stage->source.count, "voxels", (int)v->nx, (int)v->ny, (int)v->nz, "slabs",
+                     (int)l->width, (int)l->height, (int)l->slices, "window_mm", window.extent, "truth",
+                     stage->truth != NULL, "opened_ms", stage->source_ms);
+}
+
+char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_shown *shown) {
+    json_t *root = json_object(), *lanes = json_array();
+    double stage_ms[HS_STAGE_COUNT] = {0};
+    for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++) {
+        if (!stage->lane[i].loop) continue;
+        for (int s = 0; s < HS_STAGE_COUNT; s++) stage_ms[s] += stage->lane[i].ms[s];
+        (void)json_array_append_new(lanes, lane_part(stage, i));
+    }
+    put(root, "type", json_string("frame"));
+    put(root, "frame", json_integer((json_int_t)shown->frame));
+    put(root, "serial", json_integer((json_int_t)stage->state.serial));
+    put(root, "pictures", json_integer(shown->pictures));
+    put(root, "index", json_integer(stage->index % stage->source.count));
+    put(root, "draft", json_boolean(stage->state.hurried));
+    put(root, "source", source_part(stage));
+    put(root, "ms",
+        json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "upload", stage_ms[HS_STAGE_UPLOAD], "convert",
+                  stage_ms[HS_STAGE_CONVERT], "plugin", stage_ms[HS_STAGE_PLUGIN], "draw", shown->draw_ms,
+                  "encode", shown->encode_ms, "all", shown->all_ms));
+    put(root, "lanes", lanes);
+    return dump(root);
+}
+
+char *hs_console_reply_skipped(uint64_t frame) {
+    json_t *root = json_object();
+    put(root, "type", json_string("skipped"));
+    put(root, "frame", json_integer((json_int_t)frame));
+    return dump(root);
+}
+
+char *hs_console_reply_written(const char *folder, const hs_result_report *report) {
+    json_t *root = json_object(), *names = json_array();
+    for (uint32_t i = 0; i < HS_RESULT_COUNT; i++)
+        if (report->what >> i & 1u) (void)json_array_append_new(names, json_string(hs_result_name(i)));
+    put(root, "type", json_string("written"));
+    put(root, "folder", hs_json_text(folder));
+    put(root, "names", names);
+    return dump(root);
+}

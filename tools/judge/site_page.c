@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+#include "judge/site_page.h"
+
+#include "base/paths.h"
+#include "judge/site_draw.h"
+#include "judge/site_harm.h"
+#include "judge/site_variant.h"
+#include "picture/page_html.h"
+#include "picture/picture_text.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The page under way. */
+typedef struct {
+    const site_page *what;
+    site_pen pen;
+    hs_page page;
+    uint32_t folders; /* so far */
+} book;
+
+static void show(book *b, const char *folder, const char *file, bool photo, const char *name,
+                 const char *caption) {
+    char path[PATH_MAX], alt[300];
+    (void)snprintf(alt, sizeof alt, "%s: %s", name, caption);
+    if (!hs_path_join(folder, file, path, sizeof path, &b->page.error)) return;
+    if (photo)
+        hs_page_photo(&b->page, path, alt, caption);
+    else
+        hs_page_picture(&b->page, path, alt, caption);
+}
+
+static void put_case(book *b, const wall_case *c, const char *title, const char *folder,
+                     const site_drawn *d) {
+    char text[300];
+    hs_page_heading(&b->page, 3, title);
+    (void)snprintf(text, sizeof text, "Error %.2f slices of 128, %.1f %% of the fetus cut, %.1f %% left. %s",
+                   d->score.error, 100.0 * d->score.cut, 100.0 * d->score.left, d->note);
+    hs_page_text(&b->page, text);
+    hs_page_row_begin(&b->page);
+    show(b, folder, "full.png", true, c->name, "Full volume");
+    show(b, folder, "result.png", true, c->name, d->clipped ? "Result" : "Result: not clipped");
+    show(b, folder, "truth.png", true, c->name, "Ground truth");
+    hs_page_row_end(&b->page);
+    hs_page_row_begin(&b->page);
+    show(b, folder, "slices.png", true, c->name, "The result, and slices with the surface drawn in");
+    hs_page_row_end(&b->page);
+    hs_page_row_begin(&b->page);
+    if (d->sure) show(b, folder, "confidence.png", false, c->name, "Confidence");
+    show(b, folder, "error.png", false, c->name, "Error, at most 10 slices either way");
+    hs_page_row_end(&b->page);
+}
+
+/* Draws a case into a folder of its own, and puts it on the page. */
+static bool add_case(book *b, const wall_case *c, const char *title, hs_error *err) {
+    char name[32], folder[PATH_MAX];
+    site_drawn drawn;
+    (void)snprintf(name, sizeof name, "case_%02u", b->folders++);
+    if (!hs_path_join(b->what->out, name, folder, sizeof folder, err) || !hs_path_make_folder(folder, err) ||
+        !site_draw(&b->pen, c, folder, &drawn, err))
+        return false;
+    put_case(b, c, title, folder, &drawn);
+    return true;
+}
+
+static bool add_sites(book *b, hs_error *err) {
+    const site_list *list = b->what->sites;
+    for (uint32_t i = 0; i < list->count; i++) {
+        hs_page_heading(&b->page, 2, list->set[i].title);
+        for (uint32_t n = 0; n < list->set[i].count; n++)
+            if (!add_case(b, &list->set[i].cases[n], list->set[i].cases[n].name, err)) return false;
+    }
+    return true;
+}
+
+/* The first case of every site where clipping can only do harm. */
+static bool add_variants(book *b, hs_error *err) {
+    const site_list *list = b->what->sites;
+    hs_page_heading(&b->page, 2, "Nothing to remove, or something that only looks like it");
+    for (uint32_t i = 0; i < list->count; i++)
+        for (int kind = 0; list->set[i].count > 0 && kind < SITE_VARIANTS; kind++) {
+            wall_case c;
+            char title[300];
+            if (!site_variant_make(&list->set[i].cases[0], (site_variant)kind, &c, err)) return false;
+            (void)snprintf(title, sizeof title, "%s, %s: %s", list->set[i].title, c.name,
+                           site_variant_name((site_variant)kind));
+            const bool ok = add_case(b, &c, title, err);
+            wall_case_free(&c);
+            if (!ok) return false;
+        }
+    return true;
+}
+
+/* One side of a volume: as it is, and behind the occluders of the scene `real`. */
+static bool add_view(book *b, const wall_case *whole, int view, hs_error *err) {
+    wall_case turned = {0}, bare = {0}, occluded = {0};
+    char title[200];
+    bool ok = site_view_make(whole, view, SITE_FINE, &turned, err) &&
+              site_bare_view_make(&turned, SITE_AS_IT_IS, &bare, err) &&
+              add_case(b, &bare, turned.name, err) && site_occluded_make(&turned, &occluded, err);
+    (void)snprintf(title, sizeof title, "%s behind occluders", turned.name);
+    ok = ok && add_case(b, &occluded, title, err);
+    wall_case_free(&turned);
+    wall_case_free(&bare);
+    wall_case_free(&occluded);
+    return ok;
+}
+
+static bool add_volumes(book *b, hs_error *err) {
+    static const int views[] = {0, 15, 30}; /* as it lies; from the side; from below */
+    for (uint32_t i = 0; i < b->what->volume_count; i++) {
+        wall_case whole;
+        if (!wall_case_open(b->what->volumes[i], &whole, err)) return false;
+        hs_page_heading(&b->page, 2, whole.name);
+        bool ok = true;
+        for (size_t k = 0; ok && k < sizeof views / sizeof *views; k++)
+            ok = add_view(b, &whole, views[k], err);
+        wall_case_free(&whole);
+        if (!ok) return false;
+    }
+    return true;
+}
+
+static bool write_book(book *b, hs_error *err) {
+    char path[PATH_MAX], text[400];
+    if (!hs_path_make_folder(b->what->out, err) ||
+        !hs_path_join(b->what->out, "index.html", path, sizeof path, err))
+        return false;
+    hs_page_open(&b->page, path, "SmartVis: surfaces");
+    (void)snprintf(
+        text, sizeof text,
+        "Settings: %s. Error: mean over the labelled rays of the difference between their ends in the "
+        "result and in the truth. Cut: fetus pixels that end more than 2 slices too deep. Left: labelled "
+        "rays that end more than 2 slices too early.",
+        b->what->settings);
+    hs_page_text(&b->page, text);
+    const bool drawn = add_sites(b, err) && add_variants(b, err) && add_volumes(b, err);
+    hs_error closing = {0};
+    const bool closed = hs_page_close(&b->page, &closing);
+    if (drawn && !closed) return hs_fail(err, closing.code, "%s", closing.text);
+    if (!drawn) (void)remove(path); /* half a page is none */
+    return drawn;
+}
+
+/* The settings' texts, parted. */
+static bool read_settings(const char *settings, const hs_plugin *plugin, hs_eval_values *out, hs_error *err) {
+    char text[512], *rest = NULL;
+    if (strlen(settings) >= sizeof text)
+        return hs_fail(err, HS_ERR_USAGE, "'%.40s...': more than %zu characters", settings, sizeof text - 1);
+    (void)strcpy(text, settings);
+    for (const char *one = strtok_r(text, " ", &rest); one; one = strtok_r(NULL, " ", &rest))
+        if (!hs_eval_values_parse(out, plugin, &one, 1, err)) return false;
+    return true;
+}
+
+bool site_page_write(const site_page *what, hs_error *err) {
+    book b = {.what = what};
+    hs_cl cl = {0};
+    hs_plugin plugin = {0};
+    hs_eval_values values = {0};
+    b.pen = (site_pen){&cl, &plugin, &values};
+    const bool ok = hs_plugin_open(&plugin, what->plugin, NULL, SV_LOG_ERROR, err) &&
+                    read_settings(what->settings, &plugin, &values, err) && hs_cl_open(&cl, err) &&
+                    write_book(&b, err);
+    if (plugin.instance) hs_plugin_close(&plugin);
+    hs_cl_close(&cl);
+    hs_picture_finish();
+    if (ok) printf("The page is %s/index.html: %u cases\n", what->out, b.folders);
+    return ok;
+}

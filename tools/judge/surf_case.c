@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+#include "judge/surf_case.h"
+
+#include "base/paths.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define T_LOW       (40.5f / 255.0f)
+#define T_HIGH      0.45f
+#define TERMINATION 0.95f
+
+/* -1 .. 1 */
+static double random_number(uint64_t *state) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+}
+
+/* Shifts the numbers of a list, or scales a single number, by up to `amount`. */
+static void shift(json_t *object, const char *key, double amount, uint64_t *state) {
+    json_t *value = json_object_get(object, key);
+    if (json_is_number(value))
+        json_object_set_new(object, key,
+                            json_real(json_number_value(value) * (1.0 + amount * random_number(state))));
+    for (size_t i = 0; json_is_array(value) && i < json_array_size(value); i++)
+        json_array_set_new(
+            value, i, json_real(json_number_value(json_array_get(value, i)) + amount * random_number(state)));
+}
+
+static void shift_structure(json_t *structure, uint64_t *state) {
+    static const char *const joints[] = {"right_elbow", "right_hand",  "left_elbow", "left_hand",
+                                         "right_knee",  "right_ankle", "left_knee",  "left_ankle"};
+    const char *type = json_string_value(json_object_get(structure, "type"));
+    if (type && strcmp(type, "fetus") == 0) {
+        shift(structure, "position_mm", 4.0, state);
+        shift(structure, "rotation_deg", 8.0, state);
+        shift(structure, "scale", 0.04, state);
+        for (size_t i = 0; i < sizeof joints / sizeof *joints; i++) shift(structure, joints[i], 3.0, state);
+    } else {
+        shift(structure, "centre_mm", 4.0, state);
+        if (type && strcmp(type, "occluder") == 0) shift(structure, "radii_mm", 2.0, state);
+    }
+}
+
+/* Writes the scene of `name` in another pose to a new temporary file. */
+static bool write_pose(const char *name, uint32_t pose, char *path, size_t size, hs_error *err) {
+    char from[1024];
+    (void)snprintf(from, sizeof from, "%s/%s.json", SURF_SCENE_DIR, name);
+    json_error_t why;
+    json_t *root = json_load_file(from, 0, &why);
+    if (!root) return hs_fail(err, HS_ERR_INPUT, "%s:%d: %s", from, why.line, why.text);
+    uint64_t state = (uint64_t)pose * 7919 + (uint64_t)name[0] * 31 + (uint64_t)name[2];
+    for (int i = 0; i < 5; i++) (void)random_number(&state);
+    shift(json_object_get(root, "sac"), "centre_mm", 2.0, &state);
+    size_t i;
+    json_t *structure;
+    json_array_foreach(json_object_get(root, "structures"), i, structure) shift_structure(structure, &state);
+    const int file = hs_path_temporary("surfaces", ".json", path, size, err);
+    const bool written = file >= 0 && json_dumpfd(root, file, JSON_INDENT(1)) == 0;
+    if (file >= 0) (void)close(file);
+    json_decref(root);
+    return written || (file >= 0 && hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written", path));
+}
+
+/* Where a ray from fine slice `start` on ends (thesis Eq. 3.22-3.24), or m. */
+static float termination(const uint8_t *voxels, uint32_t m, size_t pixel, float start) {
+    float opacity = 0.0f;
+    const uint32_t first = start > 0.0f ? (uint32_t)ceilf(start - 0.001f) : 0;
+    for (uint32_t z = first; z < m; z++) {
+        const float value = (float)voxels[(size_t)z * m * m + pixel] / 255.0f;
+        const float alpha = fminf(fmaxf((value - T_LOW) / (T_HIGH - T_LOW), 0.0f), 1.0f);
+        opacity += (1.0f - opacity) * alpha;
+        if (opacity >= TERMINATION) return (float)z;
+    }
+    return (float)m;
+}
+
+static uint8_t coarse_voxel(const hs_volume *fine, size_t x, size_t y, size_t z) {
+    const size_t m = fine->nx;
+    uint32_t sum = 0, count = 0;
+    for (size_t k = 0; k < 8; k++) {
+        const uint8_t v = fine->voxels[((2 * z + (k >> 2)) * m + 2 * y + (k >> 1 & 1)) * m + 2 * x + (k & 1)];
+        sum += v;
+        count += v != 0;
+    }
+    return (uint8_t)(count >= 4 ? (sum + count / 2) / count : 0);
+}
+
+bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, uint32_t frame,
+                    surf_case *out, hs_error *err) {
+    *out = (surf_case){.n = n};
+    char path[1024];
+    if (pose && !write_pose(name, pose, path, sizeof path, err)) return false;
+    hs_scene *scene = hs_scene_open(pose ? path : name, err);
+    if (pose) (void)unlink(path);
+    if (!scene) return false;
+    const uint32_t m = SURF_FINE_PER_VOXEL * n;
+    const hs_scene_options options = {.size = m, .seed = seed, .frame = frame};
+    const bool made = hs_scene_frame(scene, &options, &out->fine, NULL, err);
+    hs_scene_close(scene);
+    if (!made) return false;
+    out->voxels = malloc((size_t)n * n * n);
+    out->truth = malloc((size_t)m * m * sizeof *out->truth);
+    if (!out->voxels || !out->truth) {
+        surf_case_free(out);
+        return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u^3 voxels", name, n);
+    }
+    for (size_t z = 0; z < n; z++)
+        for (size_t y = 0; y < n; y++)
+            for (size_t x = 0; x < n; x++)
+                out->voxels[(z * n + y) * n + x] = coarse_voxel(&out->fine.full, x, y, z);
+    for (size_t pixel = 0; pixel < (size_t)m * m; pixel++)
+        out->truth[pixel] = termination(out->fine.truth.voxels, m, pixel, 0.0f);
+    return true;
+}
+
+void surf_case_free(surf_case *c) {
+    free(c->voxels);
+    free(c->truth);
+    hs_scene_free(&c->fine);
+    *c = (surf_case){0};
+}
+
+/* Bilinear between the pixel centres of an n x n map, at fine pixel (x, y). */
+static float depth_at(const float *depth, uint32_t n, uint32_t x, uint32_t y) {
+    const float last = (float)(n - 1);
+    const float u = fminf(fmaxf(((float)x + 0.5f) / SURF_FINE_PER_VOXEL - 0.5f, 0.0f), last);
+    const float v = fminf(fmaxf(((float)y + 0.5f) / SURF_FINE_PER_VOXEL - 0.5f, 0.0f), last);
+    const uint32_t x0 = (uint32_t)u, y0 = (uint32_t)v, x1 = x0 + (x0 + 1 < n), y1 = y0 + (y0 + 1 < n);
+    const float a = u - (float)x0, b = v - (float)y0;
+    const float top = depth[(size_t)y0 * n + x0] * (1.0f - a) + depth[(size_t)y0 * n + x1] * a;
+    const float bottom = depth[(size_t)y1 * n + x0] * (1.0f - a) + depth[(size_t)y1 * n + x1] * a;
+    return top * (1.0f - b) + bottom * b;
+}
+
+surf_score surf_judge(const surf_case *c, const float *depth) {
+    const uint32_t m = SURF_FINE_PER_VOXEL * c->n;
+    double sum = 0.0;
+    uint64_t count = 0, fetus = 0, cut = 0;
+    for (uint32_t y = 0; y < m; y++)
+        for (uint32_t x = 0; x < m; x++) {
+            const size_t pixel = (size_t)y * m + x;
+            if (c->fine.label[pixel] == HS_LABEL_NEITHER) continue;
+            const float d = depth_at(depth, c->n, x, y);
+            const float start = d <= 0.0f ? 0.0f : (d + 0.5f) * SURF_FINE_PER_VOXEL - 0.5f;
+            const float error = c->truth[pixel] - termination(c->fine.full.voxels, m, pixel, start);
+            sum += fabs((double)error);
+            count++;
+            if (c->fine.label[pixel] != HS_LABEL_FETUS) continue;
+            fetus++;
+            cut += error < -2.0f;
+        }
+    return (surf_score){.error = count ? sum / (double)count / SURF_FINE_PER_VOXEL : 0.0,
+                        .cut = fetus ? (double)cut / (double)fetus : 0.0};
+}

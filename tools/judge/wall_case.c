@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+#include "judge/wall_case.h"
+
+#include "judge/surf_case.h"
+#include "volume/metaimage.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define T_LOW       (40.5f / 255.0f)
+#define T_HIGH      0.45f
+#define TERMINATION 0.95f
+
+float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start) {
+    float opacity = 0.0f;
+    for (uint32_t z = start; z < nz; z++) {
+        const float value = (float)voxels[z * plane + pixel] / 255.0f;
+        opacity += (1.0f - opacity) * fminf(fmaxf((value - T_LOW) / (T_HIGH - T_LOW), 0.0f), 1.0f);
+        if (opacity >= TERMINATION) return (float)z;
+    }
+    return (float)nz;
+}
+
+void wall_case_free(wall_case *c) {
+    free(c->full);
+    free(c->first);
+    free(c->end);
+    free(c->label);
+    free(c->truth);
+    free(c->clean);
+    *c = (wall_case){0};
+}
+
+sv_wall_volume wall_case_volume(const wall_case *c) {
+    return (sv_wall_volume){.voxels = c->full,
+                            .width = c->nx,
+                            .height = c->ny,
+                            .slices = c->nz,
+                            .first = c->first,
+                            .end = c->end,
+                            .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+}
+
+/* Takes the voxels of a volume; it is empty afterwards. */
+static void take(wall_case *c, hs_volume *v, const char *name) {
+    (void)snprintf(c->name, sizeof c->name, "%.63s", name);
+    c->nx = v->nx;
+    c->ny = v->ny;
+    c->nz = v->nz;
+    memcpy(c->spacing_mm, v->spacing, sizeof c->spacing_mm);
+    c->full = v->voxels;
+    v->voxels = NULL;
+    hs_volume_free(v);
+}
+
+static bool make_ranges(wall_case *c, hs_error *err) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    c->first = calloc(plane, sizeof *c->first);
+    c->end = calloc(plane, sizeof *c->end);
+    if (!c->first || !c->end)
+        return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", c->name, plane);
+    for (size_t i = 0; i < plane; i++)
+        for (uint32_t z = 0; z < c->nz; z++) {
+            if (c->full[z * plane + i] == 0) continue;
+            if (c->end[i] == 0) c->first[i] = (uint16_t)z;
+            c->end[i] = (uint16_t)(z + 1);
+        }
+    return true;
+}
+
+/* The case's name without what the loader's file names add to it. */
+static void shorten(char *name) {
+    char *const tail = strstr(name, "_full");
+    if (tail && tail != name) *tail = '\0';
+}
+
+/* Termination depths in a ground truth. */
+static bool find_truth(wall_case *c, const hs_volume *truth, hs_error *err) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    c->truth = malloc(plane * sizeof *c->truth);
+    if (!c->truth) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", c->name, plane);
+    for (size_t i = 0; i < plane; i++) c->truth[i] = wall_termination(truth->voxels, plane, c->nz, i, 0);
+    return true;
+}
+
+/* A copy, or NULL with an error. */
+static void *copy_of(const void *from, size_t bytes, const char *name, hs_error *err) {
+    void *const to = malloc(bytes);
+    if (to)
+        memcpy(to, from, bytes);
+    else
+        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu bytes", name, bytes);
+    return to;
+}
+
+/* Black fluid as the file has it: with maps, a 0 needs no other value to tell that it was scanned. */
+static bool take_black(const char *files, wall_case *c, hs_error *err) {
+    static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
+    char path[PATH_MAX];
+    hs_volume v;
+    (void)snprintf(path, sizeof path, "%.*s", (int)strcspn(files, ","), files);
+    if (!hs_metaimage_read(path, &as_it_is, &v, err)) return false;
+    const size_t plane = (size_t)c->nx * c->ny;
+    for (size_t i = 0; i < plane; i++)
+        for (size_t z = c->first[i]; z < c->end[i]; z++) c->full[z * plane + i] = v.voxels[z * plane + i];
+    hs_volume_free(&v);
+    return true;
+}
+
+static bool has_maps(const char *files) {
+    int commas = 0;
+    for (const char *at = files; (at = strchr(at, ',')); at++) commas++;
+    return commas == 4;
+}
+
+bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err) {
+    const hs_volume *const full = hs_source_volume(&source->source, 0);
+    const hs_volume *const truth = hs_source_truth(&source->source, 0);
+    const size_t plane = (size_t)full->nx * full->ny;
+    hs_volume copy = *full;
+    *out = (wall_case){0};
+    copy.beams = NULL;
+    copy.voxels = copy_of(full->voxels, plane * full->nz, full->name, err);
+    if (!copy.voxels) return false;
+    take(out, &copy, full->name);
+    shorten(out->name);
+    out->label = copy_of(source->label, plane, out->name, err);
+    out->clean = copy_of(truth->voxels, plane * out->nz, out->name, err);
+    if (out->label && out->clean && find_truth(out, truth, err) && make_ranges(out, err)) return true;
+    wall_case_free(out);
+    return false;
+}
+
+bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
+    hs_eval_source source;
+    const hs_eval_request request = {.name = files};
+    *out = (wall_case){0};
+    if (!strchr(files, ','))
+        return hs_fail(err, HS_ERR_USAGE, "'%s': expected FULL,TRUTH,LABEL[,FIRST,END]", files);
+    if (!hs_eval_source_open(&source, &request, err)) return false;
+    const bool taken = wall_case_take(&source, out, err);
+    hs_eval_source_close(&source);
+    if (!taken || !has_maps(files) || take_black(files, out, err)) return taken;
+    wall_case_free(out);
+    return false;
+}
+
+bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {
+    char files[5 * 1024];
+    const int length =
+        snprintf(files, sizeof files,
+                 "%s/%s_full.mha,%s/%s_truth.mha,%s/%s_label.mha,%s/scan_first.mha,%s/scan_end.mha", folder,
+                 name, folder, name, folder, name, folder, folder);
+    if (length < 0 || (size_t)length >= sizeof files)
+        return hs_fail(err, HS_ERR_USAGE, "%.200s...: the path is too long", folder);
+    return wall_case_files(files, out, err);
+}
+
+bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
+                    hs_error *err) {
+    surf_case c;
+    *out = (wall_case){0};
+    if (!surf_case_make(scene, 128 / SURF_FINE_PER_VOXEL, seed, pose, frame, &c, err)) return false;
+    take(out, &c.fine.full, scene);
+    out->label = c.fine.label;
+    out->truth = c.truth;
+    out->clean = c.fine.truth.voxels;
+    c.fine.label = NULL;
+    c.truth = NULL;
+    c.fine.truth.voxels = NULL;
+    surf_case_free(&c);
+    if (make_ranges(out, err)) return true;
+    wall_case_free(out);
+    return false;
+}
+
+bool wall_case_open(const char *path, wall_case *out, hs_error *err) {
+    hs_volume v;
+    *out = (wall_case){0};
+    if (!hs_metaimage_read(path, NULL, &v, err)) return false;
+    char name[64];
+    (void)snprintf(name, sizeof name, "%.63s", v.name);
+    take(out, &v, name);
+    if (make_ranges(out, err)) return true;
+    wall_case_free(out);
+    return false;
+}
+
+/* Trilinear at (x, y, z) voxels, over scanned voxels only; 0 if they weigh less than half. */
+static uint8_t sample(const wall_case *c, const double at[3]) {
+    const uint32_t n[3] = {c->nx, c->ny, c->nz};
+    double sum = 0.0, weight = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        double w = 1.0;
+        size_t index = 0, stride = 1;
+        for (int axis = 0; axis < 3; axis++) {
+            const double low = floor(at[axis]), rest = at[axis] - low, i = low + (corner >> axis & 1);
+            w *= corner >> axis & 1 ? rest : 1.0 - rest;
+            if (i < 0.0 || i >= n[axis]) w = 0.0;
+            if (w > 0.0) index += (size_t)i * stride;
+            stride *= n[axis];
+        }
+        if (w <= 0.0 || c->full[index] == 0) continue;
+        sum += w * c->full[index];
+        weight += w;
+    }
+    return weight >= 0.5 ? (uint8_t)fmin(fmax(sum / weight + 0.5, 1.0), 255.0) : 0;
+}
+
+bool wall_case_turn(const wall_case *from, int axis, double degrees, uint32_t side, wall_case *out,
+                    hs_error *err) {
+    const double co = cos(degrees * acos(-1.0) / 180.0), si = sin(degrees * acos(-1.0) / 180.0);
+    const uint32_t n[3] = {from->nx, from->ny, from->nz};
+    double diagonal = 0.0;
+    for (int i = 0; i < 3; i++) diagonal += n[i] * from->spacing_mm[i] * n[i] * from->spacing_mm[i];
+    const double mm = sqrt(diagonal) / side;
+    *out = (wall_case){.nx = side, .ny = side, .nz = side, .spacing_mm = {mm, mm, mm}};
+    (void)snprintf(out->name, sizeof out->name, "%.50s %c %.0f", from->name, "xyz"[axis], degrees);
+    out->full = calloc((size_t)side * side, side);
+    if (!out->full) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u^3 voxels", from->name, side);
+    uint8_t *voxel = out->full;
+    for (uint32_t z = 0; z < side; z++)
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                double p[3] = {mm * (x + 0.5 - 0.5 * side), mm * (y + 0.5 - 0.5 * side),
+                               mm * (z + 0.5 - 0.5 * side)};
+                if (axis ==
+                    2) { /* from the side: turning about the viewing direction alone would be one view */
+                    const double swap = p[2];
+                    p[2] = -p[1];
+                    p[1] = swap;
+                }
+                double *a = &p[axis == 0 ? 1 : 0], *b = &p[axis == 2 ? 1 : 2];
+                const double u = co * *a - si * *b, v = si * *a + co * *b;
+                *a = u;
+                *b = v;
+                for (int i = 0; i < 3; i++) p[i] = p[i] / from->spacing_mm[i] + 0.5 * n[i] - 0.5;
+                *voxel++ = sample(from, p);
+            }
+    if (make_ranges(out, err)) return true;
+    wall_case_free(out);
+    return false;
+}
+
+void wall_case_change(wall_case *c, double gain, double gamma, double black) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    for (size_t i = 0; i < plane; i++)
+        for (size_t z = c->first[i]; z < c->end[i]; z++) {
+            const double level = 255.0 * pow(c->full[z * plane + i] / 255.0, gamma) * gain + black;
+            c->full[z * plane + i] = (uint8_t)fmin(fmax(level + 0.5, 0.0), 255.0);
+        }
+}

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+#include "report/cmd_measure.h"
+
+#include "base/cli.h"
+#include "eval/eval_case.h"
+#include "volume/metaimage.h"
+
+#include <getopt.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help_text[] =
+    "Usage: host_sim measure [options] MAP...\n"
+    "Measures depthmaps that were made elsewhere, as 'report' measures a plugin's, and prints JSON.\n"
+    "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
+    "low-resolution volume, 0 or less clips nothing. '-' is the map that clips nothing at all.\n"
+    "\n"
+    "  --case NAME      a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END]\n"
+    "                   (see 'host_sim report --help') [D01]\n"
+    "  --real FILE      the volume of the scene 'real'\n"
+    "  --size N         voxels per axis of a scene, 32 .. 512 [384]\n"
+    "  --lowres N       pixels per axis of the maps [a third of the size: 128]\n"
+    "  --seed N         seed of the scene; 0 is its own [0]\n"
+    "  --help           this text\n"
+    "\n";
+
+typedef struct {
+    hs_eval_request of;
+    bool help;
+} request;
+
+enum { OPT_CASE = 1, OPT_REAL, OPT_SIZE, OPT_LOWRES, OPT_SEED, OPT_HELP };
+
+static const struct option options[] = {{"case", required_argument, NULL, OPT_CASE},
+                                        {"real", required_argument, NULL, OPT_REAL},
+                                        {"size", required_argument, NULL, OPT_SIZE},
+                                        {"lowres", required_argument, NULL, OPT_LOWRES},
+                                        {"seed", required_argument, NULL, OPT_SEED},
+                                        {"help", no_argument, NULL, OPT_HELP},
+                                        {0}};
+
+static bool set_option(int option, request *r, hs_error *err) {
+    switch (option) {
+    case OPT_CASE:
+        r->of.name = optarg;
+        return true;
+    case OPT_REAL:
+        r->of.real = optarg;
+        return true;
+    case OPT_SIZE:
+        return hs_cli_u32("--size", optarg, 32, 512, &r->of.size, err);
+    case OPT_LOWRES:
+        return hs_cli_u32("--lowres", optarg, 8, 1024, &r->of.lowres, err);
+    case OPT_SEED:
+        return hs_cli_integer("--seed", optarg, 0, UINT64_MAX, &r->of.seed, err);
+    default:
+        r->help = true;
+        return true;
+    }
+}
+
+static bool parse(int argc, char **argv, request *r, hs_error *err) {
+    *r = (request){.of = {.name = "D01", .size = 384}};
+    optind = 1;
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+        if (!hs_cli_known(option, argv, err) || !set_option(option, r, err)) return false;
+    }
+    return r->help || optind < argc || hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
+}
+
+/* The map of a file, as the table takes it. False if it cannot be read or a value is not finite. */
+static bool read_map(const char *path, const hs_eval_table *table, float *map, hs_error *err) {
+    const size_t pixels = (size_t)table->width * table->height;
+    double *values = calloc(pixels, sizeof *values);
+    if (!values) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, pixels);
+    bool ok = hs_metaimage_read_map(path, table->width, table->height, values, err);
+    for (size_t i = 0; ok && i < pixels; i++) map[i] = (float)values[i];
+    free(values);
+    return ok;
+}
+
+/* JSON has no NaN: a measure over no ray is null. */
+static json_t *describe(const char *name, const hs_measures *measures) {
+    json_t *object = json_object();
+    json_t *text = json_string(name);
+    if (json_object_set_new(object, "map", text ? text : json_string("?")) != 0) return object;
+    for (int m = 0; m < HS_MEASURE_COUNT; m++) {
+        const double value = (double)measures->of[m];
+        (void)json_object_set_new(object, hs_measure_key((hs_measure)m),
+                                  isnan(value) ? json_null() : json_real(value));
+    }
+    return object;
+}
+
+static bool measure_all(const hs_eval_case *c, char **paths, int count, json_t *out, hs_error *err) {
+    for (int i = 0; i < count; i++) {
+        hs_measures measures;
+        const bool unclipped = strcmp(paths[i], "-") == 0;
+        if (!unclipped && !read_map(paths[i], &c->table, c->map[0], err)) return false;
+        hs_eval_measure_map(&c->table, unclipped ? NULL : c->map[0], &measures);
+        if (json_array_append_new(out, describe(paths[i], &measures)) != 0)
+            return hs_fail(err, HS_ERR_MEMORY, "no memory for the results");
+    }
+    return true;
+}
+
+static bool measure(const request *r, char **paths, int count, hs_error *err) {
+    const hs_eval_values none = {0};
+    hs_cl cl = {0};
+    hs_eval_case c = {0};
+    json_t *out = json_array();
+    bool ok = out || hs_fail(err, HS_ERR_MEMORY, "no memory for the results");
+    ok = ok && hs_cl_open(&cl, err) && hs_eval_case_open(&c, &cl, NULL, &none, &r->of, err) &&
+         measure_all(&c, paths, count, out, err);
+    if (ok && (json_dumpf(out, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) != 0 || printf("\n") < 0))
+        ok = hs_fail(err, HS_ERR_OUTPUT, "the results cannot be written");
+    hs_eval_case_close(&c);
+    hs_cl_close(&cl);
+    json_decref(out);
+    return ok;
+}
+
+int hs_cmd_measure(int argc, char **argv) {
+    request r;
+    hs_error err = {0};
+    if (!parse(argc, argv, &r, &err)) return hs_cli_fail("measure", &err);
+    if (r.help) {
+        printf("%s%s", help_text, hs_exit_codes_help);
+        return HS_OK;
+    }
+    return measure(&r, argv + optind, argc - optind, &err) ? HS_OK : hs_cli_fail("measure", &err);
+}

@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: MIT */
+#include "validate/checks/check_frame.h"
+
+#include "plugin/loader.h"
+#include "smartvis/confidence.h"
+#include "validate/drive/drive_frame.h"
+#include "validate/drive/drive_params.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void check_first_frame(v_run *run) {
+    v_rig r;
+    v_map map;
+    v_rig_standard(run, &r);
+    for (int i = 0; i < 3; i++) {
+        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
+        v_map_free(&map);
+    }
+    v_rig_close(&r);
+}
+
+/* Every depth was written, is finite, and lies within twice the volume. */
+static void look_at_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
+    for (uint32_t i = 0; i < map->width * map->height; i++) {
+        const float d = map->depth[i];
+        V_EXPECT(run, !isnan(d), "%s: the depth of ray (%u, %u) is NaN, or was not written", what,
+                 i % map->width, i / map->width);
+        V_EXPECT(run, fabsf(d) <= 2.0f * (float)slices,
+                 "%s: the depth of ray (%u, %u) is %g in a volume of %u slices", what, i % map->width,
+                 i / map->width, (double)d, slices);
+    }
+}
+
+/* A frame of a volume of this kind, from activation to deactivation. */
+static void frame_of(v_rig *r, const v_way *way, v_kind kind, v_map *map) {
+    v_rig_set(r, way, kind);
+    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
+}
+
+void check_depth_values(v_run *run) {
+    v_rig r;
+    v_rig_open(run, &r);
+    const v_way way = v_standard_way(&r.s);
+    for (int kind = 0; kind < V_KINDS; kind++) {
+        v_map map;
+        char what[64];
+        (void)snprintf(what, sizeof what, "a %s volume", v_kind_name((v_kind)kind));
+        frame_of(&r, &way, (v_kind)kind, &map);
+        look_at_depths(run, &map, way.slices, what);
+        v_map_free(&map);
+        v_rig_drop(&r);
+    }
+    v_rig_close(&r);
+}
+
+/* ---- outcome and statistics */
+static bool is_outcome(sv_status status) {
+    return status == SV_OK || status == SV_NO_SURFACE || status == SV_PARTIAL;
+}
+
+static void look_at_outcome(v_run *run, const v_map *map, bool own_queue, const char *what) {
+    const sv_stats *s = &map->stats;
+    uint32_t zeros = 0;
+    for (uint32_t i = 0; i < map->width * map->height; i++) zeros += map->depth[i] == 0.0f;
+    V_EXPECT(run, own_queue ? is_outcome(map->returned) : map->returned == SV_OK,
+             "%s: end returns %s, expected %s", what, v_status(map->returned),
+             own_queue ? "an outcome" : "SV_OK, the outcome is in the statistics");
+    V_EXPECT(run, is_outcome(s->outcome), "%s: the outcome in the statistics is %s", what,
+             v_status(s->outcome));
+    V_EXPECT(run, !own_queue || s->outcome == map->returned, "%s: end returns %s, and the statistics say %s",
+             what, v_status(map->returned), v_status(s->outcome));
+    V_EXPECT(run, s->outcome != SV_NO_SURFACE || zeros == map->width * map->height,
+             "%s: the outcome is SV_NO_SURFACE, and the map is not all zeros", what);
+    V_EXPECT(run, s->outcome != SV_PARTIAL || zeros > 0, "%s: the outcome is SV_PARTIAL, and no depth is 0",
+             what);
+}
+
+void check_frame_outcome(v_run *run) {
+    v_rig r;
+    v_rig_open(run, &r);
+    const v_way way = v_standard_way(&r.s);
+    for (int kind = 0; kind < V_KINDS; kind++) {
+        const sv_plugin *p = r.s.plugin;
+        v_map map;
+        v_rig_set(&r, &way, (v_kind)kind);
+        sv_status status = v_begin(p, &r.stage, NULL, 0);
+        V_EXPECT(run, status == SV_OK, "begin: %s, expected SV_OK", v_status(status));
+        for (uint32_t n = 0; n < r.stage.slab_count; n++) {
+            status = v_slab(p, &r.stage, n);
+            V_EXPECT(run, status == SV_OK, "slab %u: %s, expected SV_OK", n, v_status(status));
+        }
+        status = v_end(p, &r.stage);
+        V_EXPECT(run, hs_status_is_known(status), "end: %s", v_status(status));
+        V_EXPECT(run, status >= 0, "end of a %s volume: %s: %s", v_kind_name((v_kind)kind), v_status(status),
+                 p->last_error(p));
+        v_collect(&r.stage, status, &map);
+        look_at_outcome(run, &map, way.own_queue, v_kind_name((v_kind)kind));
+        v_map_free(&map);
+        v_rig_drop(&r);
+    }
+    v_rig_close(&r);
+}
+
+static void look_at_statistics(v_run *run, const v_map *map) {
+    const sv_stats *s = &map->stats;
+    const uint32_t rays = map->width * map->height;
+    V_EXPECT(run, s->size == sizeof *s, "end changes stats.size to %u", s->size);
+    V_EXPECT(run, s->rays == rays, "stats.rays is %u, expected %u", s->rays, rays);
+    V_EXPECT(run, s->points <= rays, "stats.points is %u of %u rays", s->points, rays);
+    V_EXPECT(run, s->unfilled <= rays, "stats.unfilled is %u of %u rays", s->unfilled, rays);
+    V_EXPECT(run, s->outcome != SV_OK || s->unfilled == 0, "the outcome is SV_OK, and stats.unfilled is %u",
+             s->unfilled);
+    V_EXPECT(run, s->outcome != SV_NO_SURFACE || s->unfilled == rays,
+             "the outcome is SV_NO_SURFACE, and stats.unfilled is %u of %u", s->unfilled, rays);
+    V_EXPECT(run, s->outcome != SV_PARTIAL || (s->unfilled > 0 && s->unfilled < rays),
+             "the outcome is SV_PARTIAL, and stats.unfilled is %u of %u", s->unfilled, rays);
+    for (uint32_t i = 0; i < rays; i++)
+        V_EXPECT(run, map->status[i] <= SV_POINT_EMPTY,
+                 "the status of ray (%u, %u) is %u, or was not written", i % map->width, i / map->width,
+                 map->status[i]);
+}
+
+void check_frame_statistics(v_run *run) {
+    v_rig r;
+    v_rig_open(run, &r);
+    const v_way way = v_standard_way(&r.s);
+    for (int kind = 0; kind < V_KINDS; kind++) {
+        v_map map;
+        frame_of(&r, &way, (v_kind)kind, &map);
+        look_at_statistics(run, &map);
+        v_map_free(&map);
+        v_rig_drop(&r);
+    }
+    v_rig_close(&r);
+}
+
+/* ---- where results are written */
+static void try_bands(v_rig *r, uint8_t byte, bool all) {
+    const sv_plugin *p = r->s.plugin;
+    v_stage *st = &r->stage;
+    v_run *run = r->s.run;
+    sv_status status = v_begin(p, st, NULL, 0);
+    for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) status = v_slab(p, st, n);
+    sv_result result = v_stage_result(st);
+    v_stage_poison(st, byte);
+    if (!all) {
+        result.status = NULL;
+        result.stats = NULL;
+    }
+    v_where(run, "end with guard bands");
+    if (status >= 0) status = p->end(p, &result);
+    V_EXPECT(run, status >= 0, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
+    v_map map;
+    v_collect(st, status, &map);
+    const char *place = v_stage_trespass(st, byte);
+    V_EXPECT(run, !place, "end writes %s", place);
+    look_at_depths(run, &map, st->format.slices,
+                   st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
+    for (uint32_t i = 0; !all && i < map.width * map.height; i++)
+        V_EXPECT(run, map.status[i] == byte, "end writes a status map where none was asked for");
+    v_map_free(&map);
+}
+
+void check_guard_bands(v_run *run) {
+    v_rig r;
+    v_rig_open(run, &r);
+    v_way way = v_standard_way(&r.s);
+    for (uint32_t pitch = 0; pitch <= 7; pitch += 7) {
+        way.pitch = pitch;
+        v_rig_set(&r, &way, V_LAYERS);
+        try_bands(&r, 0xff, true);
+        try_bands(&r, 0xfe, true);
+        try_bands(&r, 0xff, false);
+        v_rig_drop(&r);
+    }
+    v_rig_close(&r);
+}
+
+/* ---- shapes and contents */
+void check_frame_shapes(v_run *run) {
+    static const struct {
+        uint32_t width, height, slices, longest, tiles;
+    } shapes[] = {{1, 1, 1, 1, 1},   {1, 1, 9, 4, 2},  {17, 1, 6, 6, 3},  {1, 13, 6, 2, 1},   {3, 2, 1, 1, 1},
+                  {33, 31, 2, 1, 1}, {65, 5, 3, 3, 5}, {2, 63, 17, 5, 2}, {128, 3, 40, 40, 7}};
+    v_rig r;
+    v_rig_open(run, &r);
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        v_way way = v_sized(v_standard_way(&r.s), shapes[i].width, shapes[i].height, shapes[i].slices);
+        v_map map;
+        char what[64];
+        way.longest = shapes[i].longest;
+        way.tiles_x = shapes[i].tiles;
+        if (i % 2) way.extra_w = way.extra_h = way.extra_pitch = 0;
+        (void)snprintf(what, sizeof what, "%u x %u x %u", way.width, way.height, way.slices);
+        frame_of(&r, &way, V_LAYERS, &map);
+        look_at_depths(run, &map, way.slices, what);
+        v_map_free(&map);
+        v_rig_drop(&r);
+    }
+    v_rig_close(&r);
+}
+
+void check_frame_contents(v_run *run) {
+    v_rig r;
+    v_map map;
+    v_rig_standard(run, &r);
+    for (uint32_t turn = 0; turn < V_KINDS + run->level; turn++) {
+        const v_kind kind = turn < V_KINDS ? (v_kind)turn : V_NOISE;
+        v_volume_free(&r.volume);
+        v_volume_make(run, &r.volume, kind, r.stage.format.width, r.stage.format.height,
+                      r.stage.format.slices);
+        if (turn % 2) v_volume_narrow(&r.volume);
+        v_stage_fill(&r.stage, &r.volume);
+        v_where(run, "a frame of a %s volume", v_kind_name(kind));
+        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
+        v_map_free(&map);
+    }
+    v_rig_close(&r);
+}
+
+/* ---- confidence */
+static const sv_ext_confidence *confidence_of(v_rig *r) {
+    const sv_plugin *p = r->s.plugin;
+    v_where(r->s.run, "get_extension(\"" SV_EXT_CONFIDENCE "\")");
+    const sv_ext_confidence *ext = p->get_extension(p, SV_EXT_CONFIDENCE);
+    if (!ext) v_skip(r->s.run, "the plugin has no " SV_EXT_CONFIDENCE);
+    V_EXPECT(r->s.run, ext->read && SV_HAS(ext, offered) && ext->offered && SV_HAS(ext, write) && ext->write,
+             "a function of " SV_EXT_CONFIDENCE " is NULL or missing");
+    return ext;
+}
+
+/* Activates with values until the plugin offers a confidence; the defaults first, then every value of every
+ * enum that only activate reads. */
+static bool find_offer(v_rig *r, const sv_ext_confidence *ext, const v_params *params) {
+    const sv_plugin *p = r->s.plugin;
+    if (ext->offered(p)) return true;
+    for (uint32_t i = 0; i < params->count; i++) {
+        const sv_param_info *info = &params->info[i];
+        if (info->type != SV_PARAM_ENUM || !(info->flags & SV_PARAM_REACTIVATE)) continue;
+        for (uint32_t n = 0; n < v_param_values(info); n++) {
+            v_way way = v_standard_way(&r->s);
+            way.fixed[0] = (sv_param_value){info->id, 0, info->min_value + n * info->step};
+            way.fixed_count = 1;
+            v_rig_again(r, &way);
+            if (ext->offered(p)) return true;
+        }
+    }
+    return false;
+}
+
+static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) {
+    enum { GUARD = 16 };
+    v_run *run = r->s.run;
+    const sv_plugin *p = r->s.plugin;
+    const size_t rays = (size_t)r->stage.format.width * r->stage.format.height;
+    float *room = v_memory(run, (rays + 2 * GUARD) * sizeof *room), *map = room + GUARD;
+    float *read = v_memory(run, rays * sizeof *read);
+    v_map frame;
+    v_volume_free(&r->volume);
+    v_volume_make(run, &r->volume, kind, r->stage.format.width, r->stage.format.height,
+                  r->stage.format.slices);
+    v_stage_fill(&r->stage, &r->volume);
+    v_frame(&r->s, p, &r->stage, NULL, 0, &frame);
+    for (size_t i = 0; i < rays + 2 * GUARD; i++) room[i] = -7.0f;
+    v_where(run, "confidence write");
+    sv_status status = ext->write(p, map, NULL, 0);
+    V_EXPECT(run, status == SV_OK, "confidence write: %s: %s", v_status(status), p->last_error(p));
+    if (r->stage.device) (void)clFinish(r->stage.device->queue);
+    for (size_t i = 0; i < rays; i++)
+        V_EXPECT(run, map[i] >= 0.0f && map[i] <= 1.0f,
+                 "the confidence of ray (%zu, %zu) is %.9g, expected 0 .. 1", i % r->stage.format.width,
+                 i / r->stage.format.width, (double)map[i]);
+    for (size_t i = 0; i < GUARD; i++)
+        V_EXPECT(run, room[i] == -7.0f && map[rays + i] == -7.0f, "confidence write writes beside its map");
+    v_where(run, "confidence read");
+    status = ext->read(p, read, NULL);
+    V_EXPECT(run, status == SV_OK, "confidence read: %s: %s", v_status(status), p->last_error(p));
+    V_EXPECT(run, memcmp(read, map, rays * sizeof *map) == 0,
+             "confidence read and write give different maps");
+    for (size_t i = 0; i < rays; i++)
+        V_EXPECT(run, frame.outcome != SV_NO_SURFACE || map[i] == 0.0f,
+                 "the outcome is SV_NO_SURFACE, and a confidence is %g", (double)map[i]);
+    v_map_free(&frame);
+}
+
+void check_confidence(v_run *run) {
+    static v_params params;
+    v_rig r;
+    float one = 0.0f;
+    v_rig_standard(run, &r);
+    v_params_read(&r.s, &params);
+    const sv_ext_confidence *ext = confidence_of(&r);
+    if (!find_offer(&r, ext, &params)) v_skip(run, "no method of the plugin gives a confidence");
+    const sv_plugin *p = r.s.plugin;
+    v_where(run, "confidence before the first frame");
+    V_EXPECT(run, ext->write(p, &one, NULL, 0) == SV_ERR_STATE && ext->read(p, &one, NULL) == SV_ERR_STATE,
+             "a confidence is given before the first frame");
+    try_confidence(&r, ext, V_LAYERS);
+    V_EXPECT(run, ext->write(p, NULL, NULL, 0) < 0, "confidence write into nothing succeeds");
+    try_confidence(&r, ext, V_NOISE);
+    try_confidence(&r, ext, V_BLACK);
+    v_rig_close(&r);
+}

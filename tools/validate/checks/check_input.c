@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+#include "validate/checks/check_input.h"
+
+#include "validate/drive/drive_frame.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void check_inputs_unchanged(v_run *run) {
+    v_rig r;
+    v_rig_standard(run, &r);
+    const sv_plugin *p = r.s.plugin;
+    v_stage *st = &r.stage;
+    const uint64_t before = v_stage_inputs(st);
+    const sv_frame frame = v_stage_frame(st, NULL, 0), frame_before = frame;
+    sv_result result = v_stage_result(st);
+    const sv_result result_before = result;
+    v_stage_poison(st, V_POISON);
+    sv_status status = p->begin(p, &frame);
+    V_EXPECT(run, memcmp(&frame, &frame_before, sizeof frame) == 0, "begin writes into sv_frame");
+    for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) {
+        const sv_slab slab = v_stage_slab(st, n), slab_before = slab;
+        v_where(run, "slab %u", n);
+        status = p->slab(p, &slab);
+        V_EXPECT(run, memcmp(&slab, &slab_before, sizeof slab) == 0, "slab writes into sv_slab");
+    }
+    v_where(run, "end");
+    if (status >= 0) status = p->end(p, &result);
+    V_EXPECT(run, status >= 0, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
+    V_EXPECT(run, memcmp(&result, &result_before, sizeof result) == 0, "end writes into sv_result");
+    v_map map;
+    v_collect(st, status, &map);
+    v_map_free(&map);
+    V_EXPECT(run, before == v_stage_inputs(st), "the frame changes the host's voxels, ranges or format");
+    v_rig_close(&r);
+}
+
+/* A frame of the volume handed over in another way gives the same map. */
+static void same_map(v_rig *r, const v_way *way, const v_map *wanted, const char *what) {
+    v_map map;
+    v_rig_again(r, way);
+    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
+    v_map_expect(r->s.run, wanted, &map, "%s", what);
+}
+
+void check_reads_within_slab(v_run *run) {
+    v_rig r;
+    v_map plain;
+    v_rig_standard(run, &r);
+    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &plain);
+    v_way way = v_standard_way(&r.s);
+    way.exact = true;
+    same_map(&r, &way, &plain, "slabs that end where their bytes do give another map");
+    v_map_free(&plain);
+    v_rig_close(&r);
+}
+
+void check_padding_ignored(v_run *run) {
+    static const uint8_t hatches[] = {255, 128, 7};
+    v_rig r;
+    v_map plain;
+    v_rig_standard(run, &r);
+    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &plain);
+    for (size_t i = 0; i < sizeof hatches / sizeof *hatches; i++) {
+        v_way way = v_standard_way(&r.s);
+        way.hatch = hatches[i];
+        same_map(&r, &way, &plain, "bytes that belong to no slice show in the map");
+    }
+    v_map_free(&plain);
+    v_rig_close(&r);
+}
+
+/* ---- what was scanned */
+static void refuse_ranges(v_rig *r) {
+    v_way way = v_standard_way(&r->s);
+    const sv_plugin *p = r->s.plugin;
+    v_rig_set(r, &way, V_LAYERS);
+    v_deactivate(&r->s, p);
+    sv_format format = r->stage.format;
+    format.flags = SV_FORMAT_SCANNED;
+    v_where(r->s.run, "activate with SV_FORMAT_SCANNED");
+    const sv_status status = p->activate(p, &format);
+    V_EXPECT(r->s.run, status < 0,
+             "activate takes SV_FORMAT_SCANNED, and the descriptor has no SV_FEATURE_SCANNED");
+    v_activate(&r->s, p, &r->stage);
+}
+
+/* The frame of the rig's volume and ranges as they are now. */
+static void frame_now(v_rig *r, v_map *map) {
+    v_stage_fill(&r->stage, &r->volume);
+    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
+}
+
+static void outside_does_not_count(v_rig *r) {
+    static const int values[] = {255, 128, -1};
+    v_map first, map;
+    v_volume_narrow(&r->volume);
+    v_volume_outside(r->s.run, &r->volume, 0);
+    frame_now(r, &first);
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        v_volume_outside(r->s.run, &r->volume, values[i]);
+        frame_now(r, &map);
+        v_map_expect(r->s.run, &first, &map, "voxels outside of the scanned ranges show in the map");
+    }
+    v_map_free(&first);
+}
+
+void check_scanned_ranges(v_run *run) {
+    v_rig r;
+    v_map whole, map;
+    v_rig_open(run, &r);
+    if (!(r.s.descriptor->features & SV_FEATURE_SCANNED)) {
+        refuse_ranges(&r);
+        v_skip(run, "the descriptor has no SV_FEATURE_SCANNED; activate refuses ranges");
+    }
+    v_way way = v_standard_way(&r.s);
+    v_rig_set(&r, &way, V_LAYERS);
+    const uint32_t rays = way.width * way.height;
+    frame_now(&r, &whole);
+    for (uint32_t i = 0; i < rays; i++) r.volume.ranges[i].end = UINT16_MAX;
+    frame_now(&r, &map);
+    v_map_expect(run, &whole, &map, "ranges that end beyond the volume are not cut off");
+    outside_does_not_count(&r);
+    for (uint32_t i = 0; i < rays; i++) r.volume.ranges[i] = (sv_scanned){20, 10};
+    frame_now(&r, &map);
+    for (uint32_t i = 0; i < rays; i++)
+        V_EXPECT(run, map.outcome == SV_NO_SURFACE || map.depth[i] == map.depth[i],
+                 "nothing was scanned, and a depth is NaN");
+    v_map_free(&map);
+    v_map_free(&whole);
+    v_rig_close(&r);
+}
+
+void check_padding_value(v_run *run) {
+    enum { VALUE = 3 }; /* darker than anything in the layered volume */
+    v_rig r;
+    v_map known, map;
+    v_rig_open(run, &r);
+    v_way way = v_standard_way(&r.s);
+    const uint32_t features = r.s.descriptor->features;
+    const bool heeds = (features & SV_FEATURE_PADDING) != 0, ranges = (features & SV_FEATURE_SCANNED) != 0;
+    v_rig_set(&r, &way, V_LAYERS);
+    v_volume_narrow(&r.volume);
+    v_volume_outside(run, &r.volume, VALUE);
+    frame_now(&r, &known); /* by ranges, if the plugin takes them */
+    way.padding = VALUE;
+    way.ranges = false;
+    if (!heeds || ranges) {
+        same_map(&r, &way, &known,
+                 heeds ? "padding_value and the same ranges give different maps"
+                       : "padding_value counts, and the descriptor has no SV_FEATURE_PADDING");
+    } else {
+        v_rig_again(&r, &way);
+        frame_now(&r, &map);
+        v_map_free(&map);
+        v_note(run, "the plugin takes no ranges to compare padding_value with");
+    }
+    v_map_free(&known);
+    v_rig_close(&r);
+}
+
+/* ---- carriers and queues */
+static bool offers(const v_rig *r, const v_way *way) {
+    const sv_descriptor *d = r->s.descriptor;
+    return (d->carriers & SV_BIT(way->carrier)) &&
+           (d->queues & (way->own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST));
+}
+
+/* What the descriptor does not offer, activate refuses. */
+static void refuse_way(v_rig *r, const v_way *way, const char *what) {
+    v_stage st;
+    if (!way->own_queue && !r->device.context) v_device_open(r->s.run, &r->device);
+    v_stage_make(r->s.run, &st, way, &r->device);
+    v_where(r->s.run, "activate with %s", what);
+    const sv_status status = r->s.plugin->activate(r->s.plugin, &st.format);
+    V_EXPECT(r->s.run, status < 0, "activate takes %s, which the descriptor does not offer", what);
+    v_stage_free(&st);
+}
+
+void check_carriers(v_run *run) {
+    static const char *const names[] = {"", "host memory", "buffers", "images"};
+    v_rig r;
+    v_map maps[2] = {{0}}; /* of the host's queue, and of the plugin's own */
+    uint32_t ways = 0;
+    v_rig_open(run, &r);
+    for (uint32_t n = 0; n < 12; n++) {
+        v_way way = v_standard_way(&r.s);
+        char what[120];
+        way.carrier = 1 + n / 2 % 3;
+        way.own_queue = n % 2 == 1;
+        if (way.own_queue && way.carrier != SV_CARRIER_HOST) continue;
+        const bool variant = n >= 6; /* results, ranges and registration in other ways */
+        way.registered = variant && way.carrier == SV_CARRIER_HOST;
+        way.depth_object = variant && !way.own_queue;
+        way.ranges_in_buffer = variant && !way.own_queue && way.ranges;
+        (void)snprintf(what, sizeof what, "%s on %s queue%s", names[way.carrier],
+                       way.own_queue ? "the plugin's own" : "the host's",
+                       !variant        ? ""
+                       : way.own_queue ? ", registered"
+                                       : ", map and ranges in buffers");
+        if (!offers(&r, &way)) {
+            if (!variant && !way.own_queue) refuse_way(&r, &way, what);
+            continue;
+        }
+        v_map *first = &maps[way.own_queue], map;
+        run->random = 1; /* the same volume every time */
+        v_rig_set(&r, &way, V_LAYERS);
+        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
+        if (first->depth)
+            v_map_expect(run, first, &map, "%s give another map", what);
+        else
+            *first = map;
+        v_rig_drop(&r);
+        ways++;
+    }
+    v_note(run, "%u ways to hand a volume over", ways);
+    v_rig_close(&r);
+}

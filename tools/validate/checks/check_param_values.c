@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+#include "validate/checks/check_param_values.h"
+
+#include "validate/drive/drive_frame.h"
+#include "validate/drive/drive_params.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static v_params params; /* too large for the stack */
+
+static void open_with_params(v_run *run, v_rig *r) {
+    v_rig_standard(run, r);
+    v_params_read(&r->s, &params);
+    if (params.count == 0) v_skip(run, "the plugin has no parameters");
+}
+
+/* begin with one value returns `expected`. */
+static void try_value(v_rig *r, const char *key, uint32_t id, double value, sv_status expected) {
+    const sv_param_value list = {.id = id, .value = value};
+    const sv_plugin *p = r->s.plugin;
+    const sv_status status = v_begin(p, &r->stage, &list, 1);
+    V_EXPECT(r->s.run, status == expected, "begin with %s = %.17g: %s, expected %s (%s)", key, value,
+             v_status(status), v_status(expected), p->last_error(p));
+}
+
+void check_param_in_range(v_run *run) {
+    v_rig r;
+    open_with_params(run, &r);
+    for (uint32_t i = 0; i < params.count; i++) {
+        const sv_param_info *p = &params.info[i];
+        if (p->flags & SV_PARAM_REACTIVATE) continue;
+        try_value(&r, p->key, p->id, p->min_value, SV_OK);
+        try_value(&r, p->key, p->id, p->max_value, SV_OK);
+        try_value(&r, p->key, p->id, p->default_value, SV_OK);
+        for (uint32_t k = 0; k < 4 * run->level; k++)
+            try_value(&r, p->key, p->id, v_param_random(run, p), SV_OK);
+    }
+    v_rig_close(&r);
+}
+
+/* ---- what must be refused */
+/* Values beside the parameter's own; returns how many. */
+static uint32_t outside(const sv_param_info *p, double out[10]) {
+    uint32_t n = 0;
+    const double range = p->max_value - p->min_value + 1.0;
+    out[n++] = p->max_value + range;
+    out[n++] = p->min_value - range;
+    out[n++] = nextafter(p->max_value, (double)INFINITY);
+    out[n++] = nextafter(p->min_value, -(double)INFINITY);
+    out[n++] = (double)NAN;
+    out[n++] = (double)INFINITY;
+    out[n++] = -(double)INFINITY;
+    out[n++] = 1e300;
+    if (p->type != SV_PARAM_FLOAT && p->max_value > p->min_value) out[n++] = p->min_value + 0.5 * p->step;
+    return n;
+}
+
+static void refuse_in_activate(v_rig *r, const sv_param_info *p) {
+    double values[10];
+    const uint32_t count = outside(p, values);
+    const sv_plugin *plugin = r->s.plugin;
+    for (uint32_t k = 0; k < count; k++) {
+        const sv_param_value list = {.id = p->id, .value = values[k]};
+        sv_format format = r->stage.format;
+        format.values = &list;
+        format.value_count = 1;
+        v_where(r->s.run, "activate with %s = %g", p->key, values[k]);
+        const sv_status status = plugin->activate(plugin, &format);
+        V_EXPECT(r->s.run, status == SV_ERR_PARAM_RANGE,
+                 "activate with %s = %.17g: %s, expected SV_ERR_PARAM_RANGE", p->key, values[k],
+                 v_status(status));
+    }
+}
+
+void check_param_out_of_range(v_run *run) {
+    static const uint32_t nobody[] = {0, 0xfffffff0u, UINT32_MAX};
+    double values[10];
+    v_rig r;
+    v_map map;
+    open_with_params(run, &r);
+    for (uint32_t i = 0; i < params.count; i++) {
+        const sv_param_info *p = &params.info[i];
+        if (p->flags & SV_PARAM_REACTIVATE) continue;
+        const uint32_t count = outside(p, values);
+        for (uint32_t k = 0; k < count; k++) try_value(&r, p->key, p->id, values[k], SV_ERR_PARAM_RANGE);
+    }
+    for (size_t i = 0; i < sizeof nobody / sizeof *nobody; i++)
+        try_value(&r, "an id that no parameter has", nobody[i], 0.0, SV_ERR_PARAM_ID);
+    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
+    v_map_free(&map);
+    v_deactivate(&r.s, r.s.plugin);
+    for (uint32_t i = 0; i < params.count; i++)
+        if (params.info[i].flags & SV_PARAM_REACTIVATE) refuse_in_activate(&r, &params.info[i]);
+    v_activate(&r.s, r.s.plugin, &r.stage);
+    v_rig_close(&r);
+}
+
+void check_param_fixed(v_run *run) {
+    v_rig r;
+    uint32_t tried = 0;
+    open_with_params(run, &r);
+    for (uint32_t i = 0; i < params.count; i++) {
+        const sv_param_info *p = &params.info[i];
+        const double other = v_param_other(p);
+        if (!(p->flags & SV_PARAM_REACTIVATE)) continue;
+        try_value(&r, p->key, p->id, p->default_value, SV_OK);
+        if (other != p->default_value) try_value(&r, p->key, p->id, other, SV_ERR_PARAM_FIXED);
+        tried++;
+    }
+    if (tried == 0) v_skip(run, "no parameter needs a new activation");
+    v_rig_close(&r);
+}
+
+/* ---- which value counts */
+void check_param_repeated(v_run *run) {
+    v_rig r;
+    open_with_params(run, &r);
+    for (uint32_t i = 0, tried = 0; i < params.count && tried < 2 + run->level; i++) {
+        const sv_param_info *p = &params.info[i];
+        if (p->flags & SV_PARAM_REACTIVATE) continue;
+        const sv_param_value list[] = {{p->id, 0, p->default_value}, {p->id, 0, v_param_other(p)}};
+        v_map last, both;
+        v_frame(&r.s, r.s.plugin, &r.stage, list + 1, 1, &last);
+        v_frame(&r.s, r.s.plugin, &r.stage, list, 2, &both);
+        v_map_expect(run, &last, &both, "%s given twice: not the last value counts", p->key);
+        v_map_free(&last);
+        tried++;
+    }
+    v_rig_close(&r);
+}
+
+/* adjust to `value` gives the frame that begin with it would have given. */
+static void try_adjust(v_rig *r, const sv_param_info *p, double value) {
+    const sv_param_value list = {.id = p->id, .value = value};
+    const sv_plugin *plugin = r->s.plugin;
+    v_map wanted, first, adjusted;
+    v_frame(&r->s, plugin, &r->stage, &list, 1, &wanted);
+    v_frame(&r->s, plugin, &r->stage, NULL, 0, &first);
+    const sv_status status = v_adjust(plugin, &r->stage, &list, 1);
+    V_EXPECT(r->s.run, status >= 0, "adjust of %s to %g: %s: %s", p->key, value, v_status(status),
+             plugin->last_error(plugin));
+    v_collect(&r->stage, status, &adjusted);
+    v_map_expect(r->s.run, &wanted, &adjusted, "adjust of %s to %g gives another map than a frame with it",
+                 p->key, value);
+    const sv_status back = v_adjust(plugin, &r->stage, NULL, 0);
+    V_EXPECT(r->s.run, back >= 0, "adjust without values: %s", v_status(back));
+    v_collect(&r->stage, back, &adjusted);
+    v_map_expect(r->s.run, &first, &adjusted, "adjust back from %s = %g does not give the frame's map",
+                 p->key, value);
+    v_map_free(&wanted);
+    v_map_free(&first);
+}
+
+void check_adjust_equals_frame(v_run *run) {
+    v_rig r;
+    open_with_params(run, &r);
+    if (!(r.s.descriptor->features & SV_FEATURE_ADJUST))
+        v_skip(run, "the descriptor has no SV_FEATURE_ADJUST");
+    const sv_plugin *plugin = r.s.plugin;
+    for (uint32_t i = 0; i < params.count; i++) {
+        const sv_param_info *p = &params.info[i];
+        if (p->flags & SV_PARAM_ADJUST) {
+            try_adjust(&r, p, v_param_other(p));
+            try_adjust(&r, p, v_param_random(run, p));
+            continue;
+        }
+        const sv_param_value list = {.id = p->id, .value = v_param_other(p)};
+        v_map map;
+        v_frame(&r.s, plugin, &r.stage, NULL, 0, &map);
+        const sv_status status = v_adjust(plugin, &r.stage, &list, 1);
+        V_EXPECT(run, status < 0, "adjust takes %s, which is not flagged SV_PARAM_ADJUST: %s", p->key,
+                 v_status(status));
+        v_map_free(&map);
+    }
+    v_rig_close(&r);
+}
+
+/* ---- any values together */
+static void look_at_depths(v_run *run, const v_map *map, uint32_t slices, uint32_t turn) {
+    for (uint32_t i = 0; i < map->width * map->height; i++)
+        V_EXPECT(run, fabsf(map->depth[i]) <= 2.0f * (float)slices,
+                 "random values, frame %u: the depth of ray (%u, %u) is %g in a volume of %u slices", turn,
+                 i % map->width, i / map->width, (double)map->depth[i], slices);
+}
+
+void check_param_fuzz(v_run *run) {
+    v_rig r;
+    uint32_t done = 0, turns = 12 * run->level;
+    open_with_params(run, &r);
+    for (uint32_t turn = 0; turn < turns; turn++) {
+        sv_param_value list[V_MAX_PARAMS];
+        uint32_t count = 0;
+        v_map map;
+        for (uint32_t i = 0; i < params.count; i++)
+            if (!(params.info[i].flags & SV_PARAM_REACTIVATE) && v_random(run, 3) > 0)
+                list[count++] = (sv_param_value){params.info[i].id, 0, v_param_random(run, &params.info[i])};
+        v_volume_free(&r.volume);
+        v_volume_make(run, &r.volume, (v_kind)v_random(run, V_KINDS), r.stage.format.width,
+                      r.stage.format.height, r.stage.format.slices);
+        v_stage_fill(&r.stage, &r.volume);
+        const sv_status status = v_try_frame(r.s.plugin, &r.stage, list, count, &map);
+        V_EXPECT(run, status >= 0 || status == SV_ERR_PARAM_RANGE, "random values, frame %u: %s: %s", turn,
+                 v_status(status), r.s.plugin->last_error(r.s.plugin));
+        if (status < 0) continue; /* values that are fine alone may exclude each other */
+        look_at_depths(run, &map, r.stage.format.slices, turn);
+        v_map_free(&map);
+        done++;
+    }
+    v_note(run, "%u frames with random values, %u of them refused", turns, turns - done);
+    v_rig_close(&r);
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+#include "validate/drive/drive_run.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static void note(v_run *run, v_verdict verdict, const char *format, va_list args) {
+    run->report->verdict = verdict;
+    (void)vsnprintf(run->report->text, sizeof run->report->text, format, args);
+}
+
+void v_fail(v_run *run, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    note(run, V_FAIL, format, args);
+    va_end(args);
+    longjmp(run->escape, 1);
+}
+
+void v_skip(v_run *run, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    note(run, V_SKIP, format, args);
+    va_end(args);
+    longjmp(run->escape, 1);
+}
+
+void v_warn(v_run *run, const char *format, ...) {
+    va_list args;
+    if (run->report->verdict == V_WARN) return;
+    va_start(args, format);
+    note(run, V_WARN, format, args);
+    va_end(args);
+}
+
+void v_note(v_run *run, const char *format, ...) {
+    va_list args;
+    if (run->report->verdict != V_PASS) return;
+    va_start(args, format);
+    note(run, V_PASS, format, args);
+    va_end(args);
+}
+
+void v_where(v_run *run, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(run->report->where, sizeof run->report->where, format, args);
+    va_end(args);
+}
+
+void v_random_begin(v_run *run, const char *name) {
+    run->random = run->seed * 0x9e3779b97f4a7c15u + 0x2545f4914f6cdd1du;
+    for (; *name; name++) run->random = (run->random ^ (unsigned char)*name) * 0x100000001b3u;
+    if (run->random == 0) run->random = 1;
+}
+
+/* xorshift64*: its high bits are good. */
+static uint32_t next(v_run *run) {
+    run->random ^= run->random >> 12;
+    run->random ^= run->random << 25;
+    run->random ^= run->random >> 27;
+    return (uint32_t)(run->random * 0x2545f4914f6cdd1du >> 32);
+}
+
+uint32_t v_random(v_run *run, uint32_t below) {
+    return (uint32_t)((uint64_t)next(run) * below >> 32);
+}
+
+double v_random_unit(v_run *run) {
+    return (double)next(run) / (double)UINT32_MAX;
+}
+
+void *v_memory(v_run *run, size_t bytes) {
+    void *memory = calloc(1, bytes + 1);
+    V_EXPECT(run, memory, "no memory for %zu bytes: the check could not be made", bytes);
+    return memory;
+}

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT */
+#include "validate/drive/drive_subject.h"
+
+#include "plugin/loader.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_PLUGINS = 4096, LONGEST_LINE = 65536 };
+
+/* Bytes of the UTF-8 character at `c`, 0 if there is none. */
+static size_t character(const unsigned char *c) {
+    const size_t bytes = c[0] < 0x80                   ? 1
+                         : c[0] >= 0xc2 && c[0] < 0xe0 ? 2
+                         : c[0] >= 0xe0 && c[0] < 0xf0 ? 3
+                         : c[0] >= 0xf0 && c[0] < 0xf5 ? 4
+                                                       : 0;
+    for (size_t i = 1; i < bytes; i++)
+        if ((c[i] & 0xc0) != 0x80) return 0;
+    return bytes;
+}
+
+bool v_is_text(const char *text, size_t most) {
+    const unsigned char *c = (const unsigned char *)text;
+    for (size_t used = 0; c[used];) {
+        const size_t bytes = character(c + used);
+        if (bytes == 0 || (bytes == 1 && (c[used] < 0x20 || c[used] == 0x7f))) return false;
+        used += bytes;
+        if (used > most) return false;
+    }
+    return true;
+}
+
+const char *v_status(sv_status status) {
+    static _Thread_local char texts[4][64];
+    static _Thread_local uint32_t turn;
+    char *text = texts[turn++ % 4];
+    (void)snprintf(text, sizeof texts[0], "%s (%d)", hs_status_name(status), (int)status);
+    return text;
+}
+
+/* ---- the host */
+static void blame(v_host *h, const char *what) {
+    if (!h->fault[0]) (void)snprintf(h->fault, sizeof h->fault, "%s", what);
+}
+
+static void keep_line(const sv_host *host, int32_t severity, const char *text) {
+    v_host *h = host->host_data;
+    (void)pthread_mutex_lock(&h->lock);
+    h->lines++;
+    h->severity = severity;
+    if (host != &h->api) blame(h, "log: host is not the sv_host that create was given");
+    if (severity < SV_LOG_DEBUG || severity > SV_LOG_PLUGIN_MISBEHAVING) {
+        char what[64];
+        (void)snprintf(what, sizeof what, "log: severity is %d, expected 0 to 5", (int)severity);
+        blame(h, what);
+    }
+    if (!text) blame(h, "log: text is NULL");
+    (void)snprintf(h->line, sizeof h->line, "%s", text ? text : "");
+    if (h->run->verbose) (void)fprintf(stderr, "    log %d: %s\n", (int)severity, text ? text : "(null)");
+    (void)pthread_mutex_unlock(&h->lock);
+}
+
+static const void *no_extension(const sv_host *host, const char *id) {
+    v_host *h = host->host_data;
+    if (!id) blame(h, "get_extension: id is NULL");
+    return NULL;
+}
+
+void v_host_begin(v_host *host, v_run *run) {
+    memset(host, 0, sizeof *host);
+    host->run = run;
+    (void)pthread_mutex_init(&host->lock, NULL);
+    host->api = (sv_host){.size = sizeof host->api,
+                          .abi_minor = SV_ABI_MINOR,
+                          .host_data = host,
+                          .name = "sv_validate",
+                          .version = "1",
+                          .log = keep_line,
+                          .get_extension = no_extension};
+}
+
+/* ---- the library */
+void v_load(v_run *run, v_subject *s) {
+    memset(s, 0, sizeof *s);
+    s->run = run;
+    v_where(run, "dlopen");
+    s->library = dlopen(run->path, RTLD_NOW | RTLD_LOCAL);
+    V_EXPECT(run, s->library, "dlopen: %s", dlerror());
+    s->entry = dlsym(s->library, SV_ENTRY_SYMBOL);
+    V_EXPECT(run, s->entry, "dlsym: %s", dlerror());
+    V_EXPECT(run, s->entry->abi_major == SV_ABI_MAJOR, "entry.abi_major is %u, expected %u",
+             s->entry->abi_major, SV_ABI_MAJOR);
+    V_EXPECT(run, s->entry->size >= sizeof(sv_entry) && s->entry->descriptor && s->entry->create,
+             "the entry is not whole");
+}
+
+static void find_descriptor(v_subject *s) {
+    v_where(s->run, "descriptor");
+    const uint32_t count = s->entry->count < MOST_PLUGINS ? s->entry->count : MOST_PLUGINS;
+    for (uint32_t i = 0; i < count && !s->descriptor; i++) {
+        const sv_descriptor *d = s->entry->descriptor(i);
+        V_EXPECT(s->run, d && d->size >= sizeof *d && d->id, "descriptor %u is not whole", i);
+        if (!s->run->id || strcmp(d->id, s->run->id) == 0) s->descriptor = d;
+    }
+    V_EXPECT(s->run, s->descriptor, "the library has no plugin with the id '%s'",
+             s->run->id ? s->run->id : "");
+}
+
+const sv_plugin *v_another(v_subject *s) {
+    const sv_plugin *p = NULL;
+    v_where(s->run, "create");
+    const sv_status status = s->entry->create(&s->host.api, s->descriptor->id, &p);
+    V_EXPECT(s->run, status == SV_OK, "create: %s: %s", v_status(status), s->host.line);
+    V_EXPECT(s->run, p, "create: SV_OK, and *out is NULL");
+    V_EXPECT(s->run, p->size >= sizeof *p, "instance.size is %u, expected at least %zu", p->size, sizeof *p);
+    V_EXPECT(s->run,
+             p->descriptor && p->destroy && p->activate && p->deactivate && p->begin && p->slab && p->end &&
+                 p->adjust && p->param_count && p->param_info && p->param_text && p->last_error &&
+                 p->get_extension,
+             "a function or the descriptor of the instance is NULL");
+    return p;
+}
+
+void v_open(v_run *run, v_subject *s) {
+    v_load(run, s);
+    find_descriptor(s);
+    v_host_begin(&s->host, run);
+    s->plugin = v_another(s);
+}
+
+void v_open_bare(v_run *run, v_subject *s) {
+    v_load(run, s);
+    find_descriptor(s);
+    v_host_begin(&s->host, run);
+    s->host.api.log = NULL;
+    s->host.api.get_extension = NULL;
+    s->plugin = v_another(s);
+}
+
+void v_close(v_subject *s) {
+    v_where(s->run, "destroy");
+    if (s->plugin) s->plugin->destroy(s->plugin);
+    s->plugin = NULL;
+    v_where(s->run, "dlclose");
+    if (s->library) (void)dlclose(s->library);
+    s->library = NULL;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Between a library under test and OpenCL: counts its calls, and makes one of them fail. A program that
+ * links spy/cl_spy.c defines clCreateBuffer and so on itself; exported (-rdynamic), these come before those
+ * of the OpenCL loader when a plugin is loaded with dlopen. Only calls that return into the watched library
+ * count, so those of the program, of the loader and of the driver do not. One thread only.
+ */
+#ifndef SV_CL_SPY_H
+#define SV_CL_SPY_H
+
+#include "validate/spy/cl_spy_kind.h"
+
+#include <CL/cl.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Watches the library that holds `address`, and forgets all counts. */
+void spy_watch(const void *address);
+
+/* Counts start again at 0, and no call fails. Live objects are kept. */
+void spy_reset(void);
+
+uint32_t spy_count(spy_kind kind);
+const char *spy_first(spy_kind kind); /* name of the first of these calls, "" if there was none */
+uint32_t spy_blocking(void);          /* reads, writes and maps that were told to block */
+const char *spy_first_blocking(void);
+int32_t spy_live(void); /* objects and events the library has made or retained and not yet released */
+bool spy_pending(void); /* it has enqueued something since its last clFinish */
+
+/* The nth call from now on (1, 2, ...; clRelease... is not counted) fails with `code`; 0: none. A clFinish
+ * that fails does finish: commands in flight with nobody waiting are no error OpenCL can report. */
+void spy_fail(uint32_t nth, cl_int code);
+const char *spy_failed(void); /* the call that was made to fail, or NULL */
+
+/* First OpenCL function that the library imports and the spy does not know, or
+ * NULL. `handle` is of dlopen. */
+const char *spy_unknown_import(void *handle);
+
+/* Launches of a kernel with a local size that it had not been launched with before the last spy_reset: PoCL
+ * compiles those at launch. */
+uint32_t spy_cold(void);
+
+/* The nth read from now on (1, 2, ...) brings other bytes than the device has; 0: none. spy_spoiled: it came
+ * to that. */
+void spy_spoil(uint32_t nth);
+bool spy_spoiled(void);
+
+/* Bytes of the buffers that the library has made and not yet released, those around the host's memory left
+ * out. */
+uint64_t spy_live_bytes(void);
+
+/* What the library hears of the device's memory and of the largest buffer; 0: the truth. */
+void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
+
+#endif
