@@ -7,32 +7,32 @@
 
 sv_wall_settings sv_wall_settings_default(void) {
     return (sv_wall_settings){.block_mm = 2.0,
-                              .beside_mm = 3.75,
+                              .dilation_mm = 3.75,
                               .valley = 0.9,
-                              .walled = 0.75,
-                              .parted = 0.8,
+                              .clear_wall_share = 0.75,
+                              .separability = 0.8,
                               .tissue = 0.19,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
                               .high_rank = 0.9,
-                              .sure = 5.0,
-                              .level = 0.4,
-                              .first = 0.95,
-                              .flank = 0.7,
+                              .slope = 5.0,
+                              .fetus_level = 0.4,
+                              .first_run_extra = 0.95,
+                              .fetus_threshold = 0.7,
                               .one_side = 0.3,
                               .skin_mm = 5.5,
                               .tau_mm = 7.0,
-                              .cut = 13.0,
-                              .left = 8.0,
-                              .other = 1.15,
+                              .cut_cost = 13.0,
+                              .occluder_cost = 8.0,
+                              .wrong_fluid_cost = 1.15,
                               .sigma_mm = 2.9,
-                              .slack = 0.5,
-                              .reach = 0.25,
+                              .average_margin = 0.5,
+                              .knob_margin = 0.25,
                               .q = 0.5,
                               .median = true,
-                              .aside_mm = 5.6,
-                              .around_mm = 5.0,
-                              .doubt = 5.0,
+                              .median_mm = 5.6,
+                              .smoothing_mm = 5.0,
+                              .half_confidence_cost = 5.0,
                               .wall_share = 0.15,
                               .fetus_share = 0.05,
                               .assumed_wall = 0.6,
@@ -76,16 +76,16 @@ static uint32_t gaussian(double sigma, uint32_t *weights) {
 /* Everything that is no length. */
 static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     const double odds_one = 1 << SV_WALL_ODDS_BITS;
-    l->cut = rounded(s->cut * SV_WALL_ONE);
-    l->left = rounded(s->left * SV_WALL_ONE);
-    l->other = rounded(s->other * SV_WALL_ONE);
-    l->slack = rounded(s->slack * SV_WALL_FINE_ONE);
-    l->reach = rounded(s->reach * SV_WALL_FINE_ONE);
+    l->cut_cost = rounded(s->cut_cost * SV_WALL_COST_ONE);
+    l->occluder_cost = rounded(s->occluder_cost * SV_WALL_COST_ONE);
+    l->wrong_fluid_cost = rounded(s->wrong_fluid_cost * SV_WALL_COST_ONE);
+    l->average_margin = rounded(s->average_margin * SV_WALL_FINE_COST_ONE);
+    l->knob_margin = rounded(s->knob_margin * SV_WALL_FINE_COST_ONE);
     l->q = (float)s->q;
     l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
     l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
-    l->walled = rounded(s->walled * SV_WALL_PER_MILLE);
-    l->parted = rounded(s->parted * SV_WALL_PER_MILLE);
+    l->clear_wall_share = rounded(s->clear_wall_share * SV_WALL_PER_MILLE);
+    l->separability = rounded(s->separability * SV_WALL_PER_MILLE);
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
     l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
     l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);
@@ -93,13 +93,13 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->high_rank = rounded(s->high_rank * SV_WALL_PER_MILLE);
     l->assumed_wall = rounded(s->assumed_wall * SV_WALL_PER_MILLE);
     l->assumed_spread = (int)floor(s->assumed_spread * odds_one + 0.5);
-    l->level = (int)floor(s->level * odds_one + 0.5);
-    l->first = (int)floor(s->first * odds_one + 0.5);
-    l->sure = (int)floor(s->sure * 16.0 + 0.5);
-    l->flank = rounded(s->flank * SV_WALL_SURE);
-    l->one_side = rounded(s->one_side * SV_WALL_SURE);
+    l->fetus_level = (int)floor(s->fetus_level * odds_one + 0.5);
+    l->first_run_extra = (int)floor(s->first_run_extra * odds_one + 0.5);
+    l->slope = (int)floor(s->slope * 16.0 + 0.5);
+    l->fetus_threshold = rounded(s->fetus_threshold * SV_WALL_PROBABILITY_ONE);
+    l->one_side = rounded(s->one_side * SV_WALL_PROBABILITY_ONE);
     l->median = s->median;
-    l->doubt = (float)s->doubt;
+    l->half_confidence_cost = (float)s->half_confidence_cost;
 }
 
 /* The spacing that counts: what is not known is assumed, and what is out of range is brought into it. */
@@ -146,23 +146,23 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
     l.rows = 2 * l.cells[1];
     l.depth = depth_of(s, mm[2]);
     l.layers = whole(slices, l.depth);
-    l.steadied = l.depth == 1;
+    l.smoothed = l.depth == 1;
     const double ray_mm[2] = {mm[0] * width / l.columns, mm[1] * height / l.rows};
     const double layer_mm = mm[2] * l.depth;
     for (int axis = 0; axis < 2; axis++) {
-        l.beside[axis] = at_most(voxels(s->beside_mm, 2.0 * ray_mm[axis], 0), SV_WALL_BESIDE);
-        l.aside[axis] = at_most(voxels(s->aside_mm, ray_mm[axis], 1), SV_WALL_BESIDE);
-        l.around[axis] = at_most(voxels(s->around_mm, ray_mm[axis], 1), SV_WALL_BESIDE);
+        l.dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
+        l.median_step[axis] = at_most(voxels(s->median_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
+        l.smoothing_step[axis] = at_most(voxels(s->smoothing_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
     }
     l.skin = voxels(s->skin_mm, layer_mm, 0);
-    l.far = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_FAR);
-    l.rate = rounded(ldexp(SV_WALL_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
+    l.full_distance = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_MAX_DISTANCE);
+    l.rate = rounded(ldexp(SV_WALL_COST_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
     l.reach_x = gaussian(s->sigma_mm / (2.0 * ray_mm[0]), l.kernel_x);
     l.reach_y = gaussian(s->sigma_mm / (2.0 * ray_mm[1]), l.kernel_y);
     take_numbers(&l, s);
-    l.slack = at_most(l.slack, (uint32_t)(((uint64_t)1 << 33) / l.layers / l.layers));
-    l.slack = at_most(l.slack, SV_WALL_FINE_ONE - 1);
-    l.reach = at_most(l.reach, SV_WALL_FINE_ONE - 1);
+    l.average_margin = at_most(l.average_margin, (uint32_t)(((uint64_t)1 << 33) / l.layers / l.layers));
+    l.average_margin = at_most(l.average_margin, SV_WALL_FINE_COST_ONE - 1);
+    l.knob_margin = at_most(l.knob_margin, SV_WALL_FINE_COST_ONE - 1);
     return l;
 }
 
@@ -229,6 +229,7 @@ void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {
         tables[SV_WALL_ODDS + i] = (uint32_t)(int32_t)floor(odds_one * log(level / (255.5 - level)) + 0.5);
     }
     for (int i = 0; i <= SV_WALL_LOGISTIC; i++)
-        tables[SV_WALL_CURVE + i] = rounded(SV_WALL_SURE / (1.0 + exp(-i * step)));
-    tables[SV_WALL_CURVE + SV_WALL_LOGISTIC - 1] = tables[SV_WALL_CURVE + SV_WALL_LOGISTIC] = SV_WALL_SURE;
+        tables[SV_WALL_CURVE + i] = rounded(SV_WALL_PROBABILITY_ONE / (1.0 + exp(-i * step)));
+    tables[SV_WALL_CURVE + SV_WALL_LOGISTIC - 1] = tables[SV_WALL_CURVE + SV_WALL_LOGISTIC] =
+        SV_WALL_PROBABILITY_ONE;
 }

@@ -13,36 +13,37 @@
 
 /* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
 typedef struct {
-    double block_mm;  /* side of a block */
-    double beside_mm; /* brightness: the largest of the rays so far to either side */
-    /* No fluid if the histogram's valley is higher than `valley` of its lower mode, fewer than `walled` of
-     * the rays see a wall, and the classes make up at most `parted` of the variance of the levels. */
-    double valley, walled, parted;
-    double tissue;    /* tissue is this share of the way from the threshold to the mean of the bright class */
-    double wall_rank; /* the wall's brightness among the brightnesses of first tissues */
-    double low_rank, high_rank; /* the spread of the wall's brightness lies between these */
-    double sure;                /* evidence per spread */
-    double level;               /* spreads above the wall where any tissue is as likely the fetus as not */
-    double first;    /* spreads more for the first tissue of a ray, and for what the wall encloses */
-    double flank;    /* a cell behind fluid is the fetus beside the wall if it is with this probability */
-    double one_side; /* share to which a first tissue with the fetus on one side is told like any other */
-    double skin_mm;  /* bone of a first tissue lies this far behind its skin */
+    double block_mm;    /* side of a block */
+    double dilation_mm; /* a cell's brightness is the maximum over the cells so far to either side */
+    /* There is no fluid if all three hold: the histogram's valley is higher than `valley` of its lower mode,
+     * fewer than `clear_wall_share` of the rays see a wall, and the variance between the classes is at most
+     * `separability` of the variance of the levels. */
+    double valley, clear_wall_share, separability;
+    double tissue; /* tissue is brighter than this share of the way from the threshold to the bright mean */
+    double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
+    double low_rank, high_rank; /* the spread of the wall's brightness lies between these quantiles */
+    double slope;               /* of the logistic function, per spread */
+    double fetus_level;         /* spreads above the wall where the probability of the fetus is one half */
+    double first_run_extra;     /* spreads more for the first run of a ray, and for enclosed tissue */
+    double fetus_threshold;     /* a cell counts as the fetus if its probability is at least this */
+    double one_side; /* weight of the general probability if the fetus is reached from one side only */
+    double skin_mm;  /* bone of a first run lies this far behind its skin */
     double tau_mm;   /* distance to the fluid that costs 1 */
-    /* Costs: the fetus is cut; an occluder is left; another fluid than the first. Together at most 31, or the
-     * sums of the Gaussian leave 24 bits. */
-    double cut, left, other;
-    double sigma_mm;       /* lateral Gaussian over the costs */
-    double slack;          /* layers that cost at most this much more than the cheapest are averaged */
-    double reach;          /* the knob moves the surface over layers that cost at most so much more */
-    double q;              /* the knob: 0 far, 0.5 the surface itself, 1 near */
-    bool median;           /* of a ray and its eight neighbours */
-    double aside_mm;       /* that lie so far aside */
-    double around_mm;      /* the confidence is smoothed with neighbours so far aside */
-    double doubt;          /* own cost at which a surface is as likely wrong as right */
-    double fetus_share;    /* of the rays must show the fetus; else nothing is clipped */
-    double wall_share;     /* of the rays must see a wall; else these two are assumed: */
-    double assumed_wall;   /* its brightness in units of the bright class' mean */
-    double assumed_spread; /* ln of the odds */
+    /* The costs of cutting the fetus, of leaving an occluder, and of another fluid than the first. Their sum
+     * is at most 31, or the sums of the Gaussian leave 24 bits. */
+    double cut_cost, occluder_cost, wrong_fluid_cost;
+    double sigma_mm;             /* lateral Gaussian over the costs */
+    double average_margin;       /* layers that cost at most this much more than the minimum are averaged */
+    double knob_margin;          /* the knob moves the surface over layers that cost at most this much more */
+    double q;                    /* the knob: 0 far, 0.5 the surface itself, 1 near */
+    bool median;                 /* take the median of a ray and its eight neighbours, */
+    double median_mm;            /* which lie this far aside */
+    double smoothing_mm;         /* the confidence is smoothed over neighbours this far aside */
+    double half_confidence_cost; /* own cost at which the confidence is one half */
+    double fetus_share;          /* so many rays must show the fetus, or nothing is clipped */
+    double wall_share;           /* so many rays must see a wall, or the next two are assumed */
+    double assumed_wall;         /* brightness of the wall in units of the bright class' mean */
+    double assumed_spread;       /* its spread, ln of the odds */
 } sv_wall_settings;
 
 /* The settings that docs/surface.md states. */

@@ -7,8 +7,8 @@
 #endif
 
 /* Pixels along the side of a ray, and slices of a bin at most: the volume's sides are at most 8192. */
-#define MOST_SHRINK (8192 / SV_COST_RAYS)
-#define MOST_PER    ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
+#define MAX_SHRINK     (8192 / SV_COST_RAYS)
+#define MAX_BIN_SLICES ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
 
 /* A slab as it lies in its texture, and what of it was not scanned: a grey level (above 255: none), and what
  * lies outside the rays' scanned ranges (profile/scanned.cl), if there are any. */
@@ -26,7 +26,7 @@ typedef struct {
     uint bin, count;
     bool begun, ends; /* the bin began in a slab before; it ends with these slices */
     uint first;       /* number of the first of them in the volume */
-    __global const uchar *slice[MOST_PER];
+    __global const uchar *slice[MAX_BIN_SLICES];
 } piece_t;
 
 static __global const uchar *slice_at(const slab_t *s, uint slice) {
@@ -137,7 +137,7 @@ static uint16 shrunk(uint16 *values, uint shrink) {
 /* A row of rays: the slices of one bin. */
 static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint row,
                     __global ushort16 *partial, __global uchar16 *bins) {
-    uint16 sums[MOST_SHRINK], counts[MOST_SHRINK]; /* of the pixels of 16 rays */
+    uint16 sums[MAX_SHRINK], counts[MAX_SHRINK]; /* of the pixels of 16 rays */
     const uint vectors = l->padded_columns / SV_LANES;
     bins += bins_at(l, row, piece->bin) / SV_LANES;
     for (uint rays = 0; rays < vectors; rays++) {
@@ -192,8 +192,8 @@ __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, 
 
 /* One work item per row of cells: the histogram of the bins on its middle row. Four counters take turns, as
  * neighbours are often alike, and a counter must be written before it is read again. */
-__kernel void cost_survey(sv_cost_layout l, __global const uchar *restrict bins,
-                          __global uint *restrict histograms) {
+__kernel void cost_histogram(sv_cost_layout l, __global const uchar *restrict bins,
+                             __global uint *restrict histograms) {
     const uint cell_row = (uint)get_global_id(0);
     __global const uchar4 *row = (__global const uchar4 *)(bins + bins_at(&l, middle_row(&l, cell_row), 0));
     const uint count = l.labels * l.padded_columns / 4;

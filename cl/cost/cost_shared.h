@@ -23,7 +23,7 @@
 #define SV_COST_SOLID   2  /* a cell's wall and back are that long and mostly fluid */
 #define SV_COST_WINDOW  4  /* cells to either side whose walls and backs are ranked */
 #define SV_COST_CONTACT 16 /* fluid that begins this much behind the wall: something touches the wall */
-#define SV_COST_SPLIT   4  /* a run is parted where bone begins this far behind its front */
+#define SV_COST_SPLIT   4  /* a run is rear_fetus where bone begins this far behind its front */
 
 /* ---- brightness: means of 3 x 3 x 3 bins, kept as sums */
 #define SV_COST_NEIGHBOURS 27 /* bins of such a sum */
@@ -32,10 +32,10 @@
 #define SV_COST_FRONT      9  /* in tenths of the run's brightest: from that on it is bone */
 
 /* ---- what a label pays */
-#define SV_COST_TAU   4.0f /* distance to the fluid at which its cost is full, SV_COST_UNIT_MM */
-#define SV_COST_CUT   3.0f /* cutting into the fetus */
-#define SV_COST_LEFT  2.0f /* leaving what lies before the fetus' own fluid */
-#define SV_COST_OTHER 3.0f /* outside the longest interval, where there is no fetus */
+#define SV_COST_TAU         4.0f /* distance to the fluid at which its cost is full, SV_COST_UNIT_MM */
+#define SV_COST_CUT         3.0f /* cutting into the fetus */
+#define SV_COST_OCCLUDER    2.0f /* leaving what lies before the fetus' own fluid */
+#define SV_COST_WRONG_FLUID 3.0f /* outside the longest interval, where there is no fetus */
 
 /* ---- evidence that a run is the fetus, before the logistic function; brightness relative to the
  * mean of tissue */
@@ -50,15 +50,15 @@
 #define SV_COST_BEHIND_PENALTY 3.0f /* less, times the probability of a run farther back */
 
 /* ---- from the costs to the surface */
-#define SV_COST_SIGMA        0.95f /* of the lateral Gaussian, in 32nds of the longer side */
-#define SV_COST_REACH        4     /* cells the Gaussian spans to either side */
-#define SV_COST_SLACK        0.3f  /* labels within this of the least cost count as the same minimum */
-#define SV_COST_KNOWN        4.0f  /* times the share of votes with fluid; below 1: so much nearer to 0 */
-#define SV_COST_MARGIN       0.4f  /* lead over any other minimum that is full confidence */
-#define SV_COST_VIEWER_SHIFT 1.0f  /* towards the viewer where nothing is sure, SV_COST_UNIT_MM */
-#define SV_COST_SPREAD       2.0f  /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
-#define SV_COST_CHANGE       0.15f /* mean change of a cell's costs that makes it forget the frame before */
-#define SV_COST_EVIDENCE     8     /* one ray in so many must have a fluid interval, or there is no surface */
+#define SV_COST_SIGMA          0.95f /* of the lateral Gaussian, in 32nds of the longer side */
+#define SV_COST_REACH          4     /* cells the Gaussian spans to either side */
+#define SV_COST_AVERAGE_MARGIN 0.3f  /* labels within this of the least cost count as the same minimum */
+#define SV_COST_KNOWN          4.0f  /* times the share of votes with fluid; below 1: so much nearer to 0 */
+#define SV_COST_MARGIN         0.4f  /* lead over any other minimum that is full confidence */
+#define SV_COST_VIEWER_SHIFT   1.0f  /* towards the viewer where nothing is sure, SV_COST_UNIT_MM */
+#define SV_COST_SPREAD         2.0f /* q = 0 and q = 1 lie this many standard deviations of the minimum away */
+#define SV_COST_CHANGE         0.15f /* mean change of a cell's costs that makes it forget the frame before */
+#define SV_COST_EVIDENCE       8 /* one ray in so many must have a fluid interval, or there is no surface */
 
 /* Words of what the cost volume found out about a frame. */
 #define SV_COST_INFO_LEVEL  0 /* T_L of the bins, as a grey level */

@@ -29,7 +29,7 @@ static float4 find_minimum(const float *cell, int labels) {
             at = i;
         }
     }
-    const float edge = least + SV_COST_SLACK;
+    const float edge = least + SV_COST_AVERAGE_MARGIN;
     const int2 flat = basin(cost, labels, at, edge);
     float weight = 0.0f, first = 0.0f, square = 0.0f;
     for (int i = flat.x; i <= flat.y; i++) {
@@ -52,7 +52,7 @@ static float4 find_minimum(const float *cell, int labels) {
  * Costs per ray; blended with the frame before, unless they changed too much (a cut, or something moved
  * through), and kept for the next frame.
  */
-static void remember(float *cell, int labels, float memory, __global float *previous) {
+static void blend_previous(float *cell, int labels, float memory, __global float *previous) {
     const float rays = cell[SV_COST_WEIGHT];
     if (!(rays > 1e-3f)) {
         previous[SV_COST_WEIGHT] = 0.0f;
@@ -87,7 +87,7 @@ __kernel void cost_minimum(sv_cost_layout l, float8 weight, float memory, __glob
                 sum += weights[abs(w - y)] * vload16(0, cell_at(blurred, &l, x, (uint)w) + v);
             parts[v / SV_LANES] = sum;
         }
-        remember(cell, (int)l.labels, memory, cell_at(previous, &l, x, (uint)y));
+        blend_previous(cell, (int)l.labels, memory, cell_at(previous, &l, x, (uint)y));
         vstore4(find_minimum(cell, (int)l.labels), (size_t)y * l.cells_x + x, minima);
     }
 }
@@ -128,9 +128,9 @@ static float cell_place(uint pixel, uint block, uint cells) {
 }
 
 /* One work item per row of pixels: bilinear between the cells. Without a surface, zeros. */
-__kernel void cost_leave(sv_cost_layout l, uint padded_width, __global const uint *restrict info,
-                         __global const float *restrict smooth, __global float *restrict confidence,
-                         __global float *restrict surfaces) {
+__kernel void cost_upsample(sv_cost_layout l, uint padded_width, __global const uint *restrict info,
+                            __global const float *restrict smooth, __global float *restrict confidence,
+                            __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
     const size_t plane = (size_t)padded_width * l.height, row = (size_t)y * padded_width;
     const uint side = l.block * l.shrink; /* of a cell, in pixels */

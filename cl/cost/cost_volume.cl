@@ -6,14 +6,14 @@
 #ifndef SV_METHOD_COST_CLH
 #include "cost/cost.clh"
 #endif
-#ifndef SV_COST_LIGHT_CLH
-#include "cost/cost_light.clh"
+#ifndef SV_COST_BRIGHTNESS_CLH
+#include "cost/cost_brightness.clh"
 #endif
 #ifndef SV_COST_TILE_CLH
 #include "cost/cost_tile.clh"
 #endif
-#ifndef SV_COST_WALKS_CLH
-#include "cost/cost_walks.clh"
+#ifndef SV_COST_TILE_PASSES_CLH
+#include "cost/cost_tile_passes.clh"
 #endif
 
 /* The wall or back of the cell that each of 16 rays is in. */
@@ -80,7 +80,7 @@ typedef struct {
     __global const uchar *walls, *backs;
     __global bin16_t *tile;
     __global float *volume;
-    float unit; /* see walk_runs */
+    float unit; /* see backward_runs */
     short bone;
     bins16_t w;
 } gather_t;
@@ -95,7 +95,7 @@ static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t
     for (uint x = 0; x < l->columns; x += SV_LANES) {
         const uint lanes = min((uint)SV_LANES, l->columns - x);
         float16 weight = (float16)(0.0f), open = weight;
-        short16 scanned[MOST_BLOCK];
+        short16 scanned[MAX_BLOCK];
         rays_t r;
         r.wall = cells_of(l, wall, x);
         r.back = cells_of(l, back, x);

@@ -5,7 +5,7 @@
 #endif
 
 static uchar16 counts_from(const uchar *p) {
-    return ((const bytes_anywhere *)p)->v;
+    return ((const bytes_unaligned *)p)->v;
 }
 
 /* What the walk along a cell's rays knows, for 16 columns; only the first of every cell counts. */
@@ -13,15 +13,15 @@ typedef struct {
     uchar16 run;    /* mostly fluid bins behind tissue */
     uchar16 behind; /* 255: behind tissue */
     uchar16 wall, back;
-} walk_t;
+} wall_scan_t;
 
 /* Numbers of scanned and of fluid rays of a cell's rows in every column, and zeros behind them. */
 typedef struct {
-    uchar16 scanned[MOST_VECTORS + 1], fluid[MOST_VECTORS + 1];
-} crowd_t;
+    uchar16 scanned[MAX_VECTORS + 1], fluid[MAX_VECTORS + 1];
+} row_counts_t;
 
 static void count_rows(const sv_cost_layout *l, __global const uchar16 *bins, uint rows, uchar level,
-                       crowd_t *crowd) {
+                       row_counts_t *counts) {
     const uint vectors = l->padded_columns / SV_LANES, stride = l->labels * vectors;
     for (uint x = 0; x < vectors; x++) {
         uchar16 scanned = (uchar16)(0), tissue = scanned;
@@ -30,8 +30,8 @@ static void count_rows(const sv_cost_layout *l, __global const uchar16 *bins, ui
             scanned -= as_uchar16(v > (uchar16)(0));
             tissue -= as_uchar16(v > (uchar16)(level));
         }
-        crowd->scanned[x] = scanned;
-        crowd->fluid[x] = scanned - tissue;
+        counts->scanned[x] = scanned;
+        counts->fluid[x] = scanned - tissue;
     }
 }
 
@@ -42,8 +42,8 @@ static uchar16 cell_sums(const uchar16 *counts, uint block) {
     return sum;
 }
 
-static void walk_on(const sv_cost_layout *l, uint bin, uchar16 scanned, uchar16 fluid, walk_t *walk) {
-    const walk_t w = *walk;
+static void wall_step(const sv_cost_layout *l, uint bin, uchar16 scanned, uchar16 fluid, wall_scan_t *walk) {
+    const wall_scan_t w = *walk;
     const uchar16 none = (uchar16)((uchar)l->labels), solid = (uchar16)((uchar)l->solid);
     const uchar16 some = as_uchar16(scanned > (uchar16)(0));
     const uchar16 mostly = some & as_uchar16(fluid + fluid >= scanned);
@@ -64,21 +64,21 @@ __kernel void cost_walls_own(sv_cost_layout l, __global const uchar *restrict bi
     const uint cell_row = (uint)get_global_id(0), y0 = cell_row * l.block;
     const uint rows = min(l.block, l.rows - y0), vectors = l.padded_columns / SV_LANES;
     const uchar level = (uchar)info[SV_COST_INFO_LEVEL];
-    walk_t walk[MOST_VECTORS];
-    crowd_t crowd;
-    crowd.scanned[vectors] = crowd.fluid[vectors] = (uchar16)(0);
+    wall_scan_t walk[MAX_VECTORS];
+    row_counts_t counts;
+    counts.scanned[vectors] = counts.fluid[vectors] = (uchar16)(0);
     for (uint x = 0; x < vectors; x++) {
         walk[x].run = walk[x].behind = walk[x].back = (uchar16)(0);
         walk[x].wall = (uchar16)((uchar)l.labels);
     }
     for (uint bin = 0; bin < l.labels; bin++) {
-        count_rows(&l, (__global const uchar16 *)(bins + bins_at(&l, y0, bin)), rows, level, &crowd);
+        count_rows(&l, (__global const uchar16 *)(bins + bins_at(&l, y0, bin)), rows, level, &counts);
         for (uint x = 0; x < vectors; x++)
-            walk_on(&l, bin, cell_sums(crowd.scanned + x, l.block), cell_sums(crowd.fluid + x, l.block),
-                    walk + x);
+            wall_step(&l, bin, cell_sums(counts.scanned + x, l.block), cell_sums(counts.fluid + x, l.block),
+                      walk + x);
     }
     for (uint cell = 0; cell < l.cells_x; cell++) {
-        const walk_t *w = walk + cell * l.block / SV_LANES;
+        const wall_scan_t *w = walk + cell * l.block / SV_LANES;
         const uint lane = cell * l.block % SV_LANES;
         own[cell_row * l.cells_x + cell] = ((const uchar *)&w->wall)[lane];
         own[(l.cells_y + cell_row) * l.cells_x + cell] = ((const uchar *)&w->back)[lane];

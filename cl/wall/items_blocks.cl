@@ -11,7 +11,7 @@
 #endif
 
 /* One work group per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels
- * have ranges. Where wall_items_steady follows, that counts the levels. */
+ * have ranges. Where wall_items_smooth follows, that counts the levels. */
 __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
                                 __global const sv_wall_span *restrict spans,
                                 __global const ushort *restrict ranges, __global uchar *restrict levels,
@@ -20,7 +20,7 @@ __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
     clear_counts(counts);
     for (uint i = (uint)get_local_id(0); i < 2 * l.columns; i += (uint)get_local_size(0)) {
         const ray_place_t at = ray_of_group(&l, i);
-        const bool counted = !l.steadied && is_counted(&l, at);
+        const bool counted = !l.smoothed && is_counted(&l, at);
         ushort first = 0, end = (ushort)l.layers;
         if (bounded) {
             const sv_wall_span across = spans[at.x], along = spans[l.columns + at.row];
@@ -36,12 +36,12 @@ __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
             if (scanned && counted) atomic_inc(counts + *level);
         }
     }
-    leave_counts(counts, HISTOGRAM_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
+    store_counts(counts, HISTOGRAM_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
 /* The levels of a ray, smoothed and counted. A block that was not scanned counts as its neighbour. */
-static void steady_ray(const sv_wall_layout *l, ray_place_t at, __global const uchar *levels,
-                       __global const ushort *rays, __global uchar *steady, __local uint *counts) {
+static void smooth_ray(const sv_wall_layout *l, ray_place_t at, __global const uchar *levels,
+                       __global const ushort *rays, __global uchar *smoothed, __local uint *counts) {
     const size_t ray = level_row(l, 0, at.row) + at.x, pitch = level_pitch_of(l);
     const uint first = rays[block_row(l, RAY_FIRST, at.row) + at.x];
     const uint end = rays[block_row(l, RAY_END, at.row) + at.x];
@@ -52,33 +52,33 @@ static void steady_ray(const sv_wall_layout *l, ray_place_t at, __global const u
         if (z >= first && z < end) {
             const uint own = levels[here], before = z > first ? levels[here - pitch] : own;
             const uint behind = z + 1 < end ? levels[here + pitch] : own;
-            const uint sum = (SV_WALL_STEADY - 2) * own + before + behind;
-            level = (sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY;
+            const uint sum = (SV_WALL_AXIAL_SUM - 2) * own + before + behind;
+            level = (sum + SV_WALL_AXIAL_SUM / 2) / SV_WALL_AXIAL_SUM;
             if (counted) atomic_inc(counts + level);
         }
-        steady[here] = (uchar)level;
+        smoothed[here] = (uchar)level;
     }
 }
 
-/* One work group per row of cells, after wall_items_blocks: `steady` lies as `levels` do. Only where layers
+/* One work group per row of cells, after wall_items_blocks: `smoothed` lies as `levels` do. Only where layers
  * are one slice. */
-__kernel void wall_items_steady(sv_wall_layout l, __global const uchar *restrict levels,
-                                __global const ushort *restrict rays, __global uchar *restrict steady,
+__kernel void wall_items_smooth(sv_wall_layout l, __global const uchar *restrict levels,
+                                __global const ushort *restrict rays, __global uchar *restrict smoothed,
                                 __global uint *restrict histograms) {
     __local uint counts[HISTOGRAM_WORDS];
     clear_counts(counts);
     for (uint i = (uint)get_local_id(0); i < 2 * l.columns; i += (uint)get_local_size(0))
-        steady_ray(&l, ray_of_group(&l, i), levels, rays, steady, counts);
-    leave_counts(counts, NO_EXTRA, histograms + get_group_id(0) * HISTOGRAM_WORDS);
+        smooth_ray(&l, ray_of_group(&l, i), levels, rays, smoothed, counts);
+    store_counts(counts, NO_EXTRA, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
 /* One work item per cell. `beside`: the largest mean of a block and the one behind it, over the rays of the
  * row's cells beside every cell. Zeros lie behind the last layer. */
-__kernel void wall_items_beside(sv_wall_layout l, __global const uchar *restrict levels,
-                                __global uchar *restrict beside) {
+__kernel void wall_items_dilate_rows(sv_wall_layout l, __global const uchar *restrict levels,
+                                     __global uchar *restrict beside) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0]) return;
-    const uint from = x - min(x, l.beside[0]), to = min(x + l.beside[0], l.cells[0] - 1);
+    const uint from = x - min(x, l.dilation[0]), to = min(x + l.dilation[0], l.cells[0] - 1);
     uint most = 0;
     for (uint r = 2 * row; r < 2 * row + 2; r++) {
         __global const uchar *at = levels + level_row(&l, z, r), *behind = levels + level_row(&l, z + 1, r);

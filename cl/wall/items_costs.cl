@@ -42,12 +42,12 @@ static bool is_tissue(const ray_t *r, uint z) {
 
 /* Shares of probabilities, rounded half up. */
 static uint share(uint value, uint chance) {
-    return (value * chance + SV_WALL_SURE / 2u) / (uint)SV_WALL_SURE;
+    return (value * chance + SV_WALL_PROBABILITY_ONE / 2u) / (uint)SV_WALL_PROBABILITY_ONE;
 }
 
 /* Shares of costs, rounded down. */
 static uint share_of_cost(uint cost, uint chance) {
-    return cost * chance / (uint)SV_WALL_SURE;
+    return cost * chance / (uint)SV_WALL_PROBABILITY_ONE;
 }
 
 /* How likely tissue is the fetus. */
@@ -57,12 +57,12 @@ static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const uint any = chance >> 16, first = chance & 0xffffu;
     if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
     if (kind & CELL_FLANKED) return any;
-    return (kind & CELL_BESIDE) ? first + share(any - first, l->one_side) : first;
+    return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
 
 /* Front to back. */
-static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
-    uint before = SV_WALL_SURE, now = before, most = 0, near = l->far;
+static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
+    uint before = SV_WALL_PROBABILITY_ONE, now = before, most = 0, near = l->full_distance;
     bool behind = false, over = false;
     r->fluid_end = r->end;
     for (uint z = 0; z < l->layers; z++) {
@@ -80,16 +80,16 @@ static void walk_forth(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         }
         const bool open_front = r->scanned && !r->touches && z < r->first;
         const bool fluid = open_front || (!tissue && z >= r->first && z < r->end);
-        near = fluid ? 0 : min(near + 1, l->far);
-        s->begun[z * s->pitch] = (ushort)(SV_WALL_SURE - now);
+        near = fluid ? 0 : min(near + 1, l->full_distance);
+        s->begun[z * s->pitch] = (ushort)(SV_WALL_PROBABILITY_ONE - now);
         s->away[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
-    r->begun = SV_WALL_SURE - now;
+    r->begun = SV_WALL_PROBABILITY_ONE - now;
 }
 
 /* After that. An open front, or no fluid at all: the surface belongs before the tissue. */
-static void look_back(ray_t *r, const layers_t *s) {
+static void forward_end(ray_t *r, const layers_t *s) {
     const bool in_front = !(r->touches && r->run_end < r->end);
     r->fluid = in_front ? 0 : r->run_end;
     r->fluid_end = in_front ? r->run : r->fluid_end;
@@ -101,21 +101,22 @@ static void look_back(ray_t *r, const layers_t *s) {
 static uint wrong_at(const sv_wall_layout *l, const ray_t *r, const layers_t *s, uint z, uint later) {
     const uint skin = z + l->skin;
     if (r->touches && skin < r->run_end) later += r->in_run - s->begun[skin * s->pitch];
-    uint cost = share_of_cost(l->left, later);
-    if (z > 0 || !r->bare) cost += share_of_cost(l->cut, s->begun[z * s->pitch]);
-    if (z < r->fluid || z >= r->fluid_end) cost += share_of_cost(l->other, SV_WALL_SURE - r->begun);
+    uint cost = share_of_cost(l->occluder_cost, later);
+    if (z > 0 || !r->bare) cost += share_of_cost(l->cut_cost, s->begun[z * s->pitch]);
+    if (z < r->fluid || z >= r->fluid_end)
+        cost += share_of_cost(l->wrong_fluid_cost, SV_WALL_PROBABILITY_ONE - r->begun);
     return cost;
 }
 
-static uint away_at(const sv_wall_layout *l, uint near) {
+static uint distance_cost_at(const sv_wall_layout *l, uint near) {
     const uint far = (near * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
-    return min(far, (uint)SV_WALL_ONE);
+    return min(far, (uint)SV_WALL_COST_ONE);
 }
 
 /* Back to front: leaves the costs of the ray. */
-static void walk_back(const sv_wall_layout *l, const ray_t *r, const layers_t *s) {
+static void backward_pass(const sv_wall_layout *l, const ray_t *r, const layers_t *s) {
     bool behind = false, fluid_behind = false;
-    uint later = 0, run_end = r->begun, near = l->far;
+    uint later = 0, run_end = r->begun, near = l->full_distance;
     for (uint z = l->layers; z-- > 0;) {
         const bool tissue = is_tissue(r, z);
         const uint begun = s->begun[z * s->pitch], before = s->away[z * s->pitch];
@@ -123,8 +124,8 @@ static void walk_back(const sv_wall_layout *l, const ray_t *r, const layers_t *s
         if (tissue && !behind) run_end = begun;
         fluid_behind = before == 0;
         behind = tissue;
-        near = fluid_behind ? 0 : min(near + 1, l->far);
-        const uint away = away_at(l, min(near, before));
+        near = fluid_behind ? 0 : min(near + 1, l->full_distance);
+        const uint away = distance_cost_at(l, min(near, before));
         const uint cost = away + wrong_at(l, r, s, z, later);
         s->costs[z * s->pitch] = (ushort)(r->scanned ? cost : 0);
         s->away[z * s->pitch] = (uchar)(r->scanned ? away : 0);
@@ -155,17 +156,17 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     r.kinds = kinds + cell_row(&l, 0, row / 2) + x / 2;
     r.cell_pitch = cell_row(&l, 1, 0);
     load_ray(&l, rays, x, row, &r);
-    walk_forth(&l, &r, &s);
-    look_back(&r, &s);
-    walk_back(&l, &r, &s);
+    forward_pass(&l, &r, &s);
+    forward_end(&r, &s);
+    backward_pass(&l, &r, &s);
 }
 
 /* One work group per row of cells, after that: the means of their rays, rounded half up, and the sum of the
- * probabilities that the fetus is on these; on one that was not scanned it is 0. `aways`: of the costs what
- * is due to the distance from the fluid. */
+ * probabilities that the fetus is on these; on one that was not scanned it is 0. `distance_costs`: of the
+ * costs what is due to the distance from the fluid. */
 __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict info,
                                __global ushort *restrict scratch, __global ushort *restrict costs,
-                               __global uchar *restrict aways, __global ulong *restrict fetus) {
+                               __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
     __local uint sum;
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), row = (uint)get_group_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
@@ -184,7 +185,7 @@ __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict i
         __global const ushort *cost = above.costs;
         __global const uchar *away = above.away;
         costs[to] = (ushort)((cost[at] + cost[at + 1] + cost[below] + cost[below + 1] + 2u) / 4u);
-        aways[to] = (uchar)((away[at] + away[at + 1] + away[below] + away[below + 1] + 2u) / 4u);
+        distance_costs[to] = (uchar)((away[at] + away[at + 1] + away[below] + away[below + 1] + 2u) / 4u);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item == 0) fetus[row] = sum;

@@ -8,12 +8,13 @@
 #endif
 
 /* One work item per cell. `bright`: the largest of `beside` over the rows beside every cell. */
-__kernel void wall_items_bright(sv_wall_layout l, __global const uint *restrict info,
-                                __global const uchar *restrict beside, __global uchar *restrict bright) {
+__kernel void wall_items_dilate_columns(sv_wall_layout l, __global const uint *restrict info,
+                                        __global const uchar *restrict beside,
+                                        __global uchar *restrict bright) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     uint most = 0;
-    for (uint y = row - min(row, l.beside[1]); y <= min(row + l.beside[1], l.cells[1] - 1); y++)
+    for (uint y = row - min(row, l.dilation[1]); y <= min(row + l.dilation[1], l.cells[1] - 1); y++)
         most = max(most, (uint)beside[cell_row(&l, z, y) + x]);
     bright[cell_row(&l, z, row) + x] = (uchar)most;
 }
@@ -38,9 +39,10 @@ static run_t first_run(const sv_wall_layout *l, __global const uchar *levels, __
 }
 
 /* One work group per row of cells. A ray begins in the wall if it begins in tissue with fluid behind it. */
-__kernel void wall_items_walls(sv_wall_layout l, __global const uint *restrict info,
-                               __global const uchar *restrict levels, __global const uchar *restrict bright,
-                               __global ushort *restrict rays, __global uint *restrict histograms) {
+__kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restrict info,
+                                    __global const uchar *restrict levels,
+                                    __global const uchar *restrict bright, __global ushort *restrict rays,
+                                    __global uint *restrict histograms) {
     __local uint counts[HISTOGRAM_WORDS];
     const uint threshold = info[INFO_TISSUE];
     const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
@@ -58,7 +60,7 @@ __kernel void wall_items_walls(sv_wall_layout l, __global const uint *restrict i
             atomic_inc(counts + run.most);
         }
     }
-    leave_counts(counts, HISTOGRAM_WALL_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
+    store_counts(counts, HISTOGRAM_WALL_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
 /* A cell of a layer, from its four rays: CELL_TISSUE and CELL_WALL; CELL_FETUS if it is other tissue. */
@@ -74,15 +76,15 @@ static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __gl
         tissue += is_tissue;
         wall += is_tissue & (uint)(begin == first) & (uint)(z < end);
     }
-    return (uchar)((tissue >= SV_WALL_MOST_RAYS ? CELL_TISSUE : 0) |
-                   (wall >= SV_WALL_MOST_RAYS ? CELL_WALL : 0) |
-                   (tissue - wall >= SV_WALL_MOST_RAYS ? CELL_FETUS : 0));
+    return (uchar)((tissue >= SV_WALL_MAJORITY ? CELL_TISSUE : 0) |
+                   (wall >= SV_WALL_MAJORITY ? CELL_WALL : 0) |
+                   (tissue - wall >= SV_WALL_MAJORITY ? CELL_FETUS : 0));
 }
 
 /* Goes from cell `from` on by `step`, `count` cells: those from which `source` is reached through tissue,
  * going that way, and that have all bits of `among`, get the bit `mark`; the others lose it. */
-static void go(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
-               uint mark) {
+static void sweep(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
+                  uint mark) {
     bool reached = false;
     for (uint i = 0; i < count; i++) {
         __global uchar *const cell = cells + ((long)from + (long)i * step);
@@ -93,26 +95,26 @@ static void go(__global uchar *cells, size_t from, long step, uint count, uint s
 }
 
 /* Cells from which the wall is reached both ways get the bit `mark`, if they have all bits of `among`. */
-static void find_wall(__global uchar *cells, long step, uint count, uint among, uint mark) {
-    go(cells, 0, step, count, CELL_WALL, among, CELL_ONE_WAY);
-    go(cells, (count - 1) * (size_t)step, -step, count, CELL_WALL, among | CELL_ONE_WAY, mark);
+static void find_enclosed(__global uchar *cells, long step, uint count, uint among, uint mark) {
+    sweep(cells, 0, step, count, CELL_WALL, among, CELL_REACHED);
+    sweep(cells, (count - 1) * (size_t)step, -step, count, CELL_WALL, among | CELL_REACHED, mark);
 }
 
 /* What the fetus flanks both ways, and what is beside it one way. */
-static void find_fetus(__global uchar *cells, long step, uint count) {
+static void find_flanked(__global uchar *cells, long step, uint count) {
     bool reached = false;
-    go(cells, 0, step, count, CELL_FETUS, 0, CELL_ONE_WAY);
+    sweep(cells, 0, step, count, CELL_FETUS, 0, CELL_REACHED);
     for (uint i = count; i-- > 0;) {
         __global uchar *const cell = cells + (long)i * step;
-        const bool there = (*cell & CELL_ONE_WAY) != 0;
+        const bool there = (*cell & CELL_REACHED) != 0;
         reached = (*cell & CELL_TISSUE) && ((*cell & CELL_FETUS) || reached);
-        *cell |= (uchar)((reached && there ? CELL_FLANKED : 0) | (reached || there ? CELL_BESIDE : 0));
+        *cell |= (uchar)((reached && there ? CELL_FLANKED : 0) | (reached || there ? CELL_ADJACENT : 0));
     }
 }
 
 /* Which other tissue of a column is the fetus. */
-static void tell_fetus(const sv_wall_layout *l, __global uchar *cells, __global const uchar *bright,
-                       uint least, size_t pitch) {
+static void classify_fetus(const sv_wall_layout *l, __global uchar *cells, __global const uchar *bright,
+                           uint least, size_t pitch) {
     for (uint y = 0; y < l->cells[1]; y++) {
         __global uchar *const cell = cells + y * pitch;
         if ((*cell & CELL_ENCLOSED) || bright[y * pitch] < least) *cell &= (uchar)~CELL_FETUS;
@@ -121,9 +123,10 @@ static void tell_fetus(const sv_wall_layout *l, __global uchar *cells, __global 
 
 /* One work group per layer: what is around tissue. Its work items take rows in turns, then columns, then
  * rows. */
-__kernel void wall_items_around(sv_wall_layout l, __global const uint *restrict info,
-                                __global const uchar *restrict levels, __global const uchar *restrict bright,
-                                __global const ushort *restrict rays, __global uchar *restrict kinds) {
+__kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *restrict info,
+                                      __global const uchar *restrict levels,
+                                      __global const uchar *restrict bright,
+                                      __global const ushort *restrict rays, __global uchar *restrict kinds) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), z = (uint)get_group_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     const uint threshold = info[INFO_TISSUE], least = info[INFO_FETUS];
@@ -134,14 +137,14 @@ __kernel void wall_items_around(sv_wall_layout l, __global const uint *restrict 
             kind_of(&l, levels, rays, threshold, z, i / columns, i % columns);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint y = item; y < rows; y += items)
-        find_wall(kinds + layer + y * pitch, 1, columns, 0, CELL_ACROSS);
+        find_enclosed(kinds + layer + y * pitch, 1, columns, 0, CELL_WALL_IN_ROW);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint x = item; x < columns; x += items) {
         __global uchar *const column = kinds + layer + x;
-        find_wall(column, (long)pitch, rows, CELL_ACROSS, CELL_ENCLOSED);
-        tell_fetus(&l, column, bright + layer + x, least, pitch);
-        find_fetus(column, (long)pitch, rows);
+        find_enclosed(column, (long)pitch, rows, CELL_WALL_IN_ROW, CELL_ENCLOSED);
+        classify_fetus(&l, column, bright + layer + x, least, pitch);
+        find_flanked(column, (long)pitch, rows);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
-    for (uint y = item; y < rows; y += items) find_fetus(kinds + layer + y * pitch, 1, columns);
+    for (uint y = item; y < rows; y += items) find_flanked(kinds + layer + y * pitch, 1, columns);
 }

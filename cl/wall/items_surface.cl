@@ -23,62 +23,63 @@ static void neighbours(const sv_wall_layout *l, const uint *away, __global const
             *out++ = plane[place_row(l, 0, beside(y, v * dy, l->rows)) + beside(x, u * dx, l->columns)];
 }
 
-static float settled(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
+static float median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
     float near[9];
-    neighbours(l, l->aside, places + place_row(l, plane, 0), x, y, near);
+    neighbours(l, l->median_step, places + place_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
 /* One work item per ray: the median of the layers and of the ends around them, and what the ray's cell
  * itself says of the layer. The planes it writes are none of those it reads. */
 __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict info,
-                                __global const ushort *restrict costs, __global const uchar *restrict aways,
+                                __global const ushort *restrict costs,
+                                __global const uchar *restrict distance_costs,
                                 __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const float chosen = settled(&l, places, PLACE_LAYER, x, y);
-    places[place_row(&l, PLACE_CHOSEN, y) + x] = chosen;
-    places[place_row(&l, PLACE_CHOSEN_NEAR, y) + x] = settled(&l, places, PLACE_NEAR, x, y);
-    places[place_row(&l, PLACE_CHOSEN_FAR, y) + x] = settled(&l, places, PLACE_FAR, x, y);
-    const size_t at = cell_row(&l, (uint)(chosen + 0.5f), y / 2) + x / 2;
-    const uint own = costs[at] + (SV_WALL_OWN_AWAY - 1u) * aways[at];
-    places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
+    const float filtered = median_at(&l, places, PLACE_LAYER, x, y);
+    places[place_row(&l, PLACE_MEDIAN, y) + x] = filtered;
+    places[place_row(&l, PLACE_MEDIAN_NEAR, y) + x] = median_at(&l, places, PLACE_NEAR, x, y);
+    places[place_row(&l, PLACE_MEDIAN_FAR, y) + x] = median_at(&l, places, PLACE_FAR, x, y);
+    const size_t at = cell_row(&l, (uint)(filtered + 0.5f), y / 2) + x / 2;
+    const uint own = costs[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1u) * distance_costs[at];
+    places[place_row(&l, PLACE_OWN_COST, y) + x] = (float)own / SV_WALL_COST_ONE;
 }
 
 /* One work item per ray: the confidence. */
-__kernel void wall_items_trust(sv_wall_layout l, __global const uint *restrict info,
-                               __global float *restrict places) {
+__kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restrict info,
+                                    __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     float n[9];
-    neighbours(&l, l.around, places + place_row(&l, PLACE_OWN, 0), x, y, n);
-    places[place_row(&l, PLACE_LAYER, y) + x] = trust_in(&l, n);
+    neighbours(&l, l.smoothing_step, places + place_row(&l, PLACE_OWN_COST, 0), x, y, n);
+    places[place_row(&l, PLACE_LAYER, y) + x] = confidence_of(&l, n);
 }
 
 /* One work item per ray: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear to
  * either side of 0.5. In tissue it goes back to the fluid before. */
-__kernel void wall_items_turn(sv_wall_layout l, __global const uint *restrict info,
+__kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const ushort *restrict rays,
                               __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_CHOSEN, y) + x];
-    const float end = places[place_row(&l, l.q < 0.5f ? PLACE_CHOSEN_FAR : PLACE_CHOSEN_NEAR, y) + x];
+    const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_MEDIAN, y) + x];
+    const float end = places[place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y) + x];
     const float at = fmax(place + part * (end - place), 0.0f);
-    places[place_row(&l, PLACE_TURNED, y) + x] = before_tissue(
+    places[place_row(&l, PLACE_SURFACE, y) + x] = back_to_fluid(
         &l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE], rays[block_row(&l, RAY_FIRST, y) + x], at);
 }
 
 /* One work item per pixel. The surface at q goes into the first plane. Without a surface, zeros. */
-__kernel void wall_items_leave(sv_wall_layout l, __global const uint *restrict info,
-                               __global const float *restrict places, __global float *restrict confidence,
-                               uint padded_width, __global float *restrict surfaces) {
+__kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restrict info,
+                                  __global const float *restrict places, __global float *restrict confidence,
+                                  uint padded_width, __global float *restrict surfaces) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
-    const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_TURNED, 0), u, v);
+    const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);
     const float sure = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
     surfaces[(size_t)y * padded_width + x] = wanted ? depth : 0.0f;
     confidence[(size_t)y * l.width + x] = wanted ? sure : 0.0f;

@@ -48,22 +48,22 @@ static void largest_of_cells(const sv_wall_layout *l, __global const uchar *leve
             mean_at(levels + level_row(l, z, 2 * row) + x, levels + level_row(l, z + 1, 2 * row) + x);
         const u8l below =
             mean_at(levels + level_row(l, z, 2 * row + 1) + x, levels + level_row(l, z + 1, 2 * row + 1) + x);
-        const u16h pairs = SEEN_AS(MOST(above, below), u16h); /* neighbours share a word */
+        const u16h pairs = REINTERPRET(MAXIMUM(above, below), u16h); /* neighbours share a word */
         const u16h left = pairs & (ushort)255, right = pairs >> (ushort)8;
-        *(__global u8h *)(line + x / 2) = HALF_TO_U8(MOST(left, right));
+        *(__global u8h *)(line + x / 2) = HALF_TO_U8(MAXIMUM(left, right));
     }
 }
 
 /* The largest of a line of cells and of those up to `beside` to either side. */
 static void largest_of_line(const sv_wall_layout *l, __global const uchar *line, __global uchar *to) {
-    const int reach = (int)l->beside[0];
+    const int reach = (int)l->dilation[0];
     for (int x = 0; x < (int)padded_cells_of(l); x += LANES) {
         u8l most = *(__global const u8l *)(line + x);
         for (int k = 1; k <= reach; k++) {
-            const u8l left = ((__global const u8l_anywhere *)(line + x - k))->v;
-            const u8l right = ((__global const u8l_anywhere *)(line + x + k))->v;
-            const u8l both = MOST(left, right);
-            most = MOST(most, both);
+            const u8l left = ((__global const u8l_unaligned *)(line + x - k))->v;
+            const u8l right = ((__global const u8l_unaligned *)(line + x + k))->v;
+            const u8l both = MAXIMUM(left, right);
+            most = MAXIMUM(most, both);
         }
         *(__global u8l *)(to + x) = most;
     }
@@ -80,7 +80,7 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
     __global const i16l *first = (__global const i16l *)ray_row(rays, l, RAY_FIRST, row);
     __global const i16l *end = (__global const i16l *)ray_row(rays, l, RAY_END, row);
     __global u8l *here = (__global u8l *)(levels + level_row(l, z, row));
-    const bool counts = !l->steadied && is_inner(row, l->rows);
+    const bool counts = !l->smoothed && is_inner(row, l->rows);
     for (uint x = 0; x < vectors_of(l); x++) {
         const i16l scanned = (first[x] <= at) & (end[x] > at);
         const u8l level = here[x] & bytes_of(scanned);
@@ -91,7 +91,7 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
 
 /* One work item per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
  * ranges. `beside`: the largest means of a row beside every cell. `scratch`: scratch_words words of 32 bits
- * for each row. Where wall_steady follows, that counts the levels. */
+ * for each row. Where wall_smooth follows, that counts the levels. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scratch_words,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
@@ -113,5 +113,5 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scrat
         if (z > 0 && z <= l.layers)
             largest_of_cells(&l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
     }
-    if (!l.steadied) leave_counts(histogram, histograms);
+    if (!l.smoothed) store_counts(histogram, histograms);
 }

@@ -51,8 +51,8 @@ static void sum_columns(const sv_wall_layout *l, __global const float *line, __g
         __global const float *at = line + x;
         f32l sum = *(__global const f32l *)at * (float)l->kernel_x[0];
         for (uint k = 1; k <= l->reach_x; k++) {
-            const f32l left = ((__global const f32l_anywhere *)(at - k))->v;
-            const f32l right = ((__global const f32l_anywhere *)(at + k))->v;
+            const f32l left = ((__global const f32l_unaligned *)(at - k))->v;
+            const f32l right = ((__global const f32l_unaligned *)(at + k))->v;
             sum += (left + right) * (float)l->kernel_x[k];
         }
         *(__global u16l *)(to + x) = TO_U16((TO_U32(sum) + FINE / 2u) / FINE);

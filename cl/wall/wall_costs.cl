@@ -6,12 +6,12 @@
  * and back to front, which tells how far the fluid behind is and what the fluid leaves to the tissue behind
  * it.
  */
-#ifndef SV_WALL_AROUND_CLH
-#include "wall/wall_around.clh"
+#ifndef SV_WALL_SURROUNDINGS_CLH
+#include "wall/wall_surroundings.clh"
 #endif
 
 /* Before a loop over both rows of rays: what is known of them is to stay in registers. */
-#define BOTH _Pragma("unroll")
+#define UNROLL _Pragma("unroll")
 
 /* LANES rays, and what is known of them. */
 typedef struct {
@@ -36,20 +36,20 @@ typedef struct {
     __global const ulong *kinds;  /* the same */
     size_t word_pitch;            /* from one word of `kinds` to the next */
     __global const uint *chances; /* of every brightness */
-    /* Of every layer with tissue before `sure`: probability that tissue as bright as the cell is the fetus;
-     * of any * 65536 + of a ray's first */
+    /* Of every layer with tissue before `certain_from`: probability that tissue as bright as the cell is the
+     * fetus; of any * 65536 + of a ray's first */
     __global u32h *chance;
-    uint sure; /* from this layer on the fetus has begun on all that were scanned; 1 at least, for what is
-                  cut at depth 0 may cost nothing */
-} twin_rays_t;
+    uint certain_from; /* from this layer on the fetus has begun on all that were scanned; 1 at least, for
+                  what is cut at depth 0 may cost nothing */
+} cell_rays_t;
 
-static u8l tissue_at(const twin_rays_t *s, const rays_t *r, uint z) {
+static u8l tissue_at(const cell_rays_t *s, const rays_t *r, uint z) {
     return AS_U8(*(__global const u8l *)(r->levels + z * s->level_pitch) > s->threshold);
 }
 
 /* Shares of probabilities, rounded half up. */
 static u16l share(u16l value, u16l chance) {
-    const u16l low = ((value * chance >> (ushort)1) + (ushort)(SV_WALL_SURE / 4)) >> (ushort)14;
+    const u16l low = ((value * chance >> (ushort)1) + (ushort)(SV_WALL_PROBABILITY_ONE / 4)) >> (ushort)14;
     return (high_of(value, chance) << (ushort)1) + low;
 }
 
@@ -59,9 +59,9 @@ static u16l share_of_cost(uint cost, u16l chance) {
 }
 
 /* Looks up the probabilities of the brightnesses of HALF cells. */
-static void find_chances(const twin_rays_t *s, uint z) {
+static void find_chances(const cell_rays_t *s, uint z) {
     __global const uchar *bright = s->bright + z * s->cell_pitch;
-    LOOK_UPS
+    SCALAR_LOADS
     for (uint i = 0; i < HALF; i++) ((__global uint *)(s->chance + z))[i] = s->chances[bright[i]];
 }
 
@@ -70,128 +70,129 @@ static void find_chances(const twin_rays_t *s, uint z) {
 typedef struct {
     u16l before, now, most;
     u8l behind, near, over; /* tissue before; distance to the fluid; the first fluid has ended */
-} forth_t;
+} forward_t;
 
 static i32h has_bit(u32h kinds, uint bit) {
-    return SEEN_AS(kinds * (0x80000000u / bit), i32h) < (i32h)(0);
+    return REINTERPRET(kinds * (0x80000000u / bit), i32h) < (i32h)(0);
 }
 
 /* What was looked up, changed by what is around the cells: enclosed tissue is told like a first one. A first
  * one that the fetus flanks is told like any tissue, and one beside the fetus the share `one_side` so. */
-static u32h chances_at(const sv_wall_layout *l, const twin_rays_t *s, uint z) {
+static u32h chances_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
     u8h cells;
     for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->kinds[i * s->word_pitch + z];
     const u32h looked_up = s->chance[z], kinds = HALF_TO_U32(cells);
     const u32h any = looked_up >> 16u, first = looked_up & 0xffffu;
-    const u32h part = ((any - first) * l->one_side + (uint)(SV_WALL_SURE / 2)) / (uint)SV_WALL_SURE;
-    const u32h beside = PICK(first, first + part, has_bit(kinds, CELL_BESIDE));
-    return PICK(any, first, has_bit(kinds, CELL_ENCLOSED)) << 16u |
-           PICK(beside, any, has_bit(kinds, CELL_FLANKED));
+    const u32h part =
+        ((any - first) * l->one_side + (uint)(SV_WALL_PROBABILITY_ONE / 2)) / (uint)SV_WALL_PROBABILITY_ONE;
+    const u32h beside = SELECT(first, first + part, has_bit(kinds, CELL_ADJACENT));
+    return SELECT(any, first, has_bit(kinds, CELL_ENCLOSED)) << 16u |
+           SELECT(beside, any, has_bit(kinds, CELL_FLANKED));
 }
 
 /* `both`: chances of the cells, of any tissue * 65536 + of a ray's first; two rays share a word. */
-static void fetus_begins(rays_t *r, uint z, u16l tissue, u32h both, forth_t *w) {
-    const u16l any = SEEN_AS(both >> 16u | (both & 0xffff0000u), u16l);
-    const u16l first = SEEN_AS((both & 0xffffu) | both << 16u, u16l);
+static void forward_fetus(rays_t *r, uint z, u16l tissue, u32h both, forward_t *w) {
+    const u16l any = REINTERPRET(both >> 16u | (both & 0xffff0000u), u16l);
+    const u16l first = REINTERPRET((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
-    const u16l chance = PICK(any, first, in_run);
-    w->most = MOST(w->most, chance) & tissue;
-    w->now = PICK(w->now, w->before - share(w->before, w->most), tissue);
-    w->before = PICK(w->now, w->before, tissue);
-    const u16l begun = (u16l)(SV_WALL_SURE)-w->now;
-    r->in_run = PICK(r->in_run, begun, in_run);
+    const u16l chance = SELECT(any, first, in_run);
+    w->most = MAXIMUM(w->most, chance) & tissue;
+    w->now = SELECT(w->now, w->before - share(w->before, w->most), tissue);
+    w->before = SELECT(w->now, w->before, tissue);
+    const u16l begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
+    r->in_run = SELECT(r->in_run, begun, in_run);
     r->begun_at[z] = begun;
 }
 
-static void pass_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue, forth_t *w) {
+static void forward_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue, forward_t *w) {
     const i16l at = (i16l)((short)z);
     const u8l open_front = bytes_of(r->scanned & ~r->touches & (r->first > at));
     const u8l fluid = (bytes_of((r->first <= at) & (r->end > at)) & ~tissue) | open_front;
-    w->near = LEAST(w->near + (u8l)(1), (u8l)((uchar)l->far)) & ~fluid;
+    w->near = MINIMUM(w->near + (u8l)(1), (u8l)((uchar)l->full_distance)) & ~fluid;
     r->near_at[z] = w->near;
     /* tissue behind the first fluid */
     const u8l enters = tissue & ~w->behind & bytes_of(r->run_end < at) & ~w->over;
-    r->fluid_end = PICK(r->fluid_end, at, words_of(enters));
+    r->fluid_end = SELECT(r->fluid_end, at, words_of(enters));
     w->over |= enters;
     w->behind = tissue;
 }
 
 /* What is known before the first layer. */
-static void set_out(const sv_wall_layout *l, rays_t *r, forth_t *w) {
-    w->before = w->now = (u16l)(SV_WALL_SURE);
+static void forward_begin(const sv_wall_layout *l, rays_t *r, forward_t *w) {
+    w->before = w->now = (u16l)(SV_WALL_PROBABILITY_ONE);
     w->most = (u16l)(0);
     w->behind = w->over = (u8l)(0);
-    w->near = (u8l)((uchar)l->far);
+    w->near = (u8l)((uchar)l->full_distance);
     r->fluid_end = r->end;
     r->in_run = (u16l)(0);
 }
 
 /* And behind the last. An open front, or no fluid at all: the surface belongs before the tissue. */
-static void arrive(rays_t *r, const forth_t *w) {
+static void forward_end(rays_t *r, const forward_t *w) {
     const i16l in_front = ~(r->touches & (r->run_end < r->end));
     r->fluid = r->run_end & ~in_front;
-    r->fluid_end = PICK(r->fluid_end, r->run, in_front);
-    r->begun = (u16l)(SV_WALL_SURE)-w->now;
+    r->fluid_end = SELECT(r->fluid_end, r->run, in_front);
+    r->begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
 /* Tissue of both rows in layer z, and what is looked up for it a layer ahead: what was just stored is slow to
  * load. */
-static void look_ahead(const sv_wall_layout *l, const twin_rays_t *s, uint z, u8l tissue[2]) {
+static void load_tissue(const sv_wall_layout *l, const cell_rays_t *s, uint z, u8l tissue[2]) {
     tissue[0] = tissue[1] = (u8l)(0);
     if (z == l->layers) return;
-    BOTH for (uint i = 0; i < 2; i++) tissue[i] = tissue_at(s, &s->rays[i], z);
-    if (s->sure == l->layers && some_bytes(tissue[0] | tissue[1])) find_chances(s, z);
+    UNROLL for (uint i = 0; i < 2; i++) tissue[i] = tissue_at(s, &s->rays[i], z);
+    if (s->certain_from == l->layers && any_byte(tissue[0] | tissue[1])) find_chances(s, z);
 }
 
 /* Front to back. */
-static void walk_forth(const sv_wall_layout *l, twin_rays_t *s) {
+static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     rays_t *const r = s->rays;
-    forth_t w[2];
+    forward_t w[2];
     u8l next[2];
-    s->sure = l->layers;
-    BOTH for (uint i = 0; i < 2; i++) set_out(l, &r[i], &w[i]);
-    look_ahead(l, s, 0, next);
+    s->certain_from = l->layers;
+    UNROLL for (uint i = 0; i < 2; i++) forward_begin(l, &r[i], &w[i]);
+    load_tissue(l, s, 0, next);
     for (uint z = 0; z < l->layers; z++) {
         const u8l tissue[2] = {next[0], next[1]};
-        look_ahead(l, s, z + 1, next);
-        if (s->sure == l->layers) {
+        load_tissue(l, s, z + 1, next);
+        if (s->certain_from == l->layers) {
             const u32h chances = chances_at(l, s, z);
-            BOTH for (uint i = 0; i < 2; i++)
-                fetus_begins(&r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
+            UNROLL for (uint i = 0; i < 2; i++)
+                forward_fetus(&r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
             const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
-            if (z > 0 && !some_words(open)) s->sure = z;
+            if (z > 0 && !any_word(open)) s->certain_from = z;
         }
-        BOTH for (uint i = 0; i < 2; i++) pass_fluid(l, &r[i], z, tissue[i], &w[i]);
+        UNROLL for (uint i = 0; i < 2; i++) forward_fluid(l, &r[i], z, tissue[i], &w[i]);
     }
-    BOTH for (uint i = 0; i < 2; i++) arrive(&r[i], &w[i]);
+    UNROLL for (uint i = 0; i < 2; i++) forward_end(&r[i], &w[i]);
 }
 
-/* What LANES rays pay in layer z, before `sure`, but for the distance. `later`: probability that the fetus
- * begins with tissue whose fluid is behind the layer. `wrong_fluid`: what the layer costs them if it is not
- * in the fluid where the surface belongs if there is no fetus. */
-static u16l wrong_at(const sv_wall_layout *l, const twin_rays_t *s, const rays_t *r, uint z, u16l later,
+/* What LANES rays pay in layer z, before `certain_from`, but for the distance. `later`: probability that the
+ * fetus begins with tissue whose fluid is behind the layer. `wrong_fluid`: what the layer costs them if it is
+ * not in the fluid where the surface belongs if there is no fetus. */
+static u16l wrong_at(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z, u16l later,
                      u16l wrong_fluid) {
     const i16l at = (i16l)((short)z);
     const uint skin = z + l->skin;
-    if (skin < min(l->layers, s->sure)) { /* from there on nothing is left to begin */
+    if (skin < min(l->layers, s->certain_from)) { /* from there on nothing is left to begin */
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));
-        if (some_words(over)) later += (r->in_run - r->begun_at[skin]) & AS_U16(over);
+        if (any_word(over)) later += (r->in_run - r->begun_at[skin]) & AS_U16(over);
     }
-    u16l cost = share_of_cost(l->left, later);
-    if (z > 0 || !s->bare) cost += share_of_cost(l->cut, r->begun_at[z]);
+    u16l cost = share_of_cost(l->occluder_cost, later);
+    if (z > 0 || !s->bare) cost += share_of_cost(l->cut_cost, r->begun_at[z]);
     const i16l other = (at < r->fluid) | (at >= r->fluid_end);
     return cost + (wrong_fluid & AS_U16(other));
 }
 
-static u16l away_at(const sv_wall_layout *l, u8l near) {
+static u16l distance_cost_at(const sv_wall_layout *l, u8l near) {
     const u16l far = (TO_U16(near) * (ushort)l->rate + (ushort)(1u << (SV_WALL_RATE_BITS - 1))) >>
                      (ushort)SV_WALL_RATE_BITS;
-    return LEAST(far, (u16l)(SV_WALL_ONE));
+    return MINIMUM(far, (u16l)(SV_WALL_COST_ONE));
 }
 
 /* Means of two by two rays, rounded half up; given the sums of both rows of rays. */
 static u32h mean_of_cells(u16l sums) {
-    const u32h pairs = SEEN_AS(sums, u32h); /* neighbours share a word */
+    const u32h pairs = REINTERPRET(sums, u32h); /* neighbours share a word */
     return ((pairs & 0xffffu) + (pairs >> 16u) + 2u) >> 2u;
 }
 
@@ -200,45 +201,45 @@ static u32h mean_of_cells(u16l sums) {
 typedef struct {
     u8l behind, fluid_behind, near;
     u16l later, run_end, wrong_fluid;
-} back_t;
+} backward_t;
 
-static void turn_back(const sv_wall_layout *l, const rays_t *r, back_t *w) {
+static void backward_begin(const sv_wall_layout *l, const rays_t *r, backward_t *w) {
     w->behind = w->fluid_behind = (u8l)(0);
-    w->near = (u8l)((uchar)l->far);
+    w->near = (u8l)((uchar)l->full_distance);
     w->later = (u16l)(0);
     w->run_end = r->begun;
-    w->wrong_fluid = share_of_cost(l->other, (u16l)(SV_WALL_SURE)-r->begun);
+    w->wrong_fluid = share_of_cost(l->wrong_fluid_cost, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
 }
 
 /* What LANES rays cost in layer z; `away`: of this what is due to the distance from the fluid. */
-static u16l step_back(const sv_wall_layout *l, const twin_rays_t *s, const rays_t *r, uint z, back_t *w,
-                      u16l *away) {
+static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z,
+                          backward_t *w, u16l *away) {
     const u8l tissue = tissue_at(s, r, z), before = r->near_at[z], fluid = AS_U8(before == (u8l)(0));
-    u16l wrong = (u16l)((ushort)l->cut); /* where the fetus has begun */
-    if (z < s->sure) {
+    u16l wrong = (u16l)((ushort)l->cut_cost); /* where the fetus has begun */
+    if (z < s->certain_from) {
         const u16l begun = r->begun_at[z];
         w->later += (w->run_end - begun) & AS_U16(words_of(tissue & w->fluid_behind));
-        w->run_end = PICK(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
+        w->run_end = SELECT(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
         wrong = wrong_at(l, s, r, z, w->later, w->wrong_fluid);
     }
     w->fluid_behind = fluid;
     w->behind = tissue;
-    w->near = LEAST(w->near + (u8l)(1), (u8l)((uchar)l->far)) & ~fluid;
-    const u16l distance = away_at(l, LEAST(w->near, before));
+    w->near = MINIMUM(w->near + (u8l)(1), (u8l)((uchar)l->full_distance)) & ~fluid;
+    const u16l distance = distance_cost_at(l, MINIMUM(w->near, before));
     *away = distance & AS_U16(r->scanned);
     return (distance + wrong) & AS_U16(r->scanned);
 }
 
 /* Back to front: leaves the costs of HALF cells, and of these what is due to the distance from the fluid. */
-static void walk_back(const sv_wall_layout *l, const twin_rays_t *s, __global ushort *costs,
-                      __global uchar *aways) {
-    back_t w[2];
-    BOTH for (uint i = 0; i < 2; i++) turn_back(l, &s->rays[i], &w[i]);
+static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __global ushort *costs,
+                          __global uchar *distance_costs) {
+    backward_t w[2];
+    UNROLL for (uint i = 0; i < 2; i++) backward_begin(l, &s->rays[i], &w[i]);
     for (uint z = l->layers; z-- > 0;) {
         u16l cost[2], away[2];
-        BOTH for (uint i = 0; i < 2; i++) cost[i] = step_back(l, s, &s->rays[i], z, &w[i], &away[i]);
+        UNROLL for (uint i = 0; i < 2; i++) cost[i] = backward_step(l, s, &s->rays[i], z, &w[i], &away[i]);
         *(__global u16h *)(costs + z * s->cell_pitch) = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
-        *(__global u8h *)(aways + z * s->cell_pitch) = HALF_TO_U8(mean_of_cells(away[0] + away[1]));
+        *(__global u8h *)(distance_costs + z * s->cell_pitch) = HALF_TO_U8(mean_of_cells(away[0] + away[1]));
     }
 }
 
@@ -265,10 +266,10 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                          __global const uchar *restrict levels, __global const uchar *restrict bright,
                          __global ulong *restrict kinds, __global ushort *restrict rays,
                          __global uint *restrict scratch, __global ushort *restrict costs,
-                         __global uchar *restrict aways, __global ulong *restrict fetus) {
+                         __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    twin_rays_t s = {.level_pitch = level_pitch_of(&l),
+    cell_rays_t s = {.level_pitch = level_pitch_of(&l),
                      .cell_pitch = padded_cells_of(&l),
                      .word_pitch = padded_layers_of(&l),
                      .threshold = (u8l)((uchar)info[INFO_TISSUE]),
@@ -280,18 +281,18 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     s.rays[0].near_at = (__global u8l *)(s.rays[1].begun_at + l.layers);
     s.rays[1].near_at = s.rays[0].near_at + l.layers;
     ulong sum = 0;
-    find_beside(&l, row, kinds);
+    find_flanked_in_row(&l, row, kinds);
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
         s.bright = bright + at;
         s.kinds = kinds + word_column(&l, row, x * WORDS_OF_HALF);
-        BOTH for (uint i = 0; i < 2; i++) {
+        UNROLL for (uint i = 0; i < 2; i++) {
             s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);
         }
-        walk_forth(&l, &s);
-        BOTH for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].begun & AS_U16(s.rays[i].scanned));
-        walk_back(&l, &s, costs + at, aways + at);
+        forward_pass(&l, &s);
+        UNROLL for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].begun & AS_U16(s.rays[i].scanned));
+        backward_pass(&l, &s, costs + at, distance_costs + at);
     }
     fetus[row] = sum;
 }

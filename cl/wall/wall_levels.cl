@@ -26,7 +26,7 @@ static void smooth_levels(__local const ulong *counts, __local ulong *smooth) {
     const int items = (int)get_local_size(0);
     for (int i = (int)get_local_id(0); i < 256; i += items) {
         ulong sum = 0;
-        for (int k = i - SV_WALL_SMOOTH; k <= i + SV_WALL_SMOOTH; k++)
+        for (int k = i - SV_WALL_HISTOGRAM_REACH; k <= i + SV_WALL_HISTOGRAM_REACH; k++)
             sum += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
         smooth[i] = sum;
     }
@@ -47,8 +47,8 @@ static bool is_shallow(const sv_wall_layout *l, __local const ulong *smooth, uin
 }
 
 /* True if the variance of the levels' roots is so much between the classes that there must be two. */
-static bool is_parted(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
-                      ulong split) {
+static bool is_separable(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
+                         ulong split) {
     ulong count[2] = {0, 0}, sum[2] = {0, 0}, mean[2], between = 0, within = 0;
     for (uint i = 0; i < 256; i++) {
         count[root[i] > split] += histogram[i];
@@ -64,7 +64,7 @@ static bool is_parted(const sv_wall_layout *l, __local const ulong *histogram, _
         const ulong away = abs_diff((ulong)root[i], mean[root[i] > split]);
         within += histogram[i] * away * away;
     }
-    return between * SV_WALL_PER_MILLE > (between + within) * l->parted;
+    return between * SV_WALL_PER_MILLE > (between + within) * l->separability;
 }
 
 /* Count and sum of root * count up to the split. */
@@ -85,7 +85,7 @@ static bool find_split(__local const ulong *histogram, __global const uint *root
     if (all == 0) return false;
     next = total / all;
     *split = 0;
-    for (uint turn = 0; turn < SV_WALL_TURNS && next != *split; turn++) {
+    for (uint turn = 0; turn < SV_WALL_MAX_ITERATIONS && next != *split; turn++) {
         *split = next;
         below(histogram, root, *split, &counted, &sum);
         if (counted == 0 || counted == all) return false;
@@ -96,7 +96,7 @@ static bool find_split(__local const ulong *histogram, __global const uint *root
 }
 
 /* What the histogram says. One work item. */
-static void leave_levels(const sv_wall_layout *l, __local const ulong *histogram, __local const ulong *smooth,
+static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __local const ulong *smooth,
                          __global const uint *root, __global uint *info) {
     ulong split = 0, counted = 0, sum = 0;
     info[INFO_RAYS] = (uint)histogram[256];
@@ -117,8 +117,8 @@ static void leave_levels(const sv_wall_layout *l, __local const ulong *histogram
     const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
     info[INFO_TISSUE] = threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
     info[INFO_BRIGHT] = bright;
-    const bool parted = is_parted(l, histogram, root, split);
-    info[INFO_SHALLOW] = is_shallow(l, smooth, threshold) && !parted;
+    const bool separable = is_separable(l, histogram, root, split);
+    info[INFO_SHALLOW] = is_shallow(l, smooth, threshold) && !separable;
     info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
@@ -135,7 +135,7 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
     barrier(CLK_LOCAL_MEM_FENCE);
     smooth_levels(once, twice);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item == 0) leave_levels(&l, histogram, twice, tables + SV_WALL_ROOTS, info);
+    if (item == 0) store_levels(&l, histogram, twice, tables + SV_WALL_ROOTS, info);
 }
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
@@ -165,22 +165,22 @@ static int odds(__global const uint *tables, uint level) {
 
 /* The logistic function of the evidence that a brightness `above` spreads over the wall's is. */
 static uint probability(const sv_wall_layout *l, __global const uint *tables, int above) {
-    const int evidence = clamp(above, -SV_WALL_FAR_ABOVE, SV_WALL_FAR_ABOVE) * l->sure / 16;
+    const int evidence = clamp(above, -SV_WALL_MAX_EVIDENCE, SV_WALL_MAX_EVIDENCE) * l->slope / 16;
     const uint size = abs(evidence), part = 1 << SV_WALL_LOGISTIC_BITS;
-    uint p = SV_WALL_SURE;
+    uint p = SV_WALL_PROBABILITY_ONE;
     if (size / part < SV_WALL_LOGISTIC) {
         __global const uint *at = tables + SV_WALL_CURVE + size / part;
         p = at[0] + ((at[1] - at[0]) * (size % part) + part / 2) / part;
     }
-    return evidence < 0 ? SV_WALL_SURE - p : p;
+    return evidence < 0 ? SV_WALL_PROBABILITY_ONE - p : p;
 }
 
 /* Of tissue of a brightness; `from`: ln of the odds of the wall's. `first`: it is the first of a ray. */
 static uint chance_of(const sv_wall_layout *l, __global const uint *tables, uint bright, int from, int spread,
                       bool first) {
     const int more = odds(tables, bright * SV_WALL_LEVEL_ONE) - from;
-    const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l->level;
-    return probability(l, tables, first ? above - l->first : above);
+    const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l->fetus_level;
+    return probability(l, tables, first ? above - l->first_run_extra : above);
 }
 
 /* One work group: from the histogram of the walls to probabilities. All its work items find the same wall. */
@@ -200,19 +200,19 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
         wall = quantile(histogram, l.wall_rank);
         spread =
             odds(tables, quantile(histogram, l.high_rank)) - odds(tables, quantile(histogram, l.low_rank));
-        spread = max(spread, SV_WALL_SPREAD_LEAST);
+        spread = max(spread, SV_WALL_MIN_SPREAD);
     }
     const int from = odds(tables, wall);
     for (uint i = item; i < 256; i += items) {
         const uint any = chance_of(&l, tables, i, from, spread, false);
-        const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < l.flank;
+        const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < l.fetus_threshold;
         info[INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
         /* chances grow with the brightness: one work item writes */
-        if (any >= l.flank && is_least) info[INFO_FETUS] = i;
-        if (any < l.flank && i == 255) info[INFO_FETUS] = 256;
+        if (any >= l.fetus_threshold && is_least) info[INFO_FETUS] = i;
+        if (any < l.fetus_threshold && i == 255) info[INFO_FETUS] = 256;
     }
     if (item > 0) return;
-    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.walled;
+    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.clear_wall_share;
     info[INFO_WALL_RAYS] = wall_rays;
     info[INFO_BARE] = bare;
     if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
@@ -226,7 +226,7 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
     if (wanted) {
         ulong sum = 0;
         for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
-        wanted = sum * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * SV_WALL_SURE * l.fetus_share;
+        wanted = sum * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * SV_WALL_PROBABILITY_ONE * l.fetus_share;
         if (!wanted) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
     }
     record[SV_REC_PASSES] = wanted;

@@ -3,42 +3,42 @@
  * The surface told by the wall (docs/surface.md): what its kernels, its definition and the C side all need to
  * know. The volume is first reduced to blocks of about 2 mm, which overlap by half across the image; a column
  * of blocks is a ray, and a slice of them a layer. Two by two rays are a cell. All arithmetic up to the
- * cheapest layer is of integers: probabilities in units of 1 / SV_WALL_SURE, costs in units of 1 /
- * SV_WALL_ONE, and of the Gaussian over them in units of 1 / SV_WALL_FINE_ONE.
+ * minimum_layer layer is of integers: probabilities in units of 1 / SV_WALL_PROBABILITY_ONE, costs in units
+ * of 1 / SV_WALL_COST_ONE, and of the Gaussian over them in units of 1 / SV_WALL_FINE_COST_ONE.
  */
 #ifndef SV_WALL_SHARED_H
 #define SV_WALL_SHARED_H
 
-#define SV_WALL_SURE       32768 /* a probability of 1 */
-#define SV_WALL_ONE        128   /* a cost of 1 */
-#define SV_WALL_FINE_ONE   2048  /* the same after the Gaussian */
-#define SV_WALL_PER_MILLE  1000  /* shares and ranks of the settings */
-#define SV_WALL_LANES      32    /* rows of blocks, rays and cells are padded to these */
-#define SV_WALL_LAYERS     8     /* layers of the cells' kinds are padded to these */
-#define SV_WALL_BLOCK      10    /* voxels along a side of a block, at most */
-#define SV_WALL_SPAN       12    /* voxels that such a side touches, at most */
-#define SV_WALL_SPAN_ONE   16    /* their weights together: the rows of a layer sum up to 16 bits */
-#define SV_WALL_KERNEL     64    /* taps to either side of the lateral Gaussian, at most */
-#define SV_WALL_KERNEL_ONE 64    /* their sum: two passes without rounding are exact in float32 */
-#define SV_WALL_STEADY     6     /* a layer of one slice: its neighbours weigh 1 / 6 each */
-#define SV_WALL_MOST_RAYS  3     /* of the four of a cell: it is tissue, or wall, if so many are */
-#define SV_WALL_BESIDE     64    /* rays to either side, at most */
-#define SV_WALL_FAR        254   /* layers to the fluid that are told from more */
-#define SV_WALL_RATE_BITS  7     /* fraction of sv_wall_layout.rate */
+#define SV_WALL_PROBABILITY_ONE 32768 /* a probability of 1 */
+#define SV_WALL_COST_ONE        128   /* a cost of 1 */
+#define SV_WALL_FINE_COST_ONE   2048  /* the same after the Gaussian */
+#define SV_WALL_PER_MILLE       1000  /* shares and ranks of the settings */
+#define SV_WALL_LANES           32    /* rows of blocks, rays and cells are padded to these */
+#define SV_WALL_LAYERS          8     /* layers of the cells' kinds are padded to these */
+#define SV_WALL_BLOCK           10    /* voxels along a side of a block, at most */
+#define SV_WALL_SPAN            12    /* voxels that such a side touches, at most */
+#define SV_WALL_SPAN_ONE        16    /* their weights together: the rows of a layer sum up to 16 bits */
+#define SV_WALL_KERNEL          64    /* taps to either side of the lateral Gaussian, at most */
+#define SV_WALL_KERNEL_ONE      64    /* their sum: two passes without rounding are exact in float32 */
+#define SV_WALL_AXIAL_SUM       6     /* a layer of one slice: its neighbours weigh 1 / 6 each */
+#define SV_WALL_MAJORITY        3     /* of the four of a cell: it is tissue, or wall, if so many are */
+#define SV_WALL_MAX_NEIGHBOUR   64    /* rays to either side, at most */
+#define SV_WALL_MAX_DISTANCE    254   /* layers to the fluid that are told from more */
+#define SV_WALL_RATE_BITS       7     /* fraction of sv_wall_layout.rate */
 
 /* What the distance to the fluid counts in a ray's own cost, times what it counts elsewhere. */
-#define SV_WALL_OWN_AWAY 4
+#define SV_WALL_OWN_DISTANCE_WEIGHT 4
 
 /* ---- grey levels */
-#define SV_WALL_TURNS         64  /* of the search for the split; it stood still after 12 at most */
-#define SV_WALL_SMOOTH        4   /* levels to either side of each of two box filters over the histogram */
-#define SV_WALL_LEVEL_ONE     256 /* a grey level: the wall's brightness lies between two */
-#define SV_WALL_ROOT_ONE      256 /* a square root of a grey level */
-#define SV_WALL_ODDS_BITS     12  /* fraction of ln of the odds, of spreads, of evidence */
-#define SV_WALL_SPREAD_LEAST  819 /* 0.2: a wall of one single brightness */
-#define SV_WALL_FAR_ABOVE     (32 << SV_WALL_ODDS_BITS) /* evidence is cut off here */
-#define SV_WALL_LOGISTIC      193 /* entries of the logistic function, from evidence 0 to 12: */
-#define SV_WALL_LOGISTIC_BITS 8   /* fraction of a step between them, a sixteenth */
+#define SV_WALL_MAX_ITERATIONS  64  /* of the search for the split; it stood still after 12 at most */
+#define SV_WALL_HISTOGRAM_REACH 4   /* levels to either side of each of two box filters over the histogram */
+#define SV_WALL_LEVEL_ONE       256 /* a grey level: the wall's brightness lies between two */
+#define SV_WALL_ROOT_ONE        256 /* a square root of a grey level */
+#define SV_WALL_ODDS_BITS       12  /* fraction of ln of the odds, of spreads, of evidence */
+#define SV_WALL_MIN_SPREAD      819 /* 0.2: a wall of one single brightness */
+#define SV_WALL_MAX_EVIDENCE    (32 << SV_WALL_ODDS_BITS) /* evidence is cut off here */
+#define SV_WALL_LOGISTIC        193 /* entries of the logistic function, from evidence 0 to 12: */
+#define SV_WALL_LOGISTIC_BITS   8   /* fraction of a step between them, a sixteenth */
 
 /* Words of the tables, one behind the other. */
 #define SV_WALL_ROOTS       0   /* square roots of the grey levels */
@@ -46,11 +46,12 @@
 #define SV_WALL_CURVE       513 /* the logistic function; one more than it has */
 #define SV_WALL_TABLE_WORDS 707
 
+/* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
-    SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid: depth and confidence are 0, nothing is clipped */
-    SV_WALL_EMPTY = 2,    /* too little was scanned to tell, or it is of one grey level: the same */
-    SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than it: the same */
+    SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid */
+    SV_WALL_EMPTY = 2,    /* too little was scanned, or all of it has one grey level */
+    SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than the wall */
 } sv_wall_outcome;
 
 /* The voxels of a block along one axis, first .. first + count - 1, and what they weigh: as much as lies in
@@ -67,26 +68,29 @@ typedef struct {
     unsigned int columns, rows, layers; /* rays across, rays down, blocks along them */
     unsigned int cells[2];              /* of two by two rays: half as many across and down */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
-    unsigned int steadied;              /* 1: a layer is one slice: its levels are smoothed */
-    unsigned int beside[2];             /* cells to either side along x, y */
-    unsigned int skin;                  /* layers */
-    unsigned int far;                   /* layers: from this distance on the cost is full */
-    unsigned int rate;                  /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
-    unsigned int aside[2];              /* rays to the neighbours that the median looks at */
-    unsigned int around[2];             /* rays to those that the confidence looks at */
-    unsigned int reach_x, reach_y;      /* cells to either side that the Gaussian reaches */
+    unsigned int smoothed;          /* 1: a layer is one slice, and its levels are smoothed along the rays */
+    unsigned int dilation[2];       /* cells to either side along x, y */
+    unsigned int skin;              /* layers */
+    unsigned int full_distance;     /* layers: from this distance to the fluid on the cost is full */
+    unsigned int rate;              /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
+    unsigned int median_step[2];    /* rays between the samples of the median */
+    unsigned int smoothing_step[2]; /* rays between the samples that the confidence is smoothed over */
+    unsigned int reach_x, reach_y;  /* cells to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
-    unsigned int cut, left, other;
-    unsigned int slack, reach; /* in units of 1 / SV_WALL_FINE_ONE */
+    unsigned int cut_cost, occluder_cost, wrong_fluid_cost; /* in units of 1 / SV_WALL_COST_ONE */
+    unsigned int average_margin, knob_margin;               /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
-    unsigned int tissue, valley, walled, parted, fetus_share, wall_share, wall_rank, low_rank, high_rank;
+    unsigned int tissue, valley, clear_wall_share, separability, fetus_share, wall_share;
+    unsigned int wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
-    int sure;                         /* sixteenths */
-    unsigned int flank, one_side;     /* in units of 1 / SV_WALL_SURE */
-    int level, first, assumed_spread; /* fixed-point, SV_WALL_ODDS_BITS */
-    unsigned int median;              /* 1: the median of a ray and its eight neighbours */
+    int slope;                        /* of the logistic function, sixteenths */
+    unsigned int fetus_threshold;     /* in units of 1 / SV_WALL_PROBABILITY_ONE, */
+    unsigned int one_side;            /* and this one, too */
+    int fetus_level, first_run_extra; /* fixed-point, SV_WALL_ODDS_BITS, */
+    int assumed_spread;               /* and this one, too */
+    unsigned int median;              /* 1: take the median of a ray and its eight neighbours */
     float q;                          /* the knob */
-    float doubt;                      /* own cost at which a surface is as likely wrong as right */
+    float half_confidence_cost;       /* own cost at which the confidence is one half */
 } sv_wall_layout;
 
 #endif

@@ -18,7 +18,7 @@ static float16 load_places(__global const float *row, uint x, int step, uint col
     const int from = (int)x + step;
     float lanes[SV_LANES];
     if (from >= 0 && from + SV_LANES <= (int)columns) return vload16(0, row + from);
-    LOOK_UPS
+    SCALAR_LOADS
     for (uint i = 0; i < SV_LANES; i++) lanes[i] = row[beside(x + i, step, columns)];
     return *(const float16 *)lanes;
 }
@@ -34,66 +34,66 @@ static void neighbours(const sv_wall_layout *l, const uint *away, __global const
 }
 
 /* 16 rays of a plane. */
-static float16 settled(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
+static float16 median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
     float16 near[9];
-    neighbours(l, l->aside, places + place_row(l, plane, 0), x, y, near);
+    neighbours(l, l->median_step, places + place_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
 /* One work item per row of rays: the median of the layers and of the ends around them, and what the
  * ray's cell itself says of the layer. */
 __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
-                          __global const ushort *restrict costs, __global const uchar *restrict aways,
-                          __global float *restrict places) {
+                          __global const ushort *restrict costs,
+                          __global const uchar *restrict distance_costs, __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    __global float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
-    __global float *near = places + place_row(&l, PLACE_CHOSEN_NEAR, y);
-    __global float *far = places + place_row(&l, PLACE_CHOSEN_FAR, y);
+    __global float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
+    __global float *near = places + place_row(&l, PLACE_MEDIAN_NEAR, y);
+    __global float *far = places + place_row(&l, PLACE_MEDIAN_FAR, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
-        *(__global float16 *)(chosen + x) = settled(&l, places, PLACE_LAYER, x, y);
-        *(__global float16 *)(near + x) = settled(&l, places, PLACE_NEAR, x, y);
-        *(__global float16 *)(far + x) = settled(&l, places, PLACE_FAR, x, y);
+        *(__global float16 *)(filtered + x) = median_at(&l, places, PLACE_LAYER, x, y);
+        *(__global float16 *)(near + x) = median_at(&l, places, PLACE_NEAR, x, y);
+        *(__global float16 *)(far + x) = median_at(&l, places, PLACE_FAR, x, y);
     }
-    LOOK_UPS
+    SCALAR_LOADS
     for (uint x = 0; x < l.columns; x++) {
-        const size_t at = cell_row(&l, (uint)(chosen[x] + 0.5f), y / 2) + x / 2;
-        const uint own = costs[at] + (SV_WALL_OWN_AWAY - 1u) * aways[at];
-        places[place_row(&l, PLACE_OWN, y) + x] = (float)own / SV_WALL_ONE;
+        const size_t at = cell_row(&l, (uint)(filtered[x] + 0.5f), y / 2) + x / 2;
+        const uint own = costs[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1u) * distance_costs[at];
+        places[place_row(&l, PLACE_OWN_COST, y) + x] = (float)own / SV_WALL_COST_ONE;
     }
 }
 
 /* One work item per row of rays: the confidence. */
-__kernel void wall_trust(sv_wall_layout l, __global const uint *restrict info,
-                         __global float *restrict places) {
+__kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict info,
+                              __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         float16 n[9];
-        neighbours(&l, l.around, places + place_row(&l, PLACE_OWN, 0), x, y, n);
-        *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = trust_in(&l, n);
+        neighbours(&l, l.smoothing_step, places + place_row(&l, PLACE_OWN_COST, 0), x, y, n);
+        *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = confidence_of(&l, n);
     }
 }
 
 /* One work item per row of rays: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear
  * to either side of 0.5. In tissue it goes back to the fluid before. */
-__kernel void wall_turn(sv_wall_layout l, __global const uint *restrict info,
+__kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const ushort *restrict rays,
                         __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f);
-    __global const float *chosen = places + place_row(&l, PLACE_CHOSEN, y);
-    __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_CHOSEN_FAR : PLACE_CHOSEN_NEAR, y);
-    __global float *turned = places + place_row(&l, PLACE_TURNED, y);
+    __global const float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
+    __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y);
+    __global float *turned = places + place_row(&l, PLACE_SURFACE, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
-        const float16 place = *(__global const float16 *)(chosen + x);
+        const float16 place = *(__global const float16 *)(filtered + x);
         const float16 at = place + part * (*(__global const float16 *)(end + x) - place);
         *(__global float16 *)(turned + x) = fmax(at, 0.0f);
     }
-    LOOK_UPS
+    SCALAR_LOADS
     for (uint x = 0; x < l.columns; x++)
-        turned[x] = before_tissue(&l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE],
+        turned[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE],
                                   rays[block_row(&l, RAY_FIRST, y) + x], turned[x]);
 }
 
@@ -106,8 +106,8 @@ static void next_pixel(between_t *b, uint pixels, uint rays) {
 }
 
 /* A row where every pixel is a ray. */
-static void leave_rays_of(const sv_wall_layout *l, __global const float *turned, __global const float *sure,
-                          __global float *surface, __global float *confidence) {
+static void copy_rays(const sv_wall_layout *l, __global const float *turned, __global const float *sure,
+                      __global float *surface, __global float *confidence) {
     for (uint x = 0; x < l->width; x++) {
         surface[x] = (float)l->depth * turned[x];
         confidence[x] = fmin(sure[x], 1.0f);
@@ -115,18 +115,18 @@ static void leave_rays_of(const sv_wall_layout *l, __global const float *turned,
 }
 
 /* One work item per row of pixels. The surface at q goes into the first plane. Without a surface, zeros. */
-__kernel void wall_leave(sv_wall_layout l, __global const uint *restrict info,
-                         __global const float *restrict places, __global float *restrict confidence,
-                         uint padded_width, __global float *restrict surfaces) {
+__kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info,
+                            __global const float *restrict places, __global float *restrict confidence,
+                            uint padded_width, __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
-    __global const float *turned = places + place_row(&l, PLACE_TURNED, 0);
+    __global const float *turned = places + place_row(&l, PLACE_SURFACE, 0);
     surfaces += (size_t)y * padded_width;
     confidence += (size_t)y * l.width;
     if (wanted && l.width == l.columns && l.height == l.rows) {
-        leave_rays_of(&l, turned + place_row(&l, 0, y), places + place_row(&l, 0, y), surfaces, confidence);
+        copy_rays(&l, turned + place_row(&l, 0, y), places + place_row(&l, 0, y), surfaces, confidence);
         return;
     }
     for (uint x = 0; x < l.width; x++) {

@@ -163,7 +163,7 @@ static sv_status spread(sv_chain *chain) {
 
 sv_status sv_chain_turn(sv_chain *chain, cl_mem state16, float q) {
     if (chain->linear) return SV_OK;
-    return chain->method->turn ? chain->method->turn(chain->frame, &chain->state, q)
+    return chain->method->at_q ? chain->method->at_q(chain->frame, &chain->state, q)
                                : sv_chain_run(chain, state16, q);
 }
 
@@ -177,7 +177,7 @@ sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q) {
         status = sv_minimum_prefilter(on, &chain->filter, (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
                                       (uint32_t)v[SV_PARAM_PREFILTER_PASSES]);
     if (status == SV_OK) status = chain->method->run(on, &chain->state, chain->linear ? 2 : 1);
-    if (status == SV_OK && chain->method->turn) status = chain->method->turn(chain->frame, &chain->state, q);
+    if (status == SV_OK && chain->method->at_q) status = chain->method->at_q(chain->frame, &chain->state, q);
     if (status == SV_OK) status = note_passes(chain);
     return status == SV_OK && chain->reduced ? spread(chain) : status;
 }

@@ -95,7 +95,7 @@ typedef struct {
 
     /* For a method that takes the slabs and is not linear: from what the last run found out to the first
      * surface plane at q, after every run and for every other q; or NULL: another q means another run. */
-    sv_status (*turn)(const sv_map *map, sv_method_state *state, float q);
+    sv_status (*at_q)(const sv_map *map, sv_method_state *state, float q);
 
     /* Passes that the record shall name after a run; or NULL: the run writes the record itself. */
     uint32_t (*passes)(const sv_map *map);

@@ -16,7 +16,7 @@
 
 enum {
     K_BINS,
-    K_SURVEY,
+    K_HISTOGRAM,
     K_LEVEL,
     K_WALLS_OWN,
     K_WALLS,
@@ -25,11 +25,11 @@ enum {
     K_BLUR,
     K_MINIMUM,
     K_MEDIAN,
-    K_LEAVE
+    K_UPSAMPLE
 };
-static const char *const kernels[] = {"cost_bins",    "cost_survey", "cost_level",  "cost_walls_own",
-                                      "cost_walls",   "cost_gather", "cost_decide", "cost_blur",
-                                      "cost_minimum", "cost_median", "cost_leave",  NULL};
+static const char *const kernels[] = {"cost_bins",    "cost_histogram", "cost_level",    "cost_walls_own",
+                                      "cost_walls",   "cost_gather",    "cost_decide",   "cost_blur",
+                                      "cost_minimum", "cost_median",    "cost_upsample", NULL};
 enum {
     BINS,
     PARTIAL,
@@ -56,7 +56,7 @@ static sv_source source(void) {
 }
 
 static uint32_t commands(const sv_config *c) {
-    return c->slices + K_LEAVE;
+    return c->slices + K_UPSAMPLE;
 }
 
 static sv_cost_layout layout_of(const sv_map *m) {
@@ -137,7 +137,7 @@ static const struct {
     sv_stage stage;
     int buffers[9]; /* up to -1 */
 } launches[] = {
-    {K_SURVEY, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
+    {K_HISTOGRAM, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, HISTOGRAMS, -1}},
     {K_LEVEL, 0, ONCE, SV_STAGE_THRESHOLD, {HISTOGRAMS, INFO, -1}},
     {K_WALLS_OWN, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {BINS, INFO, OWN, -1}},
     {K_WALLS, 0, ROWS_OF_CELLS, SV_STAGE_THRESHOLD, {OWN, WALLS, -1}},
@@ -154,7 +154,7 @@ static const struct {
      SV_STAGE_RECONSTRUCT,
      {INFO, BLURRED, PREVIOUS, MINIMA, -1}},
     {K_MEDIAN, 0, ROWS_OF_CELLS, SV_STAGE_RECONSTRUCT, {INFO, MINIMA, VOLUME, -1}},
-    {K_LEAVE, MAP_WIDTH | SURFACES, ROWS_OF_PIXELS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, CONFIDENCE, -1}},
+    {K_UPSAMPLE, MAP_WIDTH | SURFACES, ROWS_OF_PIXELS, SV_STAGE_RECONSTRUCT, {INFO, VOLUME, CONFIDENCE, -1}},
 };
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {

@@ -42,7 +42,7 @@ static size_t padded_columns(const sv_wall_layout *l) {
 
 /* Words of 32 bits that a row keeps. By rows, in whole vectors: wall_costs needs 8 bytes a layer for each of
  * SV_WALL_LANES rays, wall_blocks three lines of levels, wall_blur two lines of cells. By items,
- * wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell of wall_items_sum_rows. */
+ * wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell of wall_items_blur_y. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     if (by_items(m)) return (size_t)5 * l->layers * padded_columns(l) / sizeof(cl_uint);
     const size_t layers = (size_t)2 * l->layers * SV_WALL_LANES;
@@ -61,9 +61,9 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
     const size_t cells = sv_wall_lanes_of(l.cells[0]) * l.cells[1] * l.layers;
-    const size_t fine =
-        SV_WALL_BESIDE + (sv_wall_lanes_of(l.cells[0]) + SV_WALL_BESIDE) * l.cells[1] * l.layers;
-    const size_t margin = SV_WALL_BESIDE, level_row = padded_columns(&l) + margin;
+    const size_t fine = SV_WALL_MAX_NEIGHBOUR +
+                        (sv_wall_lanes_of(l.cells[0]) + SV_WALL_MAX_NEIGHBOUR) * l.cells[1] * l.layers;
+    const size_t margin = SV_WALL_MAX_NEIGHBOUR, level_row = padded_columns(&l) + margin;
     const size_t levels =
         margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last of each row */
     const size_t bytes[SV_WALL_BUFFERS] = {
@@ -71,8 +71,8 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_SUMS] = sum_bytes(m, &l),
         [SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
         [SV_WALL_LEVELS] = levels,
-        [SV_WALL_STEADIED] = l.steadied ? levels : 1,
-        [SV_WALL_LARGEST] = cells,
+        [SV_WALL_SMOOTHED] = l.smoothed ? levels : 1,
+        [SV_WALL_ROW_MAXIMA] = cells,
         [SV_WALL_BRIGHT] = cells,
         [SV_WALL_KINDS] = sv_wall_kinds_bytes(&l),
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
@@ -81,7 +81,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_INFO] = INFO_WORDS * sizeof(cl_uint),
         [SV_WALL_SCRATCH] = l.rows * scratch_words(m, &l) * sizeof(cl_uint),
         [SV_WALL_COSTS] = cells * sizeof(cl_ushort),
-        [SV_WALL_AWAYS] = cells,
+        [SV_WALL_DISTANCE_COSTS] = cells,
         [SV_WALL_FINE] = fine * sizeof(cl_ushort),
         [SV_WALL_PLACES] = PLACE_PLANES * plane * sizeof(cl_float),
         [SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
@@ -123,12 +123,12 @@ static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t fi
 }
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* one: `turn` makes it */
-    return run_from(m, s, 0, work_of(m)->first_of_turn, 0.5f);
+    (void)planes; /* one: `at_q` makes it */
+    return run_from(m, s, 0, work_of(m)->first_at_q, 0.5f);
 }
 
-static sv_status turn(const sv_map *m, sv_method_state *s, float q) {
-    return run_from(m, s, work_of(m)->first_of_turn, work_of(m)->count, q);
+static sv_status at_q(const sv_map *m, sv_method_state *s, float q) {
+    return run_from(m, s, work_of(m)->first_at_q, work_of(m)->count, q);
 }
 
 static cl_mem confidence(const sv_method_state *s) {
@@ -165,6 +165,6 @@ const sv_method sv_method_wall = {.definition = &sv_ref_method_wall,
                                   .prepare = prepare,
                                   .slab = slab,
                                   .run = run,
-                                  .turn = turn,
+                                  .at_q = at_q,
                                   .confidence = confidence,
                                   .confidence_report = confidence_report};

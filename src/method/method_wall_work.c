@@ -49,18 +49,18 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
 sv_status sv_wall_launch_all(const sv_map *m, const sv_method_state *s, const sv_wall_work *work,
                              uint32_t first, uint32_t end, const sv_wall_layout *layout,
                              uint32_t scratch_words) {
-    const bool steadied = layout->steadied != 0;
+    const bool smoothed = layout->smoothed != 0;
     sv_status status = SV_OK;
     for (uint32_t i = first; status == SV_OK && i < end; i++) {
         const sv_wall_launch *w = &work->launches[i];
-        if (w->when == SV_WALL_IF_STEADIED && !steadied) continue;
+        if (w->when == SV_WALL_IF_SMOOTHED && !smoothed) continue;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[w->kernel], work->kernels[w->kernel]);
         sv_launch_arg(&l, sizeof *layout, layout);
         if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, sv_wall_is_bounded(m->config));
         if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, m->padded_width);
         if (w->takes & SV_WALL_SCRATCH_WORDS) sv_launch_uint(&l, scratch_words);
         for (const int *b = w->buffers; *b >= 0; b++)
-            sv_launch_buffer(&l, s->buffer[*b == SV_WALL_STEADIED && !steadied ? SV_WALL_LEVELS : *b]);
+            sv_launch_buffer(&l, s->buffer[*b == SV_WALL_SMOOTHED && !smoothed ? SV_WALL_LEVELS : *b]);
         if (w->takes & SV_WALL_RECORD) sv_launch_buffer(&l, m->record);
         if (w->takes & SV_WALL_SURFACES) sv_launch_uint(&l, m->padded_width);
         if (w->takes & SV_WALL_SURFACES) sv_launch_buffer(&l, m->surfaces);

@@ -16,8 +16,8 @@ enum {
     SV_WALL_SUMS,   /* of the layer that the slabs are in */
     SV_WALL_RANGES, /* of pixels */
     SV_WALL_LEVELS,
-    SV_WALL_STEADIED, /* the same, smoothed where layers are one slice; else LEVELS take its place */
-    SV_WALL_LARGEST,  /* brightest of the row of cells */
+    SV_WALL_SMOOTHED,   /* the same, smoothed where layers are one slice; else LEVELS take its place */
+    SV_WALL_ROW_MAXIMA, /* brightest of the row of cells */
     SV_WALL_BRIGHT,
     SV_WALL_KINDS, /* of cells */
     SV_WALL_RAYS,
@@ -26,7 +26,7 @@ enum {
     SV_WALL_INFO,
     SV_WALL_SCRATCH,
     SV_WALL_COSTS,
-    SV_WALL_AWAYS,
+    SV_WALL_DISTANCE_COSTS,
     SV_WALL_FINE, /* costs after the Gaussian */
     SV_WALL_PLACES,
     SV_WALL_CONFIDENCE,
@@ -54,7 +54,7 @@ typedef enum {
 enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_SURFACES = 8 };
 
 /* Kernels that are not launched for every volume. */
-typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_STEADIED } sv_wall_when;
+typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_SMOOTHED } sv_wall_when;
 
 typedef struct {
     int kernel, takes;
@@ -69,7 +69,7 @@ typedef struct {
     sv_status (*slab)(const sv_map *map, sv_method_state *state, const sv_placed_slab *from,
                       const sv_wall_layout *layout);
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
-    uint32_t count, first_of_turn;  /* of them; from this one on they are `turn` */
+    uint32_t count, first_at_q;     /* of them; from this one on they are `at_q` */
 } sv_wall_work;
 
 /* Rounded up to whole rows of SV_WALL_LANES. */

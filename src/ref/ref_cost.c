@@ -17,11 +17,11 @@ sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32
     l.thick_full = SV_COST_THICK_FULL * scale;
     l.tau = SV_COST_TAU * scale;
     l.cut = SV_COST_CUT;
-    l.left = SV_COST_LEFT;
-    l.other = SV_COST_OTHER;
+    l.left = SV_COST_OCCLUDER;
+    l.other = SV_COST_WRONG_FLUID;
     l.thick = SV_COST_THICK;
     l.behind_penalty = SV_COST_BEHIND_PENALTY;
-    l.slack = SV_COST_SLACK;
+    l.slack = SV_COST_AVERAGE_MARGIN;
     l.viewer_shift = SV_COST_VIEWER_SHIFT * scale;
     l.bone_splits = l.median = true;
     return l;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall.h"
 
-#include "ref/ref_wall_around.h"
 #include "ref/ref_wall_surface.h"
+#include "ref/ref_wall_surroundings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,10 +19,11 @@ static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, fl
                   sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_costs costs;
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
-    const uint64_t rays = scan->blocks->rays, least = rays * SV_WALL_SURE * scan->layout->fetus_share;
-    facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_SURE);
+    const uint64_t rays = scan->blocks->rays,
+                   least = rays * SV_WALL_PROBABILITY_ONE * scan->layout->fetus_share;
+    facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_PROBABILITY_ONE);
     *outcome = costs.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
-    const bool done = *outcome != SV_WALL_SURFACE || sv_wall_cheapest(scan, &costs, depth, confidence);
+    const bool done = *outcome != SV_WALL_SURFACE || sv_wall_select_surface(scan, &costs, depth, confidence);
     sv_wall_costs_destroy(&costs);
     return done;
 }
@@ -33,13 +34,13 @@ static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, fl
 static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
                         const sv_wall_evidence *evidence) {
     const bool walled = (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
-                        (uint64_t)scan->blocks->rays * scan->layout->walled;
-    return walled || !sv_wall_is_shallow(scan->layout, levels) || sv_wall_is_parted(scan->layout, levels);
+                        (uint64_t)scan->blocks->rays * scan->layout->clear_wall_share;
+    return walled || !sv_wall_is_shallow(scan->layout, levels) || sv_wall_is_separable(scan->layout, levels);
 }
 
 /* What is known of every cell; both allocated, or NULL. */
 typedef struct {
-    uint8_t *bright, *around;
+    uint8_t *bright, *surroundings;
 } cell_maps;
 
 /* What rays are judged from. False: no memory; what there is in `maps` must be freed all the same. */
@@ -48,8 +49,8 @@ static bool look(sv_wall_scan *scan, const sv_wall_levels *levels, cell_maps *ma
     scan->bright = maps->bright = sv_wall_brightest(scan->layout, scan->blocks);
     if (!maps->bright) return false;
     sv_wall_evidence_of(scan, levels, evidence);
-    scan->around = maps->around = sv_wall_look_around(scan, evidence);
-    return maps->around != NULL;
+    scan->surroundings = maps->surroundings = sv_wall_find_surroundings(scan, evidence);
+    return maps->surroundings != NULL;
 }
 
 /* The surface of a volume of two classes. */
@@ -68,7 +69,7 @@ static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const
             done = place(&scan, &evidence, depth, confidence, outcome, facts);
     }
     free(maps.bright);
-    free(maps.around);
+    free(maps.surroundings);
     return done;
 }
 
@@ -84,7 +85,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     sv_wall_histogram(&blocks, histogram);
     const sv_wall_levels levels = sv_wall_levels_of(histogram);
     sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley, .rays = blocks.rays};
-    if (levels.two) found.parted = (double)levels.between / (double)(levels.between + levels.within);
+    if (levels.two) found.separability = (double)levels.between / (double)(levels.between + levels.within);
     bool done = true;
     *outcome = SV_WALL_EMPTY;
     if (levels.two) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);

@@ -11,11 +11,11 @@
 #include "ref/ref_method.h"
 #include "ref/ref_wall_volume.h"
 
-/* What was found on the way. */
+/* What was found on the side. */
 typedef struct {
     uint32_t threshold;  /* T: tissue is brighter, grey levels */
     double valley;       /* of the histogram, 0 .. 1 */
-    double parted;       /* share of the levels' variance that lies between the two classes, 0 .. 1 */
+    double separability; /* share of the levels' variance that lies between the two classes, 0 .. 1 */
     uint32_t rays;       /* of blocks: scanned ones */
     uint32_t wall_rays;  /* that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */

@@ -36,8 +36,8 @@ static uint8_t mean_of(const sv_wall_volume *v, const sv_wall_layout *l, const s
 }
 
 /* A layer of one slice is more speckle than tissue: a dark block would part the wall, a bright one behind it
- * would be the fetus. So its neighbours along the ray weigh 1 / SV_WALL_STEADY each; the block itself does in
- * the place of one that was not scanned. */
+ * would be the fetus. So its neighbours along the ray weigh 1 / SV_WALL_AXIAL_SUM each; the block itself does
+ * in the place of one that was not scanned. */
 static void steady(const sv_wall_blocks *b) {
     const size_t plane = (size_t)b->columns * b->rows;
     for (size_t ray = 0; ray < plane; ray++)
@@ -45,8 +45,8 @@ static void steady(const sv_wall_blocks *b) {
             const uint8_t *own = &b->means[z * plane + ray];
             const uint32_t before = z > b->first[ray] ? *(own - plane) : *own;
             const uint32_t behind = z + 1 < b->end[ray] ? own[plane] : *own;
-            const uint32_t sum = (SV_WALL_STEADY - 2) * *own + before + behind;
-            b->levels[z * plane + ray] = (uint8_t)((sum + SV_WALL_STEADY / 2) / SV_WALL_STEADY);
+            const uint32_t sum = (SV_WALL_AXIAL_SUM - 2) * *own + before + behind;
+            b->levels[z * plane + ray] = (uint8_t)((sum + SV_WALL_AXIAL_SUM / 2) / SV_WALL_AXIAL_SUM);
         }
 }
 
@@ -74,7 +74,7 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
                 b->means[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
         }
     }
-    if (l->steadied)
+    if (l->smoothed)
         steady(b);
     else
         memcpy(b->levels, b->means, plane * l->layers);
@@ -128,8 +128,8 @@ uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
             means[i] = (uint8_t)((b->means[i] + behind + 1) / 2);
         }
         brightest_of_cells(l, means, cells);
-        largest_along(cells, means, (size_t)l->cells[1] * l->layers, l->cells[0], 1, l->beside[0]);
-        largest_along(means, cells, l->layers, l->cells[1], l->cells[0], l->beside[1]);
+        largest_along(cells, means, (size_t)l->cells[1] * l->layers, l->cells[0], 1, l->dilation[0]);
+        largest_along(means, cells, l->layers, l->cells[1], l->cells[0], l->dilation[1]);
         free(means);
         return cells;
     }

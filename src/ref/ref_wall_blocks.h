@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The volume in blocks of about 2 mm around rays half as far apart: all that follows reads these. */
+/* The volume in blocks of about 2 mm surroundings rays half as far apart: all that follows reads these. */
 #ifndef REF_WALL_BLOCKS_H
 #define REF_WALL_BLOCKS_H
 
@@ -21,7 +21,7 @@ bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *l
                            sv_wall_blocks *blocks);
 void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
 
-/* The brightness of every cell, at [(z * cells[1] + y) * cells[0] + x]: the largest within layout->beside
+/* The brightness of every cell, at [(z * cells[1] + y) * cells[0] + x]: the largest within layout->dilation
  * cells of its own, in the same layer, of half the sums of the means of a block and the one behind it,
  * rounded half up; what was not scanned counts as 0. NULL: no memory. The caller frees it. */
 uint8_t *sv_wall_brightest(const sv_wall_layout *layout, const sv_wall_blocks *blocks);

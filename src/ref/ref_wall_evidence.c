@@ -15,8 +15,8 @@ uint8_t sv_wall_brightness(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->bright[cell_of(s->layout, ray, z)];
 }
 
-uint8_t sv_wall_around(const sv_wall_scan *s, size_t ray, size_t z) {
-    return s->around[cell_of(s->layout, ray, z)];
+uint8_t sv_wall_surroundings_at(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->surroundings[cell_of(s->layout, ray, z)];
 }
 
 sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
@@ -58,18 +58,18 @@ static int32_t odds(const uint32_t *tables, uint32_t level) {
 /* The logistic function, linear between the entries of its table. */
 static uint32_t probability(const uint32_t *tables, int32_t evidence) {
     const uint32_t size = (uint32_t)(evidence < 0 ? -evidence : evidence), part = 1 << SV_WALL_LOGISTIC_BITS;
-    uint32_t p = SV_WALL_SURE;
+    uint32_t p = SV_WALL_PROBABILITY_ONE;
     if (size / part < SV_WALL_LOGISTIC) {
         const uint32_t *at = tables + SV_WALL_CURVE + size / part;
         p = at[0] + ((at[1] - at[0]) * (size % part) + part / 2) / part;
     }
-    return evidence < 0 ? SV_WALL_SURE - p : p;
+    return evidence < 0 ? SV_WALL_PROBABILITY_ONE - p : p;
 }
 
 /* Evidence of a brightness `above` spreads over the wall's. */
 static int32_t evidence(const sv_wall_layout *l, int32_t above) {
-    const int32_t most = SV_WALL_FAR_ABOVE;
-    return (above < -most ? -most : above > most ? most : above) * l->sure / 16;
+    const int32_t most = SV_WALL_MAX_EVIDENCE;
+    return (above < -most ? -most : above > most ? most : above) * l->slope / 16;
 }
 
 void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out) {
@@ -84,7 +84,7 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
         out->wall = sv_wall_quantile(histogram, l->wall_rank);
         out->spread = odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
                       odds(tables, sv_wall_quantile(histogram, l->low_rank));
-        if (out->spread < SV_WALL_SPREAD_LEAST) out->spread = SV_WALL_SPREAD_LEAST;
+        if (out->spread < SV_WALL_MIN_SPREAD) out->spread = SV_WALL_MIN_SPREAD;
     } else {
         const uint32_t wall = levels->bright * l->assumed_wall / SV_WALL_PER_MILLE;
         out->wall = wall < 255 * SV_WALL_LEVEL_ONE ? wall : 255 * SV_WALL_LEVEL_ONE;
@@ -92,8 +92,8 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
     }
     for (uint32_t i = 0; i < 256; i++) {
         const int32_t more = odds(tables, i * SV_WALL_LEVEL_ONE) - odds(tables, out->wall);
-        const int32_t above = more * (1 << SV_WALL_ODDS_BITS) / out->spread - l->level;
+        const int32_t above = more * (1 << SV_WALL_ODDS_BITS) / out->spread - l->fetus_level;
         out->other[i] = probability(tables, evidence(l, above));
-        out->first[i] = probability(tables, evidence(l, above - l->first));
+        out->first[i] = probability(tables, evidence(l, above - l->first_run_extra));
     }
 }

@@ -17,9 +17,9 @@ typedef struct {
 typedef struct {
     const sv_wall_layout *layout;
     const sv_wall_blocks *blocks;
-    const uint8_t *bright; /* of every cell (sv_wall_brightest) */
-    const uint8_t *around; /* the same (sv_wall_look_around) */
-    uint32_t threshold;    /* tissue is brighter */
+    const uint8_t *bright;       /* of every cell (sv_wall_brightest) */
+    const uint8_t *surroundings; /* the same (sv_wall_find_surroundings) */
+    uint32_t threshold;          /* tissue is brighter */
 } sv_wall_scan;
 
 /* True if the block in layer z of a ray is tissue. */
@@ -28,11 +28,11 @@ bool sv_wall_is_tissue(const sv_wall_scan *scan, size_t ray, size_t z);
 /* The brightness of a ray in layer z: its cell's. */
 uint8_t sv_wall_brightness(const sv_wall_scan *scan, size_t ray, size_t z);
 
-/* What is around the ray's cell there. Enclosed: through tissue alone one comes to the wall to the left, to
- * the right, upwards and downwards. Flanked: to the fetus to the left and to the right, or upwards and
- * downwards. One side: to the fetus on some side only. */
+/* What is surroundings the ray's cell there. Enclosed: through tissue alone one comes to the wall to the
+ * left, to the right, upwards and downwards. Flanked: to the fetus to the left and to the right, or upwards
+ * and downwards. One side: to the fetus on some side only. */
 enum { SV_WALL_ENCLOSED = 1, SV_WALL_FLANKED = 2, SV_WALL_ONE_SIDE = 4 };
-uint8_t sv_wall_around(const sv_wall_scan *scan, size_t ray, size_t z);
+uint8_t sv_wall_surroundings_at(const sv_wall_scan *scan, size_t ray, size_t z);
 
 /* The first tissue of a ray: layers [begin, end), both the end of the scan if there is none. `touches`: it
  * begins where the scan does. `fluid`: fluid follows it. */

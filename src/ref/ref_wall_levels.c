@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* True if a ray is no farther from the middle of the image than the other one of its cell. */
+/* True if a ray is no farther from the median_of of the image than the other one of its cell. */
 static bool is_inner(uint32_t ray, uint32_t rays) {
     return ray < rays / 2 ? ray % 2 == 1 || ray + 1 == rays / 2 : ray % 2 == 0 || ray == rays / 2;
 }
@@ -25,10 +25,10 @@ static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
     uint64_t counts[256], smooth[256];
     memcpy(counts, histogram, sizeof counts);
     counts[255] = 0;
-    for (int turn = 0; turn < 2; turn++) {
+    for (int apply_knob = 0; apply_knob < 2; apply_knob++) {
         for (int i = 0; i < 256; i++) {
             smooth[i] = 0;
-            for (int k = i - SV_WALL_SMOOTH; k <= i + SV_WALL_SMOOTH; k++)
+            for (int k = i - SV_WALL_HISTOGRAM_REACH; k <= i + SV_WALL_HISTOGRAM_REACH; k++)
                 smooth[i] += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
         }
         memcpy(counts, smooth, sizeof counts);
@@ -57,11 +57,11 @@ static void find_variance(const uint64_t histogram[256], const uint32_t *root, u
         count[root[i] > split] += histogram[i];
         sum[root[i] > split] += histogram[i] * root[i];
     }
-    const uint64_t middle = (sum[0] + sum[1]) / (count[0] + count[1]);
+    const uint64_t median_of = (sum[0] + sum[1]) / (count[0] + count[1]);
     out->between = out->within = 0;
     for (int k = 0; k < 2; k++) {
         mean[k] = sum[k] / count[k];
-        const uint64_t away = mean[k] > middle ? mean[k] - middle : middle - mean[k];
+        const uint64_t away = mean[k] > median_of ? mean[k] - median_of : median_of - mean[k];
         out->between += count[k] * away * away;
     }
     for (int i = 0; i < 256; i++) {
@@ -82,7 +82,7 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     sv_wall_levels out = {.least = 1, .mode = 1, .valley = 1.0};
     if (all == 0) return out;
     uint64_t next = total / all;
-    for (int turn = 0; turn < SV_WALL_TURNS && next != split; turn++) {
+    for (int apply_knob = 0; apply_knob < SV_WALL_MAX_ITERATIONS && next != split; apply_knob++) {
         uint64_t count = 0, sum = 0;
         split = next;
         for (int i = 0; i < 256 && root[i] <= split; i++) {
@@ -107,16 +107,16 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
 }
 
 uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    const uint32_t way = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
-    return levels->threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
+    const uint32_t side = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
+    return levels->threshold + side * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
 }
 
 bool sv_wall_is_shallow(const sv_wall_layout *l, const sv_wall_levels *levels) {
     return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley;
 }
 
-bool sv_wall_is_parted(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    return levels->between * SV_WALL_PER_MILLE > (levels->between + levels->within) * l->parted;
+bool sv_wall_is_separable(const sv_wall_layout *l, const sv_wall_levels *levels) {
+    return levels->between * SV_WALL_PER_MILLE > (levels->between + levels->within) * l->separability;
 }
 
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {

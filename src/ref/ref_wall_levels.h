@@ -6,8 +6,8 @@
 #include "ref/ref_wall_blocks.h"
 
 /* Histogram of the scanned blocks of one ray a cell: of four that overlap by half it tells as much as all.
- * The ray next to the middle of the image, so a mirrored volume has the same histogram; both of a cell that
- * lies in the middle. */
+ * The ray next to the median_of of the image, so a mirrored volume has the same histogram; both of a cell
+ * that lies in the median_of. */
 void sv_wall_histogram(const sv_wall_blocks *blocks, uint64_t histogram[256]);
 
 typedef struct {
@@ -27,7 +27,7 @@ typedef struct {
  * (isodata). */
 sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]);
 
-/* Tissue is brighter than this level: layout->tissue of the way from the threshold to the mean of the bright
+/* Tissue is brighter than this level: layout->tissue of the side from the threshold to the mean of the bright
  * class, rounded down. */
 uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
@@ -35,7 +35,7 @@ uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels
 bool sv_wall_is_shallow(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
 /* True if the variance between the classes is so much of all that there must be two. */
-bool sv_wall_is_parted(const sv_wall_layout *layout, const sv_wall_levels *levels);
+bool sv_wall_is_separable(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE; a level's
  * count is spread evenly over level +- 0.5. */

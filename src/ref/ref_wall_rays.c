@@ -16,12 +16,13 @@ typedef struct {
 
 /* Shares of probabilities, rounded half up. */
 static uint32_t share(uint32_t value, uint32_t probability) {
-    return (uint32_t)(((uint64_t)value * probability + SV_WALL_SURE / 2) / SV_WALL_SURE);
+    return (uint32_t)(((uint64_t)value * probability + SV_WALL_PROBABILITY_ONE / 2) /
+                      SV_WALL_PROBABILITY_ONE);
 }
 
 /* Shares of costs, rounded down. */
 static uint32_t share_of_cost(uint32_t cost, uint32_t probability) {
-    return (uint32_t)((uint64_t)cost * probability / SV_WALL_SURE);
+    return (uint32_t)((uint64_t)cost * probability / SV_WALL_PROBABILITY_ONE);
 }
 
 /* How likely a block of tissue is the fetus. What the wall encloses is told like the first tissue of a ray.
@@ -30,15 +31,16 @@ static uint32_t chance_of(const sv_wall_scan *s, const sv_wall_evidence *e, size
                           const sv_wall_run *first) {
     const uint8_t bright = sv_wall_brightness(s, ray, z);
     const uint32_t as_first = e->first[bright], as_other = e->other[bright];
-    const uint8_t around = sv_wall_around(s, ray, z);
-    if (!first->touches || z >= first->end) return around & SV_WALL_ENCLOSED ? as_first : as_other;
-    if (around & SV_WALL_FLANKED) return as_other;
-    return as_first + (around & SV_WALL_ONE_SIDE ? share(as_other - as_first, s->layout->one_side) : 0);
+    const uint8_t surroundings = sv_wall_surroundings_at(s, ray, z);
+    if (!first->touches || z >= first->end) return surroundings & SV_WALL_ENCLOSED ? as_first : as_other;
+    if (surroundings & SV_WALL_FLANKED) return as_other;
+    return as_first + (surroundings & SV_WALL_ONE_SIDE ? share(as_other - as_first, s->layout->one_side) : 0);
 }
 
 /* Front to back: the fetus begins where what a run has shown so far makes it likely, unless it has begun. */
-static void fetus_begins(const sv_wall_scan *s, const sv_wall_evidence *e, size_t ray, ray_facts *f) {
-    uint32_t before = SV_WALL_SURE, now = SV_WALL_SURE; /* that it has not begun: before this run, so far */
+static void forward_fetus(const sv_wall_scan *s, const sv_wall_evidence *e, size_t ray, ray_facts *f) {
+    uint32_t before = SV_WALL_PROBABILITY_ONE,
+             now = SV_WALL_PROBABILITY_ONE; /* that it has not begun: before this run, so far */
     uint32_t most = 0;
     for (uint32_t z = 0; z < s->layout->layers; z++) {
         if (sv_wall_is_tissue(s, ray, z)) {
@@ -49,7 +51,7 @@ static void fetus_begins(const sv_wall_scan *s, const sv_wall_evidence *e, size_
             before = now;
             most = 0;
         }
-        f->begun[z] = SV_WALL_SURE - now;
+        f->begun[z] = SV_WALL_PROBABILITY_ONE - now;
     }
 }
 
@@ -87,24 +89,24 @@ static void first_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
 
 /* What is wrong with a surface in layer z: the fetus is cut, an occluder is left, it is in another fluid. */
 static uint32_t wrong_at(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t z) {
-    const uint32_t none = SV_WALL_SURE - f->begun[l->layers - 1];
+    const uint32_t none = SV_WALL_PROBABILITY_ONE - f->begun[l->layers - 1];
     uint32_t later = f->later[z];
     if (f->first.touches && z < f->first.end) {
         const uint32_t skin = z + l->skin < f->first.end ? z + l->skin : f->first.end - 1;
         later += f->begun[f->first.end - 1] - f->begun[skin];
     }
-    uint32_t wrong = share_of_cost(l->left, later);
-    if (z > 0 || !bare) wrong += share_of_cost(l->cut, f->begun[z]);
-    if (z < f->fluid_begin || z >= f->fluid_end) wrong += share_of_cost(l->other, none);
+    uint32_t wrong = share_of_cost(l->occluder_cost, later);
+    if (z > 0 || !bare) wrong += share_of_cost(l->cut_cost, f->begun[z]);
+    if (z < f->fluid_begin || z >= f->fluid_end) wrong += share_of_cost(l->wrong_fluid_cost, none);
     return wrong;
 }
 
 /* Adds what a ray costs. */
 static void add_up(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t *all, uint32_t *away) {
     for (uint32_t z = 0; z < l->layers; z++) {
-        const uint32_t far = f->distance[z] < l->far ? f->distance[z] : l->far;
+        const uint32_t far = f->distance[z] < l->full_distance ? f->distance[z] : l->full_distance;
         const uint32_t cost = (far * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
-        const uint32_t capped = cost < SV_WALL_ONE ? cost : SV_WALL_ONE;
+        const uint32_t capped = cost < SV_WALL_COST_ONE ? cost : SV_WALL_COST_ONE;
         away[z] += capped;
         all[z] += capped + wrong_at(l, bare, f, z);
     }
@@ -137,7 +139,7 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
     for (size_t ray = 0; ray < rays; ray++) {
         if (s->blocks->first[ray] == s->blocks->end[ray]) continue;
         f.first = sv_wall_first_run(s, ray);
-        fetus_begins(s, e, ray, &f);
+        forward_fetus(s, e, ray, &f);
         fluid_behind(s, ray, &f);
         first_fluid(s, ray, &f);
         const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;

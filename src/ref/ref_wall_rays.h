@@ -5,8 +5,8 @@
 
 #include "ref/ref_wall_evidence.h"
 
-/* Costs in units of 1 / SV_WALL_ONE: cell c clipped at layer z at [c * layers + z]. The mean of the cell's
- * two by two rays, rounded half up; a ray that was not scanned costs nothing. */
+/* Costs in units of 1 / SV_WALL_COST_ONE: cell c clipped at layer z at [c * layers + z]. The mean of the
+ * cell's two by two rays, rounded half up; a ray that was not scanned costs nothing. */
 typedef struct {
     uint32_t *all;  /* the distance to the fluid; the fetus is cut, an occluder is left, another fluid */
     uint32_t *away; /* of that, the distance to the fluid */

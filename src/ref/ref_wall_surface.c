@@ -27,7 +27,7 @@ static void blur_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t
 /* The lateral Gaussian, rounded half up at its end only: so the order of the axes does not matter. */
 static void blur(const sv_wall_layout *l, uint32_t *costs, uint32_t *rows) {
     const size_t all = (size_t)l->cells[0] * l->cells[1] * l->layers;
-    const uint32_t one = SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE / (SV_WALL_FINE_ONE / SV_WALL_ONE);
+    const uint32_t one = SV_WALL_KERNEL_ONE * SV_WALL_KERNEL_ONE / (SV_WALL_FINE_COST_ONE / SV_WALL_COST_ONE);
     blur_along(costs, rows, l->cells[1], l->cells[0], l->layers, l->kernel_x, l->reach_x);
     blur_along(rows, costs, 1, l->cells[1], (size_t)l->cells[0] * l->layers, l->kernel_y, l->reach_y);
     for (size_t i = 0; i < all; i++) costs[i] = (costs[i] + one / 2) / one;
@@ -38,8 +38,8 @@ static size_t cell_beside(uint32_t ray, uint32_t cells) {
     return inside((int64_t)(ray / 2) + (ray % 2 ? 1 : -1), cells);
 }
 
-/* What a ray pays, linear between the costs of the four cells around it and rounded half up. A ray lies a
- * quarter of a cell from the middle of its own. */
+/* What a ray pays, linear between the costs of the four cells surroundings it and rounded half up. A ray lies
+ * a quarter of a cell from the median_of of its own. */
 static void between_cells(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y,
                           uint32_t *ray) {
     const size_t row = (size_t)l->cells[0] * l->layers, column = l->layers;
@@ -60,9 +60,9 @@ static float crossing(uint32_t inside, uint32_t outside, uint32_t limit) {
     return (float)(limit - inside) / (float)(outside - inside);
 }
 
-/* `place`: the mean of the layers around the cheapest one that cost at most `slack` more, weighted by what
- * they cost less than that; of several cheapest the one nearest to the viewer counts. `near`, `far`: how far
- * around the cheapest one the costs stay within `reach`. */
+/* `place`: the mean of the layers surroundings the cheapest one that cost at most `slack` more, weighted by
+ * what they cost less than that; of several cheapest the one nearest to the viewer counts. `near`, `far`: how
+ * far surroundings the cheapest one the costs stay within `reach`. */
 static void cheapest(const uint32_t *cost, uint32_t layers, uint32_t slack, uint32_t reach,
                      float to[PLANES]) {
     uint32_t best = 0;
@@ -102,9 +102,9 @@ static void neighbours(const sv_wall_layout *l, const uint32_t away[2], const fl
             *out++ = map[inside(y + v * dy, l->rows) * l->columns + inside(x + u * dx, l->columns)];
 }
 
-static float middle(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
+static float median_of(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
     float values[9];
-    neighbours(l, l->aside, map, x, y, values);
+    neighbours(l, l->median_step, map, x, y, values);
     qsort(values, 9, sizeof *values, by_value);
     return values[4];
 }
@@ -113,7 +113,7 @@ static float middle(const sv_wall_layout *l, const float *map, uint32_t x, uint3
  * mirrored result. */
 static float smooth(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
     float n[9];
-    neighbours(l, l->around, map, x, y, n);
+    neighbours(l, l->smoothing_step, map, x, y, n);
     const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
     return (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f;
 }
@@ -154,17 +154,18 @@ static void interpolate(const sv_wall_layout *l, const float *rays, float scale,
 static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, uint32_t x, uint32_t y,
                       float layer) {
     const size_t at = ((size_t)(y / 2) * l->cells[0] + x / 2) * l->layers + (size_t)(layer + 0.5f);
-    return (float)(costs->all[at] + (SV_WALL_OWN_AWAY - 1) * costs->away[at]) / SV_WALL_ONE;
+    return (float)(costs->all[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1) * costs->away[at]) / SV_WALL_COST_ONE;
 }
 
 /* The median of every plane. */
-static void settle(const sv_wall_layout *l, const float *layers, float *chosen) {
+static void median_filter(const sv_wall_layout *l, const float *layers, float *filtered) {
     const size_t count = (size_t)l->columns * l->rows;
-    if (!l->median) memcpy(chosen, layers, PLANES * count * sizeof *chosen);
+    if (!l->median) memcpy(filtered, layers, PLANES * count * sizeof *filtered);
     for (uint32_t plane = 0; l->median && plane < PLANES; plane++)
         for (uint32_t y = 0; y < l->rows; y++)
             for (uint32_t x = 0; x < l->columns; x++)
-                chosen[plane * count + (size_t)y * l->columns + x] = middle(l, layers + plane * count, x, y);
+                filtered[plane * count + (size_t)y * l->columns + x] =
+                    median_of(l, layers + plane * count, x, y);
 }
 
 /* `own` and `sure` have room for a number a ray. */
@@ -177,7 +178,7 @@ static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const flo
         }
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
-            const float doubt = smooth(l, own, x, y) / l->doubt;
+            const float doubt = smooth(l, own, x, y) / l->half_confidence_cost;
             sure[(size_t)y * l->columns + x] = 1.0f / (1.0f + doubt * doubt);
         }
     interpolate(l, sure, 1.0f, confidence);
@@ -185,27 +186,28 @@ static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const flo
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = fminf(confidence[i], 1.0f);
 }
 
-/* A surface in tissue goes back to where that begins, at most `far` layers: the rays around this one have
- * drawn it out of the fluid before the tissue. Tissue at the start of the scan has no fluid before it. */
-static float before_tissue(const sv_wall_scan *s, size_t ray, float place) {
+/* A surface in tissue goes back to where that begins, at most `far` layers: the rays surroundings this one
+ * have drawn it out of the fluid before the tissue. Tissue at the start of the scan has no fluid before it.
+ */
+static float back_to_fluid(const sv_wall_scan *s, size_t ray, float place) {
     const uint32_t at = (uint32_t)place, start = s->blocks->first[ray];
     if (!sv_wall_is_tissue(s, ray, at)) return place;
-    for (uint32_t z = at; z > start && at - z < s->layout->far; z--)
+    for (uint32_t z = at; z > start && at - z < s->layout->full_distance; z--)
         if (!sv_wall_is_tissue(s, ray, z - 1)) return (float)z;
     return place;
 }
 
 /* Leaves the surface in the plane PLACE: at q = 0 the far end, at 1 the near one, linear to either side of
  * 0.5. In tissue it goes back to the fluid before. */
-static void turn(const sv_wall_scan *scan, float *chosen) {
+static void apply_knob(const sv_wall_scan *scan, float *filtered) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows;
     const float part = fabsf(2.0f * l->q - 1.0f);
-    const float *const end = chosen + (l->q < 0.5f ? FAR : NEAR) * count;
-    float *const place = chosen + PLACE * count;
+    const float *const end = filtered + (l->q < 0.5f ? FAR : NEAR) * count;
+    float *const place = filtered + PLACE * count;
     for (size_t ray = 0; ray < count; ray++) {
         const float at = place[ray] + part * (end[ray] - place[ray]);
-        place[ray] = before_tissue(scan, ray, at > 0.0f ? at : 0.0f);
+        place[ray] = back_to_fluid(scan, ray, at > 0.0f ? at : 0.0f);
     }
 }
 
@@ -218,7 +220,7 @@ static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *la
         for (uint32_t x = 0; x < l->columns; x++) {
             float of_ray[PLANES];
             between_cells(l, costs, x, y, ray);
-            cheapest(ray, l->layers, l->slack, l->reach, of_ray);
+            cheapest(ray, l->layers, l->average_margin, l->knob_margin, of_ray);
             for (size_t plane = 0; plane < PLANES; plane++)
                 layers[plane * count + (size_t)y * l->columns + x] = of_ray[plane];
         }
@@ -226,26 +228,28 @@ static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *la
     return true;
 }
 
-bool sv_wall_cheapest(const sv_wall_scan *scan, const sv_wall_costs *given, float *depth, float *confidence) {
+bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *given, float *depth,
+                            float *confidence) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
-    float *layers = calloc(PLANES * count, sizeof *layers), *chosen = calloc(PLANES * count, sizeof *chosen);
-    bool done = costs && rows && layers && chosen;
+    float *layers = calloc(PLANES * count, sizeof *layers),
+          *filtered = calloc(PLANES * count, sizeof *filtered);
+    bool done = costs && rows && layers && filtered;
     if (done) {
         memcpy(costs, given->all, all * sizeof *costs);
         blur(l, costs, rows);
         done = place_rays(l, costs, layers);
     }
     if (done) {
-        settle(l, layers, chosen);
-        trust(l, given, chosen + PLACE * count, layers, layers + count, confidence);
-        turn(scan, chosen);
-        interpolate(l, chosen + PLACE * count, (float)l->depth, depth);
+        median_filter(l, layers, filtered);
+        trust(l, given, filtered + PLACE * count, layers, layers + count, confidence);
+        apply_knob(scan, filtered);
+        interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
     }
     free(costs);
     free(rows);
     free(layers);
-    free(chosen);
+    free(filtered);
     return done;
 }

@@ -6,6 +6,7 @@
 #include "ref/ref_wall_rays.h"
 
 /* Maps of width * height. False: no memory. */
-bool sv_wall_cheapest(const sv_wall_scan *scan, const sv_wall_costs *costs, float *depth, float *confidence);
+bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *costs, float *depth,
+                            float *confidence);
 
 #endif

@@ -4,7 +4,7 @@
  * that are two classes all the same; a bladder, which the wall encloses; what is before a finger; and a limb
  * that lies against the wall.
  */
-#include "ref/ref_wall_around.h"
+#include "ref/ref_wall_surroundings.h"
 #include "support/wall_fixture.h"
 
 #include <stdio.h>
@@ -22,8 +22,9 @@ static void test_fading_tissue(void **state) {
                 if (*voxel > 2 * FLUID) *voxel = (uint8_t)(10.0 + *voxel * square((double)y / N));
             }
     scan_run(&s);
-    printf("fading: valley %.2f, %.2f of the variance between the classes\n", s.facts.valley, s.facts.parted);
-    assert_true(s.facts.valley > 0.9 && s.facts.parted > 0.8);
+    printf("fading: valley %.2f, %.2f of the variance between the classes\n", s.facts.valley,
+           s.facts.separability);
+    assert_true(s.facts.valley > 0.9 && s.facts.separability > 0.8);
     assert_true(s.facts.wall_rays < s.facts.rays * 3 / 4);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     scan_free(&s);
@@ -70,7 +71,8 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
     enum { CELLS = 5, SIDE = 2 * CELLS, LAYERS = 3, PLANE = SIDE * SIDE, MIDDLE = 2 * CELLS + 2 };
     uint8_t levels[LAYERS * PLANE];
     uint16_t first[PLANE] = {0}, end[PLANE];
-    sv_wall_layout l = {.columns = SIDE, .rows = SIDE, .layers = LAYERS, .cells = {CELLS, CELLS}, .flank = 1};
+    sv_wall_layout l = {
+        .columns = SIDE, .rows = SIDE, .layers = LAYERS, .cells = {CELLS, CELLS}, .fetus_threshold = 1};
     const sv_wall_blocks blocks = {
         .columns = SIDE, .rows = SIDE, .layers = LAYERS, .levels = levels, .first = first, .end = end};
     const uint8_t bright[LAYERS * CELLS * CELLS] = {0};
@@ -85,7 +87,7 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
         for (int k = 0; k < opens; k++)
             if ((int)cell == open[k]) levels[2 * PLANE + i] = FLUID;
     }
-    uint8_t *const around = sv_wall_look_around(&judged, &none);
+    uint8_t *const around = sv_wall_find_surroundings(&judged, &none);
     assert_non_null(around);
     assert_int_equal(around[CELLS * CELLS + MIDDLE], 0); /* fluid */
     const uint8_t is = around[2 * CELLS * CELLS + MIDDLE];
@@ -158,7 +160,7 @@ static void test_limb(void **state) {
     (void)state;
     const sv_wall_settings all = sv_wall_settings_default();
     sv_wall_settings none = all, both_sides = all;
-    none.flank = 1.1; /* no tissue is the fetus with such a probability */
+    none.fetus_threshold = 1.1; /* no tissue is the fetus with such a probability */
     both_sides.one_side = 0.0;
     assert_in_range(rays_behind_limb(24, 40, &none), 48, 64);
     assert_int_equal(rays_behind_limb(24, 40, &both_sides), 0);

@@ -105,8 +105,8 @@ static bool judge(wall_case *c, const options *o, totals *t, hs_error *err) {
         t->count++;
         printf("  %-4s %5.2f / %4.1f / %4.1f   outcome %d, T %u, valley %.2f, parted %.2f, wall %.0f, spread "
                "%.2f, seen by %.0f %%\n",
-               c->name, s.error, 100.0 * s.cut, 100.0 * s.left, (int)outcome, f.threshold, f.valley, f.parted,
-               f.wall, f.spread, f.rays ? 100.0 * f.wall_rays / f.rays : 0.0);
+               c->name, s.error, 100.0 * s.cut, 100.0 * s.left, (int)outcome, f.threshold, f.valley,
+               f.separability, f.wall, f.spread, f.rays ? 100.0 * f.wall_rays / f.rays : 0.0);
     }
     free(depth);
     free(confidence);

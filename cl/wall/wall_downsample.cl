@@ -91,7 +91,7 @@ static void weigh_rows(__global const sv_wall_span *spans, strip_t *s) {
 
 /* LANES voxels from `at` on. Rows that have fewer end with zeros. */
 static u8l load_lanes(__global const uchar *at, bool narrow, uint width) {
-    if (!narrow) return ((__global const u8l_anywhere *)at)->v;
+    if (!narrow) return ((__global const u8l_unaligned *)at)->v;
     uchar16 parts[LANES / SV_LANES];
     for (uint i = 0; i < LANES / SV_LANES; i++) {
         const uint x = i * SV_LANES;
@@ -152,7 +152,7 @@ static void add_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
                 u16l moved[2];
                 moved[0] = sum[r];
                 moved[1] = (u16l)(0);
-                sum[r] = ((const u16l_anywhere *)((const ushort *)moved + (x - from)))->v;
+                sum[r] = ((const u16l_unaligned *)((const ushort *)moved + (x - from)))->v;
             }
             *to = fresh ? sum[r] : *to + sum[r];
         }
@@ -163,13 +163,13 @@ static void add_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
  * columns of rays, then of the rows. `sums`: words of 16 bits, padded pixels between margins for each
  * row of rays. `ranges`: two planes like those of `scanned`; without ranges and padding they are left alone.
  */
-__kernel void wall_take(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
-                        uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
-                        uint ranged, uint range_pitch, __global const ushort *restrict scanned,
-                        sv_wall_layout l, __global const sv_wall_span *restrict spans,
-                        __global ushort *restrict sums, __global ushort *restrict ranges,
-                        __global uchar *restrict levels) {
-    const uint row = (uint)get_global_id(0), sum_words = whole_lanes(l.width) + 2 * MEANS_MARGIN;
+__kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
+                              uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
+                              uint padding, uint ranged, uint range_pitch,
+                              __global const ushort *restrict scanned, sv_wall_layout l,
+                              __global const sv_wall_span *restrict spans, __global ushort *restrict sums,
+                              __global ushort *restrict ranges, __global uchar *restrict levels) {
+    const uint row = (uint)get_global_id(0), sum_words = round_up_to_lanes(l.width) + 2 * MEANS_MARGIN;
     strip_t s = {.row = row,
                  .padding = padding,
                  .range_pitch = range_pitch,
@@ -193,6 +193,6 @@ __kernel void wall_take(__global const uchar *restrict slab, ulong slab_offset, 
         if (z + count < layer_end) continue;
         __global uchar *const to[2] = {levels + level_row(&l, layer, 2 * row),
                                        levels + level_row(&l, layer, 2 * row + 1)};
-        leave_means(&l, spans, taps, s.sums, layer_end - layer * l.depth, to);
+        store_means(&l, spans, taps, s.sums, layer_end - layer * l.depth, to);
     }
 }

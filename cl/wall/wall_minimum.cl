@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, from costs to the cheapest layer of every ray: what rays pay between cells, the least,
- * the mean around it, and how far around it the knob may go.
+ * The wall's surface, from costs to the minimum_layer layer of every ray: what rays pay between cells, the
+ * least, the mean around it, and how far around it the knob may sweep.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -14,8 +14,8 @@ static u32h thrice(u32h a) {
 
 /* Costs of cells, three quarters from a row of them and a quarter from another, times 4. */
 static u32h between_rows(__global const ushort *own, __global const ushort *other) {
-    const u32h a = HALF_TO_U32(((__global const u16h_anywhere *)own)->v);
-    return thrice(a) + HALF_TO_U32(((__global const u16h_anywhere *)other)->v);
+    const u32h a = HALF_TO_U32(((__global const u16h_unaligned *)own)->v);
+    return thrice(a) + HALF_TO_U32(((__global const u16h_unaligned *)other)->v);
 }
 
 /* What LANES rays pay, linear between the costs of the four cells around each and rounded half up. `own`: of
@@ -24,23 +24,23 @@ static u16l between_cells(__global const ushort *own, __global const ushort *oth
     const u32h here = thrice(between_rows(own, other)) + 8u;
     const u32h left = (here + between_rows(own - 1, other - 1)) >> 4u;
     const u32h right = (here + between_rows(own + 1, other + 1)) >> 4u;
-    return SEEN_AS(left | right << 16u, u16l); /* neighbours share a word */
+    return REINTERPRET(left | right << 16u, u16l); /* neighbours share a word */
 }
 
-/* LANES rays: the cheapest layer, of several the one nearest to the viewer. */
-static u16l cheapest(const sv_wall_layout *l, __global const u16l *costs, u16l *least) {
+/* LANES rays: the minimum_layer layer, of several the one nearest to the viewer. */
+static u16l minimum_layer(const sv_wall_layout *l, __global const u16l *costs, u16l *least) {
     u16l best = (u16l)(0);
     *least = costs[0];
     for (uint z = 1; z < l->layers; z++) {
         const u16l cost = costs[z];
         const u16l less = AS_U16(cost < *least);
-        *least = LEAST(*least, cost);
-        best = PICK(best, (u16l)((ushort)z), less);
+        *least = MINIMUM(*least, cost);
+        best = SELECT(best, (u16l)((ushort)z), less);
     }
     return best;
 }
 
-/* Layers from .. to - 1 hold all around the cheapest ones that costs less than the limit. */
+/* Layers from .. to - 1 hold all around the minimum_layer ones that costs less than the limit. */
 typedef struct {
     uint from, to;
 } window_t;
@@ -52,14 +52,14 @@ static window_t window_of(const sv_wall_layout *l, __global const u16l *costs, u
         w.from = min(w.from, (uint)lanes[i]);
         w.to = max(w.to, (uint)lanes[i]);
     }
-    while (w.from > 0 && some_words(AS_I16(costs[w.from - 1] < limit))) w.from--;
+    while (w.from > 0 && any_word(AS_I16(costs[w.from - 1] < limit))) w.from--;
     do w.to++;
-    while (w.to < l->layers && some_words(AS_I16(costs[w.to] < limit)));
+    while (w.to < l->layers && any_word(AS_I16(costs[w.to] < limit)));
     return w;
 }
 
-/* The mean of the layers around the cheapest one that cost less than the limit, weighted by what they cost
- * less than that. */
+/* The mean of the layers around the minimum_layer one that cost less than the limit, weighted by what they
+ * cost less than that. */
 static f32l mean_around(const window_t *w, __global const u16l *costs, u16l best, u16l limit) {
     u32l weight = (u32l)(0), sum = weight;
     i16l over = (i16l)(0);
@@ -81,8 +81,8 @@ static f32l mean_around(const window_t *w, __global const u16l *costs, u16l best
     return mean;
 }
 
-/* Layers beside the cheapest one whose costs are less than a limit, up to `last`; and the costs of that and
- * of the one behind it. */
+/* Layers beside the minimum_layer one whose costs are less than a limit, up to `last`; and the costs of that
+ * and of the one behind it. */
 typedef struct {
     u16l last, inside, outside;
 } end_t;
@@ -92,7 +92,7 @@ static f32l crossing(const end_t *e, u16l limit) {
     return TO_F32(limit - e->inside) / TO_F32(e->outside - e->inside);
 }
 
-/* How far around the cheapest layer the costs stay below the limit, but not beyond `place`. */
+/* How far around the minimum_layer layer the costs stay below the limit, but not beyond `place`. */
 static void find_ends(const sv_wall_layout *l, const window_t *w, __global const u16l *costs, u16l best,
                       u16l limit, f32l place, __global f32l *near, __global f32l *far) {
     const u16l over_limit = limit + (ushort)1;
@@ -105,37 +105,37 @@ static void find_ends(const sv_wall_layout *l, const window_t *w, __global const
                    rises = AS_I16((last < limit) & (cost >= limit));
         const u16l enters = AS_U16(falls & AS_I16(best >= at));
         const i16l leaves = rises & AS_I16(best < at) & ~over;
-        before.last = PICK(before.last, at, enters);
-        before.inside = PICK(before.inside, cost, enters);
-        before.outside = PICK(before.outside, last, enters);
-        behind.last = PICK(behind.last, at - (ushort)1, AS_U16(leaves));
-        behind.inside = PICK(behind.inside, last, AS_U16(leaves));
-        behind.outside = PICK(behind.outside, cost, AS_U16(leaves));
+        before.last = SELECT(before.last, at, enters);
+        before.inside = SELECT(before.inside, cost, enters);
+        before.outside = SELECT(before.outside, last, enters);
+        behind.last = SELECT(behind.last, at - (ushort)1, AS_U16(leaves));
+        behind.inside = SELECT(behind.inside, last, AS_U16(leaves));
+        behind.outside = SELECT(behind.outside, cost, AS_U16(leaves));
         over |= leaves;
     }
     const f32l first = TO_F32(before.last) - crossing(&before, limit);
     const f32l end = TO_F32(behind.last) + crossing(&behind, limit);
-    *near = LEAST(first, place);
-    *far = MOST(end, place);
+    *near = MINIMUM(first, place);
+    *far = MAXIMUM(end, place);
 }
 
 /* LANES rays; `places` is where they lie in the first plane. */
 static void place(const sv_wall_layout *l, __global const u16l *costs, __global float *places) {
     const size_t plane = place_row(l, 1, 0);
     u16l least;
-    const u16l best = cheapest(l, costs, &least);
-    const window_t w = window_of(l, costs, best, least + (ushort)max(l->slack, l->reach));
-    const f32l mean = mean_around(&w, costs, best, least + (ushort)l->slack);
+    const u16l best = minimum_layer(l, costs, &least);
+    const window_t w = window_of(l, costs, best, least + (ushort)max(l->average_margin, l->knob_margin));
+    const f32l mean = mean_around(&w, costs, best, least + (ushort)l->average_margin);
     *(__global f32l *)(places + PLACE_LAYER * plane) = mean;
-    find_ends(l, &w, costs, best, least + (ushort)l->reach, mean,
+    find_ends(l, &w, costs, best, least + (ushort)l->knob_margin, mean,
               (__global f32l *)(places + PLACE_NEAR * plane), (__global f32l *)(places + PLACE_FAR * plane));
 }
 
 /* One work item per row of rays. `scratch`: words of 32 bits, scratch_words a row. `places`: the planes
  * of the layers, and of the ends around them. */
-__kernel void wall_cheapest(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
-                            __global const ushort *restrict fine, __global uint *restrict scratch,
-                            __global float *restrict places) {
+__kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
+                           __global const ushort *restrict fine, __global uint *restrict scratch,
+                           __global float *restrict places) {
     const uint row = (uint)get_global_id(0), beside = cell_beside(row, l.cells[1]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global u16l *costs = (__global u16l *)(scratch + (size_t)row * scratch_words);

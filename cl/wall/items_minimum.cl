@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, from costs to the cheapest layer of every ray: the lateral Gaussian over
- * the costs of cells along y and along x, what rays pay between cells, the least, the mean around it, and how
- * far around it the knob may go. Beyond the border the cell at the border counts.
+ * The wall's surface by work items, from costs to the minimum_layer layer of every ray: the lateral Gaussian
+ * over the costs of cells along y and along x, what rays pay between cells, the least, the mean around it,
+ * and how far around it the knob may sweep. Beyond the border the cell at the border counts.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
@@ -12,8 +12,8 @@
 #endif
 
 /* One work item per cell. `sums`: 32 bits for each. */
-__kernel void wall_items_sum_rows(sv_wall_layout l, __global const uint *restrict info,
-                                  __global const ushort *restrict costs, __global uint *restrict sums) {
+__kernel void wall_items_blur_y(sv_wall_layout l, __global const uint *restrict info,
+                                __global const ushort *restrict costs, __global uint *restrict sums) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     uint sum = l.kernel_y[0] * costs[cell_row(&l, z, row) + x];
@@ -24,8 +24,8 @@ __kernel void wall_items_sum_rows(sv_wall_layout l, __global const uint *restric
 }
 
 /* One work item per cell; rounded half up. */
-__kernel void wall_items_sum_columns(sv_wall_layout l, __global const uint *restrict info,
-                                     __global const uint *restrict sums, __global ushort *restrict fine) {
+__kernel void wall_items_blur_x(sv_wall_layout l, __global const uint *restrict info,
+                                __global const uint *restrict sums, __global ushort *restrict fine) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global const uint *line = sums + cell_row(&l, z, row);
@@ -58,8 +58,8 @@ static uint cost_at(const costs_t *c, uint z) {
     return (9u * c->own[at] + 3u * ((uint)c->across[at] + c->down[at]) + c->both[at] + 8u) / 16u;
 }
 
-/* The cheapest layer, of several the one nearest to the viewer. */
-static uint cheapest(const costs_t *c, uint *least) {
+/* The minimum_layer layer, of several the one nearest to the viewer. */
+static uint minimum_layer(const costs_t *c, uint *least) {
     uint best = 0;
     *least = cost_at(c, 0);
     for (uint z = 1; z < c->layers; z++) {
@@ -70,8 +70,8 @@ static uint cheapest(const costs_t *c, uint *least) {
     return best;
 }
 
-/* The mean of the layers around the cheapest one that cost less than the limit, weighted by what they cost
- * less than that. */
+/* The mean of the layers around the minimum_layer one that cost less than the limit, weighted by what they
+ * cost less than that. */
 static float mean_around(const costs_t *c, uint best, uint limit) {
     uint weight = 0, sum = 0, cost;
     for (uint z = best + 1; z-- > 0 && (cost = cost_at(c, z)) < limit;) {
@@ -90,7 +90,7 @@ static float crossing(uint inside, uint outside, uint limit) {
     return (float)(limit - inside) / (float)(outside - inside);
 }
 
-/* How far around the cheapest layer the costs stay below the limit. */
+/* How far around the minimum_layer layer the costs stay below the limit. */
 static float near_end(const costs_t *c, uint best, uint limit) {
     uint z = best;
     while (z > 0 && cost_at(c, z - 1) < limit) z--;
@@ -105,15 +105,15 @@ static float far_end(const costs_t *c, uint best, uint limit) {
 
 /* One work item per ray. `places`: the planes of the layers, and of the ends around them, which never pass
  * them. */
-__kernel void wall_items_cheapest(sv_wall_layout l, __global const uint *restrict info,
-                                  __global const ushort *restrict fine, __global float *restrict places) {
+__kernel void wall_items_minimum(sv_wall_layout l, __global const uint *restrict info,
+                                 __global const ushort *restrict fine, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const costs_t c = costs_of(&l, fine, x, row);
     uint least;
-    const uint best = cheapest(&c, &least);
-    const float mean = mean_around(&c, best, least + l.slack);
+    const uint best = minimum_layer(&c, &least);
+    const float mean = mean_around(&c, best, least + l.average_margin);
     places[place_row(&l, PLACE_LAYER, row) + x] = mean;
-    places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, least + l.reach), mean);
-    places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, least + l.reach), mean);
+    places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, least + l.knob_margin), mean);
+    places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, least + l.knob_margin), mean);
 }

@@ -15,8 +15,8 @@ static void begin_range(const sv_wall_layout *l, uint padding, bool ranged, uint
     *end = ranged ? to : l->slices;
 }
 
-/* One work item per pixel. Arguments as those of wall_take, but for its blocks. With a padding value every
- * slab is asked for, else the first one only. */
+/* One work item per pixel. Arguments as those of wall_downsample, but for its blocks. With a padding value
+ * every slab is asked for, else the first one only. */
 __kernel void wall_items_range(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
                                uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
                                uint padding, uint ranged, uint range_pitch,
@@ -58,12 +58,12 @@ static uint sum_slice(__global const uchar *at, uint row_pitch, __global const s
  * another, the same work item takes both, so what it reads was not yet written: then there is one layer less
  * to launch.
  */
-__kernel void wall_items_take(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
-                              uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
-                              uint padding, uint ranged, uint range_pitch,
-                              __global const ushort *restrict scanned, sv_wall_layout l,
-                              __global const sv_wall_span *restrict spans, __global uint *restrict sums,
-                              __global uchar *restrict levels) {
+__kernel void wall_items_downsample(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
+                                    uint tiles_x, uint tile_w, uint tile_h, uint first_slice,
+                                    uint slice_count, uint padding, uint ranged, uint range_pitch,
+                                    __global const ushort *restrict scanned, sv_wall_layout l,
+                                    __global const sv_wall_span *restrict spans, __global uint *restrict sums,
+                                    __global uchar *restrict levels) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1) % l.rows;
     if (x >= l.columns) return;
     const uint launched = (uint)get_global_size(1) / l.rows, slab_end = first_slice + slice_count;
