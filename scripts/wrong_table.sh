@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# wrong_table.sh [--tsv MODE] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as the
-# table of docs/guard.md. With --tsv, for tests: id, mode, exit code, picture, reason, parted by tabs, in that mode (guard,
+# wrong_table.sh [--tsv MODE] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as a
+# table. With --tsv, for tests: id, mode, exit code, picture, reason, parted by tabs, in that mode (guard,
 # no-guard) only.
 #
 # picture: unclipped, clipped (the plugin's map was used), none (nothing was written), or WRONG (said to be unclipped, but

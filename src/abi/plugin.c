@@ -20,7 +20,7 @@ static const sv_descriptor descriptor = {
     .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
     .features = SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
     .extensions = sv_extension_ids,
-    .summary = "Clipping depthmap from amniotic fluid and fetal bone (thesis 3.2, 3.3; docs/cost_volume.md).",
+    .summary = "Clipping depthmap: removes the tissue in front of the fetus (docs/surface.md).",
 };
 
 static void plugin_deactivate(const sv_plugin *plugin) {

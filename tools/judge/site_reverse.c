@@ -14,7 +14,7 @@
 
 enum { VALUES = 5 };
 
-/* What docs/surface_tried.md says matters, and values of the range that it shows there. */
+/* What docs/negative_results.md says matters, and values of the range that it shows there. */
 static const struct {
     const char *key;
     double value[VALUES];
