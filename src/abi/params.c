@@ -38,7 +38,8 @@ static const struct {
     uint64_t depends_values;
 } table[] = {
     {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
-     "0 puts the surface at the fetus, 1 at the tissue in front of it. Above 1 less is removed. With cost and "
+     "0 puts the surface at the fetus, 1 at the tissue in front of it. Above 1 less is removed. With cost "
+     "and "
      "wall 0.5 is the best guess. Stay between 0 and 1.",
      0.0, 1.5, 0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
