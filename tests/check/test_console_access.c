@@ -78,6 +78,11 @@ static void a_token_must_be_whole(void **unused) {
     assert_false(hs_console_token_fits(query, other));
     (void)snprintf(query, sizeof query, "a=1&t=%s&b=2", token);
     assert_true(hs_console_token_fits(query, token));
+    for (int digit = 0; digit < HS_CONSOLE_TOKEN - 1; digit++) { /* one wrong digit, wherever it stands */
+        (void)snprintf(query, sizeof query, "t=%s", token);
+        query[2 + digit] = token[digit] == '0' ? '1' : '0';
+        assert_false(hs_console_token_fits(query, token));
+    }
     (void)snprintf(query, sizeof query, "t=%s0", token);
     assert_false(hs_console_token_fits(query, token));
     (void)snprintf(query, sizeof query, "t=%.31s", token);

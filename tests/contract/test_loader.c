@@ -84,6 +84,8 @@ static void entries_that_break_the_abi_are_refused(void **state) {
     (void)state;
     expect_failure(plugin_path("other_major.so"), NULL,
                    (const char *const[]){"other_major.so", "ABI major 2", "this host speaks 1", NULL});
+    expect_failure(plugin_path("older_major.so"), NULL,
+                   (const char *const[]){"older_major.so", "ABI major 0", "this host speaks 1", NULL});
     expect_failure(plugin_path("short_entry.so"), NULL,
                    (const char *const[]){"short_entry.so", "entry.size is 16", NULL});
     expect_failure(plugin_path("create_fails.so"), NULL,

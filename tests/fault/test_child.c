@@ -125,12 +125,12 @@ static void a_hanging_child_is_ended_in_time(void **state) {
     hs_child_close(&child);
 }
 
-/* Starts a process of its own, tells its id and hangs with it. */
-static int with_grandchild(int channel, void *context) {
-    (void)context;
+/* Starts a process that runs on, tells its id, and leaves or hangs beside it. */
+static int with_grandchild(int channel, void *leaves) {
     const pid_t pid = fork();
     if (pid == 0) forever();
     (void)hs_child_send(channel, &pid, sizeof pid);
+    if (leaves) return 0;
     forever();
 }
 
@@ -148,19 +148,33 @@ static bool runs(pid_t pid) {
     return after_name && after_name[1] && after_name[2] != 'Z' && after_name[2] != 'X';
 }
 
-static void what_it_started_ends_with_it(void **state) {
-    (void)state;
+/* `leaves` NULL: the child is ended; else it ends by itself. */
+static void assert_grandchild_ends(void *leaves) {
     hs_child child;
     hs_error err = {0};
     pid_t grandchild = 0;
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&child, &none, with_grandchild, NULL, &err));
+    assert_true(hs_child_fork(&child, &none, with_grandchild, leaves, &err));
     assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
     assert_true(hs_child_receive(child.channel, &grandchild, sizeof grandchild));
     assert_true(grandchild > 0 && runs(grandchild));
-    hs_child_close(&child);
+    if (leaves) {
+        hs_child_wait_end(&child, 30);
+        assert_int_equal(child.end.fate, HS_CHILD_LEFT);
+    } else {
+        hs_child_close(&child);
+    }
     for (int i = 0; i < 500 && runs(grandchild); i++) (void)poll(NULL, 0, 10);
-    assert_false(runs(grandchild));
+    const bool outlived = runs(grandchild);
+    if (outlived) (void)kill(grandchild, SIGKILL);
+    assert_false(outlived);
+    if (leaves) hs_child_close(&child);
+}
+
+static void what_it_started_ends_with_it(void **state) {
+    (void)state;
+    assert_grandchild_ends(NULL);
+    assert_grandchild_ends("leaves");
 }
 
 /* A parent between the test and the child that it tells of; it dies without a word. */

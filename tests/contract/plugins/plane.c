@@ -9,6 +9,7 @@
  *   TP_SLAB          the instance's slab
  *   TP_FAILS_BY      how it fails where it is told to: not by an error, but by fail_by(), see there
  *   TP_BEGIN         what begin returns: a note changes nothing
+ *   TP_MAP_ONCE      only the first frame's map is written; later frames are said to be whole, too
  *   TP_PARTIAL       the right half of the map has no surface: SV_PARTIAL
  *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
  */
@@ -31,6 +32,9 @@
 #endif
 #ifndef TP_SLAB
 #define TP_SLAB sva_slab
+#endif
+#ifndef TP_MAP_ONCE
+#define TP_MAP_ONCE 0
 #endif
 #ifndef TP_BEGIN
 #define TP_BEGIN SV_OK
@@ -185,8 +189,9 @@ static sv_status plane_output(sva *a, const sv_result *result) {
 #endif
     const size_t rays = sva_rays(a);
     const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : TP_OUTCOME;
-    if (result->depth) memcpy(result->depth, p->map, rays * sizeof(float));
-    if (result->depth_object &&
+    const int written = !TP_MAP_ONCE || a->frame.index == 0;
+    if (written && result->depth) memcpy(result->depth, p->map, rays * sizeof(float));
+    if (written && result->depth_object &&
         clEnqueueWriteBuffer(a->format.queue, result->depth_object, CL_FALSE, result->depth_offset,
                              rays * sizeof(float), p->map, 0, NULL, NULL) != CL_SUCCESS)
         return sva_error(a, SV_ERR_OPENCL, "clEnqueueWriteBuffer fails");
