@@ -40,7 +40,7 @@ void v_print_summary(const v_options *options, const v_finding *findings, size_t
         if (n > 0 || v == V_PASS) (void)printf(" %zu %s", n, v_verdict_name((v_verdict)v));
     }
     (void)printf("\n");
-    if (bad > 0) (void)printf("\nWhat to mend (docs/validator.md says more):\n");
+    if (bad > 0) (void)printf("\nWhat to mend (docs/validator.md says why):\n");
     for (size_t i = 0; i < count; i++) {
         const v_finding *f = &findings[i];
         if (!v_is_bad(f->verdict)) continue;
