@@ -10,7 +10,7 @@
 #include "device/buffer.h"
 #include "kernels_cost.h"
 #include "method/method_slabs.h"
-#include "ref/ref_cost_surface.h"
+#include "ref/ref_cost.h"
 
 #include <math.h>
 

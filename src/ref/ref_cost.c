@@ -16,12 +16,12 @@ sv_ref_cost_layout sv_ref_cost_layout_of(uint32_t width, uint32_t height, uint32
     l.thick_from = SV_COST_THICK_FROM * scale;
     l.thick_full = SV_COST_THICK_FULL * scale;
     l.tau = SV_COST_TAU * scale;
-    l.cut = SV_COST_CUT;
-    l.left = SV_COST_OCCLUDER;
-    l.other = SV_COST_WRONG_FLUID;
+    l.cut_cost = SV_COST_CUT;
+    l.occluder_cost = SV_COST_OCCLUDER;
+    l.wrong_fluid_cost = SV_COST_WRONG_FLUID;
     l.thick = SV_COST_THICK;
     l.behind_penalty = SV_COST_BEHIND_PENALTY;
-    l.slack = SV_COST_AVERAGE_MARGIN;
+    l.average_margin = SV_COST_AVERAGE_MARGIN;
     l.viewer_shift = SV_COST_VIEWER_SHIFT * scale;
     l.bone_splits = l.median = true;
     return l;
@@ -83,18 +83,18 @@ sv_ref_cost_levels sv_ref_cost_levels_of(const uint8_t *bins, const sv_ref_cost_
     return (sv_ref_cost_levels){.fluid = larger(level, 1), .bright = larger((uint32_t)bright, 1)};
 }
 
-/* Sum or maximum over the `reach` neighbours to either side along one axis: `blocks` times `count` bins that
- * lie `stride` apart. */
-static void along(const uint16_t *from, uint16_t *to, size_t blocks, size_t count, size_t stride,
-                  size_t reach, bool sums) {
+/* Box filter or dilation along one axis, `reach` neighbours to either side: `blocks` lines of `count` bins
+ * that lie `stride` apart. */
+static void filter_along(const uint16_t *from, uint16_t *to, size_t blocks, size_t count, size_t stride,
+                         size_t reach, bool sums) {
     for (size_t block = 0; block < blocks; block++, from += count * stride)
         for (size_t at = 0; at < count; at++) {
             const size_t first = at < reach ? 0 : at - reach;
             for (size_t i = 0; i < stride; i++) {
                 uint32_t value = 0;
                 for (size_t k = first; k <= at + reach && k < count; k++) {
-                    const uint16_t other = from[k * stride + i];
-                    value = sums ? value + other : larger(value, other);
+                    const uint16_t neighbour = from[k * stride + i];
+                    value = sums ? value + neighbour : larger(value, neighbour);
                 }
                 *to++ = (uint16_t)value;
             }
@@ -108,12 +108,12 @@ bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, ui
     uint16_t *a = calloc(all, sizeof *a), *b = calloc(all, sizeof *b);
     if (a && b) {
         for (size_t i = 0; i < all; i++) a[i] = bins[i];
-        along(a, b, rows, l->sizes.columns, 1, 1, true);
-        along(b, a, l->sizes.labels, l->sizes.rows, l->sizes.columns, 1, true);
-        along(a, sums, 1, l->sizes.labels, plane, 1, true);
-        along(sums, a, rows, l->sizes.columns, 1, l->sizes.lateral, false);
-        along(a, b, l->sizes.labels, l->sizes.rows, l->sizes.columns, l->sizes.lateral, false);
-        along(b, nearby, 1, l->sizes.labels, plane, l->sizes.axial, false);
+        filter_along(a, b, rows, l->sizes.columns, 1, 1, true);
+        filter_along(b, a, l->sizes.labels, l->sizes.rows, l->sizes.columns, 1, true);
+        filter_along(a, sums, 1, l->sizes.labels, plane, 1, true);
+        filter_along(sums, a, rows, l->sizes.columns, 1, l->sizes.lateral, false);
+        filter_along(a, b, l->sizes.labels, l->sizes.rows, l->sizes.columns, l->sizes.lateral, false);
+        filter_along(b, nearby, 1, l->sizes.labels, plane, l->sizes.axial, false);
     }
     const bool done = a && b;
     free(a);
@@ -121,10 +121,10 @@ bool sv_ref_cost_brightness(const uint8_t *bins, const sv_ref_cost_layout *l, ui
     return done;
 }
 
-/* The wall and the back of one cell by its own rays; labels and 0 if it has none. A bin is mostly fluid if at
- * least half of the cell's scanned rays are fluid there. */
-static void own_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, uint32_t cx,
-                      uint32_t cy, uint8_t *wall, uint8_t *back) {
+/* Finds the wall and the back of one cell by its own rays; labels and 0 if it has none. A bin is mostly fluid
+ * if at least half of the cell's scanned rays are fluid there. */
+static void find_own_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_t level, uint32_t cx,
+                           uint32_t cy, uint8_t *wall, uint8_t *back) {
     const uint32_t y1 = (cy + 1) * l->sizes.block < l->sizes.rows ? (cy + 1) * l->sizes.block : l->sizes.rows;
     const uint32_t x1 =
         (cx + 1) * l->sizes.block < l->sizes.columns ? (cx + 1) * l->sizes.block : l->sizes.columns;
@@ -155,9 +155,10 @@ static int by_value(const void *a, const void *b) {
     return (int)*(const uint8_t *)a - (int)*(const uint8_t *)b;
 }
 
-/* Of the values of the cells around (x, y) but `none`: the one with `rank` 10ths of the others below it. */
-static uint8_t ranked(const uint8_t *own, const sv_ref_cost_layout *l, int x, int y, uint8_t none,
-                      uint32_t rank, uint8_t otherwise) {
+/* Rank filter: of the values of the cells around (x, y) but `none`, returns the one with `rank` tenths of the
+ * others below it. */
+static uint8_t rank_filter(const uint8_t *own, const sv_ref_cost_layout *l, int x, int y, uint8_t none,
+                           uint32_t rank, uint8_t otherwise) {
     uint8_t values[(2 * SV_COST_WINDOW + 1) * (2 * SV_COST_WINDOW + 1)];
     size_t count = 0;
     for (int v = y - SV_COST_WINDOW; v <= y + SV_COST_WINDOW; v++)
@@ -180,12 +181,12 @@ bool sv_ref_cost_walls(const uint8_t *bins, const sv_ref_cost_layout *l, uint32_
     for (uint32_t y = 0; y < l->sizes.cells_y; y++)
         for (uint32_t x = 0; x < l->sizes.cells_x; x++) {
             const size_t cell = (size_t)y * l->sizes.cells_x + x;
-            own_walls(bins, l, level, x, y, own + cell, own + cells + cell);
+            find_own_walls(bins, l, level, x, y, own + cell, own + cells + cell);
         }
     for (int y = 0; y < (int)l->sizes.cells_y; y++)
         for (int x = 0; x < (int)l->sizes.cells_x; x++) {
-            *wall++ = ranked(own, l, x, y, none, 2, 0);
-            *back++ = ranked(own + cells, l, x, y, 0, 1, none);
+            *wall++ = rank_filter(own, l, x, y, none, 2, 0);
+            *back++ = rank_filter(own + cells, l, x, y, 0, 1, none);
         }
     free(own);
     return true;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Cost volume: the runs of tissue along a ray, which of them may be the fetus, and what every label costs. */
-#include "ref/ref_cost_rays.h"
+#include "ref/ref_cost.h"
 
 #include <math.h>
 
-/* Tissue from bin `start` on, and the fluid before it, bins fluid .. start - 1. A run that bone parts is two;
- * the second has no fluid before it. */
+/* A run: tissue from bin `start` on, and the fluid in front of it, bins fluid .. start - 1. Bone splits a run
+ * in two, of which the second has no fluid in front of it. */
 typedef struct {
     uint32_t fluid, start, end;
     bool touching; /* it reaches from the wall on, where the fluid should begin */
-    double fetus;  /* probability that it is the fetus; below 0: it is not asked */
+    double fetus;  /* probability that it is the fetus; below 0: it cannot be */
 } run_t;
 
 enum { MAX_RUNS = 2 * SV_COST_LABELS };
@@ -18,7 +18,7 @@ typedef struct {
     uint32_t labels, wall, back;
     uint8_t value[SV_COST_LABELS];
     uint16_t sum[SV_COST_LABELS], nearby[SV_COST_LABELS];
-    bool fluid[SV_COST_LABELS]; /* scanned, and not tissue that parts fluid */
+    bool fluid[SV_COST_LABELS]; /* scanned, and no tissue of `thin` bins or more */
     uint32_t count;
     run_t run[MAX_RUNS];
 } ray_t;
@@ -43,8 +43,8 @@ static bool read_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row
     for (uint32_t bin = 0; bin < l->sizes.labels;) {
         uint32_t end = bin;
         while (end < l->sizes.labels && is_tissue(r, end)) end++;
-        const bool parts = end - bin >= l->sizes.thin;
-        for (; bin < end; bin++) r->fluid[bin] = !parts;
+        const bool is_thin = end - bin < l->sizes.thin;
+        for (; bin < end; bin++) r->fluid[bin] = is_thin;
         if (bin < l->sizes.labels) {
             r->fluid[bin] = r->value[bin] > 0;
             bin++;
@@ -53,8 +53,8 @@ static bool read_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t row
     return scanned;
 }
 
-/* Fluid intervals from the wall on, with the tissue behind each: the first one at least `gap` long. No
- * wall, no interval. */
+/* Finds the fluid intervals from the wall on, each with the tissue behind it. The first one is at least `gap`
+ * long. Without a wall there is none. */
 static void find_runs(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
     uint32_t bin = r->wall > l->sizes.solid ? r->wall - l->sizes.solid : 0;
@@ -71,7 +71,7 @@ static void find_runs(ray_t *r) {
     }
 }
 
-/* Parts every run but the last where bone begins well behind its front. */
+/* Splits every run but the last where bone begins well behind its front. */
 static void split_runs(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
     if (!l->bone_splits) return;
@@ -81,11 +81,11 @@ static void split_runs(ray_t *r) {
         parts[count++] = r->run[j];
         if (j + 1 == r->count) break;
         const run_t run = r->run[j];
-        uint32_t most = 0, bone = run.start;
+        uint32_t maximum = 0, bone = run.start;
         for (uint32_t bin = run.start; bin < run.end; bin++)
-            if (is_tissue(r, bin) && r->nearby[bin] > most) most = r->nearby[bin];
-        if (2 * most < SV_COST_BONE * SV_COST_NEIGHBOURS * r->scan->levels.bright) continue;
-        while (!is_tissue(r, bone) || 10 * r->nearby[bone] < SV_COST_FRONT * most) bone++;
+            if (is_tissue(r, bin) && r->nearby[bin] > maximum) maximum = r->nearby[bin];
+        if (2 * maximum < SV_COST_BONE * SV_COST_NEIGHBOURS * r->scan->levels.bright) continue;
+        while (!is_tissue(r, bone) || 10 * r->nearby[bone] < SV_COST_FRONT * maximum) bone++;
         if (bone - run.start < l->sizes.split) continue;
         parts[count - 1].end = bone;
         parts[count++] = (run_t){.fluid = bone, .start = bone, .end = run.end};
@@ -98,9 +98,9 @@ static double logistic(double x) {
     return 1.0 / (1.0 + exp(-x));
 }
 
-/* The probability that each run is the fetus: by how thick and how bright it is, less if a run behind it is
- * likely. The last one is the back of the sac. */
-static void judge_runs(ray_t *r) {
+/* Finds the probability that each run is the fetus. It depends on thickness and brightness, and is less if a
+ * run behind is likely. The last run is the back of the sac. */
+static void find_probabilities(ray_t *r) {
     const sv_ref_cost_layout *l = r->scan->layout;
     const double unit = (double)SV_COST_NEIGHBOURS * r->scan->levels.bright;
     double behind = 0.0;
@@ -126,8 +126,8 @@ static void judge_runs(ray_t *r) {
     }
 }
 
-/* Distance in bins to the fluid of the intervals, as a share of tau. */
-static void stay_in_fluid(const ray_t *r, double cost[]) {
+/* Sets the costs to the distance to the fluid of the intervals, as a share of tau. */
+static void cost_distance(const ray_t *r, double cost[]) {
     for (uint32_t bin = 0; bin < r->labels; bin++) {
         double distance = INFINITY;
         for (uint32_t j = 0; j < r->count; j++) {
@@ -142,8 +142,8 @@ static void stay_in_fluid(const ray_t *r, double cost[]) {
     }
 }
 
-/* The longest interval before the back of the sac. */
-static const run_t *longest(const ray_t *r) {
+/* Returns the longest interval in front of the back of the sac. */
+static const run_t *longest_interval(const ray_t *r) {
     const run_t *best = &r->run[0];
     for (uint32_t j = 1; j < r->count; j++) {
         const run_t *run = &r->run[j];
@@ -159,9 +159,9 @@ bool sv_ref_cost_of_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t 
     if (!read_ray(scan, column, row, &r)) return false;
     find_runs(&r);
     split_runs(&r);
-    judge_runs(&r);
+    find_probabilities(&r);
     *out = (sv_ref_cost_ray){.weight = 1.0, .open = r.count > 0};
-    stay_in_fluid(&r, out->cost);
+    cost_distance(&r, out->cost);
     if (!out->open) return true;
     double none = 1.0; /* probability that no run so far is the fetus */
     for (uint32_t j = 0; j < r.count; j++) {
@@ -171,12 +171,12 @@ bool sv_ref_cost_of_ray(const sv_ref_cost_scan *scan, uint32_t column, uint32_t 
         none *= 1.0 - run->fetus;
         if (run->touching) out->weight = pow(2.0 * run->fetus - 1.0, 2.0);
         for (uint32_t bin = 0; bin < r.labels; bin++) {
-            if (bin >= run->start) out->cost[bin] += l->cut * here;
-            if (bin < run->fluid) out->cost[bin] += l->left * here;
+            if (bin >= run->start) out->cost[bin] += l->cut_cost * here;
+            if (bin < run->fluid) out->cost[bin] += l->occluder_cost * here;
         }
     }
-    const run_t *open = longest(&r);
+    const run_t *open = longest_interval(&r);
     for (uint32_t bin = 0; bin < r.labels; bin++)
-        if (bin < open->fluid || bin >= open->start) out->cost[bin] += l->other * none;
+        if (bin < open->fluid || bin >= open->start) out->cost[bin] += l->wrong_fluid_cost * none;
     return true;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Cost volume: rays gathered into cells, the lateral Gaussian, the minimum, the median, and the way
  * back to pixels. */
-#include "ref/ref_cost_surface.h"
+#include "ref/ref_cost.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 #define TIE 1e-5 /* costs this close may fall out either way in float32 */
 
-/* Adds the costs of one cell's rays up. */
+/* Adds up the costs of one cell's rays. */
 static void gather_cell(const sv_ref_cost_scan *scan, uint32_t cx, uint32_t cy, double *cell,
                         sv_ref_cost_facts *facts) {
     const sv_ref_cost_layout *l = scan->layout;
@@ -50,38 +50,38 @@ static void blur(const double *from, double *to, const sv_ref_cost_layout *l, bo
 double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *l, sv_ref_cost_facts *facts) {
     const size_t all = (size_t)l->sizes.columns * l->sizes.rows * l->sizes.labels,
                  cells = (size_t)l->sizes.cells_x * l->sizes.cells_y;
-    uint16_t *light = malloc(2 * all * sizeof *light);
+    uint16_t *sums = malloc(2 * all * sizeof *sums);
     uint8_t *walls = malloc(2 * cells);
     double *volume = calloc(cells * SV_COST_VALUES, sizeof *volume);
-    double *turn = calloc(cells * SV_COST_VALUES, sizeof *turn);
-    sv_ref_cost_scan scan = {.layout = l, .bins = bins, .sums = light, .wall = walls};
+    double *rows = calloc(cells * SV_COST_VALUES, sizeof *rows);
+    sv_ref_cost_scan scan = {.layout = l, .bins = bins, .sums = sums, .wall = walls};
     bool done = false;
-    if (light && walls && volume && turn) {
-        scan.nearby = light + all;
+    if (sums && walls && volume && rows) {
+        scan.nearby = sums + all;
         scan.back = walls + cells;
         scan.levels = sv_ref_cost_levels_of(bins, l);
         if (l->level) scan.levels.fluid = (uint32_t)l->level;
         *facts = (sv_ref_cost_facts){.levels = scan.levels};
-        done = sv_ref_cost_brightness(bins, l, light, light + all) &&
+        done = sv_ref_cost_brightness(bins, l, sums, sums + all) &&
                sv_ref_cost_walls(bins, l, scan.levels.fluid, walls, walls + cells);
     }
     for (uint32_t y = 0; done && y < l->sizes.cells_y; y++)
         for (uint32_t x = 0; x < l->sizes.cells_x; x++)
             gather_cell(&scan, x, y, volume + ((size_t)y * l->sizes.cells_x + x) * SV_COST_VALUES, facts);
     if (done) {
-        blur(volume, turn, l, true);
-        blur(turn, volume, l, false);
+        blur(volume, rows, l, true);
+        blur(rows, volume, l, false);
     } else {
         free(volume);
         volume = NULL;
     }
-    free(turn);
+    free(rows);
     free(walls);
-    free(light);
+    free(sums);
     return volume;
 }
 
-/* What a cell came to: the middle of its minimum and that one's standard deviation, in bins. */
+/* The minimum of a cell: its middle and its standard deviation, in bins. */
 typedef struct {
     double place, spread, confidence;
     bool valid, tie;
@@ -100,7 +100,7 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
             at = i;
         }
     }
-    const double edge = least + l->slack;
+    const double edge = least + l->average_margin;
     int low = at, high = at;
     while (low > 0 && cost[low - 1] < edge) low--;
     while (high + 1 < n && cost[high + 1] < edge) high++;
@@ -122,7 +122,7 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     for (int i = 0; i < n; i++) {
         if ((i < low || i > high) && cost[i] - least < TIE) m.tie = true;
     }
-    low = high = at; /* the basin: what lies outside it is another minimum */
+    low = high = at; /* what lies outside these ends is another minimum */
     while (low > 0 && cost[low - 1] < least + SV_COST_MARGIN) low--;
     while (high + 1 < n && cost[high + 1] < least + SV_COST_MARGIN) high++;
     for (int i = 0; i < n; i++)
@@ -132,9 +132,9 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     return m;
 }
 
-/* Blends a cell with the frame before, unless it changed too much, and keeps it for the next.
- * Costs per ray. */
-static void remember(double *cell, double *previous, const sv_ref_cost_layout *l, bool *tie) {
+/* Blends the costs per ray with those of the frame before, unless they changed too much, and keeps them for
+ * the next frame. */
+static void blend_previous(double *cell, double *previous, const sv_ref_cost_layout *l, bool *tie) {
     const double rays = cell[SV_COST_WEIGHT];
     double change = 0.0;
     if (!(rays > 1e-3)) {
@@ -156,7 +156,8 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The median of the valid cells of the 3 x 3 neighbourhood; of an even number, the mean of the middle two. */
+/* Returns the median of the valid cells of the 3 x 3 neighbourhood; of an even number, the mean of the middle
+ * two. */
 static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, int y) {
     const int nx = (int)l->sizes.cells_x, ny = (int)l->sizes.cells_y;
     minimum m = cells[y * nx + x];
@@ -171,7 +172,7 @@ static minimum median(const minimum *cells, const sv_ref_cost_layout *l, int x, 
     if (!m.valid) return m;
     qsort(place, count, sizeof *place, ascending);
     if (l->median) m.place = 0.5 * (place[count / 2] + place[(count - 1) / 2]);
-    m.place -= l->viewer_shift * (1.0 - m.confidence); /* in doubt it clips less */
+    m.place -= l->viewer_shift * (1.0 - m.confidence); /* clips less where the confidence is low */
     return m;
 }
 
@@ -221,7 +222,7 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
         for (size_t i = 0; i < cells; i++) {
             bool tie_here = false;
             if (l->previous)
-                remember(costs + i * SV_COST_VALUES, l->previous + i * SV_COST_VALUES, l, &tie_here);
+                blend_previous(costs + i * SV_COST_VALUES, l->previous + i * SV_COST_VALUES, l, &tie_here);
             raw[i] = find_minimum(costs + i * SV_COST_VALUES, l);
             raw[i].tie = raw[i].tie || tie_here;
         }
@@ -246,7 +247,7 @@ bool sv_ref_cost_surface(const sv_ref_volume *volume, float slice_mm, double *ne
     return sv_ref_cost_surface_with(volume, &l, near_surface, far_surface, confidence, tie, facts);
 }
 
-/* S(q) between the ends; no surface, so zeros, where too few rays have a fluid interval. */
+/* Writes S(q) between the ends; zeros if too few rays have a fluid interval, for then there is no surface. */
 static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     const size_t count = (size_t)task->map.width * task->map.height;
     double *far_surface = malloc(2 * count * sizeof *far_surface), *confidence = far_surface + count;

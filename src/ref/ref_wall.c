@@ -1,12 +1,53 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall.h"
 
-#include "ref/ref_wall_surface.h"
-#include "ref/ref_wall_surroundings.h"
+#include "ref/ref_wall_steps.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define LARGEST_SIDE 8192
+
+static bool check_side(const char *name, uint32_t value, char *text, size_t size) {
+    if (value >= 1 && value <= LARGEST_SIDE) return true;
+    (void)snprintf(text, size, "%s is %u, allowed are 1 .. %d", name, value, LARGEST_SIDE);
+    return false;
+}
+
+static bool check_spacing(const sv_wall_volume *v, char *text, size_t size) {
+    const double *mm = v->spacing_mm;
+    if (mm[0] == 0.0 && mm[1] == 0.0 && mm[2] == 0.0) return true;
+    for (int axis = 0; axis < 3; axis++)
+        if (!(mm[axis] >= SV_WALL_SHORTEST_MM && mm[axis] <= SV_WALL_LONGEST_MM)) {
+            (void)snprintf(text, size, "spacing_mm[%d] is %g, allowed are %g .. %g, or 0 for all three", axis,
+                           mm[axis], SV_WALL_SHORTEST_MM, SV_WALL_LONGEST_MM);
+            return false;
+        }
+    return true;
+}
+
+bool sv_wall_check(const sv_wall_volume *v, char *text, size_t size) {
+    if (!v->voxels) {
+        (void)snprintf(text, size, "voxels is NULL");
+        return false;
+    }
+    if (!check_side("width", v->width, text, size) || !check_side("height", v->height, text, size) ||
+        !check_side("slices", v->slices, text, size) || !check_spacing(v, text, size))
+        return false;
+    if (!v->first != !v->end) {
+        (void)snprintf(text, size, "%s is NULL and the other is not", v->first ? "end" : "first");
+        return false;
+    }
+    for (size_t i = 0; v->first && i < (size_t)v->width * v->height; i++)
+        if (v->first[i] > v->end[i] || v->end[i] > v->slices) {
+            (void)snprintf(text, size, "ray (%zu, %zu): first %u, end %u; expected first <= end <= %u",
+                           i % v->width, i / v->width, v->first[i], v->end[i], v->slices);
+            return false;
+        }
+    return true;
+}
 
 static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidence) {
     const size_t plane = (size_t)l->width * l->height;
@@ -14,42 +55,44 @@ static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidenc
     memset(confidence, 0, plane * sizeof *confidence);
 }
 
-/* The surface of rays that have been judged. */
-static bool place(const sv_wall_scan *scan, const sv_wall_evidence *evidence, float *depth, float *confidence,
-                  sv_wall_outcome *outcome, sv_wall_facts *facts) {
+/* Costs the layers and selects the surface, if enough rays show the fetus. */
+static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_evidence *evidence, float *depth,
+                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_costs costs;
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
     const uint64_t rays = scan->blocks->rays,
-                   least = rays * SV_WALL_PROBABILITY_ONE * scan->layout->fetus_share;
+                   needed = rays * SV_WALL_PROBABILITY_ONE * scan->layout->fetus_share;
     facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_PROBABILITY_ONE);
-    *outcome = costs.fetus * SV_WALL_PER_MILLE < least ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
+    *outcome = costs.fetus * SV_WALL_PER_MILLE < needed ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
     const bool done = *outcome != SV_WALL_SURFACE || sv_wall_select_surface(scan, &costs, depth, confidence);
     sv_wall_costs_destroy(&costs);
     return done;
 }
 
-/* Haze fills the valley between fluid and tissue. Where both are one, the threshold halves the tissue, and
- * chance lets half of the rays begin above it; many more do at a wall. Tissue that fades with depth has no
- * mode of its own, but it is far from fluid. */
+/* Haze fills the valley between fluid and tissue, so a shallow valley is no proof that there is no fluid. In
+ * a volume of tissue alone the threshold halves the tissue, and by chance half of the rays begin above it.
+ * Many more do at a wall. Tissue that fades with depth has no mode of its own, but its levels are far from
+ * fluid. */
 static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
                         const sv_wall_evidence *evidence) {
-    const bool walled = (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
-                        (uint64_t)scan->blocks->rays * scan->layout->clear_wall_share;
-    return walled || !sv_wall_is_shallow(scan->layout, levels) || sv_wall_is_separable(scan->layout, levels);
+    const bool has_wall = (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
+                          (uint64_t)scan->blocks->rays * scan->layout->clear_wall_share;
+    return has_wall || !sv_wall_is_shallow(scan->layout, levels) ||
+           sv_wall_is_separable(scan->layout, levels);
 }
 
-/* What is known of every cell; both allocated, or NULL. */
+/* Maps of every cell; each is allocated or NULL. */
 typedef struct {
-    uint8_t *bright, *surroundings;
+    uint8_t *brightness, *surroundings;
 } cell_maps;
 
-/* What rays are judged from. False: no memory; what there is in `maps` must be freed all the same. */
-static bool look(sv_wall_scan *scan, const sv_wall_levels *levels, cell_maps *maps,
-                 sv_wall_evidence *evidence) {
-    scan->bright = maps->bright = sv_wall_brightest(scan->layout, scan->blocks);
-    if (!maps->bright) return false;
+/* Makes what rays are judged from. False: no memory; the maps must be freed all the same. */
+static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, cell_maps *maps,
+                      sv_wall_evidence *evidence) {
+    scan->brightness = maps->brightness = sv_wall_brightness_map(scan->layout, scan->blocks);
+    if (!maps->brightness) return false;
     sv_wall_evidence_of(scan, levels, evidence);
-    scan->surroundings = maps->surroundings = sv_wall_find_surroundings(scan, evidence);
+    scan->surroundings = maps->surroundings = sv_wall_surroundings_map(scan, evidence);
     return maps->surroundings != NULL;
 }
 
@@ -59,16 +102,16 @@ static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const
     sv_wall_evidence evidence;
     sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = sv_wall_tissue_above(l, levels)};
     cell_maps maps = {0};
-    bool done = look(&scan, levels, &maps, &evidence);
+    bool done = make_maps(&scan, levels, &maps, &evidence);
     if (done) {
         facts->wall_rays = evidence.wall_rays;
         facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
         facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
         *outcome = SV_WALL_NO_FLUID;
         if (shows_fluid(&scan, levels, &evidence))
-            done = place(&scan, &evidence, depth, confidence, outcome, facts);
+            done = cost_and_select(&scan, &evidence, depth, confidence, outcome, facts);
     }
-    free(maps.bright);
+    free(maps.brightness);
     free(maps.surroundings);
     return done;
 }
@@ -95,7 +138,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     return done;
 }
 
-/* Ranges and voxels without a padding value: 0 in its place. */
+/* Writes 0 in place of the padding value, and the ranges of what remains. */
 static void strip_padding(const sv_ref_volume *v, uint8_t *voxels, uint16_t *first, uint16_t *end) {
     const size_t plane = (size_t)v->width * v->height;
     memset(voxels, 0, plane * v->slices);
@@ -108,7 +151,7 @@ static void strip_padding(const sv_ref_volume *v, uint8_t *voxels, uint16_t *fir
         }
 }
 
-/* A spacing as sv_wall_check wants it. */
+/* Brings a spacing into the range that sv_wall_check allows. */
 static double in_range(double mm) {
     return mm > 0.0 ? fmin(fmax(mm, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM) : 0.0;
 }

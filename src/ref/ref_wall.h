@@ -1,39 +1,42 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The clipping surface told by the wall: whatever stands before the fluid on most rays is the wall, and the
- * fetus is what is brighter than the wall is. docs/surface.md has the definition in words. Nothing here needs
- * OpenCL, and nothing is fast. All but the evidence tables, the mean of the labels, the interpolation and the
+ * The clipping surface told by the wall: tissue in front of the fluid on most rays is the wall, and tissue
+ * brighter than the wall is the fetus. docs/surface.md has the definition in words. Nothing here needs
+ * OpenCL, and nothing is fast. All but the evidence tables, the mean of the layers, the interpolation and the
  * confidence is integer arithmetic, so kernels can follow it bit for bit.
  */
 #ifndef REF_WALL_H
 #define REF_WALL_H
 
 #include "ref/ref_method.h"
-#include "ref/ref_wall_volume.h"
+#include "wall_layout.h"
 
-/* What was found on the side. */
+/* What was found on the way. */
 typedef struct {
-    uint32_t threshold;  /* T: tissue is brighter, grey levels */
+    uint32_t threshold;  /* largest grey level of the dark class */
     double valley;       /* of the histogram, 0 .. 1 */
     double separability; /* share of the levels' variance that lies between the two classes, 0 .. 1 */
-    uint32_t rays;       /* of blocks: scanned ones */
-    uint32_t wall_rays;  /* that begin in tissue and have fluid behind it */
+    uint32_t rays;       /* scanned rays of blocks */
+    uint32_t wall_rays;  /* of these, rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
     double fetus;        /* mean probability over the rays that the fetus is on them */
 } sv_wall_facts;
 
+/* True if sizes, spacing and ranges are as stated above; else the text names field and value. */
+bool sv_wall_check(const sv_wall_volume *volume, char *text, size_t size);
+
 /*
- * The surface. `depth` gets width * height slices (0 is the centre of slice 0; 0 clips nothing), `confidence`
- * as many numbers 0 .. 1: how likely the surface is right within two slices of 128. `settings` NULL: the
- * default. `facts` may be NULL. False if memory runs out or sv_wall_check fails; the maps are then as they
- * were. Any thread.
+ * Finds the surface. `depth` gets width * height slices: 0 is the centre of slice 0, and clips nothing.
+ * `confidence` gets as many numbers 0 .. 1: how likely the surface is right within two slices of 128.
+ * `settings` NULL: the default ones. `facts` may be NULL. False if memory runs out or sv_wall_check fails;
+ * the maps are then as they were. Any thread may call it.
  */
 bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *settings, float *depth,
                      float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
 
-/* The same for a volume that has a padding value, too. Voxels of that value were not scanned; what is left of
- * a ray goes from its first other voxel to its last, and the padding between them counts as 0.
- * Any spacing: what is out of range counts as the nearest that is not. `q`: the knob, 0 .. 1.5. */
+/* Finds the surface of a volume that may have a padding value. Voxels of that value were not scanned. A ray
+ * then goes from its first other voxel to its last, and the padding between them counts as 0.
+ * Any spacing is taken: one out of range counts as the nearest that is not. `q` is the knob, 0 .. 1.5. */
 bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], double q, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
 

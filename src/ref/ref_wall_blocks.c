@@ -1,18 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-#include "ref/ref_wall_blocks.h"
+#include "ref/ref_wall_steps.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* The layers at which all voxels of a ray of blocks were scanned. */
+/* First scanned slice of a ray of voxels, and the first one behind the scan. */
+static uint32_t first_slice(const sv_wall_volume *v, size_t pixel) {
+    return v->first ? v->first[pixel] : 0;
+}
+
+static uint32_t end_slice(const sv_wall_volume *v, size_t pixel) {
+    return v->end ? v->end[pixel] : v->slices;
+}
+
+/* Finds the layers at which all voxels of a ray of blocks were scanned. */
 static void find_range(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_span *sx,
                        const sv_wall_span *sy, uint16_t *first, uint16_t *end) {
     uint32_t from = 0, to = l->slices;
     for (uint32_t y = sy->first; y < sy->first + sy->count; y++)
         for (uint32_t x = sx->first; x < sx->first + sx->count; x++) {
             const size_t pixel = (size_t)y * l->width + x;
-            if (sv_wall_first(v, pixel) > from) from = sv_wall_first(v, pixel);
-            if (sv_wall_end(v, pixel) < to) to = sv_wall_end(v, pixel);
+            if (first_slice(v, pixel) > from) from = first_slice(v, pixel);
+            if (end_slice(v, pixel) < to) to = end_slice(v, pixel);
         }
     from = (from + l->depth - 1) / l->depth;
     to = to == l->slices ? l->layers : to / l->depth; /* the last layer may have less slices */
@@ -35,10 +44,10 @@ static uint8_t mean_of(const sv_wall_volume *v, const sv_wall_layout *l, const s
     return (uint8_t)((sum + weight / 2) / weight);
 }
 
-/* A layer of one slice is more speckle than tissue: a dark block would part the wall, a bright one behind it
- * would be the fetus. So its neighbours along the ray weigh 1 / SV_WALL_AXIAL_SUM each; the block itself does
- * in the place of one that was not scanned. */
-static void steady(const sv_wall_blocks *b) {
+/* Smooths the levels along the rays. A layer of one slice is more speckle than tissue: a dark block would
+ * split the wall, and a bright one behind it would be the fetus. So a block's neighbours along the ray weigh
+ * 1 / SV_WALL_AXIAL_SUM each. The block itself takes the place of one that was not scanned. */
+static void smooth_axially(const sv_wall_blocks *b) {
     const size_t plane = (size_t)b->columns * b->rows;
     for (size_t ray = 0; ray < plane; ray++)
         for (size_t z = b->first[ray]; z < b->end[ray]; z++) {
@@ -75,7 +84,7 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
         }
     }
     if (l->smoothed)
-        steady(b);
+        smooth_axially(b);
     else
         memcpy(b->levels, b->means, plane * l->layers);
     return true;
@@ -89,37 +98,38 @@ void sv_wall_blocks_destroy(sv_wall_blocks *b) {
     *b = (sv_wall_blocks){0};
 }
 
-static uint8_t largest_of(const uint8_t *from, size_t stride, size_t count) {
-    uint8_t most = 0;
+static uint8_t maximum_of(const uint8_t *from, size_t stride, size_t count) {
+    uint8_t maximum = 0;
     for (size_t k = 0; k < count; k++)
-        if (from[k * stride] > most) most = from[k * stride];
-    return most;
+        if (from[k * stride] > maximum) maximum = from[k * stride];
+    return maximum;
 }
 
-static void largest_along(const uint8_t *from, uint8_t *to, size_t groups, size_t count, size_t stride,
-                          size_t reach) {
+/* Grey dilation along one axis: `groups` lines of `count` values that lie `stride` apart. */
+static void dilate(const uint8_t *from, uint8_t *to, size_t groups, size_t count, size_t stride,
+                   size_t reach) {
     for (size_t group = 0; group < groups; group++, from += count * stride)
         for (size_t at = 0; at < count; at++) {
             const size_t low = at < reach ? 0 : at - reach,
                          high = at + reach < count ? at + reach : count - 1;
             for (size_t i = 0; i < stride; i++)
-                *to++ = largest_of(from + low * stride + i, stride, high - low + 1);
+                *to++ = maximum_of(from + low * stride + i, stride, high - low + 1);
         }
 }
 
-/* The brighter of a cell's rays. */
-static void brightest_of_cells(const sv_wall_layout *l, const uint8_t *rays, uint8_t *cells) {
+/* Takes the maximum of the four rays of every cell. */
+static void maximum_of_cells(const sv_wall_layout *l, const uint8_t *rays, uint8_t *cells) {
     for (uint32_t z = 0; z < l->layers; z++)
         for (uint32_t y = 0; y < l->cells[1]; y++)
             for (uint32_t x = 0; x < l->cells[0]; x++) {
                 const uint8_t *const at =
                     rays + ((size_t)z * l->rows + (size_t)2 * y) * l->columns + (size_t)2 * x;
-                const uint8_t above = largest_of(at, 1, 2), below = largest_of(at + l->columns, 1, 2);
+                const uint8_t above = maximum_of(at, 1, 2), below = maximum_of(at + l->columns, 1, 2);
                 *cells++ = above > below ? above : below;
             }
 }
 
-uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
+uint8_t *sv_wall_brightness_map(const sv_wall_layout *l, const sv_wall_blocks *b) {
     const size_t plane = (size_t)l->columns * l->rows, count = plane * l->layers;
     uint8_t *means = calloc(count, 1), *cells = calloc(count, 1);
     if (means && cells) {
@@ -127,9 +137,9 @@ uint8_t *sv_wall_brightest(const sv_wall_layout *l, const sv_wall_blocks *b) {
             const uint32_t behind = i + plane < count ? b->means[i + plane] : 0;
             means[i] = (uint8_t)((b->means[i] + behind + 1) / 2);
         }
-        brightest_of_cells(l, means, cells);
-        largest_along(cells, means, (size_t)l->cells[1] * l->layers, l->cells[0], 1, l->dilation[0]);
-        largest_along(means, cells, l->layers, l->cells[1], l->cells[0], l->dilation[1]);
+        maximum_of_cells(l, means, cells);
+        dilate(cells, means, (size_t)l->cells[1] * l->layers, l->cells[0], 1, l->dilation[0]);
+        dilate(means, cells, l->layers, l->cells[1], l->cells[0], l->dilation[1]);
         free(means);
         return cells;
     }

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-#include "ref/ref_wall_evidence.h"
+#include "ref/ref_wall_steps.h"
 
 bool sv_wall_is_tissue(const sv_wall_scan *s, size_t ray, size_t z) {
     return s->blocks->levels[z * s->layout->columns * s->layout->rows + ray] > s->threshold;
 }
 
-/* Where what is kept of a ray's cell lies. */
-static size_t cell_of(const sv_wall_layout *l, size_t ray, size_t z) {
+/* Index of a ray's cell in the maps of cells. */
+static size_t cell_index(const sv_wall_layout *l, size_t ray, size_t z) {
     const size_t x = ray % l->columns / 2, y = ray / l->columns / 2;
     return (z * l->cells[1] + y) * l->cells[0] + x;
 }
 
-uint8_t sv_wall_brightness(const sv_wall_scan *s, size_t ray, size_t z) {
-    return s->bright[cell_of(s->layout, ray, z)];
+uint8_t sv_wall_brightness_at(const sv_wall_scan *s, size_t ray, size_t z) {
+    return s->brightness[cell_index(s->layout, ray, z)];
 }
 
 uint8_t sv_wall_surroundings_at(const sv_wall_scan *s, size_t ray, size_t z) {
-    return s->surroundings[cell_of(s->layout, ray, z)];
+    return s->surroundings[cell_index(s->layout, ray, z)];
 }
 
 sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
@@ -30,26 +30,26 @@ sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
     return run;
 }
 
-/* Histogram of how bright the walls are: the largest brightness in the first tissue of rays where that
- * touches the start of the scan and has fluid behind it. */
+/* Counts how bright the walls are: the maximum brightness in the first run of each ray whose first run
+ * touches the start of the scan and has fluid behind it. Returns the number of these rays. */
 static uint32_t wall_histogram(const sv_wall_scan *s, uint64_t histogram[256]) {
     const size_t plane = (size_t)s->layout->columns * s->layout->rows;
     uint32_t rays = 0;
     for (size_t ray = 0; ray < plane; ray++) {
         const sv_wall_run run = sv_wall_first_run(s, ray);
         if (!run.touches || !run.fluid || run.begin == run.end) continue;
-        uint8_t most = 0;
+        uint8_t maximum = 0;
         for (size_t z = run.begin; z < run.end; z++)
-            if (sv_wall_brightness(s, ray, z) > most) most = sv_wall_brightness(s, ray, z);
-        histogram[most]++;
+            if (sv_wall_brightness_at(s, ray, z) > maximum) maximum = sv_wall_brightness_at(s, ray, z);
+        histogram[maximum]++;
         rays++;
     }
     return rays;
 }
 
-/* ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE, fixed-point: as the level nears 255,
+/* Returns ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE, fixed-point. As the level nears 255,
  * saturation squeezes differences, and this stretches them again. */
-static int32_t odds(const uint32_t *tables, uint32_t level) {
+static int32_t log_odds(const uint32_t *tables, uint32_t level) {
     const int32_t here = (int32_t)tables[SV_WALL_ODDS + level / SV_WALL_LEVEL_ONE],
                   next = (int32_t)tables[SV_WALL_ODDS + level / SV_WALL_LEVEL_ONE + 1];
     return here + (next - here) * (int32_t)(level % SV_WALL_LEVEL_ONE) / SV_WALL_LEVEL_ONE;
@@ -66,10 +66,10 @@ static uint32_t probability(const uint32_t *tables, int32_t evidence) {
     return evidence < 0 ? SV_WALL_PROBABILITY_ONE - p : p;
 }
 
-/* Evidence of a brightness `above` spreads over the wall's. */
+/* Returns the argument of the logistic function for a brightness `above` spreads over the wall's. */
 static int32_t evidence(const sv_wall_layout *l, int32_t above) {
-    const int32_t most = SV_WALL_MAX_EVIDENCE;
-    return (above < -most ? -most : above > most ? most : above) * l->slope / 16;
+    const int32_t limit = SV_WALL_MAX_EVIDENCE;
+    return (above < -limit ? -limit : above > limit ? limit : above) * l->slope / 16;
 }
 
 void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out) {
@@ -82,8 +82,8 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
                 (uint64_t)out->wall_rays * SV_WALL_PER_MILLE < (uint64_t)scan->blocks->rays * l->wall_share;
     if (!out->bare) {
         out->wall = sv_wall_quantile(histogram, l->wall_rank);
-        out->spread = odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
-                      odds(tables, sv_wall_quantile(histogram, l->low_rank));
+        out->spread = log_odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
+                      log_odds(tables, sv_wall_quantile(histogram, l->low_rank));
         if (out->spread < SV_WALL_MIN_SPREAD) out->spread = SV_WALL_MIN_SPREAD;
     } else {
         const uint32_t wall = levels->bright * l->assumed_wall / SV_WALL_PER_MILLE;
@@ -91,9 +91,9 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
         out->spread = l->assumed_spread;
     }
     for (uint32_t i = 0; i < 256; i++) {
-        const int32_t more = odds(tables, i * SV_WALL_LEVEL_ONE) - odds(tables, out->wall);
+        const int32_t more = log_odds(tables, i * SV_WALL_LEVEL_ONE) - log_odds(tables, out->wall);
         const int32_t above = more * (1 << SV_WALL_ODDS_BITS) / out->spread - l->fetus_level;
-        out->other[i] = probability(tables, evidence(l, above));
-        out->first[i] = probability(tables, evidence(l, above - l->first_run_extra));
+        out->later_run[i] = probability(tables, evidence(l, above));
+        out->first_run[i] = probability(tables, evidence(l, above - l->first_run_extra));
     }
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "ref/ref_wall_levels.h"
+#include "ref/ref_wall_steps.h"
 
 #include <string.h>
 
-/* True if a ray is no farther from the median_of of the image than the other one of its cell. */
+/* True if a ray is no farther from the middle of the image than the other ray of its cell. */
 static bool is_inner(uint32_t ray, uint32_t rays) {
     return ray < rays / 2 ? ray % 2 == 1 || ray + 1 == rays / 2 : ray % 2 == 0 || ray == rays / 2;
 }
@@ -19,13 +19,13 @@ void sv_wall_histogram(const sv_wall_blocks *b, uint64_t histogram[256]) {
         }
 }
 
-/* Lowest smoothed count between the modes of the two classes, and the lower mode. Saturated blocks are no
- * mode: a gain would make one of any tissue. */
+/* Finds the lowest smoothed count between the modes of the two classes, and the lower mode. Saturated blocks
+ * are no mode: a high gain would make one of any tissue. */
 static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
     uint64_t counts[256], smooth[256];
     memcpy(counts, histogram, sizeof counts);
     counts[255] = 0;
-    for (int apply_knob = 0; apply_knob < 2; apply_knob++) {
+    for (int pass = 0; pass < 2; pass++) {
         for (int i = 0; i < 256; i++) {
             smooth[i] = 0;
             for (int k = i - SV_WALL_HISTOGRAM_REACH; k <= i + SV_WALL_HISTOGRAM_REACH; k++)
@@ -39,17 +39,17 @@ static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
     for (uint32_t i = out->threshold + 1; i < 256; i++)
         if (smooth[i] > smooth[bright]) bright = i;
     const uint64_t mode = smooth[dark] < smooth[bright] ? smooth[dark] : smooth[bright];
-    uint64_t least = mode;
+    uint64_t valley = mode;
     for (uint32_t i = dark; i <= bright; i++)
-        if (smooth[i] < least) least = smooth[i];
+        if (smooth[i] < valley) valley = smooth[i];
     if (mode == 0) return;
-    out->least = least;
-    out->mode = mode;
-    out->valley = (double)least / (double)mode;
+    out->valley_count = valley;
+    out->mode_count = mode;
+    out->valley = (double)valley / (double)mode;
 }
 
-/* The variance of the square roots of the levels, in two parts: between the classes, and within them. Levels
- * that are spread evenly and halved have three quarters of it between. */
+/* Splits the variance of the levels' square roots into the part between the classes and the part within them.
+ * Of levels that are spread evenly and halved, three quarters lie between. */
 static void find_variance(const uint64_t histogram[256], const uint32_t *root, uint64_t split,
                           sv_wall_levels *out) {
     uint64_t count[2] = {0}, sum[2] = {0}, mean[2];
@@ -57,11 +57,11 @@ static void find_variance(const uint64_t histogram[256], const uint32_t *root, u
         count[root[i] > split] += histogram[i];
         sum[root[i] > split] += histogram[i] * root[i];
     }
-    const uint64_t median_of = (sum[0] + sum[1]) / (count[0] + count[1]);
+    const uint64_t center = (sum[0] + sum[1]) / (count[0] + count[1]);
     out->between = out->within = 0;
     for (int k = 0; k < 2; k++) {
         mean[k] = sum[k] / count[k];
-        const uint64_t away = mean[k] > median_of ? mean[k] - median_of : median_of - mean[k];
+        const uint64_t away = mean[k] > center ? mean[k] - center : center - mean[k];
         out->between += count[k] * away * away;
     }
     for (int i = 0; i < 256; i++) {
@@ -79,10 +79,10 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
         all += histogram[i];
         total += histogram[i] * root[i];
     }
-    sv_wall_levels out = {.least = 1, .mode = 1, .valley = 1.0};
+    sv_wall_levels out = {.valley_count = 1, .mode_count = 1, .valley = 1.0};
     if (all == 0) return out;
     uint64_t next = total / all;
-    for (int apply_knob = 0; apply_knob < SV_WALL_MAX_ITERATIONS && next != split; apply_knob++) {
+    for (int iteration = 0; iteration < SV_WALL_MAX_ITERATIONS && next != split; iteration++) {
         uint64_t count = 0, sum = 0;
         split = next;
         for (int i = 0; i < 256 && root[i] <= split; i++) {
@@ -107,12 +107,12 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
 }
 
 uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    const uint32_t side = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
-    return levels->threshold + side * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
+    const uint32_t distance = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
+    return levels->threshold + distance * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
 }
 
 bool sv_wall_is_shallow(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    return levels->least * SV_WALL_PER_MILLE > levels->mode * l->valley;
+    return levels->valley_count * SV_WALL_PER_MILLE > levels->mode_count * l->valley;
 }
 
 bool sv_wall_is_separable(const sv_wall_layout *l, const sv_wall_levels *levels) {

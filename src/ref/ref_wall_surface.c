@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-#include "ref/ref_wall_surface.h"
+#include "ref/ref_wall_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The nearest of 0 .. count - 1. */
+/* Clamps an index to 0 .. count - 1. */
 static size_t inside(int64_t at, size_t count) {
     return at < 0 ? 0 : at >= (int64_t)count ? count - 1 : (size_t)at;
 }
 
-/* A weighted sum along one axis; beyond the border the cell at the border counts. */
+/* Weighted sums along one axis. Beyond the border the cell at the border counts. */
 static void blur_along(const uint32_t *from, uint32_t *to, size_t blocks, size_t count, size_t stride,
                        const uint32_t *weights, uint32_t reach) {
     for (size_t block = 0; block < blocks; block++, from += count * stride)
@@ -38,10 +38,10 @@ static size_t cell_beside(uint32_t ray, uint32_t cells) {
     return inside((int64_t)(ray / 2) + (ray % 2 ? 1 : -1), cells);
 }
 
-/* What a ray pays, linear between the costs of the four cells surroundings it and rounded half up. A ray lies
- * a quarter of a cell from the median_of of its own. */
-static void between_cells(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y,
-                          uint32_t *ray) {
+/* Interpolates the costs of a ray between the four cells around it, linear and rounded half up. A ray lies a
+ * quarter of a cell from the middle of its own cell. */
+static void costs_of_ray(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y,
+                         uint32_t *ray) {
     const size_t row = (size_t)l->cells[0] * l->layers, column = l->layers;
     const size_t own_x = x / 2 * column, beside_x = cell_beside(x, l->cells[0]) * column;
     const size_t own_y = y / 2 * row, beside_y = cell_beside(y, l->cells[1]) * row;
@@ -52,24 +52,24 @@ static void between_cells(const sv_wall_layout *l, const uint32_t *costs, uint32
     }
 }
 
-/* Of a ray, in layers: the surface and the ends of the stretch that the knob moves it in. */
+/* Planes of layers: the surface, and the ends of the range that the knob moves it in. */
 enum { NEAR, PLACE, FAR, PLANES };
 
-/* Where the cost between two layers crosses `limit`: behind `inside`, whose cost is below it, in layers. */
+/* Returns how far behind `inside`, whose cost is below the limit, the cost crosses the limit, in layers. */
 static float crossing(uint32_t inside, uint32_t outside, uint32_t limit) {
     return (float)(limit - inside) / (float)(outside - inside);
 }
 
-/* `place`: the mean of the layers surroundings the cheapest one that cost at most `slack` more, weighted by
- * what they cost less than that; of several cheapest the one nearest to the viewer counts. `near`, `far`: how
- * far surroundings the cheapest one the costs stay within `reach`. */
-static void cheapest(const uint32_t *cost, uint32_t layers, uint32_t slack, uint32_t reach,
-                     float to[PLANES]) {
+/* Finds the minimum of a ray; of several equal ones the nearest to the viewer. PLACE is the mean of the
+ * layers around it whose cost is within `average_margin` of the minimum, weighting each by how far it is
+ * below that limit. NEAR and FAR are the ends of the layers around it within `knob_margin`. */
+static void find_minimum(const sv_wall_layout *l, const uint32_t *cost, float to[PLANES]) {
+    const uint32_t layers = l->layers, margin = l->average_margin;
     uint32_t best = 0;
     for (uint32_t i = 1; i < layers; i++)
         if (cost[i] < cost[best]) best = i;
-    const uint32_t limit = cost[best] + slack, edge = cost[best] + reach;
-    uint32_t weight = slack, sum = slack * best, near = best, far = best;
+    const uint32_t limit = cost[best] + margin, edge = cost[best] + l->knob_margin;
+    uint32_t weight = margin, sum = margin * best, near = best, far = best;
     for (uint32_t i = best; i > 0 && cost[i - 1] < limit; i--) {
         weight += limit - cost[i - 1];
         sum += (limit - cost[i - 1]) * (i - 1);
@@ -93,7 +93,7 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Of a ray and its eight neighbours so many rays away; beyond the border the ray at the border counts. */
+/* Reads a ray and its eight neighbours, `away` rays apart. Beyond the border the ray at the border counts. */
 static void neighbours(const sv_wall_layout *l, const uint32_t away[2], const float *map, uint32_t x,
                        uint32_t y, float out[9]) {
     const int64_t dx = away[0], dy = away[1];
@@ -118,14 +118,14 @@ static float smooth(const sv_wall_layout *l, const float *map, uint32_t x, uint3
     return (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f;
 }
 
-/* Two rays and their weights. */
+/* Two neighbouring rays and their weights. */
 typedef struct {
     uint32_t low, high;
     float low_weight, high_weight;
 } pair;
 
-/* Where pixel i lies between rays; beyond the outermost ones their value counts. Both weights are quotients
- * of integers, so that the mirrored pixel has the same. */
+/* Returns the rays around pixel i. Beyond the outermost rays their value counts. Both weights are quotients
+ * of integers, so that the mirrored pixel has the same ones. */
 static pair between(uint32_t i, uint32_t pixels, uint32_t rays) {
     const int64_t at = (int64_t)(2 * (uint64_t)i + 1) * rays - pixels, width = 2 * (int64_t)pixels;
     if (at <= 0) return (pair){0, 0, 1.0f, 0.0f};
@@ -135,7 +135,8 @@ static pair between(uint32_t i, uint32_t pixels, uint32_t rays) {
     return (pair){ray, ray + 1, (float)(width - rest) / (float)width, (float)rest / (float)width};
 }
 
-/* Bilinear. The four products are added in an order that neither mirroring nor transposing changes. */
+/* Bilinear interpolation. The four products are added in an order that neither mirroring nor transposing
+ * changes. */
 static void interpolate(const sv_wall_layout *l, const float *rays, float scale, float *map) {
     for (uint32_t y = 0; y < l->height; y++)
         for (uint32_t x = 0; x < l->width; x++) {
@@ -150,14 +151,15 @@ static void interpolate(const sv_wall_layout *l, const float *rays, float scale,
         }
 }
 
-/* What the ray's cell itself says of the depth that its neighbourhood chose. */
+/* Returns what the ray's own cell pays at the selected layer. */
 static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, uint32_t x, uint32_t y,
                       float layer) {
     const size_t at = ((size_t)(y / 2) * l->cells[0] + x / 2) * l->layers + (size_t)(layer + 0.5f);
-    return (float)(costs->all[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1) * costs->away[at]) / SV_WALL_COST_ONE;
+    return (float)(costs->all[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1) * costs->distance[at]) /
+           SV_WALL_COST_ONE;
 }
 
-/* The median of every plane. */
+/* Filters every plane by the median of a ray and its neighbours. */
 static void median_filter(const sv_wall_layout *l, const float *layers, float *filtered) {
     const size_t count = (size_t)l->columns * l->rows;
     if (!l->median) memcpy(filtered, layers, PLANES * count * sizeof *filtered);
@@ -168,9 +170,9 @@ static void median_filter(const sv_wall_layout *l, const float *layers, float *f
                     median_of(l, layers + plane * count, x, y);
 }
 
-/* `own` and `sure` have room for a number a ray. */
-static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const float *layers, float *own,
-                  float *sure, float *confidence) {
+/* Computes the confidence from the own costs. `own` and `ray_confidence` have room for a number a ray. */
+static void find_confidence(const sv_wall_layout *l, const sv_wall_costs *costs, const float *layers,
+                            float *own, float *ray_confidence, float *confidence) {
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
             const size_t ray = (size_t)y * l->columns + x;
@@ -178,17 +180,16 @@ static void trust(const sv_wall_layout *l, const sv_wall_costs *costs, const flo
         }
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
-            const float doubt = smooth(l, own, x, y) / l->half_confidence_cost;
-            sure[(size_t)y * l->columns + x] = 1.0f / (1.0f + doubt * doubt);
+            const float ratio = smooth(l, own, x, y) / l->half_confidence_cost;
+            ray_confidence[(size_t)y * l->columns + x] = 1.0f / (1.0f + ratio * ratio);
         }
-    interpolate(l, sure, 1.0f, confidence);
-    /* the four rounded weights of a pixel may add up to a hair more than 1 */
+    interpolate(l, ray_confidence, 1.0f, confidence);
+    /* The four rounded weights of a pixel may add up to a little more than 1. */
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = fminf(confidence[i], 1.0f);
 }
 
-/* A surface in tissue goes back to where that begins, at most `far` layers: the rays surroundings this one
- * have drawn it out of the fluid before the tissue. Tissue at the start of the scan has no fluid before it.
- */
+/* Moves a surface in tissue back to the front of that tissue, at most by `full_distance` layers: its
+ * neighbours have drawn it out of the fluid. Tissue at the start of the scan has no fluid in front of it. */
 static float back_to_fluid(const sv_wall_scan *s, size_t ray, float place) {
     const uint32_t at = (uint32_t)place, start = s->blocks->first[ray];
     if (!sv_wall_is_tissue(s, ray, at)) return place;
@@ -197,8 +198,8 @@ static float back_to_fluid(const sv_wall_scan *s, size_t ray, float place) {
     return place;
 }
 
-/* Leaves the surface in the plane PLACE: at q = 0 the far end, at 1 the near one, linear to either side of
- * 0.5. In tissue it goes back to the fluid before. */
+/* Moves the surface in its range: to the far end at q = 0, to the near end at q = 1, linear to either side of
+ * 0.5. In tissue it goes back to the fluid. */
 static void apply_knob(const sv_wall_scan *scan, float *filtered) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows;
@@ -211,16 +212,16 @@ static void apply_knob(const sv_wall_scan *scan, float *filtered) {
     }
 }
 
-/* The planes of every ray; `costs` of cells, after the Gaussian. False: no memory. */
-static bool place_rays(const sv_wall_layout *l, const uint32_t *costs, float *layers) {
+/* Finds the minima of all rays in the smoothed costs of cells. False: no memory. */
+static bool find_minima(const sv_wall_layout *l, const uint32_t *costs, float *layers) {
     const size_t count = (size_t)l->columns * l->rows;
     uint32_t *const ray = malloc(l->layers * sizeof *ray);
     if (!ray) return false;
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
             float of_ray[PLANES];
-            between_cells(l, costs, x, y, ray);
-            cheapest(ray, l->layers, l->average_margin, l->knob_margin, of_ray);
+            costs_of_ray(l, costs, x, y, ray);
+            find_minimum(l, ray, of_ray);
             for (size_t plane = 0; plane < PLANES; plane++)
                 layers[plane * count + (size_t)y * l->columns + x] = of_ray[plane];
         }
@@ -239,11 +240,11 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *given
     if (done) {
         memcpy(costs, given->all, all * sizeof *costs);
         blur(l, costs, rows);
-        done = place_rays(l, costs, layers);
+        done = find_minima(l, costs, layers);
     }
     if (done) {
         median_filter(l, layers, filtered);
-        trust(l, given, filtered + PLACE * count, layers, layers + count, confidence);
+        find_confidence(l, given, filtered + PLACE * count, layers, layers + count, confidence);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
     }

@@ -4,7 +4,7 @@
  * it says where there is no fluid.
  */
 #include "common/sv_shared.h"
-#include "ref/ref_cost_surface.h"
+#include "ref/ref_cost.h"
 #include "scene/scene.h"
 #include "support/rig.h"
 

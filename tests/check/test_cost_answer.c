@@ -3,7 +3,7 @@
  * What a ray pays for its labels, by the numbers of docs/cost_volume.md written out here: kernels and
  * definition read the same constants, so that comparing them says nothing about those.
  */
-#include "ref/ref_cost_rays.h"
+#include "ref/ref_cost.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -4,7 +4,7 @@
  * that are two classes all the same; a bladder, which the wall encloses; what is before a finger; and a limb
  * that lies against the wall.
  */
-#include "ref/ref_wall_surroundings.h"
+#include "ref/ref_wall_steps.h"
 #include "support/wall_fixture.h"
 
 #include <stdio.h>
@@ -77,7 +77,7 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
         .columns = SIDE, .rows = SIDE, .layers = LAYERS, .levels = levels, .first = first, .end = end};
     const uint8_t bright[LAYERS * CELLS * CELLS] = {0};
     const sv_wall_evidence none = {0}; /* nothing is the fetus */
-    const sv_wall_scan judged = {.layout = &l, .blocks = &blocks, .bright = bright, .threshold = FLUID};
+    const sv_wall_scan judged = {.layout = &l, .blocks = &blocks, .brightness = bright, .threshold = FLUID};
     for (size_t i = 0; i < LAYERS * PLANE; i++) levels[i] = MUSCLE;
     for (size_t i = 0; i < PLANE; i++) {
         const size_t cell = i / SIDE / 2 * CELLS + i % SIDE / 2;
@@ -87,7 +87,7 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
         for (int k = 0; k < opens; k++)
             if ((int)cell == open[k]) levels[2 * PLANE + i] = FLUID;
     }
-    uint8_t *const around = sv_wall_find_surroundings(&judged, &none);
+    uint8_t *const around = sv_wall_surroundings_map(&judged, &none);
     assert_non_null(around);
     assert_int_equal(around[CELLS * CELLS + MIDDLE], 0); /* fluid */
     const uint8_t is = around[2 * CELLS * CELLS + MIDDLE];

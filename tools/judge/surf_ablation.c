@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "judge/surf_ablation.h"
 
-#include "ref/ref_cost_surface.h"
+#include "ref/ref_cost.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,21 @@
 /* One thing changed. Numbers are factors; 0 in `gain` is 1. */
 static const struct {
     const char *what;
-    enum { NOTHING, CUT, LEFT, OTHER, THICK, BEHIND, TAU, SIGMA, SLACK, SHIFT, SPLIT, CONTACT, MEDIAN } part;
+    enum {
+        NOTHING,
+        CUT,
+        OCCLUDER,
+        WRONG_FLUID,
+        THICK,
+        BEHIND,
+        TAU,
+        SIGMA,
+        AVERAGE_MARGIN,
+        SHIFT,
+        SPLIT,
+        CONTACT,
+        MEDIAN
+    } part;
     double factor;
     int level;   /* T_L; 0: from the histogram */
     double gain; /* of the grey levels */
@@ -17,9 +31,9 @@ static const struct {
     {"as it is", NOTHING, 1, 0, 0},
     {"cutting costs half", CUT, 0.5, 0, 0},
     {"cutting costs twice", CUT, 2, 0, 0},
-    {"leaving occluders costs nothing", LEFT, 0, 0, 0},
-    {"leaving occluders costs twice", LEFT, 2, 0, 0},
-    {"no term for the longest interval", OTHER, 0, 0, 0},
+    {"leaving occluders costs nothing", OCCLUDER, 0, 0, 0},
+    {"leaving occluders costs twice", OCCLUDER, 2, 0, 0},
+    {"no term for the longest interval", WRONG_FLUID, 0, 0, 0},
     {"thickness is no evidence", THICK, 0, 0, 0},
     {"no doubt by runs farther back", BEHIND, 0, 0, 0},
     {"runs are not parted at bone", SPLIT, 0, 0, 0},
@@ -29,7 +43,7 @@ static const struct {
     {"lateral Gaussian x 0.7", SIGMA, 0.7, 0, 0},
     {"lateral Gaussian x 1.4", SIGMA, 1.4, 0, 0},
     {"no median", MEDIAN, 0, 0, 0},
-    {"sharper minimum (slack / 4)", SLACK, 0.25, 0, 0},
+    {"sharper minimum (slack / 4)", AVERAGE_MARGIN, 0.25, 0, 0},
     {"no yielding where unsure", SHIFT, 0, 0, 0},
     {"yielding three times as much", SHIFT, 3, 0, 0},
     {"T_L fixed at 25", NOTHING, 1, 25, 0},
@@ -43,15 +57,10 @@ enum { CHANGES = sizeof changes / sizeof *changes };
 
 static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
     sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n, 0.0f);
-    double *const parts[] = {[CUT] = &l.cut,
-                             [LEFT] = &l.left,
-                             [OTHER] = &l.other,
-                             [THICK] = &l.thick,
-                             [BEHIND] = &l.behind_penalty,
-                             [TAU] = &l.tau,
-                             [SIGMA] = &l.sigma,
-                             [SLACK] = &l.slack,
-                             [SHIFT] = &l.viewer_shift};
+    double *const parts[] = {
+        [CUT] = &l.cut_cost, [OCCLUDER] = &l.occluder_cost,        [WRONG_FLUID] = &l.wrong_fluid_cost,
+        [THICK] = &l.thick,  [BEHIND] = &l.behind_penalty,         [TAU] = &l.tau,
+        [SIGMA] = &l.sigma,  [AVERAGE_MARGIN] = &l.average_margin, [SHIFT] = &l.viewer_shift};
     switch (changes[i].part) {
     case NOTHING:
         break;

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT */
+/* The steps of the surface told by the wall, in their order (docs/surface.md). Each has what it needs from
+ * those before it. Functions that allocate return false or NULL if memory runs out. */
+#ifndef REF_WALL_STEPS_H
+#define REF_WALL_STEPS_H
+
+#include "ref/ref_volume.h"
+#include "wall_layout.h"
+
+/* ---- blocks of about 2 mm around rays half as far apart (ref_wall_blocks.c) */
+
+/* Block z of ray (x, y) at means[(z * rows + y) * columns + x]: the weighted mean of its voxels, rounded half
+ * up; 0 if the block was not scanned. Blocks first .. end - 1 of a ray were scanned: all of their voxels
+ * were. `levels`: the means, smoothed along the rays where a layer is one slice. Tissue is classified by
+ * them. */
+typedef struct {
+    uint32_t columns, rows, layers;
+    uint8_t *means, *levels;
+    uint16_t *first, *end;
+    uint32_t rays; /* that were scanned */
+} sv_wall_blocks;
+
+bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *layout,
+                           sv_wall_blocks *blocks);
+void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
+
+/* The brightness of every cell, at [(z * cells[1] + y) * cells[0] + x]: the maximum within layout->dilation
+ * cells of its own, in the same layer, of half the sums of the means of a block and the one behind it,
+ * rounded half up; blocks that were not scanned count as 0. The caller frees it. */
+uint8_t *sv_wall_brightness_map(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
+
+/* ---- grey levels: the threshold between fluid and tissue, and whether there is fluid (ref_wall_levels.c) */
+
+/* Counts the scanned blocks of one ray a cell: of four rays that overlap by half it tells as much as all. It
+ * is the ray next to the middle of the image, so that a mirrored volume has the same histogram, and both rays
+ * of a cell that lies in the middle. */
+void sv_wall_histogram(const sv_wall_blocks *blocks, uint64_t histogram[256]);
+
+typedef struct {
+    bool two;           /* there are two classes: false if all blocks are equal, or there is none */
+    uint32_t threshold; /* largest level of the dark class */
+    uint32_t bright;    /* mean of the bright class, in units of 1 / SV_WALL_LEVEL_ONE */
+    /* Counts of the smoothed histogram: the lowest between the classes' modes, and the lower mode. Both are 1
+     * if that mode is 0. */
+    uint64_t valley_count, mode_count;
+    double valley; /* their ratio */
+    /* Variance of the levels' square roots times the blocks: between the means of the classes, within them.
+     */
+    uint64_t between, within;
+} sv_wall_levels;
+
+/* The classes are split midway between the means of their square roots, until the split no longer moves
+ * (isodata). */
+sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]);
+
+/* Tissue is brighter than this level: layout->tissue of the way from the threshold to the mean of the bright
+ * class, rounded down. */
+uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels *levels);
+
+/* True if the valley between the classes is so shallow that they may be one. */
+bool sv_wall_is_shallow(const sv_wall_layout *layout, const sv_wall_levels *levels);
+
+/* True if so much of the variance lies between the classes that there must be two. */
+bool sv_wall_is_separable(const sv_wall_layout *layout, const sv_wall_levels *levels);
+
+/* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE; a level's
+ * count is spread evenly over level +- 0.5. */
+uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank);
+
+/* ---- how bright the wall is, and how likely tissue of a brightness is the fetus (ref_wall_evidence.c) */
+
+typedef struct {
+    uint32_t wall_rays;
+    bool bare;                               /* there is no wall: the next two are assumed */
+    uint32_t wall;                           /* grey level, in units of 1 / SV_WALL_LEVEL_ONE */
+    int32_t spread;                          /* ln of the odds, fixed-point */
+    uint32_t first_run[256], later_run[256]; /* probability of the fetus by brightness */
+} sv_wall_evidence;
+
+/* Everything that rays are judged from. The pointers are borrowed. */
+typedef struct {
+    const sv_wall_layout *layout;
+    const sv_wall_blocks *blocks;
+    const uint8_t *brightness;   /* of every cell (sv_wall_brightness_map) */
+    const uint8_t *surroundings; /* of every cell (sv_wall_surroundings_map) */
+    uint32_t threshold;          /* tissue is brighter */
+} sv_wall_scan;
+
+/* True if the block in layer z of a ray is tissue. */
+bool sv_wall_is_tissue(const sv_wall_scan *scan, size_t ray, size_t z);
+
+/* The brightness of a ray in layer z is its cell's. */
+uint8_t sv_wall_brightness_at(const sv_wall_scan *scan, size_t ray, size_t z);
+
+/* The first run of tissue of a ray: layers [begin, end), both the end of the scan if there is none.
+ * `touches`: it begins where the scan does. `fluid`: fluid follows it. */
+typedef struct {
+    uint32_t begin, end;
+    bool touches, fluid;
+} sv_wall_run;
+sv_wall_run sv_wall_first_run(const sv_wall_scan *scan, size_t ray);
+
+void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out);
+
+/* ---- what surrounds tissue in its layer (ref_wall_surroundings.c) */
+
+/*
+ * Tissue that the wall encloses lies behind fluid and is wall all the same, as behind a bladder. Tissue
+ * beside the fetus may be a limb that lies against the wall.
+ *
+ * A cell is tissue, wall, or tissue of a later run, if at least SV_WALL_MAJORITY of its rays are. A ray is
+ * wall in its first run, if that touches the start of the scan. The fetus: cells of later runs that are not
+ * enclosed, and whose probability is `fetus_threshold` at least.
+ *
+ * Enclosed: the wall is reached through tissue alone to the left, to the right, upwards and downwards.
+ * Flanked: the fetus is reached to the left and to the right, or upwards and downwards. One side: the fetus
+ * is reached on some side only.
+ */
+enum { SV_WALL_ENCLOSED = 1, SV_WALL_FLANKED = 2, SV_WALL_ONE_SIDE = 4 };
+
+/* Returns the flags of every cell of every layer, laid out like the brightness map. It does not read
+ * `scan->surroundings`. The caller frees the map. */
+uint8_t *sv_wall_surroundings_map(const sv_wall_scan *scan, const sv_wall_evidence *evidence);
+
+/* The flags of the ray's cell. */
+uint8_t sv_wall_surroundings_at(const sv_wall_scan *scan, size_t ray, size_t z);
+
+/* ---- what rays pay for being clipped at every layer (ref_wall_costs.c) */
+
+/* Costs in units of 1 / SV_WALL_COST_ONE: cell c clipped at layer z at [c * layers + z]. A cell pays the mean
+ * of its two by two rays, rounded half up; a ray that was not scanned pays nothing. */
+typedef struct {
+    uint32_t *all;      /* the distance to the fluid, a cut fetus, an occluder that is left, a wrong fluid */
+    uint32_t *distance; /* of that, the distance to the fluid */
+    uint64_t fetus;     /* sum over the rays of the probability that the fetus is on them */
+} sv_wall_costs;
+
+bool sv_wall_costs_create(const sv_wall_scan *scan, const sv_wall_evidence *evidence, sv_wall_costs *costs);
+void sv_wall_costs_destroy(sv_wall_costs *costs);
+
+/* ---- from the costs to the maps (ref_wall_surface.c) */
+
+/* Writes the maps of depth and confidence. */
+bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *costs, float *depth,
+                            float *confidence);
+
+#endif
