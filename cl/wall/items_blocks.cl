@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, blocks: which of them were scanned, their histogram, and the brightest of
- * a row beside every cell; and blocks of one slice, smoothed.
+ * By work items: which blocks were scanned, their histogram, and their dilation along x; blocks of one slice,
+ * smoothed.
  */
 #ifndef SV_WALL_SLICES_CLH
 #include "wall/wall_slices.clh"
@@ -11,7 +11,7 @@
 #endif
 
 /* One work group per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels
- * have ranges. Where wall_items_smooth follows, that counts the levels. */
+ * have ranges. If wall_items_smooth follows, that kernel counts the levels. */
 __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
                                 __global const sv_wall_span *restrict spans,
                                 __global const ushort *restrict ranges, __global uchar *restrict levels,
@@ -39,7 +39,7 @@ __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
     store_counts(counts, HISTOGRAM_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
-/* The levels of a ray, smoothed and counted. A block that was not scanned counts as its neighbour. */
+/* Smooths and counts the levels of a ray. A block that was not scanned counts as its neighbour. */
 static void smooth_ray(const sv_wall_layout *l, ray_place_t at, __global const uchar *levels,
                        __global const ushort *rays, __global uchar *smoothed, __local uint *counts) {
     const size_t ray = level_row(l, 0, at.row) + at.x, pitch = level_pitch_of(l);
@@ -60,8 +60,8 @@ static void smooth_ray(const sv_wall_layout *l, ray_place_t at, __global const u
     }
 }
 
-/* One work group per row of cells, after wall_items_blocks: `smoothed` lies as `levels` do. Only where layers
- * are one slice. */
+/* One work group per row of cells, after wall_items_blocks, if layers are one slice. `smoothed` is laid out
+ * like `levels`. */
 __kernel void wall_items_smooth(sv_wall_layout l, __global const uchar *restrict levels,
                                 __global const ushort *restrict rays, __global uchar *restrict smoothed,
                                 __global uint *restrict histograms) {
@@ -72,17 +72,17 @@ __kernel void wall_items_smooth(sv_wall_layout l, __global const uchar *restrict
     store_counts(counts, NO_EXTRA, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
-/* One work item per cell. `beside`: the largest mean of a block and the one behind it, over the rays of the
- * row's cells beside every cell. Zeros lie behind the last layer. */
+/* One work item per cell: the dilation along x of the means of a block and the one behind it. Zeros lie
+ * behind the last layer. */
 __kernel void wall_items_dilate_rows(sv_wall_layout l, __global const uchar *restrict levels,
-                                     __global uchar *restrict beside) {
+                                     __global uchar *restrict row_maxima) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0]) return;
     const uint from = x - min(x, l.dilation[0]), to = min(x + l.dilation[0], l.cells[0] - 1);
-    uint most = 0;
+    uint maximum = 0;
     for (uint r = 2 * row; r < 2 * row + 2; r++) {
         __global const uchar *at = levels + level_row(&l, z, r), *behind = levels + level_row(&l, z + 1, r);
-        for (uint k = 2 * from; k < 2 * to + 2; k++) most = max(most, (at[k] + behind[k] + 1u) / 2u);
+        for (uint k = 2 * from; k < 2 * to + 2; k++) maximum = max(maximum, (at[k] + behind[k] + 1u) / 2u);
     }
-    beside[cell_row(&l, z, row) + x] = (uchar)most;
+    row_maxima[cell_row(&l, z, row) + x] = (uchar)maximum;
 }

@@ -1,35 +1,36 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, costs: what every cell of two by two rays pays for being clipped at
- * every layer. A ray is walked front to back and back to front, as wall_costs.cl does; what it pays is kept
- * in `scratch` until its cell takes the mean.
+ * By work items: what every cell of two by two rays pays for being clipped at every layer. A ray has a
+ * forward and a backward pass, as in wall_costs.cl. Its costs are kept in `scratch` until its cell takes the
+ * mean.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
 #endif
 
-/* A ray, and what is known of it. */
+/* The state of a ray. */
 typedef struct {
-    __global const uchar *levels, *bright, *kinds; /* of the first layer; the last two of its cell */
-    size_t level_pitch, cell_pitch;                /* from one layer to the next */
+    __global const uchar *levels, *brightness,
+        *kinds;                     /* of the first layer; brightness and kinds are those of the ray's cell */
+    size_t level_pitch, cell_pitch; /* from one layer to the next */
     uint threshold;
     __global const uint *chances;
     bool bare;                     /* there is no wall */
-    uint first, end, run, run_end; /* scanned layers, the first tissue */
-    bool scanned, touches;         /* the first tissue begins where the scan does */
+    uint first, end, run, run_end; /* scanned layers, the first run */
+    bool scanned, touches;         /* the first run begins where the scan does */
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    uint begun, in_run;            /* probability of a fetus; of one that begins in the first tissue */
+    uint begun, in_run;            /* probability of a fetus; of one that begins in the first run */
 } ray_t;
 
-/* What is kept of every layer of a ray, `pitch` apart. */
+/* What is kept of the layers of a ray, `pitch` apart. */
 typedef struct {
     __global ushort *begun; /* probability that the fetus has begun */
     __global ushort *costs;
-    __global uchar *away; /* distance to the fluid in front; later what the distance costs */
+    __global uchar *distance_cost; /* distance to the fluid in front; later the cost of the distance */
     size_t pitch;
 } layers_t;
 
-/* Those of the ray at this place in `scratch`: planes of 16 bits a block, twice, and of 8 bits. */
+/* Returns the layers of a ray in `scratch`, which has two planes of 16 bits a block and one of 8 bits. */
 static layers_t layers_of(const sv_wall_layout *l, __global ushort *scratch, uint row, uint x) {
     const size_t plane = block_row(l, l->layers, 0), at = block_row(l, 0, row) + x;
     return (layers_t){scratch + at, scratch + plane + at, (__global uchar *)(scratch + 2 * plane) + at,
@@ -40,55 +41,56 @@ static bool is_tissue(const ray_t *r, uint z) {
     return r->levels[z * r->level_pitch] > r->threshold;
 }
 
-/* Shares of probabilities, rounded half up. */
+/* Multiplies probabilities, rounding half up. */
 static uint share(uint value, uint chance) {
     return (value * chance + SV_WALL_PROBABILITY_ONE / 2u) / (uint)SV_WALL_PROBABILITY_ONE;
 }
 
-/* Shares of costs, rounded down. */
+/* Multiplies a cost by a probability, rounding down. */
 static uint share_of_cost(uint cost, uint chance) {
     return cost * chance / (uint)SV_WALL_PROBABILITY_ONE;
 }
 
-/* How likely tissue is the fetus. */
+/* Returns the probability that tissue is the fetus. */
 static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const size_t at = z * r->cell_pitch;
-    const uint kind = r->kinds[at], chance = r->chances[r->bright[at]];
+    const uint kind = r->kinds[at], chance = r->chances[r->brightness[at]];
     const uint any = chance >> 16, first = chance & 0xffffu;
     if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
     if (kind & CELL_FLANKED) return any;
     return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
 
-/* Front to back. */
+/* Walks all layers from front to back. */
 static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
-    uint before = SV_WALL_PROBABILITY_ONE, now = before, most = 0, near = l->full_distance;
+    uint before = SV_WALL_PROBABILITY_ONE, now = before, maximum = 0, near = l->full_distance;
     bool behind = false, over = false;
     r->fluid_end = r->end;
     for (uint z = 0; z < l->layers; z++) {
         const bool tissue = is_tissue(r, z);
         if (tissue) {
-            most = max(most, chance_at(l, r, z));
-            now = before - share(before, most);
+            maximum = max(maximum, chance_at(l, r, z));
+            now = before - share(before, maximum);
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
                 over = true;
             }
         } else {
             before = now;
-            most = 0;
+            maximum = 0;
         }
         const bool open_front = r->scanned && !r->touches && z < r->first;
         const bool fluid = open_front || (!tissue && z >= r->first && z < r->end);
         near = fluid ? 0 : min(near + 1, l->full_distance);
         s->begun[z * s->pitch] = (ushort)(SV_WALL_PROBABILITY_ONE - now);
-        s->away[z * s->pitch] = (uchar)near;
+        s->distance_cost[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
     r->begun = SV_WALL_PROBABILITY_ONE - now;
 }
 
-/* After that. An open front, or no fluid at all: the surface belongs before the tissue. */
+/* Finds the first fluid after the forward pass. With an open front, or without fluid, the surface belongs in
+ * front of the tissue. */
 static void forward_end(ray_t *r, const layers_t *s) {
     const bool in_front = !(r->touches && r->run_end < r->end);
     r->fluid = in_front ? 0 : r->run_end;
@@ -96,9 +98,9 @@ static void forward_end(ray_t *r, const layers_t *s) {
     r->in_run = r->touches && r->run_end > r->run ? s->begun[(r->run_end - 1) * s->pitch] : 0;
 }
 
-/* What a ray pays in layer z but for the distance. `later`: probability that the fetus begins with tissue
- * whose fluid is behind the layer. */
-static uint wrong_at(const sv_wall_layout *l, const ray_t *r, const layers_t *s, uint z, uint later) {
+/* Returns what a ray pays in layer z but for the distance. `later`: probability that the fetus begins with a
+ * run whose fluid is behind the layer. */
+static uint error_cost(const sv_wall_layout *l, const ray_t *r, const layers_t *s, uint z, uint later) {
     const uint skin = z + l->skin;
     if (r->touches && skin < r->run_end) later += r->in_run - s->begun[skin * s->pitch];
     uint cost = share_of_cost(l->occluder_cost, later);
@@ -113,22 +115,22 @@ static uint distance_cost_at(const sv_wall_layout *l, uint near) {
     return min(far, (uint)SV_WALL_COST_ONE);
 }
 
-/* Back to front: leaves the costs of the ray. */
+/* Walks all layers from back to front, and stores the costs of the ray. */
 static void backward_pass(const sv_wall_layout *l, const ray_t *r, const layers_t *s) {
     bool behind = false, fluid_behind = false;
     uint later = 0, run_end = r->begun, near = l->full_distance;
     for (uint z = l->layers; z-- > 0;) {
         const bool tissue = is_tissue(r, z);
-        const uint begun = s->begun[z * s->pitch], before = s->away[z * s->pitch];
+        const uint begun = s->begun[z * s->pitch], before = s->distance_cost[z * s->pitch];
         if (tissue && fluid_behind) later += run_end - begun;
         if (tissue && !behind) run_end = begun;
         fluid_behind = before == 0;
         behind = tissue;
         near = fluid_behind ? 0 : min(near + 1, l->full_distance);
-        const uint away = distance_cost_at(l, min(near, before));
-        const uint cost = away + wrong_at(l, r, s, z, later);
+        const uint distance_cost = distance_cost_at(l, min(near, before));
+        const uint cost = distance_cost + error_cost(l, r, s, z, later);
         s->costs[z * s->pitch] = (ushort)(r->scanned ? cost : 0);
-        s->away[z * s->pitch] = (uchar)(r->scanned ? away : 0);
+        s->distance_cost[z * s->pitch] = (uchar)(r->scanned ? distance_cost : 0);
     }
 }
 
@@ -141,9 +143,10 @@ static void load_ray(const sv_wall_layout *l, __global const ushort *rays, uint 
     r->touches = r->scanned && r->run == r->first;
 }
 
-/* One work item per ray: what is kept of its layers. */
+/* One work item per ray: stores what is kept of its layers. */
 __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict info,
-                               __global const uchar *restrict levels, __global const uchar *restrict bright,
+                               __global const uchar *restrict levels,
+                               __global const uchar *restrict brightness,
                                __global const uchar *restrict kinds, __global const ushort *restrict rays,
                                __global ushort *restrict scratch) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
@@ -152,7 +155,7 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     ray_t r = {.threshold = info[INFO_TISSUE], .chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
-    r.bright = bright + cell_row(&l, 0, row / 2) + x / 2;
+    r.brightness = brightness + cell_row(&l, 0, row / 2) + x / 2;
     r.kinds = kinds + cell_row(&l, 0, row / 2) + x / 2;
     r.cell_pitch = cell_row(&l, 1, 0);
     load_ray(&l, rays, x, row, &r);
@@ -161,9 +164,9 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     backward_pass(&l, &r, &s);
 }
 
-/* One work group per row of cells, after that: the means of their rays, rounded half up, and the sum of the
- * probabilities that the fetus is on these; on one that was not scanned it is 0. `distance_costs`: of the
- * costs what is due to the distance from the fluid. */
+/* One work group per row of cells, after wall_items_costs. It stores the means of the cells' rays, rounded
+ * half up, the part due to the distance to the fluid, and the sum over the rays of the probability that the
+ * fetus is on them. A ray that was not scanned counts as 0. */
 __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict info,
                                __global ushort *restrict scratch, __global ushort *restrict costs,
                                __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
@@ -183,9 +186,11 @@ __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict i
         const layers_t above = layers_of(&l, scratch, 2 * row, 2 * x);
         const size_t at = z * above.pitch, below = at + block_row(&l, 0, 1), to = cell_row(&l, z, row) + x;
         __global const ushort *cost = above.costs;
-        __global const uchar *away = above.away;
+        __global const uchar *distance_cost = above.distance_cost;
         costs[to] = (ushort)((cost[at] + cost[at + 1] + cost[below] + cost[below + 1] + 2u) / 4u);
-        distance_costs[to] = (uchar)((away[at] + away[at + 1] + away[below] + away[below + 1] + 2u) / 4u);
+        distance_costs[to] = (uchar)((distance_cost[at] + distance_cost[at + 1] + distance_cost[below] +
+                                      distance_cost[below + 1] + 2u) /
+                                     4u);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item == 0) fetus[row] = sum;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The wall's surface by work items, while the slabs come: the scanned range of a pixel, and the mean of a
- * block. */
+/* By work items, while the slabs come: the scanned range of a pixel, and the mean of a block. */
 #ifndef SV_WALL_SLICES_CLH
 #include "wall/wall_slices.clh"
 #endif
 
-/* What can be said of a pixel's range without the voxels. */
+/* Sets a pixel's range as far as it is known without the voxels. */
 static void begin_range(const sv_wall_layout *l, uint padding, bool ranged, uint from, uint to, uint *first,
                         uint *end) {
     *first = NEVER;
@@ -15,8 +14,8 @@ static void begin_range(const sv_wall_layout *l, uint padding, bool ranged, uint
     *end = ranged ? to : l->slices;
 }
 
-/* One work item per pixel. Arguments as those of wall_downsample, but for its blocks. With a padding value
- * every slab is asked for, else the first one only. */
+/* One work item per pixel, with the arguments of wall_downsample but for its blocks. It is launched for
+ * every slab if there is a padding value, else for the first one only. */
 __kernel void wall_items_range(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
                                uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
                                uint padding, uint ranged, uint range_pitch,
@@ -39,7 +38,7 @@ __kernel void wall_items_range(__global const uchar *restrict slab, ulong slab_o
     ranges[plane + at] = (ushort)end;
 }
 
-/* A block's weighted sum over one slice; padding counts as 0. */
+/* Sums up a block over one slice, weighted; padding counts as 0. */
 static uint sum_slice(__global const uchar *at, uint row_pitch, __global const sv_wall_span *across,
                       __global const sv_wall_span *along, uint padding) {
     uint sum = 0;
@@ -54,9 +53,9 @@ static uint sum_slice(__global const uchar *at, uint row_pitch, __global const s
 
 /*
  * One work item per block of the layers that the slab reaches: column by row + rows * layer. `sums` carries a
- * layer that ends in a later slab, one number a ray. Where the slab begins within a layer and ends within
- * another, the same work item takes both, so what it reads was not yet written: then there is one layer less
- * to launch.
+ * layer that ends in a later slab, one number a ray. If the slab begins within a layer and ends within
+ * another, the same work item takes both, so it reads its sum before it is overwritten, and one layer less is
+ * launched.
  */
 __kernel void wall_items_downsample(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
                                     uint tiles_x, uint tile_w, uint tile_h, uint first_slice,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, from costs to the minimum_layer layer of every ray: the lateral Gaussian
- * over the costs of cells along y and along x, what rays pay between cells, the least, the mean around it,
- * and how far around it the knob may sweep. Beyond the border the cell at the border counts.
+ * By work items, from costs to the cheapest layer of every ray: the lateral Gaussian over the costs of cells
+ * along y and along x, the costs of rays between cells, the minimum, the mean around it, and how far around
+ * it the knob may move the surface. Beyond the border the cell at the border counts.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
@@ -11,19 +11,19 @@
 #include "wall/wall_pixels.clh"
 #endif
 
-/* One work item per cell. `sums`: 32 bits for each. */
+/* One work item per cell: the Gaussian along y. `sums`: 32 bits for each cell. */
 __kernel void wall_items_blur_y(sv_wall_layout l, __global const uint *restrict info,
                                 __global const ushort *restrict costs, __global uint *restrict sums) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     uint sum = l.kernel_y[0] * costs[cell_row(&l, z, row) + x];
     for (int k = 1; k <= (int)l.reach_y; k++)
-        sum += l.kernel_y[k] * ((uint)costs[cell_row(&l, z, beside(row, -k, l.cells[1])) + x] +
-                                costs[cell_row(&l, z, beside(row, k, l.cells[1])) + x]);
+        sum += l.kernel_y[k] * ((uint)costs[cell_row(&l, z, clamped(row, -k, l.cells[1])) + x] +
+                                costs[cell_row(&l, z, clamped(row, k, l.cells[1])) + x]);
     sums[cell_row(&l, z, row) + x] = sum;
 }
 
-/* One work item per cell; rounded half up. */
+/* One work item per cell: the Gaussian along x, rounded half up. */
 __kernel void wall_items_blur_x(sv_wall_layout l, __global const uint *restrict info,
                                 __global const uint *restrict sums, __global ushort *restrict fine) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
@@ -31,12 +31,12 @@ __kernel void wall_items_blur_x(sv_wall_layout l, __global const uint *restrict 
     __global const uint *line = sums + cell_row(&l, z, row);
     uint sum = l.kernel_x[0] * line[x];
     for (int k = 1; k <= (int)l.reach_x; k++)
-        sum += l.kernel_x[k] * (line[beside(x, -k, l.cells[0])] + line[beside(x, k, l.cells[0])]);
+        sum += l.kernel_x[k] * (line[clamped(x, -k, l.cells[0])] + line[clamped(x, k, l.cells[0])]);
     fine[fine_row(&l, z, row) + x] = (ushort)((sum + FINE / 2) / FINE);
 }
 
-/* Costs after the Gaussian of the four cells around a ray, from the first layer on: of its own, of those
- * beside it along x and along y, and of the one beside it along both. */
+/* Smoothed costs of the four cells around a ray, from the first layer on: its own cell, those next to it
+ * along x and along y, and the one next to it along both. */
 typedef struct {
     __global const ushort *own, *across, *down, *both;
     size_t pitch;
@@ -52,26 +52,27 @@ static costs_t costs_of(const sv_wall_layout *l, __global const ushort *fine, ui
         l->layers};
 }
 
-/* Linear between the cells, rounded half up: a ray lies a quarter of a cell from the middle of its own. */
+/* Interpolates between the cells, linear and rounded half up. A ray lies a quarter of a cell from the middle
+ * of its own cell. */
 static uint cost_at(const costs_t *c, uint z) {
     const size_t at = z * c->pitch;
     return (9u * c->own[at] + 3u * ((uint)c->across[at] + c->down[at]) + c->both[at] + 8u) / 16u;
 }
 
-/* The minimum_layer layer, of several the one nearest to the viewer. */
-static uint minimum_layer(const costs_t *c, uint *least) {
+/* Finds the cheapest layer; of several equal ones the nearest to the viewer. */
+static uint minimum_layer(const costs_t *c, uint *minimum) {
     uint best = 0;
-    *least = cost_at(c, 0);
+    *minimum = cost_at(c, 0);
     for (uint z = 1; z < c->layers; z++) {
         const uint cost = cost_at(c, z);
-        best = cost < *least ? z : best;
-        *least = min(*least, cost);
+        best = cost < *minimum ? z : best;
+        *minimum = min(*minimum, cost);
     }
     return best;
 }
 
-/* The mean of the layers around the minimum_layer one that cost less than the limit, weighted by what they
- * cost less than that. */
+/* Averages the layers around the cheapest one whose cost is below the limit, weighting each by how far it is
+ * below. */
 static float mean_around(const costs_t *c, uint best, uint limit) {
     uint weight = 0, sum = 0, cost;
     for (uint z = best + 1; z-- > 0 && (cost = cost_at(c, z)) < limit;) {
@@ -85,12 +86,12 @@ static float mean_around(const costs_t *c, uint best, uint limit) {
     return weight ? (float)sum / (float)weight : (float)best;
 }
 
-/* Where the costs between two layers cross the limit, from `inside` on. */
+/* Returns how far behind `inside` the costs cross the limit, in layers. */
 static float crossing(uint inside, uint outside, uint limit) {
     return (float)(limit - inside) / (float)(outside - inside);
 }
 
-/* How far around the minimum_layer layer the costs stay below the limit. */
+/* Finds how far around the cheapest layer the costs stay below the limit. */
 static float near_end(const costs_t *c, uint best, uint limit) {
     uint z = best;
     while (z > 0 && cost_at(c, z - 1) < limit) z--;
@@ -110,10 +111,10 @@ __kernel void wall_items_minimum(sv_wall_layout l, __global const uint *restrict
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const costs_t c = costs_of(&l, fine, x, row);
-    uint least;
-    const uint best = minimum_layer(&c, &least);
-    const float mean = mean_around(&c, best, least + l.average_margin);
+    uint minimum;
+    const uint best = minimum_layer(&c, &minimum);
+    const float mean = mean_around(&c, best, minimum + l.average_margin);
     places[place_row(&l, PLACE_LAYER, row) + x] = mean;
-    places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, least + l.knob_margin), mean);
-    places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, least + l.knob_margin), mean);
+    places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, minimum + l.knob_margin), mean);
+    places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, minimum + l.knob_margin), mean);
 }

@@ -1,39 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, along the rays: how bright they are, their first tissue, and how bright
- * that is where it is the wall; then what is around tissue.
+ * By work items, along the rays: the brightness of cells, the first run of each ray, and the brightness of
+ * the wall; then what surrounds tissue.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
 #endif
 
-/* One work item per cell. `bright`: the largest of `beside` over the rows beside every cell. */
+/* One work item per cell: the dilation along y. */
 __kernel void wall_items_dilate_columns(sv_wall_layout l, __global const uint *restrict info,
-                                        __global const uchar *restrict beside,
-                                        __global uchar *restrict bright) {
+                                        __global const uchar *restrict row_maxima,
+                                        __global uchar *restrict brightness) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
     if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    uint most = 0;
+    uint maximum = 0;
     for (uint y = row - min(row, l.dilation[1]); y <= min(row + l.dilation[1], l.cells[1] - 1); y++)
-        most = max(most, (uint)beside[cell_row(&l, z, y) + x]);
-    bright[cell_row(&l, z, row) + x] = (uchar)most;
+        maximum = max(maximum, (uint)row_maxima[cell_row(&l, z, y) + x]);
+    brightness[cell_row(&l, z, row) + x] = (uchar)maximum;
 }
 
-/* The first tissue of a ray. */
+/* The first run of a ray. */
 typedef struct {
-    uint begin, end, most;
+    uint begin, end, maximum;
 } run_t;
 
-/* `levels`, `bright`: the first layer of the ray and of its cell. Without tissue the run is empty and lies at
- * the end of the scan. */
-static run_t first_run(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *bright,
-                       uint threshold, uint end) {
+/* Finds the first run. `levels`, `brightness`: the first layer of the ray and of its cell. Without tissue
+ * the run is empty and lies at the end of the scan. */
+static run_t first_run(const sv_wall_layout *l, __global const uchar *levels,
+                       __global const uchar *brightness, uint threshold, uint end) {
     const size_t level_pitch = level_pitch_of(l), pitch = cell_row(l, 1, 0);
     uint z = 0;
     while (z < l->layers && levels[z * level_pitch] <= threshold) z++;
     run_t run = {z < l->layers ? z : end, end, 0};
     for (; z < l->layers && levels[z * level_pitch] > threshold; z++)
-        run.most = max(run.most, (uint)bright[z * pitch]);
+        run.maximum = max(run.maximum, (uint)brightness[z * pitch]);
     if (z < l->layers) run.end = z;
     return run;
 }
@@ -41,7 +41,7 @@ static run_t first_run(const sv_wall_layout *l, __global const uchar *levels, __
 /* One work group per row of cells. A ray begins in the wall if it begins in tissue with fluid behind it. */
 __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restrict info,
                                     __global const uchar *restrict levels,
-                                    __global const uchar *restrict bright, __global ushort *restrict rays,
+                                    __global const uchar *restrict brightness, __global ushort *restrict rays,
                                     __global uint *restrict histograms) {
     __local uint counts[HISTOGRAM_WORDS];
     const uint threshold = info[INFO_TISSUE];
@@ -52,18 +52,19 @@ __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restr
         const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
         const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
         const run_t run = first_run(&l, levels + level_row(&l, 0, at.row) + at.x,
-                                    bright + cell_row(&l, 0, at.row / 2) + at.x / 2, threshold, end);
+                                    brightness + cell_row(&l, 0, at.row / 2) + at.x / 2, threshold, end);
         rays[block_row(&l, RAY_RUN, at.row) + at.x] = (ushort)run.begin;
         rays[block_row(&l, RAY_RUN_END, at.row) + at.x] = (ushort)run.end;
         if (run.begin == first && run.end > run.begin && run.end < end) {
             atomic_inc(counts + HISTOGRAM_WALL_RAYS);
-            atomic_inc(counts + run.most);
+            atomic_inc(counts + run.maximum);
         }
     }
     store_counts(counts, HISTOGRAM_WALL_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }
 
-/* A cell of a layer, from its four rays: CELL_TISSUE and CELL_WALL; CELL_FETUS if it is other tissue. */
+/* Classifies a cell of a layer by its four rays: CELL_TISSUE and CELL_WALL; CELL_FETUS if it is tissue of a
+ * later run. */
 static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __global const ushort *rays,
                      uint threshold, uint z, uint row, uint x) {
     uint tissue = 0, wall = 0;
@@ -81,8 +82,8 @@ static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __gl
                    (tissue - wall >= SV_WALL_MAJORITY ? CELL_FETUS : 0));
 }
 
-/* Goes from cell `from` on by `step`, `count` cells: those from which `source` is reached through tissue,
- * going that way, and that have all bits of `among`, get the bit `mark`; the others lose it. */
+/* Sweeps over `count` cells from `from` on, `step` apart. Cells that reach `source` through tissue against
+ * this direction, and that have all bits of `among`, get the bit `mark`; the others lose it. */
 static void sweep(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
                   uint mark) {
     bool reached = false;
@@ -94,13 +95,14 @@ static void sweep(__global uchar *cells, size_t from, long step, uint count, uin
     }
 }
 
-/* Cells from which the wall is reached both ways get the bit `mark`, if they have all bits of `among`. */
+/* Sweeps a line both ways: cells that reach the wall on both sides, and that have all bits of `among`, get
+ * the bit `mark`. */
 static void find_enclosed(__global uchar *cells, long step, uint count, uint among, uint mark) {
     sweep(cells, 0, step, count, CELL_WALL, among, CELL_REACHED);
     sweep(cells, (count - 1) * (size_t)step, -step, count, CELL_WALL, among | CELL_REACHED, mark);
 }
 
-/* What the fetus flanks both ways, and what is beside it one way. */
+/* Sweeps a line both ways for cells that the fetus flanks, or that it reaches from one side. */
 static void find_flanked(__global uchar *cells, long step, uint count) {
     bool reached = false;
     sweep(cells, 0, step, count, CELL_FETUS, 0, CELL_REACHED);
@@ -112,24 +114,24 @@ static void find_flanked(__global uchar *cells, long step, uint count) {
     }
 }
 
-/* Which other tissue of a column is the fetus. */
-static void classify_fetus(const sv_wall_layout *l, __global uchar *cells, __global const uchar *bright,
-                           uint least, size_t pitch) {
+/* Decides which cells of later runs in a column are the fetus. */
+static void classify_fetus(const sv_wall_layout *l, __global uchar *cells, __global const uchar *brightness,
+                           uint minimum, size_t pitch) {
     for (uint y = 0; y < l->cells[1]; y++) {
         __global uchar *const cell = cells + y * pitch;
-        if ((*cell & CELL_ENCLOSED) || bright[y * pitch] < least) *cell &= (uchar)~CELL_FETUS;
+        if ((*cell & CELL_ENCLOSED) || brightness[y * pitch] < minimum) *cell &= (uchar)~CELL_FETUS;
     }
 }
 
-/* One work group per layer: what is around tissue. Its work items take rows in turns, then columns, then
- * rows. */
+/* One work group per layer: finds what surrounds tissue. Its work items take turns over rows, then columns,
+ * then rows. */
 __kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *restrict info,
                                       __global const uchar *restrict levels,
-                                      __global const uchar *restrict bright,
+                                      __global const uchar *restrict brightness,
                                       __global const ushort *restrict rays, __global uchar *restrict kinds) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), z = (uint)get_group_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const uint threshold = info[INFO_TISSUE], least = info[INFO_FETUS];
+    const uint threshold = info[INFO_TISSUE], minimum = info[INFO_FETUS];
     const uint rows = wanted ? l.cells[1] : 0, columns = wanted ? l.cells[0] : 0;
     const size_t layer = cell_row(&l, z, 0), pitch = cell_row(&l, 0, 1);
     for (uint i = item; i < rows * columns; i += items)
@@ -142,7 +144,7 @@ __kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *res
     for (uint x = item; x < columns; x += items) {
         __global uchar *const column = kinds + layer + x;
         find_enclosed(column, (long)pitch, rows, CELL_WALL_IN_ROW, CELL_ENCLOSED);
-        classify_fetus(&l, column, bright + layer + x, least, pitch);
+        classify_fetus(&l, column, brightness + layer + x, minimum, pitch);
         find_flanked(column, (long)pitch, rows);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface by work items, from the layers of rays to the surface: the median, the confidence, and
- * the way back to pixels. Beyond the border the ray at the border counts. Every float32 is computed in the
- * order of wall_surface.cl.
+ * By work items, from the layers of rays to the surface: the median, the confidence, and the interpolation to
+ * pixels. Beyond the border the ray at the border counts. Every float32 is computed in the order of
+ * wall_surface.cl.
  */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
@@ -14,13 +14,13 @@
 #include "wall/wall_pixels.clh"
 #endif
 
-/* A ray and its eight neighbours, so many rays away. */
+/* Loads a ray and its eight neighbours, `away` rays apart. */
 static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
                        float *out) {
     const int dx = (int)away[0], dy = (int)away[1];
     for (int v = -1; v <= 1; v++)
         for (int u = -1; u <= 1; u++)
-            *out++ = plane[place_row(l, 0, beside(y, v * dy, l->rows)) + beside(x, u * dx, l->columns)];
+            *out++ = plane[place_row(l, 0, clamped(y, v * dy, l->rows)) + clamped(x, u * dx, l->columns)];
 }
 
 static float median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
@@ -29,8 +29,8 @@ static float median_at(const sv_wall_layout *l, __global const float *places, ui
     return l->median ? median(near) : near[4];
 }
 
-/* One work item per ray: the median of the layers and of the ends around them, and what the ray's cell
- * itself says of the layer. The planes it writes are none of those it reads. */
+/* One work item per ray: the medians of the layers and of the ends around them, and what the ray's own cell
+ * pays at the median. The planes it writes are none of those it reads. */
 __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict info,
                                 __global const ushort *restrict costs,
                                 __global const uchar *restrict distance_costs,
@@ -56,8 +56,8 @@ __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restr
     places[place_row(&l, PLACE_LAYER, y) + x] = confidence_of(&l, n);
 }
 
-/* One work item per ray: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear to
- * either side of 0.5. In tissue it goes back to the fluid before. */
+/* One work item per ray: moves the surface in its range, to the far end at q = 0, to the near end at q = 1,
+ * linear to either side of 0.5. In tissue it goes back to the fluid. */
 __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const ushort *restrict rays,
                               __global float *restrict places) {
@@ -70,7 +70,7 @@ __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict in
         &l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE], rays[block_row(&l, RAY_FIRST, y) + x], at);
 }
 
-/* One work item per pixel. The surface at q goes into the first plane. Without a surface, zeros. */
+/* One work item per pixel. The surface at q goes into the first plane; zeros if there is none. */
 __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restrict info,
                                   __global const float *restrict places, __global float *restrict confidence,
                                   uint padded_width, __global float *restrict surfaces) {
@@ -80,7 +80,7 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);
-    const float sure = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+    const float certainty = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
     surfaces[(size_t)y * padded_width + x] = wanted ? depth : 0.0f;
-    confidence[(size_t)y * l.width + x] = wanted ? sure : 0.0f;
+    confidence[(size_t)y * l.width + x] = wanted ? certainty : 0.0f;
 }

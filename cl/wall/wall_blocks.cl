@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, blocks: which of them were scanned, their histogram, and the brightest of a row beside
- * every cell.
+ * Blocks: which of them were scanned, their histogram, and their dilation along x.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -13,7 +12,7 @@
 #include "wall/wall_slices.clh"
 #endif
 
-/* The ranges of a row of rays, and how many of them were scanned. */
+/* Finds the ranges of a row of rays. Returns how many of them were scanned. */
 static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pitch,
                         __global const sv_wall_span *spans, __global const ushort *ranges,
                         __global ushort *rays) {
@@ -34,14 +33,14 @@ static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pi
     return count;
 }
 
-/* Means of LANES levels and of those behind them, rounded half up. */
+/* Averages LANES levels with those behind them, rounding half up. */
 static u8l mean_at(__global const uchar *at, __global const uchar *behind) {
     const u16l sum = TO_U16(*(__global const u8l *)at) + TO_U16(*(__global const u8l *)behind);
     return TO_U8((sum + (ushort)1) >> (ushort)1);
 }
 
-/* The largest of these means in every cell of row `row` of layer `z`. */
-static void largest_of_cells(const sv_wall_layout *l, __global const uchar *levels, uint z, uint row,
+/* Finds the maximum of these means in every cell of row `row` of layer `z`. */
+static void maximum_of_cells(const sv_wall_layout *l, __global const uchar *levels, uint z, uint row,
                              __global uchar *line) {
     for (uint x = 0; x < padded_columns_of(l); x += LANES) {
         const u8l above =
@@ -54,18 +53,18 @@ static void largest_of_cells(const sv_wall_layout *l, __global const uchar *leve
     }
 }
 
-/* The largest of a line of cells and of those up to `beside` to either side. */
-static void largest_of_line(const sv_wall_layout *l, __global const uchar *line, __global uchar *to) {
+/* Grey dilation along x of a line of cells. */
+static void dilate_line(const sv_wall_layout *l, __global const uchar *line, __global uchar *to) {
     const int reach = (int)l->dilation[0];
     for (int x = 0; x < (int)padded_cells_of(l); x += LANES) {
-        u8l most = *(__global const u8l *)(line + x);
+        u8l maximum = *(__global const u8l *)(line + x);
         for (int k = 1; k <= reach; k++) {
             const u8l left = ((__global const u8l_unaligned *)(line + x - k))->v;
             const u8l right = ((__global const u8l_unaligned *)(line + x + k))->v;
             const u8l both = MAXIMUM(left, right);
-            most = MAXIMUM(most, both);
+            maximum = MAXIMUM(maximum, both);
         }
-        *(__global u8l *)(to + x) = most;
+        *(__global u8l *)(to + x) = maximum;
     }
 }
 
@@ -73,7 +72,8 @@ static void clear_lines(__global uchar *lines, uint bytes) {
     for (uint x = 0; x < bytes; x += LANES) *(__global u8l *)(lines + x) = (u8l)(0);
 }
 
-/* Levels of a row of rays in layer `z` that were not scanned become 0; inner ones are counted. */
+/* Sets the levels of a row of rays in layer `z` to 0 where it was not scanned, and counts those of inner
+ * rays. */
 static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uint row, __global uchar *levels,
                      uint histogram[4][256]) {
     const i16l at = (i16l)((short)z);
@@ -89,16 +89,16 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
     }
 }
 
-/* One work item per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels have
- * ranges. `beside`: the largest means of a row beside every cell. `scratch`: scratch_words words of 32 bits
- * for each row. Where wall_smooth follows, that counts the levels. */
+/* One work item per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels
+ * have ranges. `row_maxima`: the means' dilation along x. `scratch`: scratch_words words of 32 bits for each
+ * row. If wall_smooth follows, that kernel counts the levels. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scratch_words,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
-                          __global uint *restrict scratch, __global uchar *restrict beside,
+                          __global uint *restrict scratch, __global uchar *restrict row_maxima,
                           __global uint *restrict histograms) {
     const uint row = (uint)get_global_id(0), line_pitch = padded_cells_of(&l) + 2 * MARGIN;
-    /* three lines, in turns: a vector that was just stored is slow to load in parts */
+    /* three lines alternate, for a vector that was just stored is slow to load in parts */
     __global uchar *lines = (__global uchar *)(scratch + (size_t)row * scratch_words);
     uint histogram[4][256];
     clear_counts(histogram);
@@ -109,9 +109,9 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scrat
                                  find_ranges(&l, 2 * row + 1, bounded, pitch, spans, ranges, rays);
     for (uint z = 0; z < l.layers + 2; z++) { /* zeros lie behind the last layer */
         for (uint r = 0; z < l.layers && r < 2; r++) mask_row(&l, rays, z, 2 * row + r, levels, histogram);
-        if (z > 1) largest_of_line(&l, lines + (z - 2) % 3 * line_pitch, beside + cell_row(&l, z - 2, row));
+        if (z > 1) dilate_line(&l, lines + (z - 2) % 3 * line_pitch, row_maxima + cell_row(&l, z - 2, row));
         if (z > 0 && z <= l.layers)
-            largest_of_cells(&l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
+            maximum_of_cells(&l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
     }
     if (!l.smoothed) store_counts(histogram, histograms);
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, the lateral Gaussian over the costs of cells. Beyond the border the cell at the border
- * counts.
+ * The lateral Gaussian over the costs of cells. Beyond the border the cell at the border counts.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -9,11 +8,10 @@
 
 #pragma OPENCL FP_CONTRACT ON /* every sum here is exact */
 
-/* Costs are summed up in lines of float32, which hold all sums exactly, with this much before and behind
- * them. */
+/* Margin of the lines of float32 in which costs are summed up. They hold all sums exactly. */
 #define LINE_MARGIN SV_WALL_KERNEL
 
-/* Where the costs of a row's first layer begin, and of those so far above and below it. */
+/* Offsets of the costs of a row's first layer, and of the rows so far above and below it. */
 typedef struct {
     size_t above[SV_WALL_KERNEL + 1], below[SV_WALL_KERNEL + 1];
 } rows_t;
@@ -26,8 +24,8 @@ static void find_rows(const sv_wall_layout *l, int row, rows_t *at) {
     }
 }
 
-/* The Gaussian along y of a layer, and its border values before and behind it. `costs`: the layer in row 0.
- */
+/* The Gaussian along y of a layer. The line gets its border values in its margins, too. `costs`: the layer
+ * in row 0. */
 static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, const rows_t *at,
                         __global float *line) {
     for (uint x = 0; x < padded_cells_of(l); x += LANES) {
@@ -45,7 +43,7 @@ static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, c
     }
 }
 
-/* The Gaussian along x of a line, rounded half up; and its border values before and behind it. */
+/* The Gaussian along x of a line, rounded half up. The row gets its border values in its margins, too. */
 static void sum_columns(const sv_wall_layout *l, __global const float *line, __global ushort *to) {
     for (uint x = 0; x < padded_cells_of(l); x += LANES) {
         __global const float *at = line + x;
@@ -67,7 +65,7 @@ __kernel void wall_blur(sv_wall_layout l, uint scratch_words, __global const uin
                         __global ushort *restrict fine) {
     const uint row = (uint)get_global_id(0), pitch = padded_cells_of(&l) + 2 * LINE_MARGIN;
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    /* two lines, in turns: a vector that was just stored is slow to load in parts */
+    /* two lines alternate, for a vector that was just stored is slow to load in parts */
     __global float *lines = (__global float *)(scratch + (size_t)row * scratch_words) + LINE_MARGIN;
     rows_t rows;
     find_rows(&l, (int)row, &rows);

@@ -1,83 +1,84 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, costs: what every cell of two by two rays pays for being clipped at every layer.
+ * Costs: what every cell of two by two rays pays for being clipped at every layer.
  *
- * LANES rays are walked front to back, which tells where the fetus begins and how far the fluid in front is,
- * and back to front, which tells how far the fluid behind is and what the fluid leaves to the tissue behind
- * it.
+ * The forward pass over LANES rays finds where the fetus begins, and the distance to the fluid in front. The
+ * backward pass finds the distance to the fluid behind, and how likely the tissue behind each fluid is the
+ * fetus.
  */
 #ifndef SV_WALL_SURROUNDINGS_CLH
 #include "wall/wall_surroundings.clh"
 #endif
 
-/* Before a loop over both rows of rays: what is known of them is to stay in registers. */
+/* Stands before a loop over both rows of rays, so that what is known of them stays in registers. */
 #define UNROLL _Pragma("unroll")
 
-/* LANES rays, and what is known of them. */
+/* The state of LANES rays. */
 typedef struct {
     __global const uchar *levels;  /* of the first layer */
-    i16l first, end, run, run_end; /* scanned layers, the first tissue */
-    i16l scanned;                  /* there are such layers */
-    i16l touches;                  /* the first tissue begins where the scan does */
+    i16l first, end, run, run_end; /* scanned layers, the first run */
+    i16l scanned;                  /* there are scanned layers */
+    i16l touches;                  /* the first run begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first tissue */
-    /* of every layer: probability that the fetus has begun, distance to the fluid in front */
+    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    /* for every layer: probability that the fetus has begun, distance to the fluid in front */
     __global u16l *begun_at;
     __global u8l *near_at;
 } rays_t;
 
-/* The two rows of rays that HALF cells have. */
+/* The state of the two rows of rays that HALF cells have. */
 typedef struct {
     rays_t rays[2];
     size_t level_pitch, cell_pitch; /* from one layer to the next */
     u8l threshold;
-    bool bare;                    /* there is no wall */
-    __global const uchar *bright; /* of the first layer */
-    __global const ulong *kinds;  /* the same */
-    size_t word_pitch;            /* from one word of `kinds` to the next */
-    __global const uint *chances; /* of every brightness */
-    /* Of every layer with tissue before `certain_from`: probability that tissue as bright as the cell is the
-     * fetus; of any * 65536 + of a ray's first */
+    bool bare;                        /* there is no wall */
+    __global const uchar *brightness; /* of the first layer */
+    __global const ulong *kinds;      /* of the first layer */
+    size_t word_pitch;                /* from one word of `kinds` to the next */
+    __global const uint *chances;     /* of every brightness */
+    /* For every layer with tissue before `certain_from`: the cells' probabilities by brightness, of a later
+     * run * 65536 + of a first run. */
     __global u32h *chance;
-    uint certain_from; /* from this layer on the fetus has begun on all that were scanned; 1 at least, for
-                  what is cut at depth 0 may cost nothing */
+    uint certain_from; /* from this layer on the fetus has begun on all scanned rays; at least 1, because
+                          cutting at depth 0 may cost nothing */
 } cell_rays_t;
 
 static u8l tissue_at(const cell_rays_t *s, const rays_t *r, uint z) {
     return AS_U8(*(__global const u8l *)(r->levels + z * s->level_pitch) > s->threshold);
 }
 
-/* Shares of probabilities, rounded half up. */
+/* Multiplies probabilities, rounding half up. */
 static u16l share(u16l value, u16l chance) {
     const u16l low = ((value * chance >> (ushort)1) + (ushort)(SV_WALL_PROBABILITY_ONE / 4)) >> (ushort)14;
     return (high_of(value, chance) << (ushort)1) + low;
 }
 
-/* Shares of a cost, which has 13 bits at most, rounded down. */
+/* Multiplies a cost of at most 13 bits by probabilities, rounding down. */
 static u16l share_of_cost(uint cost, u16l chance) {
     return high_of((u16l)((ushort)(2 * cost)), chance);
 }
 
 /* Looks up the probabilities of the brightnesses of HALF cells. */
 static void find_chances(const cell_rays_t *s, uint z) {
-    __global const uchar *bright = s->bright + z * s->cell_pitch;
+    __global const uchar *brightness = s->brightness + z * s->cell_pitch;
     SCALAR_LOADS
-    for (uint i = 0; i < HALF; i++) ((__global uint *)(s->chance + z))[i] = s->chances[bright[i]];
+    for (uint i = 0; i < HALF; i++) ((__global uint *)(s->chance + z))[i] = s->chances[brightness[i]];
 }
 
-/* What is known of LANES rays on the way front to back. The fetus: probability that it has not begun before
- * this run, and so far; the largest chance that the run has shown. */
+/* The state of the forward pass: the probability that the fetus has not begun before this run, and so far;
+ * the maximum probability that the run has shown. */
 typedef struct {
-    u16l before, now, most;
-    u8l behind, near, over; /* tissue before; distance to the fluid; the first fluid has ended */
+    u16l before, now, maximum;
+    u8l behind, near, over; /* tissue in the layer before; distance to the fluid; the first fluid has ended */
 } forward_t;
 
 static i32h has_bit(u32h kinds, uint bit) {
     return REINTERPRET(kinds * (0x80000000u / bit), i32h) < (i32h)(0);
 }
 
-/* What was looked up, changed by what is around the cells: enclosed tissue is told like a first one. A first
- * one that the fetus flanks is told like any tissue, and one beside the fetus the share `one_side` so. */
+/* Changes the probabilities that were looked up by what surrounds the cells. Enclosed tissue is judged like
+ * a first run. A first run that the fetus flanks is judged like a later one; what it reaches from one side
+ * is moved by `one_side` from the one probability to the other. */
 static u32h chances_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
     u8h cells;
     for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->kinds[i * s->word_pitch + z];
@@ -90,14 +91,15 @@ static u32h chances_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
            SELECT(beside, any, has_bit(kinds, CELL_FLANKED));
 }
 
-/* `both`: chances of the cells, of any tissue * 65536 + of a ray's first; two rays share a word. */
+/* Accumulates the probability that the fetus has begun. `both`: probabilities of the cells, of a later run *
+ * 65536 + of a first run; two rays share a word. */
 static void forward_fetus(rays_t *r, uint z, u16l tissue, u32h both, forward_t *w) {
     const u16l any = REINTERPRET(both >> 16u | (both & 0xffff0000u), u16l);
     const u16l first = REINTERPRET((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
     const u16l chance = SELECT(any, first, in_run);
-    w->most = MAXIMUM(w->most, chance) & tissue;
-    w->now = SELECT(w->now, w->before - share(w->before, w->most), tissue);
+    w->maximum = MAXIMUM(w->maximum, chance) & tissue;
+    w->now = SELECT(w->now, w->before - share(w->before, w->maximum), tissue);
     w->before = SELECT(w->now, w->before, tissue);
     const u16l begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
     r->in_run = SELECT(r->in_run, begun, in_run);
@@ -117,17 +119,18 @@ static void forward_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue
     w->behind = tissue;
 }
 
-/* What is known before the first layer. */
+/* Sets the state in front of the first layer. */
 static void forward_begin(const sv_wall_layout *l, rays_t *r, forward_t *w) {
     w->before = w->now = (u16l)(SV_WALL_PROBABILITY_ONE);
-    w->most = (u16l)(0);
+    w->maximum = (u16l)(0);
     w->behind = w->over = (u8l)(0);
     w->near = (u8l)((uchar)l->full_distance);
     r->fluid_end = r->end;
     r->in_run = (u16l)(0);
 }
 
-/* And behind the last. An open front, or no fluid at all: the surface belongs before the tissue. */
+/* Finds the first fluid, once the last layer is passed. With an open front, or without fluid, the surface
+ * belongs in front of the tissue. */
 static void forward_end(rays_t *r, const forward_t *w) {
     const i16l in_front = ~(r->touches & (r->run_end < r->end));
     r->fluid = r->run_end & ~in_front;
@@ -135,8 +138,8 @@ static void forward_end(rays_t *r, const forward_t *w) {
     r->begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
-/* Tissue of both rows in layer z, and what is looked up for it a layer ahead: what was just stored is slow to
- * load. */
+/* Finds the tissue of both rows in layer z, and looks up its probabilities a layer ahead: what was just
+ * stored is slow to load. */
 static void load_tissue(const sv_wall_layout *l, const cell_rays_t *s, uint z, u8l tissue[2]) {
     tissue[0] = tissue[1] = (u8l)(0);
     if (z == l->layers) return;
@@ -144,7 +147,7 @@ static void load_tissue(const sv_wall_layout *l, const cell_rays_t *s, uint z, u
     if (s->certain_from == l->layers && any_byte(tissue[0] | tissue[1])) find_chances(s, z);
 }
 
-/* Front to back. */
+/* Walks all layers from front to back. */
 static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     rays_t *const r = s->rays;
     forward_t w[2];
@@ -167,14 +170,14 @@ static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     UNROLL for (uint i = 0; i < 2; i++) forward_end(&r[i], &w[i]);
 }
 
-/* What LANES rays pay in layer z, before `certain_from`, but for the distance. `later`: probability that the
- * fetus begins with tissue whose fluid is behind the layer. `wrong_fluid`: what the layer costs them if it is
- * not in the fluid where the surface belongs if there is no fetus. */
-static u16l wrong_at(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z, u16l later,
-                     u16l wrong_fluid) {
+/* Returns what LANES rays pay in layer z, in front of `certain_from`, but for the distance. `later`:
+ * probability that the fetus begins with a run whose fluid is behind the layer. `wrong_fluid`: what the
+ * layer costs outside the fluid where the surface belongs if there is no fetus. */
+static u16l error_cost(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z, u16l later,
+                       u16l wrong_fluid) {
     const i16l at = (i16l)((short)z);
     const uint skin = z + l->skin;
-    if (skin < min(l->layers, s->certain_from)) { /* from there on nothing is left to begin */
+    if (skin < min(l->layers, s->certain_from)) { /* from there on the fetus has begun */
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));
         if (any_word(over)) later += (r->in_run - r->begun_at[skin]) & AS_U16(over);
     }
@@ -190,14 +193,14 @@ static u16l distance_cost_at(const sv_wall_layout *l, u8l near) {
     return MINIMUM(far, (u16l)(SV_WALL_COST_ONE));
 }
 
-/* Means of two by two rays, rounded half up; given the sums of both rows of rays. */
+/* Means of two by two rays, rounded half up, from the sums of both rows of rays. */
 static u32h mean_of_cells(u16l sums) {
     const u32h pairs = REINTERPRET(sums, u32h); /* neighbours share a word */
     return ((pairs & 0xffffu) + (pairs >> 16u) + 2u) >> 2u;
 }
 
-/* What is known of LANES rays on the way back to front: tissue and fluid behind, and how far that is; the
- * probability that the fetus begins with tissue whose fluid is behind, or in or before the run behind. */
+/* The state of the backward pass: tissue and fluid behind, and the distance to that fluid; the probability
+ * that the fetus begins with a run whose fluid is behind, or in or in front of the run behind. */
 typedef struct {
     u8l behind, fluid_behind, near;
     u16l later, run_end, wrong_fluid;
@@ -211,35 +214,40 @@ static void backward_begin(const sv_wall_layout *l, const rays_t *r, backward_t 
     w->wrong_fluid = share_of_cost(l->wrong_fluid_cost, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
 }
 
-/* What LANES rays cost in layer z; `away`: of this what is due to the distance from the fluid. */
+/* Returns what LANES rays pay in layer z. `distance_cost`: the part of it that is due to the distance to the
+ * fluid.
+ * */
 static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z,
-                          backward_t *w, u16l *away) {
+                          backward_t *w, u16l *distance_cost) {
     const u8l tissue = tissue_at(s, r, z), before = r->near_at[z], fluid = AS_U8(before == (u8l)(0));
     u16l wrong = (u16l)((ushort)l->cut_cost); /* where the fetus has begun */
     if (z < s->certain_from) {
         const u16l begun = r->begun_at[z];
         w->later += (w->run_end - begun) & AS_U16(words_of(tissue & w->fluid_behind));
         w->run_end = SELECT(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
-        wrong = wrong_at(l, s, r, z, w->later, w->wrong_fluid);
+        wrong = error_cost(l, s, r, z, w->later, w->wrong_fluid);
     }
     w->fluid_behind = fluid;
     w->behind = tissue;
     w->near = MINIMUM(w->near + (u8l)(1), (u8l)((uchar)l->full_distance)) & ~fluid;
     const u16l distance = distance_cost_at(l, MINIMUM(w->near, before));
-    *away = distance & AS_U16(r->scanned);
+    *distance_cost = distance & AS_U16(r->scanned);
     return (distance + wrong) & AS_U16(r->scanned);
 }
 
-/* Back to front: leaves the costs of HALF cells, and of these what is due to the distance from the fluid. */
+/* Walks all layers from back to front. It stores the costs of HALF cells, and the part due to the distance
+ * to the fluid. */
 static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __global ushort *costs,
                           __global uchar *distance_costs) {
     backward_t w[2];
     UNROLL for (uint i = 0; i < 2; i++) backward_begin(l, &s->rays[i], &w[i]);
     for (uint z = l->layers; z-- > 0;) {
-        u16l cost[2], away[2];
-        UNROLL for (uint i = 0; i < 2; i++) cost[i] = backward_step(l, s, &s->rays[i], z, &w[i], &away[i]);
+        u16l cost[2], distance_cost[2];
+        UNROLL for (uint i = 0; i < 2; i++) cost[i] =
+            backward_step(l, s, &s->rays[i], z, &w[i], &distance_cost[i]);
         *(__global u16h *)(costs + z * s->cell_pitch) = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
-        *(__global u8h *)(distance_costs + z * s->cell_pitch) = HALF_TO_U8(mean_of_cells(away[0] + away[1]));
+        *(__global u8h *)(distance_costs + z * s->cell_pitch) =
+            HALF_TO_U8(mean_of_cells(distance_cost[0] + distance_cost[1]));
     }
 }
 
@@ -259,11 +267,11 @@ static ulong sum_lanes(u16l values) {
     return sum;
 }
 
-/* One work item per row of cells: their costs, of these what is due to the distance from the fluid, and the
- * sum of the probabilities that the fetus is on its rays. `scratch`: scratch_words words of 32 bits for each
- * row. */
+/* One work item per row of cells: stores their costs, the part due to the distance to the fluid, and the sum
+ * over the rays of the probability that the fetus is on them. `scratch`: scratch_words words of 32 bits for
+ * each row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
-                         __global const uchar *restrict levels, __global const uchar *restrict bright,
+                         __global const uchar *restrict levels, __global const uchar *restrict brightness,
                          __global ulong *restrict kinds, __global ushort *restrict rays,
                          __global uint *restrict scratch, __global ushort *restrict costs,
                          __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
@@ -284,7 +292,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     find_flanked_in_row(&l, row, kinds);
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
-        s.bright = bright + at;
+        s.brightness = brightness + at;
         s.kinds = kinds + word_column(&l, row, x * WORDS_OF_HALF);
         UNROLL for (uint i = 0; i < 2; i++) {
             s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, while the slabs come: every voxel is added to the blocks that it lies in; and the
- * scanned range of every pixel, where that is not the whole of it.
+ * While the slabs come: adds every voxel to the blocks that it lies in, and finds the scanned range of every
+ * pixel, where that is not the whole ray.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -21,24 +21,24 @@ static short16 words16_of(uchar16 mask) {
     return convert_short16(as_char16(mask));
 }
 
-/* A row of cells, its two rows of rays, and what they are taken from. */
+/* A row of cells, its two rows of rays, and the pixels that they are made of. */
 typedef struct {
     uint row;
     uint first_row, rows;               /* of pixels that lie in their blocks */
-    ushort weight[2][2 * SV_WALL_SPAN]; /* of each for the two rows of rays */
-    __global ushort *sums[2];           /* of pixels; MEANS_MARGIN before and behind them */
+    ushort weight[2][2 * SV_WALL_SPAN]; /* of each of them for the two rows of rays */
+    __global ushort *sums[2];           /* of pixels; MEANS_MARGIN words in front of and behind them */
     uint padding;                       /* above 255: none */
     uint range_pitch;                   /* of the planes of ranges */
     __global ushort *first, *end;
 } strip_t;
 
-/* Rows of pixels before those that are row `row`'s to range: every pixel belongs to one row of cells. */
+/* Rows of pixels before those whose ranges row `row` finds: every pixel belongs to one row of cells. */
 static uint rows_before(const sv_wall_layout *l, uint row) {
     return row * l->height / l->cells[1];
 }
 
-/* The ranges before the first slab: all that can be said without the voxels. `scanned`: planes of the rays'
- * ranges, if `ranged`. */
+/* Sets the ranges before the first slab, as far as they are known without the voxels. `scanned`: planes of
+ * the rays' ranges, if `ranged`. */
 static void begin_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
                          __global const ushort *scanned) {
     for (uint y = rows_before(l, s->row); y < rows_before(l, s->row + 1); y++) {
@@ -56,7 +56,8 @@ static void begin_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
     }
 }
 
-/* With a padding value the range of a pixel goes from its first voxel of another value to its last. */
+/* Widens the ranges by a slice: with a padding value the range of a pixel goes from its first voxel of
+ * another value to its last. */
 static void note_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
                         __global const ushort *scanned, __global const uchar *slice, uint row_pitch,
                         ushort z) {
@@ -78,18 +79,19 @@ static void note_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
     }
 }
 
-/* What the rows of pixels weigh for two rows of rays, whose spans are these. */
+/* Finds what the rows of pixels weigh for two rows of rays with these spans. */
 static void weigh_rows(__global const sv_wall_span *spans, strip_t *s) {
     s->first_row = min(spans[0].first, spans[1].first);
     s->rows = max(spans[0].first + spans[0].count, spans[1].first + spans[1].count) - s->first_row;
     for (uint r = 0; r < 2; r++)
         for (uint y = 0; y < s->rows; y++) {
-            const uint at = s->first_row + y - spans[r].first; /* huge before it */
+            const uint at =
+                s->first_row + y - spans[r].first; /* wraps to a huge number in front of the span */
             s->weight[r][y] = at < spans[r].count ? spans[r].weight[at] : (ushort)0;
         }
 }
 
-/* LANES voxels from `at` on. Rows that have fewer end with zeros. */
+/* Loads LANES voxels from `at` on. Rows that have fewer end with zeros. */
 static u8l load_lanes(__global const uchar *at, bool narrow, uint width) {
     if (!narrow) return ((__global const u8l_unaligned *)at)->v;
     uchar16 parts[LANES / SV_LANES];
@@ -101,7 +103,7 @@ static u8l load_lanes(__global const uchar *at, bool narrow, uint width) {
     return *(const u8l *)parts;
 }
 
-/* Slices of one layer. */
+/* The slices of one layer. */
 typedef struct {
     __global const uchar *at[SV_WALL_BLOCK];
     uint count, row_pitch;
@@ -113,7 +115,7 @@ static slices_t slices_from(const texture_t *t, uint first, uint count) {
     return s;
 }
 
-/* Pixels of the slices of a layer, added up; 0 where there is padding. */
+/* Adds up pixels over the slices of a layer; padding counts as 0. */
 static u16l add_up(const sv_wall_layout *l, const slices_t *from, size_t at, uint padding) {
     const bool narrow = l->width < LANES;
     u16l sum = (u16l)(0);
@@ -125,7 +127,7 @@ static u16l add_up(const sv_wall_layout *l, const slices_t *from, size_t at, uin
     return sum;
 }
 
-/* Sums of LANES columns from x on, weighted for two rows of rays. */
+/* Sums up LANES columns from x on, weighted for two rows of rays. */
 static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t *from, uint x,
                        u16l sums[2]) {
     u16l upper = (u16l)(0), lower = upper;
@@ -138,8 +140,8 @@ static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
     sums[1] = lower;
 }
 
-/* Adds slices to the rows' sums; `fresh`: the first one is the first of its layer. What is left over at the
- * end of a row is summed with the pixels before it, and then moved to its place: to move every row would take
+/* Adds slices to the rows' sums. `fresh`: the first slice is the first of its layer. What remains at the end
+ * of a row is summed with the pixels before it, and then moved to its place: to move every row would take
  * longer than all the rest. */
 static void add_slices(const sv_wall_layout *l, const strip_t *s, const slices_t *slices, bool fresh) {
     for (uint x = 0; x < l->width; x += LANES) {
@@ -160,9 +162,8 @@ static void add_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
 }
 
 /* One work item per row of cells. `ranged`: `scanned` has planes of the pixels' ranges. `spans`: of the
- * columns of rays, then of the rows. `sums`: words of 16 bits, padded pixels between margins for each
- * row of rays. `ranges`: two planes like those of `scanned`; without ranges and padding they are left alone.
- */
+ * columns of rays, then of the rows. `sums`: words of 16 bits, padded pixels between margins for each row of
+ * rays. `ranges`: two planes like those of `scanned`; they are not written without ranges and padding. */
 __kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
                               uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
                               uint padding, uint ranged, uint range_pitch,
@@ -182,7 +183,7 @@ __kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_of
     if (padding <= 255)
         for (uint i = 0; i < slice_count; i++)
             note_ranges(&l, &s, ranged != 0, scanned, slice_of(&t, i), row_pitch, (ushort)(first_slice + i));
-    const uint taps = are_tents(&l, spans) ? 0 : taps_of(&l, spans);
+    const uint taps = are_triangles(&l, spans) ? 0 : taps_of(&l, spans);
     for (uint i = 0; i < slice_count;) {
         const uint z = first_slice + i, layer = z / l.depth;
         const uint layer_end = min((layer + 1) * l.depth, l.slices);

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, grey levels, in both layouts: the threshold between fluid and tissue, whether there is
- * fluid at all, and how likely tissue of a brightness is the fetus. One work group of any size each, integers
- * only. The histograms of all rows are some 16,000 words that a single work item of a GPU would wait for one
- * by one; so is the smoothing. What one work item does alone are some thousand steps in local memory.
+ * Grey levels, in both layouts: the threshold between fluid and tissue, whether there is fluid at all, and
+ * how likely tissue of a brightness is the fetus. Each kernel is one work group of any size and works in
+ * integers. The histograms of all rows are some 16,000 words, which a single work item of a GPU would wait
+ * for one by one. What one work item does alone is some thousand steps in local memory.
  */
 #ifndef SV_WALL_CLH
 #include "wall/wall.clh"
 #endif
 
-/* All rows' histograms together, and behind them their words `extra`. For all work items of the group. */
+/* Sums the histograms of all rows, and behind them their word `extra`. All work items of the group call it.
+ * */
 static void sum_rows(const sv_wall_layout *l, __global const uint *histograms, uint extra,
                      __local ulong *sums) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
@@ -21,7 +22,7 @@ static void sum_rows(const sv_wall_layout *l, __global const uint *histograms, u
     }
 }
 
-/* One box filter over the counts; beyond their ends they are mirrored. For all work items of the group. */
+/* Box filter over the counts, mirrored at their ends. All work items of the group call it. */
 static void smooth_levels(__local const ulong *counts, __local ulong *smooth) {
     const int items = (int)get_local_size(0);
     for (int i = (int)get_local_id(0); i < 256; i += items) {
@@ -32,21 +33,21 @@ static void smooth_levels(__local const ulong *counts, __local ulong *smooth) {
     }
 }
 
-/* True if the lowest count of the smoothed histogram between the modes of the two classes is too high for
- * fluid. */
+/* True if the lowest count of the smoothed histogram between the modes of the two classes is too high to
+ * show fluid. */
 static bool is_shallow(const sv_wall_layout *l, __local const ulong *smooth, uint threshold) {
     uint dark = 0, bright = threshold + 1;
     for (uint i = 0; i <= threshold; i++)
         if (smooth[i] > smooth[dark]) dark = i;
     for (uint i = threshold + 1; i < 256; i++)
         if (smooth[i] > smooth[bright]) bright = i;
-    ulong mode = min(smooth[dark], smooth[bright]), least = mode;
-    for (uint i = dark; i <= bright; i++) least = min(least, smooth[i]);
-    if (mode == 0) mode = least = 1;
-    return least * SV_WALL_PER_MILLE > mode * l->valley;
+    ulong mode = min(smooth[dark], smooth[bright]), minimum = mode;
+    for (uint i = dark; i <= bright; i++) minimum = min(minimum, smooth[i]);
+    if (mode == 0) mode = minimum = 1;
+    return minimum * SV_WALL_PER_MILLE > mode * l->valley;
 }
 
-/* True if the variance of the levels' roots is so much between the classes that there must be two. */
+/* True if so much of the variance of the levels' roots lies between the classes that there must be two. */
 static bool is_separable(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
                          ulong split) {
     ulong count[2] = {0, 0}, sum[2] = {0, 0}, mean[2], between = 0, within = 0;
@@ -67,7 +68,7 @@ static bool is_separable(const sv_wall_layout *l, __local const ulong *histogram
     return between * SV_WALL_PER_MILLE > (between + within) * l->separability;
 }
 
-/* Count and sum of root * count up to the split. */
+/* Counts the levels up to the split, and sums up their roots. */
 static void below(__local const ulong *histogram, __global const uint *root, ulong split, ulong *counted,
                   ulong *sum) {
     *counted = *sum = 0;
@@ -77,8 +78,8 @@ static void below(__local const ulong *histogram, __global const uint *root, ulo
     }
 }
 
-/* The split between the classes, midway between the means of their roots (isodata); false if there is one
- * class only. */
+/* Finds the split between the classes, midway between the means of their roots (isodata). False if there is
+ * one class only. */
 static bool find_split(__local const ulong *histogram, __global const uint *root, ulong *split) {
     ulong all, total, counted, sum, next;
     below(histogram, root, (ulong)root[255], &all, &total);
@@ -95,7 +96,7 @@ static bool find_split(__local const ulong *histogram, __global const uint *root
     return counted > 0 && counted < all;
 }
 
-/* What the histogram says. One work item. */
+/* Stores what the histogram shows. One work item calls it. */
 static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __local const ulong *smooth,
                          __global const uint *root, __global uint *info) {
     ulong split = 0, counted = 0, sum = 0;
@@ -122,7 +123,7 @@ static void store_levels(const sv_wall_layout *l, __local const ulong *histogram
     info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
-/* One work group. */
+/* Launched as one work group. */
 __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histograms,
                           __global const uint *restrict tables, __global uint *restrict info) {
     __local ulong histogram[257], once[256], twice[256];
@@ -138,7 +139,7 @@ __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histog
     if (item == 0) store_levels(&l, histogram, twice, tables + SV_WALL_ROOTS, info);
 }
 
-/* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
+/* Returns the level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
 static uint quantile(__local const ulong *histogram, uint rank) {
     ulong all = 0, before = 0;
     for (uint i = 0; i < 256; i++) all += histogram[i];
@@ -156,14 +157,14 @@ static uint quantile(__local const ulong *histogram, uint rank) {
     return 255 * SV_WALL_LEVEL_ONE;
 }
 
-/* ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE. */
+/* Returns ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE. */
 static int odds(__global const uint *tables, uint level) {
     const int here = (int)tables[SV_WALL_ODDS + level / SV_WALL_LEVEL_ONE];
     const int next = (int)tables[SV_WALL_ODDS + level / SV_WALL_LEVEL_ONE + 1];
     return here + (next - here) * (int)(level % SV_WALL_LEVEL_ONE) / SV_WALL_LEVEL_ONE;
 }
 
-/* The logistic function of the evidence that a brightness `above` spreads over the wall's is. */
+/* Returns the logistic function for a brightness that is `above` spreads over the wall's. */
 static uint probability(const sv_wall_layout *l, __global const uint *tables, int above) {
     const int evidence = clamp(above, -SV_WALL_MAX_EVIDENCE, SV_WALL_MAX_EVIDENCE) * l->slope / 16;
     const uint size = abs(evidence), part = 1 << SV_WALL_LOGISTIC_BITS;
@@ -175,7 +176,8 @@ static uint probability(const sv_wall_layout *l, __global const uint *tables, in
     return evidence < 0 ? SV_WALL_PROBABILITY_ONE - p : p;
 }
 
-/* Of tissue of a brightness; `from`: ln of the odds of the wall's. `first`: it is the first of a ray. */
+/* Returns the probability that tissue of a brightness is the fetus. `from`: ln of the odds of the wall's
+ * brightness. */
 static uint chance_of(const sv_wall_layout *l, __global const uint *tables, uint bright, int from, int spread,
                       bool first) {
     const int more = odds(tables, bright * SV_WALL_LEVEL_ONE) - from;
@@ -183,14 +185,15 @@ static uint chance_of(const sv_wall_layout *l, __global const uint *tables, uint
     return probability(l, tables, first ? above - l->first_run_extra : above);
 }
 
-/* One work group: from the histogram of the walls to probabilities. All its work items find the same wall. */
+/* Launched as one work group: from the histogram of the walls to probabilities. All work items find the same
+ * wall. */
 __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict histograms,
                             __global const uint *restrict tables, __global uint *restrict info) {
     __local ulong histogram[257];
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), rays = info[INFO_RAYS];
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS, histogram);
-    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* all have read the outcome */
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* until all have read the outcome */
     if (!wanted) return;
     const uint wall_rays = (uint)histogram[256];
     uint wall = min(info[INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
@@ -207,7 +210,7 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
         const uint any = chance_of(&l, tables, i, from, spread, false);
         const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < l.fetus_threshold;
         info[INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
-        /* chances grow with the brightness: one work item writes */
+        /* probabilities grow with the brightness, so one work item writes */
         if (any >= l.fetus_threshold && is_least) info[INFO_FETUS] = i;
         if (any < l.fetus_threshold && i == 255) info[INFO_FETUS] = 256;
     }
@@ -218,8 +221,9 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
 }
 
-/* One work item: whether the frame has a surface. `fetus`: sums over the rays of a row of cells of the
- * probability that the fetus is on them; so few that they need no group. */
+/* Launched as one work item: decides whether the frame has a surface. `fetus`: for each row of cells, the
+ * sum over its rays of the probability that the fetus is on them. They are so few that they need no group.
+ * */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
                           __global uint *restrict info, __global uint *restrict record) {
     bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, from costs to the minimum_layer layer of every ray: what rays pay between cells, the
- * least, the mean around it, and how far around it the knob may sweep.
+ * From costs to the cheapest layer of every ray: the costs of rays between cells, the minimum, the mean
+ * around it, and how far around it the knob may move the surface.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
 #endif
 
-/* Three times as much; a multiplication takes ten cycles. */
+/* Multiplies by three; a multiplication takes ten cycles. */
 static u32h thrice(u32h a) {
     return (a << 1u) + a;
 }
 
-/* Costs of cells, three quarters from a row of them and a quarter from another, times 4. */
+/* Returns costs between two rows of cells, times 4: three quarters of a row and a quarter of the other. */
 static u32h between_rows(__global const ushort *own, __global const ushort *other) {
     const u32h a = HALF_TO_U32(((__global const u16h_unaligned *)own)->v);
     return thrice(a) + HALF_TO_U32(((__global const u16h_unaligned *)other)->v);
 }
 
-/* What LANES rays pay, linear between the costs of the four cells around each and rounded half up. `own`: of
- * the first of their cells, `other`: beside it. */
+/* Interpolates the costs of LANES rays between the four cells around each, linear and rounded half up.
+ * `own`: at the first of their cells; `other`: in the row next to it. */
 static u16l between_cells(__global const ushort *own, __global const ushort *other) {
     const u32h here = thrice(between_rows(own, other)) + 8u;
     const u32h left = (here + between_rows(own - 1, other - 1)) >> 4u;
@@ -27,20 +27,20 @@ static u16l between_cells(__global const ushort *own, __global const ushort *oth
     return REINTERPRET(left | right << 16u, u16l); /* neighbours share a word */
 }
 
-/* LANES rays: the minimum_layer layer, of several the one nearest to the viewer. */
-static u16l minimum_layer(const sv_wall_layout *l, __global const u16l *costs, u16l *least) {
+/* Finds the cheapest layer of LANES rays; of several equal ones the nearest to the viewer. */
+static u16l minimum_layer(const sv_wall_layout *l, __global const u16l *costs, u16l *minimum) {
     u16l best = (u16l)(0);
-    *least = costs[0];
+    *minimum = costs[0];
     for (uint z = 1; z < l->layers; z++) {
         const u16l cost = costs[z];
-        const u16l less = AS_U16(cost < *least);
-        *least = MINIMUM(*least, cost);
+        const u16l less = AS_U16(cost < *minimum);
+        *minimum = MINIMUM(*minimum, cost);
         best = SELECT(best, (u16l)((ushort)z), less);
     }
     return best;
 }
 
-/* Layers from .. to - 1 hold all around the minimum_layer ones that costs less than the limit. */
+/* Layers from .. to - 1 hold all layers around the cheapest ones that cost less than the limit. */
 typedef struct {
     uint from, to;
 } window_t;
@@ -58,8 +58,8 @@ static window_t window_of(const sv_wall_layout *l, __global const u16l *costs, u
     return w;
 }
 
-/* The mean of the layers around the minimum_layer one that cost less than the limit, weighted by what they
- * cost less than that. */
+/* Averages the layers around the cheapest one whose cost is below the limit, weighting each by how far it is
+ * below. */
 static f32l mean_around(const window_t *w, __global const u16l *costs, u16l best, u16l limit) {
     u32l weight = (u32l)(0), sum = weight;
     i16l over = (i16l)(0);
@@ -81,18 +81,18 @@ static f32l mean_around(const window_t *w, __global const u16l *costs, u16l best
     return mean;
 }
 
-/* Layers beside the minimum_layer one whose costs are less than a limit, up to `last`; and the costs of that
- * and of the one behind it. */
+/* One end of the layers around the cheapest one that cost less than a limit: the last of them, its cost, and
+ * the cost of the next one. */
 typedef struct {
     u16l last, inside, outside;
 } end_t;
 
-/* Where the costs between two layers cross the limit, from `inside` on. */
+/* Returns how far behind `inside` the costs cross the limit, in layers. */
 static f32l crossing(const end_t *e, u16l limit) {
     return TO_F32(limit - e->inside) / TO_F32(e->outside - e->inside);
 }
 
-/* How far around the minimum_layer layer the costs stay below the limit, but not beyond `place`. */
+/* Finds how far around the cheapest layer the costs stay below the limit, but not beyond `place`. */
 static void find_ends(const sv_wall_layout *l, const window_t *w, __global const u16l *costs, u16l best,
                       u16l limit, f32l place, __global f32l *near, __global f32l *far) {
     const u16l over_limit = limit + (ushort)1;
@@ -119,20 +119,20 @@ static void find_ends(const sv_wall_layout *l, const window_t *w, __global const
     *far = MAXIMUM(end, place);
 }
 
-/* LANES rays; `places` is where they lie in the first plane. */
-static void place(const sv_wall_layout *l, __global const u16l *costs, __global float *places) {
+/* Finds the minima of LANES rays. `places`: where they lie in the first plane. */
+static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __global float *places) {
     const size_t plane = place_row(l, 1, 0);
-    u16l least;
-    const u16l best = minimum_layer(l, costs, &least);
-    const window_t w = window_of(l, costs, best, least + (ushort)max(l->average_margin, l->knob_margin));
-    const f32l mean = mean_around(&w, costs, best, least + (ushort)l->average_margin);
+    u16l minimum;
+    const u16l best = minimum_layer(l, costs, &minimum);
+    const window_t w = window_of(l, costs, best, minimum + (ushort)max(l->average_margin, l->knob_margin));
+    const f32l mean = mean_around(&w, costs, best, minimum + (ushort)l->average_margin);
     *(__global f32l *)(places + PLACE_LAYER * plane) = mean;
-    find_ends(l, &w, costs, best, least + (ushort)l->knob_margin, mean,
+    find_ends(l, &w, costs, best, minimum + (ushort)l->knob_margin, mean,
               (__global f32l *)(places + PLACE_NEAR * plane), (__global f32l *)(places + PLACE_FAR * plane));
 }
 
-/* One work item per row of rays. `scratch`: words of 32 bits, scratch_words a row. `places`: the planes
- * of the layers, and of the ends around them. */
+/* One work item per row of rays. `scratch`: words of 32 bits, scratch_words a row. `places`: the planes of
+ * the layers, and of the ends around them. */
 __kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                            __global const ushort *restrict fine, __global uint *restrict scratch,
                            __global float *restrict places) {
@@ -143,6 +143,6 @@ __kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const 
         for (uint z = 0; z < l.layers; z++)
             costs[z] = between_cells(fine + fine_row(&l, z, row / 2) + x * HALF,
                                      fine + fine_row(&l, z, beside) + x * HALF);
-        place(&l, costs, places + place_row(&l, 0, row) + x * LANES);
+        find_minima(&l, costs, places + place_row(&l, 0, row) + x * LANES);
     }
 }

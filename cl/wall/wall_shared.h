@@ -1,49 +1,49 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The surface told by the wall (docs/surface.md): what its kernels, its definition and the C side all need to
- * know. The volume is first reduced to blocks of about 2 mm, which overlap by half across the image; a column
- * of blocks is a ray, and a slice of them a layer. Two by two rays are a cell. All arithmetic up to the
- * minimum_layer layer is of integers: probabilities in units of 1 / SV_WALL_PROBABILITY_ONE, costs in units
- * of 1 / SV_WALL_COST_ONE, and of the Gaussian over them in units of 1 / SV_WALL_FINE_COST_ONE.
+ * The surface told by the wall (docs/surface.md): what its kernels, its definition and the C side share. The
+ * volume is first reduced to blocks of about 2 mm, which overlap by half across the image. A column of blocks
+ * is a ray, and a slice of them a layer. Two by two rays are a cell. All arithmetic up to the cheapest layer
+ * is of integers: probabilities in units of 1 / SV_WALL_PROBABILITY_ONE, costs in units of 1 /
+ * SV_WALL_COST_ONE, smoothed costs in units of 1 / SV_WALL_FINE_COST_ONE.
  */
 #ifndef SV_WALL_SHARED_H
 #define SV_WALL_SHARED_H
 
 #define SV_WALL_PROBABILITY_ONE 32768 /* a probability of 1 */
 #define SV_WALL_COST_ONE        128   /* a cost of 1 */
-#define SV_WALL_FINE_COST_ONE   2048  /* the same after the Gaussian */
+#define SV_WALL_FINE_COST_ONE   2048  /* a cost of 1 after the Gaussian */
 #define SV_WALL_PER_MILLE       1000  /* shares and ranks of the settings */
-#define SV_WALL_LANES           32    /* rows of blocks, rays and cells are padded to these */
-#define SV_WALL_LAYERS          8     /* layers of the cells' kinds are padded to these */
+#define SV_WALL_LANES           32    /* rows of blocks, rays and cells are padded to a multiple of this */
+#define SV_WALL_LAYERS          8     /* layers of the cells' classes are padded to a multiple of this */
 #define SV_WALL_BLOCK           10    /* voxels along a side of a block, at most */
-#define SV_WALL_SPAN            12    /* voxels that such a side touches, at most */
-#define SV_WALL_SPAN_ONE        16    /* their weights together: the rows of a layer sum up to 16 bits */
+#define SV_WALL_SPAN            12    /* voxels that a side of a block touches, at most */
+#define SV_WALL_SPAN_ONE        16    /* sum of their weights: the rows of a layer sum up to 16 bits */
 #define SV_WALL_KERNEL          64    /* taps to either side of the lateral Gaussian, at most */
-#define SV_WALL_KERNEL_ONE      64    /* their sum: two passes without rounding are exact in float32 */
-#define SV_WALL_AXIAL_SUM       6     /* a layer of one slice: its neighbours weigh 1 / 6 each */
-#define SV_WALL_MAJORITY        3     /* of the four of a cell: it is tissue, or wall, if so many are */
-#define SV_WALL_MAX_NEIGHBOUR   64    /* rays to either side, at most */
-#define SV_WALL_MAX_DISTANCE    254   /* layers to the fluid that are told from more */
-#define SV_WALL_RATE_BITS       7     /* fraction of sv_wall_layout.rate */
+#define SV_WALL_KERNEL_ONE      64  /* sum of these taps: two passes without rounding are exact in float32 */
+#define SV_WALL_AXIAL_SUM       6   /* weights 1, 4, 1 along a ray smooth layers of one slice */
+#define SV_WALL_MAJORITY        3   /* so many of a cell's four rays make it tissue, or wall */
+#define SV_WALL_MAX_NEIGHBOUR   64  /* rays or cells to a neighbour, at most */
+#define SV_WALL_MAX_DISTANCE    254 /* largest distance to the fluid, layers */
+#define SV_WALL_RATE_BITS       7   /* fraction of sv_wall_layout.rate */
 
-/* What the distance to the fluid counts in a ray's own cost, times what it counts elsewhere. */
+/* The weight of the distance to the fluid in a ray's own cost; elsewhere it is 1. */
 #define SV_WALL_OWN_DISTANCE_WEIGHT 4
 
 /* ---- grey levels */
-#define SV_WALL_MAX_ITERATIONS  64  /* of the search for the split; it stood still after 12 at most */
+#define SV_WALL_MAX_ITERATIONS  64  /* of the search for the split; it ended after 12 at most */
 #define SV_WALL_HISTOGRAM_REACH 4   /* levels to either side of each of two box filters over the histogram */
-#define SV_WALL_LEVEL_ONE       256 /* a grey level: the wall's brightness lies between two */
-#define SV_WALL_ROOT_ONE        256 /* a square root of a grey level */
+#define SV_WALL_LEVEL_ONE       256 /* units of a grey level; the wall's brightness lies between two */
+#define SV_WALL_ROOT_ONE        256 /* units of a square root of a grey level */
 #define SV_WALL_ODDS_BITS       12  /* fraction of ln of the odds, of spreads, of evidence */
-#define SV_WALL_MIN_SPREAD      819 /* 0.2: a wall of one single brightness */
-#define SV_WALL_MAX_EVIDENCE    (32 << SV_WALL_ODDS_BITS) /* evidence is cut off here */
+#define SV_WALL_MIN_SPREAD      819 /* 0.2, for a wall of one single brightness */
+#define SV_WALL_MAX_EVIDENCE    (32 << SV_WALL_ODDS_BITS) /* the evidence is clamped to this */
 #define SV_WALL_LOGISTIC        193 /* entries of the logistic function, from evidence 0 to 12: */
 #define SV_WALL_LOGISTIC_BITS   8   /* fraction of a step between them, a sixteenth */
 
-/* Words of the tables, one behind the other. */
+/* Offsets of the tables, in words. */
 #define SV_WALL_ROOTS       0   /* square roots of the grey levels */
-#define SV_WALL_ODDS        256 /* ln of their odds, signed; 257, so that each has a next one */
-#define SV_WALL_CURVE       513 /* the logistic function; one more than it has */
+#define SV_WALL_ODDS        256 /* ln of the odds, signed; 257 entries, so that each level has a next one */
+#define SV_WALL_CURVE       513 /* the logistic function and one entry more */
 #define SV_WALL_TABLE_WORDS 707
 
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
@@ -54,19 +54,19 @@ typedef enum {
     SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than the wall */
 } sv_wall_outcome;
 
-/* The voxels of a block along one axis, first .. first + count - 1, and what they weigh: as much as lies in
- * the block. The weights add up to SV_WALL_SPAN_ONE. */
+/* The voxels of a block along one axis, first .. first + count - 1. A voxel weighs as much as lies in the
+ * block. The weights add up to SV_WALL_SPAN_ONE. */
 typedef struct {
     unsigned int first, count;
     unsigned char weight[SV_WALL_SPAN];
 } sv_wall_span;
 
-/* What the settings become in voxels, blocks and layers of one volume. By value; 32-bit members only, so both
- * compilers lay it out alike. */
+/* The settings in voxels, blocks and layers of one volume. It is passed by value and has 32-bit members
+ * only, so both compilers lay it out alike. */
 typedef struct {
     unsigned int width, height, slices; /* voxels */
-    unsigned int columns, rows, layers; /* rays across, rays down, blocks along them */
-    unsigned int cells[2];              /* of two by two rays: half as many across and down */
+    unsigned int columns, rows, layers; /* rays across, rays down, blocks of a ray */
+    unsigned int cells[2];              /* across and down: half as many as rays */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
     unsigned int smoothed;          /* 1: a layer is one slice, and its levels are smoothed along the rays */
     unsigned int dilation[2];       /* cells to either side along x, y */

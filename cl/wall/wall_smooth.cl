@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, layers of one slice: such a block is more speckle than tissue, so its two neighbours
- * along the ray weigh 1 / SV_WALL_AXIAL_SUM each. Tissue is told from what comes of that.
+ * Smooths layers of one slice along the rays. Such a block is more speckle than tissue, so its two neighbours
+ * weigh 1 / SV_WALL_AXIAL_SUM each. Tissue is classified by the smoothed levels.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -10,7 +10,7 @@
 #include "wall/wall_histogram.clh"
 #endif
 
-/* A row of rays. */
+/* Smooths and counts a row of rays. */
 static void smooth_row(const sv_wall_layout *l, __global const uchar *levels, __global ushort *rays, uint row,
                        __global uchar *smoothed, uint histogram[4][256]) {
     for (uint x = 0; x < vectors_of(l); x++) {
@@ -34,8 +34,8 @@ static void smooth_row(const sv_wall_layout *l, __global const uchar *levels, __
     }
 }
 
-/* One work item per row of cells, after wall_blocks: `smoothed` lies as `levels` do. Only where layers are
- * one slice. A block that was not scanned counts as its neighbour. */
+/* One work item per row of cells, after wall_blocks, if layers are one slice. `smoothed` is laid out like
+ * `levels`. A block that was not scanned counts as its neighbour. */
 __kernel void wall_smooth(sv_wall_layout l, __global const uchar *restrict levels,
                           __global ushort *restrict rays, __global uchar *restrict smoothed,
                           __global uint *restrict histograms) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The wall's surface, from the layers of rays to the surface: the median, the confidence, and the way back to
- * pixels. Beyond the border the ray at the border counts.
+ * From the layers of rays to the surface: the median, the confidence, and the interpolation to pixels. Beyond
+ * the border the ray at the border counts.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
@@ -13,35 +13,35 @@
 #include "wall/wall_pixels.clh"
 #endif
 
-/* 16 rays of a row from x + step on, their neighbours in that direction. */
+/* Loads 16 rays of a row from x + step on. */
 static float16 load_places(__global const float *row, uint x, int step, uint columns) {
     const int from = (int)x + step;
     float lanes[SV_LANES];
     if (from >= 0 && from + SV_LANES <= (int)columns) return vload16(0, row + from);
     SCALAR_LOADS
-    for (uint i = 0; i < SV_LANES; i++) lanes[i] = row[beside(x + i, step, columns)];
+    for (uint i = 0; i < SV_LANES; i++) lanes[i] = row[clamped(x + i, step, columns)];
     return *(const float16 *)lanes;
 }
 
-/* 16 rays and their eight neighbours, so many rays away. */
+/* Loads 16 rays and their eight neighbours, `away` rays apart. */
 static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
                        float16 *out) {
     const int dx = (int)away[0], dy = (int)away[1];
     for (int v = -1; v <= 1; v++) {
-        __global const float *row = plane + place_row(l, 0, beside(y, v * dy, l->rows));
+        __global const float *row = plane + place_row(l, 0, clamped(y, v * dy, l->rows));
         for (int u = -1; u <= 1; u++) *out++ = load_places(row, x, u * dx, l->columns);
     }
 }
 
-/* 16 rays of a plane. */
+/* Returns the medians of 16 rays of a plane. */
 static float16 median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
     float16 near[9];
     neighbours(l, l->median_step, places + place_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
-/* One work item per row of rays: the median of the layers and of the ends around them, and what the
- * ray's cell itself says of the layer. */
+/* One work item per row of rays: the medians of the layers and of the ends around them, and what the ray's
+ * own cell pays at the median. */
 __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
                           __global const ushort *restrict costs,
                           __global const uchar *restrict distance_costs, __global float *restrict places) {
@@ -75,8 +75,8 @@ __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict in
     }
 }
 
-/* One work item per row of rays: the surface in its stretch; at q = 0 the far end, at 1 the near one, linear
- * to either side of 0.5. In tissue it goes back to the fluid before. */
+/* One work item per row of rays: moves the surface in its range, to the far end at q = 0, to the near end at
+ * q = 1, linear to either side of 0.5. In tissue it goes back to the fluid. */
 __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const ushort *restrict rays,
                         __global float *restrict places) {
@@ -85,19 +85,19 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
     const float part = fabs(2.0f * l.q - 1.0f);
     __global const float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
     __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y);
-    __global float *turned = places + place_row(&l, PLACE_SURFACE, y);
+    __global float *surface = places + place_row(&l, PLACE_SURFACE, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         const float16 place = *(__global const float16 *)(filtered + x);
         const float16 at = place + part * (*(__global const float16 *)(end + x) - place);
-        *(__global float16 *)(turned + x) = fmax(at, 0.0f);
+        *(__global float16 *)(surface + x) = fmax(at, 0.0f);
     }
     SCALAR_LOADS
     for (uint x = 0; x < l.columns; x++)
-        turned[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE],
-                                  rays[block_row(&l, RAY_FIRST, y) + x], turned[x]);
+        surface[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE],
+                                   rays[block_row(&l, RAY_FIRST, y) + x], surface[x]);
 }
 
-/* There are at most twice as many rays as pixels. */
+/* Steps to the next pixel. There are at most twice as many rays as pixels. */
 static void next_pixel(between_t *b, uint pixels, uint rays) {
     const int width = (int)(2 * pixels), rest = b->rest + (int)(2 * rays);
     const int passed = (rest >= width) + (rest >= 2 * width);
@@ -105,16 +105,16 @@ static void next_pixel(between_t *b, uint pixels, uint rays) {
     b->ray += passed;
 }
 
-/* A row where every pixel is a ray. */
-static void copy_rays(const sv_wall_layout *l, __global const float *turned, __global const float *sure,
-                      __global float *surface, __global float *confidence) {
+/* Copies a row in which every pixel is a ray. */
+static void copy_rays(const sv_wall_layout *l, __global const float *surface, __global const float *certainty,
+                      __global float *depth, __global float *confidence) {
     for (uint x = 0; x < l->width; x++) {
-        surface[x] = (float)l->depth * turned[x];
-        confidence[x] = fmin(sure[x], 1.0f);
+        depth[x] = (float)l->depth * surface[x];
+        confidence[x] = fmin(certainty[x], 1.0f);
     }
 }
 
-/* One work item per row of pixels. The surface at q goes into the first plane. Without a surface, zeros. */
+/* One work item per row of pixels. The surface at q goes into the first plane; zeros if there is none. */
 __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info,
                             __global const float *restrict places, __global float *restrict confidence,
                             uint padded_width, __global float *restrict surfaces) {
@@ -122,19 +122,19 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
-    __global const float *turned = places + place_row(&l, PLACE_SURFACE, 0);
+    __global const float *surface = places + place_row(&l, PLACE_SURFACE, 0);
     surfaces += (size_t)y * padded_width;
     confidence += (size_t)y * l.width;
     if (wanted && l.width == l.columns && l.height == l.rows) {
-        copy_rays(&l, turned + place_row(&l, 0, y), places + place_row(&l, 0, y), surfaces, confidence);
+        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), surfaces, confidence);
         return;
     }
     for (uint x = 0; x < l.width; x++) {
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);
-        const float depth = (float)l.depth * interpolate(&l, turned, u, v);
-        const float sure = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+        const float depth = (float)l.depth * interpolate(&l, surface, u, v);
+        const float certainty = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
         surfaces[x] = wanted ? depth : 0.0f;
-        confidence[x] = wanted ? sure : 0.0f;
+        confidence[x] = wanted ? certainty : 0.0f;
     }
 }
