@@ -82,7 +82,7 @@ static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __gl
                    (tissue - wall >= SV_WALL_MAJORITY ? CELL_FETUS : 0));
 }
 
-/* Sweeps over `count` cells from `from` on, `step` apart. Cells that reach `source` through tissue against
+/* Sweeps over `count` cells from `from` on, `step` apart. Cells that `source` reaches through tissue in
  * this direction, and that have all bits of `among`, get the bit `mark`; the others lose it. */
 static void sweep(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
                   uint mark) {
