@@ -3,7 +3,7 @@
 
 #include "common/sv_shared.h"
 
-/* What the longest side is taken for if the spacing is unknown: SV_ASSUMED_EXTENT_MM of the ABI. */
+/* The longest side if the spacing is unknown: SV_ASSUMED_EXTENT_MM of the ABI. */
 #define EXTENT_MM 120.0f
 
 static uint32_t larger(uint32_t a, uint32_t b) {
@@ -14,7 +14,7 @@ static uint32_t shares(uint32_t whole, uint32_t part) {
     return (whole + part - 1) / part;
 }
 
-/* A length in bins, at least one. */
+/* Converts a length to bins, at least one. */
 static uint32_t bins(uint32_t length, float scale) {
     return larger((uint32_t)((double)length * (double)scale + 0.5), 1);
 }

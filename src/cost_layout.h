@@ -7,11 +7,11 @@
 
 #include <stdint.h>
 
-/* Rays, bins and cells of a volume with sides of 1 to 8192, and what every length becomes there. `slice_mm`:
+/* Returns rays, bins and cells of a volume with sides of 1 to 8192, and every length in bins. `slice_mm`:
  * from one slice to the next; 0: unknown, and the longest side counts as 120 mm. */
 sv_cost_layout sv_cost_layout_of(uint32_t width, uint32_t height, uint32_t slices, float slice_mm);
 
-/* Standard deviation of the lateral Gaussian, in cells. */
+/* Returns the standard deviation of the lateral Gaussian, in cells. */
 double sv_cost_sigma(const sv_cost_layout *layout);
 
 #endif

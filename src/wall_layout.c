@@ -39,9 +39,9 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .assumed_spread = 0.5};
 }
 
-#define HAIR 1e-4 /* makes up for a spacing that was rounded, and for the rounding of quotients */
+#define HAIR 1e-4 /* tolerance for a spacing that was rounded, and for the rounding of quotients */
 
-/* A length in voxels, rounded half up; at least `least`. */
+/* Converts a length to voxels, rounding half up; at least `least`. */
 static uint32_t voxels(double mm, double spacing, uint32_t least) {
     const double n = floor(mm / spacing + 0.5 + HAIR);
     return n > least ? (uint32_t)n : least;
@@ -55,8 +55,8 @@ static uint32_t rounded(double value) {
     return (uint32_t)floor(value + 0.5);
 }
 
-/* Integer weights of a Gaussian, mirrored at 0, that sum up to SV_WALL_KERNEL_ONE; the one at 0 takes what
- * rounding leaves. */
+/* Computes the integer weights of a Gaussian, mirrored at 0, that sum up to SV_WALL_KERNEL_ONE. The weight
+ * at 0 takes what rounding leaves. Returns its reach. */
 static uint32_t gaussian(double sigma, uint32_t *weights) {
     const double wanted = floor(GAUSSIAN_REACH * sigma + 0.5);
     const uint32_t reach = wanted < SV_WALL_KERNEL ? (uint32_t)wanted : SV_WALL_KERNEL;
@@ -73,7 +73,7 @@ static uint32_t gaussian(double sigma, uint32_t *weights) {
     return last;
 }
 
-/* Everything that is no length. */
+/* Converts all settings that are no lengths. */
 static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     const double odds_one = 1 << SV_WALL_ODDS_BITS;
     l->cut_cost = rounded(s->cut_cost * SV_WALL_COST_ONE);
@@ -102,7 +102,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->half_confidence_cost = (float)s->half_confidence_cost;
 }
 
-/* The spacing that counts: what is not known is assumed, and what is out of range is brought into it. */
+/* Finds the spacing that counts: one that is not known is assumed, and one out of range is clamped. */
 static void find_spacing(const sv_wall_layout *l, const double given[3], double mm[3]) {
     const uint32_t side = l->width > l->height ? l->width : l->height;
     const double assumed = SV_WALL_EXTENT_MM / (side > l->slices ? side : l->slices);
@@ -117,7 +117,8 @@ static uint32_t whole(uint32_t voxels, uint32_t side) {
     return (voxels + side - 1) / side;
 }
 
-/* Cells along an axis across the image: of whole voxels where that comes near enough, for that is fast. */
+/* Returns the cells along an axis across the image. They have whole voxels if that comes near enough, for
+ * that is fast. */
 static uint32_t cells_of(const sv_wall_settings *s, uint32_t count, double mm) {
     const uint32_t side = at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
     if (side == SV_WALL_BLOCK || fabs(side * mm / s->block_mm - 1.0) <= NEARLY + HAIR)
@@ -127,14 +128,14 @@ static uint32_t cells_of(const sv_wall_settings *s, uint32_t count, double mm) {
 
 #define THICKER 0.25 /* a layer may be so much deeper than a block */
 
-/* Slices of a layer: as many as come nearest to a block, but for ones that are much deeper than that. */
+/* Returns the slices of a layer: as many as come nearest to a block, but none much deeper than that. */
 static uint32_t depth_of(const sv_wall_settings *s, double mm) {
     const uint32_t depth = at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
     return depth > 1 && depth * mm > (1.0 + THICKER + HAIR) * s->block_mm ? depth - 1 : depth;
 }
 
-/* The slack is capped so that the sums over it (slack * layers^2 / 2) stay below 2^32, and both it and the
- * reach so that they and the costs have 16 bits. */
+/* The margins are capped: the average margin so that the sums over it (margin * layers^2 / 2) stay below
+ * 2^32, and both so that they and the costs have 16 bits. */
 sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
                                  const sv_wall_settings *s) {
     sv_wall_layout l = {.width = width, .height = height, .slices = slices};
@@ -168,9 +169,9 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
 
 #define LEAST_REACH 0.75 /* voxels from a ray to the sides of its block: a single voxel is all speckle */
 
-/* Whole weights that add up to SV_WALL_SPAN_ONE for voxels `first` and those behind it, of which `part` lies
- * in the block around `centre`. They are rounded down, and those that lost most get the rest, the nearest
- * first: so mirrored blocks get mirrored weights. */
+/* Computes whole weights that add up to SV_WALL_SPAN_ONE for voxels `first` and those behind it, of which
+ * `part` lies in the block around `centre`. They are rounded down, and those that lost most get the rest,
+ * the nearest first: so mirrored blocks get mirrored weights. */
 static void weigh(const double *part, uint32_t count, double all, double first, double centre,
                   unsigned char *weight) {
     double lost[SV_WALL_SPAN + 1] = {0};
@@ -190,7 +191,7 @@ static void weigh(const double *part, uint32_t count, double all, double first, 
     }
 }
 
-/* Of a ray in the first half. */
+/* Returns the span of a ray in the first half. */
 static sv_wall_span near_span(uint32_t ray, uint32_t voxels, uint32_t rays) {
     const double step = (double)voxels / rays, centre = (ray + 0.5) * step;
     const double reach = fmax(step, LEAST_REACH), from = centre - reach, to = centre + reach;

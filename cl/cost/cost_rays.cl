@@ -6,12 +6,13 @@
 #include "cost/cost.clh"
 #endif
 
-/* Pixels along the side of a ray, and slices of a bin at most: the volume's sides are at most 8192. */
+/* Limits of the pixels along the side of a ray, and of the slices of a bin: the volume's sides are at most
+ * 8192. */
 #define MAX_SHRINK     (8192 / SV_COST_RAYS)
 #define MAX_BIN_SLICES ((8192 + SV_COST_LABELS - 1) / SV_COST_LABELS)
 
-/* A slab as it lies in its texture, and what of it was not scanned: a grey level (above 255: none), and what
- * lies outside the rays' scanned ranges (profile/scanned.cl), if there are any. */
+/* A slab as it lies in its texture, and what of it was not scanned: voxels of a grey level (above 255:
+ * none), and those outside the rays' scanned ranges (profile/scanned.cl), if there are any. */
 typedef struct {
     __global const uchar *texture;
     uint row_pitch, tiles_x, tile_w, tile_h;
@@ -24,8 +25,8 @@ typedef struct {
 /* Slices of a slab that belong to one bin. */
 typedef struct {
     uint bin, count;
-    bool begun, ends; /* the bin began in a slab before; it ends with these slices */
-    uint first;       /* number of the first of them in the volume */
+    bool begun, ends; /* the bin began in an earlier slab; it ends with these slices */
+    uint first;       /* number of the first slice in the volume */
     __global const uchar *slice[MAX_BIN_SLICES];
 } piece_t;
 
@@ -34,7 +35,7 @@ static __global const uchar *slice_at(const slab_t *s, uint slice) {
            slice % s->tiles_x * s->tile_w;
 }
 
-/* 255 where a voxel of slice `slice`, pixels x to x + 15 of row y, was scanned. */
+/* Returns 255 where a voxel of slice `slice`, pixels x to x + 15 of row y, was scanned. */
 static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y) {
     uchar16 scanned = s->padding > 255 ? (uchar16)(255) : as_uchar16(v != (uchar16)((uchar)s->padding));
     if (s->ranged) {
@@ -46,14 +47,14 @@ static uchar16 scanned_of(const slab_t *s, uchar16 v, uint slice, uint x, uint y
     return scanned;
 }
 
-/* Bins of one or two whole slices and single pixels, the usual ones, take no sums. */
+/* True if bins have one or two whole slices and single pixels, as is usual: they need no sums. */
 static bool bins_are_small(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint slice_count) {
     const bool whole = first_slice % l->bin_slices == 0 &&
                        (slice_count % l->bin_slices == 0 || first_slice + slice_count == l->slices);
     return l->shrink == 1 && l->bin_slices <= 2 && whole;
 }
 
-/* One such bin of a row of rays, from one slice or two: the mean rounded half up, at least 1. */
+/* Averages one or two slices of a row of rays into a small bin, rounded half up, at least 1. */
 static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice, uint i, uint count, uint y,
                      __global uchar16 *to) {
     const uint vectors = l->padded_columns / SV_LANES, slice = first_slice + i;
@@ -74,7 +75,8 @@ static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice,
     to[vectors - 1] &= pixels_of(l->padded_columns - SV_LANES, l->width);
 }
 
-/* The mean rounded half up, at least 1; 0 of none. Exact, whatever the rounding of a device's division. */
+/* Returns the mean rounded half up, at least 1; 0 of none. It is exact, whatever the rounding of a device's
+ * division. */
 static uchar16 rounded_mean(uint16 sum, uint16 count) {
     const int16 least = convert_int16(max(count, (uint16)(1))), whole = convert_int16(sum + count / 2u);
     int16 mean = convert_int16(convert_float16(whole) / convert_float16(least));
@@ -83,8 +85,8 @@ static uchar16 rounded_mean(uint16 sum, uint16 count) {
     return convert_uchar16(max(mean, (int16)(1)) & (count != (uint16)(0)));
 }
 
-/* Sums and numbers of the scanned voxels of 16 pixels from x on, a multiple of 16, for the pixel rows of a
- * row of rays. If the bin goes on in the next slab they wait in `partial`, a pixel row each. */
+/* Adds up and counts the scanned voxels of 16 pixels from x on, a multiple of 16, over the pixel rows of a
+ * row of rays. If the bin goes on in the next slab the sums wait in `partial`, a pixel row each. */
 static void add_piece(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint x, uint row,
                       __global ushort16 *partial, uint16 *sum, uint16 *count) {
     const uint pitch = (l->width + SV_LANES - 1) / SV_LANES, y1 = min((row + 1) * l->shrink, l->height);
@@ -116,7 +118,7 @@ static void add_piece(const slab_t *s, const sv_cost_layout *l, const piece_t *p
     }
 }
 
-/* Sums of `shrink` neighbours of as many vectors, for 16 rays. */
+/* Sums up `shrink` neighbours of as many vectors, for 16 rays. */
 static uint16 shrunk(uint16 *values, uint shrink) {
     for (; shrink % 2 == 0; shrink /= 2)
         for (uint k = 0; k < shrink / 2; k++) {
@@ -134,7 +136,7 @@ static uint16 shrunk(uint16 *values, uint shrink) {
     return sums;
 }
 
-/* A row of rays: the slices of one bin. */
+/* Adds the slices of one bin for a row of rays. */
 static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *piece, uint row,
                     __global ushort16 *partial, __global uchar16 *bins) {
     uint16 sums[MAX_SHRINK], counts[MAX_SHRINK]; /* of the pixels of 16 rays */
@@ -150,9 +152,9 @@ static void add_row(const slab_t *s, const sv_cost_layout *l, const piece_t *pie
     }
 }
 
-/* One work item per row of rays. `padding` above 255: no grey level means "not scanned"; `ranged`: `scanned`
- * tells what was. `partial`: sums, then numbers of scanned voxels, of the pixels of the bin that a slab left
- * unfinished; unused where bins are voxels. */
+/* One work item per row of rays. `padding` above 255: no grey level means "not scanned". `ranged`: `scanned`
+ * has the ranges. `partial`: sums, then numbers of scanned voxels, of the pixels of the bin that a slab left
+ * unfinished; not used if bins are voxels. */
 __kernel void cost_bins(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch, uint tiles_x,
                         uint tile_w, uint tile_h, uint first_slice, uint slice_count, uint padding,
                         uint ranged, uint padded_width, __global const ushort *restrict scanned,
@@ -202,7 +204,7 @@ __kernel void cost_histogram(sv_cost_layout l, __global const uchar *restrict bi
         for (uint k = 0; k < 4; k++) vstore4((uint4)(0), 0, counts[k] + i);
     for (uint i = 0; i < count; i++) {
         const uchar4 v = row[i];
-        if (as_uint(v) == 0) continue; /* not scanned: nobody asks how many */
+        if (as_uint(v) == 0) continue; /* not scanned, which is not counted */
         counts[0][v.x]++;
         counts[1][v.y]++;
         counts[2][v.z]++;
@@ -212,9 +214,9 @@ __kernel void cost_histogram(sv_cost_layout l, __global const uchar *restrict bi
         histograms[cell_row * 256 + i] = counts[0][i] + counts[1][i] + counts[2][i] + counts[3][i];
 }
 
-/* One work item: T_L by isodata thresholding (the threshold lies midway between the means of the dark and the
- * bright class, and is moved until it stays), then a sixth of the way from the dark mean to the bright one;
- * and the latter. */
+/* One work item: finds T_L by isodata thresholding (the threshold lies midway between the means of the dark
+ * and the bright class, and is moved until it stays). T_L is a sixth of the way from the dark mean to the
+ * bright one, which is stored, too. */
 __kernel void cost_level(sv_cost_layout l, __global const uint *restrict histograms,
                          __global uint *restrict info) {
     uint counts[256];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Cost volume, the surface: the Gaussian along y, the minimum, the median, and the way back to pixels. */
+/* Cost volume, the surface: the Gaussian along y, the minimum, the median, and the interpolation to pixels.
+ * */
 #ifndef SV_METHOD_COST_CLH
 #include "cost/cost.clh"
 #endif
@@ -7,7 +8,7 @@
 /* Floats of a cell in the map of minima: place and its standard deviation in bins, confidence, 1 if valid. */
 #define CELL_FLOATS 4
 
-/* Bins low .. high around `at` that cost less than `edge`. */
+/* Returns the bins low .. high around `at` that cost less than `edge`. */
 static int2 basin(const float *cost, int labels, int at, float edge) {
     int low = at, high = at;
     while (low > 0 && cost[low - 1] < edge) low--;
@@ -15,7 +16,7 @@ static int2 basin(const float *cost, int labels, int at, float edge) {
     return (int2)(low, high);
 }
 
-/* The middle of the least minimum, its standard deviation, and the lead over any other one. */
+/* Returns the middle of the lowest minimum, its standard deviation, and its lead over any other one. */
 static float4 find_minimum(const float *cell, int labels) {
     const float rays = cell[SV_COST_WEIGHT];
     if (!(rays > 1e-3f)) return (float4)(0.0f);
@@ -49,8 +50,8 @@ static float4 find_minimum(const float *cell, int labels) {
 }
 
 /*
- * Costs per ray; blended with the frame before, unless they changed too much (a cut, or something moved
- * through), and kept for the next frame.
+ * Blends the costs per ray with those of the frame before, unless they changed too much (a cut, or something
+ * moved through), and keeps them for the next frame.
  */
 static void blend_previous(float *cell, int labels, float memory, __global float *previous) {
     const float rays = cell[SV_COST_WEIGHT];
@@ -69,7 +70,7 @@ static void blend_previous(float *cell, int labels, float memory, __global float
     }
 }
 
-/* One work item per row of cells. */
+/* One work item per row of cells: blurs along y, blends with the frame before, and finds the minima. */
 __kernel void cost_minimum(sv_cost_layout l, float8 weight, float memory, __global const uint *restrict info,
                            __global float *restrict blurred, __global float *restrict previous,
                            __global float *restrict minima) {
@@ -93,7 +94,7 @@ __kernel void cost_minimum(sv_cost_layout l, float8 weight, float memory, __glob
 }
 
 /* One work item per row of cells: the median of the valid places of the 3 x 3 neighbourhood (of an even
- * number, the mean of the middle two), drawn towards the viewer where nothing is sure. */
+ * number, the mean of the middle two), moved towards the viewer where the confidence is low. */
 __kernel void cost_median(sv_cost_layout l, __global const uint *restrict info,
                           __global const float *restrict minima, __global float *restrict smooth) {
     const int y = (int)get_global_id(0), nx = (int)l.cells_x, ny = (int)l.cells_y;
@@ -113,7 +114,7 @@ __kernel void cost_median(sv_cost_layout l, __global const uint *restrict info,
         if (cell.w != 0.0f) {
             const float middle = 0.5f * (sorted[count / 2] + sorted[(count - 1) / 2]);
             const float shift = SV_COST_VIEWER_SHIFT * l.scale * (1.0f - cell.z);
-            /* From here on in slices: depth, half the way from q = 0 to q = 1, confidence. */
+            /* From here on values are in slices: depth, half the way from q = 0 to q = 1, confidence. */
             cell.x = (middle - shift + 0.5f) * (float)l.bin_slices - 0.5f;
             cell.y *= SV_COST_SPREAD * (float)l.bin_slices;
         }
@@ -121,13 +122,13 @@ __kernel void cost_median(sv_cost_layout l, __global const uint *restrict info,
     }
 }
 
-/* Where a pixel lies between the centres of two cells. */
+/* Returns the place of a pixel between the centres of two cells. */
 static float cell_place(uint pixel, uint block, uint cells) {
     const float place = ((float)pixel + 0.5f) / (float)block - 0.5f;
     return min(max(place, 0.0f), (float)(cells - 1));
 }
 
-/* One work item per row of pixels: bilinear between the cells. Without a surface, zeros. */
+/* One work item per row of pixels: interpolates between the cells. Without a surface it stores zeros. */
 __kernel void cost_upsample(sv_cost_layout l, uint padded_width, __global const uint *restrict info,
                             __global const float *restrict smooth, __global float *restrict confidence,
                             __global float *restrict surfaces) {

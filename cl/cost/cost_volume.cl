@@ -16,14 +16,14 @@
 #include "cost/cost_tile_passes.clh"
 #endif
 
-/* The wall or back of the cell that each of 16 rays is in. */
+/* Returns the wall or back of the cell that each of 16 rays is in. */
 static short16 cells_of(const sv_cost_layout *l, __global const uchar *row, uint x) {
     short16 lanes;
     for (uint i = 0; i < SV_LANES; i++) ((short *)&lanes)[i] = row[min((x + i) / l->block, l->cells_x - 1)];
     return lanes;
 }
 
-/* Bin before which no ray that has a wall can have an interval. */
+/* Returns the bin in front of which no ray with a wall can have an interval. */
 static uint first_bin(const sv_cost_layout *l, short16 wall) {
     const short16 from =
         select((short16)((short)l->labels), max(wall - (short)l->solid, (short16)(0)), wall > (short16)(0));
@@ -33,15 +33,14 @@ static uint first_bin(const sv_cost_layout *l, short16 wall) {
     return (uint)first;
 }
 
-/* Hands lane i of `value` to the cell of ray x + i. */
+/* Adds lane i of `value` to the cell of ray x + i. */
 static void to_cells(const sv_cost_layout *l, __global float *cells, uint slot, uint x, float16 value) {
     const uint count = min((uint)SV_LANES, l->columns - x);
     const float *lanes = (const float *)&value;
     for (uint i = 0; i < count; i++) cells[(x + i) / l->block * SV_COST_VALUES + slot] += lanes[i];
 }
 
-/* Lanes of 16 labels become labels of 16 lanes: four times, the first half of the vectors is shuffled into
- * the other. */
+/* Transposes 16 x 16 values: four times the halves of the vectors are interleaved. */
 static void transpose(const float16 *from, float16 *to) {
     float16 here[SV_LANES], next[SV_LANES];
     for (uint i = 0; i < SV_LANES; i++) here[i] = from[i];
@@ -57,7 +56,7 @@ static void transpose(const float16 *from, float16 *to) {
     for (uint i = 0; i < SV_LANES; i++) to[i] = here[i];
 }
 
-/* Hands the costs of 16 rays to their cells. */
+/* Adds the costs of 16 rays to their cells. */
 static void costs_to_cells(const sv_cost_layout *l, __global float *cells, uint x, const float16 *cost) {
     const uint count = min((uint)SV_LANES, l->columns - x);
     float16 rays[SV_LANES];
@@ -75,7 +74,7 @@ static uint count_lanes(short16 mask, uint lanes) {
     return count;
 }
 
-/* What the rows of cells of a work item have in common. */
+/* The state that the rows of cells of a work item share. */
 typedef struct {
     __global const uchar *walls, *backs;
     __global bin16_t *tile;
@@ -85,7 +84,7 @@ typedef struct {
     bins16_t w;
 } gather_t;
 
-/* A row of cells. `counts`: its scanned rays, and those with a fluid interval. */
+/* Gathers a row of cells. `counts`: its scanned rays, and those with a fluid interval. */
 static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t *g, uint cell_row,
                        __global uint *counts) {
     __global float *cells = cell_at(g->volume, l, 0, cell_row);
@@ -126,7 +125,7 @@ static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t
     counts[1] = open_rays;
 }
 
-/* Whether a row of cells has walls; the vectors of its rays with walls widen `ring`. */
+/* True if a row of cells has walls; the vectors of its rays with walls widen `ring`. */
 static bool find_walls(const sv_cost_layout *l, __global const uchar *walls, ring_t *ring) {
     bool found = false;
     for (uint x = 0; x < l->cells_x; x++) {
@@ -159,9 +158,9 @@ __kernel void cost_gather(sv_cost_layout l, uint band, __global const uchar *res
     g.unit = 1.0f / ((float)SV_COST_NEIGHBOURS * (float)bright);
     g.bone = (short)((SV_COST_BONE * SV_COST_NEIGHBOURS * bright + 1) / 2);
     for (uint bin = 0; bin < SV_COST_LABELS; bin++) g.w.cost[bin] = (float16)(0.0f);
-    for (uint cell_row = item * band; cell_row < end; cell_row++) /* all rows of the ring alike */
+    for (uint cell_row = item * band; cell_row < end; cell_row++) /* so that all rows of the ring are alike */
         (void)find_walls(&l, walls + cell_row * l.cells_x, &ring);
-    uint made = 0; /* rows of rays up to this one */
+    uint made = 0; /* rows of rays up to this one are computed */
     for (uint cell_row = item * band; cell_row < end; cell_row++) {
         const uint y0 = cell_row * l.block;
         if (find_walls(&l, walls + cell_row * l.cells_x, &ring)) {
@@ -174,7 +173,7 @@ __kernel void cost_gather(sv_cost_layout l, uint band, __global const uchar *res
     }
 }
 
-/* One work item: whether the frame has a surface. */
+/* One work item: decides whether the frame has a surface. */
 __kernel void cost_decide(sv_cost_layout l, __global const uint *restrict counts,
                           __global uint *restrict info, __global uint *restrict record) {
     uint scanned = 0, open = 0;

@@ -8,14 +8,15 @@ static uchar16 counts_from(const uchar *p) {
     return ((const bytes_unaligned *)p)->v;
 }
 
-/* What the walk along a cell's rays knows, for 16 columns; only the first of every cell counts. */
+/* The state of a pass along the rays of cells, for 16 columns; only the first column of every cell counts.
+ * */
 typedef struct {
     uchar16 run;    /* mostly fluid bins behind tissue */
     uchar16 behind; /* 255: behind tissue */
     uchar16 wall, back;
 } wall_scan_t;
 
-/* Numbers of scanned and of fluid rays of a cell's rows in every column, and zeros behind them. */
+/* The numbers of scanned and of fluid rays of a cell's rows in every column, and zeros behind them. */
 typedef struct {
     uchar16 scanned[MAX_VECTORS + 1], fluid[MAX_VECTORS + 1];
 } row_counts_t;
@@ -35,7 +36,7 @@ static void count_rows(const sv_cost_layout *l, __global const uchar16 *bins, ui
     }
 }
 
-/* Sums of `block` neighbours: at most 8 x 8. */
+/* Sums up `block` neighbours: at most 8 x 8. */
 static uchar16 cell_sums(const uchar16 *counts, uint block) {
     uchar16 sum = *counts;
     for (uint k = 1; k < block; k++) sum += counts_from((const uchar *)counts + k);
@@ -85,13 +86,13 @@ __kernel void cost_walls_own(sv_cost_layout l, __global const uchar *restrict bi
     }
 }
 
-/* The values of a window of cells, counted one by one and by sixteens. */
+/* A histogram of the values of a window of cells, by ones and by sixteens. */
 typedef struct {
     uchar one[256], sixteen[16];
     uint all;
 } ranks_t;
 
-/* Column x of the cells' rows y0 .. y1 - 1, but for the value `none`, enters the window or leaves it. */
+/* Adds column x of the cells' rows y0 .. y1 - 1 to the window or removes it, but for the value `none`. */
 static void shift_ranks(const sv_cost_layout *l, __global const uchar *own, uint x, uint y0, uint y1,
                         uchar none, int change, ranks_t *ranks) {
     for (uint y = y0; y < y1; y++) {
@@ -103,7 +104,7 @@ static void shift_ranks(const sv_cost_layout *l, __global const uchar *own, uint
     }
 }
 
-/* The value that `below` others lie before; there are more. */
+/* Returns the value that has `below` others below it; there are more. */
 static uchar value_at(const ranks_t *ranks, uint below) {
     uint value = 0, before = 0;
     while (before + ranks->sixteen[value / 16] <= below) {
@@ -114,7 +115,8 @@ static uchar value_at(const ranks_t *ranks, uint below) {
     return (uchar)value;
 }
 
-/* A row of cells: of the values around each but `none`, the one with `rank` tenths of the others below it. */
+/* Rank filter over a row of cells: of the values around each but `none`, the one with `rank` tenths of the
+ * others below it. */
 static void rank_row(const sv_cost_layout *l, __global const uchar *own, uint cell_row, uchar none, uint rank,
                      uchar otherwise, __global uchar *to) {
     const uint y0 = cell_row - min(cell_row, (uint)SV_COST_WINDOW);

@@ -33,11 +33,11 @@ static const char *const kernels[] = {"cost_bins",    "cost_histogram", "cost_le
 enum {
     BINS,
     PARTIAL,
-    SUMS,       /* a ring of rows of rays for every band: brightness of every bin with its neighbours, */
-    BRIGHTEST,  /* and the largest of those nearby in the same row of rays */
+    SUMS,       /* for every band a ring of rows of rays: sums of every bin with its neighbours, */
+    BRIGHTEST,  /* and their maxima nearby in the same row of rays */
     TILES,      /* a tile for every band */
     OWN,        /* wall and back of every cell by itself */
-    WALLS,      /* the same of its neighbourhood */
+    WALLS,      /* wall and back of every cell by its neighbourhood */
     HISTOGRAMS, /* 256 words a row of cells */
     COUNTS,
     INFO,
@@ -48,7 +48,7 @@ enum {
     CONFIDENCE
 };
 
-/* Of 16 rays at a label: bin16_t of cl/cost/cost_tile.clh. */
+/* Size of bin16_t of cl/cost/cost_tile.clh: 16 rays at a label. */
 enum { TILE_BYTES = 3 * SV_LANES * (int)sizeof(cl_short) };
 
 static sv_source source(void) {
@@ -63,8 +63,8 @@ static sv_cost_layout layout_of(const sv_map *m) {
     return sv_cost_layout_of(m->width, m->height, m->config->slices, m->config->spacing[2]);
 }
 
-/* Rows of cells that a work item takes one after the other: the more, the fewer rows of rays are made twice,
- * but some work items have little to do. */
+/* A work item takes rows of cells one after the other. The more it takes, the fewer rows of rays are
+ * computed twice, but some work items have little to do. */
 enum { BANDS_PER_UNIT = 2 };
 static uint32_t band_rows(const sv_map *m, const sv_cost_layout *l) {
     const uint32_t wanted = m->queue->device->compute_units * BANDS_PER_UNIT;
@@ -104,7 +104,7 @@ static void layout_arg(sv_launch *launch, const sv_map *m) {
     sv_launch_arg(launch, sizeof layout, &layout);
 }
 
-/* The lateral Gaussian at 0 .. SV_COST_REACH cells. */
+/* Passes the lateral Gaussian at 0 .. SV_COST_REACH cells. */
 static void weights_arg(sv_launch *launch, const sv_map *m) {
     const sv_cost_layout layout = layout_of(m);
     const double sigma = sv_cost_sigma(&layout);
@@ -113,7 +113,7 @@ static void weights_arg(sv_launch *launch, const sv_map *m) {
     sv_launch_arg(launch, sizeof weight, &weight);
 }
 
-/* Buffers of the state as arguments, up to a negative index. */
+/* Passes buffers of the state, up to a negative index. */
 static void buffer_args(sv_launch *launch, const sv_method_state *s, const int *indices) {
     for (; *indices >= 0; indices++) sv_launch_buffer(launch, s->buffer[*indices]);
 }
@@ -130,7 +130,7 @@ typedef enum { ONCE, BANDS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;
 /* Arguments besides the method's buffers: the record and the surfaces behind them, the others before. */
 enum { WEIGHTS = 1, REMEMBERED = 2, MAP_WIDTH = 4, RECORD = 8, SURFACES = 16, BAND = 32 };
 
-/* What follows the bins, in this order. */
+/* The launches that follow the bins, in this order. */
 static const struct {
     int kernel, takes;
     items items;
@@ -158,7 +158,7 @@ static const struct {
 };
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* both, always: the method is linear in q */
+    (void)planes; /* always both: the method is linear in q */
     const sv_cost_layout layout = layout_of(m);
     const size_t count[] = {[ONCE] = 1,
                             [BANDS] = band_count(m, &layout),
@@ -197,7 +197,7 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-/* Float32 sums of costs: where two labels are as good as equal, either is right, and the
+/* The kernels sum up costs in float32. Where two labels cost nearly the same either is right, and the
  * definition says where. */
 static double bound(const sv_map *m) {
     return m->doubles ? 1e-3 : 1e-2;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Method wall: whatever stands before the fluid on most rays is the wall, and the fetus is what is brighter
- * than the wall is (docs/surface.md). It asks for no initial points; it takes the slabs themselves.
+ * Method wall: tissue in front of the fluid on most rays is the wall, and tissue brighter than the wall is
+ * the fetus (docs/surface.md). It asks for no initial points; it takes the slabs themselves.
  */
 #include "method/method_wall.h"
 
@@ -15,7 +15,7 @@
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 265 };
 
-/* Which layout of the work: the strategy has been resolved by the device's type. */
+/* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
     return m->config->strategy == SV_STRATEGY_RAYS;
 }
@@ -24,7 +24,7 @@ static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
 }
 
-/* At most two for a slab. */
+/* A slab takes at most two commands. */
 static uint32_t commands(const sv_config *c) {
     return 2 * c->slices + sv_wall_items.count;
 }
@@ -40,9 +40,10 @@ static size_t padded_columns(const sv_wall_layout *l) {
     return sv_wall_lanes_of(l->columns);
 }
 
-/* Words of 32 bits that a row keeps. By rows, in whole vectors: wall_costs needs 8 bytes a layer for each of
- * SV_WALL_LANES rays, wall_blocks three lines of levels, wall_blur two lines of cells. By items,
- * wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell of wall_items_blur_y. */
+/* Returns the words of 32 bits of scratch memory per row. By rows, in whole vectors: wall_costs needs 8
+ * bytes a layer for each of SV_WALL_LANES rays, wall_blocks three lines of levels, wall_blur two lines of
+ * cells. By items, wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell of
+ * wall_items_blur_y. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     if (by_items(m)) return (size_t)5 * l->layers * padded_columns(l) / sizeof(cl_uint);
     const size_t layers = (size_t)2 * l->layers * SV_WALL_LANES;
@@ -50,7 +51,8 @@ static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     return layers > lines ? layers : lines;
 }
 
-/* By rows, 16 bits for each pixel of a row of rays, between margins; by items, 32 bits a ray. */
+/* Returns the bytes of the sums: by rows, 16 bits for each pixel of a row of rays, between margins; by
+ * items, 32 bits a ray. */
 static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
     return by_items(m)
                ? padded_columns(l) * l->rows * sizeof(cl_uint)
@@ -65,7 +67,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
                         (sv_wall_lanes_of(l.cells[0]) + SV_WALL_MAX_NEIGHBOUR) * l.cells[1] * l.layers;
     const size_t margin = SV_WALL_MAX_NEIGHBOUR, level_row = padded_columns(&l) + margin;
     const size_t levels =
-        margin + level_row * l.rows * (l.layers + 1); /* zeros behind the last of each row */
+        margin + level_row * l.rows * (l.layers + 1); /* zeros lie behind the last layer of each row */
     const size_t bytes[SV_WALL_BUFFERS] = {
         [SV_WALL_SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
         [SV_WALL_SUMS] = sum_bytes(m, &l),
@@ -123,7 +125,7 @@ static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t fi
 }
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* one: `at_q` makes it */
+    (void)planes; /* one plane, which `at_q` fills */
     return run_from(m, s, 0, work_of(m)->first_at_q, 0.5f);
 }
 
@@ -146,9 +148,9 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-/* Integers up to the cheapest labels, which are the definition's; then some ten float32 operations on numbers
- * up to the depth. Where division is rounded correctly nothing differs; elsewhere by a few units in the last
- * place. */
+/* Integers are used up to the cheapest layers, so these are the definition's. Then come some ten float32
+ * operations on numbers up to the depth. Where division is rounded correctly nothing differs, elsewhere a
+ * few units in the last place. */
 static double bound(const sv_map *m) {
     return m->config->slices * 16.0 * 0x1p-24;
 }

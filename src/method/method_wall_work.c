@@ -9,7 +9,7 @@ size_t sv_wall_lanes_of(uint32_t values) {
     return ((size_t)values + SV_WALL_LANES - 1) / SV_WALL_LANES * SV_WALL_LANES;
 }
 
-/* SV_WALL_LAYERS of them at a time. */
+/* Groups of SV_WALL_LAYERS layers. */
 static size_t layer_groups_of(const sv_wall_layout *l) {
     return ((size_t)l->layers + SV_WALL_LAYERS - 1) / SV_WALL_LAYERS;
 }

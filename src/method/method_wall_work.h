@@ -16,12 +16,12 @@ enum {
     SV_WALL_SUMS,   /* of the layer that the slabs are in */
     SV_WALL_RANGES, /* of pixels */
     SV_WALL_LEVELS,
-    SV_WALL_SMOOTHED,   /* the same, smoothed where layers are one slice; else LEVELS take its place */
-    SV_WALL_ROW_MAXIMA, /* brightest of the row of cells */
+    SV_WALL_SMOOTHED,   /* smoothed levels if layers are one slice; else LEVELS takes its place */
+    SV_WALL_ROW_MAXIMA, /* brightness dilated along x */
     SV_WALL_BRIGHT,
     SV_WALL_KINDS, /* of cells */
     SV_WALL_RAYS,
-    SV_WALL_HISTOGRAMS, /* later the sums of rows of rays or cells, FETUS */
+    SV_WALL_HISTOGRAMS, /* later the sums of probabilities, SV_WALL_FETUS */
     SV_WALL_TABLES,
     SV_WALL_INFO,
     SV_WALL_SCRATCH,
@@ -43,9 +43,9 @@ typedef enum {
     SV_WALL_WORDS,      /* a work item for 8 columns of cells and SV_WALL_LAYERS layers */
     SV_WALL_ONE_GROUP,  /* one work group */
     SV_WALL_GROUPS,     /* a work group a row of cells */
-    SV_WALL_EACH_LAYER, /* a work group each */
-    SV_WALL_EACH_RAY,   /* a work item each */
-    SV_WALL_EACH_CELL,  /* of every layer */
+    SV_WALL_EACH_LAYER, /* a work group a layer */
+    SV_WALL_EACH_RAY,   /* a work item a ray */
+    SV_WALL_EACH_CELL,  /* a work item a cell of every layer */
     SV_WALL_EACH_PIXEL
 } sv_wall_over;
 
@@ -69,13 +69,13 @@ typedef struct {
     sv_status (*slab)(const sv_map *map, sv_method_state *state, const sv_placed_slab *from,
                       const sv_wall_layout *layout);
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
-    uint32_t count, first_at_q;     /* of them; from this one on they are `at_q` */
+    uint32_t count, first_at_q;     /* their number; the first one that depends on q */
 } sv_wall_work;
 
-/* Rounded up to whole rows of SV_WALL_LANES. */
+/* Rounds up to a multiple of SV_WALL_LANES. */
 size_t sv_wall_lanes_of(uint32_t values);
 
-/* A byte for each cell, in whole lanes and whole groups of SV_WALL_LAYERS layers. */
+/* Returns the bytes of the cells' classes: whole lanes and whole groups of SV_WALL_LAYERS layers. */
 size_t sv_wall_kinds_bytes(const sv_wall_layout *layout);
 
 /* True if pixels have ranges. */
