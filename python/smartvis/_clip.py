@@ -104,7 +104,7 @@ def clip(
     >>> volume = np.full((64, 48, 48), 200, np.uint8)
     >>> volume[:40] = 10
     >>> volume[:12] = 100
-    >>> result = clip(volume, spacing=(1, 1, 1), method="cost")
+    >>> result = clip(volume, spacing=(1, 1, 1))
     >>> result.clips, bool(12 <= result.depth[24, 24] <= 40)
     (True, True)
     >>> int(result.apply(volume)[5, 24, 24]), int(result.apply(volume)[50, 24, 24])

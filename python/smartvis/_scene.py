@@ -91,7 +91,7 @@ def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
     slices [y, x]; None: unclipped.
 
     >>> e01 = scene("E01", size=64)
-    >>> measure(e01, e01.clip(method="cost")).e_abs < measure(e01, None).e_abs
+    >>> measure(e01, e01.clip()).e_abs < measure(e01, None).e_abs
     True
     """
     return measure_many(of, {"map": depth})["map"]

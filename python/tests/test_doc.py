@@ -48,7 +48,7 @@ class Hidden:
 sys.meta_path.insert(0, Hidden())
 import numpy as np, smartvis
 volume = np.full((32, 32, 32), 200, np.uint8); volume[:20] = 10; volume[:6] = 100
-assert smartvis.clip(volume, (1, 1, 1), method='cost').clips
+assert smartvis.clip(volume, (1, 1, 1)).clips
 assert smartvis.clip(volume, (1, 1, 1), view=(0, 1, 0)).camera.aligned
 for keywords in ({'view': (1, 1, 1)}, {'scanned': 'auto'}):
     try:
