@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The extensions that the plugin offers: one table each, headers in include/smartvis/. */
-#include "abi/extensions.h"
+#include "abi/abi.h"
 
-#include "abi/validate.h"
 #include "frame/instance.h"
-#include "frame/pipeline_end.h"
+#include "frame/pipeline.h"
 #include "smartvis/confidence.h"
 #include "smartvis/points.h"
 #include "smartvis/spline.h"

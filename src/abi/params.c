@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "abi/params.h"
+#include "abi/abi.h"
 
 #include "common/sv_shared.h"
 #include "grid/grid_shared.h"

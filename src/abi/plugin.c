@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The ABI's glue: one screen per function. What is behind it: instance.c, then pipeline.c. */
-#include "abi/extensions.h"
-#include "abi/params.h"
-#include "abi/validate.h"
+#include "abi/abi.h"
 #include "frame/instance.h"
-#include "frame/pipeline_end.h"
+#include "frame/pipeline.h"
 
 #include <stdlib.h>
 #include <string.h>

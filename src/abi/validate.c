@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "abi/validate.h"
+#include "abi/abi.h"
 
 #include "quantise.h"
 

@@ -3,7 +3,7 @@
 #ifndef SV_DEVICE_H
 #define SV_DEVICE_H
 
-#include "device/clx.h"
+#include "device/diag.h"
 
 #include <stdbool.h>
 

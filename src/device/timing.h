@@ -3,7 +3,7 @@
 #ifndef SV_TIMING_H
 #define SV_TIMING_H
 
-#include "device/clx.h"
+#include "device/diag.h"
 #include "smartvis/timing.h"
 
 #include <stdbool.h>

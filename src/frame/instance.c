@@ -2,7 +2,6 @@
 #include "frame/instance.h"
 
 #include "frame/selftest.h"
-#include "frame/selftest_method.h"
 
 #include <stdio.h>
 

@@ -2,8 +2,7 @@
 /* Buffers and their life, and the front of a frame: begin and slab. pipeline_end.c has the rest. */
 #include "frame/pipeline.h"
 
-#include "device/buffer.h"
-#include "device/launch.h"
+#include "device/queue.h"
 #include "quantise.h"
 
 #include <assert.h>
@@ -37,7 +36,7 @@ static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
     return (uint64_t)c->width * c->height <= SINGLE_MAX_PIXELS ? SV_STRATEGY_SINGLE : SV_STRATEGY_BANDS;
 }
 
-/* All buffers of the pipeline, made or counted (device/buffer.h): there is no other list of them. */
+/* All buffers of the pipeline, made or counted (device/queue.h): there is no other list of them. */
 static sv_status make_buffers(sv_pipeline *p) {
     const sv_config *c = &p->config;
     const sv_queue *q = &p->queue;

@@ -7,6 +7,7 @@
 #define SV_PIPELINE_H
 
 #include "method/chain.h"
+#include "smartvis/points.h"
 
 /* Buffers per stage. Rows of per-ray maps are padded to SV_LANES; cl/common/sv_shared.h has the planes. The
  * map of the frame has more. */
@@ -63,5 +64,20 @@ void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values);
 sv_status sv_pipeline_scanned(sv_pipeline *pipeline, const sv_scanned *ranges, cl_mem object,
                               uint64_t offset);
 sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);
+
+/* ---- the end of a frame (pipeline_end.c): bone threshold, initial points, reconstruction, S(q) and the
+ * results */
+
+sv_status sv_pipeline_end(sv_pipeline *pipeline, float q);    /* up to the surfaces */
+sv_status sv_pipeline_adjust(sv_pipeline *pipeline, float q); /* what another q asks for before the output */
+sv_status sv_pipeline_output(sv_pipeline *pipeline, float q, const sv_result *result); /* S(q) and the rest */
+
+/* Enqueues a read of what the points stage found out; valid when the queue has run. */
+sv_status sv_pipeline_read_points(sv_pipeline *pipeline, sv_points_report *out);
+
+/* The last frame's confidence, for a method that gives one: to `map` (width * height) or, if that is NULL, to
+ * `object` from byte `offset` on. Waits only if `wait` is set. */
+sv_status sv_pipeline_confidence(sv_pipeline *pipeline, float *map, cl_mem object, uint64_t offset,
+                                 bool wait);
 
 #endif

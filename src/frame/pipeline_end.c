@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "frame/pipeline_end.h"
+#include "frame/pipeline.h"
 
-#include "device/launch.h"
+#include "device/queue.h"
 
 /* The bone level from the survey, and an empty record. */
 static sv_status launch_level(sv_pipeline *p) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/selftest.h"
 
-#include "frame/pipeline_end.h"
+#include "frame/pipeline.h"
 #include "quantise.h"
 #include "ref/ref_mean_fixed.h"
 #include "ref/ref_points.h"

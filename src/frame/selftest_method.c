@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "frame/selftest_method.h"
+#include "frame/selftest.h"
 
-#include "frame/pipeline_end.h"
+#include "frame/pipeline.h"
 #include "ref/ref_chain.h"
 #include "ref/ref_points.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/chain.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "kernels_chain.h"
-#include "method/method_minimum.h"
+#include "method/method.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/map.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "mean/mean_shared.h"
 #include "quantise.h"
 

@@ -8,8 +8,8 @@
 #define SV_MAP_H
 
 #include "common/sv_shared.h"
-#include "device/launch.h"
 #include "device/program.h"
+#include "device/queue.h"
 #include "method/config.h"
 #include "method/values.h"
 

@@ -79,7 +79,7 @@ typedef struct {
     sv_source (*ray_source)(void);
     uint32_t (*commands)(const sv_config *config); /* most that one run enqueues; sizes the timing */
 
-    /* Makes its buffers, and nothing but buffers: the queue may be counting (buffer.h). */
+    /* Makes its buffers, and nothing but buffers: the queue may be counting (device/queue.h). */
     sv_status (*buffers)(const sv_map *map, sv_method_state *state);
 
     /* Enqueues what is needed once, after the buffers; or NULL. */
@@ -122,10 +122,24 @@ typedef struct {
 #define SV_USES_POINTS (SV_USES_EVIDENCE | SV_USES(PREFILTER) | SV_USES(REDUCTION))
 _Static_assert(SV_PARAM_ID_END <= 32, "sv_method.parameters has a bit per parameter");
 
+/* The tables of the methods. */
+#define SV_METHOD_TABLE(NAME, value, key) extern const sv_method sv_method_##key;
+SV_METHODS(SV_METHOD_TABLE)
+#undef SV_METHOD_TABLE
+
 /* The table of method SV_METHOD_*. */
 const sv_method *sv_method_of(uint32_t method);
 
 /* True if the method's surface depends on the parameter SV_PARAM_*. */
 bool sv_method_uses(const sv_method *method, uint32_t parameter);
+
+/* A launch of a method's kernel on a slab, with the arguments that all such kernels begin with: from the
+ * texture to the scanned ranges, as cost_bins has them (cl/cost/cost_rays.cl). `unread`: any buffer; the
+ * kernel gets it where frames bring no ranges. */
+sv_launch sv_slab_launch(const sv_map *map, cl_kernel kernel, const char *name, const sv_placed_slab *slab,
+                         cl_mem unread);
+
+/* The minimum filter on plane 0 of the map's points, which keeps the initial points only; the pre-filter. */
+sv_status sv_minimum_prefilter(const sv_map *map, sv_method_state *state, uint32_t k, uint32_t passes);
 
 #endif

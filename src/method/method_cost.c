@@ -4,12 +4,11 @@
  * is the surface (docs/cost_volume.md). It asks for no initial points; it takes the slabs themselves, as bins
  * along the rays.
  */
-#include "method/method_cost.h"
+#include "method/method.h"
 
 #include "cost_layout.h"
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "kernels_cost.h"
-#include "method/method_slabs.h"
 #include "ref/ref_cost.h"
 
 #include <math.h>

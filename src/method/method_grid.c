@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_grid.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "grid/grid_shared.h"
 #include "kernels_grid.h"
 

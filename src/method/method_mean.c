@@ -3,9 +3,9 @@
  * Method mean: passes of a k x k window mean until no pixel is empty (cl/mean/mean.clh). On its own it starts
  * from the sums that the points stage wrote; behind a pre-filter from the maps.
  */
-#include "method/method_mean.h"
+#include "method/method.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "kernels_mean_maps.h"
 #include "mean/mean_shared.h"
 #include "ref/ref_mean.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Method membrane: Laplace's equation with soft data terms, the surface of least slope. */
-#include "method/method_membrane.h"
+#include "method/method.h"
 
 #include "method/method_grid.h"
 #include "ref/ref_membrane.h"

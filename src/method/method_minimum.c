@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Method minimum: passes of a minimum filter until no pixel is empty; and the same filter, a given number of
  * passes, before another method. */
-#include "method/method_minimum.h"
+#include "method/method.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "kernels_minimum.h"
 #include "minimum/minimum_shared.h"
 #include "ref/ref_minimum.h"

@@ -2,7 +2,7 @@
 /* Method plate: thin plate with soft data terms, the surface of least bending (Eq. 3.4 on the pixel
  * grid). A slight tension settles what the points leave open: the slope across collinear points, and far
  * from all points. */
-#include "method/method_plate.h"
+#include "method/method.h"
 
 #include "method/method_grid.h"
 #include "ref/ref_plate.h"

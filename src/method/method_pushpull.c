@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Method pushpull: a pyramid of weighted means; cost grows with the pixels, whatever the points. */
-#include "method/method_pushpull.h"
+#include "method/method.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "kernels_pushpull.h"
 #include "ref/ref_pushpull.h"
 

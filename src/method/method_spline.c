@@ -4,9 +4,9 @@
  * known to the device only, so the commands are those of the most that can come; a kernel with nothing to do
  * returns at once. More points than the solver takes are merged.
  */
-#include "method/method_spline.h"
+#include "method/method.h"
 
-#include "device/buffer.h"
+#include "device/queue.h"
 #include "kernels_spline.h"
 #include "ref/ref_spline_surface.h"
 #include "spline/spline_shared.h"

@@ -5,9 +5,7 @@
  */
 #include "method/method_wall.h"
 
-#include "device/buffer.h"
-#include "method/method_wall_items.h"
-#include "method/method_wall_rows.h"
+#include "device/queue.h"
 #include "ref/ref_wall.h"
 
 #include <stdlib.h>

@@ -1,10 +1,95 @@
 /* SPDX-License-Identifier: MIT */
-/* Method wall: the surface told by the wall (docs/surface.md). */
+/*
+ * What method wall's two layouts of the work share: rows, a work item a row of rays or cells with vectors of
+ * rays, for CPUs; and items, a work item a ray, a block, a cell or a pixel, for GPUs (docs/architecture.md).
+ * A layout says which kernels there are, what each is launched over, and with which of the method's buffers.
+ */
 #ifndef SV_METHOD_WALL_H
 #define SV_METHOD_WALL_H
 
 #include "method/method.h"
+#include "wall/wall_shared.h"
 
-extern const sv_method sv_method_wall;
+/* The method's buffers. */
+enum {
+    SV_WALL_SPANS,
+    SV_WALL_SUMS,   /* of the layer that the slabs are in */
+    SV_WALL_RANGES, /* of pixels */
+    SV_WALL_LEVELS,
+    SV_WALL_SMOOTHED,   /* smoothed levels if layers are one slice; else LEVELS takes its place */
+    SV_WALL_ROW_MAXIMA, /* brightness dilated along x */
+    SV_WALL_BRIGHT,
+    SV_WALL_KINDS, /* of cells */
+    SV_WALL_RAYS,
+    SV_WALL_HISTOGRAMS, /* later the sums of probabilities, SV_WALL_FETUS */
+    SV_WALL_TABLES,
+    SV_WALL_INFO,
+    SV_WALL_SCRATCH,
+    SV_WALL_COSTS,
+    SV_WALL_DISTANCE_COSTS,
+    SV_WALL_FINE, /* costs after the Gaussian */
+    SV_WALL_PLACES,
+    SV_WALL_CONFIDENCE,
+    SV_WALL_BUFFERS
+};
+enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS };
+
+/* What a kernel is launched over. */
+typedef enum {
+    SV_WALL_ONCE,       /* one work item */
+    SV_WALL_ROWS,       /* a work item a row of rays */
+    SV_WALL_CELL_ROWS,  /* a work item a row of cells */
+    SV_WALL_PIXEL_ROWS, /* a work item a row of pixels */
+    SV_WALL_WORDS,      /* a work item for 8 columns of cells and SV_WALL_LAYERS layers */
+    SV_WALL_ONE_GROUP,  /* one work group */
+    SV_WALL_GROUPS,     /* a work group a row of cells */
+    SV_WALL_EACH_LAYER, /* a work group a layer */
+    SV_WALL_EACH_RAY,   /* a work item a ray */
+    SV_WALL_EACH_CELL,  /* a work item a cell of every layer */
+    SV_WALL_EACH_PIXEL
+} sv_wall_over;
+
+/* Arguments besides the layout, which is always the first, and the method's buffers: numbers before these,
+ * the frame's buffers behind. */
+enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_SURFACES = 8 };
+
+/* Kernels that are not launched for every volume. */
+typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_SMOOTHED } sv_wall_when;
+
+typedef struct {
+    int kernel, takes;
+    sv_wall_over over;
+    sv_stage stage;
+    int buffers[10]; /* up to -1 */
+    sv_wall_when when;
+} sv_wall_launch;
+
+typedef struct {
+    const char *const *kernels; /* names, NULL-terminated */
+    sv_status (*slab)(const sv_map *map, sv_method_state *state, const sv_placed_slab *from,
+                      const sv_wall_layout *layout);
+    const sv_wall_launch *launches; /* what follows the slabs, in this order */
+    uint32_t count, first_at_q;     /* their number; the first one that depends on q */
+} sv_wall_work;
+
+/* Rounds up to a multiple of SV_WALL_LANES. */
+size_t sv_wall_lanes_of(uint32_t values);
+
+/* Returns the bytes of the cells' classes: whole lanes and whole groups of SV_WALL_LAYERS layers. */
+size_t sv_wall_kinds_bytes(const sv_wall_layout *layout);
+
+/* True if pixels have ranges. */
+bool sv_wall_is_bounded(const sv_config *config);
+
+/* Launches what follows the slabs, `first` .. end - 1. `scratch_words`: of a row of rays. */
+sv_status sv_wall_launch_all(const sv_map *map, const sv_method_state *state, const sv_wall_work *work,
+                             uint32_t first, uint32_t end, const sv_wall_layout *layout,
+                             uint32_t scratch_words);
+
+/* The layouts of cl/wall/wall_*.cl and of cl/wall/items_*.cl. */
+extern const sv_wall_work sv_wall_rows, sv_wall_items;
+extern const char *const sv_wall_rows_kernels[], *const sv_wall_items_kernels[];
+sv_source sv_wall_rows_source(void);
+sv_source sv_wall_items_source(void);
 
 #endif

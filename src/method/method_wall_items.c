@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "method/method_wall_items.h"
+#include "method/method_wall.h"
 
 #include "kernels_wall_items.h"
-#include "method/method_slabs.h"
+#include "method/method.h"
 
 enum {
     K_RANGE,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "method/method_wall_work.h"
+#include "method/method_wall.h"
 
 bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
