@@ -17,7 +17,7 @@
 #endif
 
 /* Returns the wall or back of the cell that each of 16 rays is in. */
-static short16 cells_of(const sv_cost_layout *l, __global const uchar *row, uint x) {
+static short16 cell_values(const sv_cost_layout *l, __global const uchar *row, uint x) {
     short16 lanes;
     for (uint i = 0; i < SV_LANES; i++) ((short *)&lanes)[i] = row[min((x + i) / l->block, l->cells_x - 1)];
     return lanes;
@@ -96,8 +96,8 @@ static void gather_row(const sv_cost_layout *l, const tile_source_t *s, gather_t
         float16 weight = (float16)(0.0f), open = weight;
         short16 scanned[MAX_BLOCK];
         rays_t r;
-        r.wall = cells_of(l, wall, x);
-        r.back = cells_of(l, back, x);
+        r.wall = cell_values(l, wall, x);
+        r.back = cell_values(l, back, x);
         const bool walled = any_lane(r.wall > (short16)(0));
         if (walled) {
             r.from = first_bin(l, r.wall);

@@ -85,7 +85,7 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
         const i16l scanned = (first[x] <= at) & (end[x] > at);
         const u8l level = here[x] & bytes_of(scanned);
         here[x] = level;
-        if (counts) count(histogram, level, scanned, x * LANES, l->columns);
+        if (counts) count_levels(histogram, level, scanned, x * LANES, l->columns);
     }
 }
 

@@ -17,7 +17,7 @@ typedef struct {
     u8l maximum;     /* its maximum brightness */
 } walk_t;
 
-static void step(walk_t *w, short z, u8l tissue, u8l brightness) {
+static void walk_step(walk_t *w, short z, u8l tissue, u8l brightness) {
     const u8l begins = tissue & ~w->begun;
     if (any_byte(begins)) w->begin = SELECT(w->begin, (i16l)(z), words_of(begins));
     w->begun |= begins;
@@ -62,7 +62,7 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
     for (uint z = 0; z < l->layers && any_byte(scanned & ~w.over); z++) {
         const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
         const u8h cells = ((__global const u8h *)(brightness + cell_row(l, z, row / 2)))[x];
-        step(&w, (short)z, AS_U8(level > threshold), rays_of_cells(cells));
+        walk_step(&w, (short)z, AS_U8(level > threshold), rays_of_cells(cells));
     }
     return w;
 }

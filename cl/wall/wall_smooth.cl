@@ -29,7 +29,7 @@ static void smooth_row(const sv_wall_layout *l, __global const uchar *levels, __
             const u8l level = TO_U8((sum + (ushort)(SV_WALL_AXIAL_SUM / 2)) / (ushort)SV_WALL_AXIAL_SUM) &
                               bytes_of(scanned);
             ((__global u8l *)(smoothed + level_row(l, z, row)))[x] = level;
-            if (is_inner(row, l->rows)) count(histogram, level, scanned, x * LANES, l->columns);
+            if (is_inner(row, l->rows)) count_levels(histogram, level, scanned, x * LANES, l->columns);
         }
     }
 }

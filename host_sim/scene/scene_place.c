@@ -123,7 +123,7 @@ static float ellipsoid_end(const hs_solid *s, float x, float y) {
 }
 
 /* Where the beam at x, y first leaves the wall for the sac. It comes from before all of the sac. */
-static float wall_end(const gap *g, float x, float y) {
+static float sac_end(const gap *g, float x, float y) {
     const hs_sac_spec *sac = &g->spec->sac;
     const float last = g->spec->extent_mm;
     float square = 0.0f;
@@ -153,7 +153,7 @@ static float wall_end(const gap *g, float x, float y) {
 
 /* What lies between at x, y; NAN if the beam does not meet both. */
 static float length_at(const gap *g, float x, float y) {
-    float from = g->is_sac ? wall_end(g, x, y) : ellipsoid_end(&g->solid, x, y);
+    float from = g->is_sac ? sac_end(g, x, y) : ellipsoid_end(&g->solid, x, y);
     return isnan(from) ? NAN : skin_depth(g->to, x, y) - from;
 }
 

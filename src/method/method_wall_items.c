@@ -55,7 +55,7 @@ sv_source sv_wall_items_source(void) {
 
 /* Layers to launch for the slab: those it reaches, but not the last one if a later slab ends it and another
  * one can take it, too (cl/wall/items_downsample.cl). One at least, for the warm-up. */
-static uint32_t layers_of(const sv_placed_slab *from, const sv_wall_layout *l) {
+static uint32_t layers_to_launch(const sv_placed_slab *from, const sv_wall_layout *l) {
     const uint32_t end = from->first_slice + from->slice_count;
     const uint32_t layers = (end + l->depth - 1) / l->depth - from->first_slice / l->depth;
     const bool open = end % l->depth != 0 && end < l->slices;
@@ -79,7 +79,8 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
     sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_LEVELS]);
-    return sv_launch_pixels(&l, layout->columns, layout->rows * layers_of(from, layout), SV_STAGE_PROFILE);
+    return sv_launch_pixels(&l, layout->columns, layout->rows * layers_to_launch(from, layout),
+                            SV_STAGE_PROFILE);
 }
 
 static const sv_wall_launch launches[] = {

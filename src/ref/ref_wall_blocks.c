@@ -29,8 +29,8 @@ static void find_range(const sv_wall_volume *v, const sv_wall_layout *l, const s
     *end = (uint16_t)(from < to ? to : 0);
 }
 
-static uint8_t mean_of(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_span *sx,
-                       const sv_wall_span *sy, uint32_t layer) {
+static uint8_t block_mean(const sv_wall_volume *v, const sv_wall_layout *l, const sv_wall_span *sx,
+                          const sv_wall_span *sy, uint32_t layer) {
     const uint32_t from = layer * l->depth;
     const uint32_t to = from + l->depth < l->slices ? from + l->depth : l->slices;
     uint32_t sum = 0;
@@ -80,7 +80,7 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
             find_range(v, l, &sx, &sy, &b->first[ray], &b->end[ray]);
             b->rays += b->first[ray] < b->end[ray];
             for (uint32_t z = b->first[ray]; z < b->end[ray]; z++)
-                b->means[z * plane + ray] = mean_of(v, l, &sx, &sy, z);
+                b->means[z * plane + ray] = block_mean(v, l, &sx, &sy, z);
         }
     }
     if (l->smoothed)

@@ -44,9 +44,9 @@ static bool draw_error(const wall_case *c, const hs_view *view, const char *fold
     if (ok) {
         out->score = wall_judge(c, c->full, view->depth, sure, &unused);
         for (size_t i = 0; i < rays; i++)
-            error[i] = c->label[i]
-                           ? 128.0f / (float)c->nz * (c->truth[i] - wall_end(c, c->full, i, view->depth[i]))
-                           : NAN;
+            error[i] = c->label[i] ? 128.0f / (float)c->nz *
+                                         (c->truth[i] - wall_ray_end(c, c->full, i, view->depth[i]))
+                                   : NAN;
         ok = hs_picture_signed(&picture, error, c->nx, c->ny, error_limit, &words, &caption, err);
     }
     if (ok) {

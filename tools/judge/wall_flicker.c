@@ -41,7 +41,7 @@ bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surf
     for (uint32_t n = 0; n < count; n++) {
         const wall_case *c = &frames[n];
         if (!(ok = surface(user, c, depth, err))) break;
-        for (size_t i = 0; i < rays; i++) now[i] = wall_end(c, c->full, i, depth[i]);
+        for (size_t i = 0; i < rays; i++) now[i] = wall_ray_end(c, c->full, i, depth[i]);
         if (n > 0) {
             out->result += move(c - 1, c, before, now) / (count - 1);
             out->truth += move(c - 1, c, c[-1].truth, c->truth) / (count - 1);

@@ -5,14 +5,14 @@
 
 #define TOLERANCE 2.0f /* slices of 128 */
 
-uint32_t wall_start(float depth, uint32_t nz) {
+uint32_t wall_first_drawn(float depth, uint32_t nz) {
     if (!(depth > 0.0f)) return 0;
     const float first = ceilf(depth - 1e-3f);
     return first >= (float)nz ? nz : (uint32_t)first;
 }
 
-float wall_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
-    return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, wall_start(depth, c->nz));
+float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
+    return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, wall_first_drawn(depth, c->nz));
 }
 
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
@@ -23,7 +23,7 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
     uint64_t rays = 0, fetus = 0, cut = 0, left = 0;
     for (size_t i = 0; i < plane; i++) {
         if (c->label[i] == 0) continue;
-        const float error = scale * (c->truth[i] - wall_end(c, original, i, depth[i]));
+        const float error = scale * (c->truth[i] - wall_ray_end(c, original, i, depth[i]));
         sum += fabs((double)error);
         rays++;
         left += error > TOLERANCE;
@@ -74,7 +74,7 @@ double wall_cut_anywhere(const wall_case *c, const float *depth) {
         const float whole = wall_termination(c->full, plane, c->nz, i, 0);
         if (whole >= (float)c->nz) continue;
         rays++;
-        cut += scale * (wall_end(c, c->full, i, depth[i]) - whole) > TOLERANCE;
+        cut += scale * (wall_ray_end(c, c->full, i, depth[i]) - whole) > TOLERANCE;
     }
     return rays ? (double)cut / (double)rays : 0.0;
 }

@@ -21,10 +21,10 @@ typedef struct {
 } wall_trust;
 
 /* Slice at which ray `pixel` ends when it starts at a surface of that depth. */
-float wall_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth);
+float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth);
 
 /* The first slice that is drawn (host_sim's rule for a step of one slice). */
-uint32_t wall_start(float depth, uint32_t nz);
+uint32_t wall_first_drawn(float depth, uint32_t nz);
 
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
                       const float *confidence, wall_trust *trust);
