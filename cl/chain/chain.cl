@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What stands around a method (src/method/method.h): the depths of the initial points, and
- * the frame's record. */
+/* The kernels around a method (src/method/method.h): the depths of the initial points, and the frame's
+ * record. */
 #ifndef SV_RECORD_CLH
 #include "common/record.clh"
 #endif
 #pragma OPENCL FP_CONTRACT OFF
 
-/* One work item: forgets what an earlier run came to; the points stay. */
+/* One work item: resets the outcome of an earlier run; the points stay. */
 __kernel void chain_begin(uint pass_limit, __global uint *restrict record) {
     record[SV_REC_PASSES] = 0;
     record[SV_REC_UNFILLED] = record[SV_REC_RAYS];
@@ -101,7 +101,7 @@ __kernel void chain_spread(uint width, uint padded_width, uint height, uint redu
     }
 }
 
-/* One work item: every pixel got its surface, if there is one. */
+/* One work item: notes that every pixel has its surface, if there is one. */
 __kernel void chain_done(uint passes, __global uint *restrict record) {
     if (!surface_wanted(record)) return;
     record[SV_REC_PASSES] = passes;

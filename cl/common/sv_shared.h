@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the kernels and the C side both need to know: layouts, limits and words. Read by the OpenCL C compiler
- * and by the C compiler, so it holds only what means the same to both.
+ * What the kernels and the C side share: layouts, limits and words. The OpenCL C compiler and the C compiler
+ * read it, so it holds only what means the same to both.
  */
 #ifndef SV_SHARED_H
 #define SV_SHARED_H
@@ -62,7 +62,7 @@
 #define SV_REC_EVIDENCE    12 /* sv_job.evidence */
 #define SV_REC_PASS0       13 /* unfilled pixels after pass 0, 1, ...; up to the pass limit */
 
-/* What a frame asks of the kernels; passed to them by value. 32-bit members only, so both compilers lay
+/* What a frame asks of the kernels. It is passed by value and has 32-bit members only, so both compilers lay
  * it out alike. */
 typedef struct {
     unsigned int width, padded_width, height;

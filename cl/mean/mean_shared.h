@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The mean filter: what its kernels and the C side both need to know. */
+/* The mean filter: what its kernels and the C side share. */
 #ifndef SV_MEAN_SHARED_H
 #define SV_MEAN_SHARED_H
 

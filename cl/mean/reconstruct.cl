@@ -27,7 +27,7 @@ static void record_start(__global uint *record, const sv_job *f, uint maximum, u
     record[SV_REC_LEVEL] = level;
 }
 
-/* Writes what a pass came to. */
+/* Writes the pixels that a pass left unfilled. */
 static void record_pass(__global uint *record, uint number, uint unfilled) {
     record[SV_REC_PASSES] = number + 1;
     record[SV_REC_UNFILLED] = unfilled;
@@ -114,7 +114,7 @@ __kernel void band_points(sv_job job, __global const uchar *restrict state8,
     atomic_add(record + SV_REC_SURE, count.sure);
 }
 
-/* Step 4 and on: one pass. */
+/* Steps from 4 on: one pass each. */
 __kernel void band_mean(sv_job job, uint number, __global const plane_t *restrict from,
                         __global plane_t *restrict to, __global float *restrict surfaces,
                         __global const uchar *restrict status, __global sum_t *restrict scratch,
@@ -127,7 +127,7 @@ __kernel void band_mean(sv_job job, uint number, __global const plane_t *restric
     if (unfilled > 0) atomic_add(record + SV_REC_PASS0 + number, unfilled);
 }
 
-/* Last step, one work item: what the passes came to. */
+/* Last step, one work item: notes the outcome of the passes. */
 __kernel void band_record(uint pass_limit, __global uint *restrict record) {
     for (uint pass = 0; pass < pass_limit && pass_needed(record, pass); pass++)
         record_pass(record, pass, record[SV_REC_PASS0 + pass]);

@@ -25,13 +25,13 @@ static uint minimum_lanes_set(int16 mask) {
     return (uint)(-(b.x + b.y + b.z + b.w));
 }
 
-/* As in sums.clh: the pass before left empty pixels (the filter always gets on while it has a point). */
+/* True if the pass before left empty pixels (the filter always goes on while it has a point). */
 static bool minimum_needed(__global const volatile uint *record, uint number) {
     if (!surface_wanted(record)) return false;
     return number == EVERY_PASS || number == 0 || record[SV_REC_PASS0 + number - 1] > 0;
 }
 
-/* One work item per padded row of both maps: INFINITY everywhere. At activation. */
+/* One work item per padded row of both maps, at activation: fills them with INFINITY. */
 __kernel void minimum_clear(uint padded_width, __global float *restrict a, __global float *restrict b) {
     const size_t row = get_global_id(0) * margin_stride(padded_width);
     for (size_t i = 0; i < margin_stride(padded_width); i += SV_LANES) {

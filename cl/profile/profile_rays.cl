@@ -19,7 +19,7 @@
 #define SV_RANGED 0
 #endif
 
-/* What slices are compared with: grey levels, and the ray's scanned slices. */
+/* The grey levels that slices are compared with, and the ray's scanned slices. */
 typedef struct {
     uint level, level_n, padding;
     uint first, end;
@@ -36,7 +36,7 @@ static bool not_scanned(uint v, uint slice, const ray_limits_t *l) {
     return none;
 }
 
-/* What a ray remembers; positions in samples from the start of the volume. */
+/* The state of a ray; positions in samples from the start of the volume. */
 typedef struct {
     uint maximum, tissue, last;
     uint entry, exit, max_entry, max_exit;

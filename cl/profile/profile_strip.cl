@@ -199,7 +199,7 @@ static void strip_merge(const strip_t *s, u8v old_maximum, __global uchar *state
 #endif
 }
 
-/* What a work item needs to know of the map and of the state. */
+/* The map and the state as a work item sees them. */
 typedef struct {
     uint y, width, padded_width, height;
     __global const ushort *scanned;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The spline solver: what its kernels and the C side both need to know. */
+/* The spline solver: what its kernels and the C side share. */
 #ifndef SV_SPLINE_SHARED_H
 #define SV_SPLINE_SHARED_H
 

@@ -27,7 +27,7 @@ sv_status sv_params_apply(sv_diag *diag, const char *call, const sv_param_value 
 
 sv_status sv_validate_format(sv_diag *diag, const sv_format *format);
 sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *pipeline, const sv_frame *frame);
-/* Values that do not go together, in a frame of this pipeline. */
+/* Refuses values that do not go together in a frame of this pipeline. */
 sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *pipeline, const sv_values *values);
 sv_status sv_validate_slab(sv_diag *diag, const sv_pipeline *pipeline, const sv_slab *slab);
 sv_status sv_validate_result(sv_diag *diag, const char *call, const sv_pipeline *pipeline,

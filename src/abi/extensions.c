@@ -103,7 +103,7 @@ static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
 const char *const sv_extension_ids[] = {SV_EXT_TIMING, SV_EXT_POINTS, SV_EXT_SPLINE, SV_EXT_CONFIDENCE, NULL};
 
 const void *sv_extension(const char *id) {
-    /* In the order of sv_extension_ids. */
+    /* The tables, in the order of sv_extension_ids. */
     static const void *const tables[] = {&ext_timing, &ext_points, &ext_spline, &ext_confidence};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         if (strcmp(id, sv_extension_ids[i]) == 0) return tables[i];

@@ -27,7 +27,7 @@ static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 /* For parameters that depend on `method`: the methods' tables say for which of them they matter. */
 #define BY_METHOD 0
 
-/* In order of importance, which is the order a host shows them in. */
+/* The parameters in order of importance, in which a host shows them. */
 static const struct {
     uint32_t id, type, flags;
     const char *key, *label, *unit, *help;

@@ -93,7 +93,7 @@ static sv_status plugin_slab(const sv_plugin *plugin, const sv_slab *slab) {
     return let_go(in, status);
 }
 
-/* In own-queue mode: waits, and returns what the frame came to. */
+/* Waits in own-queue mode, and returns the outcome of the frame. */
 static sv_status wait_outcome(sv_instance *in, const char *call, const sv_result *result) {
     if (!in->device.owned) return SV_OK;
     const sv_status status = sv_clx_check(&in->diag, clFinish(in->device.queue), call);

@@ -186,7 +186,8 @@ static sv_status check_buffer(sv_diag *diag, const sv_slab *slab) {
     return SV_OK;
 }
 
-/* On every device, also where slabs are copied: a host's mistake is not to wait for another device. */
+/* Checks the host's memory on every device, even if slabs are copied there: a host's mistake is not to wait
+ * for another device. */
 static sv_status check_memory(sv_diag *diag, const sv_config *c, const sv_slab *slab) {
     if (!c->host_memory) return SV_OK;
     const char *start = c->host_memory, *memory = slab->memory;

@@ -37,7 +37,7 @@ static sv_status pick_device(sv_diag *diag, cl_device_id *device) {
         sv_clx_name(code), code);
 }
 
-/* Facts that choose the kernels. */
+/* Asks for the facts that choose the kernels. */
 static sv_status query_device(sv_diag *diag, sv_device *d) {
     cl_device_type type = 0;
     cl_bool unified = CL_FALSE;

@@ -17,12 +17,12 @@ typedef struct {
 sv_status sv_report(sv_diag *diag, int32_t severity, sv_status status, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* A failure that is nobody's misbehaviour. */
+/* Reports a failure that is nobody's misbehaviour. */
 #define sv_fail(diag, status, ...) sv_report(diag, SV_LOG_ERROR, status, __VA_ARGS__)
-/* The host broke a rule of the header. */
+/* Reports that the host broke a rule of the header. */
 #define sv_blame_host(diag, status, ...) sv_report(diag, SV_LOG_HOST_MISBEHAVING, status, __VA_ARGS__)
 
-/* One line to the host's log, without an error. */
+/* Writes one line to the host's log, without an error. */
 void sv_log(const sv_diag *diag, int32_t severity, const char *text);
 
 /* Name of an OpenCL error code, "CL_INVALID_VALUE". */

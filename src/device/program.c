@@ -54,7 +54,7 @@ static cl_program find_build(const sv_builds *builds, const unsigned char *sourc
     return NULL;
 }
 
-/* False if there is no room: such a program is compiled again. */
+/* Keeps a program for later. False if there is no room: such a program is compiled again. */
 static bool keep_build(sv_builds *builds, const unsigned char *source, const char *options,
                        cl_program program) {
     if (!builds || builds->count == SV_MOST_BUILDS) return false;

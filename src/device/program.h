@@ -19,7 +19,7 @@ struct sv_builds {
     uint32_t count;
 };
 
-/* Lets go of the programs; their kernels stay. Safe on a zeroed struct. */
+/* Releases the programs; their kernels stay. A zeroed struct may be passed. */
 void sv_builds_release(sv_builds *builds);
 
 /* Every kernel by its name in cl/: the ray profiles, a program of their own, and what every frame does with
@@ -46,7 +46,7 @@ typedef struct {
 #undef SV_KERNEL_FIELD
 } sv_program;
 
-/* Kernels of a program of its own, by their place in its list of names. */
+/* The kernels of a program of its own, by their place in its list of names. */
 #define SV_MAX_METHOD_KERNELS 20
 typedef struct {
     cl_kernel kernel[SV_MAX_METHOD_KERNELS];
@@ -60,7 +60,7 @@ sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsi
 /* Safe on a zeroed struct. */
 void sv_kernel_set_release(sv_kernel_set *set);
 
-/* What changes the code: see the same names in cl/. */
+/* What changes the code; the same names stand in cl/. */
 typedef struct {
     uint32_t substeps; /* SV_SUBSTEPS */
     uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
@@ -71,7 +71,7 @@ typedef struct {
     bool fetch_ahead;  /* SV_FETCH_AHEAD */
 } sv_structure;
 
-/* SV_ERR_BUILD with the build log in the host's log. */
+/* Builds the program. SV_ERR_BUILD: the build log is in the host's log. */
 sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_structure *structure,
                            sv_program *out);
 

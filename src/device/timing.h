@@ -33,7 +33,7 @@ void sv_timing_destroy(sv_timing *timing);
 /* Forgets the events of the frame before. */
 void sv_timing_reset(sv_timing *timing);
 
-/* Where an enqueue call shall put its event, or NULL while timing is off. */
+/* Returns where an enqueue call puts its event, or NULL while timing is off. */
 cl_event *sv_timing_slot(sv_timing *timing, sv_stage stage);
 
 /* Sums the stages of the last frame. */

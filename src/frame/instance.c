@@ -121,7 +121,7 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
 }
 
 void sv_instance_deactivate(sv_instance *in) {
-    /* With the host's queue too: commands in flight use the buffers that are about to go. */
+    /* Waits for the host's queue, too: commands in flight use the buffers that are about to go. */
     if (in->device.queue) (void)clFinish(in->device.queue);
     sv_pipeline_destroy(&in->pipeline);
     sv_program_release(&in->narrow);

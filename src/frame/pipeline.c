@@ -71,7 +71,7 @@ static uint32_t batch_slots(const sv_config *c) {
     return wanted < SV_BATCH ? (uint32_t)wanted : SV_BATCH;
 }
 
-/* Everything but the buffers and the kernels. */
+/* Sets everything but the buffers and the kernels. */
 static void plan(sv_pipeline *p, const sv_queue *queue, const sv_config *config, bool wide_sums) {
     *p = (sv_pipeline){.queue = *queue, .config = *config};
     p->config.strategy = resolve_strategy(queue->device, config);

@@ -19,11 +19,11 @@ typedef struct {
     cl_mem histogram; /* 256 words */
     cl_mem record;    /* SV_REC_* */
     cl_mem ranges;    /* the host's scanned ranges, where they come in its memory; NULL unless ranged */
-    cl_mem scanned;   /* the same as planes; see sv_map */
+    cl_mem scanned;   /* the scanned ranges as planes; see sv_map */
     cl_mem depth;     /* the depthmap, where the host wants it in its memory */
 } sv_buffers;
 
-/* Not to be moved: its parts point to each other. */
+/* A pipeline must not be moved: its parts point to each other. */
 typedef struct {
     sv_queue queue;
     sv_config config;
@@ -47,8 +47,8 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
  * numbers. Makes none. */
 sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const sv_config *config);
 
-/* Allocates. `narrow`: kernels with 32-bit sums; `wide`: with 64-bit sums, NULL if no setting needs them. The
- * pointed-to objects must outlive the pipeline. On failure nothing is left behind. */
+/* Makes the pipeline. `narrow`: kernels with 32-bit sums; `wide`: with 64-bit sums, NULL if no setting needs
+ * them. The pointed-to objects must outlive the pipeline. On failure nothing is left behind. */
 sv_status sv_pipeline_create(sv_pipeline *pipeline, sv_diag *diag, const sv_device *device,
                              const sv_program *narrow, const sv_program *wide, sv_timing *timing,
                              const sv_config *config);
@@ -59,8 +59,8 @@ void sv_pipeline_destroy(sv_pipeline *pipeline);
 
 /* Enqueues a frame's stages. The caller has validated everything. */
 void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values);
-/* After begin, if the format says that frames bring ranges: from host memory, or from `object` from byte
- * `offset` on. Memory must stay until the queue has run. */
+/* Enqueues the scanned ranges after begin, if the format says that frames bring them: from host memory, or
+ * from `object` from byte `offset` on. Memory must stay until the queue has run. */
 sv_status sv_pipeline_scanned(sv_pipeline *pipeline, const sv_scanned *ranges, cl_mem object,
                               uint64_t offset);
 sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);

@@ -3,7 +3,7 @@
 
 #include "device/queue.h"
 
-/* The bone level from the survey, and an empty record. */
+/* Finds the bone level from the survey, and starts an empty record. */
 static sv_status launch_level(sv_pipeline *p) {
     sv_launch l = SV_LAUNCH_JOB(&p->map, band_level);
     sv_launch_buffer(&l, p->buffers.survey);
@@ -20,7 +20,7 @@ static void points_args(sv_launch *l, const sv_pipeline *p) {
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) sv_launch_buffer(l, buffers[i]);
 }
 
-/* Status map, sums and an empty surface, by bands of rows. */
+/* Computes status map and sums, and an empty surface, by bands of rows. */
 static sv_status points_by_bands(sv_pipeline *p) {
     const sv_buffers *b = &p->buffers;
     sv_launch l = SV_LAUNCH_JOB(&p->map, band_survey);
@@ -34,7 +34,7 @@ static sv_status points_by_bands(sv_pipeline *p) {
     return sv_launch_items(&l, p->map.bands, SV_STAGE_THRESHOLD);
 }
 
-/* The same, by pixels. */
+/* Computes status map and sums, and an empty surface, by pixels. */
 static sv_status points_by_rays(sv_pipeline *p) {
     const sv_buffers *b = &p->buffers;
     sv_launch l = SV_LAUNCH(&p->map, rays_clear);
@@ -102,7 +102,7 @@ static sv_status read_stats(sv_pipeline *p, sv_stats *stats) {
 sv_status sv_pipeline_read_points(sv_pipeline *p, sv_points_report *out) {
     _Static_assert(sizeof *out == (1 + SV_REC_SURE + 1 - SV_REC_EMPTY) * sizeof(cl_uint),
                    "the record is no longer sv_points_report");
-    /* Not part of the frame that is timed. */
+    /* This is no part of the frame that is timed. */
     sv_timing *timing = p->queue.timing;
     p->queue.timing = NULL;
     const sv_status status = read_record(p, SV_REC_EMPTY, out, sizeof *out, "points: read of the record");

@@ -138,7 +138,7 @@ static sv_status fetch_points(sv_chain *chain, cl_mem state16, float q) {
     return sv_launch_pixels(&l, on->padded_width, on->height, SV_STAGE_RECONSTRUCT);
 }
 
-/* After the method: the passes in the record, where it does not write them itself. */
+/* Notes the passes in the record after the method, if it does not write them itself. */
 static sv_status note_passes(sv_chain *chain) {
     if (!chain->method->passes) return SV_OK;
     const sv_map *on = sv_chain_map(chain);
@@ -148,7 +148,7 @@ static sv_status note_passes(sv_chain *chain) {
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
-/* The cells' surfaces to the pixels'. */
+/* Interpolates the surfaces of cells at the pixels. */
 static sv_status spread(sv_chain *chain) {
     const sv_map *frame = chain->frame, *on = &chain->cells;
     sv_launch l = begin(chain, K_SPREAD);

@@ -31,17 +31,17 @@ uint32_t sv_chain_commands(const sv_config *config);
 /* Decides what the chain consists of. `frame` was initialised and must outlive the chain. Makes nothing. */
 void sv_chain_init(sv_chain *chain, sv_map *frame);
 
-/* Makes the buffers; the frame's map has its own. Then the kernels, and what they need once. */
+/* Makes the buffers but for those of the frame's map; then the kernels, and what they need once. */
 sv_status sv_chain_buffers(sv_chain *chain);
 sv_status sv_chain_build(sv_chain *chain);
 
-/* Safe on a zeroed struct. */
+/* Releases the chain; a zeroed struct may be passed. */
 void sv_chain_destroy(sv_chain *chain);
 
 /* The map that the method works on. */
 sv_map *sv_chain_map(sv_chain *chain);
 
-/* A frame begins: the frame's map has its job. */
+/* Begins a frame whose map has its job. */
 void sv_chain_begin(sv_chain *chain);
 
 /* Enqueues what the method wants of a slab, if it wants any. */
@@ -51,7 +51,7 @@ sv_status sv_chain_slab(sv_chain *chain, const sv_placed_slab *slab);
  * is not linear. */
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q);
 
-/* After a run: enqueues what another q changes in the surfaces. */
+/* Enqueues what another q changes in the surfaces after a run. */
 sv_status sv_chain_turn(sv_chain *chain, cl_mem state16, float q);
 
 #endif

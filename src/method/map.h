@@ -53,10 +53,10 @@ bool sv_map_needs_wide(const sv_config *config);
 void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, uint32_t spacing,
                  bool wide_sums);
 
-/* The buffers that every method needs, and (with_sums) the mean filter's first planes. */
+/* Makes the buffers that every method needs, and (with_sums) the mean filter's first planes. */
 sv_status sv_map_buffers(sv_map *map, bool with_sums, cl_mem record);
 
-/* The maps of the points; sv_map_prepare then says that each point stands for one. */
+/* Makes the maps of the points; sv_map_prepare then says that each point stands for one. */
 sv_status sv_map_point_buffers(sv_map *map);
 sv_status sv_map_prepare(const sv_map *map);
 void sv_map_release(sv_map *map);
@@ -65,14 +65,15 @@ void sv_map_release(sv_map *map);
  * of the sums. */
 void sv_map_begin(sv_map *map, const sv_job *job, const sv_values *values);
 
-/* The same for a map of cells, whose frame is `frame`: lengths become its own. Lambda is
- * an area (docs/algorithm.md). */
+/* Takes the job and values of `frame` for a map of cells, in whose units lengths are counted. Lambda is an
+ * area (docs/algorithm.md). */
 void sv_map_begin_reduced(sv_map *map, const sv_map *frame);
 
-/* The map's record: every pixel has a surface after so many passes; or what the passes themselves counted. */
+/* Notes in the map's record that every pixel has a surface after so many passes, or what the passes
+ * themselves counted. */
 sv_status sv_map_done_passes(const sv_map *map);
 
-/* A launch of one of the frame's kernels, by its name; with the map's job as the first argument. */
+/* Begins a launch of one of the frame's kernels, by its name, with the map's job as the first argument. */
 #define SV_LAUNCH(map, name)     sv_launch_begin((map)->queue, (map)->program->name, #name)
 #define SV_LAUNCH_JOB(map, name) sv_launch_job((map)->queue, (map)->program->name, #name, &(map)->job)
 

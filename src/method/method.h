@@ -107,7 +107,7 @@ typedef struct {
      * it gives none. */
     cl_mem (*confidence)(const sv_method_state *state);
 
-    /* Wait, and read what the last frame came to; or NULL. They fill what stands behind `size`. */
+    /* These wait, and read what is known of the last frame; or NULL. They fill what stands behind `size`. */
     sv_status (*confidence_report)(const sv_map *map, const sv_method_state *state,
                                    sv_confidence_report *out);
     sv_status (*spline_report)(const sv_map *map, const sv_method_state *state, sv_spline_report *out);

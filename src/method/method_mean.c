@@ -78,8 +78,8 @@ static sv_status rays_pass(const sv_map *m, const sv_method_state *s, uint32_t p
     return sv_launch_pixels(&l, m->width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-/* Maps to sums. The sums have no sign, so that of S(q) the first plane takes depths above 0 and the second
- * those below, negated; their difference is the mean of both. */
+/* Converts maps to sums. The sums have no sign, so that of S(q) the first plane takes depths above 0 and the
+ * second those below, negated; their difference is the mean of both. */
 static sv_status enter(const sv_map *m, const sv_method_state *s, uint32_t planes) {
     sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_ENTER], "mean_enter");
     sv_launch_arg(&l, sizeof m->job, &m->job);

@@ -12,7 +12,7 @@ enum { K_CLEAR, K_ENTER, K_COLUMNS, K_ROWS, K_LEAVE };
 static const char *const kernels[] = {"minimum_clear", "minimum_enter", "minimum_columns",
                                       "minimum_rows",  "minimum_leave", NULL};
 enum { MAP_A, MAP_B };
-static const uint32_t EVERY_PASS = UINT32_MAX; /* no counting, no early end */
+static const uint32_t EVERY_PASS = UINT32_MAX; /* passes are not counted, and none is skipped */
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_minimum, sv_kernels_minimum_size};
@@ -83,7 +83,7 @@ sv_status sv_minimum_prefilter(const sv_map *m, sv_method_state *s, uint32_t k, 
 }
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* never linear: one plane */
+    (void)planes; /* one plane, for the method is never linear */
     sv_status status = enter(m, s);
     for (uint32_t n = 0; status == SV_OK && n < m->job.pass_limit; n++) status = pass(m, s, m->job.k, n);
     if (status == SV_OK) status = leave(m, s, false);

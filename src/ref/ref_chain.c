@@ -24,7 +24,7 @@ const sv_ref_method *sv_ref_method_of(uint32_t method) {
     return method < sizeof methods / sizeof *methods ? methods[method] : NULL;
 }
 
-/* Pre-filter and method on a map whose settings are in its own pixels. */
+/* Runs pre-filter and method on a map whose settings are in its own pixels. */
 static bool filter_and_solve(const sv_ref_method *method, sv_ref_task task, double *surface,
                              uint8_t *either) {
     const sv_ref_settings *s = task.settings;
@@ -38,7 +38,7 @@ static bool filter_and_solve(const sv_ref_method *method, sv_ref_task task, doub
     return ok;
 }
 
-/* The same on cells. */
+/* Runs pre-filter and method on cells, and interpolates at the pixels. */
 static bool on_cells(const sv_ref_method *method, const sv_ref_task *task, double *surface) {
     sv_ref_settings s = *task->settings;
     const bool least = method->least || s.prefilter_passes > 0;
