@@ -6,7 +6,7 @@
 #include "commands/cmd_list.h"
 #include "commands/cmd_run.h"
 #include "commands/cmd_scene.h"
-#include "console/cmd_console.h"
+#include "console/console.h"
 #include "guarded/guard_block.h"
 #include "guarded/guard_options.h"
 #include "guarded/serve.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Who may talk to the console: Host, Origin and token of a request; and which files it may name. */
-#include "console/console_access.h"
-#include "console/console_files.h"
+#include "console/console.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Messages of the console's pages: what is right arrives as it was meant, and of what is wrong the field is
  * named. */
-#include "console/console_message.h"
+#include "console/console.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A message of a console's page of any bytes: what is accepted is within its limits, what is not is
  * explained. */
-#include "console/console_message.h"
+#include "console/console.h"
 #include "fuzz/fuzz_target.h"
 
 #include <math.h>

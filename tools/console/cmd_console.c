@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "console/cmd_console.h"
+/* host_sim console: the scan loop on a web page, live. */
+#include "console/console.h"
 
 #include "base/cli.h"
 #include "base/progress.h"
 #include "base/text.h"
-#include "console/console_server.h"
 #include "guarded/guard_line.h"
 
 #include <getopt.h>
