@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The evaluation's table of termination depths and its measures, against numbers by hand. */
-#include "eval/eval_measure.h"
+#include "eval/eval_case.h"
 #include "support/loop_fixture.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Cases from files with maps of what was scanned: a scene of ours, written as `scenes --export` does. */
-#include "eval/eval_source.h"
+#include "eval/eval_case.h"
 #include "scene/scene_export.h"
 #include "volume/metaimage_write.h"
 

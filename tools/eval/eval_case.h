@@ -1,11 +1,131 @@
 /* SPDX-License-Identifier: MIT */
-/* One case of the evaluation: a volume with its ground truth, a plugin on it, and the table of its rays. */
+/* One case of the evaluation: a volume with its ground truth, a plugin on it, the table of its rays and what
+ * is measured of a depthmap. */
 #ifndef HS_EVAL_CASE_H
 #define HS_EVAL_CASE_H
 
-#include "eval/eval_measure.h"
-#include "eval/eval_source.h"
+#include "loop/loop.h"
+#include "loop/source.h"
 #include "plugin/loader.h"
+
+/* ---------------------------------------------------------------------------------------------- volume -- */
+/* Where a case of the evaluation comes from: a scene, or files with a ground truth. */
+
+typedef struct {
+    /* A built-in scene, a scene file, or "FULL,TRUTH,LABEL[,FIRST,END]": files. FULL and TRUTH are volumes of
+     * the same size and spacing, MetaImage or Kretz, of which the Cartesian copy counts; LABEL is MetaImage,
+     * and has one slice of as many columns, with HS_LABEL_* in it. FIRST and END, for MetaImage volumes, are
+     * maps of what was scanned of every ray (hs_scanned_maps_apply) with FIRST <= END; a ray with a label has
+     * FIRST < END. Without them the zeros of FULL tell, as HS_PADDING_AUTO reads them. */
+    const char *name;
+    uint32_t size;    /* voxels per axis of a scene */
+    uint32_t lowres;  /* pixels of the map per axis; 0: a third of the source */
+    uint64_t seed;    /* of a scene; 0: its own */
+    const char *real; /* the volume of the scene "real"; not read for others */
+} hs_eval_request;
+
+/* A volume with its ground truth and label map. Owned by the caller; must not move while open. */
+typedef struct {
+    hs_source source;
+    const uint8_t *label;  /* nx * ny, in the scene or in `given_label` */
+    hs_volume given_truth; /* of files; zeroed for scenes */
+    hs_volume given_label; /* the same */
+} hs_eval_source;
+
+/* HS_ERR_INPUT names the file, and what does not fit. On failure everything is freed. */
+bool hs_eval_source_open(hs_eval_source *source, const hs_eval_request *request, hs_error *err);
+void hs_eval_source_close(hs_eval_source *source);
+
+/* ----------------------------------------------------------------------------------------------- table -- */
+/*
+ * What every start depth does to every viewing ray of a case, so that a setting costs one look-up per ray.
+ *
+ * With a hard cut (ghost width 0) a ray's termination depth depends on nothing but the step it starts at. The
+ * table is made by the renderer itself: one picture per start step, each from a depthmap of one constant. The
+ * evaluation picture has one pixel per ray of the low-resolution map, so the renderer's interpolation of the
+ * map meets its pixel centres and changes nothing.
+ */
+
+typedef struct {
+    uint32_t width, height; /* of the map and the evaluation picture, pixels */
+    uint32_t steps;         /* of a whole ray; the termination depth of a ray that never ends */
+    float steps_per_slice;  /* DVR steps of one low-resolution slice */
+    uint8_t *label;         /* HS_LABEL_* per pixel */
+    float *truth;           /* g: termination depth in the ground truth per pixel, steps */
+    float *full;            /* the same in the full volume, unclipped */
+
+    /* The rays of labels 1 and 2 only, those of the sac first. */
+    uint32_t count;       /* n of Eq. 4.6 */
+    uint32_t first_fetus; /* rays 0 .. first_fetus - 1 are label 1, the rest label 2 */
+    uint32_t occluded;    /* rays whose occluder is in the way: full volume's e > HS_EVAL_TOLERANCE */
+    uint32_t *pixel;      /* count: y * width + x */
+    uint8_t *is_occluded; /* count: 0 or 1 */
+    int16_t *error;       /* count rows of steps + 1: e = g - d (Eq. 4.5) of the ray that starts there */
+} hs_eval_table;
+
+/* Builds the table for frame 0 of the loop, whose picture must be as large as its map, with step 1 and no
+ * ghost. `truth` is the ground truth on the same grid as `full`; `label` has full->nx * full->ny pixels.
+ * HS_ERR_USAGE, HS_ERR_INPUT (no pixel of labels 1 and 2), HS_ERR_MEMORY or HS_ERR_DEVICE; the table is
+ * zeroed then. */
+bool hs_eval_table_build(hs_eval_table *table, hs_loop *loop, const hs_volume *full, const hs_volume *truth,
+                         const uint8_t *label, hs_error *err);
+void hs_eval_table_free(hs_eval_table *table);
+
+/* The first step that is drawn when the map holds `depth` slices: the renderer's rule (host_sim/render/dvr.h,
+ * CLIPPING), in its own precision. */
+uint32_t hs_eval_start_step(const hs_eval_table *table, float depth);
+
+/* -------------------------------------------------------------------------------------------- measures -- */
+/* Quality of a depthmap by the termination depths of its rays (spec 7; thesis 4, Eq. 4.5 - 4.10). */
+
+/* Mean errors are in DVR steps. e > 0: the ray ends too early, an occluder is left.
+ * e < 0: the fetus is cut. */
+typedef enum {
+    HS_MEASURE_ABS, /* Eq. 4.6, over labels 1 and 2 */
+    HS_MEASURE_POS, /* Eq. 4.8: over the rays with e > 0; 0 if there is none */
+    HS_MEASURE_NEG, /* Eq. 4.10: over the rays with e < 0, as an absolute value; 0 if there is none */
+    HS_MEASURE_ABS_SAC,
+    HS_MEASURE_POS_SAC,
+    HS_MEASURE_NEG_SAC,
+    HS_MEASURE_ABS_FETUS,
+    HS_MEASURE_POS_FETUS,
+    HS_MEASURE_NEG_FETUS,
+    HS_MEASURE_FETUS_CUT,     /* share of the fetus' rays with e < -HS_EVAL_TOLERANCE, 0 .. 1 */
+    HS_MEASURE_OCCLUDER_LEFT, /* share of the occluded rays with e > HS_EVAL_TOLERANCE, 0 .. 1 */
+    HS_MEASURE_COUNT
+} hs_measure;
+
+/* "e_abs", "e_pos_fetus", ...: the column of the CSV files. */
+const char *hs_measure_key(hs_measure measure);
+
+/* All measures of one result. A measure over no ray at all (a label that does not occur) is NAN. */
+typedef struct {
+    float of[HS_MEASURE_COUNT];
+} hs_measures;
+
+#define HS_EVAL_MAX_LINE 64u
+
+/* The results of `count` (1 .. HS_EVAL_MAX_LINE) depthmaps zero + weight[i] * (one - zero): `zero` and `one`
+ * are the maps at weight 0 and 1, width * height slices each. `threads` as for hs_thread_count; few
+ * look-ups are done on one. */
+void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const float *one,
+                          const float *weight, uint32_t count, uint32_t threads, hs_measures *out);
+
+/* The result of one depthmap; NULL: of the full volume, unclipped. */
+void hs_eval_measure_map(const hs_eval_table *table, const float *map, hs_measures *out);
+
+/* The direct way, from a picture of termination depths in steps: for tests and checks of the table. */
+void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out);
+
+/* Error e per pixel of such a picture, steps; NAN where the label is 0. */
+void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out);
+
+/* Looks up the termination depths of a depthmap for every pixel of labels 1 and 2. Others get those of the
+ * ground truth. */
+void hs_eval_look_up(const hs_eval_table *table, const float *map, float *termination);
+
+/* ------------------------------------------------------------------------------------------------ case -- */
+/* One case of the evaluation: a volume with its ground truth, a plugin on it, and the table of its rays. */
 
 #define HS_EVAL_MAX_VALUES 64u /* parameter values of a frame */
 
@@ -17,6 +137,7 @@ typedef struct {
 
 /* Adds a value, in the place of one of the same id. False (HS_ERR_USAGE) if the list is full. */
 bool hs_eval_values_add(hs_eval_values *values, uint32_t id, double value, hs_error *err);
+
 /* Adds "key=value" texts; errors name key and value. */
 bool hs_eval_values_parse(hs_eval_values *values, const hs_plugin *plugin, const char *const *sets,
                           uint32_t count, hs_error *err);

@@ -4,7 +4,7 @@
 #define HS_EVAL_COMPARE_H
 
 #include "eval/eval_case.h"
-#include "eval/eval_options.h"
+#include "eval/eval_study.h"
 
 #define HS_EVAL_MAX_METHODS 16u
 #define HS_EVAL_MAX_SEEDS   100u
@@ -46,6 +46,7 @@ typedef struct {
 /* Opens the device and every method of options->compare; `options` must outlive it. HS_ERR_USAGE for a text
  * that is no method, HS_ERR_PLUGIN, HS_ERR_DEVICE. On failure everything is freed. */
 bool hs_eval_compare_open(hs_eval_comparison *x, const hs_eval_options *options, hs_error *err);
+
 /* False with HS_ERR_PLUGIN if a guarded plugin ended before it was to. */
 bool hs_eval_compare_close(hs_eval_comparison *x, hs_error *err);
 

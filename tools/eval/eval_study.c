@@ -2,9 +2,256 @@
 #include "eval/eval_study.h"
 
 #include "guarded/guarded.h"
+#include "plugin/loader_param.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---------------------------------------------------------------------------------------------- thesis -- */
+/* What the thesis measured, to stand beside our own numbers: facts from Tables 5.2, 5.3 and 5.4. */
+
+static const hs_eval_thesis_case thesis_cases[] = {
+    {"E01", 0.64, 0.23, 19, 0.80, 4.45, 0.80, 4.93}, {"E02", 0.90, 0.02, 63, 0.30, 2.35, 0.00, 6.06},
+    {"E03", 0.92, 0.07, 11, 0.95, 6.34, 0.25, 8.24}, {"E04", 0.63, 0.25, 3, 0.75, 4.06, 0.40, 4.58},
+    {"M01", 0.74, 0.21, 63, 0.10, 2.39, 0.10, 2.74}, {"M02", 0.58, 0.28, 19, 0.20, 5.84, 0.15, 6.24},
+    {"M03", 0.84, 0.04, 3, 0.95, 9.22, 1.20, 10.81}, {"D01", 0.73, 0.20, 47, 0.15, 1.08, 0.15, 1.23},
+    {"D02", 0.50, 0.48, 19, 0.85, 2.07, 0.80, 2.82},
+};
+
+const hs_eval_thesis_stage hs_eval_thesis_stages[5] = {{"setup", 4.223},
+                                                       {"initial points", 0.140},
+                                                       {"mean filter", 40.631},
+                                                       {"render", 1.335},
+                                                       {"total", 46.329}};
+
+const char hs_eval_thesis_note[] =
+    "The thesis' numbers stand here to be looked at, not to be beaten: its nine thesis_cases are real scans "
+    "with "
+    "ground truths that were segmented by hand, ours are synthetic scenes that reproduce what it says of "
+    "them; its depthmap has 512 x 512 pixels, so a kernel of 55 there spans what about 14 span on a map of "
+    "128; its step and opacity window are not given, and its frame rates are those of another machine.";
+
+const hs_eval_thesis_case *hs_eval_thesis_find(const char *name) {
+    for (size_t i = 0; i < sizeof thesis_cases / sizeof thesis_cases[0]; i++)
+        if (strcmp(thesis_cases[i].name, name) == 0) return &thesis_cases[i];
+    return NULL;
+}
+
+/* ----------------------------------------------------------------------------------------------- speed -- */
+/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figures 5.19 to 5.21). */
+
+#define PIXELS       512u  /* per side of the pictures (spec 5) */
+#define CURVE_CASE   "E04" /* of the thesis' Figure 5.20 */
+#define CURVE_FRAMES 3u
+
+/* Frames of the plugin a second at one threshold, for every kernel. */
+static bool time_curve(const hs_eval_study *study, uint32_t threshold, hs_eval_case *c, double *fps,
+                       hs_error *err) {
+    for (uint32_t k = 0; k < study->plan.kernel.count; k++) {
+        hs_eval_values values;
+        double ms;
+        if (!hs_eval_study_values(study, (hs_eval_pick){threshold, k, 0}, &values, err) ||
+            !hs_eval_case_time(c, &values, CURVE_FRAMES, &ms, err))
+            return false;
+        fps[k] = 1e3 / ms;
+    }
+    return true;
+}
+
+bool hs_eval_speed_curves(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
+    const hs_eval_plan *plan = &study->plan;
+    const char *name = study->space[index].name;
+    const bool last = index + 1 == study->count && !study->curves;
+    if (study->options->frames == 0 || !plan->threshold.exists || !plan->kernel.exists) return true;
+    if (strcmp(name, CURVE_CASE) != 0 && !last) return true;
+    (void)snprintf(study->curve_case, sizeof study->curve_case, "%s", name);
+    for (uint32_t i = 0; i < HS_EVAL_CURVES; i++) {
+        const uint32_t t = plan->threshold.count * i / HS_EVAL_CURVES;
+        study->curve_threshold[i] = plan->threshold.value[t];
+        if (!time_curve(study, t, c, study->curve_fps[i], err)) return false;
+    }
+    study->curves = HS_EVAL_CURVES;
+    return true;
+}
+
+bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
+                            const hs_eval_values *values, hs_error *err) {
+    hs_eval_result *r = &study->result[index];
+    hs_loop_options options;
+    if (study->options->frames == 0) return true;
+    hs_loop_defaults(&options);
+    options.frames = study->options->frames;
+    options.lowres = c->table.width;
+    options.dvr.width = options.dvr.height = PIXELS;
+    options.values = values->at;
+    options.value_count = values->count;
+    hs_loop *loop = hs_loop_create(&study->cl, &c->from.source, &study->plugin, &options, err);
+    bool ok = loop != NULL;
+    for (int s = 0; ok && s < HS_SETTING_COUNT; s++)
+        ok = hs_loop_run(loop, (hs_setting)s, NULL, &r->speed[s], err);
+    r->has_speed = ok;
+    hs_loop_destroy(loop);
+    return ok;
+}
+
+/* ----------------------------------------------------------------------------------------- two methods -- */
+/*
+ * Another method of the same plugin beside the one whose space is studied: both on the same volumes, with the
+ * true surface as the floor. What is compared is one setting for all cases.
+ */
+
+#define USUAL     "method=wall" /* what is set beside where nothing is said */
+#define POSITIONS 31u           /* of the knob */
+
+/* Adds "KEY=VALUE[ KEY=VALUE]...". */
+static bool parse(hs_eval_values *values, const hs_plugin *plugin, const char *text, hs_error *err) {
+    char copy[256];
+    char *next = NULL;
+    if (strlen(text) >= sizeof copy)
+        return hs_fail(err, HS_ERR_USAGE, "--beside: longer than %zu characters", sizeof copy - 1);
+    (void)snprintf(copy, sizeof copy, "%s", text);
+    const char *set = strtok_r(copy, " ", &next);
+    for (; set; set = strtok_r(NULL, " ", &next))
+        if (!hs_eval_values_parse(values, plugin, &set, 1, err)) return false;
+    return true;
+}
+
+static bool names_a_method(const hs_eval_options *o) {
+    for (uint32_t i = 0; i < o->set_count; i++)
+        if (strncmp(o->sets[i], "method=", strlen("method=")) == 0) return true;
+    return false;
+}
+
+/* The value text of the parameter "method" among the values, or what `otherwise` says. */
+static void name_method(const hs_plugin *plugin, const hs_eval_values *values, const char *otherwise,
+                        char *out, uint32_t bytes) {
+    sv_param_info info;
+    (void)snprintf(out, bytes, "%.63s", otherwise);
+    if (!hs_plugin_find_param(plugin, "method", &info)) return;
+    double value = info.default_value;
+    for (uint32_t i = 0; i < values->count; i++)
+        if (values->at[i].id == info.id) value = values->at[i].value;
+    hs_plugin_value_text(plugin, &info, value, out, bytes);
+}
+
+/* Decides whether there is another method: options->beside as "KEY=VALUE[ KEY=VALUE]...", or "none"; NULL:
+ * "method=wall", if the plugin has it and options->sets name no method. `cl` and `plugin` must outlive it.
+ * HS_ERR_USAGE for settings the plugin does not take. */
+static bool hs_eval_beside_open(hs_eval_beside *b, const hs_cl *cl, const hs_plugin *plugin,
+                                const hs_eval_options *options, hs_error *err) {
+    const char *wanted = options->beside;
+    hs_error ignored = {0};
+    *b = (hs_eval_beside){.cl = cl, .plugin = plugin};
+    if (wanted && strcmp(wanted, "none") == 0) return true;
+    if (!wanted && names_a_method(options)) return true;
+    if (!hs_eval_plan_base(&b->first, plugin, options->sets, options->set_count, err)) return false;
+    b->other = b->first;
+    if (!wanted && !parse(&b->other, plugin, USUAL, &ignored)) return true;
+    if (wanted && !parse(&b->other, plugin, wanted, err)) return false;
+    name_method(plugin, &b->first, "as set", b->first_name, sizeof b->first_name);
+    name_method(plugin, &b->other, wanted ? wanted : USUAL, b->other_name, sizeof b->other_name);
+    if (strcmp(b->first_name, b->other_name) == 0)
+        (void)snprintf(b->other_name, sizeof b->other_name, "%.63s", wanted ? wanted : USUAL);
+    hs_eval_knob_spread(&b->knob, plugin, POSITIONS);
+    b->exists = true;
+    return true;
+}
+
+/* -------------------------------------------------------------------------------------------- measure -- */
+
+static hs_measures unknown(void) {
+    hs_measures m;
+    for (int i = 0; i < HS_MEASURE_COUNT; i++) m.of[i] = NAN;
+    return m;
+}
+
+/* The scene's clipping surface as a map of the table's size; files have none. */
+static bool measure_truth(const hs_eval_case *c, hs_measures *out, hs_error *err) {
+    const hs_eval_table *t = &c->table;
+    *out = unknown();
+    const hs_scene_data *scene = hs_source_scene_data(&c->from.source, 0);
+    if (!scene) return true;
+    const hs_volume *full = hs_source_volume(&c->from.source, 0);
+    const float *clip = scene->clip;
+    float *map = calloc((size_t)t->width * t->height, sizeof *map);
+    if (!map) return hs_fail(err, HS_ERR_MEMORY, "true surface: no memory for a map");
+    for (uint32_t y = 0; y < t->height; y++)
+        for (uint32_t x = 0; x < t->width; x++) {
+            /* The column in which the pixel's centre lies: a scene's volume fills the camera's box. */
+            const uint32_t column = (uint32_t)((x + 0.5) * full->nx / t->width);
+            const uint32_t row = (uint32_t)((y + 0.5) * full->ny / t->height);
+            map[(size_t)y * t->width + x] =
+                (clip[(size_t)row * full->nx + column] + 0.5f) / t->steps_per_slice - 0.5f;
+        }
+    hs_eval_measure_map(t, map, out);
+    free(map);
+    return true;
+}
+
+/* The method at the defaults of its knob. */
+static bool measure_plain(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, hs_error *err) {
+    const hs_eval_knob none = {.count = 1};
+    sv_status outcome;
+    return hs_eval_case_measure(c, values, &none, out, &outcome, err);
+}
+
+/* Measures an open case, of which only hs_eval_case_close may follow. Nothing if there is no other method. */
+static bool hs_eval_beside_measure(hs_eval_beside *b, uint32_t index, hs_eval_case *c, hs_error *err) {
+    sv_status outcome;
+    if (!b->exists) return true;
+    hs_measures *of = b->of[index];
+    if (!measure_truth(c, &of[HS_BESIDE_TRUTH], err) ||
+        !measure_plain(c, &b->first, &of[HS_BESIDE_DEFAULT], err))
+        return false;
+    c->way = HS_KNOB_UNKNOWN;
+    return hs_eval_case_measure(c, &b->first, &b->knob, b->line[index], &outcome, err) &&
+           hs_eval_case_replace(c, b->cl, b->plugin, &b->other, err) &&
+           measure_plain(c, &b->other, &of[HS_BESIDE_OTHER], err);
+}
+
+/* ------------------------------------------------------------------------------------------- conclude -- */
+
+/* The whole space's common setting with one knob for all; unknown if the cases have none. */
+static hs_measures tuned(const hs_eval_mean *mean, const hs_eval_space *space) {
+    hs_eval_pick pick = {0, mean->best_kernel, mean->best_knob};
+    if (mean->deltas == 0 || !hs_eval_threshold_at(space, mean->delta[mean->best], &pick.threshold))
+        return unknown();
+    return *hs_eval_at(space, pick);
+}
+
+/* The best knob, when all `count` cases are measured and the mean of their spaces is there. */
+static void hs_eval_beside_conclude(hs_eval_beside *b, const hs_eval_mean *mean, const hs_eval_space *spaces,
+                                    uint32_t count) {
+    double lowest = INFINITY;
+    if (!b->exists) return;
+    for (uint32_t k = 0; k < b->knob.count; k++) {
+        double sum = 0;
+        for (uint32_t i = 0; i < count; i++) sum += (double)b->line[i][k].of[HS_MEASURE_ABS];
+        if (sum >= lowest) continue;
+        lowest = sum;
+        b->best = k;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        b->of[i][HS_BESIDE_KNOB] = b->line[i][b->best];
+        b->of[i][HS_BESIDE_TUNED] = tuned(mean, &spaces[i]);
+    }
+}
+
+double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
+                           hs_measure measure) {
+    double sum = 0;
+    uint32_t known = 0; /* a case without a fetus has nothing of one that is cut */
+    for (uint32_t i = 0; i < count; i++) known += isnan(beside->of[i][way].of[measure]) ? 0 : 1;
+    for (uint32_t i = 0; i < count; i++)
+        if (!isnan(beside->of[i][way].of[measure])) sum += (double)beside->of[i][way].of[measure] / known;
+    return known ? sum : (double)NAN;
+}
+
+/* ----------------------------------------------------------------------------------------------- study -- */
+/* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
 
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err) {
     char beside[1024];

@@ -1,12 +1,222 @@
 /* SPDX-License-Identifier: MIT */
-/* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
+/* The parameter space of a plugin over all cases: what is run, what is best, and another method beside it. */
 #ifndef HS_EVAL_STUDY_H
 #define HS_EVAL_STUDY_H
 
-#include "eval/eval_beside.h"
-#include "eval/eval_best.h"
-#include "eval/eval_options.h"
+#include "eval/eval_case.h"
+#include "guarded/guard_options.h"
 #include "loop/loop_run.h"
+#include "render/dvr_settings.h"
+
+/* --------------------------------------------------------------------------------------------- options -- */
+/* What is asked of an evaluation. */
+
+#define HS_EVAL_MAX_CASES 32u
+#define HS_EVAL_MAX_SETS  32u
+
+/* Shard `index` (0 .. count - 1) of `count` takes every count-th setting; 0 of 1 takes all. */
+typedef struct {
+    uint32_t index, count;
+} hs_eval_shard;
+
+/* What the command line asks for. Strings are borrowed. */
+typedef struct {
+    const char *out;        /* folder */
+    const char *plugin;     /* NULL: smartvis.so beside the executable */
+    hs_guard_options guard; /* of every plugin */
+    const char *cases[HS_EVAL_MAX_CASES];
+    uint32_t case_count;
+    const char *sets[HS_EVAL_MAX_SETS]; /* key=value */
+    uint32_t set_count;
+    uint32_t size, lowres;
+    uint64_t seed;
+    const char *real;   /* the volume of the scene "real"; NULL: none */
+    const char *beside; /* see hs_eval_beside_open */
+    bool coarse;        /* a fifth of the positions on every axis */
+    bool merge;         /* computes nothing: the shards' files must make the spaces whole */
+    hs_eval_shard shard;
+    uint32_t check;                         /* settings to measure the direct way, too */
+    uint32_t frames;                        /* of a measurement of speed; 0: none */
+    const char *compare[HS_EVAL_MAX_CASES]; /* "library[ key=value]..." */
+    uint32_t compare_count;
+    uint32_t seeds; /* of a comparison */
+    hs_look look;   /* of pictures; measures use the thesis' */
+    float light[2]; /* hs_dvr_settings */
+} hs_eval_options;
+
+/* ---------------------------------------------------------------------------------------------- thesis -- */
+/* What the thesis measured, to stand beside our own numbers: facts from Tables 5.2, 5.3 and 5.4. */
+
+/* One case. Errors in DVR steps of the thesis' renderer. Its e_pos and e_neg contradict e_abs in several rows
+ * (spec 9), so only e_abs is kept. */
+typedef struct {
+    const char *name;
+    double threshold, delta, kernel, knob, e_abs; /* Table 5.2: T_B, Delta_MI, k, q */
+    double common_knob, common_e_abs;             /* Table 5.3: Delta_MI 0.24, k 55 */
+} hs_eval_thesis_case;
+
+/* NULL if the thesis has no such case. */
+const hs_eval_thesis_case *hs_eval_thesis_find(const char *name);
+
+/* Table 5.3's common setting. */
+#define HS_EVAL_THESIS_DELTA  0.24
+#define HS_EVAL_THESIS_KERNEL 55
+
+/* Table 5.4, milliseconds: the average over the cases. */
+typedef struct {
+    const char *stage;
+    double ms;
+} hs_eval_thesis_stage;
+extern const hs_eval_thesis_stage hs_eval_thesis_stages[5];
+
+/* Frames a second that the plugin costs on average (thesis 5.4, on Figure 5.21). */
+#define HS_EVAL_THESIS_LOST_FPS 6
+
+/* Why the numbers cannot be compared one by one. */
+extern const char hs_eval_thesis_note[];
+
+/* ------------------------------------------------------------------------------------------------ plan -- */
+/* Which settings of a plugin are measured (thesis, Table 5.1). */
+
+/* A parameter that is swept. An axis the plugin does not have holds one position and sets nothing. */
+typedef struct {
+    bool exists;
+    uint32_t id;
+    uint32_t count; /* 1 .. HS_EVAL_MAX_LINE */
+    double step;
+    double value[HS_EVAL_MAX_LINE];
+} hs_eval_axis;
+
+/* What is swept for a plugin. */
+typedef struct {
+    const hs_plugin *plugin;
+    hs_eval_values base;    /* hs_eval_plan_base, and an absolute threshold */
+    hs_eval_axis threshold; /* T_B, "bone_threshold" in mode absolute: 0.5 .. 1 by 0.01 */
+    hs_eval_axis kernel;    /* k, "kernel": 3 .. 63 by 4 */
+    hs_eval_knob knob;      /* q: 0 .. 1.5 by 0.05, or 31 positions of another knob */
+    char identity[512];     /* plugin, its file's checksum, what was set: which results may be mixed */
+} hs_eval_plan;
+
+/* What the user set, and where he said nothing what the thesis studies: its filter, method=mean, of a plugin
+ * that has it, and any evidence. */
+bool hs_eval_plan_base(hs_eval_values *base, const hs_plugin *plugin, const char *const *sets, uint32_t count,
+                       hs_error *err);
+
+/* `coarse` takes every fifth position of the three axes. */
+bool hs_eval_plan_make(hs_eval_plan *plan, const hs_plugin *plugin, const char *const *sets, uint32_t count,
+                       bool coarse, hs_error *err);
+
+/* Settings without the knob: one frame each. */
+uint32_t hs_eval_plan_items(const hs_eval_plan *plan);
+
+/* The values of an item, its T_B and k among them. */
+bool hs_eval_plan_values(const hs_eval_plan *plan, uint32_t item, hs_eval_values *values, hs_error *err);
+
+/* ----------------------------------------------------------------------------------------------- space -- */
+/* The results of a plan on one case; they can be put together from several runs. */
+
+/* The results of one case. Item t * kernel.count + k; result item * knob.count + q. */
+typedef struct {
+    const hs_eval_plan *plan;
+    char name[64];      /* of the case, letters, digits, '-' and '_' only */
+    char identity[700]; /* the plan's and the case's */
+    double volume_max;  /* 0 .. 1 */
+    uint32_t items, done_count;
+    uint64_t *seen;     /* bit q: the result is there */
+    sv_status *outcome; /* of the plugin, per item */
+    hs_measures *at;
+} hs_eval_space;
+
+/* Empty results for an open case; `request` goes into the identity. */
+bool hs_eval_space_open(hs_eval_space *space, const hs_eval_plan *plan, const hs_eval_case *c,
+                        const hs_eval_request *request, hs_error *err);
+void hs_eval_space_close(hs_eval_space *space);
+bool hs_eval_space_done(const hs_eval_space *space, uint32_t item);
+
+/* Puts the result of one position of the knob where it belongs; items get done as theirs become whole. */
+void hs_eval_space_put(hs_eval_space *space, uint32_t item, uint32_t knob, sv_status outcome,
+                       const hs_measures *measures);
+
+/* Told of every item as soon as its results are there; false, with an error, ends the run. */
+typedef bool (*hs_eval_keep_fn)(void *context, const hs_eval_space *space, uint32_t item, hs_error *err);
+
+/* Runs the shard's items that are not done yet, in their order. */
+bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shard, hs_eval_keep_fn keep,
+                       void *context, hs_error *err);
+
+/* --------------------------------------------------------------------------------------- best settings -- */
+/* What the parameter spaces say: the best setting of each case, and the one that is best for all (thesis 5.2,
+ * Tables 5.2 and 5.3, Figures 5.7 and 5.8). */
+
+/* A setting of a space: indices into the plan's axes. */
+typedef struct {
+    uint32_t threshold, kernel, knob;
+} hs_eval_pick;
+
+const hs_measures *hs_eval_at(const hs_eval_space *space, hs_eval_pick pick);
+
+/* The setting with the lowest e_abs; of several equal ones the first. */
+hs_eval_pick hs_eval_best(const hs_eval_space *space);
+
+/* The knob with the lowest e_abs where the other two are given. */
+hs_eval_pick hs_eval_best_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel);
+
+/* Delta_MI = volume_max - T_B of a position; NAN without a threshold axis. */
+double hs_eval_delta(const hs_eval_space *space, uint32_t threshold);
+
+/* The position whose Delta_MI is nearest to `delta`, at most half a step away (0 without a threshold axis);
+ * false if the axis does not reach there. */
+bool hs_eval_threshold_at(const hs_eval_space *space, double delta, uint32_t *out);
+
+/* e_abs averaged over the cases, for the values of Delta_MI that every case has. */
+typedef struct {
+    uint32_t deltas;                /* 0: the cases have no Delta_MI in common */
+    double delta[HS_EVAL_MAX_LINE]; /* multiples of the threshold's step; NAN without a threshold axis */
+    uint32_t kernels, knobs;
+    float *e_abs;                          /* [delta][kernel][knob] */
+    uint32_t best, best_kernel, best_knob; /* of the lowest average */
+} hs_eval_mean;
+
+/* HS_ERR_MEMORY. The spaces share one plan and are whole. */
+bool hs_eval_mean_make(hs_eval_mean *mean, const hs_eval_space *spaces, uint32_t count, hs_error *err);
+void hs_eval_mean_free(hs_eval_mean *mean);
+
+/* ----------------------------------------------------------------------------------------- two methods -- */
+/*
+ * Another method of the same plugin beside the one whose space is studied: both on the same volumes, with the
+ * true surface as the floor. What is compared is one setting for all cases.
+ */
+
+/* The columns: one setting for all cases each. */
+typedef enum {
+    HS_BESIDE_DEFAULT, /* the studied method at its defaults */
+    HS_BESIDE_KNOB,    /* the same, its knob where the mean e_abs over the cases is lowest */
+    HS_BESIDE_TUNED,   /* the same, T_B by Delta_MI, k and knob where it is lowest (Table 5.3, one knob) */
+    HS_BESIDE_OTHER,   /* the other method at its defaults */
+    HS_BESIDE_TRUTH,   /* the scene's own clipping surface as a depthmap: no map of this size can be better */
+    HS_BESIDE_COUNT
+} hs_beside_way;
+
+/* Owned by the caller. */
+typedef struct {
+    bool exists;
+    const hs_cl *cl;
+    const hs_plugin *plugin;
+    char first_name[64], other_name[64];                   /* "mean", "cost" */
+    hs_eval_values first, other;                           /* without the knob */
+    hs_eval_knob knob;                                     /* of the studied method */
+    uint32_t best;                                         /* HS_BESIDE_KNOB's position */
+    hs_measures line[HS_EVAL_MAX_CASES][HS_EVAL_MAX_LINE]; /* over the knob */
+    hs_measures of[HS_EVAL_MAX_CASES][HS_BESIDE_COUNT];    /* NAN: not known */
+    bool has_confidence[HS_EVAL_MAX_CASES]; /* the other method gave one, and its picture is there */
+} hs_eval_beside;
+
+/* Mean over the first `count` cases; NAN if one is not known. */
+double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
+                           hs_measure measure);
+
+/* ----------------------------------------------------------------------------------------------- study -- */
+/* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
 
 #define HS_EVAL_TURNS  7u /* positions of the slider */
 #define HS_EVAL_CURVES 5u /* thresholds of Figure 5.20 */
@@ -48,6 +258,7 @@ typedef struct hs_eval_study {
 
 /* Device, plugin, plan. On failure everything is freed. */
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err);
+
 /* False with HS_ERR_PLUGIN if a guarded plugin ended before it was to. */
 bool hs_eval_study_close(hs_eval_study *study, hs_error *err);
 
@@ -73,5 +284,18 @@ bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err);
 /* The values of a setting, the knob included. */
 bool hs_eval_study_values(const hs_eval_study *study, hs_eval_pick pick, hs_eval_values *values,
                           hs_error *err);
+
+/* ----------------------------------------------------------------------------------------------- speed -- */
+/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figures 5.19 to 5.21). */
+
+/* Figure 5.20, into study->curve_...: the plugin alone over kernel, for some thresholds. On the open case
+ * `index` if that is E04, or the last one of a study without E04. Nothing if options->frames is 0, or if the
+ * plugin has no threshold or no kernel. */
+bool hs_eval_speed_curves(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
+
+/* Figures 5.19 and 5.21, into the case's result: options->frames frames (0: nothing) of the three settings
+ * with `values`, pictures of 512 x 512. The case must be released (hs_eval_case_release). */
+bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
+                            const hs_eval_values *values, hs_error *err);
 
 #endif

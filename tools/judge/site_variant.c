@@ -2,7 +2,7 @@
 #include "judge/site_variant.h"
 
 #include "base/paths.h"
-#include "eval/eval_source.h"
+#include "eval/eval_case.h"
 #include "scene/scene_data.h"
 #include "volume/metaimage_write.h"
 

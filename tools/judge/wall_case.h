@@ -4,7 +4,7 @@
 #ifndef WALL_CASE_H
 #define WALL_CASE_H
 
-#include "eval/eval_source.h"
+#include "eval/eval_case.h"
 
 #include "ref/ref_wall.h"
 

@@ -4,7 +4,7 @@
 #define HS_REPORT_DRAW_H
 
 #include "eval/eval_case.h"
-#include "eval/eval_options.h"
+#include "eval/eval_study.h"
 #include "loop/view.h"
 #include "picture/picture.h"
 

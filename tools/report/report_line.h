@@ -4,7 +4,7 @@
 #define HS_REPORT_LINE_H
 
 #include "base/error.h"
-#include "eval/eval_options.h"
+#include "eval/eval_study.h"
 
 /* Reads the options, which point into argv. HS_ERR_USAGE names option, value and what is allowed. With
  * --help, *help is true and the rest is not read. */

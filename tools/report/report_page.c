@@ -2,7 +2,7 @@
 #include "report/report_page.h"
 
 #include "base/paths.h"
-#include "eval/eval_thesis.h"
+#include "eval/eval_study.h"
 #include "loop/clipper.h"
 #include "report/report_page_beside.h"
 #include "report/report_page_figures.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report_page_speed.h"
 
-#include "eval/eval_thesis.h"
+#include "eval/eval_study.h"
 #include "picture/plot.h"
 #include "report/report_page_parts.h"
 

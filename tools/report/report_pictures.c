@@ -2,7 +2,7 @@
 #include "report/report_pictures.h"
 
 #include "base/paths.h"
-#include "eval/eval_speed.h"
+#include "eval/eval_study.h"
 #include "render/camera_mark.h"
 #include "report/report_draw.h"
 #include "report/report_pictures_beside.h"

@@ -4,7 +4,7 @@
 #include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"
-#include "eval/eval_thesis.h"
+#include "eval/eval_study.h"
 #include "report/report_rows_beside.h"
 
 #include <errno.h>

@@ -5,7 +5,7 @@
 #define HS_SPACE_CSV_H
 
 #include "base/progress.h"
-#include "eval/eval_space.h"
+#include "eval/eval_study.h"
 
 /* Reads every "space_<case>*.csv" of the folder. A last line that is cut off does not count. HS_ERR_INPUT: a
  * file of another identity, or a line that is no result, named with its number. */
