@@ -11,9 +11,7 @@
 #include "guarded/guard_options.h"
 #include "guarded/serve.h"
 #include "picture/picture_text.h"
-#include "report/cmd_demo.h"
-#include "report/cmd_measure.h"
-#include "report/cmd_report.h"
+#include "report/report.h"
 #include "smartvis_plugin.h"
 
 #include <errno.h>

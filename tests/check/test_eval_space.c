@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parameter space: the quick way against the direct one, resuming, shards, files that do not fit. */
 #include "eval/eval_study.h"
-#include "report/space_csv.h"
+#include "report/report.h"
 #include "support/host_fixture.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * Nothing is run. */
 #include "commands/run_line.h"
 #include "fuzz/fuzz_target.h"
-#include "report/report_line.h"
+#include "report/report.h"
 
 #include <getopt.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "report/cmd_demo.h"
+/* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
+#include "report/report.h"
 
 #include "base/cli.h"
 #include "base/paths.h"
@@ -8,7 +9,6 @@
 #include "commands/run_print.h"
 #include "guarded/guard_line.h"
 #include "loop/clipper.h"
-#include "picture/page_html.h"
 #include "plugin/loader_param.h"
 #include "show/loop_pictures.h"
 

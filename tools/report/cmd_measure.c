@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "report/cmd_measure.h"
+/* host_sim measure: the quality of depthmaps that were made elsewhere. */
+#include "report/report.h"
 
 #include "base/cli.h"
-#include "eval/eval_case.h"
 #include "volume/metaimage.h"
 
 #include <getopt.h>

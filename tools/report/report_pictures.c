@@ -1,18 +1,223 @@
 /* SPDX-License-Identifier: MIT */
-#include "report/report_pictures.h"
+#include "report/report.h"
 
 #include "base/paths.h"
-#include "eval/eval_study.h"
+#include "picture/picture_colour.h"
 #include "render/camera_mark.h"
-#include "report/report_draw.h"
-#include "report/report_pictures_beside.h"
 #include "show/loop_pictures.h"
 #include "show/picture_map.h"
 
+#include <ctype.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+/* --------------------------------------------------------------------------------------------- drawing -- */
+/* What the pictures of a case are drawn with: loops over its volume, and files in its folder. */
+
+#define HS_EVAL_PICTURE      256u  /* pixels per side on the page */
+#define HS_EVAL_GHOST_SLICES 10.0f /* low-resolution slices: s and w of the ghosted pictures */
+
+/* A loop over a case's volume. The case's own loop must be gone: a plugin's instance serves one at a time. */
+typedef struct {
+    const hs_eval_options *options; /* how pictures look */
+    const hs_cl *cl;
+    const hs_plugin *plugin;
+    const hs_eval_case *c;
+    const hs_eval_values *values;
+    uint32_t pixels; /* of the picture's sides */
+    float ghost;     /* steps before the surface that are ghosted (s = w); 0: a hard cut */
+} hs_eval_drawing;
+
+static bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name,
+                                 hs_error *err) {
+    char path[PATH_MAX];
+    return hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
+}
+
+/* The errors alone, in the legend's colours: the page sets them beside the renderings. */
+static bool hs_eval_save_errors(const float *error, uint32_t width, uint32_t height, const char *folder,
+                                const char *name, hs_error *err) {
+    const uint32_t side = HS_EVAL_PICTURE;
+    hs_picture picture;
+    if (!hs_picture_init(&picture, side, side, HS_COLOUR_NO_VALUE, err)) return false;
+    for (uint32_t y = 0; y < side; y++) {
+        for (uint32_t x = 0; x < side; x++) {
+            const float e = error[(size_t)(y * height / side) * width + x * width / side];
+            if (!isnan(e))
+                picture.pixels[(size_t)y * side + x] = hs_colour_diverging((double)(e / HS_EVAL_ERROR_LIMIT));
+        }
+    }
+    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
+    hs_picture_free(&picture);
+    return ok;
+}
+
+/* A square picture of four bytes a pixel. */
+static bool hs_eval_save_rgba(const uint8_t *rgba, uint32_t side, const char *folder, const char *name,
+                              hs_error *err) {
+    const hs_image image = {.data = rgba, .width = side, .height = side, .channels = 4};
+    hs_picture picture;
+    if (!hs_picture_init(&picture, side, side, 0, err)) return false;
+    hs_picture_blit(&picture, 0, 0, side, side, &image, HS_SCALE_NEAREST);
+    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
+    hs_picture_free(&picture);
+    return ok;
+}
+
+static hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
+    hs_loop_options options;
+    hs_loop_defaults(&options);
+    options.frames = 1;
+    options.lowres = d->c->table.width;
+    options.dvr.width = options.dvr.height = d->pixels;
+    hs_loop_for_pictures(&options, d->options->look);
+    for (int i = 0; i < 2; i++) options.dvr.light[i] = d->options->light[i];
+    options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
+    options.values = d->values->at;
+    options.value_count = d->values->count;
+    return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
+}
+
+/* The rendering as a square picture of HS_EVAL_PICTURE pixels, its ghosting as `drawing` says; `view` may be
+ * NULL, else the caller frees it. */
+static bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name,
+                                hs_view *view, hs_error *err) {
+    hs_view own;
+    hs_loop *loop = hs_eval_draw_loop(drawing, err);
+    bool ok = loop && hs_loop_view(loop, 0, &own, err);
+    hs_loop_destroy(loop);
+    if (!ok) return false;
+    ok = hs_eval_save_rgba(own.result, drawing->pixels, folder, name, err);
+    if (ok && view)
+        *view = own;
+    else
+        hs_view_free(&own);
+    return ok;
+}
+
+/* ----------------------------------------------------------------------------------------- two methods -- */
+/* Pictures of both methods of one case, each at its one setting for all cases. */
+
+/* The error of every ray at these values. The case's loop is replaced, and gone afterwards. */
+static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const hs_eval_values *values,
+                        const char *folder, const char *name, hs_error *err) {
+    hs_measures measures;
+    sv_status outcome;
+    float *error = calloc((size_t)c->table.width * c->table.height, sizeof *error);
+    if (!error) return hs_fail(err, HS_ERR_MEMORY, "error picture: no memory");
+    bool ok = hs_eval_case_replace(c, &study->cl, &study->plugin, values, err) &&
+              hs_eval_case_direct(c, values, &measures, &outcome, err);
+    if (ok) {
+        hs_eval_error_picture(&c->table, c->termination, error);
+        ok = hs_eval_save_errors(error, c->table.width, c->table.height, folder, name, err);
+    }
+    free(error);
+    hs_eval_case_release(c);
+    return ok;
+}
+
+/* Without a frame or a legend: the page has one legend for all. */
+static bool save_confidence(const hs_view *view, const char *folder, hs_error *err) {
+    const uint32_t side = HS_EVAL_PICTURE;
+    hs_picture picture;
+    if (!hs_picture_init(&picture, side, side, 0, err)) return false;
+    for (uint32_t y = 0; y < side; y++)
+        for (uint32_t x = 0; x < side; x++)
+            picture.pixels[(size_t)y * side + x] =
+                hs_colour_viridis((double)view->sure[(size_t)(y * view->map_height / side) * view->map_width +
+                                                     x * view->map_width / side]);
+    const bool ok = hs_eval_save_picture(&picture, folder, "beside_confidence.png", err);
+    hs_picture_free(&picture);
+    return ok;
+}
+
+/* The other method: its rendering and, where it gives a confidence, that and a rendering ghosted by it. */
+static bool draw_other(hs_eval_study *study, uint32_t index, hs_eval_drawing *drawing, const char *folder,
+                       hs_error *err) {
+    hs_view view;
+    if (!hs_eval_draw_result(drawing, folder, "beside_other.png", &view, err)) return false;
+    bool ok = true;
+    if (view.sure) {
+        drawing->ghost = HS_EVAL_GHOST_SLICES * drawing->c->table.steps_per_slice;
+        ok = save_confidence(&view, folder, err) &&
+             hs_eval_draw_result(drawing, folder, "beside_ghost.png", NULL, err);
+        study->beside.has_confidence[index] = ok;
+    }
+    hs_view_free(&view);
+    return ok;
+}
+
+/* "beside_knob.png", "beside_other.png" and their errors, "beside_confidence.png" in the case's folder.
+ * Nothing if there is no other method. The case's loop is replaced, and gone afterwards. */
+static bool hs_eval_beside_pictures(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
+                                    hs_error *err) {
+    const hs_eval_beside *b = &study->beside;
+    if (!b->exists) return true;
+    hs_eval_values first = b->first;
+    if (b->knob.exists && !hs_eval_values_add(&first, b->knob.info.id, b->knob.value[b->best], err))
+        return false;
+    hs_eval_drawing drawing = {.options = study->options,
+                               .cl = &study->cl,
+                               .plugin = &study->plugin,
+                               .c = c,
+                               .values = &first,
+                               .pixels = HS_EVAL_PICTURE};
+    if (!draw_errors(study, c, &first, folder, "beside_knob_error.png", err) ||
+        !hs_eval_draw_result(&drawing, folder, "beside_knob.png", NULL, err) ||
+        !draw_errors(study, c, &b->other, folder, "beside_other_error.png", err))
+        return false;
+    drawing.values = &b->other;
+    return draw_other(study, index, &drawing, folder, err);
+}
+
+/* ------------------------------------------------------------------------------------------ comparison -- */
+/* A comparison's renderings: every case at its first seed, by every method. */
+
+bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
+                            hs_error *err) {
+    char name[sizeof x->name[0]];
+    (void)snprintf(name, sizeof name, "%s", x->name[index]); /* of a file: any characters */
+    for (char *p = name; *p; p++)
+        if (!isalnum((unsigned char)*p) && *p != '-') *p = '_';
+    return hs_path_join(x->options->out, name, out, bytes, err);
+}
+
+void hs_eval_compare_file(uint32_t method, char *out, size_t bytes) {
+    (void)snprintf(out, bytes, "method_%u.png", method + 1);
+}
+
+/* The first method's view has the full volume and the ground truth, too. */
+static bool draw_method(const hs_eval_comparison *x, uint32_t method, const hs_eval_case *c,
+                        const char *folder, hs_error *err) {
+    const hs_eval_drawing drawing = {.options = x->options,
+                                     .cl = &x->cl,
+                                     .plugin = &x->method[method].plugin,
+                                     .c = c,
+                                     .values = &x->method[method].values,
+                                     .pixels = HS_EVAL_PICTURE};
+    char file[32];
+    hs_view view;
+    hs_eval_compare_file(method, file, sizeof file);
+    if (!hs_eval_draw_result(&drawing, folder, file, &view, err)) return false;
+    const bool ok = method > 0 || (hs_eval_save_rgba(view.full, HS_EVAL_PICTURE, folder, "full.png", err) &&
+                                   hs_eval_save_rgba(view.truth, HS_EVAL_PICTURE, folder, "truth.png", err));
+    hs_view_free(&view);
+    return ok;
+}
+
+bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err) {
+    char folder[PATH_MAX];
+    hs_eval_case_release(c);
+    bool ok =
+        hs_eval_compare_folder(x, index, folder, sizeof folder, err) && hs_path_make_folder(folder, err);
+    for (uint32_t m = 0; ok && m < x->count; m++) ok = draw_method(x, m, c, folder, err);
+    return ok;
+}
+
+/* ------------------------------------------------------------------------------------------------ case -- */
+/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
 
 #define TURNED 192u /* of the slider's pictures: there are many */
 

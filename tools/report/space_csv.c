@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "report/space_csv.h"
+/* Results of a parameter space as CSV files, one row per setting (docs/evaluation.md lists the columns). A
+ * run that was ended goes on from them, and shards are put together by them. */
+#include "report/report.h"
 
 #include "base/output_file.h"
 #include "base/paths.h"

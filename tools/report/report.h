@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+/* What the report is made of: its commands, the results on the disk, tables, pictures and pages. */
+#ifndef HS_REPORT_H
+#define HS_REPORT_H
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "eval/eval_case.h"
+#include "eval/eval_compare.h"
+#include "eval/eval_study.h"
+#include "loop/view.h"
+#include "picture/page_html.h"
+#include "picture/picture.h"
+
+#include <stdio.h>
+
+/* ---------------------------------------------------------------------------------------------- report -- */
+/* host_sim report: quality and speed of a plugin over all cases and its parameter space, with a page. */
+
+/* argv[0] is the command's own name. Returns the exit code (hs_code, base/error.h). */
+int hs_cmd_report(int argc, char **argv);
+
+/* --------------------------------------------------------------------------------------------- measure -- */
+/* host_sim measure: the quality of depthmaps that were made elsewhere. */
+
+int hs_cmd_measure(int argc, char **argv);
+
+/* ------------------------------------------------------------------------------------------------ demo -- */
+/* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
+
+/* argv[0] is the command's own name. Returns the exit code (hs_code, base/error.h). */
+int hs_cmd_demo(int argc, char **argv);
+
+/* --------------------------------------------------------------------------------------------- options -- */
+/* The command line of `host_sim report`. */
+
+/* Reads the options, which point into argv. HS_ERR_USAGE names option, value and what is allowed. With
+ * --help, *help is true and the rest is not read. */
+bool hs_report_line_parse(int argc, char **argv, hs_eval_options *options, bool *help, hs_error *err);
+
+/* --------------------------------------------------------------------------------- results on the disk -- */
+/* Results of a parameter space as CSV files, one row per setting (docs/evaluation.md lists the columns). A
+ * run that was ended goes on from them, and shards are put together by them. */
+
+/* Reads every "space_<case>*.csv" of the folder. A last line that is cut off does not count. HS_ERR_INPUT: a
+ * file of another identity, or a line that is no result, named with its number. */
+bool hs_eval_csv_load(hs_eval_space *space, const char *folder, hs_error *err);
+
+/*
+ * Runs what the shard has to run and no file in `folder` holds yet. Results go to
+ * "space_<case>.part<i>of<n>.csv" as they come, so that a run that was ended goes on where it stopped; once a
+ * case is whole, to "space_<case>.csv". `progress` may be NULL. HS_ERR_OUTPUT names the file that cannot be
+ * written; the others are those of hs_eval_csv_load and hs_eval_case_measure.
+ */
+bool hs_eval_csv_run(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_eval_shard shard,
+                     hs_progress *progress, hs_error *err);
+
+/* ---------------------------------------------------------------------------------------------- tables -- */
+/* Tables 5.2 and 5.3 as cells of text, for the terminal, the CSV files and the page alike. */
+
+#define HS_EVAL_CELLS 13u /* columns */
+#define HS_EVAL_CELL  32u /* bytes of a cell */
+
+typedef struct {
+    char cell[HS_EVAL_CELLS][HS_EVAL_CELL];
+} hs_eval_row;
+
+typedef enum {
+    HS_TABLE_BEST,  /* Table 5.2: each case's best setting */
+    HS_TABLE_COMMON /* Table 5.3: the common threshold and kernel, each case's best knob */
+} hs_eval_table_kind;
+
+/* The columns' names; those that begin with "thesis" come from it. */
+const char *const *hs_eval_row_head(const hs_eval_study *study);
+
+/* Row `index` of the table; index == study->count: the average over the cases. */
+void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index, hs_eval_row *row);
+
+/* One sentence: what the table shows. */
+void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes);
+
+/* Both tables, and that of two methods beside each other, to a terminal. */
+void hs_eval_study_print(const hs_eval_study *study, FILE *out);
+
+/* The same as "best.csv", "common.csv" and "beside.csv" in the study's folder.
+ * HS_ERR_OUTPUT names the file. */
+bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
+
+/* -------------------------------------------------------------------------------- table of two methods -- */
+/* The table of two methods beside each other, for the terminal, the CSV file and the page alike. */
+
+#define HS_BESIDE_CELLS 14u
+#define HS_BESIDE_CELL  48u /* bytes */
+
+/* The table as cells of text: row 0 is the head, 1 .. count the cases, count + 1 the means. */
+void hs_eval_beside_row(const hs_eval_study *study, uint32_t row, char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL]);
+
+/* --------------------------------------------------------------------------------------------- ranking -- */
+/* The ranking of a comparison, for the terminal and the CSV file. */
+
+/* To a terminal, a line a method in the order of the ranks. */
+void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out);
+
+/* "compare.csv" in the comparison's folder, a row a method, case and seed. HS_ERR_OUTPUT names the path. */
+bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err);
+
+/* --------------------------------------------------------------------------------------------- drawing -- */
+/* What the pictures of a case are drawn with: loops over its volume, and files in its folder. */
+
+#define HS_EVAL_ERROR_LIMIT 40.0f /* steps: where the colours of the error picture end */
+
+/* -------------------------------------------------------------------------------------------- pictures -- */
+/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
+
+/* Pictures, speeds and the direct measures of case `index` into "<out>/<case>/". The study must be concluded.
+ * HS_ERR_OUTPUT names the path; HS_ERR_MEMORY, HS_ERR_PLUGIN or HS_ERR_DEVICE. */
+bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err);
+
+/* ---------------------------------------------------------------------------- pictures of a comparison -- */
+/* A comparison's renderings: every case at its first seed, by every method. */
+
+/* Renderings of an open case by all methods, with the full volume and the ground truth, into the case's
+ * folder, which is made. The case's loop is gone afterwards. HS_ERR_OUTPUT names the path. */
+bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err);
+
+/* The folder of a case's pictures (HS_ERR_OUTPUT if its path is longer than `bytes`), and the name of a
+ * method's picture in it. */
+bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
+                            hs_error *err);
+void hs_eval_compare_file(uint32_t method, char *out, size_t bytes);
+
+/* ------------------------------------------------------------------------------------- parts of a page -- */
+/* What the sections of the evaluation's page are made of: pictures of a case, and figures. */
+
+/* A picture of the case's folder; renderings as photos. `alt` is said for the picture after the case's name.
+ * Errors are kept in the page. */
+void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
+                       const char *alt, const char *caption);
+
+/* Writes a figure (host_sim/picture/plot.h) into the page. */
+typedef void (*hs_eval_figure_fn)(FILE *out, const void *plot);
+void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *plot);
+
+/* ------------------------------------------------------------------------------------- parameter space -- */
+/* Figures 5.7 and 5.8 of the thesis, for our cases. */
+
+/* Figure 5.7: e_abs of a case over threshold and kernel, its lowest over the knob. Nothing where the plugin
+ * has neither. */
+void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t index);
+
+/* Figure 5.8: the same averaged over the cases, for the values of Delta_MI that all have. */
+void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study);
+
+/* ----------------------------------------------------------------------------------------------- speed -- */
+/* Table 5.4 and Figures 5.19, 5.20 and 5.21 of the thesis, for our cases on this machine. */
+
+/* Nothing if no speed was measured. */
+void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study);
+
+/* ----------------------------------------------------------------------------------------- two methods -- */
+/* The page's section of two methods beside each other: table, legends, and every case in pictures. */
+
+/* Nothing if there is no other method. Errors are kept in the page. */
+void hs_eval_page_beside(hs_page *report, const hs_eval_study *study);
+
+/* ------------------------------------------------------------------------------------- page of a study -- */
+/* The page of a study: tables, figures and every case in pictures. */
+
+/* Writes "<out>/index.html" of a concluded study whose pictures are made. HS_ERR_OUTPUT, or HS_ERR_INPUT if a
+ * picture cannot be read; then there is no page. */
+bool hs_eval_study_page(const hs_eval_study *study, hs_error *err);
+
+/* -------------------------------------------------------------------------------- page of a comparison -- */
+/* The page of a comparison. */
+
+/* Writes "<out>/index.html" of a ranked comparison whose pictures are made. HS_ERR_OUTPUT, or HS_ERR_INPUT if
+ * a picture cannot be read; then there is no page. */
+bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err);
+
+#endif

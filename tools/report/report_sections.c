@@ -1,0 +1,394 @@
+/* SPDX-License-Identifier: MIT */
+#include "report/report.h"
+
+#include "base/paths.h"
+#include "picture/picture_colour.h"
+#include "picture/plot.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ----------------------------------------------------------------------------------------------- parts -- */
+/* What the sections of the evaluation's page are made of: pictures of a case, and figures. */
+
+void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
+                       const char *alt, const char *caption) {
+    const bool drawn = strstr(name, "error") || strstr(name, "confidence") || strstr(name, "depthmap");
+    char folder[PATH_MAX], path[PATH_MAX], full_alt[256];
+    (void)snprintf(full_alt, sizeof full_alt, "%s: %s", study->space[index].name, alt);
+    if (hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
+        hs_path_join(folder, name, path, sizeof path, &report->error))
+        (drawn ? hs_page_picture : hs_page_photo)(report, path, full_alt, caption);
+}
+
+void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *plot) {
+    char *markup = NULL;
+    size_t bytes = 0;
+    FILE *stream = open_memstream(&markup, &bytes);
+    if (stream) write(stream, plot);
+    if (stream && fclose(stream) == 0)
+        hs_page_markup(report, markup);
+    else
+        (void)hs_fail(&report->error, HS_ERR_MEMORY, "page: no memory for a figure");
+    free(markup);
+}
+
+/* ------------------------------------------------------------------------------------- parameter space -- */
+/* Figures 5.7 and 5.8 of the thesis, for our cases. */
+
+static void write_heat(FILE *out, const void *plot) {
+    hs_plot_heat_write(out, plot);
+}
+
+static float lowest_over_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel) {
+    return hs_eval_at(space, hs_eval_best_knob(space, threshold, kernel))->of[HS_MEASURE_ABS];
+}
+
+void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t index) {
+    const hs_eval_plan *plan = &study->plan;
+    const hs_eval_space *space = &study->space[index];
+    const uint32_t kernels = plan->kernel.count;
+    float value[HS_EVAL_MAX_LINE * HS_EVAL_MAX_LINE];
+    double delta[HS_EVAL_MAX_LINE];
+    char title[160];
+    if (!plan->threshold.exists || !plan->kernel.exists) return;
+    (void)snprintf(title, sizeof title, "%s: lowest e_abs over %s (as the thesis' Figure 5.7)", space->name,
+                   plan->knob.exists ? plan->knob.info.key : "the knob");
+    hs_plot_heat plot = {.title = title,
+                         .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
+                         .y_label = "kernel size k (pixels)",
+                         .value_label = "e_abs (DVR steps)",
+                         .rows = kernels,
+                         .x = delta,
+                         .y = plan->kernel.value,
+                         .value = value,
+                         .mark_row = (int32_t)study->result[index].best.kernel};
+    for (uint32_t t = plan->threshold.count; t-- > 0;) {
+        /* Above the maximum there is no bone: nothing to show. */
+        if (hs_eval_delta(space, t) < 0) continue;
+        if (t == study->result[index].best.threshold) plot.mark_column = (int32_t)plot.columns;
+        delta[plot.columns] = hs_eval_delta(space, t);
+        for (uint32_t k = 0; k < kernels; k++)
+            value[(size_t)plot.columns * kernels + k] = lowest_over_knob(space, t, k);
+        plot.columns++;
+    }
+    if (plot.columns > 0) hs_eval_figure_put(report, write_heat, &plot);
+}
+
+void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
+    const hs_eval_plan *plan = &study->plan;
+    const hs_eval_mean *mean = &study->mean;
+    float value[HS_EVAL_MAX_LINE * HS_EVAL_MAX_LINE];
+    if (!plan->threshold.exists || !plan->kernel.exists || mean->deltas == 0) return;
+    for (uint32_t i = 0; i < mean->deltas * mean->kernels; i++) {
+        value[i] = INFINITY;
+        for (uint32_t q = 0; q < mean->knobs; q++)
+            value[i] = fminf(value[i], mean->e_abs[(size_t)i * mean->knobs + q]);
+    }
+    const hs_plot_heat plot = {.title =
+                                   "All cases: lowest mean e_abs over the knob (as the thesis' Figure 5.8)",
+                               .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
+                               .y_label = "kernel size k (pixels)",
+                               .value_label = "mean e_abs (DVR steps)",
+                               .columns = mean->deltas,
+                               .rows = mean->kernels,
+                               .x = mean->delta,
+                               .y = plan->kernel.value,
+                               .value = value,
+                               .mark_column = (int32_t)mean->best,
+                               .mark_row = (int32_t)mean->best_kernel};
+    hs_eval_figure_put(report, write_heat, &plot);
+}
+
+/* ----------------------------------------------------------------------------------------------- speed -- */
+/* Table 5.4 and Figures 5.19, 5.20 and 5.21 of the thesis, for our cases on this machine. */
+
+#define STAGES 5 /* of the plugin, as smartvis.timing/1 tells them */
+
+static const char *const stage_names[STAGES] = {"transfer", "ray profiles", "threshold", "surface", "output"};
+
+static void stage_ms(const hs_loop_result *r, double ms[STAGES]) {
+    const sv_stage_times *t = &r->plugin_stages;
+    ms[0] = t->transfer_ms;
+    ms[1] = t->profile_ms;
+    ms[2] = t->threshold_ms;
+    ms[3] = t->reconstruct_ms;
+    ms[4] = t->output_ms;
+}
+
+static void write_bars(FILE *out, const void *plot) {
+    hs_plot_bars_write(out, plot);
+}
+
+static void write_lines(FILE *out, const void *plot) {
+    hs_plot_lines_write(out, plot);
+}
+
+/* Figure 5.19: the height of a bar is the plugin's frame rate, its parts are the stages' shares. */
+static void put_stages(hs_page *report, const hs_eval_study *study, const char *const *names) {
+    double value[HS_EVAL_MAX_CASES * STAGES];
+    for (uint32_t i = 0; i < study->count; i++) {
+        const hs_loop_result *r = &study->result[i].speed[HS_SETTING_SMARTVIS];
+        double ms[STAGES], sum = 0;
+        if (!r->has_plugin_stages) return;
+        stage_ms(r, ms);
+        for (int s = 0; s < STAGES; s++) sum += ms[s];
+        for (int s = 0; s < STAGES; s++)
+            value[i * STAGES + (uint32_t)s] = sum > 0 ? 1e3 / sum * ms[s] / sum : 0;
+    }
+    const hs_plot_bars plot = {.title = "The plugin's frame rate, parted by stage (as Figure 5.19)",
+                               .y_label = "frames of the plugin a second",
+                               .groups = study->count,
+                               .series = STAGES,
+                               .group = names,
+                               .name = stage_names,
+                               .value = value,
+                               .stacked = 1};
+    hs_eval_figure_put(report, write_bars, &plot);
+}
+
+/* Figure 5.21. */
+static void put_settings(hs_page *report, const hs_eval_study *study, const char *const *names) {
+    static const char *const labels[HS_SETTING_COUNT] = {"DVR", "+ conversion", "+ plugin"};
+    double value[HS_EVAL_MAX_CASES * HS_SETTING_COUNT];
+    for (uint32_t i = 0; i < study->count; i++)
+        for (int s = 0; s < HS_SETTING_COUNT; s++)
+            value[i * HS_SETTING_COUNT + (uint32_t)s] = study->result[i].speed[s].volumes_per_second;
+    const hs_plot_bars plot = {.title = "Volumes a second in three settings (as Figure 5.21)",
+                               .y_label = "volumes a second",
+                               .groups = study->count,
+                               .series = HS_SETTING_COUNT,
+                               .group = names,
+                               .name = labels,
+                               .value = value};
+    hs_eval_figure_put(report, write_bars, &plot);
+}
+
+/* Figure 5.20. */
+static void put_curves(hs_page *report, const hs_eval_study *study) {
+    char names[HS_EVAL_CURVES][32], title[128];
+    const char *name[HS_EVAL_CURVES];
+    if (study->curves == 0) return;
+    for (uint32_t i = 0; i < study->curves; i++) {
+        (void)snprintf(names[i], sizeof names[i], "T_B = %.2f", study->curve_threshold[i]);
+        name[i] = names[i];
+    }
+    (void)snprintf(title, sizeof title, "%s: the plugin's frame rate over k (as Figure 5.20)",
+                   study->curve_case);
+    const hs_plot_lines plot = {.title = title,
+                                .x_label = "kernel size k (pixels)",
+                                .y_label = "frames of the plugin a second",
+                                .points = study->plan.kernel.count,
+                                .series = study->curves,
+                                .x = study->plan.kernel.value,
+                                .value = &study->curve_fps[0][0],
+                                .stride = HS_EVAL_MAX_LINE,
+                                .name = name};
+    hs_eval_figure_put(report, write_lines, &plot);
+}
+
+/* Table 5.4: the average over the cases. */
+static void put_table(hs_page *report, const hs_eval_study *study) {
+    static const char *const head[3] = {"stage", "here [ms]", "thesis, Table 5.4 [ms]"};
+    double mean[STAGES] = {0}, dvr = 0, loop = 0;
+    char text[2][32];
+    bool known = true;
+    for (uint32_t i = 0; i < study->count; i++) {
+        const hs_loop_result *r = &study->result[i].speed[HS_SETTING_SMARTVIS];
+        double ms[STAGES];
+        stage_ms(r, ms);
+        known = known && r->has_plugin_stages;
+        for (int s = 0; s < STAGES; s++) mean[s] += ms[s] / study->count;
+        dvr += r->stage[HS_STAGE_DVR].median / study->count;
+        loop += r->stage[HS_STAGE_LOOP].median / study->count;
+    }
+    const struct {
+        const char *name;
+        double ms;
+        int thesis; /* of hs_eval_thesis_stages; -1: it does not tell */
+    } rows[] = {{"transfer", known ? mean[0] : NAN, 0},
+                {"ray profiles", known ? mean[1] : NAN, -1},
+                {"initial points", known ? mean[2] : NAN, 1},
+                {"mean filter", known ? mean[3] : NAN, 2},
+                {"output", known ? mean[4] : NAN, -1},
+                {"render", dvr, 3},
+                {"whole frame", loop, 4}};
+    hs_page_table_begin(report);
+    hs_page_table_row(report, head, 3);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        (void)snprintf(text[0], sizeof text[0], isnan(rows[i].ms) ? "-" : "%.3f", rows[i].ms);
+        (void)snprintf(text[1], sizeof text[1], rows[i].thesis < 0 ? "-" : "%.3f",
+                       rows[i].thesis < 0 ? 0.0 : hs_eval_thesis_stages[rows[i].thesis].ms);
+        const char *cells[3] = {rows[i].name, text[0], text[1]};
+        hs_page_table_row(report, cells, 3);
+    }
+    hs_page_table_end(report);
+}
+
+void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
+    const char *names[HS_EVAL_MAX_CASES];
+    char text[800];
+    double lost = 0;
+    for (uint32_t i = 0; i < study->count; i++) {
+        if (!study->result[i].has_speed) return;
+        names[i] = study->space[i].name;
+        lost += (study->result[i].speed[HS_SETTING_CONVERT].volumes_per_second -
+                 study->result[i].speed[HS_SETTING_SMARTVIS].volumes_per_second) /
+                study->count;
+    }
+    hs_page_heading(report, 2, "Speed");
+    (void)snprintf(
+        text, sizeof text,
+        "Medians of %u frames on %s, pictures of 512 x 512. With the plugin a volume shows %.1f "
+        "frames a second %s than with scan conversion alone; in the thesis the plugin cost %d a "
+        "second on another machine with other data. A clipped picture can also be quicker: its rays "
+        "skip what is cut away.",
+        study->options->frames, study->cl.device_name, fabs(lost), lost >= 0 ? "fewer" : "more",
+        HS_EVAL_THESIS_LOST_FPS);
+    hs_page_text(report, text);
+    put_settings(report, study, names);
+    put_stages(report, study, names);
+    put_curves(report, study);
+    put_table(report, study);
+    hs_page_text(report, "The thesis' setup is the preparation of a frame, ours the copy of the slabs; its "
+                         "mean filter worked on 512 x 512 pixels.");
+}
+
+/* ----------------------------------------------------------------------------------------- two methods -- */
+/* The page's section of two methods beside each other: table, legends, and every case in pictures. */
+
+#define LEGEND_STOPS 41u
+
+static void put_means(hs_page *report, const hs_eval_study *study) {
+    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
+    const char *cells[HS_BESIDE_CELLS];
+    for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) cells[i] = cell[i];
+    hs_page_table_begin(report);
+    for (uint32_t r = 0; r <= study->count + 1; r++) {
+        hs_eval_beside_row(study, r, cell);
+        hs_page_table_row(report, cells, HS_BESIDE_CELLS);
+    }
+    hs_page_table_end(report);
+}
+
+/* A bar in the colours of a map, with the words of its ends and its middle. */
+typedef struct {
+    const char *label;
+    uint32_t (*colour)(double t);
+    double low; /* what `colour` takes at the left end; 1 at the right */
+    const char *left, *middle, *right;
+} legend;
+
+static void write_legend(FILE *out, const void *of) {
+    const legend *l = of;
+    (void)fprintf(out,
+                  "<svg class=\"plot\" style=\"min-width:0;max-width:30rem\" viewBox=\"0 0 480 50\" "
+                  "role=\"img\" aria-label=\"%s\" "
+                  "font-family=\"sans-serif\" font-size=\"14\"><title>%s</title>\n",
+                  l->label, l->label);
+    for (uint32_t i = 0; i < LEGEND_STOPS; i++) {
+        const double t = l->low + (1.0 - l->low) * i / (LEGEND_STOPS - 1);
+        (void)fprintf(out, "<rect x=\"%.1f\" y=\"4\" width=\"%.1f\" height=\"18\" fill=\"#%06x\"/>\n",
+                      480.0 * i / LEGEND_STOPS, 480.0 / LEGEND_STOPS + 0.5, l->colour(t));
+    }
+    (void)fprintf(out,
+                  "<text x=\"0\" y=\"40\">%s</text><text x=\"240\" y=\"40\" text-anchor=\"middle\">%s</text>"
+                  "<text x=\"480\" y=\"40\" text-anchor=\"end\">%s</text>\n</svg>\n",
+                  l->left, l->middle, l->right);
+}
+
+static void put_legends(hs_page *report, bool with_confidence) {
+    char left[64], right[64];
+    (void)snprintf(left, sizeof left, "-%.0f steps: fetus cut", (double)HS_EVAL_ERROR_LIMIT);
+    (void)snprintf(right, sizeof right, "+%.0f steps: occluder left", (double)HS_EVAL_ERROR_LIMIT);
+    const legend errors = {.label = "Colours of the error pictures",
+                           .colour = hs_colour_diverging,
+                           .low = -1.0,
+                           .left = left,
+                           .middle = "0",
+                           .right = right};
+    const legend confidence = {.label = "Colours of the confidence pictures",
+                               .colour = hs_colour_viridis,
+                               .left = "confidence 0: none",
+                               .middle = "0.5",
+                               .right = "1: sure"};
+    hs_eval_figure_put(report, write_legend, &errors);
+    hs_page_text(report, "Dark grey is outside the sac and not evaluated.");
+    if (!with_confidence) return;
+    hs_eval_figure_put(report, write_legend, &confidence);
+    hs_page_text(
+        report,
+        "The last picture of a case is not cut off at the surface but ghosted: opacity rises over a window "
+        "before it, of ten low-resolution slices where the method is sure and up to thirty where it is "
+        "not.");
+}
+
+/* "mean at q = 0.4: e_abs 8.36, cut 34.7%, left 2.1%" */
+static void caption_of(const hs_eval_study *study, uint32_t index, hs_beside_way way, char *out,
+                       size_t bytes) {
+    const hs_eval_beside *b = &study->beside;
+    const hs_measures *m = &b->of[index][way];
+    char name[128];
+    if (way == HS_BESIDE_KNOB && b->knob.exists)
+        (void)snprintf(name, sizeof name, "%.60s at %.20s = %.4g", b->first_name, b->knob.info.key,
+                       b->knob.value[b->best]);
+    else
+        (void)snprintf(name, sizeof name, "%.60s", way == HS_BESIDE_OTHER ? b->other_name : b->first_name);
+    (void)snprintf(out, bytes, "%s: e_abs %.2f, cut %.1f%%, left %.1f%%", name, (double)m->of[HS_MEASURE_ABS],
+                   100 * (double)m->of[HS_MEASURE_FETUS_CUT], 100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT]);
+}
+
+static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
+    const hs_eval_beside *b = &study->beside;
+    char first[256], other[256], error[2][128];
+    caption_of(study, index, HS_BESIDE_KNOB, first, sizeof first);
+    caption_of(study, index, HS_BESIDE_OTHER, other, sizeof other);
+    (void)snprintf(error[0], sizeof error[0], "Error of %.60s", b->first_name);
+    (void)snprintf(error[1], sizeof error[1], "Error of %.60s", b->other_name);
+    hs_page_heading(report, 3, study->space[index].name);
+    hs_page_row_begin(report);
+    hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
+    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
+    hs_eval_page_show(report, study, index, "beside_knob.png", first, first);
+    hs_eval_page_show(report, study, index, "beside_other.png", other, other);
+    hs_page_row_end(report);
+    hs_page_row_begin(report);
+    hs_eval_page_show(report, study, index, "beside_knob_error.png", error[0], error[0]);
+    hs_eval_page_show(report, study, index, "beside_other_error.png", error[1], error[1]);
+    if (b->has_confidence[index]) {
+        (void)snprintf(other, sizeof other, "Confidence of %.60s", b->other_name);
+        hs_eval_page_show(report, study, index, "beside_confidence.png", other, other);
+        (void)snprintf(other, sizeof other, "%.60s, ghosted; wider where it is not sure", b->other_name);
+        hs_eval_page_show(report, study, index, "beside_ghost.png", other, other);
+    }
+    hs_page_row_end(report);
+}
+
+void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
+    const hs_eval_beside *b = &study->beside;
+    char text[900];
+    bool confidence = false;
+    if (!b->exists) return;
+    (void)snprintf(text, sizeof text, "%.60s beside %.60s", b->other_name, b->first_name);
+    hs_page_heading(report, 2, text);
+    (void)snprintf(
+        text, sizeof text,
+        "Each method at one setting for all cases: %.60s at its defaults, %.60s with its knob where the "
+        "mean e_abs over these cases is lowest. \"tuned\" is %.60s at the best setting of the whole "
+        "parameter space, found on these very volumes.",
+        b->other_name, b->first_name, b->first_name);
+    hs_page_text(report, text);
+    (void)snprintf(
+        text, sizeof text,
+        "e_abs in DVR steps; cut: share of the fetus that is cut by more than two steps; left: share of the "
+        "occluded rays whose occluder is still there. ratio: e_abs of %.60s to that of %.60s at its best "
+        "knob. true surface: what is left with the scene's own clipping surface as the depthmap.",
+        b->other_name, b->first_name);
+    hs_page_text(report, text);
+    put_means(report, study);
+    for (uint32_t i = 0; i < study->count; i++) confidence = confidence || b->has_confidence[i];
+    put_legends(report, confidence);
+    for (uint32_t i = 0; i < study->count; i++) put_case(report, study, i);
+}
