@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "print.h"
 
-#include "validate/checks/check_list.h"
+#include "validate/checks/check.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -4,7 +4,7 @@
 #include "base/progress.h"
 #include "print.h"
 #include "smartvis_plugin.h"
-#include "validate/checks/check_list.h"
+#include "validate/checks/check.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_create.h"
+/* Checks of instances and of how a plugin treats its host and its process. */
+#include "validate/checks/check.h"
 
-#include "validate/drive/drive_frame.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/library_range.h"
 

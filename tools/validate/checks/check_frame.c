@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_frame.h"
+/* Checks of what a frame gives. */
+#include "validate/checks/check.h"
 
 #include "plugin/loader.h"
 #include "smartvis/confidence.h"
-#include "validate/drive/drive_frame.h"
-#include "validate/drive/drive_params.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_input.h"
-
-#include "validate/drive/drive_frame.h"
+/* Checks of what a plugin does with the memory that it is given. */
+#include "validate/checks/check.h"
 
 #include <stdio.h>
 #include <string.h>

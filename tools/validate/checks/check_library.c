@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_library.h"
+/* Checks of the library as a file: loading, symbols, entry, descriptors. */
+#include "validate/checks/check.h"
 
 #include "base/progress.h"
-#include "validate/drive/drive_frame.h"
 
 #include <dlfcn.h>
 #include <elf.h>

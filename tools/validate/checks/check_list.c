@@ -1,19 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_list.h"
-
-#include "validate/checks/check_create.h"
-#include "validate/checks/check_frame.h"
-#include "validate/checks/check_input.h"
-#include "validate/checks/check_library.h"
-#include "validate/checks/check_opencl.h"
-#include "validate/checks/check_param_info.h"
-#include "validate/checks/check_param_pairs.h"
-#include "validate/checks/check_param_text.h"
-#include "validate/checks/check_param_values.h"
-#include "validate/checks/check_refusal.h"
-#include "validate/checks/check_repeat.h"
-#include "validate/checks/check_settings.h"
-#include "validate/checks/check_state.h"
+/* All checks in their order. */
+#include "validate/checks/check.h"
 
 #include <string.h>
 

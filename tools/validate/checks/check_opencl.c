@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_opencl.h"
+/* Checks of a plugin's OpenCL calls and allocations, seen through the spies. */
+#include "validate/checks/check.h"
 
-#include "validate/drive/drive_frame.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_param_info.h"
-
-#include "validate/drive/drive_params.h"
+/* Checks of how parameters describe themselves. */
+#include "validate/checks/check.h"
 
 #include <math.h>
 #include <stdio.h>

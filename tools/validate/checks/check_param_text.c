@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_param_text.h"
+#include "validate/checks/check.h"
 
 #include "smartvis/lookup.h"
-#include "validate/drive/drive_params.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ----------------------------------------------------------------------------------------------- texts -- */
+/* Checks of values as a person reads them. */
 
 enum { ROOM = 512, NAME = 64, MARK = 0xa5, MOST_NAMES = 256 };
 
@@ -134,4 +136,174 @@ void check_param_enum_names(v_run *run) {
     }
     if (tried == 0) v_skip(run, "the plugin has no parameter that is an enum or a bool");
     v_close(&s);
+}
+
+/* ----------------------------------------------------------------------------------------------- pairs -- */
+/*
+ * Every pair of values of two parameters is tried, and many pairs at once: a row of values for all
+ * parameters covers a pair of every two of them. Rows are made greedily, so that each covers as many pairs as
+ * are left. If a row fails, the pair that is to blame is looked for among its values.
+ */
+
+enum { MOST_KNOBS = 24, MOST_VALUES = 12, TRIES = 24 };
+
+typedef struct {
+    const sv_param_info *info;
+    uint32_t count;
+    double value[MOST_VALUES];
+} knob;
+
+typedef struct {
+    v_rig r;
+    uint32_t count;
+    knob knobs[MOST_KNOBS];
+    bool covered[MOST_KNOBS][MOST_VALUES][MOST_KNOBS][MOST_VALUES];
+} search;
+
+static v_params params;
+
+/* All values where they are few, else the ends, the default, and random ones. */
+static void choose_values(v_run *run, knob *k) {
+    const sv_param_info *i = k->info;
+    const uint32_t values = v_param_values(i);
+    if (values > 0 && values <= MOST_VALUES) {
+        for (uint32_t n = 0; n < values; n++) k->value[k->count++] = i->min_value + n * i->step;
+        return;
+    }
+    k->value[k->count++] = i->min_value;
+    k->value[k->count++] = i->default_value;
+    k->value[k->count++] = values > 0 ? i->min_value + (values - 1) * i->step : i->max_value;
+    if (run->level > 5) k->value[k->count++] = v_param_random(run, i);
+}
+
+static uint32_t gain_of(const search *s, const uint32_t *row, uint32_t upto, uint32_t at, uint32_t value) {
+    uint32_t gain = 0;
+    for (uint32_t k = 0; k < upto; k++)
+        if (k != at) gain += !s->covered[k][row[k]][at][value];
+    return gain;
+}
+
+/* A row from a random start: parameters in turn take the value that covers most. Returns the pairs. */
+static uint32_t make_row(v_run *run, const search *s, uint32_t *row) {
+    uint32_t total = 0;
+    for (uint32_t k = 0; k < s->count; k++) row[k] = v_random(run, s->knobs[k].count);
+    for (int round = 0; round < 3; round++)
+        for (uint32_t k = 0; k < s->count; k++) {
+            uint32_t best = gain_of(s, row, s->count, k, row[k]);
+            for (uint32_t v = 0; v < s->knobs[k].count; v++) {
+                const uint32_t gain = gain_of(s, row, s->count, k, v);
+                if (gain <= best) continue;
+                best = gain;
+                row[k] = v;
+            }
+        }
+    for (uint32_t k = 0; k < s->count; k++) total += gain_of(s, row, k, k, row[k]);
+    return total;
+}
+
+static void cover(search *s, const uint32_t *row) {
+    for (uint32_t a = 0; a < s->count; a++)
+        for (uint32_t b = 0; b < s->count; b++) s->covered[a][row[a]][b][row[b]] = true;
+}
+
+/* activate with these values, a frame, deactivate; other parameters have their defaults. */
+static sv_status try_values(search *s, const uint32_t *row, const uint32_t *which, uint32_t count) {
+    sv_param_value list[MOST_KNOBS];
+    sv_format format = s->r.stage.format;
+    const sv_plugin *p = s->r.s.plugin;
+    v_map map;
+    for (uint32_t i = 0; i < count; i++)
+        list[i] = (sv_param_value){s->knobs[which[i]].info->id, 0, s->knobs[which[i]].value[row[which[i]]]};
+    format.values = list;
+    format.value_count = count;
+    v_where(s->r.s.run, "activate with %u values", count);
+    sv_status status = p->activate(p, &format);
+    if (status < 0) return status;
+    status = v_try_frame(p, &s->r.stage, NULL, 0, &map);
+    for (uint32_t i = 0; status >= 0 && i < map.width * map.height; i++)
+        if (!isfinite(map.depth[i])) status = SV_ERR_INTERNAL;
+    if (status >= 0) v_map_free(&map);
+    v_deactivate(&s->r.s, p);
+    return status;
+}
+
+/* The row fails: with which pair, with which value alone, or only as a whole? */
+static _Noreturn void blame(search *s, const uint32_t *row, sv_status status) {
+    char reason[300], text[500] = "";
+    v_run *run = s->r.s.run;
+    (void)snprintf(reason, sizeof reason, "%s", s->r.s.plugin->last_error(s->r.s.plugin));
+    for (uint32_t a = 0; a < s->count; a++)
+        for (uint32_t b = 0; b <= a; b++) {
+            const uint32_t which[2] = {a, b};
+            const sv_status pair = try_values(s, row, which, a == b ? 1 : 2);
+            if (pair >= 0) continue;
+            const knob *ka = &s->knobs[a], *kb = &s->knobs[b];
+            const char *why = s->r.s.plugin->last_error(s->r.s.plugin);
+            v_fail(run, "%s = %g%s%s = %g: %s: %s", kb->info->key, kb->value[row[b]],
+                   a == b ? " alone, " : " with ", ka->info->key, ka->value[row[a]], v_status(pair),
+                   why && why[0] ? why : "a depth is not finite");
+        }
+    for (uint32_t k = 0, used = 0; k < s->count && used < sizeof text; k++)
+        used += (uint32_t)snprintf(text + used, sizeof text - used, " %s=%g", s->knobs[k].info->key,
+                                   s->knobs[k].value[row[k]]);
+    v_fail(run, "these values fail together, no two of them alone: %s (%s):%s", v_status(status), reason,
+           text);
+}
+
+static bool try_best_row(search *s) {
+    uint32_t row[MOST_KNOBS], best_row[MOST_KNOBS], best = 0, all[MOST_KNOBS];
+    for (int i = 0; i < TRIES; i++) {
+        const uint32_t gain = make_row(s->r.s.run, s, row);
+        if (gain <= best) continue;
+        best = gain;
+        memcpy(best_row, row, sizeof row);
+    }
+    if (best == 0) return false;
+    for (uint32_t k = 0; k < s->count; k++) all[k] = k;
+    const sv_status status = try_values(s, best_row, all, s->count);
+    if (status < 0) blame(s, best_row, status);
+    cover(s, best_row);
+    return true;
+}
+
+/* Random rows seldom hit the last pairs: these get rows of their own. */
+static uint32_t try_rest(search *s) {
+    uint32_t rows = 0, row[MOST_KNOBS] = {0}, all[MOST_KNOBS];
+    for (uint32_t k = 0; k < s->count; k++) all[k] = k;
+    for (uint32_t a = 0; a < s->count; a++)
+        for (uint32_t b = 0; b < a; b++)
+            for (uint32_t i = 0; i < s->knobs[a].count; i++)
+                for (uint32_t j = 0; j < s->knobs[b].count; j++) {
+                    if (s->covered[a][i][b][j]) continue;
+                    for (uint32_t k = 0; k < s->count; k++) row[k] = v_random(s->r.s.run, s->knobs[k].count);
+                    row[a] = i;
+                    row[b] = j;
+                    const sv_status status = try_values(s, row, all, s->count);
+                    if (status < 0) blame(s, row, status);
+                    cover(s, row);
+                    rows++;
+                }
+    return rows;
+}
+
+void check_param_pairs(v_run *run) {
+    static search s;
+    uint32_t rows = 0, pairs = 0;
+    memset(&s, 0, sizeof s);
+    v_rig_standard(run, &s.r);
+    v_deactivate(&s.r.s, s.r.s.plugin);
+    v_params_read(&s.r.s, &params);
+    for (uint32_t i = 0; i < params.count && s.count < MOST_KNOBS; i++) {
+        if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
+        s.knobs[s.count].info = &params.info[i];
+        choose_values(run, &s.knobs[s.count++]);
+    }
+    if (s.count < 2) v_skip(run, "fewer than two parameters need a new activation");
+    for (uint32_t a = 0; a < s.count; a++)
+        for (uint32_t b = 0; b < a; b++) pairs += s.knobs[a].count * s.knobs[b].count;
+    while (try_best_row(&s)) rows++;
+    rows += try_rest(&s);
+    v_note(run, "%u parameters, %u pairs of values, in %u activations", s.count, pairs, rows);
+    v_activate(&s.r.s, s.r.s.plugin, &s.r.stage);
+    v_rig_close(&s.r);
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_param_values.h"
-
-#include "validate/drive/drive_frame.h"
-#include "validate/drive/drive_params.h"
+/* Checks of the values that a plugin takes and refuses. */
+#include "validate/checks/check.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_refusal.h"
-
-#include "validate/drive/drive_frame.h"
+/* Checks of what a plugin must refuse, and that it says why. */
+#include "validate/checks/check.h"
 
 #include <math.h>
 #include <stdio.h>

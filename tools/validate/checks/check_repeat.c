@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/checks/check_repeat.h"
-
-#include "validate/drive/drive_frame.h"
-#include "validate/drive/drive_params.h"
+/* Checks that a map depends on its frame and on nothing else. */
+#include "validate/checks/check.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

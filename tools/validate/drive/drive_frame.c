@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/drive/drive_frame.h"
+/* Frames: the calls one by one or all together, and what came out. */
+#include "validate/drive/drive.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/drive/drive_run.h"
+/* One check under way: what it was asked for, and what it reports. */
+#include "validate/drive/drive.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,11 +1,116 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/drive/drive_stage.h"
+#include "validate/drive/drive.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
+
+/* ---------------------------------------------------------------------------------------------- device -- */
+/* The validator's OpenCL device: what a host hands to a plugin that works on the host's queue. */
+
+enum { MOST_PLATFORMS = 16 };
+
+static cl_device_id first_of(cl_device_type type) {
+    cl_platform_id platforms[MOST_PLATFORMS];
+    cl_uint count = 0;
+    cl_device_id device = NULL;
+    if (clGetPlatformIDs(MOST_PLATFORMS, platforms, &count) != CL_SUCCESS) return NULL;
+    for (cl_uint i = 0; i < count && i < MOST_PLATFORMS && !device; i++)
+        if (clGetDeviceIDs(platforms[i], type, 1, &device, NULL) != CL_SUCCESS) device = NULL;
+    return device;
+}
+
+void v_device_open(v_run *run, v_device *d) {
+    const char *wanted = getenv("SMARTVIS_DEVICE");
+    cl_int code = CL_SUCCESS;
+    memset(d, 0, sizeof *d);
+    v_where(run, "the validator's own OpenCL calls");
+    if (!wanted || strcmp(wanted, "cpu") != 0) d->device = first_of(CL_DEVICE_TYPE_GPU);
+    if (!d->device && wanted && strcmp(wanted, "cpu") == 0) d->device = first_of(CL_DEVICE_TYPE_CPU);
+    if (!d->device && !wanted) d->device = first_of(CL_DEVICE_TYPE_ALL);
+    if (!d->device) v_skip(run, "there is no OpenCL device");
+    d->context = clCreateContext(NULL, 1, &d->device, NULL, NULL, &code);
+    if (code == CL_SUCCESS) d->queue = clCreateCommandQueue(d->context, d->device, 0, &code);
+    if (code != CL_SUCCESS) v_skip(run, "the OpenCL device cannot be opened: %d", (int)code);
+}
+
+void v_device_close(v_device *d) {
+    if (d->queue) (void)clReleaseCommandQueue(d->queue);
+    if (d->context) (void)clReleaseContext(d->context);
+    memset(d, 0, sizeof *d);
+}
+
+/* --------------------------------------------------------------------------------------------- volumes -- */
+/* Volumes to try a plugin on. */
+
+static uint8_t voxel(v_run *run, v_kind kind, uint32_t x, uint32_t y, uint32_t z, uint32_t slices) {
+    const uint32_t shift = kind == V_OTHER ? slices / 5 : 0;
+    const uint32_t wall = slices / 6 + (x + y) / 9 % 3 + shift,
+                   fetus = slices / 2 + (x * 2 + y) / 11 % 4 + shift;
+    switch (kind) {
+    case V_LAYERS:
+    case V_OTHER:
+        if (z < wall) return (uint8_t)(90 + v_random(run, 60));
+        return z < fetus ? (uint8_t)(5 + v_random(run, 20)) : (uint8_t)(140 + v_random(run, 100));
+    case V_WHITE:
+        return 255;
+    case V_GREY:
+        return 128;
+    case V_NOISE:
+        return (uint8_t)v_random(run, 256);
+    case V_STRIPES:
+        return z % 2 ? 255 : 0;
+    default:
+        return 0;
+    }
+}
+
+const char *v_kind_name(v_kind kind) {
+    static const char *const names[V_KINDS] = {"layered", "other layered", "black",  "white",
+                                               "grey",    "noisy",         "striped"};
+    return names[kind];
+}
+
+void v_volume_make(v_run *run, v_volume *v, v_kind kind, uint32_t width, uint32_t height, uint32_t slices) {
+    const size_t rays = (size_t)width * height;
+    *v = (v_volume){width, height, slices, v_memory(run, rays * slices),
+                    v_memory(run, rays * sizeof(sv_scanned))};
+    for (uint32_t z = 0; z < slices; z++)
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++)
+                v->voxels[z * rays + (size_t)y * width + x] = voxel(run, kind, x, y, z, slices);
+    for (size_t i = 0; i < rays; i++) v->ranges[i] = (sv_scanned){0, (uint16_t)slices};
+}
+
+void v_volume_free(v_volume *v) {
+    free(v->voxels);
+    free(v->ranges);
+    *v = (v_volume){0};
+}
+
+void v_volume_narrow(v_volume *v) {
+    for (uint32_t i = 0; i < v->width * v->height; i++) {
+        const uint32_t first = i % 3, last = 1 + i % 2;
+        if (v->slices > first + last)
+            v->ranges[i] = (sv_scanned){(uint16_t)first, (uint16_t)(v->slices - last)};
+    }
+}
+
+void v_volume_outside(v_run *run, v_volume *v, int value) {
+    const size_t rays = (size_t)v->width * v->height;
+    for (size_t i = 0; i < rays; i++)
+        for (uint32_t z = 0; z < v->slices; z++)
+            if (z < v->ranges[i].first || z >= v->ranges[i].end)
+                v->voxels[z * rays + i] = value < 0 ? (uint8_t)v_random(run, 256) : (uint8_t)value;
+}
+
+/* ----------------------------------------------------------------------------------------------- stage -- */
+/*
+ * What a host has ready for frames of one format: slabs cut from a volume, scanned ranges, and memory for
+ * results with guard bands around it and between its rows.
+ */
 
 enum { GUARD = 256, OBJECT_OFFSET = 64, RANGES_OFFSET = 12 };
 

@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: MIT */
+/* How checks drive a plugin: the run, the library, its parameters, a device, volumes, stages and frames. */
+#ifndef V_DRIVE_H
+#define V_DRIVE_H
+
+#include "smartvis_plugin.h"
+
+#include <CL/cl.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ------------------------------------------------------------------------------------------------- run -- */
+/* One check under way: what it was asked for, and what it reports. */
+
+typedef enum {
+    V_PASS,
+    V_WARN, /* it holds, and something is not as it should be */
+    V_SKIP, /* not tried: the text says why */
+    V_FAIL,
+    V_CRASH, /* the process ended before the check did */
+    V_TIMEOUT
+} v_verdict;
+
+/* What a check leaves behind. It lies in memory that the validator shares with the check's process, so it is
+ * still there when that has crashed. */
+typedef struct {
+    v_verdict verdict;
+    bool finished;
+    char text[700];  /* what was found; "" if there is nothing to say */
+    char where[200]; /* the call that is under way */
+} v_report;
+
+typedef struct {
+    const char *path; /* of the library */
+    const char *id;   /* of the plugin; NULL: the library's first */
+    uint64_t seed;
+    uint32_t level; /* 1 .. 10: how much is tried */
+    bool verbose;   /* what the plugin logs goes to standard error */
+    v_report *report;
+    uint64_t random; /* state of v_random */
+    jmp_buf escape;  /* where v_fail and v_skip go */
+} v_run;
+
+/* Notes the finding and ends the check. */
+_Noreturn void v_fail(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+_Noreturn void v_skip(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Notes the finding, the first one only, and goes on. */
+void v_warn(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Says what a passed check has tried. */
+void v_note(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Fails unless `holds`. */
+#define V_EXPECT(run, holds, ...)                                                                            \
+    do {                                                                                                     \
+        if (!(holds)) v_fail(run, __VA_ARGS__);                                                              \
+    } while (0)
+
+/* The call that comes next: what a crash or a hang is told with. */
+void v_where(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Random numbers from the seed and the check's name: the same for the same command. */
+void v_random_begin(v_run *run, const char *name);
+uint32_t v_random(v_run *run, uint32_t below); /* 0 .. below - 1; `below` at least 1 */
+double v_random_unit(v_run *run);              /* 0 .. 1, both ends possible */
+
+/* `bytes` of memory, all zero. Fails the check if there are none. */
+void *v_memory(v_run *run, size_t bytes);
+
+/* --------------------------------------------------------------------------------------------- subject -- */
+/* The library under test with one instance of its plugin, and the host that it sees. */
+
+/* The host that a plugin is given. It keeps the last line of the log, and notes what a plugin must not do. */
+typedef struct {
+    sv_host api;
+    v_run *run;
+    pthread_mutex_t lock;
+    uint32_t lines;
+    int32_t severity; /* of the last line */
+    char line[512];
+    char fault[256]; /* the first rule that a call to the host broke; "" */
+} v_host;
+
+typedef struct {
+    v_run *run;
+    void *library;
+    const sv_entry *entry;
+    const sv_descriptor *descriptor; /* of the plugin that was asked for */
+    const sv_plugin *plugin;
+    v_host host; /* must not move */
+} v_subject;
+
+/* dlopen and the entry; fails if it cannot be loaded or the entry cannot be used. Names no descriptor. */
+void v_load(v_run *run, v_subject *s);
+
+/* The same and an instance, whole enough to be called. `bare`: the host has no log and no extensions. */
+void v_open(v_run *run, v_subject *s);
+void v_open_bare(v_run *run, v_subject *s);
+
+/* Another instance of the plugin, of the same host. */
+const sv_plugin *v_another(v_subject *s);
+
+/* destroy and dlclose. */
+void v_close(v_subject *s);
+
+/* 1 if `text` is UTF-8 of at most `most` bytes without control characters. */
+bool v_is_text(const char *text, size_t most);
+
+/* A status with its name, "SV_ERR_STATE (-20)", in one of a few buffers that are used in turn. */
+const char *v_status(sv_status status);
+
+/* ------------------------------------------------------------------------------------------ parameters -- */
+/* A plugin's parameters as checks use them: what it reports, bounded, and values to try. */
+
+#define V_MAX_PARAMS 256u
+
+typedef struct {
+    uint32_t count;
+    sv_param_info info[V_MAX_PARAMS];
+} v_params;
+
+/* The parameters that describe themselves well enough to be used; what else is wrong with them, the checks of
+ * parameters find. */
+void v_params_read(v_subject *s, v_params *params);
+
+/* Number of values of an int, bool or enum; 0 for a float, or if they are more than 10^6. */
+uint32_t v_param_values(const sv_param_info *info);
+
+/* A value of the parameter: anywhere in the hard range, an end now and then. */
+double v_param_random(v_run *run, const sv_param_info *info);
+
+/* A value that is not the default, or the default if there is no other. */
+double v_param_other(const sv_param_info *info);
+
+/* ---------------------------------------------------------------------------------------------- device -- */
+/* The validator's OpenCL device: what a host hands to a plugin that works on the host's queue. */
+
+typedef struct {
+    cl_device_id device;
+    cl_context context;
+    cl_command_queue queue; /* in-order */
+} v_device;
+
+/* The first GPU, else the first device of any kind; SMARTVIS_DEVICE ("cpu", "gpu") narrows the choice. Skips
+ * the check if there is none. */
+void v_device_open(v_run *run, v_device *d);
+void v_device_close(v_device *d);
+
+/* --------------------------------------------------------------------------------------------- volumes -- */
+/* Volumes to try a plugin on. */
+
+typedef enum {
+    V_LAYERS, /* skin, fluid and fetus, with noise: a frame that has a surface */
+    V_OTHER,  /* the same with the fluid elsewhere */
+    V_BLACK,
+    V_WHITE,
+    V_GREY,
+    V_NOISE,
+    V_STRIPES, /* 0 and 255 in turn along the ray */
+    V_KINDS
+} v_kind;
+
+typedef struct {
+    uint32_t width, height, slices;
+    uint8_t *voxels;    /* x runs fastest, then y, then z */
+    sv_scanned *ranges; /* of every ray: all of the volume */
+} v_volume;
+
+/* By the run's random numbers. */
+void v_volume_make(v_run *run, v_volume *v, v_kind kind, uint32_t width, uint32_t height, uint32_t slices);
+void v_volume_free(v_volume *v);
+
+/* Ranges that cut a few slices off either end, other ones on every ray. */
+void v_volume_narrow(v_volume *v);
+
+/* Every voxel outside its ray's range becomes `value`; -1: noise. */
+void v_volume_outside(v_run *run, v_volume *v, int value);
+
+const char *v_kind_name(v_kind kind);
+
+/* ----------------------------------------------------------------------------------------------- stage -- */
+/*
+ * What a host has ready for frames of one format: slabs cut from a volume, scanned ranges, and memory for
+ * results with guard bands around it and between its rows.
+ */
+
+enum { V_MAX_SLABS = 64, V_MAX_FIXED = 64 };
+
+/* One way of handing volumes over. */
+typedef struct {
+    uint32_t width, height, slices;
+    uint32_t longest;        /* slices of the longest slab */
+    const uint32_t *lengths; /* of the slabs, ended by 0; NULL: `longest` each, the last one short */
+    uint32_t tiles_x, extra_w, extra_h, extra_pitch;
+    uint32_t carrier; /* SV_CARRIER_... */
+    bool own_queue;   /* else the host's */
+    bool ranges;      /* frames bring scanned ranges */
+    bool ranges_in_buffer;
+    bool registered;   /* the slabs' memory is named at activation */
+    bool exact;        /* a slab's memory ends where its bytes do: what follows cannot be read */
+    int32_t padding;   /* 0 .. 255 or SV_NO_PADDING */
+    uint8_t hatch;     /* value of bytes that belong to no slice */
+    uint32_t pitch;    /* floats from one row of the map to the next beyond the width */
+    bool depth_object; /* the map goes to an OpenCL buffer */
+    uint32_t fixed_count;
+    sv_param_value fixed[V_MAX_FIXED]; /* values for activate */
+} v_way;
+
+/* Host memory, three slabs, three tiles a row with some padding around, and ranges if the plugin takes them.
+ * The host's queue if the plugin takes that, else its own. */
+v_way v_standard_way(const v_subject *s);
+
+/* Another size, in as many slabs as before. */
+v_way v_sized(v_way way, uint32_t width, uint32_t height, uint32_t slices);
+
+typedef struct {
+    v_run *run;
+    v_way way;
+    const v_device *device; /* NULL with an own queue */
+    sv_format format;
+    uint32_t slab_count;
+    uint32_t first[V_MAX_SLABS], length[V_MAX_SLABS];
+    uint64_t bytes[V_MAX_SLABS];
+    uint8_t *pages, *memory[V_MAX_SLABS]; /* the slabs' textures, in one mapping */
+    size_t page_bytes;
+    cl_mem objects[V_MAX_SLABS];
+    sv_scanned *ranges; /* as they are handed over */
+    cl_mem ranges_object;
+
+    uint8_t *results; /* one block: guard, map, guard, status map, guard, statistics, guard */
+    size_t result_bytes, depth_at, status_at, stats_at, row_bytes;
+    cl_mem depth_object;
+} v_stage;
+
+/* `device` may be NULL if the way has an own queue. Skips the check if OpenCL refuses an object. */
+void v_stage_make(v_run *run, v_stage *st, const v_way *way, const v_device *device);
+void v_stage_free(v_stage *st);
+
+/* Puts a volume into the slabs, and its ranges into place. */
+void v_stage_fill(v_stage *st, const v_volume *v);
+
+sv_slab v_stage_slab(const v_stage *st, uint32_t n);
+sv_frame v_stage_frame(const v_stage *st, const sv_param_value *values, uint32_t count);
+sv_result v_stage_result(v_stage *st);
+
+/* Every byte of the results becomes `byte`; statistics get their size. */
+enum { V_POISON = 0xff }; /* as a float: NaN */
+void v_stage_poison(v_stage *st, uint8_t byte);
+
+/* The first byte of the guard bands that is not `byte`, in words, or NULL. */
+const char *v_stage_trespass(const v_stage *st, uint8_t byte);
+
+/* A sum over everything that a plugin must not change. */
+uint64_t v_stage_inputs(const v_stage *st);
+
+/* ---------------------------------------------------------------------------------------------- frames -- */
+/* Frames: the calls one by one or all together, and what came out. */
+
+/* A frame's results without pitch and guards. */
+typedef struct {
+    uint32_t width, height;
+    float *depth;
+    uint8_t *status;
+    sv_stats stats;
+    sv_status returned; /* by end or adjust */
+    sv_status outcome;  /* `returned`, or with the host's queue and a success what the statistics say */
+} v_map;
+
+void v_map_free(v_map *map);
+
+/* Says where two maps differ, in one of a few texts that are used in turn, or NULL if depths (to the bit),
+ * status maps and outcome are the same. */
+const char *v_map_difference(const v_map *a, const v_map *b);
+
+/* The check fails with this text and where the maps differ, unless they are the same. Frees `map`. */
+void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* activate; the check fails on an error. */
+void v_activate(v_subject *s, const sv_plugin *p, const v_stage *st);
+void v_deactivate(v_subject *s, const sv_plugin *p);
+
+/* Single calls: what they return. end and adjust poison the results before; with the host's queue they are
+ * there after v_collect, which waits for it. */
+sv_status v_begin(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count);
+sv_status v_slab(const sv_plugin *p, v_stage *st, uint32_t n);
+sv_status v_end(const sv_plugin *p, v_stage *st);
+sv_status v_adjust(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count);
+void v_collect(v_stage *st, sv_status returned, v_map *out);
+
+/* begin, all slabs, end. Returns the first error, or what end returned; the results are collected then. */
+sv_status v_try_frame(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
+                      v_map *out);
+
+/* The same; the check fails on an error. */
+void v_frame(v_subject *s, const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
+             v_map *out);
+
+/* The subject's own instance, activated, with a layered volume in its stage. The device is open if the way
+ * needs one. */
+typedef struct {
+    v_subject s;
+    v_device device;
+    v_stage stage;
+    v_volume volume;
+} v_rig;
+void v_rig_open(v_run *run, v_rig *r);                   /* loads, creates; no stage yet */
+void v_rig_set(v_rig *r, const v_way *way, v_kind kind); /* stage and volume; activates */
+void v_rig_again(v_rig *r, const v_way *way);            /* another stage for the same volume; activates */
+void v_rig_drop(v_rig *r);                               /* deactivates; stage and volume are gone */
+void v_rig_close(v_rig *r);
+
+/* All in one: opens, the standard way, a layered volume, activated. */
+void v_rig_standard(v_run *run, v_rig *r);
+
+#endif
