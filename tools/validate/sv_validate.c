@@ -1,20 +1,234 @@
 /* SPDX-License-Identifier: MIT */
-/* sv_validate: tries whether a plugin keeps the promises of smartvis_plugin.h. */
+/* sv_validate: tries whether a plugin keeps the promises of smartvis_plugin.h. It runs checks, each in a
+ * process of its own, and says what they found in lines for a person or as JSON. */
 #include "base/cli.h"
+#include "base/error.h"
 #include "base/progress.h"
-#include "print.h"
+#include "base/text.h"
+#include "guard/child.h"
 #include "smartvis_plugin.h"
 #include "validate/checks/check.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <getopt.h>
+#include <inttypes.h>
+#include <jansson.h>
 #include <limits.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* -------------------------------------------------------------------------------------- running checks -- */
+/* Runs checks, each in a process of its own, and keeps what they found. */
+
+typedef struct {
+    const char *path; /* of the library, absolute */
+    const char *id;   /* of the plugin; NULL: the first */
+    uint64_t seed;
+    uint32_t level;
+    double
+        timeout_s; /* of a check before the first frame is known to come; five times that of one after it */
+    bool verbose, in_process;
+} v_options;
+
+typedef struct {
+    const v_check *check;
+    v_verdict verdict;
+    char text[1000]; /* printable */
+    double seconds;
+} v_finding;
+
+/* Less than a machine has, more than a compiler needs. */
+#define MEMORY_BYTES (1536ull << 20)
+#define PATIENCE     5.0
+
+static const char *v_verdict_name(v_verdict verdict) {
+    static const char *const names[] = {"pass", "warn", "skip", "fail", "crash", "timeout"};
+    return names[verdict];
+}
+
+/* True for what makes the validation fail. */
+static bool v_is_bad(v_verdict verdict) {
+    return verdict == V_FAIL || verdict == V_CRASH || verdict == V_TIMEOUT;
+}
+
+/* The text of a finding quotes the plugin: a terminal must not obey it. */
+static void keep_text(v_finding *out, const char *format, const char *first, const char *second) {
+    char text[sizeof out->text];
+    (void)snprintf(text, sizeof text, format, first, second);
+    (void)hs_text_escape(out->text, sizeof out->text, text, 0);
+}
+
+/* ---- in the check's process */
+typedef struct {
+    const v_options *options;
+    const v_check *check;
+    v_report *report;
+} job;
+
+static void perform(const job *j) {
+    static v_run run;
+    run = (v_run){.path = j->options->path,
+                  .id = j->options->id,
+                  .seed = j->options->seed,
+                  .level = j->options->level,
+                  .verbose = j->options->verbose,
+                  .report = j->report};
+    v_random_begin(&run, j->check->id);
+    if (!setjmp(run.escape)) j->check->run(&run);
+    j->report->finished = true;
+}
+
+static int perform_in_child(int channel, void *context) {
+    const job *j = context;
+    (void)channel;
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere >= 0) (void)dup2(nowhere, STDOUT_FILENO);
+    if (nowhere >= 0 && !j->options->verbose) (void)dup2(nowhere, STDERR_FILENO);
+    perform(j);
+    return 0;
+}
+
+/* ---- in the validator */
+static void tell_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
+    char how[100];
+    hs_child_tell(end, how, sizeof how);
+    out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
+    keep_text(out, "%s; under way: %s", how, report->where[0] ? report->where : "the check itself");
+}
+
+static bool run_in_child(const job *j, v_finding *out, hs_error *err) {
+    const hs_child_limits limits = {.memory_bytes = MEMORY_BYTES};
+    const bool late = j->check->needs && strcmp(j->check->needs, "first-frame") == 0;
+    hs_child child;
+    if (!hs_child_fork(&child, &limits, perform_in_child, (void *)(uintptr_t)j, err)) return false;
+    hs_child_wait_end(&child, j->options->timeout_s * (late ? PATIENCE : 1.0));
+    if (!j->report->finished) tell_accident(&child.end, j->report, out);
+    hs_child_close(&child);
+    return true;
+}
+
+/* Runs one check. False only if no process can be started. */
+static bool v_run_check(const v_options *options, const v_check *check, v_finding *out, hs_error *err) {
+    const double start = hs_now();
+    bool ok = true;
+    *out = (v_finding){.check = check};
+    v_report *report = mmap(NULL, sizeof *report, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (report == MAP_FAILED) return hs_fail(err, HS_ERR_MEMORY, "no memory for a check's report");
+    const job j = {options, check, report};
+    if (options->in_process)
+        perform(&j);
+    else
+        ok = run_in_child(&j, out, err);
+    if (ok && report->finished) {
+        report->text[sizeof report->text - 1] = '\0';
+        out->verdict = report->verdict <= V_FAIL ? report->verdict : V_FAIL;
+        keep_text(out, "%s%s", report->text, "");
+    }
+    out->seconds = hs_now() - start;
+    (void)munmap(report, sizeof *report);
+    return ok;
+}
+
+/* The check that `check` needs and that did not pass, directly or through others; NULL: none among those that
+ * were run. */
+static const v_check *v_blocked_by(const v_check *check, const v_finding *findings, size_t count) {
+    for (size_t i = 0; check->needs && i < count; i++) {
+        if (strcmp(findings[i].check->id, check->needs) != 0) continue;
+        if (v_is_bad(findings[i].verdict)) return findings[i].check;
+        return v_blocked_by(findings[i].check, findings, count);
+    }
+    return NULL;
+}
+
+/* Notes that a check was skipped because of another one. */
+static void v_skip_check(const v_check *check, const v_check *because, v_finding *out) {
+    *out = (v_finding){.check = check, .verdict = V_SKIP};
+    keep_text(out, "%s did not pass%s", because->id, "");
+}
+
+/* ---------------------------------------------------------------------------------------- what is said -- */
+/* What the validator says: lines for a person, or JSON. */
+
+static const char *colour_of(v_verdict verdict) {
+    static const char *const codes[] = {"\x1b[32m", "\x1b[33m", "\x1b[2m",
+                                        "\x1b[31m", "\x1b[31m", "\x1b[31m"};
+    return codes[verdict];
+}
+
+/* One line of a finding. */
+static void v_print_finding(const v_finding *f, bool colour) {
+    (void)printf("%s%-7s%s %-22s %6.1f s", colour ? colour_of(f->verdict) : "", v_verdict_name(f->verdict),
+                 colour ? "\x1b[0m" : "", f->check->id, f->seconds);
+    (void)printf(f->text[0] ? "  %s\n" : "\n", f->text);
+    (void)fflush(stdout);
+}
+
+static size_t count_of(const v_finding *findings, size_t count, v_verdict verdict) {
+    size_t n = 0;
+    for (size_t i = 0; i < count; i++) n += findings[i].verdict == verdict;
+    return n;
+}
+
+/* How many passed, and what to mend. */
+static void v_print_summary(const v_options *options, const v_finding *findings, size_t count, bool colour) {
+    double seconds = 0.0;
+    size_t bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        seconds += findings[i].seconds;
+        bad += v_is_bad(findings[i].verdict);
+    }
+    (void)printf("\n%zu checks in %.0f s with level %u and seed %" PRIu64 ":", count, seconds,
+                 (unsigned)options->level, options->seed);
+    for (int v = V_PASS; v <= V_TIMEOUT; v++) {
+        const size_t n = count_of(findings, count, (v_verdict)v);
+        if (n > 0 || v == V_PASS) (void)printf(" %zu %s", n, v_verdict_name((v_verdict)v));
+    }
+    (void)printf("\n");
+    if (bad > 0) (void)printf("\nWhat to mend (docs/validator.md says why):\n");
+    for (size_t i = 0; i < count; i++) {
+        const v_finding *f = &findings[i];
+        if (!v_is_bad(f->verdict)) continue;
+        (void)printf("  %s%s%s: %s\n      %s\n      %s\n", colour ? "\x1b[1m" : "", f->check->id,
+                     colour ? "\x1b[0m" : "", f->check->what, f->text, f->check->mend);
+    }
+}
+
+/* Everything as one JSON object. False if it cannot be written. */
+static bool v_print_json(const v_options *options, const v_finding *findings, size_t count) {
+    json_t *checks = json_array(), *counts = json_object();
+    bool bad = false;
+    for (size_t i = 0; i < count; i++) {
+        const v_finding *f = &findings[i];
+        bad |= v_is_bad(f->verdict);
+        (void)json_array_append_new(checks,
+                                    json_pack("{s:s, s:s, s:s, s:f, s:s, s:s}", "id", f->check->id, "verdict",
+                                              v_verdict_name(f->verdict), "text", f->text, "seconds",
+                                              f->seconds, "what", f->check->what, "mend", f->check->mend));
+    }
+    for (int v = V_PASS; v <= V_TIMEOUT; v++)
+        (void)json_object_set_new(counts, v_verdict_name((v_verdict)v),
+                                  json_integer((json_int_t)count_of(findings, count, (v_verdict)v)));
+    json_t *all = json_pack("{s:s, s:s?, s:I, s:I, s:b, s:o, s:o}", "library", options->path, "plugin",
+                            options->id, "seed", (json_int_t)options->seed, "level",
+                            (json_int_t)options->level, "passed", !bad, "counts", counts, "checks", checks);
+    const bool ok = all && json_dumpf(all, stdout, JSON_INDENT(2)) == 0 && printf("\n") > 0;
+    json_decref(all);
+    return ok;
+}
+
+/* Ids and sentences of all checks. */
+static void v_print_list(void) {
+    for (size_t i = 0; i < v_check_count; i++) (void)printf("%-22s %s\n", v_checks[i].id, v_checks[i].what);
+}
+
+/* ---------------------------------------------------------------------------------------- command line -- */
+/* sv_validate: tries whether a plugin keeps the promises of smartvis_plugin.h. */
 
 enum { MOST_CHECKS = 128 };
 
