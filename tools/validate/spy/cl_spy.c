@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "validate/spy/cl_spy.h"
 
-#include "validate/spy/cl_spy_call.h"
 #include "validate/spy/library_range.h"
 
 #include <dlfcn.h>
@@ -111,58 +110,17 @@ void spy_enqueued(const cl_event *event) {
     spy.pending = true;
     spy.live += event != NULL;
 }
+void spy_finished(void) {
+    spy.pending = false;
+}
 
-SPY_CODE_CALL(clGetPlatformIDs, SPY_QUERY, (cl_uint n, cl_platform_id *out, cl_uint *count), (n, out, count))
-SPY_CODE_CALL(clGetDeviceIDs, SPY_QUERY,
-              (cl_platform_id platform, cl_device_type type, cl_uint n, cl_device_id *out, cl_uint *count),
-              (platform, type, n, out, count))
-cl_int clGetDeviceInfo(cl_device_id d, cl_device_info what, size_t n, void *out, size_t *size) {
-    SPY_REAL(clGetDeviceInfo);
-    SPY_ENTER(clGetDeviceInfo, SPY_QUERY);
-    if (v.fails) return spy.code;
-    const cl_int code = real(d, what, n, out, size);
+void spy_tells_memory(cl_device_info what, void *out) {
     const uint64_t told = what == CL_DEVICE_GLOBAL_MEM_SIZE      ? spy.memory
                           : what == CL_DEVICE_MAX_MEM_ALLOC_SIZE ? spy.largest_buffer
                                                                  : 0;
-    if (v.ours && code == CL_SUCCESS && told > 0) *(cl_ulong *)out = told;
-    return code;
-}
-SPY_CODE_CALL(clGetCommandQueueInfo, SPY_QUERY,
-              (cl_command_queue q, cl_command_queue_info what, size_t n, void *out, size_t *size),
-              (q, what, n, out, size))
-SPY_CODE_CALL(clGetMemObjectInfo, SPY_QUERY, (cl_mem m, cl_mem_info what, size_t n, void *out, size_t *size),
-              (m, what, n, out, size))
-SPY_CODE_CALL(clGetImageInfo, SPY_QUERY, (cl_mem m, cl_image_info what, size_t n, void *out, size_t *size),
-              (m, what, n, out, size))
-SPY_CODE_CALL(clGetProgramBuildInfo, SPY_QUERY,
-              (cl_program p, cl_device_id d, cl_program_build_info what, size_t n, void *out, size_t *size),
-              (p, d, what, n, out, size))
-SPY_CODE_CALL(clGetEventProfilingInfo, SPY_QUERY,
-              (cl_event e, cl_profiling_info what, size_t n, void *out, size_t *size),
-              (e, what, n, out, size))
-SPY_CODE_CALL(clSetKernelArg, SPY_QUERY, (cl_kernel k, cl_uint i, size_t n, const void *value),
-              (k, i, n, value))
-SPY_CODE_CALL(clBuildProgram, SPY_BUILD,
-              (cl_program p, cl_uint n, const cl_device_id *devices, const char *options,
-               void(CL_CALLBACK *notify)(cl_program, void *), void *data),
-              (p, n, devices, options, notify, data))
-
-cl_int clFinish(cl_command_queue queue) {
-    SPY_REAL(clFinish);
-    SPY_ENTER(clFinish, SPY_WAIT);
-    const cl_int code = real(queue);
-    if (v.ours) spy.pending = false;
-    return v.fails ? spy.code : code;
+    if (told > 0) *(cl_ulong *)out = told;
 }
 
-SPY_CREATE_CALL(cl_context, clCreateContext,
-                (const cl_context_properties *properties, cl_uint n, const cl_device_id *devices,
-                 void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *data,
-                 cl_int *errcode),
-                (properties, n, devices, notify, data, errcode))
-SPY_CREATE_CALL(cl_command_queue, clCreateCommandQueue,
-                (cl_context c, cl_device_id d, cl_command_queue_properties properties, cl_int *errcode),
-                (c, d, properties, errcode))
 /* Bytes that a buffer takes on the device. */
 static uint64_t bytes_of(cl_mem object) {
     static __typeof__(&clGetMemObjectInfo) info;
@@ -174,45 +132,12 @@ static uint64_t bytes_of(cl_mem object) {
     return flags & CL_MEM_USE_HOST_PTR ? 0 : bytes;
 }
 
-cl_mem clCreateBuffer(cl_context c, cl_mem_flags flags, size_t n, void *host, cl_int *errcode) {
-    SPY_REAL(clCreateBuffer);
-    SPY_ENTER(clCreateBuffer, SPY_CREATE);
-    if (v.fails) {
-        if (errcode) *errcode = spy.code;
-        return NULL;
-    }
-    cl_mem object = real(c, flags, n, host, errcode);
-    if (v.ours && object) {
-        spy.live++;
-        spy.live_bytes += bytes_of(object);
-    }
-    return object;
+void spy_holds(cl_mem buffer, int32_t sign) {
+    spy.live += sign;
+    spy.live_bytes += (uint64_t)sign * bytes_of(buffer);
 }
 
-cl_int clReleaseMemObject(cl_mem object) {
-    SPY_REAL(clReleaseMemObject);
-    SPY_ENTER(clReleaseMemObject, SPY_RELEASE);
-    spy.live -= v.ours;
-    if (v.ours) spy.live_bytes -= bytes_of(object);
-    return real(object);
-}
-
-SPY_CREATE_CALL(cl_program, clCreateProgramWithSource,
-                (cl_context c, cl_uint n, const char **text, const size_t *lengths, cl_int *errcode),
-                (c, n, text, lengths, errcode))
-SPY_CREATE_CALL(cl_kernel, clCreateKernel, (cl_program p, const char *name, cl_int *errcode),
-                (p, name, errcode))
-
-SPY_RELEASE_CALL(clReleaseContext, cl_context)
-SPY_RELEASE_CALL(clReleaseCommandQueue, cl_command_queue)
-SPY_RELEASE_CALL(clReleaseProgram, cl_program)
-SPY_RELEASE_CALL(clReleaseEvent, cl_event)
-
-/* A kernel that is gone has been launched with nothing: another may come to lie at its address. */
-cl_int clReleaseKernel(cl_kernel kernel) {
-    SPY_REAL(clReleaseKernel);
-    SPY_ENTER(clReleaseKernel, SPY_RELEASE);
-    spy.live -= v.ours;
+void spy_forgets(cl_kernel kernel) {
     size_t kept = 0, warm = 0;
     for (size_t i = 0; i < spy.launched_count; i++) {
         if (spy.launched[i].kernel == kernel) continue;
@@ -221,10 +146,9 @@ cl_int clReleaseKernel(cl_kernel kernel) {
     }
     spy.launched_count = kept;
     spy.warm = warm;
-    return real(kernel);
 }
 
-static void note_launch(cl_kernel kernel, cl_uint dims, const size_t *local) {
+void spy_launches(cl_kernel kernel, cl_uint dims, const size_t *local) {
     size_t size[3] = {0};
     if (local) memcpy(size, local, dims * sizeof *local);
     for (size_t i = 0; i < spy.launched_count; i++) {
@@ -240,23 +164,7 @@ static void note_launch(cl_kernel kernel, cl_uint dims, const size_t *local) {
     spy.cold++;
 }
 
-cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset,
-                              const size_t *global, const size_t *local, cl_uint n, const cl_event *wait,
-                              cl_event *event) {
-    SPY_REAL(clEnqueueNDRangeKernel);
-    SPY_ENTER(clEnqueueNDRangeKernel, SPY_ENQUEUE);
-    if (v.fails) return spy.code;
-    const cl_int code = real(q, k, dims, offset, global, local, n, wait, event);
-    if (v.ours && code == CL_SUCCESS) {
-        spy.pending = true;
-        spy.live += event != NULL;
-        note_launch(k, dims, local);
-    }
-    return code;
-}
-
-/* After a read of `rows` rows: waits for it and changes every byte that it brought, if this is its turn. */
-static void spoil(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch) {
+void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch) {
     if (spy.spoil_in == 0 || --spy.spoil_in > 0) return;
     static __typeof__(&clFinish) finish;
     if (!finish) *(void **)(&finish) = dlsym(RTLD_NEXT, "clFinish");
@@ -265,54 +173,6 @@ static void spoil(cl_command_queue q, void *to, size_t row_bytes, size_t rows, s
         for (size_t x = 0; x < row_bytes; x++) ((unsigned char *)to)[y * pitch + x] ^= 0x40;
     spy.spoiled = true;
 }
-
-SPY_ENQUEUE_CALL(clEnqueueFillBuffer, false,
-                 (cl_command_queue q, cl_mem m, const void *pattern, size_t bytes, size_t offset, size_t size,
-                  cl_uint n, const cl_event *wait, cl_event *event),
-                 (q, m, pattern, bytes, offset, size, n, wait, event))
-SPY_ENQUEUE_CALL(clEnqueueWriteBuffer, block,
-                 (cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, const void *from,
-                  cl_uint n, const cl_event *wait, cl_event *event),
-                 (q, m, block, offset, size, from, n, wait, event))
-cl_int clEnqueueReadBuffer(cl_command_queue q, cl_mem m, cl_bool block, size_t offset, size_t size, void *to,
-                           cl_uint n, const cl_event *wait, cl_event *event) {
-    SPY_REAL(clEnqueueReadBuffer);
-    SPY_ENTER(clEnqueueReadBuffer, SPY_ENQUEUE);
-    if (v.ours && block) spy_blocks(__func__);
-    if (v.fails) return spy.code;
-    const cl_int code = real(q, m, block, offset, size, to, n, wait, event);
-    if (v.ours && code == CL_SUCCESS) {
-        spy.pending = true;
-        spy.live += event != NULL;
-        spoil(q, to, size, 1, size);
-    }
-    return code;
-}
-cl_int clEnqueueReadBufferRect(cl_command_queue q, cl_mem m, cl_bool block, const size_t *from,
-                               const size_t *to, const size_t *region, size_t row, size_t slice,
-                               size_t host_row, size_t host_slice, void *host, cl_uint n,
-                               const cl_event *wait, cl_event *event) {
-    SPY_REAL(clEnqueueReadBufferRect);
-    SPY_ENTER(clEnqueueReadBufferRect, SPY_ENQUEUE);
-    if (v.ours && block) spy_blocks(__func__);
-    if (v.fails) return spy.code;
-    const cl_int code =
-        real(q, m, block, from, to, region, row, slice, host_row, host_slice, host, n, wait, event);
-    if (v.ours && code == CL_SUCCESS) {
-        spy.pending = true;
-        spy.live += event != NULL;
-        spoil(q, host, region[0], region[1], host_row);
-    }
-    return code;
-}
-SPY_ENQUEUE_CALL(clEnqueueCopyBuffer, false,
-                 (cl_command_queue q, cl_mem from, cl_mem to, size_t at, size_t offset, size_t size,
-                  cl_uint n, const cl_event *wait, cl_event *event),
-                 (q, from, to, at, offset, size, n, wait, event))
-SPY_ENQUEUE_CALL(clEnqueueCopyImageToBuffer, false,
-                 (cl_command_queue q, cl_mem image, cl_mem buffer, const size_t *from, const size_t *region,
-                  size_t offset, cl_uint n, const cl_event *wait, cl_event *event),
-                 (q, image, buffer, from, region, offset, n, wait, event))
 
 const char *spy_unknown_import(void *handle) {
     struct link_map *map = NULL;

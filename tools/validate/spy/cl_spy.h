@@ -8,11 +8,21 @@
 #ifndef SV_CL_SPY_H
 #define SV_CL_SPY_H
 
-#include "validate/spy/cl_spy_kind.h"
-
 #include <CL/cl.h>
 #include <stdbool.h>
 #include <stdint.h>
+
+/* The kinds of OpenCL calls that are told apart. */
+typedef enum {
+    SPY_QUERY,   /* clGet...Info, clSetKernelArg, clFlush: nothing is made, nothing waits */
+    SPY_ENQUEUE, /* clEnqueue... */
+    SPY_CREATE,  /* clCreate... */
+    SPY_RETAIN,  /* clRetain... */
+    SPY_RELEASE, /* clRelease... */
+    SPY_BUILD,   /* clBuildProgram, clCompileProgram, clLinkProgram */
+    SPY_WAIT,    /* clFinish, clWaitForEvents */
+    SPY_KINDS
+} spy_kind;
 
 /* Watches the library that holds `address`, and forgets all counts. */
 void spy_watch(const void *address);
@@ -51,5 +61,45 @@ uint64_t spy_live_bytes(void);
 
 /* What the library hears of the device's memory and of the largest buffer; 0: the truth. */
 void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
+
+/* ---------------------------------------------- for the functions of cl_spy_calls.c, which stand in for
+ * OpenCL's -- */
+
+/* What becomes of a call. */
+typedef struct {
+    bool ours, fails;
+} spy_verdict;
+
+/* Counts a call; `caller` is where it returns to. */
+spy_verdict spy_enter(const char *name, spy_kind kind, const void *caller);
+
+/* What a failing call returns. */
+cl_int spy_code(void);
+
+/* The library has so many objects more, or fewer. */
+void spy_alive(int32_t objects);
+
+/* It made a blocking call. */
+void spy_blocks(const char *name);
+
+/* It enqueued something; `event` is where it asked for an event, or NULL. */
+void spy_enqueued(const cl_event *event);
+
+/* It has made a buffer (1), or released one (-1). */
+void spy_holds(cl_mem buffer, int32_t sign);
+
+/* It has launched a kernel; and a kernel that is gone has been launched with nothing: another may come to lie
+ * at its address. */
+void spy_launches(cl_kernel kernel, cl_uint dims, const size_t *local);
+void spy_forgets(cl_kernel kernel);
+
+/* After its read of `rows` rows: waits for it and changes every byte that it brought, if this is its turn. */
+void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch);
+
+/* Its queue has finished. */
+void spy_finished(void);
+
+/* What it hears of the device's memory, if that is not to be the truth. */
+void spy_tells_memory(cl_device_info what, void *out);
 
 #endif
