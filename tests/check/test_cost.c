@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The cost volume against its float64 definition: on scenes, on any volume, by any split into slabs; and what
- * it says where there is no fluid.
+ * The cost volume against its float64 definition: on scenes, on any volume, by any split into slabs; and its
+ * report where there is no fluid.
  */
 #include "common/sv_shared.h"
 #include "ref/ref_cost.h"
@@ -17,13 +17,13 @@
 
 #include <cmocka.h>
 
-static const double BOUND = 1e-3; /* slices: issue 6 */
+static const double BOUND = 1e-3; /* slices */
 static const double COST = 6.0;   /* the value of parameter method */
 
 typedef struct {
     uint32_t width, height, slices, slab_slices;
     int32_t padding;
-    float voxel_mm; /* 0: not told */
+    float voxel_mm; /* 0: unknown */
 } shape;
 
 static sv_param_value value_of(const rig *r, const char *key, double value) {
@@ -80,7 +80,7 @@ static void compare(rig *r, const shape *s, const uint8_t *volume, float q, cons
         s->width, s->height, s->slices, s->slab_slices, error, facts.levels.fluid, facts.ties, count,
         wanted ? "" : ", no surface");
     assert_true(error <= BOUND);
-    assert_true(facts.ties * 4 <= count || !wanted); /* or the test would say little */
+    assert_true(facts.ties * 4 <= count || !wanted); /* or the test would prove little */
     assert_true(wanted ? out.stats.unfilled == 0 : out.stats.unfilled == count);
     rig_result_free(&out);
     free(tie);
@@ -219,8 +219,8 @@ static void test_memory(void **state) {
     free(l.previous);
 }
 
-/* The same seed twice: what a frame comes to does not depend on the frame
- * before unless memory is asked for. */
+/* The same seed twice: the result of a frame does not depend on the frame before unless memory is asked for.
+ * */
 static void test_no_memory(void **state) {
     rig *r = *state;
     enum { SIDE = 48, COUNT = SIDE * SIDE };

@@ -18,7 +18,7 @@ enum { SIDE = 64, SLICES = 128, PLANE = SIDE * SIDE };
 enum { FLUID = 10, FETUS = 40, BEHIND = 70, BACK = 90 };
 enum { GREY_WALL = 150, GREY_FLUID = 10, GREY_FETUS = 255, GREY_BACK = 120 };
 
-/* Every ray alike; one voxel a bin. */
+/* Fills the volume: all rays are alike, with one voxel a bin. */
 static void fill(uint8_t *volume) {
     for (int z = 0; z < SLICES; z++) {
         const int grey = z < FLUID                  ? GREY_WALL
@@ -63,7 +63,7 @@ static void test_one_ray(void **state) {
     assert_true(ray.open && ray.weight == 1.0);
     /* Ten times the brightness nearby, four times the ray's own, two for a thick run, less nineteen. */
     const double relative = (double)GREY_FETUS / bright, fetus = logistic(14.0 * relative + 2.0 - 19.0);
-    assert_true(fetus > 0.9 && relative < 1.5); /* a fetus, and no bone to part it */
+    assert_true(fetus > 0.9 && relative < 1.5); /* a fetus without bone that splits it */
     const double nobody = 1.0 - fetus;
     assert_true(fabs(ray.cost[20]) < 1e-9); /* in the fluid */
     assert_true(fabs(ray.cost[FETUS] - (0.5 / 4.0 + 3.0 * fetus + 3.0 * nobody)) <

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Method wall against its definition (docs/surface.md): on scenes, on any volume, by any split into slabs,
- * with ranges, padding and spacing, at any place of the knob; by rows of rays and by single rays. Everything
- * up to the labels is integer arithmetic, so on a device that divides exactly the maps are the same bits.
+ * with ranges, padding and spacing, at any knob position, in both layouts of the work. Everything up to the
+ * layers is integer arithmetic, so on a device that divides exactly the maps are the same bits.
  */
 #include "ref/ref_wall.h"
 #include "scene/scene.h"
@@ -21,20 +21,21 @@
 typedef struct {
     uint32_t width, height, slices, slab_slices;
     int32_t padding;
-    float spacing_mm[3]; /* zeros: not told */
+    float spacing_mm[3]; /* zeros: unknown */
     const sv_scanned *scanned;
 } shape;
 
-/* Places of the knob: that of the frame, then those that it is turned to. */
+/* Knob positions: that of the frame, then those that it is moved to. */
 static const double places[] = {0.5, 0.0, 0.3, 0.5, 0.7, 1.0, 1.5};
 enum { PLACES = sizeof places / sizeof *places, FEWER_PLACES = 3 };
 
-/* Instrumented definitions take most of the time, and one more place has no other code to run. */
+/* Returns the number of positions to run. Instrumented definitions take most of the time, and one more
+ * position runs no other code. */
 static size_t places_wanted(void) {
     return getenv("SV_SANITIZE") ? FEWER_PLACES : PLACES;
 }
 
-/* What the definition makes of it, at every place; outcome and facts are the same at all of them. */
+/* The definition's maps at every position; outcome and facts are the same at all of them. */
 typedef struct {
     float *depth[PLACES], *confidence;
     sv_wall_outcome outcome;
@@ -46,11 +47,11 @@ static expected expect(const shape *s, const uint8_t *volume) {
     const sv_ref_volume v = {volume,    s->width,   s->height,
                              s->slices, s->padding, (const sv_ref_range *)s->scanned};
     const double mm[3] = {(double)s->spacing_mm[0], (double)s->spacing_mm[1], (double)s->spacing_mm[2]};
-    expected e = {.confidence = calloc(count, sizeof(float))}; /* places that are not wanted stay NULL */
+    expected e = {.confidence = calloc(count, sizeof(float))}; /* positions that are not run stay NULL */
     for (size_t n = 0; n < places_wanted(); n++) {
         e.depth[n] = calloc(count, sizeof(float));
         assert_true(e.depth[n] && e.confidence);
-        if (n > 0 && places[n] == places[0]) /* turned back: the same again */
+        if (n > 0 && places[n] == places[0]) /* moving the knob back gives the same map */
             memcpy(e.depth[n], e.depth[0], count * sizeof(float));
         else
             assert_true(
@@ -80,8 +81,8 @@ static bool is_exact(const rig *r) {
     return (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
 }
 
-/* After a frame at q = 0.5: `adjust` gives what the definition gives, and a larger q lies nowhere behind a
- * smaller one. */
+/* Checks `adjust` after a frame at q = 0.5: it gives the definition's maps, and a larger q lies nowhere
+ * behind a smaller one. */
 static void check_knob(rig *r, const shape *s, const expected *e, double bound) {
     const size_t count = (size_t)s->width * s->height;
     float *last = malloc(count * sizeof *last);
@@ -101,7 +102,7 @@ static void check_knob(rig *r, const shape *s, const expected *e, double bound) 
     free(last);
 }
 
-/* In one layout of the work: strategy rays is a work item a ray, all others are a work item a row. */
+/* Compares one layout of the work. With strategy rays a work item has a ray, with all others a row. */
 static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const expected *e,
                            const char *strategy, const char *what) {
     const size_t count = (size_t)s->width * s->height;
@@ -151,7 +152,7 @@ static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const 
     free(confidence);
 }
 
-/* True if there is a surface. */
+/* Compares both layouts. Returns true if there is a surface. */
 static bool compare(rig *r, const shape *s, const uint8_t *volume, const char *what) {
     static const char *const layouts[] = {"single", "rays"};
     expected e = expect(s, volume);
@@ -242,7 +243,7 @@ static void test_spacings(void **state) {
         surfaces += compare(*state, &s, volume, what);
         free(volume);
     }
-    assert_true(surfaces >= 6); /* or the test would say little */
+    assert_true(surfaces >= 6); /* or the test would prove little */
 }
 
 /* Ranges that differ from ray to ray, some of them empty: single blocks whose neighbours were not scanned. */
@@ -290,7 +291,8 @@ static void test_single_voxels(void **state) {
     assert_true(surfaces >= 18);
 }
 
-/* No wall, and bone from the first slice on behind half of the pixels: there the fetus has begun at once. */
+/* There is no wall, and bone from the first slice on behind half of the pixels: there the fetus has begun at
+ * once. */
 static void test_bone_at_once(void **state) {
     const shape s = {.width = 150,
                      .height = 40,
@@ -323,8 +325,8 @@ static void test_layered_noise(void **state) {
     assert_true(surfaces >= 5);
 }
 
-/* Unscanned voxels, and only those, hold 0: ranges, a padding value and both come to the same. Changes the
- * volume. */
+/* Unscanned voxels, and only those, hold 0, so ranges, a padding value and both give the same maps. It
+ * changes the volume. */
 static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned *ranges, uint32_t width,
                                       uint32_t height, uint32_t slices) {
     const size_t plane = (size_t)width * height;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The surface told by the wall (docs/surface.md), as scalar C: what it must do on volumes whose answer is
- * known. A wall, fluid, and a fetus with bright bone; what moves, turns or brightens the scan must move, turn
- * or keep the surface.
+ * The surface told by the wall (docs/surface.md), as scalar C, on volumes whose answer is known: a wall,
+ * fluid, and a fetus with bright bone. What moves, turns or brightens the scan must move, turn or keep the
+ * surface.
  */
 #include "support/wall_fixture.h"
 
@@ -139,7 +139,7 @@ static void test_grey_levels(void **state) {
     scan_free(&s);
 }
 
-/* Nothing stands before the fetus: none of it may be cut. */
+/* Without tissue in front of the fetus none of the fetus may be cut. */
 static void test_bare_fetus(void **state) {
     (void)state;
     scan s = scan_make(N, N, N);
@@ -152,8 +152,8 @@ static void test_bare_fetus(void **state) {
     scan_free(&s);
 }
 
-/* Nor if its skin is dim and what lies behind it is bright, as with a head in black fluid: without a wall
- * nobody knows how bright a fetus is. */
+/* A bare fetus is not cut if its skin is dim and the tissue behind is bright, as with a head in black fluid:
+ * without a wall nobody knows how bright a fetus is. */
 static void test_bare_and_dim(void **state) {
     (void)state;
     enum { FRONT = 20, HOLLOW = 26, BACK = 34, DEEP = 42 };
@@ -170,8 +170,8 @@ static void test_bare_and_dim(void **state) {
     scan_free(&s);
 }
 
-/* Flesh that begins with the scan, dark shadows beside it, and a hollow in it: no wall, and no fluid before
- * it. */
+/* Flesh begins where the scan does, with dark shadows beside it and a hollow in it: there is no wall, and no
+ * fluid in front. */
 static void test_touching(void **state) {
     (void)state;
     scan s = scan_make(N, N, N);
@@ -188,7 +188,7 @@ static void test_touching(void **state) {
     scan_free(&s);
 }
 
-/* Runs it: the outcome is `expected`, and the maps are 0. */
+/* Runs the scan and checks that the outcome is `expected` and the maps are 0. */
 static void assert_clips_nothing(scan *s, sv_wall_outcome expected) {
     scan_run(s);
     assert_int_equal(s->outcome, expected);
@@ -196,7 +196,7 @@ static void assert_clips_nothing(scan *s, sv_wall_outcome expected) {
         assert_true(s->depth[i] == 0.0f && s->confidence[i] == 0.0f);
 }
 
-/* Tissue all through, from dark to bright without a gap between the two: there is no fluid to stand in. */
+/* All is tissue, from dark to bright without a gap: there is no fluid for the surface. */
 static void test_no_fluid(void **state) {
     (void)state;
     scan s = scan_make(N, N, N);
@@ -245,7 +245,7 @@ static void test_haze(void **state) {
     scan_free(&clear);
 }
 
-/* Voxels as long as a block, each with speckle of its own: dark ones do not part the wall. */
+/* Voxels are as long as a block, each with speckle of its own. Dark ones do not split the wall. */
 static void test_speckle(void **state) {
     (void)state;
     static const double speckle[8] = {0.3, 0.4, 0.6, 0.8, 1.0, 1.2, 1.6, 2.0};
@@ -271,8 +271,8 @@ static void test_no_fetus(void **state) {
     scan_free(&s);
 }
 
-/* The wall is the brightest of all, and a body without bone lies behind it: nobody knows what to keep, so
- * nothing is clipped. */
+/* The wall is brighter than all behind it, and the body has no bone: nobody knows what to keep, so nothing
+ * is clipped. */
 static void test_nothing_brighter_than_the_wall(void **state) {
     (void)state;
     scan s = scan_make(N, N, N);
@@ -353,7 +353,7 @@ static void assert_refused(sv_wall_volume v, const char *field, const char *valu
  * than 1: hosts refuse such a map. */
 static void test_confidence_is_in_range(void **state) {
     (void)state;
-    enum { SCANNED = 45 }; /* columns; what was not scanned is sure */
+    enum { SCANNED = 45 }; /* columns; outside of them the confidence is 1 */
     for (uint32_t side = 55; side < 75; side += 2) {
         scan s = scan_make(side, side, N);
         const size_t plane = (size_t)side * side;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the surface told by the wall (docs/surface.md) takes for fluid, as scalar C: levels without a valley
- * that are two classes all the same; a bladder, which the wall encloses; what is before a finger; and a limb
- * that lies against the wall.
+ * that are two classes all the same; a bladder, which the wall encloses; the fluid in front of a finger; and
+ * a limb that lies against the wall.
  */
 #include "ref/ref_wall_steps.h"
 #include "support/wall_fixture.h"
@@ -47,7 +47,7 @@ static scan with_bladder(void) {
     return s;
 }
 
-/* The tissue behind it passes for wall, so the surface lies behind that. */
+/* The tissue behind the bladder is judged like wall, so the surface lies behind that. */
 static void test_bladder(void **state) {
     (void)state;
     scan s = with_bladder();
@@ -65,8 +65,8 @@ static void test_bladder(void **state) {
     scan_free(&s);
 }
 
-/* Five by five cells of one layer, two rays to a side: all wall but for what `open` and `tissue` name. Wall
- * is tissue from layer 0 on; `tissue` lies behind fluid. */
+/* Returns the flags of the middle of five by five cells, each of two by two rays. All is wall but the cells
+ * of `open`, which are fluid, and the middle, whose tissue lies behind fluid. */
 static uint8_t enclosed_in_middle(const int *open, int opens) {
     enum { CELLS = 5, SIDE = 2 * CELLS, LAYERS = 3, PLANE = SIDE * SIDE, MIDDLE = 2 * CELLS + 2 };
     uint8_t levels[LAYERS * PLANE];
@@ -96,7 +96,7 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
     return is;
 }
 
-/* Fluid to one side is enough to set tissue free, wherever between it and the wall; elsewhere it is not. */
+/* Fluid to one side is enough: the tissue is no longer enclosed. Fluid at the corners is not. */
 static void test_enclosed(void **state) {
     static const int sides[] = {11, 13, 7, 17}, corners[] = {6, 8, 16, 18, 0, 24};
     (void)state;
@@ -105,8 +105,8 @@ static void test_enclosed(void **state) {
     for (size_t i = 0; i < 4; i++) assert_int_equal(enclosed_in_middle(&sides[i], 1), 0);
 }
 
-/* A finger stands out of the ball by less than tau_mm. What is around it weighs more, so the far end of the
- * knob's stretch lies behind its tip; the surface does not. */
+/* A finger stands out of the ball by less than tau_mm. Its neighbours weigh more, so the far end of the
+ * knob's range lies behind its tip, but the surface does not. */
 static void test_finger(void **state) {
     enum { LENGTH = 3, X = 26, Y = 35 };
     (void)state;
@@ -142,7 +142,7 @@ static scan with_limb(uint32_t from, uint32_t to) {
     return s;
 }
 
-/* How many rays through the middle of the limb, of 8 x 8, begin behind it. */
+/* Counts the rays through the middle of the limb, of 8 x 8, on which the surface lies behind the limb. */
 static uint32_t rays_behind_limb(uint32_t from, uint32_t to, const sv_wall_settings *settings) {
     scan s = with_limb(from, to);
     scan_run_with(&s, settings);
@@ -154,8 +154,8 @@ static uint32_t rays_behind_limb(uint32_t from, uint32_t to, const sv_wall_setti
     return rays;
 }
 
-/* Where it lies against the wall it is told by what it is on both sides of that, and where one end of it
- * does, by what it is on the other side, though less so. By itself it is told like the wall. */
+/* If fluid flanks the part against the wall, that is judged like the parts on both sides. If it has fluid on
+ * one side only, it is judged so to a lesser degree. By itself it is judged like the wall. */
 static void test_limb(void **state) {
     (void)state;
     const sv_wall_settings all = sv_wall_settings_default();

@@ -17,7 +17,7 @@
 #include <cmocka.h>
 
 enum { MOST_CASES = 9 };
-/* Of our scenes the first three. */
+/* The first three of our scenes. */
 static const char *const names[MOST_CASES] = {"E01", "E04", "M01", "E02", "E03", "M02", "M03", "D01", "D02"};
 static wall_case cases[MOST_CASES];
 static int case_count;
@@ -76,10 +76,10 @@ static float *map_of(rig *r, const wall_case *c, int32_t padding, bool ranged) {
 
 /* Error of a map of the case's own size. */
 static double error_of(const wall_case *c, const float *map) {
-    wall_trust trust = {0};
+    wall_calibration calibration = {0};
     float *confidence = calloc(plane_of(c), sizeof *confidence);
     assert_non_null(confidence);
-    const double error = wall_judge(c, c->full, map, confidence, &trust).error;
+    const double error = wall_judge(c, c->full, map, confidence, &calibration).error;
     free(confidence);
     return error;
 }
@@ -164,7 +164,8 @@ static void test_moved_sideways(void **state) {
     assert_true(sum / rays <= 0.2);
 }
 
-/* Room in front that was not scanned. Eight slices are no whole number of layers at every spacing. */
+/* The scan begins farther back, behind room that was not scanned. Eight slices are no whole number of layers
+ * at every spacing. */
 static void test_room_in_front(void **state) {
     enum { ROOM = 8 };
     for (int n = 0; n < case_count; n++) {
@@ -207,7 +208,7 @@ static void test_ranges_are_padding(void **state) {
     wall_case_free(&c);
 }
 
-/* More speckle: up to a quarter more or less, the same wherever the voxel is. */
+/* Adds speckle of up to a quarter more or less, which depends on the voxel's place only. */
 static void add_speckle(wall_case *c) {
     uint32_t state = 12345;
     for (size_t i = 0; i < plane_of(c) * c->nz; i++) {
@@ -268,7 +269,7 @@ static void test_grey_levels(void **state) {
 
 /* ---- other sizes of the same scan */
 
-/* Between the centres of voxels; beyond the outermost their value counts. */
+/* Interpolates between the centres of voxels; beyond the outermost their value counts. */
 static uint8_t trilinear(const wall_case *c, const double at[3]) {
     const uint32_t n[3] = {c->nx, c->ny, c->nz};
     size_t low[3], high[3];
@@ -315,7 +316,7 @@ static wall_case resampled(const wall_case *from, const uint32_t n[3]) {
     return c;
 }
 
-/* The map of `c` as one of `from`, which shows the same scan: bilinear. */
+/* Resamples the map of `c` at the pixels of `from`, which shows the same scan (bilinear). */
 static float *map_back(const wall_case *from, const wall_case *c, const float *map) {
     float *out = calloc(plane_of(from), sizeof *out);
     assert_non_null(out);

@@ -36,7 +36,7 @@ static bool draw_error(const wall_case *c, const hs_view *view, const char *fold
     const hs_caption caption = {.title = "Error of every ray",
                                 .footer = "end in the truth minus end in the result"};
     const size_t rays = (size_t)c->nx * c->ny;
-    wall_trust unused = {0};
+    wall_calibration unused = {0};
     char path[PATH_MAX];
     hs_picture picture;
     float *error = malloc(rays * sizeof *error), *sure = calloc(rays, sizeof *sure);

@@ -36,7 +36,7 @@ typedef struct {
     const site_set *set;
     const sv_wall_settings *settings;
     wall_score score[SITE_MAX_CASES];
-    wall_trust *trust; /* of every case */
+    wall_calibration *calibration; /* of every case */
     bool ok[SITE_MAX_CASES];
 } evaluation;
 
@@ -47,9 +47,9 @@ static void judge_block(void *context, uint32_t n) {
     const sv_wall_volume v = wall_case_volume(c);
     float *depth = malloc(plane * sizeof *depth), *confidence = malloc(plane * sizeof *confidence);
     sv_wall_outcome outcome;
-    e->trust[n] = (wall_trust){0};
+    e->calibration[n] = (wall_calibration){0};
     e->ok[n] = depth && confidence && sv_wall_surface(&v, e->settings, depth, confidence, &outcome, NULL);
-    if (e->ok[n]) e->score[n] = wall_judge(c, c->full, depth, confidence, &e->trust[n]);
+    if (e->ok[n]) e->score[n] = wall_judge(c, c->full, depth, confidence, &e->calibration[n]);
     free(depth);
     free(confidence);
 }
@@ -57,8 +57,8 @@ static void judge_block(void *context, uint32_t n) {
 static bool evaluate(const site_set *set, const sv_wall_settings *settings, site_score *out, hs_error *err) {
     evaluation *e = calloc(1, sizeof *e);
     *out = (site_score){0};
-    if (e) e->trust = calloc(set->count, sizeof *e->trust);
-    bool ok = (e && e->trust) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory to judge", set->title);
+    if (e) e->calibration = calloc(set->count, sizeof *e->calibration);
+    bool ok = (e && e->calibration) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory to judge", set->title);
     if (ok) {
         e->set = set;
         e->settings = settings;
@@ -68,11 +68,11 @@ static bool evaluate(const site_set *set, const sv_wall_settings *settings, site
         ok = e->ok[n] || hs_fail(err, HS_ERR_INPUT, "%s: the definition refuses it", set->cases[n].name);
         site_score_add(out, set->cases[n].name, &e->score[n]);
         for (int i = 0; i < WALL_BINS; i++) {
-            out->trust.right[i] += e->trust[n].right[i];
-            out->trust.wrong[i] += e->trust[n].wrong[i];
+            out->calibration.right[i] += e->calibration[n].right[i];
+            out->calibration.wrong[i] += e->calibration[n].wrong[i];
         }
     }
-    if (e) free(e->trust);
+    if (e) free(e->calibration);
     free(e);
     return ok;
 }
@@ -178,8 +178,9 @@ static bool print_on(const site_list *list, const sv_wall_settings *settings, hs
         const wall_score m = site_score_mean(&score);
         printf(
             "%5.2f / %5.2f / %5.2f  worst %5.2f %-4s  AUC %.3f  largest ratio to %.1f / %.1f / %.0f: %.2f\n",
-            m.error, 100.0 * m.cut, 100.0 * m.left, score.worst, score.worst_name, wall_auc(&score.trust),
-            bounds.error, 100.0 * bounds.cut, 100.0 * bounds.left, largest(&score));
+            m.error, 100.0 * m.cut, 100.0 * m.left, score.worst, score.worst_name,
+            wall_auc(&score.calibration), bounds.error, 100.0 * bounds.cut, 100.0 * bounds.left,
+            largest(&score));
     }
     return true;
 }

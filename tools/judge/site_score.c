@@ -26,20 +26,20 @@ void site_score_print(const site_score *s, bool sure) {
     printf("%5.2f / %5.2f / %5.2f  worst %5.2f %-4s", m.error, 100.0 * m.cut, 100.0 * m.left, s->worst,
            s->worst_name);
     if (sure)
-        printf("  AUC %.3f", wall_auc(&s->trust));
+        printf("  AUC %.3f", wall_auc(&s->calibration));
     else
         printf("  no confidence");
     if (s->refused) printf("  %u refused", s->refused);
     printf("\n");
 }
 
-static uint64_t rays_of(const wall_trust *t) {
+static uint64_t rays_of(const wall_calibration *t) {
     uint64_t all = 0;
     for (int i = 0; i < WALL_BINS; i++) all += t->right[i] + t->wrong[i];
     return all;
 }
 
-void site_score_print_trust(const char *what, const wall_trust *t) {
+void site_score_print_calibration(const char *what, const wall_calibration *t) {
     uint64_t below = 0;
     printf("  %s: it says / right / share of the rays, %%\n   ", what);
     for (int i = 0; i < TENTHS; i++) {

@@ -12,7 +12,7 @@ typedef struct {
     char worst_name[64];
     uint32_t count;
     uint32_t refused; /* cases that the method does not clip */
-    wall_trust trust;
+    wall_calibration calibration;
 } site_score;
 
 void site_score_add(site_score *to, const char *name, const wall_score *score);
@@ -25,6 +25,6 @@ void site_score_print(const site_score *score, bool sure);
 
 /* Prints, for every tenth of the confidence that has at least 100 rays, what it says on average, how many
  * rays are right there and their share of all. */
-void site_score_print_trust(const char *what, const wall_trust *trust);
+void site_score_print_calibration(const char *what, const wall_calibration *calibration);
 
 #endif

@@ -14,11 +14,11 @@ site_methods site_methods_default(const char *plugin) {
 }
 
 /* One frame, judged. */
-static bool judge_case(surf_session *s, const wall_case *c, wall_trust *trust, wall_score *out,
+static bool judge_case(surf_session *s, const wall_case *c, wall_calibration *calibration, wall_score *out,
                        hs_error *err) {
     const surf_volume v = site_volume(c);
     if (!surf_session_frame(s, &v, err) || !surf_session_confidence(s, NULL, err)) return false;
-    *out = wall_judge(c, c->full, s->depth, s->confidence, trust);
+    *out = wall_judge(c, c->full, s->depth, s->confidence, calibration);
     return true;
 }
 
@@ -26,7 +26,7 @@ static bool find_q(surf_session *s, const site_set *set, double *q, hs_error *er
     double least = 0.0;
     *q = -1.0;
     for (int i = 0; i < QS; i++) {
-        wall_trust unused = {0};
+        wall_calibration unused = {0};
         double sum = 0.0;
         if (!surf_session_set(s, "q", q_step * i, err)) return false;
         for (uint32_t n = 0; n < set->count; n++) {
@@ -48,7 +48,7 @@ bool site_judge(surf_session *s, const site_set *set, bool best_q, site_score *o
     if (best_q && !find_q(s, set, q, err)) return false;
     for (uint32_t n = 0; n < set->count; n++) {
         wall_score score;
-        if (!judge_case(s, &set->cases[n], &out->trust, &score, err)) return false;
+        if (!judge_case(s, &set->cases[n], &out->calibration, &score, err)) return false;
         site_score_add(out, set->cases[n].name, &score);
         out->refused += !surf_session_clips(s);
         if (each) each[n] = score;
@@ -98,7 +98,7 @@ static bool print_set(const site_set *set, const site_methods *methods, row *row
     printf("  every case, in the order of the methods:\n");
     print_cases(set, rows, methods->count);
     for (uint32_t i = 0; i < methods->count; i++)
-        if (rows[i].sure) site_score_print_trust(rows[i].name, &rows[i].score.trust);
+        if (rows[i].sure) site_score_print_calibration(rows[i].name, &rows[i].score.calibration);
     printf("\n");
     return true;
 }

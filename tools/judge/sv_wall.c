@@ -66,7 +66,7 @@ typedef struct {
     wall_score sum;
     double worst;
     uint32_t count;
-    wall_trust trust;
+    wall_calibration calibration;
 } totals;
 
 static bool surface_of(const wall_case *c, const options *o, float *depth, float *confidence,
@@ -97,7 +97,7 @@ static bool judge(wall_case *c, const options *o, totals *t, hs_error *err) {
         ok = surface_of(c, o, depth, confidence, &outcome, &f, err);
     }
     if (ok) {
-        const wall_score s = wall_judge(c, original, depth, confidence, &t->trust);
+        const wall_score s = wall_judge(c, original, depth, confidence, &t->calibration);
         t->sum.error += s.error;
         t->sum.cut += s.cut;
         t->sum.left += s.left;
@@ -118,10 +118,10 @@ static bool judge(wall_case *c, const options *o, totals *t, hs_error *err) {
 static void print_totals(const char *what, const totals *t) {
     printf("%s: %.2f / %.2f / %.2f, worst %.2f, AUC %.3f; right where the confidence says", what,
            t->sum.error / t->count, 100.0 * t->sum.cut / t->count, 100.0 * t->sum.left / t->count, t->worst,
-           wall_auc(&t->trust));
+           wall_auc(&t->calibration));
     for (int i = 0; i < 10; i++) {
         double right, mean;
-        if (wall_reliability(&t->trust, 0.1 * i, i == 9 ? 1.1 : 0.1 * (i + 1), 100, &right, &mean))
+        if (wall_reliability(&t->calibration, 0.1 * i, i == 9 ? 1.1 : 0.1 * (i + 1), 100, &right, &mean))
             printf(" %.2f: %.2f", mean, right);
     }
     printf("\n");

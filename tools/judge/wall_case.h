@@ -19,15 +19,15 @@ typedef struct {
     uint8_t *clean;        /* the ground truth: `full` without what hides; NULL with `label` */
 } wall_case;
 
-/* A case of the report's: a copy of its volume, truth and label. Voxels of 0 were not scanned. */
+/* Copies a case of the report: its volume, truth and label. Voxels of 0 were not scanned. */
 bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err);
 
 /* Reads "FULL,TRUTH,LABEL[,FIRST,END]" as `host_sim report --case` does (eval/eval_source.h), with its
  * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
 bool wall_case_files(const char *files, wall_case *out, hs_error *err);
 
-/* The same from NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and
- * scan_end.mha of a folder. */
+/* Reads NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and scan_end.mha of a folder likewise.
+ * */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
 /* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case.h). Zeros at the ends of a ray
@@ -38,8 +38,8 @@ bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t fr
 /* A volume without a truth; the zeros at the ends of each ray were not scanned. */
 bool wall_case_open(const char *path, wall_case *out, hs_error *err);
 
-/* The same volume as a camera sees it that is turned by `degrees` about axis 0 (x), 1 (y) or 2 (z, then
- * looked at from the side): a cube of `side`^3 voxels that holds all of it. */
+/* Resamples the volume for a camera that is turned by `degrees` about axis 0 (x), 1 (y) or 2 (z, then looked
+ * at from the side): a cube of `side`^3 voxels that holds all of it. */
 bool wall_case_turn(const wall_case *from, int axis, double degrees, uint32_t side, wall_case *out,
                     hs_error *err);
 

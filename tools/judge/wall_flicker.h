@@ -14,8 +14,8 @@ typedef struct {
 /* Finds the surface of a frame: a depth for each of its rays; 0: nothing is clipped. */
 typedef bool wall_surface(void *user, const wall_case *frame, float *depth, hs_error *err);
 
-/* Of two frames or more with labels, and with as many rays each: HS_ERR_USAGE, HS_ERR_INPUT; HS_ERR_MEMORY;
- * or what `surface` fails with. It is asked for the frames in their order. */
+/* Judges two frames or more with labels, which have as many rays each: HS_ERR_USAGE, HS_ERR_INPUT;
+ * HS_ERR_MEMORY; or what `surface` fails with. It is asked for the frames in their order. */
 bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surface, void *user,
                      wall_flicker *out, hs_error *err);
 

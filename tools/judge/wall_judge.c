@@ -16,7 +16,7 @@ float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, floa
 }
 
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
-                      const float *confidence, wall_trust *trust) {
+                      const float *confidence, wall_calibration *calibration) {
     const size_t plane = (size_t)c->nx * c->ny;
     const float scale = 128.0f / (float)c->nz;
     double sum = 0.0;
@@ -31,15 +31,15 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
         cut += c->label[i] == 2 && error < -TOLERANCE;
         const int bin = (int)(confidence[i] * (WALL_BINS - 1) + 0.5f);
         if (fabsf(error) > TOLERANCE)
-            trust->wrong[bin]++;
+            calibration->wrong[bin]++;
         else
-            trust->right[bin]++;
+            calibration->right[bin]++;
     }
     return (wall_score){rays ? sum / (double)rays : 0.0, fetus ? (double)cut / (double)fetus : 0.0,
                         rays ? (double)left / (double)rays : 0.0};
 }
 
-double wall_auc(const wall_trust *t) {
+double wall_auc(const wall_calibration *t) {
     double right = 0.0, wrong = 0.0, pairs = 0.0;
     for (int i = 0; i < WALL_BINS; i++) { /* rays of less confidence have been counted */
         pairs += (double)t->right[i] * (wrong + 0.5 * (double)t->wrong[i]);
@@ -49,7 +49,7 @@ double wall_auc(const wall_trust *t) {
     return right > 0.0 && wrong > 0.0 ? pairs / (right * wrong) : 1.0;
 }
 
-bool wall_reliability(const wall_trust *t, double low, double high, uint64_t least, double *right,
+bool wall_reliability(const wall_calibration *t, double low, double high, uint64_t least, double *right,
                       double *mean) {
     uint64_t good = 0, all = 0;
     double sum = 0.0;
