@@ -58,20 +58,20 @@ try-deb: ## install out/deb on this machine (needs root), then the template's th
 	@scripts/try_deb.sh $(OUT)/deb
 
 demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
-	@$(call build,build)
+	@$(call build,build) --target host_sim smartvis
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
 
 looks: ## both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
 	@$(SETUP) $(PACKAGES) $(LOOKS_PACKAGES)
-	@$(call build,build)
+	@$(call build,build) --target host_sim smartvis
 	@scripts/looks.sh build $(OUT)/looks $(HEADS)
 
 console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
-	@$(call build,build)
+	@$(call build,build) --target host_sim smartvis
 	build/host_sim console $(DATA)
 
 report: setup ## set up, build, measure quality and speed over all cases; the page is out/report/index.html
-	@$(call build,build)
+	@$(call build,build) --target host_sim smartvis
 	build/host_sim report --out $(OUT)/report
 
 test: ## set up, build, run all tests
@@ -111,7 +111,7 @@ format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
-	@$(call build,build)
+	@$(call build,build) --target sv_bench sv_surfaces_bench test_lit_shapes smartvis
 	build/sv_bench
 	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
@@ -125,7 +125,7 @@ CHOICE := --scenes 201,0 $(foreach n,01 04 05 07 08 15 16,--scene H$(n))
 FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
 
 sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
-	@$(call build,build)
+	@$(call build,build) --target sv_sites smartvis
 	build/sv_sites table $(UNSEEN) $(FOREIGN)
 	build/sv_sites table $(HARD)
 	build/sv_sites harm --scenes 201,0 $(FOREIGN)
@@ -133,11 +133,11 @@ sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants c
 	$(if $(SITE),build/sv_sites reverse $(CHOICE) $(FOREIGN))
 
 surface-page: setup ## method wall on scenes and on SITE in pictures: out/sites/index.html
-	@$(call build,build)
+	@$(call build,build) --target sv_sites smartvis
 	build/sv_sites page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
 
 validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
-	@$(call build,build)
+	@$(call build,build) --target sv_validate smartvis
 	build/sv_validate $(PLUGIN)
 
 clean: ## remove everything that was built

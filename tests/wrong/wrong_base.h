@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the wrong plugins are made of: a plugin on the CPU that is right, and WRONG_IS, by which a source asks
- * whether it is compiled for an entry of wrong_list.h. A source replaces functions of the instance where
+ * for which entry of wrong_list.h its library is linked. A source replaces functions of the instance where
  * its entry asks for it, and exports the entry.
  *
  * On every ray the base takes the first edge from fluid to tissue. It takes ranges and padding, can adjust,
@@ -16,12 +16,13 @@
 
 #include <unistd.h>
 
-/* WRONG_ID is an entry's id, or `nothing`. */
 #define WRONG_NAME(id, source, check, what) WRONG_##id,
 enum { WRONG_nothing, WRONG_LIST(WRONG_NAME) WRONG_COUNT };
-#define WRONG_JOIN(id)  WRONG_##id
-#define WRONG_VALUE(id) WRONG_JOIN(id)
-#define WRONG_IS(id)    (WRONG_VALUE(WRONG_ID) == WRONG_##id)
+/* A source is compiled once. The linker says which of the numbers a library's fault is (CMakeLists.txt). */
+#define WRONG_HERE __attribute__((visibility("hidden"))) extern const unsigned char
+WRONG_HERE wrong_fault, wrong_faults[WRONG_COUNT];
+const unsigned char wrong_faults[WRONG_COUNT] = {WRONG_nothing, WRONG_LIST(WRONG_NAME)};
+#define WRONG_IS(id) (wrong_fault == WRONG_##id)
 
 enum { Q = 1, LEVEL, GAP, SIDE, DROP, PARAMS = 5 };
 

@@ -1,16 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* Wrong plugins: the library, its entry, its descriptors, and create. */
+/* The header says that the entry is constant; here loading changes it. */
+#define smartvis_plugin_entry constant_entry
 #include "wrong_base.h"
+#undef smartvis_plugin_entry
 
 /* ---- loading and unloading */
 void wrong_function_that_nobody_has(void);
 int wrong_function_for_all(void);
+static void spoil_entry(void);
 
 __attribute__((constructor)) static void load(void) {
     if (WRONG_IS(crash_in_constructor)) wrong_crash();
     if (WRONG_IS(hang_in_constructor)) wrong_hang();
     if (WRONG_IS(exit_in_constructor)) exit(0);
-    if (WRONG_IS(undefined_symbol)) wrong_function_that_nobody_has();
+#if WRONG_UNDEFINED
+    wrong_function_that_nobody_has();
+#endif
+    spoil_entry();
 }
 
 __attribute__((destructor)) static void unload(void) {
@@ -69,14 +76,16 @@ static sv_status create(const sv_host *host, const char *id, const sv_plugin **o
 /* ---- entry */
 #if WRONG_HIDDEN
 #define smartvis_plugin_entry smartvis_plugin_entry_of_another_name
-extern SV_EXPORT const sv_entry smartvis_plugin_entry;
 #endif
-SV_EXPORT const sv_entry smartvis_plugin_entry = {WRONG_IS(other_major) ? SV_ABI_MAJOR + 1 : SV_ABI_MAJOR,
-                                                  SV_ABI_MINOR,
-                                                  WRONG_IS(short_entry) ? 16 : (uint32_t)sizeof(sv_entry),
-                                                  WRONG_IS(count_zero)      ? 0
-                                                  : WRONG_IS(count_endless) ? UINT32_MAX
-                                                  : WRONG_IS(one_id_twice)  ? 2
-                                                                            : 1,
-                                                  descriptor_at,
-                                                  WRONG_IS(no_create) ? NULL : create};
+extern SV_EXPORT sv_entry smartvis_plugin_entry;
+SV_EXPORT sv_entry smartvis_plugin_entry = {SV_ABI_MAJOR,  SV_ABI_MINOR, (uint32_t)sizeof(sv_entry), 1,
+                                            descriptor_at, create};
+
+static void spoil_entry(void) {
+    if (WRONG_IS(other_major)) smartvis_plugin_entry.abi_major++;
+    if (WRONG_IS(short_entry)) smartvis_plugin_entry.size = 16;
+    if (WRONG_IS(count_zero)) smartvis_plugin_entry.count = 0;
+    if (WRONG_IS(count_endless)) smartvis_plugin_entry.count = UINT32_MAX;
+    if (WRONG_IS(one_id_twice)) smartvis_plugin_entry.count = 2;
+    if (WRONG_IS(no_create)) smartvis_plugin_entry.create = NULL;
+}

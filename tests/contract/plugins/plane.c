@@ -1,19 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A small whole plugin whose depthmap is a plane, whatever the volume holds. It fails where it is told to,
- * and CMakeLists.txt compiles variants of it that no host may accept:
- *
- *   TP_ABI_MAJOR     the entry's ABI major
- *   TP_ENTRY_SIZE    the entry's size
- *   TP_CREATE        what create returns
- *   TP_SLAB          the instance's slab
- *   TP_FAILS_BY      how it fails where it is told to: not by an error, but by fail_by(), see there
- *   TP_BEGIN         what begin returns: a note changes nothing
- *   TP_MAP_ONCE      only the first frame's map is written; later frames are said to be whole, too
- *   TP_PARTIAL       the right half of the map has no surface: SV_PARTIAL
- *   TP_CONFIDENCE    with smartvis.confidence/1, from 0 at the left to 1 at the right; TP_SURE_... says how
+ * A small whole plugin whose depthmap is a plane, whatever the volume holds. It fails where it is told to.
+ * Each line of `variants` is a library of its name; all but the first are plugins that no host may accept, or
+ * believe.
  */
+/* The header says that the entry is constant; here loading changes it. */
+#define smartvis_plugin_entry constant_entry
 #include "smartvis/author.h"
+#undef smartvis_plugin_entry
 #include "smartvis/confidence.h"
 
 #include <CL/cl.h>
@@ -21,29 +15,64 @@
 #include <signal.h>
 #include <unistd.h>
 
-#ifndef TP_ABI_MAJOR
-#define TP_ABI_MAJOR SV_ABI_MAJOR
-#endif
-#ifndef TP_ENTRY_SIZE
-#define TP_ENTRY_SIZE sizeof(sv_entry)
-#endif
-#ifndef TP_CREATE
-#define TP_CREATE SV_OK
-#endif
-#ifndef TP_SLAB
-#define TP_SLAB sva_slab
-#endif
-#ifndef TP_MAP_ONCE
-#define TP_MAP_ONCE 0
-#endif
-#ifndef TP_BEGIN
-#define TP_BEGIN SV_OK
-#endif
-#ifdef TP_PARTIAL
-enum { HALF = 2, FOUND = SV_PARTIAL };
-#else
-enum { HALF = 1, FOUND = SV_OK };
-#endif
+enum { FAIL_BY_ERROR, FAIL_BY_CRASH, FAIL_BY_HANG, FAIL_BY_LEAVING, FAIL_BY_GRABBING };
+enum { UNSURE, SURE_RAMP, SURE_FULL, SURE_FAILS, SURE_NAN, SURE_ABOVE, SURE_OLD, SURE_NONE };
+
+typedef struct {
+    const char *name;
+    int newer; /* the entry's ABI major is as many above this one's */
+    uint32_t entry_size;
+    sv_status create, begin; /* what they return: of begin, a note changes nothing */
+    int no_slab;
+    int partial; /* the right half of the map has no surface: SV_PARTIAL */
+    int outcome; /* if not the one that is true */
+    float lie;   /* a depth that no host may believe */
+    int writes_nothing;
+    int map_once; /* only the first frame's map is written; later frames are said to be whole, too */
+    int fails_by; /* how it fails where it is told to; all but an error only a process of its own survives */
+    int confidence; /* smartvis.confidence/1, from 0 at the left to 1 at the right, and what is wrong with it
+                     */
+} variant;
+
+/* CMakeLists.txt reads the names. */
+static const variant variants[] = {
+    {"plane", .newer = 0},
+    {"other_major", .newer = 1},
+    {"older_major", .newer = -1},
+    {"short_entry", .entry_size = 16},
+    {"create_fails", .create = SV_ERR_NO_MEMORY},
+    {"no_slab", .no_slab = 1},
+    {"partial", .partial = 1},
+    {"depth_nan", .lie = NAN},
+    {"depth_far", .lie = 1e30f},
+    {"depth_endless", .lie = -INFINITY},
+    {"writes_nothing", .writes_nothing = 1},
+    {"map_once", .map_once = 1},
+    {"outcome_77", .outcome = 77},
+    {"outcome_minus_77", .outcome = -77},
+    {"begin_77", .begin = 77},
+    {"note_early", .begin = SV_PARTIAL},
+    {"by_crash", .fails_by = FAIL_BY_CRASH},
+    {"by_hang", .fails_by = FAIL_BY_HANG},
+    {"by_leave", .fails_by = FAIL_BY_LEAVING},
+    {"by_grab", .fails_by = FAIL_BY_GRABBING},
+    {"sure_ramp", .confidence = SURE_RAMP},
+    {"sure_full", .confidence = SURE_FULL},
+    {"sure_fails", .confidence = SURE_FAILS},
+    {"sure_nan", .confidence = SURE_NAN},
+    {"sure_above", .confidence = SURE_ABOVE},
+    {"sure_old", .confidence = SURE_OLD},
+    {"sure_none", .confidence = SURE_NONE},
+};
+
+/* This source is compiled once. The linker says which line a library is. */
+__attribute__((visibility("hidden"))) extern const unsigned char plane_line, plane_lines[32];
+const unsigned char plane_lines[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+                                       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+
+static const variant *self(void) {
+    return &variants[plane_line];
+}
 
 enum { PARAM_DEPTH = 1, PARAM_SHAPE, PARAM_FAIL, PARAM_EVERY, PARAM_NOTE, PARAM_COUNT = 5 };
 enum { FAIL_NONE, FAIL_ACTIVATE, FAIL_BEGIN, FAIL_SLAB, FAIL_END };
@@ -104,27 +133,21 @@ typedef struct {
     float *sure; /* the same for the confidence */
 } plane;
 
-#ifdef TP_FAILS_BY
-enum { TP_CRASH = 1, TP_HANG, TP_LEAVE, TP_GRAB };
-
 /* What no host can take back. */
 static void fail_by(int how) {
-    if (how == TP_CRASH) (void)raise(SIGSEGV);
-    if (how == TP_LEAVE) exit(0);
+    if (how == FAIL_BY_CRASH) (void)raise(SIGSEGV);
+    if (how == FAIL_BY_LEAVING) exit(0);
     for (volatile int endless = 1; endless;) {
-        if (how == TP_GRAB) memset(malloc(1u << 20), 1, 1u << 20);
+        if (how == FAIL_BY_GRABBING) memset(malloc(1u << 20), 1, 1u << 20);
         (void)usleep(200);
     }
 }
-#endif
 
 /* SV_ERR_INTERNAL if this is the call, and the frame, that the parameters name. */
 static sv_status fail_here(sva *a, int call) {
     const uint64_t every = (uint64_t)sva_value(a, PARAM_EVERY);
     if ((int)sva_value(a, PARAM_FAIL) != call || a->frame.index % every != 0) return SV_OK;
-#ifdef TP_FAILS_BY
-    fail_by(TP_FAILS_BY);
-#endif
+    if (self()->fails_by != FAIL_BY_ERROR) fail_by(self()->fails_by);
     return sva_error(a, SV_ERR_INTERNAL, "fails in %s on purpose", calls[call]);
 }
 
@@ -146,7 +169,7 @@ static void plane_deactivate(sva *a) {
 
 static sv_status plane_begin(sva *a) {
     const sv_status status = fail_here(a, FAIL_BEGIN);
-    return status != SV_OK ? status : TP_BEGIN;
+    return status != SV_OK ? status : self()->begin;
 }
 
 static sv_status plane_slab(sva *a, const sv_slab *slab) {
@@ -155,7 +178,7 @@ static sv_status plane_slab(sva *a, const sv_slab *slab) {
 
 /* Columns of the map that have a surface: all, or the left half. */
 static uint32_t columns(const sva *a) {
-    return a->format.width / HALF;
+    return self()->partial ? a->format.width / 2 : a->format.width;
 }
 
 static sv_status plane_finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
@@ -168,28 +191,14 @@ static sv_status plane_finish(sva *a, float *depth) { /* NOLINT(readability-non-
     return fail_here(a, FAIL_END);
 }
 
-/* What a host must not believe: see CMakeLists.txt. */
-#ifndef TP_OUTCOME
-#define TP_OUTCOME FOUND
-#endif
-#ifdef TP_LIE
-static float lie(size_t ray) {
-    return ray == 7 ? TP_LIE : 1.0f;
-}
-#endif
-
 static sv_status plane_output(sva *a, const sv_result *result) {
     const plane *p = a->own;
-#ifdef TP_LIE
-    for (size_t i = 0; i < sva_rays(a); i++) p->map[i] = lie(i);
-#endif
-#ifdef TP_WRITES_NOTHING
-    (void)p;
-    return SV_OK;
-#endif
     const size_t rays = sva_rays(a);
-    const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : TP_OUTCOME;
-    const int written = !TP_MAP_ONCE || a->frame.index == 0;
+    if (self()->writes_nothing) return SV_OK;
+    for (size_t i = 0; self()->lie != 0.0f && i < rays; i++) p->map[i] = i == 7 ? self()->lie : 1.0f;
+    const int found = self()->partial ? SV_PARTIAL : self()->outcome;
+    const sv_status outcome = sva_value(a, PARAM_NOTE) != 0 ? SV_NO_SURFACE : found;
+    const int written = !self()->map_once || a->frame.index == 0;
     if (written && result->depth) memcpy(result->depth, p->map, rays * sizeof(float));
     if (written && result->depth_object &&
         clEnqueueWriteBuffer(a->format.queue, result->depth_object, CL_FALSE, result->depth_offset,
@@ -208,12 +217,9 @@ static sv_status plane_output(sva *a, const sv_result *result) {
     return a->format.queue ? SV_OK : outcome;
 }
 
-#ifdef TP_CONFIDENCE
-enum { TP_SURE_RAMP = 1, TP_SURE_FULL, TP_SURE_FAILS, TP_SURE_NAN, TP_SURE_ABOVE, TP_SURE_OLD, TP_SURE_NONE };
-
 static uint32_t confidence_offered(const sv_plugin *plugin) {
     (void)plugin;
-    return TP_CONFIDENCE != TP_SURE_NONE;
+    return self()->confidence != SURE_NONE;
 }
 
 static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
@@ -221,11 +227,12 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
     sva *a = plugin->plugin_data;
     plane *p = a->own;
     const uint32_t width = a->format.width, rays = width * a->format.height;
+    const int kind = self()->confidence;
     for (uint32_t i = 0; i < rays; i++)
-        p->sure[i] = TP_CONFIDENCE == TP_SURE_FULL ? 1.0f : (float)(i % width) / (float)(width - 1);
-    if (TP_CONFIDENCE == TP_SURE_NAN) p->sure[rays / 2] = NAN;
-    if (TP_CONFIDENCE == TP_SURE_ABOVE) p->sure[0] = p->sure[rays - 1] = 1.001f;
-    if (TP_CONFIDENCE == TP_SURE_FAILS) return sva_error(a, SV_ERR_INTERNAL, "is never sure, on purpose");
+        p->sure[i] = kind == SURE_FULL ? 1.0f : (float)(i % width) / (float)(width - 1);
+    if (kind == SURE_NAN) p->sure[rays / 2] = NAN;
+    if (kind == SURE_ABOVE) p->sure[0] = p->sure[rays - 1] = 1.001f;
+    if (kind == SURE_FAILS) return sva_error(a, SV_ERR_INTERNAL, "is never sure, on purpose");
     if (map) memcpy(map, p->sure, rays * sizeof *map);
     if (object && clEnqueueWriteBuffer(a->format.queue, object, CL_FALSE, offset, rays * sizeof(float),
                                        p->sure, 0, NULL, NULL) != CL_SUCCESS)
@@ -238,28 +245,21 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     return map ? confidence_write(plugin, map, NULL, 0) : SV_ERR_STATE;
 }
 
+static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
+                                                 .read = confidence_read,
+                                                 .offered = confidence_offered,
+                                                 .write = confidence_write};
 /* An older plugin's table ends after `read`. */
-static const sv_ext_confidence ext_confidence = {
-    .size = TP_CONFIDENCE == TP_SURE_OLD ? offsetof(sv_ext_confidence, offered) : sizeof ext_confidence,
-    .read = confidence_read,
-    .offered = confidence_offered,
-    .write = confidence_write};
-#endif
+static const sv_ext_confidence ext_old = {.size = offsetof(sv_ext_confidence, offered),
+                                          .read = confidence_read};
 
 static const void *plane_extension(const sva *a, const char *id) {
     (void)a;
-#ifdef TP_CONFIDENCE
-    if (strcmp(id, SV_EXT_CONFIDENCE) == 0) return &ext_confidence;
-#endif
-    (void)id;
-    return NULL;
+    if (self()->confidence == UNSURE || strcmp(id, SV_EXT_CONFIDENCE) != 0) return NULL;
+    return self()->confidence == SURE_OLD ? &ext_old : &ext_confidence;
 }
 
-#ifdef TP_CONFIDENCE
-static const char *const extensions[] = {SV_EXT_CONFIDENCE, NULL};
-#else
-static const char *const extensions[] = {NULL};
-#endif
+static const char *extensions[] = {SV_EXT_CONFIDENCE, NULL};
 
 static const sv_descriptor descriptor = {.size = sizeof(sv_descriptor),
                                          .carriers = SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER) |
@@ -291,15 +291,22 @@ static const sv_descriptor *descriptor_at(uint32_t index) {
 
 static sv_status create(const sv_host *host, const char *id, const sv_plugin **out) {
     *out = NULL;
-    if (TP_CREATE != SV_OK) return TP_CREATE;
+    if (self()->create != SV_OK) return self()->create;
     const sv_status status = sva_create(&method, host, id, out);
-    if (status == SV_OK) ((sva *)(*out)->plugin_data)->api.slab = TP_SLAB;
+    if (status == SV_OK && self()->no_slab) ((sva *)(*out)->plugin_data)->api.slab = NULL;
     return status;
 }
 
-SV_EXPORT const sv_entry smartvis_plugin_entry = {.abi_major = TP_ABI_MAJOR,
-                                                  .abi_minor = SV_ABI_MINOR,
-                                                  .size = TP_ENTRY_SIZE,
-                                                  .count = 1,
-                                                  .descriptor = descriptor_at,
-                                                  .create = create};
+extern SV_EXPORT sv_entry smartvis_plugin_entry;
+SV_EXPORT sv_entry smartvis_plugin_entry = {.abi_major = SV_ABI_MAJOR,
+                                            .abi_minor = SV_ABI_MINOR,
+                                            .size = sizeof(sv_entry),
+                                            .count = 1,
+                                            .descriptor = descriptor_at,
+                                            .create = create};
+
+__attribute__((constructor)) static void load(void) {
+    smartvis_plugin_entry.abi_major += (uint32_t)self()->newer;
+    if (self()->entry_size != 0) smartvis_plugin_entry.size = self()->entry_size;
+    if (self()->confidence == UNSURE) extensions[0] = NULL;
+}
