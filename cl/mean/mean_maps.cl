@@ -12,8 +12,8 @@
  * 64 `bits` (the same buffer under three types). Two planes: near and far depths, none of them negative. One
  * plane, S(q), whose depths may be: max(depth, 0) and max(-depth, 0).
  */
-__kernel void mean_enter(sv_job job, uint bits, uint planes, __global const float *maps,
-                         __global ushort *half_sums, __global uint *narrow_sums, __global ulong *wide_sums) {
+__kernel void mean_load(sv_job job, uint bits, uint planes, __global const float *maps,
+                        __global ushort *half_sums, __global uint *narrow_sums, __global ulong *wide_sums) {
     if (get_global_id(0) >= job.padded_width) return;
     const size_t plane = (size_t)job.padded_width * job.height;
     const size_t i = get_global_id(1) * job.padded_width + get_global_id(0);
@@ -39,7 +39,7 @@ __kernel void mean_enter(sv_job job, uint bits, uint planes, __global const floa
 }
 
 /* 16 pixels per work item: the difference of both planes in the first, zeros in the second. */
-__kernel void mean_leave(uint padded_width, uint height, __global float *restrict surfaces) {
+__kernel void mean_store(uint padded_width, uint height, __global float *restrict surfaces) {
     const size_t plane = (size_t)padded_width * height;
     const size_t i = get_global_id(1) * padded_width + get_global_id(0) * SV_LANES;
     vstore16(vload16(0, surfaces + i) - vload16(0, surfaces + plane + i), 0, surfaces + i);

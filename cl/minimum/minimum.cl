@@ -40,8 +40,8 @@ __kernel void minimum_clear(uint padded_width, __global float *restrict a, __glo
     }
 }
 
-__kernel void minimum_enter(uint padded_width, __global const float *restrict maps,
-                            __global float *restrict a) {
+__kernel void minimum_load(uint padded_width, __global const float *restrict maps,
+                           __global float *restrict a) {
     const size_t x = get_global_id(0) * SV_LANES, y = get_global_id(1);
     vstore16(vload16(0, maps + y * padded_width + x), 0,
              a + y * margin_stride(padded_width) + SV_MIN_MARGIN + x);
@@ -78,7 +78,7 @@ __kernel void minimum_rows(uint width, uint padded_width, uint k, uint number,
 }
 
 /* The result: to the surface (empty: 0), or back to the maps, at initial points only. */
-__kernel void minimum_leave(uint padded_width, uint to_maps, __global const float *restrict a,
+__kernel void minimum_store(uint padded_width, uint to_maps, __global const float *restrict a,
                             __global const uchar *restrict status, __global float *restrict out,
                             __global const uint *restrict record) {
     if (!surface_wanted(record)) return;

@@ -68,7 +68,7 @@ static void note_call(hs_guard *guard) {
 }
 
 /* The child has ended: how, and in which call. */
-static sv_status tell_end(hs_guard *guard) {
+static sv_status report_end(hs_guard *guard) {
     char how[128];
     const uint32_t step = guard->block->step, steps = guard->block->steps;
     hs_child_tell(&guard->child.end, how, sizeof how);
@@ -130,7 +130,7 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
     guard->block->step = guard->block->steps = 0;
     atomic_store(&guard->block->since_ns, 0);
     if (!hs_child_send(guard->child.channel, &order, sizeof order)) hs_child_wait_end(&guard->child, limit);
-    if (!await(guard, order, limit, &reply)) return tell_end(guard);
+    if (!await(guard, order, limit, &reply)) return report_end(guard);
     note_call(guard);
     guard->last_error[0] = '\0';
     if (reply.status != SV_OK) hs_guard_note_error(guard);

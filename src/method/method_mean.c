@@ -12,8 +12,8 @@
 
 #include <math.h>
 
-enum { K_ENTER, K_LEAVE };
-static const char *const kernels[] = {"mean_enter", "mean_leave", NULL};
+enum { K_LOAD, K_STORE };
+static const char *const kernels[] = {"mean_load", "mean_store", NULL};
 
 static sv_source source(void) {
     return (sv_source){sv_kernels_mean_maps, sv_kernels_mean_maps_size};
@@ -80,8 +80,8 @@ static sv_status rays_pass(const sv_map *m, const sv_method_state *s, uint32_t p
 
 /* Converts maps to sums. The sums have no sign, so that of S(q) the first plane takes depths above 0 and the
  * second those below, negated; their difference is the mean of both. */
-static sv_status enter(const sv_map *m, const sv_method_state *s, uint32_t planes) {
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_ENTER], "mean_enter");
+static sv_status load_points(const sv_map *m, const sv_method_state *s, uint32_t planes) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LOAD], "mean_load");
     sv_launch_arg(&l, sizeof m->job, &m->job);
     sv_launch_uint(&l, m->config->half_sums ? 16 : m->program == m->wide ? 64 : 32);
     sv_launch_uint(&l, planes);
@@ -90,8 +90,8 @@ static sv_status enter(const sv_map *m, const sv_method_state *s, uint32_t plane
     return sv_launch_pixels(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status leave(const sv_map *m, const sv_method_state *s) {
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LEAVE], "mean_leave");
+static sv_status store_surfaces(const sv_map *m, const sv_method_state *s) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_STORE], "mean_store");
     sv_launch_uint(&l, m->padded_width);
     sv_launch_uint(&l, m->height);
     sv_launch_buffer(&l, m->surfaces);
@@ -101,11 +101,11 @@ static sv_status leave(const sv_map *m, const sv_method_state *s) {
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     const bool rays = m->config->strategy == SV_STRATEGY_RAYS;
     const bool from_maps = m->points != NULL;
-    sv_status status = from_maps ? enter(m, s, planes) : SV_OK;
+    sv_status status = from_maps ? load_points(m, s, planes) : SV_OK;
     for (uint32_t pass = 0; status == SV_OK && pass < m->job.pass_limit; pass++)
         status = rays ? rays_pass(m, s, pass) : band_pass(m, s, pass);
     if (status == SV_OK) status = sv_map_done_passes(m);
-    return status == SV_OK && from_maps && planes == 1 ? leave(m, s) : status;
+    return status == SV_OK && from_maps && planes == 1 ? store_surfaces(m, s) : status;
 }
 
 /* int16: half a step a pass, in each of the two planes. Else what the format promises. */

@@ -8,9 +8,9 @@
 #include "minimum/minimum_shared.h"
 #include "ref/ref_minimum.h"
 
-enum { K_CLEAR, K_ENTER, K_COLUMNS, K_ROWS, K_LEAVE };
-static const char *const kernels[] = {"minimum_clear", "minimum_enter", "minimum_columns",
-                                      "minimum_rows",  "minimum_leave", NULL};
+enum { K_CLEAR, K_LOAD, K_COLUMNS, K_ROWS, K_STORE };
+static const char *const kernels[] = {"minimum_clear", "minimum_load",  "minimum_columns",
+                                      "minimum_rows",  "minimum_store", NULL};
 enum { MAP_A, MAP_B };
 static const uint32_t EVERY_PASS = UINT32_MAX; /* passes are not counted, and none is skipped */
 
@@ -39,8 +39,8 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
     return sv_launch_items(&l, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status enter(const sv_map *m, sv_method_state *s) {
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_ENTER], "minimum_enter");
+static sv_status load_points(const sv_map *m, sv_method_state *s) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LOAD], "minimum_load");
     sv_launch_uint(&l, m->padded_width);
     sv_launch_buffer(&l, m->points);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
@@ -65,8 +65,8 @@ static sv_status pass(const sv_map *m, sv_method_state *s, uint32_t k, uint32_t 
     return sv_launch_vectors(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
-static sv_status leave(const sv_map *m, sv_method_state *s, bool to_maps) {
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LEAVE], "minimum_leave");
+static sv_status store_surfaces(const sv_map *m, sv_method_state *s, bool to_maps) {
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_STORE], "minimum_store");
     sv_launch_uint(&l, m->padded_width);
     sv_launch_uint(&l, to_maps);
     sv_launch_buffer(&l, s->buffer[MAP_A]);
@@ -77,16 +77,16 @@ static sv_status leave(const sv_map *m, sv_method_state *s, bool to_maps) {
 }
 
 sv_status sv_minimum_prefilter(const sv_map *m, sv_method_state *s, uint32_t k, uint32_t passes) {
-    sv_status status = enter(m, s);
+    sv_status status = load_points(m, s);
     for (uint32_t n = 0; status == SV_OK && n < passes; n++) status = pass(m, s, k, EVERY_PASS);
-    return status == SV_OK ? leave(m, s, true) : status;
+    return status == SV_OK ? store_surfaces(m, s, true) : status;
 }
 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* one plane, for the method is never linear */
-    sv_status status = enter(m, s);
+    sv_status status = load_points(m, s);
     for (uint32_t n = 0; status == SV_OK && n < m->job.pass_limit; n++) status = pass(m, s, m->job.k, n);
-    if (status == SV_OK) status = leave(m, s, false);
+    if (status == SV_OK) status = store_surfaces(m, s, false);
     return status == SV_OK ? sv_map_done_passes(m) : status;
 }
 

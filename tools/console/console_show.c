@@ -258,8 +258,8 @@ static bool send_views(hs_console_show *show, hs_console_shown *shown, hs_error 
     return true;
 }
 
-/* Parameters of plugins that the page does not know yet. */
-static bool tell_plugins(hs_console_show *show) {
+/* Sends the parameters of plugins that the page does not know yet. */
+static bool send_plugins(hs_console_show *show) {
     for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++) {
         if (!show->stage.lane[i].offer || show->stage.told[i]) continue;
         show->stage.told[i] = true;
@@ -289,7 +289,7 @@ bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state,
                                                                         : "Reading the file")))
         return false;
     const bool followed = hs_console_stage_show(&show->stage, state, index, &err);
-    if (!tell_plugins(show)) return false;
+    if (!send_plugins(show)) return false;
     if (followed && !send_views(show, &shown, &err) && err.code == HS_OK) return false;
     if (err.code != HS_OK) {
         memset(show->sent, 0, sizeof show->sent);

@@ -95,7 +95,7 @@ static int perform_in_child(int channel, void *context) {
 }
 
 /* ---- in the validator */
-static void tell_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
+static void report_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
     char how[100];
     hs_child_tell(end, how, sizeof how);
     out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
@@ -108,7 +108,7 @@ static bool run_in_child(const job *j, v_finding *out, hs_error *err) {
     hs_child child;
     if (!hs_child_fork(&child, &limits, perform_in_child, (void *)(uintptr_t)j, err)) return false;
     hs_child_wait_end(&child, j->options->timeout_s * (late ? PATIENCE : 1.0));
-    if (!j->report->finished) tell_accident(&child.end, j->report, out);
+    if (!j->report->finished) report_accident(&child.end, j->report, out);
     hs_child_close(&child);
     return true;
 }

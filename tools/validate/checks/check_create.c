@@ -153,7 +153,7 @@ typedef struct {
     char locale[512], folder[1024];
     int rounding;
     mode_t mask;
-} world;
+} process_state;
 
 /* A signal whose handler lies in the library, or 0. An OpenCL runtime may have handlers of its own. */
 static int handled_signal(library_range library) {
@@ -165,7 +165,7 @@ static int handled_signal(library_range library) {
     return 0;
 }
 
-static void look_around(world *w) {
+static void read_process_state(process_state *w) {
     memset(w, 0, sizeof *w);
     (void)snprintf(w->locale, sizeof w->locale, "%s", setlocale(LC_ALL, NULL));
     if (!getcwd(w->folder, sizeof w->folder)) w->folder[0] = '\0';
@@ -175,7 +175,7 @@ static void look_around(world *w) {
 }
 
 void check_process_untouched(v_run *run) {
-    world before, after;
+    process_state before, after;
     struct stat said = {0};
     v_rig r;
     /* Standard output goes to memory meanwhile. */
@@ -183,11 +183,11 @@ void check_process_untouched(v_run *run) {
     const int output = dup(STDOUT_FILENO), memory = memfd_create("output", 0);
     v_rig_open(run, &r);
     const bool caught = output >= 0 && memory >= 0 && dup2(memory, STDOUT_FILENO) >= 0;
-    look_around(&before);
+    read_process_state(&before);
     provoke(&r);
     const int signal_number = handled_signal(library_range_of(r.s.entry));
     v_rig_close(&r);
-    look_around(&after);
+    read_process_state(&after);
     (void)fflush(stdout);
     if (caught) (void)(fstat(memory, &said) + dup2(output, STDOUT_FILENO));
     V_EXPECT(run, strcmp(before.locale, after.locale) == 0, "the plugin changes the locale to %.100s",

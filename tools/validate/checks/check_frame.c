@@ -21,7 +21,7 @@ void check_first_frame(v_run *run) {
 }
 
 /* Every depth was written, is finite, and lies within twice the volume. */
-static void look_at_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
+static void inspect_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
     for (uint32_t i = 0; i < map->width * map->height; i++) {
         const float d = map->depth[i];
         V_EXPECT(run, !isnan(d), "%s: the depth of ray (%u, %u) is NaN, or was not written", what,
@@ -47,7 +47,7 @@ void check_depth_values(v_run *run) {
         char what[64];
         (void)snprintf(what, sizeof what, "a %s volume", v_kind_name((v_kind)kind));
         frame_of(&r, &way, (v_kind)kind, &map);
-        look_at_depths(run, &map, way.slices, what);
+        inspect_depths(run, &map, way.slices, what);
         v_map_free(&map);
         v_rig_drop(&r);
     }
@@ -59,7 +59,7 @@ static bool is_outcome(sv_status status) {
     return status == SV_OK || status == SV_NO_SURFACE || status == SV_PARTIAL;
 }
 
-static void look_at_outcome(v_run *run, const v_map *map, bool own_queue, const char *what) {
+static void inspect_outcome(v_run *run, const v_map *map, bool own_queue, const char *what) {
     const sv_stats *s = &map->stats;
     uint32_t zeros = 0;
     for (uint32_t i = 0; i < map->width * map->height; i++) zeros += map->depth[i] == 0.0f;
@@ -95,14 +95,14 @@ void check_frame_outcome(v_run *run) {
         V_EXPECT(run, status >= 0, "end of a %s volume: %s: %s", v_kind_name((v_kind)kind), v_status(status),
                  p->last_error(p));
         v_collect(&r.stage, status, &map);
-        look_at_outcome(run, &map, way.own_queue, v_kind_name((v_kind)kind));
+        inspect_outcome(run, &map, way.own_queue, v_kind_name((v_kind)kind));
         v_map_free(&map);
         v_rig_drop(&r);
     }
     v_rig_close(&r);
 }
 
-static void look_at_statistics(v_run *run, const v_map *map) {
+static void inspect_statistics(v_run *run, const v_map *map) {
     const sv_stats *s = &map->stats;
     const uint32_t rays = map->width * map->height;
     V_EXPECT(run, s->size == sizeof *s, "end changes stats.size to %u", s->size);
@@ -128,7 +128,7 @@ void check_frame_statistics(v_run *run) {
     for (int kind = 0; kind < V_KINDS; kind++) {
         v_map map;
         frame_of(&r, &way, (v_kind)kind, &map);
-        look_at_statistics(run, &map);
+        inspect_statistics(run, &map);
         v_map_free(&map);
         v_rig_drop(&r);
     }
@@ -155,7 +155,7 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     v_collect(st, status, &map);
     const char *place = v_stage_trespass(st, byte);
     V_EXPECT(run, !place, "end writes %s", place);
-    look_at_depths(run, &map, st->format.slices,
+    inspect_depths(run, &map, st->format.slices,
                    st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
     for (uint32_t i = 0; !all && i < map.width * map.height; i++)
         V_EXPECT(run, map.status[i] == byte, "end writes a status map where none was asked for");
@@ -194,7 +194,7 @@ void check_frame_shapes(v_run *run) {
         if (i % 2) way.extra_w = way.extra_h = way.extra_pitch = 0;
         (void)snprintf(what, sizeof what, "%u x %u x %u", way.width, way.height, way.slices);
         frame_of(&r, &way, V_LAYERS, &map);
-        look_at_depths(run, &map, way.slices, what);
+        inspect_depths(run, &map, way.slices, what);
         v_map_free(&map);
         v_rig_drop(&r);
     }

@@ -65,7 +65,7 @@ static bool is_toolchains_own(const char *name) {
     return strncmp(name, "__odr_asan", strlen("__odr_asan")) == 0;
 }
 
-static void look_at_symbol(v_run *run, const tables *t, uint32_t i) {
+static void inspect_symbol(v_run *run, const tables *t, uint32_t i) {
     const ElfW(Sym) *symbol = &t->symbols[i];
     const char *name = t->names + symbol->st_name;
     const unsigned binding = symbol->st_info >> 4u;
@@ -90,7 +90,7 @@ void check_library_symbols(v_run *run) {
     }
     if (!t.symbols || !t.names || !t.hash) v_skip(run, "the library has no GNU hash table of symbols");
     const uint32_t end = symbol_end(&t);
-    for (uint32_t i = t.hash[1]; i < end; i++) look_at_symbol(run, &t, i);
+    for (uint32_t i = t.hash[1]; i < end; i++) inspect_symbol(run, &t, i);
 }
 
 void check_library_scan_time(v_run *run) {
@@ -115,7 +115,7 @@ void check_entry_whole(v_run *run) {
     V_EXPECT(run, e->descriptor && e->create, "entry.%s is NULL", e->descriptor ? "create" : "descriptor");
 }
 
-static void look_at_texts(v_run *run, uint32_t index, const sv_descriptor *d) {
+static void inspect_texts(v_run *run, uint32_t index, const sv_descriptor *d) {
     const struct {
         const char *field, *text;
     } list[] = {{"id", d->id},
@@ -132,7 +132,7 @@ static void look_at_texts(v_run *run, uint32_t index, const sv_descriptor *d) {
     }
 }
 
-static void look_at_bits(v_run *run, uint32_t index, const sv_descriptor *d) {
+static void inspect_bits(v_run *run, uint32_t index, const sv_descriptor *d) {
     const struct {
         const char *field;
         uint32_t value, known, needed;
@@ -156,7 +156,7 @@ static void look_at_bits(v_run *run, uint32_t index, const sv_descriptor *d) {
              "descriptor %u: carriers is 0x%x, but OpenCL objects need SV_QUEUE_HOST", index, d->carriers);
 }
 
-static void look_at_extensions(v_run *run, uint32_t index, const sv_descriptor *d) {
+static void inspect_extensions(v_run *run, uint32_t index, const sv_descriptor *d) {
     V_EXPECT(run, d->extensions, "descriptor %u: extensions is NULL", index);
     for (uint32_t i = 0; d->extensions[i]; i++) {
         V_EXPECT(run, i < MOST_EXTENSIONS, "descriptor %u: extensions has no NULL among its first %d entries",
@@ -175,9 +175,9 @@ void check_descriptors(v_run *run) {
         V_EXPECT(run, d, "descriptor(%u) is NULL, and entry.count is %u", i, s.entry->count);
         V_EXPECT(run, d->size >= sizeof *d, "descriptor %u: size is %u, expected at least %zu", i, d->size,
                  sizeof *d);
-        look_at_texts(run, i, d);
-        look_at_bits(run, i, d);
-        look_at_extensions(run, i, d);
+        inspect_texts(run, i, d);
+        inspect_bits(run, i, d);
+        inspect_extensions(run, i, d);
         for (uint32_t k = 0; k < i; k++)
             V_EXPECT(run, strcmp(s.entry->descriptor(k)->id, d->id) != 0,
                      "descriptors %u and %u have one id, %s", k, i, d->id);

@@ -53,7 +53,7 @@ static void frame_with(v_rig *r, void (*look)(v_rig *r, const char *call)) {
 }
 
 /* ---- the frame path */
-static void look_at_calls(v_rig *r, const char *call) {
+static void inspect_calls(v_rig *r, const char *call) {
     const bool own = r->stage.way.own_queue;
     v_run *run = r->s.run;
     V_EXPECT(run, spy_count(SPY_CREATE) == 0, "%s makes an OpenCL object: %s", call, spy_first(SPY_CREATE));
@@ -70,14 +70,14 @@ void check_frame_path_opencl(v_run *run) {
     open_watched(run, &r);
     const char *unknown = spy_unknown_import(r.s.library);
     const uint32_t calls = all_calls();
-    frame_with(&r, look_at_calls);
-    frame_with(&r, look_at_calls);
+    frame_with(&r, inspect_calls);
+    frame_with(&r, inspect_calls);
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
     if (unknown && unknown[0] == 'c') v_warn(run, "the validator does not watch %s", unknown);
     v_rig_close(&r);
 }
 
-static void look_at_heap(v_rig *r, const char *call) {
+static void inspect_heap(v_rig *r, const char *call) {
     V_EXPECT(r->s.run, heap_spy_count() == 0, "%s allocates memory %u times", call, heap_spy_count());
 }
 
@@ -85,12 +85,12 @@ void check_frame_path_heap(v_run *run) {
     v_rig r;
     if (!heap_spy_works()) v_skip(run, "the sanitizer keeps the heap for itself");
     open_watched(run, &r);
-    frame_with(&r, look_at_heap);
-    frame_with(&r, look_at_heap);
+    frame_with(&r, inspect_heap);
+    frame_with(&r, inspect_heap);
     v_rig_close(&r);
 }
 
-static void look_at_launches(v_rig *r, const char *call) {
+static void inspect_launches(v_rig *r, const char *call) {
     if (spy_cold() > 0)
         v_warn(r->s.run, "%s launches %u kernels for the first time; activate should have done that", call,
                spy_cold());
@@ -100,7 +100,7 @@ void check_first_launches(v_run *run) {
     v_rig r;
     open_watched(run, &r);
     if (all_calls() == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
-    frame_with(&r, look_at_launches);
+    frame_with(&r, inspect_launches);
     v_rig_close(&r);
 }
 

@@ -62,7 +62,7 @@ void check_param_text(v_run *run) {
 
 /* ---- numbers */
 /* How far a text may be from its value: half a step, or a hundredth of the range. */
-static double slack(const sv_param_info *p, double value) {
+static double text_tolerance(const sv_param_info *p, double value) {
     const double range = 0.01 * (p->max_value - p->min_value), own = 0.01 * fabs(value);
     if (p->type != SV_PARAM_FLOAT) return 0.49 * p->step;
     const double most = own < range || range == 0.0 ? own : range;
@@ -78,8 +78,8 @@ static void try_number(v_subject *s, const sv_param_info *p, double value) {
         v_warn(s->run, "the text of %s = %g, '%s', is no number", p->key, value, text);
         return;
     }
-    V_EXPECT(s->run, fabs(back - value) <= slack(p, value) + 1e-12, "the text of %s = %.9g is '%s'", p->key,
-             value, text);
+    V_EXPECT(s->run, fabs(back - value) <= text_tolerance(p, value) + 1e-12, "the text of %s = %.9g is '%s'",
+             p->key, value, text);
 }
 
 void check_param_round_trip(v_run *run) {

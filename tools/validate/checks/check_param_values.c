@@ -176,7 +176,7 @@ void check_adjust_equals_frame(v_run *run) {
 }
 
 /* ---- any values together */
-static void look_at_depths(v_run *run, const v_map *map, uint32_t slices, uint32_t turn) {
+static void inspect_depths(v_run *run, const v_map *map, uint32_t slices, uint32_t turn) {
     for (uint32_t i = 0; i < map->width * map->height; i++)
         V_EXPECT(run, fabsf(map->depth[i]) <= 2.0f * (float)slices,
                  "random values, frame %u: the depth of ray (%u, %u) is %g in a volume of %u slices", turn,
@@ -202,7 +202,7 @@ void check_param_fuzz(v_run *run) {
         V_EXPECT(run, status >= 0 || status == SV_ERR_PARAM_RANGE, "random values, frame %u: %s: %s", turn,
                  v_status(status), r.s.plugin->last_error(r.s.plugin));
         if (status < 0) continue; /* values that are fine alone may exclude each other */
-        look_at_depths(run, &map, r.stage.format.slices, turn);
+        inspect_depths(run, &map, r.stage.format.slices, turn);
         v_map_free(&map);
         done++;
     }

@@ -179,7 +179,7 @@ static uint32_t choose_values(const sv_param_info *p, double out[MOST_VALUES]) {
     return values > 0 && values < 3 ? values : 3;
 }
 
-static void look_at_map(v_run *run, const v_map *map, uint32_t slices, const char *what) {
+static void inspect_map(v_run *run, const v_map *map, uint32_t slices, const char *what) {
     for (uint32_t i = 0; i < map->width * map->height; i++)
         V_EXPECT(run, fabsf(map->depth[i]) <= 2.0f * (float)slices,
                  "%s: the depth of ray (%u, %u) is %g in a volume of %u slices", what, i % map->width,
@@ -201,7 +201,7 @@ static void try_setting(v_rig *r, const sv_param_info *p, double value) {
     way.fixed_count = 1;
     v_rig_again(r, &way);
     v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &first);
-    look_at_map(run, &first, way.slices, what);
+    inspect_map(run, &first, way.slices, what);
     for (int turn = 0; turn < 2; turn++) {
         static const char *const ways[] = {"the same frame again",
                                            "other slabs, padding bytes of 255 and results with a pitch"};
