@@ -136,15 +136,24 @@ def _what_was_scanned(voxels: NDArray[np.uint8], scanned: Any) -> tuple[NDArray[
             raise ValueError(f"scanned='{scanned}', expected 'auto', 'rays', a mask or two maps")
         return fan(voxels) if scanned == "auto" else (voxels, voxels != 0)
     if isinstance(scanned, (tuple, list)) and len(scanned) == 2:
-        first, end = (np.asarray(m) for m in scanned)
+        first, end = (_finite(m) for m in scanned)
         if first.shape != voxels.shape[1:] or end.shape != voxels.shape[1:]:
             raise ValueError(f"scanned maps of {first.shape} and {end.shape}, expected {voxels.shape[1:]} [y, x]")
         z = np.arange(voxels.shape[0])[:, None, None]
         return voxels, (first <= z) & (z < end)
-    mask = np.asarray(scanned)
+    mask = _finite(scanned)
     if mask.shape != voxels.shape:
         raise ValueError(f"scanned has shape {mask.shape}, the volume {voxels.shape}")
     return voxels, mask.astype(bool)
+
+
+def _finite(values: Any) -> NDArray[Any]:
+    """What was scanned, as an array; ValueError: some of it is no number, and would be nowhere without a word."""
+    array = np.asarray(values)
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"scanned is {array[at]} at {list(at)}, expected finite numbers")
+    return array
 
 
 def _seen(

@@ -319,14 +319,16 @@ def _value_list(values: dict[int, float]) -> Any:
 
 
 def _checked_shape(shape: Sequence[int]) -> Shape:
+    if not isinstance(shape, (Sequence, np.ndarray)):
+        raise TypeError(f"shape={shape!r}: expected slices, height and width, each 1 .. 8192")
     if len(shape) != 3 or not all(1 <= int(n) <= 8192 for n in shape):
         raise ValueError(f"shape={tuple(shape)}: expected slices, height and width, each 1 .. 8192")
     return int(shape[0]), int(shape[1]), int(shape[2])
 
 
 def _checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
-    if len(spacing) != 3 or not all(np.isfinite(s) and s > 0 for s in spacing):
-        raise ValueError(f"spacing={tuple(spacing)}: expected millimetres along x, y and z, each above 0")
+    if len(spacing) != 3 or not all(1e-6 <= s <= 1e6 for s in spacing):
+        raise ValueError(f"spacing={tuple(spacing)}: expected millimetres along x, y and z, each 1e-6 .. 1e6")
     return float(spacing[0]), float(spacing[1]), float(spacing[2])
 
 

@@ -3,19 +3,27 @@
 
 from __future__ import annotations
 
+import contextlib
+import glob
+import gzip
+import math
 import os
-from collections.abc import Callable, Sequence
+import re
+import zlib
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _images
-from ._errors import SmartVisError
+from . import _host, _images
+from ._clipper import _checked_spacing
+from ._errors import HostError, SmartVisError
 
 SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk", ".tif", ".tiff")
-_HEADER = 65536
+_HEADER = 1 << 24  # bytes of a header's text at most, as in the host
+_MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
 _POSITION = "0020|0032"  # DICOM's tag: where a slice lies, in mm
 _UNEVEN = 0.05  # of the distance between slices
@@ -26,19 +34,28 @@ class FileError(SmartVisError):
     """A file cannot be read as a volume, or a result cannot be written; the message names it."""
 
 
+class OutputError(FileError):
+    """A result cannot be written."""
+
+
 class Source:
     """The volumes of one file, or of a folder of DICOM: each series is one."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        """FileError: not readable, or no volume."""
+    def __init__(self, path: str | os.PathLike[str], ask_first: bool = False) -> None:
+        """FileError: not readable, or no volume. `ask_first`: the host reads all of a MetaImage now, and not with the
+        first volume."""
         self.path = Path(path)
         self._reader: Any = None
+        self._unchecked = self.path.suffix.lower() in (".mha", ".mhd")
         self._whole: Any = None
         self._series: list[tuple[str, ...]] = []
         self.count = 1
         try:
+            if ask_first and self.path.is_file():
+                self._ask_host()
             self._open()
         except RuntimeError as error:
+            self._ask_host()  # its reason is the better one
             raise FileError(f"{self.path}: {_reason(error)}") from None
 
     def _open(self) -> None:
@@ -46,18 +63,26 @@ class Source:
         if not self.path.exists():
             raise FileError(f"{self.path}: no such file or folder")
         if self.path.is_dir():
+            for inside in self.path.iterdir():
+                if inside.exists() and not inside.is_file() and not inside.is_dir():
+                    raise FileError(f"{inside}: not a regular file")
             finder, folder = sitk.ImageSeriesReader, str(self.path)
             self._series = [finder.GetGDCMSeriesFileNames(folder, s) for s in finder.GetGDCMSeriesIDs(folder)]
             if not self._series:
                 raise FileError(f"{self.path}: the folder has no DICOM series")
             self.count = len(self._series)
             return
+        if not self.path.is_file():
+            raise FileError(f"{self.path}: not a regular file")
+        self._fields = _header(self.path)
         reader = self._reader = sitk.ImageFileReader()
         reader.SetFileName(str(self.path))
-        reader.ReadImageInformation()
+        with _no_warning(self.path):
+            reader.ReadImageInformation()
         size, values = reader.GetSize(), reader.GetNumberOfComponents()
         self._not_only_pictures(reader)
-        kinds = _kinds(self.path)
+        self._believable(reader)
+        kinds = self._fields.get("kinds", "").replace('"', "").split()
         if kinds == ["domain", "domain", "list"] and len(size) == 3:
             raise FileError(f"{self.path}: Kinds says that it holds {size[2]} pictures over time, not a volume")
         if len(size) == 4 and values == 1:
@@ -66,6 +91,48 @@ class Source:
             self.count = values
         elif len(size) != 3 or values != 1:
             raise FileError(f"{self.path}: {len(size)} dimensions and {values} values a voxel, expected a volume")
+        if self.count > 1:
+            self._ask_host()
+
+    def _believable(self, reader: Any) -> None:
+        """FileError for geometries that ITK takes without a word, and for more voxels than the file can hold."""
+        size, spacing, origin = reader.GetSize(), reader.GetSpacing(), reader.GetOrigin()
+        if len(size) >= 3:
+            try:
+                _checked_spacing(spacing[:3])
+            except ValueError as error:
+                raise FileError(f"{self.path}: {error}") from None
+        if not np.isfinite(origin).all():
+            raise FileError(f"{self.path}: origin={origin}, expected finite numbers")
+        if math.prod(size[:3]) > _MOST_VOXELS:
+            raise FileError(f"{self.path}: size={size}, expected at most {_MOST_VOXELS} voxels")
+        name, there = self.path.name.lower(), self.path.stat().st_size
+        # Of NIfTI the type in the file: values that are scaled become others.
+        type_name = _images.sitk().GetPixelIDValueAsString(reader.GetPixelID())
+        bits = int((re.findall(r"(\d+)-bit", type_name) or ["8"])[0]) * reader.GetNumberOfComponents()
+        first = 0.0
+        if reader.HasMetaDataKey("bitpix") and reader.HasMetaDataKey("vox_offset"):
+            bits, first = int(reader.GetMetaData("bitpix")), float(reader.GetMetaData("vox_offset"))
+        needed = math.prod(size) * bits // 8 + int(first)
+        if name.endswith(".gz") or "gz" in self._fields.get("encoding", ""):
+            there = there * 1032  # the best that deflate can do
+        elif not name.endswith((".nii", ".vtk")) or b"ASCII" in _first_bytes(self.path):
+            return
+        if name.endswith(".nii.gz") and needed <= there:
+            there = _inflated(self.path)
+        if needed > there and "datafile" not in self._fields:
+            raise FileError(f"{self.path}: size={size} needs {needed} bytes, the file holds {there} at most")
+
+    def _ask_host(self) -> None:
+        """FileError if host_sim, which reads all of a MetaImage and is stricter than ITK, refuses the file."""
+        if not self._unchecked:
+            return
+        try:
+            _host.run(["info", "--", str(self.path)])
+        except HostError as error:
+            if "give a window" not in str(error):  # said of values that were all read; clip says so, too
+                raise FileError(str(error).removeprefix("host_sim info: ")) from None
+        self._unchecked = False
 
     def _not_only_pictures(self, reader: Any) -> None:
         """FileError for what is DICOM, but no volume."""
@@ -77,8 +144,13 @@ class Source:
 
     def read(self, number: int = 0) -> Any:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""
+        self._ask_host()
+        status = f"seq_frame{number:04d}_imagestatus"
+        if self._reader is not None and self._fields.get(status, "").upper() == "INVALID":
+            raise FileError(f"{self.path}: ImageStatus of volume {number} is INVALID")
         try:
-            return self._read(number)
+            with _no_warning(None if self._series else self.path):
+                return self._read(number)
         except RuntimeError as error:
             raise FileError(f"{self.path}: {_reason(error)}") from None
 
@@ -134,19 +206,72 @@ class Source:
         return self._reader.Execute()
 
 
-def _kinds(path: Path) -> list[str]:
-    """The axes' kinds that a NRRD or MetaImage header tells, or none."""
-    if path.suffix not in (".nrrd", ".nhdr", ".mha", ".mhd"):
-        return []
+def _header(path: Path) -> dict[str, str]:
+    """The fields of a NRRD or MetaImage header, names in lower case without spaces. FileError: a NRRD's data is not in
+    its folder or below it, wherever links lead."""
+    fields: dict[str, str] = {}
     with open(path, "rb") as file:
-        head = file.read(_HEADER)
-    for line in head.split(b"\n"):
-        name, mark, value = line.replace(b"=", b":", 1).partition(b":")
-        if mark and name.strip().lower() == b"kinds":
-            return value.decode("ascii", "replace").replace('"', "").split()
-        if name.strip() == b"ElementDataFile" or not line.strip():
-            break
-    return []
+        is_nrrd = file.read(4) == b"NRRD"
+        while (is_nrrd or path.suffix.lower() in (".mha", ".mhd")) and file.tell() < _HEADER:
+            line = file.readline(_HEADER)
+            found = re.match(rb"([^:=]+)[:=]\s*(.*)", line.strip())
+            name = found[1].decode("ascii", "replace").replace(" ", "").lower() if found else ""
+            if found:
+                fields[name] = os.fsdecode(found[2])
+            if name == "elementdatafile" or (is_nrrd and name == "datafile") or not line.strip():
+                break
+        if is_nrrd and "datafile" in fields:
+            listed = fields["datafile"].split()[:1] == ["LIST"]
+            rest = file.read(_HEADER).splitlines() if listed else []
+            _stay_below(path, [os.fsdecode(name) for name in rest] or [fields["datafile"]])
+    return fields
+
+
+def _stay_below(header: Path, names: Sequence[str]) -> None:
+    folder = header.parent.resolve()
+    for name in names:
+        files = [str(folder / name)]
+        if "%" in name:  # a pattern of many names, and the numbers in them
+            files = glob.glob(os.path.join(glob.escape(str(folder)), re.sub(r"%\d*d", "*", name.split()[0])))
+        for file in map(Path, files):
+            if not file.resolve().is_relative_to(folder) or (file.exists() and not file.is_file()):
+                raise FileError(f"{header}: data file is '{name}', expected a regular file in the folder or below it")
+
+
+def _first_bytes(path: Path) -> bytes:
+    with open(path, "rb") as file:
+        return file.read(512)
+
+
+def _inflated(path: Path) -> int:
+    """The bytes that a gzip file holds. SimpleITK does not say when they end early or are damaged."""
+    count = 0
+    try:
+        with gzip.open(path) as file:
+            while piece := file.read(1 << 20):
+                count += len(piece)
+    except (OSError, EOFError, zlib.error) as error:
+        raise FileError(f"{path}: {error}") from None
+    return count
+
+
+@contextlib.contextmanager
+def _no_warning(path: Path | None) -> Iterator[None]:
+    """FileError for what ITK only warns of. None: it may warn; a series' spacing is judged here."""
+    said: list[str] = []
+
+    class Logger(_images.sitk().LoggerBase):  # type: ignore[misc]
+        def DisplayWarningText(self, text: str) -> None:  # noqa: N802
+            said.append(text)
+
+    logger = Logger()
+    before = logger.SetAsGlobalITKLogger()
+    try:
+        yield
+    finally:
+        before.SetAsGlobalITKLogger()
+    if said and path is not None:
+        raise FileError(f"{path}: {said[0].strip().splitlines()[-1].split('): ')[-1]}")
 
 
 def _reason(error: RuntimeError) -> str:
@@ -171,14 +296,14 @@ def whole(path: Path, write: Callable[[Path], object]) -> Path:
     """Calls `write` with a name beside `path`, which becomes `path` when all of it is there."""
     part = path.with_name(f".part-{os.getpid()}-{path.name}")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         write(part)
         os.replace(part, path)
-    except RuntimeError as error:
-        raise FileError(f"{path}: {_reason(error)}") from None
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    finally:
-        part.unlink(missing_ok=True)
+    except (RuntimeError, OSError) as error:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        reason = (error.strerror or error) if isinstance(error, OSError) else _reason(error)
+        raise OutputError(f"{path}: {reason}") from None
     return path
 
 

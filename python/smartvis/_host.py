@@ -33,9 +33,10 @@ def find() -> str:
     )
 
 
-def run(arguments: Sequence[str]) -> str:
-    """Runs host_sim and returns what it prints; HostError with its own line and exit code if it fails."""
-    ended = subprocess.run([find(), *arguments], capture_output=True, text=True, errors="replace", check=False)
+def run(arguments: Sequence[str], folder: str | None = None) -> str:
+    """Runs host_sim in a folder and returns what it prints; HostError with its own line and exit code if it fails."""
+    command = [os.path.abspath(find()), *arguments]
+    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False)
     if ended.returncode != 0:
         lines = ended.stderr.strip().splitlines() or [f"ended with code {ended.returncode} and said nothing"]
         raise HostError(lines[0], ended.returncode)

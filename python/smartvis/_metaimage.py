@@ -36,11 +36,12 @@ def read(path: Path) -> tuple[NDArray[Any], tuple[float, ...]]:
     return np.frombuffer(data, _TYPES[fields["ElementType"]]).reshape(shape).copy(), spacing
 
 
-def write_map(path: Path, values: NDArray[np.float32]) -> None:
-    """A map [y, x] as host_sim measure reads it."""
-    height, width = values.shape
+def write(path: Path, values: NDArray[Any], spacing: tuple[float, ...] = (1.0, 1.0, 1.0)) -> None:
+    """A volume [z, y, x] or a map [y, x] of one of these types as the host reads it."""
+    types = {dtype: name for name, dtype in _TYPES.items()}
+    size = " ".join(str(n) for n in (*values.shape[::-1], 1)[:3])
     header = (
-        f"ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = {width} {height} 1\n"
-        "ElementType = MET_FLOAT\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n"
+        f"ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = {size}\nElementType = {types[values.dtype]}\n"
+        f"ElementSpacing = {' '.join(repr(float(s)) for s in spacing)}\nElementDataFile = LOCAL\n"
     )
-    path.write_bytes(header.encode() + np.ascontiguousarray(values, "<f4").tobytes())
+    path.write_bytes(header.encode() + np.ascontiguousarray(values).tobytes())

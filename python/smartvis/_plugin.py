@@ -137,7 +137,7 @@ class Plugin:
         for key in values:
             if key not in known:
                 raise ValueError(f"{self.id} has no parameter '{key}'; it has {', '.join(known)}")
-        return {known[key].id: known[key].encode(value) for key, value in values.items() if value is not None}
+        return {known[key].id: known[key].encode(value) for key, value in values.items()}
 
 
 def _read_parameters(instance: ctypes._Pointer[_abi.sv_plugin]) -> list[Parameter]:

@@ -19,20 +19,21 @@ from ._result import Result
 CASES = ("E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scene:
-    """A synthetic volume with its ground truth. Volumes are [z, y, x], maps [y, x]."""
+    """A volume with its ground truth, synthetic or one's own. Volumes are uint8 [z, y, x], maps [y, x]."""
 
-    name: str
-    size: int
-    seed: int  #: 0: the scene's own
-    frame: int  #: of its motion
+    name: str = ""
+    size: int = 0  #: voxels per axis of a synthetic one
+    seed: int = 0  #: 0: the scene's own
+    frame: int = 0  #: of its motion
     spacing: tuple[float, float, float]  #: mm along x, y, z
     full: NDArray[np.uint8] = field(repr=False)  #: what the probe sees; 0 was not scanned
     truth: NDArray[np.uint8] = field(repr=False)  #: the same without what hides the fetus
     label: NDArray[np.uint8] = field(repr=False)  #: what a ray meets: 0 neither, 1 the sac, 2 the fetus
-    near: NDArray[np.float32] = field(repr=False)  #: slice where the fluid before the fetus begins, -1: none
-    far: NDArray[np.float32] = field(repr=False)  #: slice where it ends, -1: none
+    #: Slices where the fluid before the fetus begins and ends, -1: none. Empty if nobody knows.
+    near: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 0), np.float32), repr=False)
+    far: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 0), np.float32), repr=False)
 
     @property
     def scanned(self) -> NDArray[np.bool_]:
@@ -87,8 +88,8 @@ def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> 
 
 
 def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
-    """The quality of a depthmap on a scene, by the measures of the report. `depth`: a result of `clip`, or
-    slices [y, x]; None: unclipped.
+    """The quality of a depthmap on the volumes and labels of a scene, by the measures of the report. `depth`: a result
+    of `clip`, or slices [y, x]; None: unclipped.
 
     >>> e01 = scene("E01", size=64)
     >>> measure(e01, e01.clip()).e_abs < measure(e01, None).e_abs
@@ -99,21 +100,25 @@ def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
 
 def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) -> dict[str, Measures]:
     """`measure` for several maps of one scene, which costs little more than for one."""
-    if of.frame != 0:
-        raise ValueError(f"scene {of.name}, frame {of.frame}: only frame 0 is measured")
     sizes = {_depth(d).shape[0] for d in maps.values() if d is not None}
     if len(sizes) > 1:
         raise ValueError(f"the maps have {sorted(sizes)} pixels a side: measure one size at a time")
     with tempfile.TemporaryDirectory() as folder:
+        for name in ("full", "truth", "label"):
+            values = np.asarray(getattr(of, name))
+            if values.dtype != np.uint8 or values.ndim != (2 if name == "label" else 3):
+                raise ValueError(
+                    f"{name} is {values.dtype} of shape {values.shape}, expected uint8 [z, y, x], of labels [y, x]"
+                )
+            _metaimage.write(Path(folder) / f"{name}.mha", values, of.spacing)
         files = []
         for number, depth in enumerate(maps.values()):
-            path = Path(folder) / f"{number}.mha"
             if depth is not None:
-                _metaimage.write_map(path, _depth(depth))
-            files.append("-" if depth is None else str(path))
-        lowres = sizes.pop() if sizes else of.size
-        scene_of = ["--case", of.name, "--size", str(of.size), "--seed", str(of.seed)]
-        out = _host.run(["measure", *scene_of, "--lowres", str(lowres), *files])
+                _metaimage.write(Path(folder) / f"{number}.mha", _depth(depth))
+            files.append("-" if depth is None else f"{number}.mha")
+        lowres = sizes.pop() if sizes else of.full.shape[2]
+        case = ["--case", "full.mha,truth.mha,label.mha", "--lowres", str(lowres)]
+        out = _host.run(["measure", *case, *files], folder)
     rows = [{k: v for k, v in row.items() if k != "map"} for row in json.loads(out)]
     return {name: Measures(**row) for name, row in zip(maps, rows, strict=True)}
 

@@ -15,6 +15,7 @@ import csv
 import hashlib
 import json
 import os
+import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
@@ -24,11 +25,12 @@ from typing import Any
 from . import _host
 from ._clip import ClipperCache
 from ._errors import HostError, MissingExtraError
-from ._files import PARTS, FileError, Source, whole
+from ._files import PARTS, FileError, Source, stem, whole
 from ._files import SUFFIXES as SUFFIXES
 from ._work import COLUMNS, Row, Settings, clip_one
 
 ROWS = "rows"  #: folder of the rows beside the results
+BEGAN = ".began"  # ending of the name that tells when a volume was begun
 _AHEAD = 4  # tasks a worker has in hand: enough to keep it busy, few enough for a list of any length
 _LOOK = 2.0  # seconds between looks at workers of our own
 _ALONE = 300  # seconds without any: on a busy machine a start takes some of them
@@ -88,10 +90,10 @@ def find_files(paths: Sequence[str]) -> list[Path]:
     for path in map(Path, paths):
         if not path.exists():
             raise FileError(f"{path}: no such file or folder")
-        if path.is_file():
+        if not path.is_dir():
             found.append(path)
             continue
-        inside = sorted(p for p in path.rglob("*") if p.is_file() and p.name.lower().endswith(SUFFIXES))
+        inside = sorted(p for p in path.rglob("*") if not p.is_dir() and p.name.lower().endswith(SUFFIXES))
         slices = {p.parent for p in inside if p.suffix.lower() == ".dcm"}
         found += [p for p in inside if p.parent not in slices] + sorted(slices)
     return found
@@ -104,35 +106,43 @@ def row_path(out: Path, file: Path, frame: int) -> Path:
 
 
 def folder_of(out: Path, file: Path) -> Path:
-    """Files of one name in several folders do not overwrite one another."""
-    return out / hashlib.sha256(str(file.resolve().parent).encode()).hexdigest()[:8]
+    """A folder for each file, named after it, so that files of one name do not overwrite one another."""
+    whole_name = file.resolve()
+    key = hashlib.sha256(str(whole_name).encode()).hexdigest()[:8]
+    return out / f"{whole_name.parent.name[:60]}-{stem(whole_name)[:60]}-{key}"
 
 
 _worker_cache: ClipperCache | None = None
 _worker_source: Source | None = None
 
 
-def task(path: str, frame: int, settings: Settings, out: str) -> dict[str, Any]:
-    """One volume, in a worker: its clippers outlive the task. Every trouble with a volume is in its row."""
+def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> dict[str, Any]:
+    """One volume, in a worker: its clippers outlive the task. Every trouble with a volume is in its row. One that takes
+    too long ends the worker, whatever hangs, and the next worker that gets it finds when it began."""
     global _worker_cache, _worker_source
     if _worker_cache is None:
         _worker_cache = ClipperCache(most=2)
     file, results = Path(path), Path(out)
-    folder = folder_of(results, file)
-    folder.mkdir(parents=True, exist_ok=True)
+    began = row_path(results, file, frame).with_suffix(BEGAN)
+    if began.exists() and time.time() - began.stat().st_mtime >= seconds:
+        return _keep(Row(path, frame, "input", f"{path}: it took longer than {seconds} s"), results)
+    whole(began, lambda part: part.write_text(""))
+    signal.alarm(seconds)
     try:
         if _worker_source is None or _worker_source.path != file:
             _worker_source = Source(file)
-        row = clip_one(_worker_source, frame, settings, folder, _worker_cache)
+        row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache)
     except FileError as error:
         row = Row(path, frame, "input", str(error))
+    finally:
+        signal.alarm(0)
+        began.unlink(missing_ok=True)
     return _keep(row, results)
 
 
 def _keep(row: Row, out: Path) -> dict[str, Any]:
     facts = asdict(row)
     path = row_path(out, Path(row.file), row.frame)
-    path.parent.mkdir(parents=True, exist_ok=True)
     whole(path, lambda part: part.write_text(json.dumps(facts)))
     return facts
 
@@ -170,38 +180,62 @@ def same_settings(out: Path, settings: Settings) -> None:
     facts = json.dumps(asdict(replace(settings, plugin=settings.load().path)), sort_keys=True)
     if path.exists() and path.read_text() != facts:
         raise ValueError(f"{out} holds a batch with other settings, {path}; choose another --out")
-    path.parent.mkdir(parents=True, exist_ok=True)
     whole(path, lambda part: part.write_text(facts))
 
 
 def batch(
-    files: Sequence[Path], settings: Settings, out: Path, client: Any, step: Callable[[], Any]
+    files: Sequence[Path],
+    settings: Settings,
+    out: Path,
+    client: Any,
+    step: Callable[[], Any],
+    seconds: int = 600,
 ) -> list[dict[str, Any]]:
-    """Clips what is not done yet, and returns the rows of all; table.csv has them, too. Failed volumes are tried
-    anew by the next batch. One batch at a time may write to `out`. HostError: the workers died and none came back."""
+    """Clips what is not done yet, and returns the rows of all; table.csv has them, too, however the batch ends. Failed
+    volumes are tried anew by the next batch; `seconds` is what one may take. One batch at a time may write to `out`.
+    HostError: the workers died and none came back."""
     same_settings(out, settings)
+    _remove_leftovers(out)
     todo, rows = frames_of(files, out)
     for _ in rows:
         step()
-    suspects = []
+    try:
+        for row in _rows(todo, settings, out, client, seconds):
+            rows.append(row)
+            step()
+    finally:
+        _remove_leftovers(out)
+        rows.sort(key=lambda row: (row["file"], row["frame"]))
+        write_table(out / "table.csv", rows)
+    return rows
+
+
+def _remove_leftovers(out: Path) -> None:
+    """Of workers that were killed."""
+    for path in (*out.rglob(PARTS), *out.rglob(f"*{BEGAN}")):
+        path.unlink(missing_ok=True)
+
+
+def _rows(
+    todo: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, seconds: int
+) -> Iterator[dict[str, Any]]:
+    """The rows of volumes as they end."""
     workers = max(len(client.nthreads()), 1)
-    for (file, frame), future in _done(todo, settings, out, client, workers, _AHEAD * workers):
+    suspects = []
+
+    def submit(file: Path, frame: int) -> Any:
+        return client.submit(task, str(file), frame, settings, str(out), seconds, pure=False)
+
+    for (file, frame), future in _done(todo, submit, client, workers, _AHEAD * workers):
         row = _row_of(future, row_path(out, file, frame))
         if row is None:
             suspects.append((file, frame))
         else:
-            rows.append(row)
-            step()
+            yield row
     # Dask suspects whatever was in hand on a worker that died. Alone, only what really kills one fails again.
-    for (file, frame), future in _done(suspects, settings, out, client, workers, 1):
+    for (file, frame), future in _done(suspects, submit, client, workers, 1):
         row = _row_of(future, row_path(out, file, frame))
-        rows.append(row or _keep(Row(str(file), frame, "plugin", f"the worker died: {_reason(future)}"), out))
-        step()
-    for part in out.rglob(PARTS):  # of workers that were killed while they wrote
-        part.unlink(missing_ok=True)
-    rows.sort(key=lambda row: (row["file"], row["frame"]))
-    write_table(out / "table.csv", rows)
-    return rows
+        yield row or _keep(Row(str(file), frame, "plugin", f"the worker died: {_reason(future)}"), out)
 
 
 def _row_of(future: Any, path: Path) -> dict[str, Any] | None:
@@ -224,7 +258,7 @@ def _reason(future: Any) -> str:
 
 
 def _done(
-    volumes: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, workers: int, ahead: int
+    volumes: Sequence[tuple[Path, int]], start: Callable[[Path, int], Any], client: Any, workers: int, ahead: int
 ) -> Iterator[tuple[tuple[Path, int], Any]]:
     """Volumes with their futures as they end, `ahead` of them in hand at a time."""
     completed = distributed().as_completed(loop=client.loop)  # not that of another client in this process
@@ -233,7 +267,7 @@ def _done(
 
     def submit() -> None:
         for file, frame in left:
-            future = client.submit(task, str(file), frame, settings, str(out), pure=False)
+            future = start(file, frame)
             waiting[future.key] = (file, frame)
             completed.add(future)
             return

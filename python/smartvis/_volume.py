@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from ._errors import MissingExtraError
 
+_MOST = 1e30  # as in the host: beyond stand marks and rubbish
+
 
 def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) -> NDArray[np.uint8]:
     """The host's mapping to 8 bit (docs/metaimage.md): uint8 stays as it is; other types are mapped linearly,
@@ -30,6 +32,8 @@ def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) ->
         at = np.argwhere(~np.isfinite(volume))
         where = f": the voxel (x, y, z) = {tuple(int(i) for i in at[0][::-1])}" if len(at) else ""
         raise ValueError(f"the volume has values that are not finite{where}")
+    if window is None and max(-low, high) > _MOST:
+        raise ValueError(f"the values are {low:g} .. {high:g}, expected -1e30 .. 1e30; give a window")
     if not low < high:
         raise ValueError(f"the values {low:g} .. {high:g} have no range that could become 0 .. 255")
     if volume.dtype.kind == "f" and not np.isfinite(volume).all():

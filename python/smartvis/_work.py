@@ -77,6 +77,11 @@ class Row:
 COLUMNS = tuple(asdict(Row("", 0)))
 
 
+def name_of(source: Source, frame: int) -> str:
+    """What the names of a volume's files begin with."""
+    return stem(source.path) + (f"_f{frame:04d}" if source.count > 1 else "")
+
+
 def clip_one(source: Source, frame: int, settings: Settings, out: Path, cache: ClipperCache | None = None) -> Row:
     """Reads, clips and writes one volume. What is wrong with it is in the row, not an exception."""
     row = Row(str(source.path), frame)
@@ -97,8 +102,8 @@ def clip_one(source: Source, frame: int, settings: Settings, out: Path, cache: C
         return row
     try:
         start = time.perf_counter()
-        name = stem(source.path) + (f"_f{frame:04d}" if source.count > 1 else "")
-        row.files = " ".join(p.name for p in _write(image, result, settings, out / name))
+        prefix = out / name_of(source, frame)
+        row.files = " ".join(p.name for p in _write(image, result, settings, prefix))
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except FileError as error:
         row.state, row.reason = "output", str(error)

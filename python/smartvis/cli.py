@@ -7,17 +7,19 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import logging
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from . import __version__
-from ._errors import HostError, LoadError, MissingExtraError, PluginError, SmartVisError
-from ._files import FileError, Source
+from ._errors import HostError, LoadError, PluginError, SmartVisError
+from ._files import FileError, OutputError, Source
 from ._plugin import Parameter, load
-from ._work import PRODUCTS, Row, Settings, clip_one
+from ._work import PRODUCTS, Row, Settings, clip_one, name_of
 
 OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
 CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "output": OUTPUT}
@@ -105,29 +107,38 @@ def progress(total: int | None, what: str) -> Iterator[Any]:
 
 
 def make_folder(path: str) -> Path:
-    """The folder for results; FileError if it cannot be made."""
+    """The folder for results; OutputError if it cannot be made."""
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise FileError(f"{folder}: {error.strerror}") from None
+        raise OutputError(f"{folder}: {error.strerror}") from None
     return folder
 
 
 def command_clip(args: argparse.Namespace) -> int:
     """Clips files."""
     settings = settings_of(args)
-    sources = [Source(path) for path in args.file]
+    sources = [Source(path, ask_first=True) for path in args.file]
+    taken: dict[str, Path] = {}
+    for source in sources:
+        for frame in range(source.count):
+            name = name_of(source, frame)
+            if name in taken:
+                raise ValueError(f"{taken[name]} and {source.path} would both be written as {name}; clip one at a time")
+            taken[name] = source.path
     out = make_folder(args.out)
-    code = OK
-    with progress(sum(s.count for s in sources), "clip") as step:
+    code, written, last = OK, False, ""
+    with progress(len(taken), "clip") as step:
         for source in sources:
             for frame in range(source.count):
                 row = clip_one(source, frame, settings, out)
-                print(line_of(row, source.count > 1))
-                code = code or CODES[row.state]
+                if row.state == "ok" or row.reason != last:  # what is wrong with all of a sequence is said once
+                    print(line_of(row, source.count > 1))
+                code, written, last = code or CODES[row.state], written or row.state == "ok", row.reason
                 step()
-    print(f"Files are in {out}")
+    if written:
+        print(f"Files are in {out}")
     return code
 
 
@@ -135,7 +146,7 @@ def line_of(row: Row, sequence: bool = False) -> str:
     """One line about one volume."""
     name = row.file + (f" [{row.frame}]" if sequence else "")
     if row.state != "ok":
-        return f"{name}: {row.reason}"
+        return row.reason if row.reason.startswith(row.file) else f"{name}: {row.reason}"
     size = f"{row.width} x {row.height} x {row.slices}"
     found = f"{100 * row.clipped_share:.0f} % of the rays clipped, {row.depth_mm:.1f} mm on average"
     return f"{name}: {size}, {row.outcome}, {found}; {row.clip_ms:.0f} ms"
@@ -170,10 +181,13 @@ def command_batch(args: argparse.Namespace) -> int:
         _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
         progress(None, "batch") as step,
     ):
-        rows = _study.batch(files, settings, out, client, step)
+        rows = _study.batch(files, settings, out, client, step, args.seconds)
     failed = [row for row in rows if row["state"] != "ok"]
+    of_file = Counter(row["file"] for row in failed)
     for row in failed:
-        print(f"{row['file']} [{row['frame']}]: {row['reason']}", file=sys.stderr)
+        if count := of_file.pop(row["file"], 0):  # the first of a file; the table has all
+            more = f"; {count} of its volumes failed" if count > 1 else ""
+            print(line_of(Row(**row), True) + more, file=sys.stderr)
     print(f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not; the table is {out / 'table.csv'}")
     return FAILED if failed else OK
 
@@ -261,6 +275,7 @@ def parser_of() -> argparse.ArgumentParser:
     batch.add_argument("folder", nargs="+", help="folders and files; folders with all below them")
     batch.add_argument("--out", default="out", help="folder for results and table.csv [out]")
     add_cluster_options(batch)
+    batch.add_argument("--seconds", type=positive, default=600, help="that a volume may take [600]")
     add_clip_options(batch)
     add_product_options(batch, "clipped,depth")
     batch.set_defaults(run=command_batch)
@@ -279,29 +294,34 @@ def parser_of() -> argparse.ArgumentParser:
     return parser
 
 
-def fail(code: int, error: Exception) -> int:
+def fail(error: Exception) -> int:
     """Says what went wrong; returns the exit code."""
     print(f"smartvis: {error}", file=sys.stderr)
-    return code
+    if isinstance(error, (PluginError, LoadError)):
+        return PLUGIN
+    if isinstance(error, OutputError) or (isinstance(error, OSError) and not isinstance(error, SmartVisError)):
+        return OUTPUT
+    return INPUT if isinstance(error, (FileError, HostError)) else USAGE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit code."""
     args = parser_of().parse_args(arguments)
     try:
-        return int(args.run(args))
-    except MissingExtraError as error:
-        return fail(USAGE, error)
-    except (PluginError, LoadError) as error:
-        return fail(PLUGIN, error)
-    except (FileError, HostError) as error:
-        return fail(INPUT, error)
-    except (SmartVisError, ValueError) as error:
-        return fail(USAGE, error)
+        code = int(args.run(args))
+        sys.stdout.flush()
+        return code
+    except (SmartVisError, ValueError, OSError) as error:
+        return fail(error)
     except KeyboardInterrupt:
         return 130
 
 
 def run() -> NoReturn:
     """The entry of the console script."""
-    sys.exit(main())
+    # The plugin's errors come as exceptions, too.
+    logging.getLogger("smartvis.plugin").addFilter(lambda record: record.levelno < logging.ERROR)
+    code = main()
+    if code == OUTPUT:  # what is left for a full disk must not fail once more at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(code)

@@ -181,6 +181,50 @@ def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, doomed, troubl
     assert killed[0]["state"] == "plugin" and "worker died" in killed[0]["reason"]
 
 
+def test_a_file_that_takes_too_long_is_a_row(tmp_path: Path, trouble: str, monkeypatch) -> None:
+    files = write_study(tmp_path / "study", 3)
+    stops = tmp_path / "study" / "stops.nrrd"
+    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, HOLDS, np.uint8)), str(stops))
+    monkeypatch.setenv("SV_HOLD", str(stops))
+    settings = Settings(plugin=trouble, products=("clipped",), scanned=None)
+    with _study.cluster(None, 2, lambda link: None) as client:
+        rows = _study.batch([stops, *files], settings, tmp_path / "out", client, lambda: None, seconds=20)
+    states = {Path(r["file"]).name: r["state"] for r in rows if r["file"] != str(files[0])}
+    assert len(rows) == 4 and states.pop("stops.nrrd") == "input" and set(states.values()) == {"ok"}
+    assert "longer than 20 s" in next(r["reason"] for r in rows if r["file"] == str(stops))
+    assert not list((tmp_path / "out").rglob(f"*{_study.BEGAN}"))
+
+
+def test_one_line_a_file_and_nothing_is_overwritten(tmp_path: Path, capsys) -> None:
+    """Files of one name in one folder; a pipe; a sequence of which no volume can be clipped."""
+    folder = tmp_path / "study" / "anna"
+    folder.mkdir(parents=True)
+    for number, name in enumerate(("scan.nrrd", "scan.nii.gz")):
+        sitk.WriteImage(sitk.GetImageFromArray(shifted(number)), str(folder / name))
+    empty = sitk.JoinSeries([sitk.GetImageFromArray(np.zeros(SHAPE, np.float32)) for _ in range(5)])
+    sitk.WriteImage(empty, str(folder / "empty.nrrd"))
+    os.mkfifo(folder / "pipe.nrrd")
+    out = tmp_path / "out"
+    assert main(["batch", str(tmp_path / "study"), "--out", str(out), "--workers", "1", "--write", "clipped"]) == 1
+    said = capsys.readouterr()
+    assert "2 volumes clipped, 6 not" in said.out and len(table(out)) == 8
+    assert said.err.count("empty.nrrd") == 1 and "5 of its volumes failed" in said.err
+    assert said.err.count("pipe.nrrd: not a regular file") == 1
+    written = sorted(p.parent.name for p in out.rglob("scan_clipped.nrrd"))
+    assert len(written) == 2 and all(name.startswith("anna-scan-") for name in written)
+    assert main(["clip", str(folder / "empty.nrrd"), "--out", str(tmp_path / "one")]) == 3
+    assert capsys.readouterr().out.count("empty.nrrd") == 1
+
+
+def test_the_table_is_written_however_a_batch_ends(tmp_path: Path, client) -> None:
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        _study.batch(write_study(tmp_path / "study", 2), SETTINGS, tmp_path / "out", client, stop)
+    assert len(table(tmp_path / "out")) == 1
+
+
 def test_a_batch_that_is_killed_goes_on(tmp_path: Path, trouble: str, monkeypatch) -> None:
     """Its one worker stops at the fifth volume of seven, as long as the file `hold` is there."""
     write_study(tmp_path / "study", 6)

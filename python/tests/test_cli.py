@@ -154,7 +154,8 @@ def test_exit_codes(tmp_path: Path, image, capsys) -> None:
     assert main(["clip", path, *out, "--set", "q=99"]) == 4 and "q" in capsys.readouterr().out
     assert main(["clip", path, *out, "--plugin", "nope.so"]) == 4 and "nope.so" in capsys.readouterr().err
     (tmp_path / "file").write_text("")
-    assert main(["clip", path, "--out", str(tmp_path / "file")]) == 3
+    assert main(["clip", path, "--out", str(tmp_path / "file")]) == 6
+    assert main(["batch", path, "--out", str(tmp_path / "file")]) == 6
     with pytest.raises(SystemExit) as caught:
         main(["clip", path, "--view", "1,2"])
     assert caught.value.code == 2
@@ -171,7 +172,50 @@ def test_parameters_are_listed(capsys) -> None:
     assert main(["parameters"]) == 0 and "method" in capsys.readouterr().out
 
 
+PROGRAM = str(Path(sys.executable).with_name("smartvis"))
+
+
+def test_what_goes_wrong_is_said_once(tmp_path: Path, image) -> None:
+    """As a program: what its logger, a full disk and the interpreter's end say is part of it."""
+    sitk.WriteImage(image, str(tmp_path / "head.nrrd"))
+    command = [PROGRAM, "clip", "head.nrrd", "--out", "o", "--set", "q=99"]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=LONG, check=False)
+    said = ended.stdout + ended.stderr
+    assert ended.returncode == 4 and said.count("q is 99") == 1 and "Files are in" not in said
+    with open("/dev/full", "w") as full:
+        command = [PROGRAM, "parameters"]
+        ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=LONG, check=False)
+    assert ended.returncode == 6 and "No space left" in ended.stderr and "Traceback" not in ended.stderr
+
+
+def test_a_folder_that_cannot_be_written_is_6(tmp_path: Path, image, monkeypatch, capsys) -> None:
+    path = tmp_path / "head.nrrd"
+    sitk.WriteImage(image, str(path))
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    for command in ("clip", "batch"):
+        out = tmp_path / command
+        (out / "head_clipped.nrrd").mkdir(parents=True)
+        (out / "rows").write_text("")
+        monkeypatch.setattr(Path, "unlink", refuse)  # as a folder does that may only be read
+        assert main([command, str(path), "--out", str(out), "--write", "clipped"]) == 6
+        monkeypatch.undo()
+        assert str(out) in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize("others", [["head.nii.gz"], ["head.nrrd"], ["below/head.nrrd"]])
+def test_files_that_would_have_one_name_are_refused(tmp_path: Path, image, others: list[str], capsys) -> None:
+    files = [tmp_path / name for name in ["head.nrrd", *others]]
+    for file in files:
+        file.parent.mkdir(exist_ok=True)
+        sitk.WriteImage(image, str(file))
+    assert main(["clip", *map(str, files), "--out", str(tmp_path / "out")]) == 2
+    assert f"{files[0]} and {files[1]} would both be written as head" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_the_program_is_installed() -> None:
-    program = Path(sys.executable).with_name("smartvis")
-    said = subprocess.run([program, "--version"], capture_output=True, text=True, check=True, timeout=LONG).stdout
+    said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True, timeout=LONG).stdout
     assert said.startswith("smartvis 0.")

@@ -176,7 +176,10 @@ def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
         ({"knob": 1}, "no parameter 'knob'"),
         ({"q": "half"}, "q='half' is not a number"),
         ({"spacing": (1, 1)}, "spacing=(1, 1)"),
+        ({"q": None}, "q=None is not a number"),
         ({"spacing": (1, 0, 1)}, "spacing=(1, 0, 1)"),
+        ({"spacing": (1, 1e308, 1)}, "spacing=(1, 1e+308, 1)"),
+        ({"scanned": (np.full((48, 56), np.nan), np.full((48, 56), 64))}, "scanned is nan at [0, 0]"),
         ({"view": (0, 0, 0)}, "is no direction"),
         ({"view": np.diag([1, 1, -1])}, "mirror image"),
         ({"view": [1, 2, 3, 4]}, "neither a direction"),
@@ -201,6 +204,8 @@ def test_volumes_that_are_none_are_refused() -> None:
     lost[3, 2, 1] = np.nan
     with pytest.raises(ValueError, match=r"\(1, 2, 3\)"):
         smartvis.clip(lost)
+    with pytest.raises(ValueError, match="give a window"):
+        smartvis.clip(np.array([-1.7e308, 1.7e308] * 32).reshape(4, 4, 4))
 
 
 def test_the_plugin_s_own_reason_is_the_exception_s(volume: np.ndarray) -> None:

@@ -2,7 +2,7 @@
 """Scenes and measures are the host's: the same volumes, the same figures as its report."""
 
 import csv
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -45,6 +45,20 @@ def test_measures_are_those_of_the_report(tmp_path) -> None:
     for q, measured in ours.items():
         assert float(found[q]["e_abs"]) == pytest.approx(measured.e_abs, rel=1e-5)
         assert float(found[q]["fetus_cut"]) == pytest.approx(measured.fetus_cut, abs=1e-4)
+
+
+def test_the_arrays_of_a_scene_are_what_is_measured(d01: smartvis.Scene) -> None:
+    """Others than the host's own count, and so do a scene's that has no name."""
+    own = smartvis.Scene(spacing=d01.spacing, full=d01.full, truth=d01.truth, label=d01.label)
+    depth = d01.clip(method="cost")
+    assert smartvis.measure(own, depth) == smartvis.measure(d01, depth)
+    nothing_hides = replace(d01, truth=d01.full)
+    assert smartvis.measure(nothing_hides, None).e_abs == 0.0 != smartvis.measure(d01, None).e_abs
+    assert smartvis.measure(replace(d01, label=np.minimum(d01.label, 1)), depth).e_abs_fetus is None
+    with pytest.raises(HostError, match="truth.mha: 96 x 96 x 95 voxels"):
+        smartvis.measure(replace(d01, truth=d01.truth[1:]), depth)
+    with pytest.raises(ValueError, match=r"label is float64 of shape \(96, 96\)"):
+        smartvis.measure(replace(d01, label=d01.label.astype(float)), depth)
 
 
 def test_ranking_puts_the_better_first() -> None:

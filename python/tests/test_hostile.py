@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""Files that are wrong, or mean harm: refused by name with exit code 3, by `smartvis clip` as by the host."""
+
+import gzip
+import os
+import struct
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from conftest import LONG
+
+from smartvis.cli import main
+
+VOXELS = np.random.default_rng(7).integers(1, 255, 4096, np.uint8).tobytes()
+PACKED = zlib.compress(VOXELS)
+
+
+def meta(data: bytes = VOXELS, extra: str = "", **fields: object) -> bytes:
+    head = {"DimSize": "16 16 16", "ElementSpacing": "1 1 1", "ElementType": "MET_UCHAR"} | fields
+    dims, last = head.pop("NDims", 3), head.pop("ElementDataFile", "LOCAL")
+    text = "".join(f"{name} = {value}\n" for name, value in head.items())
+    return f"ObjectType = Image\nNDims = {dims}\n{extra}{text}ElementDataFile = {last}\n".encode() + data
+
+
+def nrrd(last: str) -> bytes:
+    return f"NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n{last}\n\n".encode()
+
+
+def nifti(tmp_path: Path, at: int = 0, *put: Any) -> bytes:
+    image = sitk.GetImageFromArray(np.frombuffer(VOXELS, np.uint8).reshape(16, 16, 16))
+    sitk.WriteImage(image, str(tmp_path / "made.nii"))
+    raw = bytearray((tmp_path / "made.nii").read_bytes())
+    if put:
+        struct.pack_into(put[0], raw, at, *put[1:])
+    return bytes(raw)
+
+
+SEQUENCE = {"NDims": 4, "DimSize": "16 16 16 2", "ElementSpacing": "1 1 1 1"}
+STATES = "Seq_Frame0000_ImageStatus = OK\nSeq_Frame0001_ImageStatus = INVALID\n"
+HOSTILE = {
+    "zlib.mha": (meta(PACKED[:2000] + b"!" + PACKED[2001:], "CompressedData = True\n"), "CompressedData is damaged"),
+    "cut.mha": (meta(PACKED[:2000], "CompressedData = True\n"), "CompressedData is cut off"),
+    "bomb.mha": (meta(PACKED, "CompressedData = True\n", DimSize="2000 2000 500"), "compressed bytes cannot hold"),
+    "negative.mha": (meta(ElementSpacing="1 -1 1"), "1e-6 .. 1e6"),
+    "endless.mha": (meta(ElementSpacing="1 1e308 1"), "1e-6 .. 1e6"),
+    "offset.mha": (meta(extra="Offset = nan 0 0\n"), "Offset is 'nan 0 0'"),
+    "header.mha": (meta(extra="HeaderSize = 999999\n"), "0 bytes of data, expected 4096"),
+    "invalid.mha": (meta(VOXELS * 2, STATES, **SEQUENCE), "ImageStatus of volume 1 is INVALID"),
+    "flood.mha": (meta(NDims=4, DimSize="16 16 16 100000"), "expected 409600000"),
+    "far.mha": (meta(np.array([-1.7e308, 1.7e308] * 2048).tobytes(), ElementType="MET_DOUBLE"), "give a window"),
+    "above.mhd": (meta(b"", ElementDataFile="../outside"), "'../outside', expected a file in the header's folder"),
+    "root.mhd": (meta(b"", ElementDataFile="/etc/hostname"), "expected a file in the header's folder"),
+    "link.mhd": (meta(b"", ElementDataFile="link"), "'link': cannot be read: a link leads out"),
+    "behind.mhd": (meta(b"", ElementDataFile="up/outside"), "a link leads out"),
+    "pipe.mhd": (meta(b"", ElementDataFile="pipe"), "not a regular file"),
+    "above.nhdr": (nrrd("data file: ../outside"), "data file is '../outside', expected a regular file"),
+    "link.nhdr": (nrrd("data file: link"), "data file is 'link', expected a regular file"),
+    "pipe.nhdr": (nrrd("data file: pipe"), "data file is 'pipe', expected a regular file"),
+    "list.nhdr": (nrrd("data file: LIST\n" + "../outside\n" * 16), "data file is '../outside'"),
+    "pattern.nhdr": (nrrd("data file: lin%c.raw 1 16 1".replace("%c", "%d")), "data file is 'lin%d.raw 1 16 1'"),
+    "bomb.nrrd": (nrrd("").replace(b"raw", b"gzip").replace(b"16 16 16", b"2000 1000 1000"), "bytes, the file holds"),
+}
+
+
+@pytest.fixture
+def inside(tmp_path: Path) -> Path:
+    """A folder with links out of it, and a pipe that nobody writes to."""
+    (tmp_path / "outside").write_bytes(VOXELS)
+    folder = tmp_path / "inside"
+    folder.mkdir()
+    (folder / "link").symlink_to("../outside")
+    (folder / "lin1.raw").symlink_to("../outside")
+    (folder / "up").symlink_to("..")
+    os.mkfifo(folder / "pipe")
+    return folder
+
+
+def refused(path: Path, words: str) -> None:
+    """As a program, since what hangs must not take the tests with it."""
+    command = [sys.executable, "-P", "-m", "smartvis", "clip", path.name, "--out", "out", "--write", "clipped"]
+    ended = subprocess.run(command, cwd=path.parent, capture_output=True, text=True, timeout=LONG, check=False)
+    said = ended.stdout + ended.stderr
+    assert ended.returncode == 3 and words in said and path.name in said and "Traceback" not in said, said
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_what_the_host_refuses_is_refused(inside: Path, name: str) -> None:
+    content, words = HOSTILE[name]
+    (inside / name).write_bytes(content)
+    refused(inside / name, words)
+
+
+def test_nifti_that_is_cut_or_has_no_geometry_is_refused(inside: Path) -> None:
+    """ITK fills what is missing with what was in memory."""
+    for name, content, words in (
+        ("cut.nii", nifti(inside)[:2000], "the file holds 2000"),
+        ("cut.nii.gz", gzip.compress(nifti(inside))[:2000], "ended before"),
+        ("flood.nii", nifti(inside, 40, "<8h", 4, 16, 16, 16, 32000, 1, 1, 1), "the file holds 4448"),
+        ("negative.nii", nifti(inside, 80, "<f", -1.0), "unexpected scales"),
+    ):
+        (inside / name).write_bytes(content)
+        refused(inside / name, words)
+
+
+def test_links_that_stay_in_the_folder_are_read(inside: Path) -> None:
+    (inside / "data").write_bytes(VOXELS)
+    (inside / "near").symlink_to("data")
+    for name, content in (("near.mhd", meta(b"", ElementDataFile="near")), ("near.nhdr", nrrd("data file: near"))):
+        (inside / name).write_bytes(content)
+        assert main(["clip", str(inside / name), "--out", str(inside / "out"), "--write", "clipped"]) == 0
+        clipped = sitk.ReadImage(str(inside / "out" / "near_clipped.nrrd"))
+        assert clipped.GetSize() == (16, 16, 16)
+
+
+def test_pipes_are_not_waited_for(inside: Path) -> None:
+    (inside / "pipe").rename(inside / "pipe.nrrd")
+    refused(inside / "pipe.nrrd", "not a regular file")
+    refused(inside, "pipe.nrrd: not a regular file")  # a folder of DICOM
