@@ -76,10 +76,10 @@ static void launch(filter *f, const char *name, const argument *list, cl_uint co
 /* S(q) in the maps to the surface, with all passes that it takes. */
 static void run(filter *f, float *surface, uint32_t *record) {
     const cl_uint bits = 64, planes = 1, width = SIDE, height = SIDE;
-    const argument enter[] = {ARGUMENT(f->job),    ARGUMENT(bits),       ARGUMENT(planes),
-                              ARGUMENT(f->maps),   ARGUMENT(f->sums[0]), ARGUMENT(f->sums[0]),
-                              ARGUMENT(f->sums[0])};
-    launch(f, "mean_enter", enter, 7, SIDE, SIDE);
+    const argument load[] = {ARGUMENT(f->job),    ARGUMENT(bits),       ARGUMENT(planes),
+                             ARGUMENT(f->maps),   ARGUMENT(f->sums[0]), ARGUMENT(f->sums[0]),
+                             ARGUMENT(f->sums[0])};
+    launch(f, "mean_load", load, 7, SIDE, SIDE);
     for (cl_uint pass = 0; pass < f->job.pass_limit; pass++) {
         const argument mean[] = {ARGUMENT(f->job),
                                  ARGUMENT(pass),
@@ -93,8 +93,8 @@ static void run(filter *f, float *surface, uint32_t *record) {
     }
     const argument last[] = {ARGUMENT(f->job.pass_limit), ARGUMENT(f->record)};
     launch(f, "band_record", last, 2, 1, 0);
-    const argument leave[] = {ARGUMENT(width), ARGUMENT(height), ARGUMENT(f->surfaces)};
-    launch(f, "mean_leave", leave, 3, SIDE / SV_LANES, SIDE);
+    const argument store[] = {ARGUMENT(width), ARGUMENT(height), ARGUMENT(f->surfaces)};
+    launch(f, "mean_store", store, 3, SIDE / SV_LANES, SIDE);
     assert_int_equal(clEnqueueReadBuffer(f->r->queue, f->surfaces, CL_TRUE, 0, PIXELS * sizeof *surface,
                                          surface, 0, NULL, NULL),
                      CL_SUCCESS);
