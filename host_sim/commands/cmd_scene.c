@@ -6,9 +6,9 @@
 #include "base/paths.h"
 #include "base/text.h"
 #include "commands/scene_line.h"
+#include "scene/scene.h"
+#include "scene/scene_draw.h"
 #include "scene/scene_export.h"
-#include "scene/scene_names.h"
-#include "scene/scene_ranges.h"
 #include "show/scene_sheet.h"
 
 #include <getopt.h>
@@ -29,7 +29,7 @@ static bool list_scenes(hs_error *err) {
 /* As the rows of the table in docs/scenes.md. */
 static void print_ranges(void) {
     for (int i = 0; i < HS_RANGE_COUNT; i++) {
-        const hs_range *r = &hs_scene_ranges[i];
+        const hs_scene_range *r = &hs_scene_ranges[i];
         if (r->low == r->high)
             hs_print(stdout, "| `%s` | %g %s | | %s |\n", r->key, r->low / 100.0, r->unit, r->what);
         else

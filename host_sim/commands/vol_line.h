@@ -3,7 +3,7 @@
 #ifndef HS_VOL_LINE_H
 #define HS_VOL_LINE_H
 
-#include "scene/scene_vol.h"
+#include "scene/scene_export.h"
 
 /* What a spec is before any key: all is left open. */
 hs_vol_spec hs_vol_line_defaults(void);

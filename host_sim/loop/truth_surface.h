@@ -4,7 +4,7 @@
 #define HS_TRUTH_SURFACE_H
 
 #include "render/dvr.h"
-#include "scene/scene_data.h"
+#include "scene/scene.h"
 
 /*
  * The surface in a box as wide and deep as the camera's: as many pixels across as the wider side of the scene

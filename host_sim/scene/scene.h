@@ -1,10 +1,49 @@
 /* SPDX-License-Identifier: MIT */
-/* Synthetic scenes with a ground truth that is exact by construction (spec 6).
- * docs/scenes.md has the file format. */
+/* Synthetic scenes with a ground truth that is exact by construction (spec 6). docs/scenes.md has the file
+ * format. */
 #ifndef HS_SCENE_H
 #define HS_SCENE_H
 
-#include "scene/scene_data.h"
+#include "volume/volume.h"
+
+/* Values of the label map. */
+enum { HS_LABEL_NEITHER = 0, HS_LABEL_SAC = 1, HS_LABEL_FETUS = 2 };
+
+/* What a scene generates. Maps are nx * ny for the camera at 0, 0 (rays along +z), in source voxels:
+ * depth 0 is the centre of the first slice. */
+typedef struct {
+    hs_volume full;  /* what the probe delivers */
+    hs_volume truth; /* the same with everything before a correct clipping surface removed (set to 1) */
+    uint8_t *label;  /* HS_LABEL_* */
+    /* Nearest and farthest admissible clipping depth; NAN where the label is 0. Both are voxel centres, and
+     * all voxels from near to far are fluid. A fetus that is touched by its occluder has no fluid before it:
+     * near = far = the first voxel of the fetus. */
+    float *near_end, *far_end;
+    /* The clipping surface of `truth`: the middle of the interval, or deeper where an occluder beside the ray
+     * ends deeper, always inside the interval; on label 0 carried on from the nearest pixel that has one.
+     * Voxels z < clip are removed. */
+    float *clip;
+    /* hs_tissue of each voxel (scene/scene_spec.h), nx * ny * nz: what the truth was read from. */
+    uint8_t *tissue;
+} hs_scene_data;
+
+/* Frees everything and zeroes the struct. Safe on a zeroed struct. */
+void hs_scene_free(hs_scene_data *data);
+
+typedef enum {
+    HS_SCENES_THESIS, /* the nine cases: E01 .. E04, M01 .. M03, D01, D02 */
+    HS_SCENES_HARD,   /* H01 and on: what the nine do not have */
+    HS_SCENES_REAL,   /* "real": before a volume that is given */
+    HS_SCENES_GROUPS
+} hs_scene_group;
+
+/* The built-in scenes of a group, in their order; NULL from the last on. */
+const char *hs_scene_of_group(hs_scene_group group, uint32_t index);
+
+/* The file of a scene as text, and `path`, its place for messages. A name with a dot or a slash is a
+ * path; "R<seed>_<number>" is a random scene, which has no file; others are built-in. free() it. NULL:
+ * HS_ERR_INPUT or HS_ERR_MEMORY. */
+char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error *err);
 
 /* Milliseconds each step took; 0 for a step that the scene does not list. */
 enum {
@@ -38,7 +77,7 @@ typedef struct hs_scene hs_scene;
 /* `name_or_path` is a built-in scene ("E01", "H01"), a random one ("R7_3": number 3 of the set with seed 7)
  * or the path of a scene file. Errors name file, line and field. */
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
-/* The same with fields set otherwise: `count` times PATH=VALUE (scene/scene_override.h). */
+/* The same with fields set otherwise: `count` times PATH=VALUE (hs_scene_override). */
 hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, uint32_t count,
                              hs_error *err);
 void hs_scene_close(hs_scene *scene);
@@ -72,5 +111,24 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
  * seed 0 takes the scene's own. */
 bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
                        hs_error *err);
+
+/* Initial points of a scene, to judge whether it poses its problem; the plugin is not asked. */
+enum { HS_POINT_NONE = 0, HS_POINT_WRONG = 1, HS_POINT_RIGHT = 2 };
+
+typedef struct {
+    uint32_t width, height; /* a third of the scene's */
+    uint8_t *kind;          /* HS_POINT_*, width * height, owned */
+    uint32_t right, wrong;
+    uint8_t maximum; /* of the low-resolution volume */
+} hs_scene_points;
+
+/*
+ * The rule of thesis 3.2 on the volume's means over 3^3 voxels: T_L = 40.5 / 255, and on rays whose maximum
+ * is within 0.24 of the volume's, the last fluid interval before the maximum. A point stands in the
+ * interval's middle; it is right if that lies in the scene's admissible interval, give or take one
+ * low-resolution slice. HS_ERR_MEMORY.
+ */
+bool hs_scene_points_find(const hs_scene_data *data, hs_scene_points *out, hs_error *err);
+void hs_scene_points_free(hs_scene_points *points);
 
 #endif

@@ -1,23 +1,69 @@
 /* SPDX-License-Identifier: MIT */
+/* What of the scan is seen: the fan of the probe, and the voxels of a turned camera. */
+#include "base/threads.h"
+#include "scene/scene_field.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * The region a mechanically swept convex probe scans (Fenster, Downey and Cardinal, "Three-dimensional
+ * ultrasound imaging", Phys. Med. Biol. 46, 2001, section 3.1: tilt scanning): the beams of one plane leave
+ * an arc of radius r_a over the angle `azimuth`, and the plane is tilted over an arc of radius r_s and the
+ * angle `sweep`. A point (x, y, z), measured from the middle of the probe's surface, is scanned if
+ *
+ *     |x| <= (z + r_a) tan(azimuth / 2),   |y| <= (z + r_s) tan(sweep / 2),
+ *     sqrt(x^2 + (z + r_a)^2) - r_a + sqrt(y^2 + (z + r_s)^2) - (z + r_s) <= depth.
+ *
+ * All else holds 0.
+ */
+
+typedef struct {
+    const hs_field *field;
+    const hs_fan_spec *fan;
+    float tan_azimuth, tan_sweep; /* of half the angles */
+} fan_pass;
+
+static bool scanned(const fan_pass *p, float x, float y, float z) {
+    const hs_fan_spec *fan = p->fan;
+    float za = z + fan->azimuth_radius_mm, zs = z + fan->sweep_radius_mm;
+    if (fabsf(x) > za * p->tan_azimuth || fabsf(y) > zs * p->tan_sweep) return false;
+    float ra = sqrtf(x * x + za * za), rs = sqrtf(y * y + zs * zs);
+    return ra - fan->azimuth_radius_mm + rs - zs <= fan->depth_mm;
+}
+
+static void fan_slice(void *context, uint32_t z) {
+    const fan_pass *p = context;
+    const hs_field *f = p->field;
+    const float middle[2] = {0.5f * (float)f->n[0] * f->h[0], 0.5f * (float)f->n[1] * f->h[1]};
+    for (uint32_t y = 0; y < f->n[1]; y++) {
+        size_t row = hs_field_index(f, 0, y, z);
+        for (uint32_t x = 0; x < f->n[0]; x++)
+            if (!scanned(p, ((float)x + 0.5f) * f->h[0] - middle[0], ((float)y + 0.5f) * f->h[1] - middle[1],
+                         ((float)z + 0.5f) * f->h[2]))
+                f->grey[row + x] = 0;
+    }
+}
+
+void hs_scene_fan(hs_field *field, const hs_scene_spec *spec) {
+    const float half_degree = 3.14159265f / 360.0f;
+    fan_pass p = {.field = field, .fan = &spec->fan};
+    p.tan_azimuth = tanf(spec->fan.azimuth_deg * half_degree);
+    p.tan_sweep = tanf(spec->fan.sweep_deg * half_degree);
+    hs_parallel(field->threads, field->n[2], fan_slice, &p);
+}
+
 /*
  * The probe stands where it stood: all that happens to the pulse happens along +z of the scene. A camera
  * turned by R around the cube's middle m sees voxel p at m + R (p - m). Its grey value is the trilinear one
  * of the scan there, over the neighbours that were scanned; it counts as scanned where the nearest voxel
  * was. Its tissue is read from the solids at that very point, so the truth is no resampled one.
  */
-#include "scene/scene_camera.h"
-
-#include "base/threads.h"
-#include "scene/scene_raster.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 typedef struct {
     const hs_field *field;
     const uint8_t *scan;
-    uint8_t *out;
     float turn[9];
 } camera;
 
@@ -86,7 +132,7 @@ static void camera_slice(void *context, uint32_t z) {
             float q[3];
             for (int a = 0; a < 3; a++)
                 q[a] = middle[a] + d[0] * c->turn[a] + d[1] * c->turn[3 + a] + d[2] * c->turn[6 + a];
-            c->out[hs_field_index(f, x, y, z)] = sample(c, q);
+            f->grey[hs_field_index(f, x, y, z)] = sample(c, q);
         }
 }
 
@@ -104,15 +150,14 @@ void hs_scene_camera_point(const hs_scene_spec *spec, const float p[3], float ou
         out[a] = m + (p[0] - m) * turn[a] + (p[1] - m) * turn[3 + a] + (p[2] - m) * turn[6 + a];
 }
 
-bool hs_scene_camera(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, hs_volume *full,
-                     hs_error *err) {
-    const size_t count = hs_volume_count(full);
+bool hs_scene_camera(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, hs_error *err) {
+    const size_t count = hs_field_slice(field) * field->n[2];
     uint8_t *scan = malloc(count);
     if (!scan) return hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory for %zu voxels", spec->name, count);
-    memcpy(scan, full->voxels, count);
-    camera c = {.field = field, .scan = scan, .out = full->voxels};
+    memcpy(scan, field->grey, count);
+    camera c = {.field = field, .scan = scan};
     hs_rotation(spec->camera_deg, c.turn);
     hs_parallel(field->threads, field->n[2], camera_slice, &c);
     free(scan);
-    return hs_scene_raster_turned(field, spec, solids, c.turn, err);
+    return hs_scene_raster(field, spec, solids, c.turn, err);
 }

@@ -7,15 +7,28 @@
  */
 #include "scene/scene_draw.h"
 
-#include "scene/scene_fetus_pose.h"
 #include "scene/scene_random.h"
-#include "scene/scene_ranges.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define RANGE(id, ...) [HS_RANGE_##id] = {__VA_ARGS__},
+const hs_scene_range hs_scene_ranges[HS_RANGE_COUNT] = {HS_SCENE_RANGES(RANGE)};
+
+int32_t hs_range_draw(uint64_t key, hs_range_id id, uint32_t k) {
+    const hs_scene_range *r = &hs_scene_ranges[id];
+    const uint64_t count = (uint64_t)((r->high - r->low) / r->step) + 1u;
+    const uint64_t bits = hs_random_bits(key, ((uint64_t)id << 8) + k) >> 32;
+    return r->low + r->step * (int32_t)(bits * count >> 32);
+}
+
+bool hs_range_has(uint64_t key, hs_range_id id) {
+    const uint64_t bits = hs_random_bits(key, ((uint64_t)id << 8) + 255u) >> 32;
+    return (int32_t)(bits * 10000u >> 32) < hs_scene_ranges[id].low;
+}
 
 enum {
     ROOM = 16384, /* for the text */

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/* Echo levels, from what tissues send back to grey: echo, the far band, receiver noise, compression. */
+#include "base/threads.h"
+#include "scene/scene_field.h"
+#include "scene/scene_random.h"
+#include "scene/scene_solid.h"
+
 /*
  * What the tissues send back before anything happens to it on the way: scattered echo, of random phase, and
  * the echo of interfaces. The amplitude reflected by an interface is R = (Z2 - Z1) / (Z2 + Z1) (Szabo 2014,
@@ -16,9 +22,6 @@
  * An interface's echo is laid into the outermost voxel of the tissue, so the fluid's side holds nothing but
  * fluid.
  */
-#include "scene/scene_echo.h"
-
-#include "base/threads.h"
 
 typedef struct {
     hs_pass pass;
@@ -107,4 +110,136 @@ void hs_scene_echo(hs_field *field, const hs_scene_spec *spec) {
             i ? hs_level(20.0f * spec->specular_power * log10f((float)i / 64.0f)) : (int16_t)HS_LEVEL_SILENT;
     make_styles(&e);
     hs_parallel(field->threads, field->n[2], echo_slice, &e);
+}
+
+/*
+ * A bright band at the far bone of the head with a thin dark interval before it (thesis 5.3, Figure 5.16: "a
+ * small interval with low intensity directly in front of the back part of the head bone ... It is likely that
+ * the interval as well as the high intensity head bone are results of US artifacts"). The thesis gives no
+ * model; this one sets the levels as the figure shows them: a shell of thickness_mm at level_db on the
+ * skull's ellipsoid, and gap_mm of silence on its inner side, within angle_deg of a direction.
+ */
+
+typedef struct {
+    hs_pass pass;
+    hs_solid skull;
+    float direction[3], cosine;
+    float gap, half; /* mm */
+    int16_t level;
+} far_band;
+
+static void band_row(far_band *b, uint32_t y, uint32_t z) {
+    hs_field *f = b->pass.field;
+    for (uint32_t x = 0; x < f->n[0]; x++) {
+        const float p[3] = {((float)x + 0.5f) * f->h[0], ((float)y + 0.5f) * f->h[1],
+                            ((float)z + 0.5f) * f->h[2]};
+        float along = 0.0f, length = 0.0f;
+        for (int a = 0; a < 3; a++) {
+            float d = p[a] - b->skull.centre[a];
+            along += d * b->direction[a];
+            length += d * d;
+        }
+        if (along < b->cosine * sqrtf(length)) continue;
+        float d = hs_solid_distance(&b->skull, p);
+        size_t index = hs_field_index(f, x, y, z);
+        if (fabsf(d) <= b->half) {
+            if (b->level > f->diffuse[index]) f->diffuse[index] = b->level;
+        } else if (d < 0.0f && d >= -b->half - b->gap) {
+            f->diffuse[index] = f->coherent[index] = HS_LEVEL_SILENT;
+        }
+    }
+}
+
+static void band_slice(void *context, uint32_t z) {
+    far_band *b = context;
+    const hs_field *f = b->pass.field;
+    const hs_solid *s = &b->skull;
+    float zmm = ((float)z + 0.5f) * f->h[2];
+    if (zmm < s->low[2] - b->half || zmm > s->high[2] + b->half) return;
+    for (uint32_t y = 0; y < f->n[1]; y++) band_row(b, y, z);
+}
+
+void hs_scene_far_band(hs_field *field, const hs_scene_spec *spec) {
+    for (uint32_t i = 0; i < spec->structure_count; i++) {
+        if (spec->structure[i].kind != HS_STRUCTURE_FETUS) continue;
+        far_band b = {.pass = {field, spec}};
+        hs_fetus_skull(&spec->structure[i].of.fetus, &b.skull);
+        b.half = 0.5f * spec->far_band.thickness_mm;
+        b.gap = spec->far_band.gap_mm;
+        b.level = hs_level(spec->far_band.level_db);
+        b.cosine = cosf(spec->far_band.angle_deg * 3.14159265f / 180.0f);
+        const float *to = spec->far_band.direction;
+        float length = sqrtf(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+        for (int a = 0; a < 3; a++) b.direction[a] = to[a] / length;
+        hs_parallel(field->threads, field->n[2], band_slice, &b);
+    }
+}
+
+/*
+ * Electronic noise: white, of level_db, added to the echo as power. The power of circular Gaussian noise is
+ * exponentially distributed: N = -n^2 ln u (Goodman, "Statistical Optics", 1985, section 2.9).
+ */
+
+enum { QUANTILES = 4096 };
+
+typedef struct {
+    hs_field *field;
+    uint64_t key;
+    float power[QUANTILES];
+} noise;
+
+static void noise_slice(void *context, uint32_t z) {
+    const noise *n = context;
+    hs_field *f = n->field;
+    size_t slice = hs_field_slice(f), start = slice * z;
+    for (size_t i = start; i < start + slice; i++) {
+        float a = hs_level_amplitude(f->envelope[i]);
+        f->envelope[i] = hs_level_of_power(a * a + n->power[hs_random_bits(n->key, i) >> 52]);
+    }
+}
+
+void hs_scene_noise(hs_field *field, const hs_scene_spec *spec) {
+    noise n = {.field = field, .key = hs_random_key(field->noise_seed, 1)};
+    float mean = powf(10.0f, spec->noise.level_db / 10.0f);
+    for (int i = 0; i < QUANTILES; i++) n.power[i] = -mean * logf(((float)i + 0.5f) / QUANTILES);
+    hs_parallel(field->threads, field->n[2], noise_slice, &n);
+}
+
+/* Log compression: grey = 255 (1 + (L + gain) / range), rounded, 1 .. 255. */
+
+typedef struct {
+    const hs_field *field;
+    const uint8_t *grey; /* by level - HS_LEVEL_SILENT */
+} compress;
+
+static void compress_slice(void *context, uint32_t z) {
+    const compress *c = context;
+    size_t slice = hs_field_slice(c->field), start = slice * z;
+    for (size_t i = start; i < start + slice; i++)
+        c->field->grey[i] = c->grey[c->field->envelope[i] - HS_LEVEL_SILENT];
+}
+
+void hs_scene_compress(hs_field *field, const hs_scene_spec *spec) {
+    uint8_t grey[HS_LEVEL_MAX - HS_LEVEL_SILENT + 1];
+    for (int i = 0; i < (int)sizeof grey; i++) {
+        float db = (float)(i + HS_LEVEL_SILENT) / (float)HS_LEVEL_ONE + spec->gain_db;
+        float g = 255.0f * (1.0f + db / spec->dynamic_range_db);
+        grey[i] = (uint8_t)lrintf(fminf(fmaxf(g, 1.0f), 255.0f));
+    }
+    compress c = {field, grey};
+    hs_parallel(field->threads, field->n[2], compress_slice, &c);
+}
+
+/* Without speckle the two kinds of echo are added by power. */
+static void add_slice(void *context, uint32_t z) {
+    hs_field *f = context;
+    size_t slice = hs_field_slice(f), start = slice * z;
+    for (size_t i = start; i < start + slice; i++) {
+        float a = hs_level_amplitude(f->diffuse[i]), b = hs_level_amplitude(f->coherent[i]);
+        f->envelope[i] = hs_level_of_power(a * a + b * b);
+    }
+}
+
+void hs_scene_add_powers(hs_field *field) {
+    hs_parallel(field->threads, field->n[2], add_slice, field);
 }

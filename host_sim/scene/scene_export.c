@@ -1,19 +1,27 @@
 /* SPDX-License-Identifier: MIT */
+/* Scenes as MetaImage files, and sampled along beams as Kretz files. */
 #include "scene/scene_export.h"
 
+#include "base/threads.h"
+#include "volume/beams_cartesian.h"
 #include "volume/metaimage_write.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+static bool file_path(char path[1100], const char *prefix, const char *what, const char *ending,
+                      hs_error *err) {
+    const int length = snprintf(path, 1100, "%s_%s.%s", prefix, what, ending);
+    return (length >= 0 && length < 1100) ||
+           hs_fail(err, HS_ERR_OUTPUT, "%.200s...: the path is too long", prefix);
+}
 
 static bool write_array(const char *prefix, const char *what, const hs_metaimage_array *array,
                         hs_error *err) {
     char path[1100];
-    int length = snprintf(path, sizeof path, "%s_%s.mha", prefix, what);
-    if (length < 0 || (size_t)length >= sizeof path)
-        return hs_fail(err, HS_ERR_OUTPUT, "%.200s...: the path is too long", prefix);
-    return hs_metaimage_write(path, array, err);
+    return file_path(path, prefix, what, "mha", err) && hs_metaimage_write(path, array, err);
 }
 
 /* A map is one slice: what reads volumes reads it, too. */
@@ -49,4 +57,215 @@ bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *er
            write_array(prefix, "label", &label, err) &&
            write_depths(prefix, "near", &data->full, data->near_end, err) &&
            write_depths(prefix, "far", &data->full, data->far_end, err);
+}
+
+#define RADIANS     0.017453292519943295 /* of a degree */
+#define START_SHARE 0.15                 /* of the volume's depth */
+#define AXIS_SHARE  0.10
+#define PITCH_MIN   0.01 /* mm: what a reader takes */
+
+static double or_else(double value, double otherwise) {
+    return isnan(value) || value == 0.0 ? otherwise : value;
+}
+
+static uint32_t count_or(uint32_t count, double otherwise) {
+    return count ? count : (uint32_t)fmin(fmax(floor(otherwise), 2.0), HS_VOLUME_MAX_AXIS);
+}
+
+/* What is left open, from the volume's sides in mm. */
+static hs_vol_spec complete(hs_vol_spec spec, const hs_volume *v) {
+    const double width = v->nx * v->spacing[0], height = v->ny * v->spacing[1], depth = v->nz * v->spacing[2];
+    if (isnan(spec.start)) spec.start = START_SHARE * depth;
+    if (isnan(spec.axis)) spec.axis = -AXIS_SHARE * depth;
+    spec.pitch = or_else(spec.pitch, v->spacing[2]);
+    const double end = spec.start + depth;
+    spec.theta = or_else(spec.theta, 2.0 * atan(0.5 * width / end) / RADIANS);
+    spec.phi = or_else(spec.phi, 2.0 * atan(0.5 * height / (end - spec.axis)) / RADIANS);
+    spec.samples = count_or(spec.samples, depth / spec.pitch + 1.0);
+    spec.lines = count_or(spec.lines, 0.6 * v->nx);
+    spec.planes = count_or(spec.planes, 0.4 * v->ny);
+    return spec;
+}
+
+static bool check(const hs_vol_spec *s, hs_error *err) {
+    if (s->samples < 2 || s->lines < 2 || s->planes < 2 || s->samples > HS_VOLUME_MAX_AXIS ||
+        s->lines > HS_VOLUME_MAX_AXIS || s->planes > HS_VOLUME_MAX_AXIS)
+        return hs_fail(err, HS_ERR_USAGE, "geometry: %u samples, %u lines, %u planes, expected 2 .. %u each",
+                       s->samples, s->lines, s->planes, HS_VOLUME_MAX_AXIS);
+    if (!(s->pitch >= PITCH_MIN))
+        return hs_fail(err, HS_ERR_USAGE, "geometry: a pitch of %g mm, expected %g or more", s->pitch,
+                       PITCH_MIN);
+    if (!(s->start >= 0.0))
+        return hs_fail(err, HS_ERR_USAGE, "geometry: samples that start at %g mm, expected 0 or more",
+                       s->start);
+    const double nearest = s->start * cos(0.5 * s->theta * RADIANS);
+    if (!(nearest > s->axis))
+        return hs_fail(
+            err, HS_ERR_USAGE,
+            "geometry: an axis at %g mm, at or behind the samples' start at %g mm on the outer lines",
+            s->axis, nearest);
+    return (s->theta > 0.0 && s->theta < 180.0 && s->phi > 0.0 && s->phi < 180.0) ||
+           hs_fail(err, HS_ERR_USAGE, "geometry: theta %g, phi %g degrees, expected between 0 and 180",
+                   s->theta, s->phi);
+}
+
+static double *make_table(uint32_t count, double span, double skew, bool descending) {
+    double *table = malloc(count * sizeof *table);
+    for (uint32_t i = 0; table && i < count; i++) {
+        const double t = 2.0 * i / (count - 1) - 1.0;
+        table[i] = (descending ? -0.5 : 0.5) * span * RADIANS * t * (1.0 - skew + skew * t * t);
+    }
+    return table;
+}
+
+hs_beams *hs_vol_geometry(const hs_vol_spec *spec, const hs_volume *volume, hs_error *err) {
+    const hs_vol_spec s = complete(*spec, volume);
+    if (!check(&s, err)) return NULL;
+    hs_beams shape = {.samples = s.samples,
+                      .lines = s.lines,
+                      .planes = s.planes,
+                      .pitch = s.pitch,
+                      .start = s.start,
+                      .axis = s.axis,
+                      .theta = make_table(s.lines, s.theta, s.skew, false),
+                      .phi = make_table(s.planes, s.phi, s.skew, s.descending),
+                      .mirrored = s.mirrored};
+    hs_beams *beams = NULL;
+    if (shape.theta && shape.phi)
+        beams = hs_beams_like(&shape, err);
+    else
+        (void)hs_fail(err, HS_ERR_MEMORY, "geometry: no memory for its tables");
+    free(shape.theta);
+    free(shape.phi);
+    return beams;
+}
+
+typedef struct {
+    hs_beams *beams;
+    const hs_volume *volume;
+} fill_pass;
+
+/* Linear between voxel centres; in the outer half voxel the nearest counts, beyond that it is black. */
+static uint8_t sample(const hs_volume *v, const double place[3]) {
+    const uint32_t count[3] = {v->nx, v->ny, v->nz};
+    const size_t stride[3] = {1, v->nx, (size_t)v->nx * v->ny};
+    size_t at[2] = {0, 0};
+    double share[3], sum = 0.0;
+    size_t step[3];
+    for (int a = 0; a < 3; a++) {
+        const double p = place[a] / v->spacing[a];
+        if (!(p >= 0.0 && p <= count[a])) return 0;
+        const double index = fmin(fmax(p - 0.5, 0.0), count[a] - 1.0);
+        const uint32_t low = (uint32_t)fmin(floor(index), fmax(count[a] - 2.0, 0.0));
+        share[a] = index - low;
+        step[a] = count[a] > 1 ? stride[a] : 0;
+        at[0] += low * stride[a];
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        double weight = 1.0;
+        at[1] = at[0];
+        for (int a = 0; a < 3; a++) {
+            weight *= corner >> a & 1 ? share[a] : 1.0 - share[a];
+            at[1] += corner >> a & 1 ? step[a] : 0;
+        }
+        sum += weight * v->voxels[at[1]];
+    }
+    return (uint8_t)(sum + 0.5);
+}
+
+static void fill_plane(void *context, uint32_t k) {
+    const fill_pass *pass = context;
+    const hs_beams *b = pass->beams;
+    const hs_volume *v = pass->volume;
+    const double middle[2] = {0.5 * v->nx * v->spacing[0], 0.5 * v->ny * v->spacing[1]};
+    uint8_t *out = b->voxels + (size_t)k * b->lines * b->samples;
+    for (uint32_t j = 0; j < b->lines; j++)
+        for (uint32_t i = 0; i < b->samples; i++) {
+            double place[3];
+            hs_beams_place(b, i, j, k, place);
+            const double in_volume[3] = {place[0] + middle[0], place[1] + middle[1], place[2] - b->start};
+            *out++ = sample(v, in_volume);
+        }
+}
+
+void hs_vol_fill(hs_beams *beams, const hs_volume *volume) {
+    fill_pass pass = {.beams = beams, .volume = volume};
+    hs_parallel(hs_thread_count(0), beams->planes, fill_plane, &pass);
+}
+
+static bool open_file(hs_kretz_writer *writer, const char *prefix, const char *what, const hs_beams *beams,
+                      uint32_t frames, hs_error *err) {
+    char path[1100];
+    return file_path(path, prefix, what, "vol", err) && hs_kretz_write_open(writer, path, beams, frames, err);
+}
+
+static bool write_frame(hs_kretz_writer *writer, hs_beams *beams, const hs_volume *volume, hs_error *err) {
+    hs_vol_fill(beams, volume);
+    return hs_kretz_write_volume(writer, beams->voxels, err);
+}
+
+/* The scene's label at a column of the copy; 0 if what ends its interval was not scanned. The scene's middle,
+ * and its first slice's face, lie where hs_vol_fill has them. */
+static uint8_t label_at(const hs_scene_data *data, const hs_beams *beams, double x, double y) {
+    const hs_volume *v = &data->full;
+    const double i = floor(x / v->spacing[0] + 0.5 * v->nx), j = floor(y / v->spacing[1] + 0.5 * v->ny);
+    if (!(i >= 0.0 && i < v->nx && j >= 0.0 && j < v->ny)) return 0;
+    const size_t at = (size_t)j * v->nx + (size_t)i;
+    if (data->label[at] == 0) return 0;
+    const double behind =
+        (double)data->far_end[at] + 1.5; /* voxels to the middle of the first one behind it */
+    double index[3];
+    const double place[3] = {x, y, beams->start + behind * v->spacing[2]};
+    return hs_beams_locate(beams, place, index) ? data->label[at] : 0;
+}
+
+static void fill_labels(const hs_volume *copy, const hs_scene_data *data, uint8_t *label) {
+    const double *corner = copy->beams->corner;
+    for (uint32_t y = 0; y < copy->ny; y++)
+        for (uint32_t x = 0; x < copy->nx; x++)
+            label[(size_t)y * copy->nx + x] =
+                label_at(data, copy->beams, corner[0] + (x + 0.5) * copy->spacing[0],
+                         corner[1] + (y + 0.5) * copy->spacing[1]);
+}
+
+/* Writes <prefix>_label.mha, of as many columns as the copy has that hs_kretz_read makes by default, in one
+ * slice. HS_ERR_USAGE (the copy), HS_ERR_OUTPUT or HS_ERR_MEMORY. */
+static bool write_label(const char *prefix, hs_beams *beams, const hs_scene_data *data, hs_error *err) {
+    hs_volume copy;
+    if (!hs_beams_cartesian_init(&copy, beams, 0.0, err)) return false;
+    uint8_t *label = calloc(copy.nx, copy.ny);
+    bool ok = label || hs_fail(err, HS_ERR_MEMORY, "%s_label.mha: no memory", prefix);
+    if (ok) {
+        fill_labels(&copy, data, label);
+        const hs_metaimage_array array = describe(&copy, HS_ARRAY_U8, label, 1);
+        ok = write_array(prefix, "label", &array, err);
+    }
+    copy.beams = NULL; /* the caller's */
+    hs_volume_free(&copy);
+    free(label);
+    return ok;
+}
+
+bool hs_vol_export_frame(hs_vol_export *out, const hs_vol_spec *spec, const char *prefix, uint32_t frames,
+                         const hs_scene_data *data, hs_error *err) {
+    bool ok = true;
+    if (!out->beams) {
+        out->beams = hs_vol_geometry(spec, &data->full, err);
+        ok = out->beams && open_file(&out->full, prefix, "full", out->beams, frames, err) &&
+             open_file(&out->truth, prefix, "truth", out->beams, frames, err);
+    }
+    ok = ok && write_frame(&out->full, out->beams, &data->full, err) &&
+         write_frame(&out->truth, out->beams, &data->truth, err);
+    if (ok && out->full.left > 0) return true;
+    ok = ok && (frames > 1 || write_label(prefix, out->beams, data, err));
+    ok = ok && hs_kretz_write_commit(&out->full, err) && hs_kretz_write_commit(&out->truth, err);
+    hs_vol_export_discard(out);
+    return ok;
+}
+
+void hs_vol_export_discard(hs_vol_export *out) {
+    hs_kretz_write_discard(&out->full);
+    hs_kretz_write_discard(&out->truth);
+    hs_beams_free(out->beams);
+    *out = (hs_vol_export){0};
 }

@@ -1,14 +1,59 @@
 /* SPDX-License-Identifier: MIT */
-/* The voxels of a scene while it is made: what each one is, and its echo level. */
+/* The voxels of a scene while it is made, from what each one is to its grey value, and the steps that make
+ * it. */
 #ifndef HS_SCENE_FIELD_H
 #define HS_SCENE_FIELD_H
 
-#include "base/error.h"
-#include "scene/scene_level.h"
-#include "scene/scene_tissue.h"
+#include "scene/scene.h"
+#include "scene/scene_solid.h"
+#include "scene/scene_spec.h"
 
+#include <math.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
+
+/*
+ * Decibels: a level is L = 20 log10(A / A_max), A the echo's amplitude and A_max the one the display shows as
+ * 255. So 6 dB is a factor of two in amplitude, and a power ratio is 10 log10. Attenuation coefficients are
+ * one-way, amplitudes lose 2 f alpha z on the way there and back. Levels are int16 in 64ths of a dB.
+ */
+#define HS_LEVEL_ONE    64                    /* a dB */
+#define HS_LEVEL_SILENT (-200 * HS_LEVEL_ONE) /* nothing comes back */
+#define HS_LEVEL_MAX    (60 * HS_LEVEL_ONE)
+
+/* dB to a level, saturated. */
+static inline int16_t hs_level(float db) {
+    float v = db * (float)HS_LEVEL_ONE;
+    if (!(v > (float)HS_LEVEL_SILENT)) return HS_LEVEL_SILENT;
+    return v < (float)HS_LEVEL_MAX ? (int16_t)lrintf(v) : (int16_t)HS_LEVEL_MAX;
+}
+
+/* A sum of levels, saturated. */
+static inline int16_t hs_level_clamp(int v) {
+    return (int16_t)(v < HS_LEVEL_SILENT ? HS_LEVEL_SILENT : v > HS_LEVEL_MAX ? HS_LEVEL_MAX : v);
+}
+
+/* Makes the tables between level and amplitude, once per process. Any thread. */
+void hs_level_tables(void);
+
+extern float hs_level_amplitude_table[HS_LEVEL_MAX - HS_LEVEL_SILENT + 1];
+/* Amplitude of a level, 10^(L / 20); 0 for silence. */
+static inline float hs_level_amplitude(int16_t level) {
+    return hs_level_amplitude_table[level - HS_LEVEL_SILENT];
+}
+extern float hs_level_mantissa_table[1024];
+/* The level of a power (a squared amplitude): its exponent and the upper 10 bits of its mantissa are looked
+ * at. With the rounding to 64ths it is right to 0.01 dB. */
+static inline int16_t hs_level_of_power(float power) {
+    uint32_t bits;
+    memcpy(&bits, &power, sizeof bits);
+    int exponent = (int)(bits >> 23) - 127; /* the sign is 0 */
+    float level =
+        (float)exponent * (3.01029996f * HS_LEVEL_ONE) + hs_level_mantissa_table[(bits >> 13) & 1023u];
+    return hs_level_clamp((int)lrintf(level));
+}
 
 /* Signed distances to a surface in sixteenths of a voxel, saturated: negative inside tissue (or bone). */
 #define HS_DISTANCE_ONE 16
@@ -30,8 +75,11 @@ typedef struct {
     int16_t *diffuse;  /* level of scattered echo */
     int16_t *coherent; /* level of interface echo */
     int16_t *envelope; /* level of what the probe receives */
+    uint8_t *grey;     /* what the display shows; borrowed */
+    atomic_bool out_of_memory;
 } hs_field;
 
+/* All planes but style, share, haze_end and grey. */
 bool hs_field_init(hs_field *field, const uint32_t n[3], const float h[3], hs_error *err);
 /* Adds the planes `style` and `share`. */
 bool hs_field_add_style(hs_field *field, hs_error *err);
@@ -47,5 +95,52 @@ static inline size_t hs_field_slice(const hs_field *f) {
 /* |cos| of the angle between the beam (+z) and a distance field's gradient, by central differences; 0 if
  * it is flat. */
 float hs_field_cosine(const hs_field *f, const int8_t *distance, uint32_t x, uint32_t y, uint32_t z);
+
+/* A loop over the y rows or z slices of a field. Both are borrowed. */
+typedef struct {
+    hs_field *field;
+    const hs_scene_spec *spec;
+} hs_pass;
+
+/* Solids to tissue, surface and bone, and to style and share if the field has them. Sorts the list by part.
+ * `turn` is NULL, or its rows are the axes of voxels whose cube is turned around its middle. False with
+ * HS_ERR_MEMORY, or if there are more than HS_SCENE_MAX_SOLIDS solids. */
+bool hs_scene_raster(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, const float *turn,
+                     hs_error *err);
+
+/* The steps from tissues to grey values. One that finds no memory says so in `out_of_memory`. */
+void hs_scene_echo(hs_field *field, const hs_scene_spec *spec);          /* sets diffuse and coherent */
+void hs_scene_attenuation(hs_field *field, const hs_scene_spec *spec);   /* lowers and raises both */
+void hs_scene_edge_shadow(hs_field *field, const hs_scene_spec *spec);   /* lowers both behind edges */
+void hs_scene_reverberation(hs_field *field, const hs_scene_spec *spec); /* adds to coherent */
+void hs_scene_haze(hs_field *field, const hs_scene_spec *spec);          /* adds to diffuse, makes haze_end */
+void hs_scene_dark_corner(hs_field *field, const hs_scene_spec *spec);   /* lowers both */
+void hs_scene_far_band(hs_field *field, const hs_scene_spec *spec);      /* sets both in band and gap */
+void hs_scene_speckle(hs_field *field, const hs_scene_spec *spec);       /* both to the envelope */
+void hs_scene_add_powers(hs_field *field);                               /* the same without speckle */
+void hs_scene_side_lobes(hs_field *field, const hs_scene_spec *spec);    /* adds to the envelope */
+void hs_scene_noise(hs_field *field, const hs_scene_spec *spec);         /* adds to the envelope */
+void hs_scene_compress(hs_field *field, const hs_scene_spec *spec);      /* envelope to grey, 1 .. 255 */
+void hs_scene_fan(hs_field *field, const hs_scene_spec *spec);           /* grey 0 outside the fan */
+
+/* Whether the camera does not look along the beams. */
+bool hs_scene_camera_turned(const hs_scene_spec *spec);
+/* Where the scene has point p of the camera's cube, in mm; p itself if the camera looks along the beams. */
+void hs_scene_camera_point(const hs_scene_spec *spec, const float p[3], float out[3]);
+/* Samples the grey values again on the camera's voxels, and makes the field's tissue that of the solids
+ * there. HS_ERR_MEMORY. */
+bool hs_scene_camera(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, hs_error *err);
+
+/* Label, interval, clipping surface and clipped volume from full.voxels (0 = not scanned) and the
+ * field's tissue. Of the spec it reads where the camera stands and how thick the slice is. HS_ERR_MEMORY. */
+bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_data *data, hs_error *err);
+
+/* A scene of kind "real": occluders before a given volume. It is moved back until the room before it is
+ * `share` (0 .. 1, exclusive) of the whole depth. */
+bool hs_scene_real_lead(hs_volume *given, double share, hs_error *err);
+/* Keeps occluders only where the given volume is free. */
+void hs_scene_real_place(hs_field *field, const hs_volume *given);
+/* Given volume and occluders in one, in the field's grey values. */
+void hs_scene_real_combine(hs_field *field, const hs_volume *given);
 
 #endif

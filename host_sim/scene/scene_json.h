@@ -4,6 +4,7 @@
 #define HS_SCENE_JSON_H
 
 #include "base/error.h"
+#include "scene/scene_spec.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -46,6 +47,9 @@ typedef struct {
  * not in the table is an error. */
 bool hs_json_read(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
 
+/* The same of an object whose type hs_json_type has read. */
+bool hs_json_read_typed(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
+
 /* A member or an element. False (no error) if it is not there. */
 bool hs_json_member(const hs_json *object, const char *key, hs_json *out);
 void hs_json_element(const hs_json *array, size_t index, hs_json *out);
@@ -62,5 +66,23 @@ bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
 
 /* The text in the field "type" of an object, and where it stands. False with an error if there is none. */
 bool hs_json_type(const hs_json *object, hs_json *type, const char **name);
+
+/* Line of the value at a path such as "a[3].b" in well-formed JSON text; the nearest enclosing value's if the
+ * path does not exist. 1 is the first line. */
+unsigned hs_json_line(const char *text, const char *where);
+
+/* How the tables of a scene file's fields are written. */
+#define HS_COUNT(a) (sizeof(a) / sizeof((a)[0]))
+#define FIELD(type, member, kind, min, max, required)                                                        \
+    { #member, HS_FIELD_##kind, offsetof(type, member), min, max, required }
+#define NAMED(key, type, member, kind, min, max, required)                                                   \
+    { key, HS_FIELD_##kind, offsetof(type, member), min, max, required }
+#define OTHER(key, required)                                                                                 \
+    { key, HS_FIELD_OTHER, 0, 0, 0, required }
+
+/* The arrays "artefacts" and "structures" (docs/scenes.md has their fields). HS_ERR_INPUT names file, line
+ * and field. */
+bool hs_scene_read_artefacts(const hs_json *array, hs_scene_spec *spec);
+bool hs_scene_read_structures(const hs_json *array, hs_scene_spec *spec);
 
 #endif

@@ -5,10 +5,8 @@
  * alike, so one search for the shortest is enough. Beams stand 1 mm apart, or a hundredth of what both cover
  * if that is more, and a quarter of it around the shortest.
  */
-#include "scene/scene_place.h"
-
-#include "scene/scene_fetus.h"
-#include "scene/scene_shape.h"
+#include "scene/scene_solid.h"
+#include "scene/scene_spec.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,14 +42,8 @@ static bool collect(const hs_scene_spec *spec, int number, fetuses *out) {
     uint32_t bodies = 0;
     out->list.count = 0;
     for (uint32_t i = 0; i < spec->structure_count; i++) {
-        if (spec->structure[i].kind != HS_STRUCTURE_FETUS) continue;
-        const hs_fetus_spec *fetus = &spec->structure[i].of.fetus;
-        const hs_solid_frame frame = hs_fetus_frame(fetus);
-        const size_t before = out->list.count;
-        if (number >= 0 && number != (int)i) continue;
-        hs_fetus_solids(&out->list, &frame, &fetus->pose);
-        for (size_t k = before; k < out->list.count; k++) out->list.items[k].body = (uint8_t)bodies;
-        bodies++;
+        if (spec->structure[i].kind != HS_STRUCTURE_FETUS || (number >= 0 && number != (int)i)) continue;
+        hs_fetus_solids(&out->list, &spec->structure[i].of.fetus, bodies++);
     }
     out->bodies = bodies;
     for (int a = 0; a < 3; a++) {
@@ -208,11 +200,9 @@ static bool place_fetus(hs_scene_spec *spec, uint32_t index, fetuses *f, hs_erro
 static bool place_occluder(hs_scene_spec *spec, uint32_t index, fetuses *f, hs_error *err) {
     hs_occluder_spec *o = &spec->structure[index].of.occluder;
     hs_solid_list one = {0};
-    hs_solid_frame frame = {.scale = 1.0f};
+    const hs_solid_frame frame = hs_frame_at(o->centre, o->rotation);
     const float zero[3] = {0, 0, 0};
     if (isnan(o->gap_mm)) return true;
-    memcpy(frame.origin, o->centre, sizeof frame.origin);
-    hs_rotation(o->rotation, frame.axis);
     const hs_solid *solid =
         hs_solid_ellipsoid(&one, &frame, HS_PART_OCCLUDER, o->tissue, 0.0f, zero, o->radii);
     gap g = {.spec = spec, .to = f};

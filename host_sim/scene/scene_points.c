@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "scene/scene_points.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>

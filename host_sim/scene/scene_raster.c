@@ -3,10 +3,9 @@
  * Solids to voxels. The volume is cut into bricks of 8^3 voxels; a brick looks only at the solids whose
  * bounds it touches, so the cost is that of the surfaces, not of the volume.
  */
-#include "scene/scene_raster.h"
-
 #include "base/threads.h"
-#include "scene/scene_shape.h"
+#include "scene/scene_field.h"
+#include "scene/scene_solid.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -236,33 +235,23 @@ static bool make_layer_shift(raster *r, hs_error *err) {
     return true;
 }
 
-static bool rasterise(raster *r, hs_solid_list *solids, hs_error *err) {
-    const hs_field *f = r->field;
+bool hs_scene_raster(hs_field *f, const hs_scene_spec *spec, hs_solid_list *solids, const float *turn,
+                     hs_error *err) {
+    raster r = {.field = f, .spec = spec, .turned = turn != NULL};
     if (solids->count > HS_SCENE_MAX_SOLIDS)
-        return hs_fail(err, HS_ERR_INPUT, "scene %s: %zu solids, at most %u", r->spec->name, solids->count,
+        return hs_fail(err, HS_ERR_INPUT, "scene %s: %zu solids, at most %u", spec->name, solids->count,
                        HS_SCENE_MAX_SOLIDS);
+    if (turn) memcpy(r.turn, turn, sizeof r.turn);
     hs_solid_list_sort(solids);
-    r->solids = solids->items;
-    r->solid_count = (uint32_t)solids->count;
-    r->bodies = hs_solid_list_bodies(solids);
-    r->inv_h = 1.0f / fminf(f->h[0], fminf(f->h[1], f->h[2]));
-    r->reach = 2.5f * fmaxf(f->h[0], fmaxf(f->h[1], f->h[2]));
-    for (int a = 0; a < 3; a++) r->bricks[a] = (f->n[a] + BRICK - 1) / BRICK;
-    r->sac = hs_shape_sac(&r->spec->sac);
-    if (!make_layer_shift(r, err)) return false;
-    hs_parallel(f->threads, r->bricks[1] * r->bricks[2], brick_row, r);
-    free(r->layer_shift);
+    r.solids = solids->items;
+    r.solid_count = (uint32_t)solids->count;
+    r.bodies = hs_solid_list_bodies(solids);
+    r.inv_h = 1.0f / fminf(f->h[0], fminf(f->h[1], f->h[2]));
+    r.reach = 2.5f * fmaxf(f->h[0], fmaxf(f->h[1], f->h[2]));
+    for (int a = 0; a < 3; a++) r.bricks[a] = (f->n[a] + BRICK - 1) / BRICK;
+    r.sac = hs_shape_sac(&spec->sac);
+    if (!make_layer_shift(&r, err)) return false;
+    hs_parallel(f->threads, r.bricks[1] * r.bricks[2], brick_row, &r);
+    free(r.layer_shift);
     return true;
-}
-
-bool hs_scene_raster(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, hs_error *err) {
-    raster r = {.field = field, .spec = spec};
-    return rasterise(&r, solids, err);
-}
-
-bool hs_scene_raster_turned(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids,
-                            const float turn[9], hs_error *err) {
-    raster r = {.field = field, .spec = spec, .turned = true};
-    memcpy(r.turn, turn, sizeof r.turn);
-    return rasterise(&r, solids, err);
 }

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene file to hs_scene_spec. The tables below are the schema (docs/scenes.md). */
-#include "scene/scene_read.h"
+/* A scene file to hs_scene_spec. The tables are the schema (docs/scenes.md). */
+#include "scene/scene_json.h"
+#include "scene/scene_solid.h"
+#include "scene/scene_spec.h"
 
-#include "scene/scene_fields.h"
-#include "scene/scene_read_artefacts.h"
-#include "scene/scene_read_structures.h"
-#include "volume/metaimage_open.h"
-
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -119,7 +117,10 @@ static void set_defaults(hs_scene_spec *spec) {
     spec->sac.roughness_scale_mm = 40.0f;
     spec->layers.boundary_db = -25.0f;
     memcpy(spec->tissue, hs_tissue_defaults, sizeof spec->tissue);
-    hs_scene_artefact_defaults(spec);
+    spec->haze = (hs_haze_spec){.level_db = -18.0f, .decay_db_mm = 1.5f, .patch_db = 6.0f, .patch_mm = 8.0f};
+    spec->corner =
+        (hs_corner_spec){.direction_deg = 45.0f, .start_mm = 15.0f, .width_mm = 30.0f, .loss_db = 20.0f};
+    spec->slice = (hs_slice_spec){.elevation_mm = 1.2f, .focus_mm = 60.0f, .rayleigh_mm = 25.0f};
 }
 
 /* The name becomes part of file names. */
@@ -174,26 +175,4 @@ bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec,
     bool ok = read_scene(&root, spec);
     json_decref(value);
     return ok;
-}
-
-char *hs_scene_read_file(const char *path, hs_error *err) {
-    enum { MAX_BYTES = 1 << 20 };
-    uint64_t bytes;
-    FILE *file = hs_met_open(path, path, &bytes, err); /* a regular file: nothing that waits for a writer */
-    if (!file) return NULL;
-    char *text = malloc(MAX_BYTES + 1);
-    size_t length = text ? fread(text, 1, MAX_BYTES + 1, file) : 0;
-    bool bad = ferror(file) != 0;
-    fclose(file);
-    if (!text) {
-        hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
-    } else if (bad || length > MAX_BYTES) {
-        hs_fail(err, HS_ERR_INPUT, "%s: %s", path,
-                bad ? "cannot be read" : "longer than a scene file may be (1 MiB)");
-        free(text);
-        text = NULL;
-    } else {
-        text[length] = '\0';
-    }
-    return text;
 }

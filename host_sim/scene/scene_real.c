@@ -4,9 +4,8 @@
  * make room; what lies before the first tissue of a column is taken as free; occluders are put there, and
  * kept a gap away from it.
  */
-#include "scene/scene_real.h"
-
 #include "base/threads.h"
+#include "scene/scene_field.h"
 
 #include <string.h>
 
@@ -16,7 +15,6 @@
 typedef struct {
     hs_field *field;
     const hs_volume *given;
-    uint8_t *full;
 } real;
 
 /* Makes a column scanned, as fluid, from the front to its first scanned voxel;
@@ -28,7 +26,6 @@ static void open_column(hs_volume *v, size_t column) {
     for (uint32_t z = 0; first < v->nz && z < first; z++) v->voxels[z * plane + column] = 1;
 }
 
-/* Moves the volume back until the room before it is `share` (0 .. 1, exclusive) of the whole depth. */
 bool hs_scene_real_lead(hs_volume *given, double share, hs_error *err) {
     const uint32_t lead = (uint32_t)(given->nz * share / (1.0 - share) + 0.5);
     const size_t plane = (size_t)given->nx * given->ny;
@@ -81,7 +78,7 @@ static void place_row(void *context, uint32_t y) {
 }
 
 void hs_scene_real_place(hs_field *field, const hs_volume *given) {
-    real r = {field, given, NULL};
+    real r = {field, given};
     hs_parallel(field->threads, field->n[1], place_row, &r);
 }
 
@@ -95,12 +92,12 @@ static void combine_row(void *context, uint32_t y) {
             size_t index = hs_field_index(f, x, y, z);
             uint8_t given = r->given->voxels[index];
             if (z >= first) f->tissue[index] = HS_TISSUE_SOFT;
-            if (z >= first || given == 0 || given > r->full[index]) r->full[index] = given;
+            if (z >= first || given == 0 || given > f->grey[index]) f->grey[index] = given;
         }
     }
 }
 
-void hs_scene_real_combine(hs_field *field, const hs_volume *given, hs_volume *full) {
-    real r = {field, given, full->voxels};
+void hs_scene_real_combine(hs_field *field, const hs_volume *given) {
+    real r = {field, given};
     hs_parallel(field->threads, field->n[1], combine_row, &r);
 }

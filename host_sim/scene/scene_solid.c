@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Distances to solids, and lists of them. */
 #include "scene/scene_solid.h"
 
 #include <math.h>
@@ -62,6 +63,12 @@ void hs_rotation(const float deg[3], float axis[9]) {
                          cx * sy * sz - sx * cz,
                          cx * cy};
     for (int i = 0; i < 9; i++) axis[i] = (float)r[i];
+}
+
+hs_solid_frame hs_frame_at(const float origin[3], const float deg[3]) {
+    hs_solid_frame frame = {.origin = {origin[0], origin[1], origin[2]}, .scale = 1.0f};
+    hs_rotation(deg, frame.axis);
+    return frame;
 }
 
 void hs_frame_point(const hs_solid_frame *f, const float p[3], float out[3]) {

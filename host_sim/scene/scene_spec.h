@@ -3,8 +3,55 @@
 #ifndef HS_SCENE_SPEC_H
 #define HS_SCENE_SPEC_H
 
-#include "scene/scene_fetus_pose.h"
-#include "scene/scene_tissue.h"
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    HS_TISSUE_FLUID,    /* amniotic fluid */
+    HS_TISSUE_WALL,     /* uterine wall (myometrium) */
+    HS_TISSUE_FAT,      /* abdominal wall */
+    HS_TISSUE_MUSCLE,   /* abdominal wall */
+    HS_TISSUE_PLACENTA, /* also cervical and other large occluders */
+    HS_TISSUE_CORD,
+    HS_TISSUE_CLOUD, /* vernix and other particles in the fluid */
+    HS_TISSUE_URINE, /* in the bladder: fluid, but none of the sac's */
+    HS_TISSUE_SOFT,  /* of the fetus: all from here on is the fetus */
+    HS_TISSUE_BRAIN,
+    HS_TISSUE_BONE,
+    HS_TISSUE_COUNT
+} hs_tissue;
+
+typedef struct {
+    float echo_db;               /* mean backscatter level; 0 dB is the brightest level the display shows */
+    float attenuation_db_cm_mhz; /* one way */
+    float impedance_mrayl;       /* 10^6 kg / (m^2 s) */
+    float speed_m_s;             /* of sound */
+} hs_tissue_properties;
+
+/* The table a scene starts from (docs/scenes.md gives the sources). */
+extern const hs_tissue_properties hs_tissue_defaults[HS_TISSUE_COUNT];
+extern const char *const hs_tissue_names[HS_TISSUE_COUNT];
+
+static inline bool hs_tissue_is_fetus(uint8_t tissue) {
+    return tissue >= HS_TISSUE_SOFT;
+}
+
+/* Whether it is dark and its border an interface; only HS_TISSUE_FLUID is the sac's. */
+static inline bool hs_tissue_is_fluid(uint8_t tissue) {
+    return tissue == HS_TISSUE_FLUID || tissue == HS_TISSUE_URINE;
+}
+
+/*
+ * The fetal frame, in mm at scale 1 (crown to rump 90 mm, about 14 weeks): x to the fetus' left, which is the
+ * viewer's right when it looks at the viewer; y from crown to rump; z from the face to the back. At rotation
+ * 0, 0, 0 it stands upright and faces the probe. Index 0 is its own right side, 1 its left.
+ */
+typedef struct {
+    float elbow[2][3], hand[2][3], knee[2][3], ankle[2][3];
+    float head_turn_deg[3]; /* of the head about the neck: nod, turn, tilt */
+} hs_fetus_pose;
 
 #define HS_SCENE_MAX_STRUCTURES 32
 #define HS_SCENE_MAX_POINTS     32
@@ -190,5 +237,25 @@ typedef struct {
     hs_fan_spec fan;
     hs_motion_spec motion;
 } hs_scene_spec;
+
+/* Reads a scene from a file's text; `path` is for messages, which name file, line and field. */
+bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec, hs_error *err);
+
+/*
+ * The text of a scene with PATH=VALUE applied, as JSON; free() it. PATH names fields by dots and elements
+ * by their index, "structures[0].gap_mm"; an artefact may be named by its type, "artefacts.haze.level_db".
+ * VALUE is JSON, or a word. An artefact is on if any field of it is set, or with VALUE "on"; "off" takes
+ * it, or any other field, away. NULL: HS_ERR_USAGE names the assignment and what is wrong, HS_ERR_MEMORY.
+ */
+char *hs_scene_override(const char *path, const char *text, const char *assignment, hs_error *err);
+
+/* Moves along the beam what has a gap_mm: first every such fetus, until the fluid between the sac's wall and
+ * its skin is that long where it is shortest; then every such occluder, until its far side is that far before
+ * the nearest fetus. Below 0 the two overlap by that much. HS_ERR_INPUT if no beam meets both, HS_ERR_MEMORY.
+ */
+bool hs_scene_place(hs_scene_spec *spec, hs_error *err);
+
+/* Moves the scene to where it stands at `frame`. */
+void hs_scene_move(hs_scene_spec *spec, uint32_t frame);
 
 #endif

@@ -5,10 +5,8 @@
  * meets the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a
  * ray, its longest stretch of fluid counts.
  */
-#include "scene/scene_truth.h"
-
 #include "base/threads.h"
-#include "scene/scene_camera.h"
+#include "scene/scene_field.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -74,7 +72,8 @@ static void take(spread *s, uint32_t x, uint32_t y, int dx, int dy, float step) 
     }
 }
 
-bool hs_scene_spread(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
+/* Gives every NAN of a map the value of the nearest pixel that has one (chamfer distance); 0 if none has. */
+static bool spread_out(float *map, uint32_t nx, uint32_t ny, hs_error *err) {
     spread s = {map, calloc((size_t)nx * ny, sizeof(float)), nx, ny};
     if (!s.distance) return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %u x %u pixels", nx, ny);
     const float diagonal = 1.41421356f;
@@ -185,7 +184,7 @@ bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_d
     }
     hs_parallel(field->threads, field->n[1], truth_row, &t);
     hs_parallel(field->threads, field->n[1], clip_row, &t);
-    if (!hs_scene_spread(data->clip, field->n[0], field->n[1], err)) return false;
+    if (!spread_out(data->clip, field->n[0], field->n[1], err)) return false;
     hs_parallel(field->threads, field->n[2], clip_slice, &t);
     return true;
 }

@@ -5,7 +5,7 @@
 
 #include "picture/picture.h"
 #include "render/dvr_settings.h"
-#include "scene/scene_points.h"
+#include "scene/scene.h"
 
 /*
  * Four columns: DVR of the full volume, DVR of the ground truth, MIP, initial points (right ones green, wrong

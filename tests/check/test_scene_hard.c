@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the hard cases hold: gaps as long as asked, contact without fluid, a bladder before the uterus,
  * no fetus, nothing before the fetus, two of them, a cord round the neck. Each with its truth. */
-#include "scene/scene_names.h"
+#include "scene/scene.h"
 #include "support/scene_fixture.h"
 
 #include <unistd.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Scene files: what is wrong with one is told with file, line and field. */
 #include "scene/scene_json.h"
-#include "scene/scene_locate.h"
 #include "support/scene_fixture.h"
 
 static void refuse(const char *text, const char *expected) {

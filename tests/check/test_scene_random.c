@@ -2,8 +2,7 @@
 /* Random scenes: the same seed gives the same file on every machine, every number lies in its range,
  * every share is kept, every scene opens and has an exact truth. And fields that are set otherwise. */
 #include "scene/scene_draw.h"
-#include "scene/scene_override.h"
-#include "scene/scene_ranges.h"
+#include "scene/scene_spec.h"
 #include "support/scene_fixture.h"
 
 #include <jansson.h>
@@ -31,7 +30,7 @@ static void a_seed_is_a_text(void **state) {
 static void numbers_lie_in_their_ranges(void **state) {
     (void)state;
     for (int id = 0; id < HS_RANGE_COUNT; id++) {
-        const hs_range *r = &hs_scene_ranges[id];
+        const hs_scene_range *r = &hs_scene_ranges[id];
         int32_t low = INT32_MAX, high = INT32_MIN;
         assert_non_null(r->key);
         assert_true(r->step > 0 && r->low <= r->high && (r->high - r->low) % r->step == 0);

@@ -4,7 +4,6 @@
 #include "fuzz/fuzz_target.h"
 #include "fuzz/memory_file.h"
 #include "scene/scene.h"
-#include "scene/scene_data.h"
 
 #include <math.h>
 

@@ -4,9 +4,9 @@
 #define SCENE_FIXTURE_H
 
 #include "scene/scene.h"
-#include "scene/scene_pass.h"
+#include "scene/scene_field.h"
 #include "scene/scene_random.h"
-#include "scene/scene_read.h"
+#include "scene/scene_spec.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -6,7 +6,7 @@
 #include "render/dvr.h"
 #include "render/dvr_thesis.h"
 #include "scene/scene.h"
-#include "scene/scene_vol.h"
+#include "scene/scene_export.h"
 #include "volume/beams_cartesian.h"
 
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "console/console.h"
 
-#include "scene/scene_names.h"
+#include "scene/scene.h"
 
 #include <jansson.h>
 #include <math.h>

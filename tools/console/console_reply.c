@@ -3,8 +3,8 @@
 
 #include "base/json_text.h"
 #include "plugin/loader_param.h"
-#include "scene/scene_names.h"
-#include "scene/scene_read.h"
+#include "scene/scene.h"
+#include "scene/scene_spec.h"
 #include "show/loop_pictures.h"
 
 #include <jansson.h>

@@ -3,7 +3,7 @@
 
 #include "base/paths.h"
 #include "eval/eval_case.h"
-#include "scene/scene_data.h"
+#include "scene/scene.h"
 #include "volume/metaimage_write.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "commands/look_line.h"
 #include "guarded/guard_line.h"
-#include "scene/scene_names.h"
+#include "scene/scene.h"
 
 #include <getopt.h>
 #include <stdio.h>

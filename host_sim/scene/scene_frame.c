@@ -1,32 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene from its file to its volumes: the steps in their order, each only if the scene lists it. */
-#include "scene/scene.h"
-
 #include "base/threads.h"
-#include "scene/scene_attenuation.h"
-#include "scene/scene_camera.h"
-#include "scene/scene_compress.h"
-#include "scene/scene_corner.h"
-#include "scene/scene_echo.h"
-#include "scene/scene_edge.h"
-#include "scene/scene_fan.h"
-#include "scene/scene_far_band.h"
+#include "scene/scene.h"
 #include "scene/scene_field.h"
-#include "scene/scene_haze.h"
-#include "scene/scene_motion.h"
-#include "scene/scene_names.h"
-#include "scene/scene_noise.h"
-#include "scene/scene_override.h"
-#include "scene/scene_place.h"
 #include "scene/scene_random.h"
-#include "scene/scene_raster.h"
-#include "scene/scene_read.h"
-#include "scene/scene_real.h"
-#include "scene/scene_reverberation.h"
-#include "scene/scene_side_lobes.h"
-#include "scene/scene_solids.h"
-#include "scene/scene_speckle.h"
-#include "scene/scene_truth.h"
+#include "scene/scene_solid.h"
+#include "scene/scene_spec.h"
 #include "volume/volume_file.h"
 
 #include <limits.h>
@@ -40,13 +19,36 @@ struct hs_scene {
     hs_scene_spec spec;
 };
 
-static const char *const step_names[HS_SCENE_STEPS] = {
-    "raster", "echo",        "attenuation", "edge shadow", "reverberation",
-    "haze",   "dark corner", "far band",    "speckle",     "side lobes",
-    "noise",  "compress",    "fan",         "camera",      "truth"};
+enum { ALWAYS = 0 };
+
+/* The steps in their order: what does it, and where the spec says whether the scene lists it. The three
+ * without a function need more than field and spec. */
+static const struct {
+    const char *name;
+    void (*run)(hs_field *field, const hs_scene_spec *spec);
+    size_t on;
+} steps[HS_SCENE_STEPS] = {
+    [HS_SCENE_STEP_RASTER] = {"raster", NULL, ALWAYS},
+    [HS_SCENE_STEP_ECHO] = {"echo", hs_scene_echo, ALWAYS},
+    [HS_SCENE_STEP_ATTENUATION] = {"attenuation", hs_scene_attenuation,
+                                   offsetof(hs_scene_spec, attenuation.on)},
+    [HS_SCENE_STEP_EDGE_SHADOW] = {"edge shadow", hs_scene_edge_shadow, offsetof(hs_scene_spec, edge.on)},
+    [HS_SCENE_STEP_REVERBERATION] = {"reverberation", hs_scene_reverberation,
+                                     offsetof(hs_scene_spec, reverberation.on)},
+    [HS_SCENE_STEP_HAZE] = {"haze", hs_scene_haze, offsetof(hs_scene_spec, haze.on)},
+    [HS_SCENE_STEP_CORNER] = {"dark corner", hs_scene_dark_corner, offsetof(hs_scene_spec, corner.on)},
+    [HS_SCENE_STEP_FAR_BAND] = {"far band", hs_scene_far_band, offsetof(hs_scene_spec, far_band.on)},
+    [HS_SCENE_STEP_SPECKLE] = {"speckle", hs_scene_speckle, offsetof(hs_scene_spec, speckle.on)},
+    [HS_SCENE_STEP_SIDE_LOBES] = {"side lobes", hs_scene_side_lobes, offsetof(hs_scene_spec, side_lobe.on)},
+    [HS_SCENE_STEP_NOISE] = {"noise", hs_scene_noise, offsetof(hs_scene_spec, noise.on)},
+    [HS_SCENE_STEP_COMPRESS] = {"compress", hs_scene_compress, ALWAYS},
+    [HS_SCENE_STEP_FAN] = {"fan", hs_scene_fan, offsetof(hs_scene_spec, fan.on)},
+    [HS_SCENE_STEP_CAMERA] = {"camera", NULL, offsetof(hs_scene_spec, camera_deg)},
+    [HS_SCENE_STEP_TRUTH] = {"truth", NULL, ALWAYS},
+};
 
 const char *hs_scene_step_name(int step) {
-    return step >= 0 && step < HS_SCENE_STEPS ? step_names[step] : "?";
+    return step >= 0 && step < HS_SCENE_STEPS ? steps[step].name : "?";
 }
 
 const char *hs_scene_name(const hs_scene *scene) {
@@ -116,91 +118,40 @@ typedef struct {
 } making;
 
 static bool raster(making *m) {
-    if (!hs_scene_raster(&m->field, &m->spec, &m->solids, m->err)) return false;
+    if (!hs_scene_raster(&m->field, &m->spec, &m->solids, NULL, m->err)) return false;
     if (m->given) hs_scene_real_place(&m->field, m->given);
     return true;
 }
 
 static bool truth(making *m) {
-    if (m->given) hs_scene_real_combine(&m->field, m->given, &m->data->full);
+    if (m->given) hs_scene_real_combine(&m->field, m->given);
     if (!hs_scene_truth(&m->field, &m->spec, m->data, m->err)) return false;
     if (m->given) memcpy(m->data->truth.voxels, m->given->voxels, hs_volume_count(m->given));
     return true;
 }
 
 static bool run_step(making *m, int step) {
-    hs_field *f = &m->field;
-    const hs_scene_spec *spec = &m->spec;
-    switch (step) {
-    case HS_SCENE_STEP_RASTER:
-        return raster(m);
-    case HS_SCENE_STEP_ECHO:
-        hs_scene_echo(f, spec);
-        break;
-    case HS_SCENE_STEP_ATTENUATION:
-        hs_scene_attenuation(f, spec);
-        break;
-    case HS_SCENE_STEP_EDGE_SHADOW:
-        hs_scene_edge_shadow(f, spec);
-        break;
-    case HS_SCENE_STEP_REVERBERATION:
-        hs_scene_reverberation(f, spec);
-        break;
-    case HS_SCENE_STEP_HAZE:
-        return hs_scene_haze(f, spec, m->err);
-    case HS_SCENE_STEP_CORNER:
-        hs_scene_dark_corner(f, spec);
-        break;
-    case HS_SCENE_STEP_FAR_BAND:
-        hs_scene_far_band(f, spec);
-        break;
-    case HS_SCENE_STEP_SPECKLE:
-        return hs_scene_speckle(f, spec, m->err);
-    case HS_SCENE_STEP_SIDE_LOBES:
-        return hs_scene_side_lobes(f, spec, m->err);
-    case HS_SCENE_STEP_NOISE:
-        hs_scene_noise(f, spec);
-        break;
-    case HS_SCENE_STEP_COMPRESS:
-        hs_scene_compress(f, spec, &m->data->full);
-        break;
-    case HS_SCENE_STEP_FAN:
-        hs_scene_fan(f, spec, &m->data->full);
-        break;
-    case HS_SCENE_STEP_CAMERA:
-        return hs_scene_camera(f, spec, &m->solids, &m->data->full, m->err);
-    case HS_SCENE_STEP_TRUTH:
-        return truth(m);
-    default:
-        break;
-    }
-    return true;
+    if (step == HS_SCENE_STEP_RASTER) return raster(m);
+    if (step == HS_SCENE_STEP_CAMERA) return hs_scene_camera(&m->field, &m->spec, &m->solids, m->err);
+    if (step == HS_SCENE_STEP_TRUTH) return truth(m);
+    steps[step].run(&m->field, &m->spec);
+    return !atomic_load(&m->field.out_of_memory) ||
+           hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for %s", m->spec.name, steps[step].name);
 }
 
-/* Which steps the scene asks for. */
-static void listed(const hs_scene_spec *spec, bool on[HS_SCENE_STEPS]) {
-    for (int i = 0; i < HS_SCENE_STEPS; i++) on[i] = true;
-    on[HS_SCENE_STEP_ATTENUATION] = spec->attenuation.on;
-    on[HS_SCENE_STEP_EDGE_SHADOW] = spec->edge.on;
-    on[HS_SCENE_STEP_REVERBERATION] = spec->reverberation.on;
-    on[HS_SCENE_STEP_HAZE] = spec->haze.on;
-    on[HS_SCENE_STEP_CORNER] = spec->corner.on;
-    on[HS_SCENE_STEP_CAMERA] = hs_scene_camera_turned(spec);
-    on[HS_SCENE_STEP_FAR_BAND] = spec->far_band.on;
-    on[HS_SCENE_STEP_SPECKLE] = spec->speckle.on;
-    on[HS_SCENE_STEP_SIDE_LOBES] = spec->side_lobe.on;
-    on[HS_SCENE_STEP_NOISE] = spec->noise.on;
-    on[HS_SCENE_STEP_FAN] = spec->fan.on;
+/* Whether the scene asks for a step, and the caller does not leave it out. */
+static bool wanted(const making *m, int step) {
+    if (steps[step].on == ALWAYS) return true;
+    const bool listed = step == HS_SCENE_STEP_CAMERA
+                            ? hs_scene_camera_turned(&m->spec)
+                            : *(const bool *)(const void *)((const char *)&m->spec + steps[step].on);
+    return listed && !(m->skip >> step & 1u);
 }
 
 static bool run_steps(making *m) {
-    bool on[HS_SCENE_STEPS];
-    listed(&m->spec, on);
     for (int step = 0; step < HS_SCENE_STEPS; step++) {
         double start = now_ms();
-        bool artefact =
-            step > HS_SCENE_STEP_ECHO && step != HS_SCENE_STEP_COMPRESS && step != HS_SCENE_STEP_TRUTH;
-        bool run = on[step] && !(artefact && (m->skip >> step & 1u));
+        bool run = wanted(m, step);
         if (run && !run_step(m, step)) return false;
         if (!run && step == HS_SCENE_STEP_SPECKLE) hs_scene_add_powers(&m->field);
         m->times->ms[step] = run ? now_ms() - start : 0.0;
@@ -237,6 +188,7 @@ static bool make(making *m, const uint32_t n[3], const float h[3]) {
     if (!allocate(m, n, h) || !hs_field_init(&m->field, n, h, m->err)) return false;
     if (has_style(&m->spec) && !hs_field_add_style(&m->field, m->err)) return false;
     if (!hs_scene_solids(&m->spec, m->field.seed, &m->solids, m->err)) return false;
+    m->field.grey = m->data->full.voxels;
     if (!run_steps(m)) return false;
     m->data->tissue = m->field.tissue; /* handed over */
     m->field.tissue = NULL;
@@ -311,4 +263,15 @@ bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, h
     bool ok = hs_scene_frame(scene, &options, out, NULL, err);
     hs_scene_close(scene);
     return ok;
+}
+
+void hs_scene_free(hs_scene_data *data) {
+    hs_volume_free(&data->full);
+    hs_volume_free(&data->truth);
+    free(data->label);
+    free(data->near_end);
+    free(data->far_end);
+    free(data->clip);
+    free(data->tissue);
+    memset(data, 0, sizeof *data);
 }
