@@ -38,9 +38,8 @@ static const struct {
     uint64_t depends_values;
 } table[] = {
     {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
-     "0 puts the surface at the fetus, 1 at the tissue in front of it. Above 1 less is removed. With cost "
-     "and "
-     "wall 0.5 is the best guess. Stay between 0 and 1.",
+     "0 puts the surface at the fetus, 1 at the tissue in front of it. Above 1 less is removed. "
+     "With cost and wall 0.5 is the best guess. Stay between 0 and 1.",
      0.0, 1.5, 0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,
@@ -69,8 +68,8 @@ static const struct {
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
      1.0, 0.0, 1.0, 0.5, 0.25, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_EVIDENCE, SV_PARAM_FLOAT, 0, "evidence", "Evidence wanted", "",
-     "Share of the bone rays that must have sure fluid before the bone; with less, the frame ends without a "
-     "surface.",
+     "Share of the bone rays that must have sure fluid in front of the bone. With less the frame ends "
+     "without a surface.",
      0.0, 1.0, 0.0, 1.0, 0.5, 0.05, NULL, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MIN_GAP, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "min_gap", "Sure gap", "slices",
      "A fluid interval at least this long counts as sure evidence.", 0.0, 64.0, 0.0, 8.0, 2.0, 0.5, NULL,
@@ -79,8 +78,8 @@ static const struct {
      "Bone rays without fluid before the bone give no initial point instead of a vote for depth 0.", 0.0, 1.0,
      0.0, 1.0, 0.0, 1.0, NULL, GROUP_POINTS, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PREFILTER, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "prefilter", "Pre-filter", "",
-     "What is done to the initial points first: minimum takes the smallest depth nearby, against outliers "
-     "that lie too deep; every turn of q then reconstructs again.",
+     "What is done to the initial points first. minimum takes the smallest depth nearby, against outliers "
+     "that lie too deep. Every turn of q then reconstructs again.",
      0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters, GROUP_PREFILTER, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PREFILTER_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_passes", "Pre-filter passes", "",
      "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL, GROUP_PREFILTER, SV_PARAM_PREFILTER,
@@ -93,14 +92,13 @@ static const struct {
      GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MERGE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "merge_grid", "Spline merging",
      "",
-     "Method spline: points within a cell of this many by as many are merged; 0 merges only if there are "
-     "more points than the solver takes.",
+     "Method spline: the points of each cell of an N x N grid become one. 0 merges only if there are more "
+     "points than the solver takes.",
      0.0, SV_SPLINE_MAX_GRID, 0.0, 32.0, 8.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_SPLINE_GRID, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "spline_grid",
      "Spline evaluation", "",
-     "Method spline: evaluated at the nodes of this many by as many cells, linear in between; 0: at every "
-     "pixel.",
-     0.0, 256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
+     "Method spline: evaluated at the nodes of N x N cells, linear in between. 0: at every pixel.", 0.0,
+     256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
      "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
      SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL, GROUP_METHOD, SV_PARAM_METHOD,
@@ -127,8 +125,8 @@ static const struct {
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_STRATEGY, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "strategy", "Work layout", "",
-     "How the work is laid out on the device; the result is the same. A work item has a row of rays or more, "
-     "or, with rays, a single ray, for GPUs. Auto chooses by device and size.",
+     "How the work is laid out on the device; the result is the same. rays is for GPUs: a work item has a "
+     "single ray. With the others it has a row of rays or more. auto chooses by device and size.",
      0.0, 3.0, 0.0, 3.0, 0.0, 1.0, strategies, GROUP_WORK, 0, 0},
 };
 enum { COUNT = sizeof table / sizeof *table };
