@@ -125,16 +125,16 @@ CHOICE := --scenes 201,0 $(foreach n,01 04 05 07 08 15 16,--scene H$(n))
 FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
 
 sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
-	@$(call build,build) --target sv_sites smartvis
-	build/sv_sites table $(UNSEEN) $(FOREIGN)
-	build/sv_sites table $(HARD)
-	build/sv_sites harm --scenes 201,0 $(FOREIGN)
-	build/sv_sites flicker
-	$(if $(SITE),build/sv_sites reverse $(CHOICE) $(FOREIGN))
+	@$(call build,build) --target sv_judge smartvis
+	build/sv_judge table $(UNSEEN) $(FOREIGN)
+	build/sv_judge table $(HARD)
+	build/sv_judge harm --scenes 201,0 $(FOREIGN)
+	build/sv_judge flicker
+	$(if $(SITE),build/sv_judge reverse $(CHOICE) $(FOREIGN))
 
 surface-page: setup ## method wall on scenes and on SITE in pictures: out/sites/index.html
-	@$(call build,build) --target sv_sites smartvis
-	build/sv_sites page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
+	@$(call build,build) --target sv_judge smartvis
+	build/sv_judge page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
 
 validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
 	@$(call build,build) --target sv_validate smartvis

@@ -2,9 +2,9 @@
 /*
  * Method wall through the ABI, on three scenes of ours at 128^3, or on the nine volumes of the folder that
  * the first argument names: what turns, moves or brightens the scan must turn, move or keep the surface
- * (docs/surface.md). Errors are those of sv_wall, the mean over the cases.
+ * (docs/surface.md). Errors are those of sv_judge, the mean over the cases.
  */
-#include "judge/wall_judge.h"
+#include "judge/judge.h"
 #include "support/rig.h"
 
 #include <math.h>

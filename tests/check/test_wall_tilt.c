@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A case with its truth, as a turned camera sees it (judge/wall_tilt.h): where voxels, ends of rays and
+/* A case with its truth, as a turned camera sees it (wall_case_tilt): where voxels, ends of rays and
  * labels come to lie. */
-#include "judge/wall_tilt.h"
+#include "judge/judge.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# sv_sites end to end on small cases that scenes export: every command, foreign files, wrong ones. Called with the source and
+# sv_judge end to end on small cases that scenes export: every command, foreign files, wrong ones. Called with the source and
 # the build folder.
 set -u
 build=$2
@@ -8,8 +8,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
-# code WANTED ARGUMENTS...: the exit code of sv_sites; its output is in $work/stdout and stderr.
-code() { ends "$1" "$build/sv_sites" "${@:2}"; }
+# code WANTED ARGUMENTS...: the exit code of sv_judge; its output is in $work/stdout and stderr.
+code() { ends "$1" "$build/sv_judge" "${@:2}"; }
 
 # map NAME SIDE CHARACTER: one slice of SIDE x SIDE bytes.
 map() {
@@ -44,8 +44,6 @@ map "$work/to.mha" 64 '@'
 cp "$work/stdout" "$work/without"
 code 0 table --case "$case,$work/from.mha,$work/to.mha" --method 'best method=mean' --method method=mean --method method=wall
 holds [ "$(cmp -s "$work/stdout" "$work/without"; echo $?)" = 1 ]
-# sv_surfaces takes the same case, and gives the same numbers.
-holds [ "$("$build/sv_surfaces" --case "$case" | grep 'best q' | sed 's/ *worst.*//')" = "$(grep 'best q' "$work/without" | sed 's/ *worst.*//')" ]
 
 # --- no harm: four variants of every method; bare, nothing is cut by method wall
 code 0 harm --case "$case" --method method=wall --method method=cost
@@ -110,13 +108,22 @@ holds grep -q 'from.mha:[0-9]*: DimSize is 64 64 1, expected 32 32 1' "$work/std
 code 4 table --case "$small" --plugin "$build/tests/plugins/no_symbol.so"
 code 2 table --case "$small" --method method=wall --plugin "$build/tests/plugins/zeros.so"
 code 6 page --case "$small" --out /dev/null/page
-"$build/sv_wall" --case "$small" > "$work/stdout" 2>&1
-holds grep -q '^cases: ' "$work/stdout"
-"$build/sv_wall" --tilt 10,-5 --case "$small" > "$work/stdout" 2>&1
+
+# --- the definition of wall: its table, a turned camera, another constant, wrong ones
+code 0 wall --case "$small"
+holds grep -q '^  all ' "$work/stdout"
+cp "$work/stdout" "$work/as_it_is"
+code 0 wall --case "$small" --set fetus_level=0
+holds [ "$(cmp -s "$work/stdout" "$work/as_it_is"; echo $?)" = 1 ]
+code 0 wall --tilt 10,-5 --case "$small"
 holds grep -q ' 10,-5 .*outcome 0' "$work/stdout"
 for wrong in 1 50,0 0,x 1,2,3; do
-    ends 2 "$build/sv_wall" --tilt "$wrong" --case "$small"
+    code 2 wall --tilt "$wrong" --case "$small"
     holds grep -q -- "--tilt: '$wrong' is no X,Y of -45 to 45 degrees" "$work/stderr"
+done
+for wrong in fetus_level fetus_level=x nothing=1; do
+    code 2 wall --set "$wrong" --case "$small"
+    holds grep -q -- '^sv_judge: --set: ' "$work/stderr"
 done
 
 [ $failed -eq 0 ]

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* sv_surfaces: how good a plugin's surfaces are on scenes, against their ground truth;
- * their flicker and their time. */
-#include "judge/site_table.h"
-#include "judge/surf_ablation.h"
-#include "judge/surf_session.h"
+#include "judge/judge.h"
+
+#include "ref/ref_cost.h"
 #include "volume/metaimage.h"
 
 #include <math.h>
@@ -12,21 +10,143 @@
 #include <string.h>
 #include <time.h>
 
-enum { N = 128, PIXELS = N * N, CASES = 9, QS = 31, FRAMES = 40 };
-static const char *const names[CASES] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
+enum { N = 128, PIXELS = N * N, CASES = SITE_NAMES };
 
-/* clang-format off */
-static const char help[] =
-    "Usage: sv_surfaces [PLUGIN] [VOLUME.mha...]\n"
-    "       sv_surfaces --ablation\n"
-    "       sv_surfaces --site FOLDER | --case FULL,TRUTH,LABEL[,FIRST,END]...\n"
-    "Judges the methods mean and cost on the nine scenes at 128^3, in sets of a seed and a pose: the ray\n"
-    "termination error e_abs in slices, and the share of the fetus that is cut. 'mean' is at the q that is best\n"
-    "for the whole set, 'cost' at its default. Sets 101 and 102 were used for tuning, the others were not. Then\n"
-    "both in motion, their times at 128^3 and 171^3, and what cost says of the volumes that are given.\n"
-    "--site, --case: these methods on volumes of other programs, as sv_sites table judges them.\n"
-    "--ablation: what each part of the cost volume is worth, by its scalar definition.\n";
-/* clang-format on */
+/* -------------------------------------------------------------------------------------------- ablation -- */
+/* What each part of the cost volume is worth: the scalar definition with one thing changed at a time. */
+
+/* One thing changed. Numbers are factors; 0 in `gain` is 1. */
+static const struct {
+    const char *what;
+    enum {
+        NOTHING,
+        CUT,
+        OCCLUDER,
+        WRONG_FLUID,
+        THICK,
+        BEHIND,
+        TAU,
+        SIGMA,
+        AVERAGE_MARGIN,
+        SHIFT,
+        SPLIT,
+        CONTACT,
+        MEDIAN
+    } part;
+    double factor;
+    int level;   /* T_L; 0: from the histogram */
+    double gain; /* of the grey levels */
+} changes[] = {
+    {"as it is", NOTHING, 1, 0, 0},
+    {"cutting costs half", CUT, 0.5, 0, 0},
+    {"cutting costs twice", CUT, 2, 0, 0},
+    {"leaving occluders costs nothing", OCCLUDER, 0, 0, 0},
+    {"leaving occluders costs twice", OCCLUDER, 2, 0, 0},
+    {"no term for the longest interval", WRONG_FLUID, 0, 0, 0},
+    {"thickness is no evidence", THICK, 0, 0, 0},
+    {"no doubt by runs farther back", BEHIND, 0, 0, 0},
+    {"runs are not parted at bone", SPLIT, 0, 0, 0},
+    {"what touches the wall is part of it", CONTACT, 0, 0, 0},
+    {"fluid four times as near (tau / 4)", TAU, 0.25, 0, 0},
+    {"fluid twice as far (tau x 2)", TAU, 2, 0, 0},
+    {"lateral Gaussian x 0.7", SIGMA, 0.7, 0, 0},
+    {"lateral Gaussian x 1.4", SIGMA, 1.4, 0, 0},
+    {"no median", MEDIAN, 0, 0, 0},
+    {"sharper minimum (slack / 4)", AVERAGE_MARGIN, 0.25, 0, 0},
+    {"no yielding where unsure", SHIFT, 0, 0, 0},
+    {"yielding three times as much", SHIFT, 3, 0, 0},
+    {"T_L fixed at 25", NOTHING, 1, 25, 0},
+    {"T_L fixed at 40", NOTHING, 1, 40, 0},
+    {"T_L fixed at 60", NOTHING, 1, 60, 0},
+    {"gain 0.7, T_L found", NOTHING, 1, 0, 0.7},
+    {"gain 1.4, T_L found", NOTHING, 1, 0, 1.4},
+    {"gain 1.4, T_L fixed at 40", NOTHING, 1, 40, 1.4},
+};
+enum { CHANGES = sizeof changes / sizeof *changes };
+
+static sv_ref_cost_layout changed_layout(uint32_t n, int i) {
+    sv_ref_cost_layout l = sv_ref_cost_layout_of(n, n, n, 0.0f);
+    double *const parts[] = {
+        [CUT] = &l.cut_cost, [OCCLUDER] = &l.occluder_cost,        [WRONG_FLUID] = &l.wrong_fluid_cost,
+        [THICK] = &l.thick,  [BEHIND] = &l.behind_penalty,         [TAU] = &l.tau,
+        [SIGMA] = &l.sigma,  [AVERAGE_MARGIN] = &l.average_margin, [SHIFT] = &l.viewer_shift};
+    switch (changes[i].part) {
+    case NOTHING:
+        break;
+    case SPLIT:
+        l.bone_splits = false;
+        break;
+    case CONTACT:
+        l.sizes.contact = l.sizes.labels;
+        break;
+    case MEDIAN:
+        l.median = false;
+        break;
+    default:
+        *parts[changes[i].part] *= changes[i].factor;
+    }
+    l.level = changes[i].level;
+    return l;
+}
+
+/* Grey levels times `gain`; what was scanned stays scanned. */
+static void amplify(const uint8_t *from, size_t count, double gain, uint8_t *to) {
+    for (size_t i = 0; i < count; i++) {
+        const double value = from[i] * gain + 0.5;
+        to[i] = from[i] == 0 ? 0 : value < 1.0 ? 1 : value > 255.0 ? 255 : (uint8_t)value;
+    }
+}
+
+static bool score(const surf_case *c, int i, uint8_t *voxels, double *maps, float *depth, surf_score *out,
+                  hs_error *err) {
+    const size_t pixels = (size_t)c->n * c->n;
+    const sv_ref_cost_layout l = changed_layout(c->n, i);
+    amplify(c->voxels, pixels * c->n, changes[i].gain > 0.0 ? changes[i].gain : 1.0, voxels);
+    const sv_ref_volume v = {voxels, c->n, c->n, c->n, 0, NULL};
+    if (!sv_ref_cost_surface_with(&v, &l, maps, maps + pixels, maps + 2 * pixels, NULL, NULL))
+        return hs_fail(err, HS_ERR_MEMORY, "no memory for the cost volume");
+    for (size_t p = 0; p < pixels; p++) depth[p] = (float)(0.5 * (maps[p] + maps[pixels + p]));
+    *out = surf_judge(c, depth);
+    return true;
+}
+
+/* Prints the mean e_abs and cut share over the nine cases of a tuned and of an
+ * untuned set for every change. */
+bool judge_ablation(judge_request *r, hs_error *err) {
+    (void)r;
+    static const uint32_t sets[2][2] = {{101, 0}, {402, 31}}; /* seed, pose */
+    surf_score sums[2][CHANGES] = {{{0}}};
+    const size_t pixels = (size_t)N * N;
+    uint8_t *voxels = malloc(pixels * N);
+    double *maps = malloc(3 * pixels * sizeof *maps);
+    float *depth = malloc(pixels * sizeof *depth);
+    bool ok = (voxels && maps && depth) || hs_fail(err, HS_ERR_MEMORY, "no memory for %u^3 voxels", N);
+    for (int set = 0; set < 2; set++)
+        for (uint32_t k = 0; ok && k < CASES; k++) {
+            surf_case c;
+            ok = surf_case_make(site_names[k], N, sets[set][0], sets[set][1], 0, &c, err);
+            for (int i = 0; ok && i < CHANGES; i++) {
+                surf_score s = {0};
+                ok = score(&c, i, voxels, maps, depth, &s, err);
+                sums[set][i].error += s.error / CASES;
+                sums[set][i].cut += s.cut / CASES;
+            }
+            if (ok) surf_case_free(&c);
+        }
+    if (ok) printf("One thing changed at a time (scalar definition): tuned set 101/0, untuned set 402/31\n");
+    for (int i = 0; ok && i < CHANGES; i++)
+        printf("  %-36s %5.2f (cut %4.1f %%)   %5.2f (cut %4.1f %%)\n", changes[i].what, sums[0][i].error,
+               100.0 * sums[0][i].cut, sums[1][i].error, 100.0 * sums[1][i].cut);
+    free(depth);
+    free(maps);
+    free(voxels);
+    return ok;
+}
+
+/* ------------------------------------------------------------------------------------------------ sets -- */
+/* Methods mean and cost on scenes, against their ground truth, and how calm they are. */
+
+enum { QS = 31 };
 
 static bool open_method(surf_session *s, const char *path, const char *method, hs_error *err) {
     char text[64];
@@ -75,7 +195,7 @@ static bool score_set(surf_session *mean, surf_session *cost, uint64_t seed, uin
     double at_q[QS] = {0};
     for (int n = 0; n < CASES; n++) {
         surf_case c;
-        if (!surf_case_make(names[n], N, seed, pose, 0, &c, err)) return false;
+        if (!surf_case_make(site_names[n], N, seed, pose, 0, &c, err)) return false;
         const bool ok = score_case(mean, cost, &c, &scores[n], err);
         surf_case_free(&c);
         if (!ok) return false;
@@ -89,7 +209,7 @@ static bool score_set(surf_session *mean, surf_session *cost, uint64_t seed, uin
     double cost_error = 0.0, cost_cut = 0.0, mean_cut = 0.0, floor_error = 0.0;
     for (int n = 0; n < CASES; n++) {
         const case_scores *s = &scores[n];
-        printf("  %s  mean %5.2f (cut %4.1f %%)  cost %5.2f (cut %4.1f %%)  truth %5.2f\n", names[n],
+        printf("  %s  mean %5.2f (cut %4.1f %%)  cost %5.2f (cut %4.1f %%)  truth %5.2f\n", site_names[n],
                s->mean[best].error, 100.0 * s->mean[best].cut, s->cost.error, 100.0 * s->cost.cut,
                s->truth.error);
         cost_error += s->cost.error / CASES;
@@ -211,49 +331,6 @@ static bool print_motion(surf_session *mean, surf_session *cost, hs_error *err) 
     return true;
 }
 
-/* ---- time */
-
-static double now_ms(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static bool print_times(const char *path, const char *method, uint32_t n, hs_error *err) {
-    hs_scene_data scene;
-    surf_session s = {0};
-    if (!hs_scene_generate("E01", n, 1, &scene, err)) return false;
-    bool ok = open_method(&s, path, method, err);
-    const sv_ext_timing *stats = ok ? hs_plugin_timing(s.plugin.instance) : NULL;
-    double ms[FRAMES];
-    sv_stage_times t = {.size = sizeof t};
-    for (int i = 0; ok && i < FRAMES; i++) {
-        const double start = now_ms();
-        ok = cube_frame(&s, scene.full.voxels, n, 0.5f, 0.0, err);
-        ms[i] = now_ms() - start;
-    }
-    if (ok && stats && stats->enable(s.plugin.instance, 1) == SV_OK) {
-        ok = cube_frame(&s, scene.full.voxels, n, 0.5f, 0.0, err);
-        (void)stats->stage_times(s.plugin.instance, &t);
-    }
-    if (ok) {
-        qsort(ms, FRAMES, sizeof *ms, ascending);
-        printf("  %-5s %3u^3: %6.2f ms a frame (median of %d; least %.2f); once by stage: copy %.2f, profile "
-               "%.2f, "
-               "threshold %.2f, reconstruct %.2f, output %.2f\n",
-               method, n, ms[FRAMES / 2], FRAMES, ms[0], t.transfer_ms, t.profile_ms, t.threshold_ms,
-               t.reconstruct_ms, t.output_ms);
-    }
-    surf_session_close(&s);
-    hs_scene_free(&scene);
-    return ok;
-}
-
 /* ---- volumes from files */
 
 static bool print_volume(const char *path, const char *file, hs_error *err) {
@@ -280,7 +357,7 @@ static bool print_volume(const char *path, const char *file, hs_error *err) {
     return ok;
 }
 
-static bool judge_all(const char *path, hs_error *err) {
+static bool judge_sets(const char *path, hs_error *err) {
     static const struct {
         uint64_t seed;
         uint32_t pose;
@@ -303,43 +380,9 @@ static bool judge_all(const char *path, hs_error *err) {
     return ok;
 }
 
-/* Volumes of other programs. */
-static bool judge_foreign(int argc, char **argv, hs_error *err) {
-    site_list list = {0};
-    site_methods methods = {
-        .plugin = SURF_PLUGIN, .method = {{"method=mean", true}, {"method=cost", false}}, .count = 2};
-    bool ok = argc > 2 || hs_fail(err, HS_ERR_USAGE, "%s: a value is missing", argv[1]);
-    for (int i = 2; ok && i < argc; i++)
-        ok = strcmp(argv[1], "--site") == 0 ? site_add_folder(&list, argv[i], err)
-                                            : site_add_files(&list, argv[i], err);
-    ok = ok && site_table(&list, &methods, err);
-    site_free(&list);
+bool judge_cost(judge_request *r, hs_error *err) {
+    bool ok = r->volume_count > 0 || judge_sets(r->methods.plugin, err);
+    for (uint32_t i = 0; ok && i < r->volume_count; i++)
+        ok = print_volume(r->methods.plugin, r->volumes[i], err);
     return ok;
-}
-
-int main(int argc, char **argv) {
-    if (argc > 1 && strcmp(argv[1], "--help") == 0) {
-        printf("%s", help);
-        return HS_OK;
-    }
-    hs_error err = {0};
-    if (argc > 1 && strcmp(argv[1], "--ablation") == 0) {
-        if (surf_ablation(names, CASES, N, &err)) return HS_OK;
-        fprintf(stderr, "sv_surfaces: %s\n", err.text);
-        return (int)err.code;
-    }
-    if (argc > 1 && (strcmp(argv[1], "--site") == 0 || strcmp(argv[1], "--case") == 0)) {
-        if (judge_foreign(argc, argv, &err)) return HS_OK;
-        fprintf(stderr, "sv_surfaces: %s\n", err.text);
-        return (int)err.code;
-    }
-    const char *path = argc > 1 ? argv[1] : SURF_PLUGIN;
-    bool ok = judge_all(path, &err);
-    if (ok) printf("Times\n");
-    for (uint32_t n = 128; ok && n <= 171; n += 43)
-        ok = print_times(path, "mean", n, &err) && print_times(path, "cost", n, &err);
-    if (ok && argc > 2) printf("Volumes\n");
-    for (int i = 2; ok && i < argc; i++) ok = print_volume(path, argv[i], &err);
-    if (!ok) fprintf(stderr, "sv_surfaces: %s\n", err.text);
-    return ok ? HS_OK : (int)err.code;
 }

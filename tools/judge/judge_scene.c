@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "judge/surf_case.h"
+/* Scenes to judge surfaces on: nine cases, each in its own pose or in a shifted
+ * one, with their ground truth. */
+#include "judge/judge.h"
 
 #include "base/paths.h"
 
@@ -66,17 +68,25 @@ static bool write_pose(const char *name, uint32_t pose, char *path, size_t size,
     return written || (file >= 0 && hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written", path));
 }
 
-/* Where a ray from fine slice `start` on ends (thesis Eq. 3.22-3.24), or m. */
-static float termination(const uint8_t *voxels, uint32_t m, size_t pixel, float start) {
+float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start) {
     float opacity = 0.0f;
-    const uint32_t first = start > 0.0f ? (uint32_t)ceilf(start - 0.001f) : 0;
-    for (uint32_t z = first; z < m; z++) {
-        const float value = (float)voxels[(size_t)z * m * m + pixel] / 255.0f;
-        const float alpha = fminf(fmaxf((value - T_LOW) / (T_HIGH - T_LOW), 0.0f), 1.0f);
-        opacity += (1.0f - opacity) * alpha;
+    for (uint32_t z = start; z < nz; z++) {
+        const float value = (float)voxels[z * plane + pixel] / 255.0f;
+        opacity += (1.0f - opacity) * fminf(fmaxf((value - T_LOW) / (T_HIGH - T_LOW), 0.0f), 1.0f);
         if (opacity >= TERMINATION) return (float)z;
     }
-    return (float)m;
+    return (float)nz;
+}
+
+uint32_t wall_first_drawn(float depth, uint32_t nz) {
+    if (!(depth > 0.0f)) return 0;
+    const float first = ceilf(depth - 1e-3f);
+    return first >= (float)nz ? nz : (uint32_t)first;
+}
+
+/* Returns where a ray of a cube of m^3 voxels ends that starts at depth `start`. */
+static float fine_end(const uint8_t *voxels, uint32_t m, size_t pixel, float start) {
+    return wall_termination(voxels, (size_t)m * m, m, pixel, wall_first_drawn(start, m));
 }
 
 static uint8_t coarse_voxel(const hs_volume *fine, size_t x, size_t y, size_t z) {
@@ -114,7 +124,7 @@ bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, 
             for (size_t x = 0; x < n; x++)
                 out->voxels[(z * n + y) * n + x] = coarse_voxel(&out->fine.full, x, y, z);
     for (size_t pixel = 0; pixel < (size_t)m * m; pixel++)
-        out->truth[pixel] = termination(out->fine.truth.voxels, m, pixel, 0.0f);
+        out->truth[pixel] = fine_end(out->fine.truth.voxels, m, pixel, 0.0f);
     return true;
 }
 
@@ -147,7 +157,7 @@ surf_score surf_judge(const surf_case *c, const float *depth) {
             if (c->fine.label[pixel] == HS_LABEL_NEITHER) continue;
             const float d = depth_at(depth, c->n, x, y);
             const float start = d <= 0.0f ? 0.0f : (d + 0.5f) * SURF_FINE_PER_VOXEL - 0.5f;
-            const float error = c->truth[pixel] - termination(c->fine.full.voxels, m, pixel, start);
+            const float error = c->truth[pixel] - fine_end(c->fine.full.voxels, m, pixel, start);
             sum += fabs((double)error);
             count++;
             if (c->fine.label[pixel] != HS_LABEL_FETUS) continue;

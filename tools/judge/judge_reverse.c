@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "judge/site_reverse.h"
+/* The reverse protocol: the wall's constants chosen on one site alone, judged on the others. */
+#include "judge/judge.h"
 
 #include "base/threads.h"
-#include "judge/site_score.h"
-#include "judge/wall_constant.h"
-
-#include "ref/ref_wall.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,15 +13,21 @@ enum { VALUES = 5 };
 
 /* What docs/negative_results.md says matters, and values of the range that it shows there. */
 static const struct {
-    const char *key;
+    wall_constant constant;
     double value[VALUES];
 } constants[] = {
-    {"level", {0.0, 0.2, 0.4, 0.55, 0.7}},     {"first", {0.0, 0.4, 0.85, 1.2, 1.6}},
-    {"beside_mm", {1.9, 2.8, 3.75, 4.7, 5.6}}, {"cut", {9.0, 11.0, 13.0, 15.5, 18.0}},
-    {"left", {3.0, 4.0, 5.6, 6.8, 8.0}},       {"sigma_mm", {1.5, 2.2, 3.0, 4.2, 6.0}},
-    {"tissue", {0.0, 0.07, 0.15, 0.22, 0.3}},  {"sure", {3.5, 4.2, 5.0, 6.0, 7.0}},
-    {"wall_rank", {0.3, 0.4, 0.5, 0.6, 0.7}},  {"other", {0.3, 0.6, 1.15, 1.7, 2.3}},
-    {"aside_mm", {2.0, 3.5, 5.0, 6.5, 8.0}},   {"slack", {0.1, 0.25, 0.5, 0.7, 1.0}},
+    {WALL_CONSTANT(fetus_level), {0.0, 0.2, 0.4, 0.55, 0.7}},
+    {WALL_CONSTANT(first_run_extra), {0.0, 0.4, 0.85, 1.2, 1.6}},
+    {WALL_CONSTANT(dilation_mm), {1.9, 2.8, 3.75, 4.7, 5.6}},
+    {WALL_CONSTANT(cut_cost), {9.0, 11.0, 13.0, 15.5, 18.0}},
+    {WALL_CONSTANT(occluder_cost), {3.0, 4.0, 5.6, 6.8, 8.0}},
+    {WALL_CONSTANT(sigma_mm), {1.5, 2.2, 3.0, 4.2, 6.0}},
+    {WALL_CONSTANT(tissue), {0.0, 0.07, 0.15, 0.22, 0.3}},
+    {WALL_CONSTANT(slope), {3.5, 4.2, 5.0, 6.0, 7.0}},
+    {WALL_CONSTANT(wall_rank), {0.3, 0.4, 0.5, 0.6, 0.7}},
+    {WALL_CONSTANT(wrong_fluid_cost), {0.3, 0.6, 1.15, 1.7, 2.3}},
+    {WALL_CONSTANT(median_mm), {2.0, 3.5, 5.0, 6.5, 8.0}},
+    {WALL_CONSTANT(average_margin), {0.1, 0.25, 0.5, 0.7, 1.0}},
 };
 enum { CONSTANTS = sizeof constants / sizeof *constants };
 
@@ -90,7 +93,8 @@ static double largest(const site_score *s) {
 }
 
 static void put(sv_wall_settings *s, const int at[CONSTANTS]) {
-    for (int i = 0; i < CONSTANTS; i++) *wall_constant(s, constants[i].key) = constants[i].value[at[i]];
+    for (int i = 0; i < CONSTANTS; i++)
+        *wall_constant_of(s, constants[i].constant) = constants[i].value[at[i]];
 }
 
 /* A settled answer of the search. */
@@ -137,7 +141,7 @@ static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error
         at[i] = found;
         chosen[i] = sum / count;
     }
-    for (int i = 0; i < CONSTANTS; i++) *wall_constant(&out->settings, constants[i].key) = chosen[i];
+    for (int i = 0; i < CONSTANTS; i++) *wall_constant_of(&out->settings, constants[i].constant) = chosen[i];
     return try_settings(set, out, &out->settled, err);
 }
 
@@ -195,7 +199,8 @@ static bool choose(const site_list *list, uint32_t index, uint32_t rounds, hs_er
            list->set[index].title, answer[0].evaluations + answer[1].evaluations, answer[0].objective,
            answer[0].settled, answer[1].objective, answer[1].settled);
     for (int i = 0; i < CONSTANTS; i++)
-        printf(" %s %.3g", constants[i].key, *wall_constant(&best->settings, constants[i].key));
+        printf(" %s %.3g", constants[i].constant.key,
+               *wall_constant_of(&best->settings, constants[i].constant));
     printf("\n");
     (void)fflush(stdout);
     return print_on(list, &best->settings, err);

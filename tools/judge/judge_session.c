@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "judge/surf_session.h"
+/* A plugin at work on volumes in memory, known by its ABI only: one instance with its settings, active for
+ * whatever size came last. */
+#include "judge/judge.h"
 
 #include "loop/clipper.h"
 #include "plugin/loader_param.h"
@@ -64,11 +66,6 @@ bool surf_session_open(surf_session *s, const char *path, const char *settings, 
         return false;
     }
     return true;
-}
-
-bool surf_session_has(const surf_session *s, const char *key) {
-    sv_param_info info = {.size = sizeof info};
-    return hs_plugin_find_param(&s->plugin, key, &info);
 }
 
 bool surf_session_set(surf_session *s, const char *key, double value, hs_error *err) {

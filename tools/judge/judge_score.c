@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-#include "judge/wall_judge.h"
+#include "judge/judge.h"
 
 #include <math.h>
+#include <stdio.h>
+
+/* ---------------------------------------------------------------------------------------------- a case -- */
+/* How good a surface is: Eq. 4.6 of the thesis, what is cut and what is left, and whether the confidence
+ * tells. */
 
 #define TOLERANCE 2.0f /* slices of 128 */
-
-uint32_t wall_first_drawn(float depth, uint32_t nz) {
-    if (!(depth > 0.0f)) return 0;
-    const float first = ceilf(depth - 1e-3f);
-    return first >= (float)nz ? nz : (uint32_t)first;
-}
 
 float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
     return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, wall_first_drawn(depth, c->nz));
@@ -49,8 +48,10 @@ double wall_auc(const wall_calibration *t) {
     return right > 0.0 && wrong > 0.0 ? pairs / (right * wrong) : 1.0;
 }
 
-bool wall_reliability(const wall_calibration *t, double low, double high, uint64_t least, double *right,
-                      double *mean) {
+/* Share of right rays among those of confidence low .. high, and the mean confidence there; false if there
+ * are less than `least`. */
+static bool wall_reliability(const wall_calibration *t, double low, double high, uint64_t least,
+                             double *right, double *mean) {
     uint64_t good = 0, all = 0;
     double sum = 0.0;
     for (int i = 0; i < WALL_BINS; i++) {
@@ -77,4 +78,60 @@ double wall_cut_anywhere(const wall_case *c, const float *depth) {
         cut += scale * (wall_ray_end(c, c->full, i, depth[i]) - whole) > TOLERANCE;
     }
     return rays ? (double)cut / (double)rays : 0.0;
+}
+
+/* ---------------------------------------------------------------------------------------------- a site -- */
+/* What judgements add up to over the cases of a site. */
+
+enum { TENTHS = 10, LEAST_RAYS = 100 };
+
+void site_score_add(site_score *to, const char *name, const wall_score *score) {
+    to->sum.error += score->error;
+    to->sum.cut += score->cut;
+    to->sum.left += score->left;
+    if (to->count == 0 || score->error > to->worst) {
+        to->worst = score->error;
+        (void)snprintf(to->worst_name, sizeof to->worst_name, "%s", name);
+    }
+    to->count++;
+}
+
+wall_score site_score_mean(const site_score *s) {
+    const double n = s->count ? s->count : 1.0;
+    return (wall_score){s->sum.error / n, s->sum.cut / n, s->sum.left / n};
+}
+
+void site_score_print(const site_score *s, bool sure) {
+    const wall_score m = site_score_mean(s);
+    printf("%5.2f / %5.2f / %5.2f  worst %5.2f %-4s", m.error, 100.0 * m.cut, 100.0 * m.left, s->worst,
+           s->worst_name);
+    if (sure)
+        printf("  AUC %.3f", wall_auc(&s->calibration));
+    else
+        printf("  no confidence");
+    if (s->refused) printf("  %u refused", s->refused);
+    printf("\n");
+}
+
+static uint64_t rays_of(const wall_calibration *t) {
+    uint64_t all = 0;
+    for (int i = 0; i < WALL_BINS; i++) all += t->right[i] + t->wrong[i];
+    return all;
+}
+
+void site_score_print_calibration(const char *what, const wall_calibration *t) {
+    uint64_t below = 0;
+    printf("  %s: it says / right / share of the rays, %%\n   ", what);
+    for (int i = 0; i < TENTHS; i++) {
+        const double low = 0.1 * i, high = i == TENTHS - 1 ? 1.1 : 0.1 * (i + 1);
+        double right, mean;
+        below = 0;
+        for (int k = 0; k < WALL_BINS; k++) {
+            const double at = (double)k / (WALL_BINS - 1);
+            if (at >= low && at < high) below += t->right[k] + t->wrong[k];
+        }
+        if (wall_reliability(t, low, high, LEAST_RAYS, &right, &mean))
+            printf(" %.2f/%.2f/%.0f", mean, right, 100.0 * (double)below / (double)rays_of(t));
+    }
+    printf("\n");
 }

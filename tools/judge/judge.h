@@ -1,0 +1,446 @@
+/* SPDX-License-Identifier: MIT */
+/* What judges surfaces: cases with their truth, scores, sites, a plugin at work on them. */
+#ifndef JUDGE_H
+#define JUDGE_H
+
+#include "eval/eval_case.h"
+#include "plugin/loader.h"
+#include "plugin/plugin_ext.h"
+#include "ref/ref_wall.h"
+#include "render/host_cl.h"
+#include "scene/scene.h"
+#include "wall_layout.h"
+
+#include <stddef.h>
+
+/* ---------------------------------------------------------------------------------------------- scenes -- */
+/* Scenes to judge surfaces on: nine cases, each in its own pose or in a shifted
+ * one, with their ground truth. */
+
+/* The scene is made at twice the resolution of the volume that the plugin gets; errors are measured there. */
+#define SURF_FINE_PER_VOXEL 2
+
+typedef struct {
+    uint32_t n;         /* voxels an axis that the plugin gets */
+    uint8_t *voxels;    /* n^3: means of 2^3 scanned voxels, 0 where less than half were scanned */
+    hs_scene_data fine; /* (2 n)^3 */
+    float *truth;       /* (2 n)^2: ray termination depths in the ground truth, in fine slices */
+} surf_case;
+
+/* `pose` 0: the scene as its file has it; else fetus, limbs, occluders and sac are shifted (by up to 4 mm),
+ * turned (8 degrees) and scaled (4 %), by numbers that `pose` seeds. `frame` of the scene's motion.
+ * HS_ERR_INPUT, HS_ERR_OUTPUT, HS_ERR_MEMORY. */
+bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, uint32_t frame,
+                    surf_case *out, hs_error *err);
+void surf_case_free(surf_case *c);
+
+typedef struct {
+    double error; /* e_abs (spec 7, Eq. 4.6) in slices of the plugin's volume, over labels 1 and 2 */
+    double cut;   /* share of the fetus' pixels that are cut by more than two fine steps */
+} surf_score;
+
+/* A depthmap of n * n float32 slices, drawn by spec 9's defaults from the fine volume. */
+surf_score surf_judge(const surf_case *c, const float *depth);
+
+/* ----------------------------------------------------------------------------------------------- cases -- */
+/* A volume with its ground truth, to judge the definition of the wall's surface on: from files or from a
+ * scene. */
+
+typedef struct {
+    char name[64];
+    uint32_t nx, ny, nz;
+    double spacing_mm[3];
+    uint8_t *full;         /* nx * ny * nz voxels */
+    uint16_t *first, *end; /* scanned slices of each ray */
+    uint8_t *label;        /* per ray: 0 neither, 1 sac, 2 fetus; NULL: no truth is known */
+    float *truth;          /* per ray: slice at which it ends in the ground truth; NULL with `label` */
+    uint8_t *clean;        /* the ground truth: `full` without what hides; NULL with `label` */
+} wall_case;
+
+/* Copies a case of the report: its volume, truth and label. Voxels of 0 were not scanned. */
+bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err);
+
+/* Reads "FULL,TRUTH,LABEL[,FIRST,END]" as `host_sim report --case` does (eval/eval_source.h), with its
+ * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
+bool wall_case_files(const char *files, wall_case *out, hs_error *err);
+
+/* Reads NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and scan_end.mha of a folder so, too.
+ */
+bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
+
+/* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case.h). Zeros at the ends of a ray
+ * were not scanned. */
+bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
+                    hs_error *err);
+
+/* A volume without a truth; the zeros at the ends of each ray were not scanned. */
+bool wall_case_open(const char *path, wall_case *out, hs_error *err);
+
+/* Resamples the volume for a camera that is turned by `degrees` about axis 0 (x), 1 (y) or 2 (z, then looked
+ * at from the side): a cube of `side`^3 voxels that holds all of it. */
+bool wall_case_turn(const wall_case *from, int axis, double degrees, uint32_t side, wall_case *out,
+                    hs_error *err);
+
+/* Grey levels become 255 (level / 255)^gamma * gain + black, at scanned voxels only. */
+void wall_case_change(wall_case *c, double gain, double gamma, double black);
+
+void wall_case_free(wall_case *c);
+
+/* The full volume as the wall's definition takes it; borrows the case's arrays. */
+sv_wall_volume wall_case_volume(const wall_case *c);
+
+/* Slice at which a ray that starts in slice `start` ends (thesis Eq. 3.22 - 3.24,
+ * defaults of spec 9), or nz. */
+float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start);
+
+/* The first slice that is drawn of a ray that starts at a surface of that depth (host_sim's rule for a step
+ * of one slice). */
+uint32_t wall_first_drawn(float depth, uint32_t nz);
+
+/* -------------------------------------------------------------------------------------- turned cameras -- */
+/* Another pose of a camera before a case whose truth is known: a check on data that nobody made for it. */
+
+/* The case as a camera sees it that is turned by `degrees` about x and then about y, around the middle of the
+ * volume: as many voxels of the same size; what comes to lie outside of them is lost. A voxel was scanned if
+ * all eight around its place were. Rays end where they do in the turned ground truth; a ray's label is that
+ * of the ray of `c` that ends in the same place, at most two rays and three slices away, else none. In that
+ * truth what hides is removed along the rays of `c`, so turns should be small. False: no memory, and `c` is
+ * as it was. */
+bool wall_case_tilt(wall_case *c, const double degrees[2], hs_error *err);
+
+/* ---------------------------------------------------------------------------------------------- scores -- */
+/* How good a surface is: Eq. 4.6 of the thesis, how much of the fetus is cut and of occluders is left, and
+ * whether the confidence predicts errors. */
+
+/* Bins of the confidence. Most of it is above 0.98, where coarse bins would merge different values. */
+#define WALL_BINS 2048
+
+typedef struct {
+    double error; /* mean over labelled rays of |end in the result - end in the truth|, slices of 128 */
+    double cut;   /* share of the fetus' rays that end more than 2 slices too deep */
+    double left;  /* share of the labelled rays that end more than 2 slices too early */
+} wall_score;
+
+/* Labelled rays by confidence, right ones (error at most 2 slices) and wrong ones. Scores are added to it. */
+typedef struct {
+    uint64_t right[WALL_BINS], wrong[WALL_BINS];
+} wall_calibration;
+
+/* Slice at which ray `pixel` ends when it starts at a surface of that depth. */
+float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth);
+
+wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
+                      const float *confidence, wall_calibration *calibration);
+
+/* Area under the ROC curve of the confidence as a predictor of wrong rays. */
+double wall_auc(const wall_calibration *calibration);
+
+/* Share of all rays that end on tissue and end more than 2 slices deeper when they start at the surface. */
+double wall_cut_anywhere(const wall_case *c, const float *depth);
+
+/* ------------------------------------------------------------------------------------ scores of a site -- */
+/* What judgements add up to over the cases of a site. */
+
+/* Sums of wall_judge's scores. Zeroed: none yet. */
+typedef struct {
+    wall_score sum;
+    double worst; /* largest error of a case */
+    char worst_name[64];
+    uint32_t count;
+    uint32_t refused; /* cases that the method does not clip */
+    wall_calibration calibration;
+} site_score;
+
+void site_score_add(site_score *to, const char *name, const wall_score *score);
+
+/* The means: error in slices of 128; cut and left as shares. */
+wall_score site_score_mean(const site_score *score);
+
+/* Prints "error / cut / left, worst case", and with `sure` the confidence's AUC. */
+void site_score_print(const site_score *score, bool sure);
+
+/* Prints, for every tenth of the confidence that has at least 100 rays, what it says on average, how many
+ * rays are right there and their share of all. */
+void site_score_print_calibration(const char *what, const wall_calibration *calibration);
+
+/* ----------------------------------------------------------------------------------------------- moves -- */
+/* How calm a surface is: how far the ends of rays move from frame to frame, beside the truth's. */
+
+/* Mean move of the rays that are labelled in a frame and in the one before, slices of 128; mean of all frames
+ * but the first. */
+typedef struct {
+    double result, truth;
+} wall_flicker;
+
+/* Finds the surface of a frame: a depth for each of its rays; 0: nothing is clipped. */
+typedef bool wall_surface(void *user, const wall_case *frame, float *depth, hs_error *err);
+
+/* Judges two frames or more with labels, which have as many rays each: HS_ERR_USAGE, HS_ERR_INPUT;
+ * HS_ERR_MEMORY; or what `surface` fails with. It is asked for the frames in their order. */
+bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surface, void *user,
+                     wall_flicker *out, hs_error *err);
+
+/* -------------------------------------------------------------------------------------------- sessions -- */
+/* A plugin at work on volumes in memory, known by its ABI only: one instance with its settings, active for
+ * whatever size came last. */
+
+enum { SURF_MAX_VALUES = 16 };
+
+/* A volume, x fastest, then y, then z. Borrowed. */
+typedef struct {
+    const uint8_t *voxels;
+    uint32_t width, height, slices;
+    double spacing_mm[3]; /* all 0: not known */
+    /* Ray i was scanned in slices first[i] .. end[i] - 1. Both NULL: voxels of 0 were not scanned. */
+    const uint16_t *first, *end;
+} surf_volume;
+
+/* Owned by the caller; must not move while open. */
+typedef struct {
+    hs_plugin plugin;
+    sv_param_value fixed[SURF_MAX_VALUES], values[SURF_MAX_VALUES]; /* of activate, and of frames */
+    uint32_t fixed_count, value_count;
+    bool active, ranged;
+    uint32_t width, height, slices;
+    double spacing_mm[3];
+    sv_scanned *scanned;
+    float *depth;      /* of the last frame, slices; all 0 if it has no surface */
+    float *confidence; /* after surf_session_confidence: 0 .. 1; all 0 if there is none */
+    bool sure;         /* the method gives a confidence */
+    sv_status outcome;
+    sv_stats stats;
+} surf_session;
+
+/* Opens a library; `settings` are "key=value" texts, parted by spaces. HS_ERR_PLUGIN or HS_ERR_USAGE. */
+bool surf_session_open(surf_session *s, const char *path, const char *settings, hs_error *err);
+void surf_session_close(surf_session *s);
+bool surf_session_set(surf_session *s, const char *key, double value, hs_error *err);
+
+/* A whole frame. A status of "no surface" is a success. */
+bool surf_session_frame(surf_session *s, const surf_volume *volume, hs_error *err);
+
+/* False if the frame that was just run has no surface. */
+bool surf_session_clips(const surf_session *s);
+
+/* Reads the confidence of the frame that was just run; `report` may be NULL. Nothing if !sure. */
+bool surf_session_confidence(surf_session *s, sv_confidence_report *report, hs_error *err);
+
+/* ----------------------------------------------------------------------------------------------- sites -- */
+/* The sites that surfaces are judged on: sets of cases from scenes, folders and files. */
+
+enum { SITE_NAMES = 9, SITE_MAX_SETS = 8, SITE_MAX_CASES = 128 };
+
+/* E01 .. D02. */
+extern const char *const site_names[SITE_NAMES];
+
+/* Cases that are read or made at once. Owned. */
+typedef struct {
+    char title[160];
+    wall_case *cases;
+    uint32_t count;
+} site_set;
+
+/* All sets of a command line. A zeroed list is empty. */
+typedef struct {
+    site_set set[SITE_MAX_SETS];
+    uint32_t count;
+} site_list;
+
+/* Adds the nine cases of a folder as a set of its own (wall_case_read). */
+bool site_add_folder(site_list *list, const char *folder, hs_error *err);
+
+/* Adds one case, FULL,TRUTH,LABEL[,FIRST,END], to the set of files. */
+bool site_add_files(site_list *list, const char *files, hs_error *err);
+
+/* True for the set of site_add_files. */
+bool site_is_files(const site_set *set);
+
+/* Reads the value of an option that is "SEED,POSE"; HS_ERR_USAGE. */
+bool site_seed_and_pose(const char *option, const char *text, uint64_t *seed, uint32_t *pose, hs_error *err);
+
+/* Adds the nine scenes at 128^3 of "SEED,POSE" to the set of scenes. */
+bool site_add_scenes(site_list *list, const char *seed_and_pose, hs_error *err);
+
+/* Adds a scene by its name or path, as hs_scene_open takes it, at its own
+ * seed, to the set of scenes. */
+bool site_add_scene(site_list *list, const char *name, hs_error *err);
+
+/* The same for the random scenes 0 .. COUNT - 1 of "SEED,COUNT". */
+bool site_add_random(site_list *list, const char *seed_and_count, hs_error *err);
+
+void site_free(site_list *list);
+
+/* The case as a plugin gets it. Borrows from the case. */
+surf_volume site_volume(const wall_case *c);
+
+/* ----------------------------------------------------------------------------------------------- table -- */
+/* Methods of a plugin on every site, one setting for all cases. */
+
+enum { SITE_MAX_METHODS = 8 };
+
+/* A method: settings as "key=value", parted by spaces. */
+typedef struct {
+    const char *settings;
+    bool best_q; /* at the single q that gives the least mean error over the set */
+} site_method;
+
+typedef struct {
+    const char *plugin;
+    site_method method[SITE_MAX_METHODS];
+    uint32_t count;
+} site_methods;
+
+/* The mean filter at its best q, `cost` and `wall`. */
+site_methods site_methods_default(const char *plugin);
+
+/* Judges an open session on a set; `q` gets the best one, or -1 if the method is taken as it is set. `each`
+ * (count numbers, may be NULL) gets every case's score. */
+bool site_judge(surf_session *s, const site_set *set, bool best_q, site_score *out, double *q,
+                wall_score *each, hs_error *err);
+
+/* Prints the table, every case's errors, and how well the confidences are calibrated. */
+bool site_table(const site_list *list, const site_methods *methods, hs_error *err);
+
+/* -------------------------------------------------------------------------------------------- variants -- */
+/* Volumes on which clipping can only do harm, made from cases of a site and from volumes without a truth. */
+
+/* Made from a case with a truth. What becomes fluid gets levels of the case's own
+ * fluid, unless it is black. */
+typedef enum {
+    SITE_BARE,       /* all before the true surface is fluid: nothing hides the fetus */
+    SITE_BARE_BLACK, /* the same, and that fluid is 0 */
+    SITE_NO_FETUS,   /* all behind the true surface is fluid; the labelled rays are sac */
+    SITE_BLADDER,    /* an ellipsoid of fluid, 40 mm wide, in the front tissue; the truth is the case's */
+    SITE_VARIANTS
+} site_variant;
+
+/* "bare, noisy fluid", ... */
+const char *site_variant_name(site_variant kind);
+
+/* HS_ERR_INPUT if the case has no fluid or no label. */
+bool site_variant_make(const wall_case *from, site_variant kind, wall_case *out, hs_error *err);
+
+/* Made from a volume that nothing hides: every ray that ends on tissue is labelled fetus, and its own end is
+ * the truth. */
+typedef enum {
+    SITE_AS_IT_IS,
+    SITE_NO_RANGES,   /* all was scanned: what lies outside the fan is black fluid */
+    SITE_FLUID,       /* behind 16 slices of noisy fluid */
+    SITE_BLACK_FLUID, /* the same with fluid of 0 */
+    SITE_BARE_VIEWS
+} site_bare_view;
+
+bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *out, hs_error *err);
+
+/* The scene `real`: its occluders before a volume that nothing hides, with a truth. Writes the volume to a
+ * temporary file for a while. */
+bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err);
+
+/* ------------------------------------------------------------------------------------------ do no harm -- */
+/* Do no harm: what methods do where there is nothing to remove, or something that only looks like it. */
+
+enum {
+    SITE_VIEWS = 36,  /* of a volume: 12 turns about each of three axes */
+    SITE_COARSE = 96, /* voxels along a side of a view; */
+    SITE_FINE = 144   /* 1.8 and 1.2 mm each for a head */
+};
+
+/* View 0 .. SITE_VIEWS - 1 of a volume without a truth, a cube of `side`^3 voxels (wall_case_turn). */
+bool site_view_make(const wall_case *whole, int view, uint32_t side, wall_case *out, hs_error *err);
+
+/* Prints for every method: the variants of every case (bare, without a fetus, with a bladder), and `count`
+ * volumes that nothing hides, MetaImage files, from all sides, with and without scanned ranges, behind fluid
+ * and behind occluders. */
+bool site_harm(const site_list *list, const char *const *volumes, uint32_t count, const site_methods *methods,
+               hs_error *err);
+
+/* ------------------------------------------------------------------------------------------- sequences -- */
+/* How calm a surface is in a moving scene: what the renderings flicker beyond the truth's. */
+
+/* The set of files in `list` as the frames of one sequence, or without one four scenes that move, 20 frames
+ * each. Prints for every method and scene the mean over labelled rays of
+ * |end in this frame - end in the one before|, slices of 128, less the same of the ground truth. A method at
+ * its best q takes the one that is best for these frames. Nothing remembers unless its settings say so. */
+bool site_flicker(const site_list *list, const site_methods *methods, hs_error *err);
+
+/* ------------------------------------------------------------------------------------------- constants -- */
+/* The constants of the wall's surface by their names. */
+
+typedef struct {
+    const char *key;
+    size_t offset;
+} wall_constant;
+
+#define WALL_CONSTANT(field)                                                                                 \
+    { #field, offsetof(sv_wall_settings, field) }
+
+double *wall_constant_of(sv_wall_settings *s, wall_constant constant);
+
+/* ------------------------------------------------------------------------------------ reverse protocol -- */
+/* The reverse protocol: the wall's constants chosen on one site alone, judged on the others. */
+
+/* For every set a coordinate search over the constants that matter, at most `rounds` times over all, from all
+ * at their lowest and from all at their highest value; the better of the two answers on that set counts.
+ * Prints the constants and, on every set, error / cut / left and their largest ratio to the bounds. Needs two
+ * sets at least. */
+bool site_reverse(const site_list *list, uint32_t rounds, hs_error *err);
+
+/* ------------------------------------------------------------------------------------------------ page -- */
+/* One page with a method on every case in pictures, and on volumes that nothing hides. */
+
+/* What the page shows. Borrowed. */
+typedef struct {
+    const site_list *sites;
+    const char *const *volumes; /* MetaImage files that nothing hides */
+    uint32_t volume_count;
+    const char *plugin, *settings; /* "key=value", parted by spaces */
+    const char *out;               /* folder: index.html, and a folder of pictures per case */
+} site_page;
+
+/* For every case: full volume, result and truth, drawn in light; slices with the surface, its confidence, and
+ * the error of every ray. Then the first case of every site bare, without a fetus and with a bladder, and
+ * three views of every volume. */
+bool site_page_write(const site_page *page, hs_error *err);
+
+/* -------------------------------------------------------------------------------------------- commands -- */
+
+/* What the definition of wall is given: other constants, other grey levels 255 (level / 255)^gamma * gain +
+ * black, a camera that is turned by so many degrees about x and y. */
+typedef struct {
+    sv_wall_settings settings;
+    double gain, gamma, black, tilt[2];
+} wall_change;
+
+wall_change wall_change_none(void);
+
+/* Takes "KEY=NUMBER", a constant or gain, gamma or black. HS_ERR_USAGE. */
+bool wall_change_set(wall_change *change, const char *text, hs_error *err);
+
+enum { JUDGE_MAX_VOLUMES = 16 };
+
+/* A command line of sv_judge. */
+typedef struct {
+    const struct command *command;
+    site_list sites;
+    site_methods methods;
+    const char *volumes[JUDGE_MAX_VOLUMES]; /* MetaImage files that nothing hides */
+    uint32_t volume_count, rounds;
+    wall_change wall;
+    const char *still; /* NULL: not asked for */
+    uint64_t still_seed;
+    uint32_t still_pose;
+    const char *out;
+    bool help;
+} judge_request;
+
+/* The definition of wall on every case, with what it knows of it; on scenes that stand still; on the volumes
+ * from 36 sides. */
+bool judge_wall(judge_request *request, hs_error *err);
+
+/* Methods mean and cost on scenes of twice the plugin's resolution, in motion; or cost on the volumes. */
+bool judge_cost(judge_request *request, hs_error *err);
+
+/* The scalar definition of cost with one thing changed at a time, on two sets of scenes. */
+bool judge_ablation(judge_request *request, hs_error *err);
+
+#endif

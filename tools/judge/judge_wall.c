@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+#include "judge/judge.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ------------------------------------------------------------------------------------------- constants -- */
+/* The constants of the wall's surface by their names. */
+
+double *wall_constant_of(sv_wall_settings *s, wall_constant constant) {
+    return (double *)(void *)((char *)s + constant.offset);
+}
+
+/* The constant of that name, "block_mm" or another number of sv_wall_settings; NULL if there is none. */
+static double *find_constant(sv_wall_settings *s, const char *key) {
+    static const wall_constant all[] = {
+        WALL_CONSTANT(block_mm),
+        WALL_CONSTANT(dilation_mm),
+        WALL_CONSTANT(valley),
+        WALL_CONSTANT(clear_wall_share),
+        WALL_CONSTANT(separability),
+        WALL_CONSTANT(wall_rank),
+        WALL_CONSTANT(low_rank),
+        WALL_CONSTANT(high_rank),
+        WALL_CONSTANT(slope),
+        WALL_CONSTANT(fetus_level),
+        WALL_CONSTANT(first_run_extra),
+        WALL_CONSTANT(fetus_threshold),
+        WALL_CONSTANT(one_side),
+        WALL_CONSTANT(skin_mm),
+        WALL_CONSTANT(tau_mm),
+        WALL_CONSTANT(cut_cost),
+        WALL_CONSTANT(occluder_cost),
+        WALL_CONSTANT(wrong_fluid_cost),
+        WALL_CONSTANT(sigma_mm),
+        WALL_CONSTANT(median_mm),
+        WALL_CONSTANT(smoothing_mm),
+        WALL_CONSTANT(tissue),
+        WALL_CONSTANT(average_margin),
+        WALL_CONSTANT(knob_margin),
+        WALL_CONSTANT(q),
+        WALL_CONSTANT(half_confidence_cost),
+        WALL_CONSTANT(wall_share),
+        WALL_CONSTANT(fetus_share),
+        WALL_CONSTANT(assumed_wall),
+        WALL_CONSTANT(assumed_spread),
+    };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (strcmp(all[i].key, key) == 0) return wall_constant_of(s, all[i]);
+    return NULL;
+}
+
+/* ------------------------------------------------------------------------------------------ definition -- */
+/* The definition of the wall's surface on cases, with any of its constants changed. */
+
+enum { VIEW_SIDE = 96, VIEWS = 36, STILL_FRAMES = 8 };
+
+wall_change wall_change_none(void) {
+    return (wall_change){.settings = sv_wall_settings_default(), .gain = 1.0, .gamma = 1.0};
+}
+
+bool wall_change_set(wall_change *o, const char *text, hs_error *err) {
+    char key[64];
+    const size_t length = strcspn(text, "=");
+    if (text[length] != '=' || length >= sizeof key)
+        return hs_fail(err, HS_ERR_USAGE, "--set: '%s' is no KEY=VALUE", text);
+    (void)snprintf(key, sizeof key, "%.*s", (int)length, text);
+    double *const value = strcmp(key, "gain") == 0    ? &o->gain
+                          : strcmp(key, "gamma") == 0 ? &o->gamma
+                          : strcmp(key, "black") == 0 ? &o->black
+                                                      : find_constant(&o->settings, key);
+    char *end;
+    const double number = strtod(text + length + 1, &end);
+    if (end == text + length + 1 || *end != '\0')
+        return hs_fail(err, HS_ERR_USAGE, "--set: '%s' is no KEY=NUMBER", text);
+    if (strcmp(key, "median") == 0)
+        o->settings.median = number != 0.0;
+    else if (!value)
+        return hs_fail(err, HS_ERR_USAGE, "--set: there is no constant '%s'", key);
+    else
+        *value = number;
+    return true;
+}
+
+/* What the definition says of a case. */
+typedef struct {
+    float *depth, *confidence;
+    sv_wall_outcome outcome;
+    sv_wall_facts facts;
+} answer;
+
+static void free_answer(answer *a) {
+    free(a->depth);
+    free(a->confidence);
+}
+
+/* The answer must be freed, even on failure. */
+static bool ask(const wall_case *c, const wall_change *o, answer *a, hs_error *err) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    const sv_wall_volume v = wall_case_volume(c);
+    char text[160];
+    *a = (answer){.depth = malloc(plane * sizeof *a->depth),
+                  .confidence = malloc(plane * sizeof *a->confidence)};
+    if (!sv_wall_check(&v, text, sizeof text)) return hs_fail(err, HS_ERR_INPUT, "%s: %s", c->name, text);
+    return (a->depth && a->confidence &&
+            sv_wall_surface(&v, &o->settings, a->depth, a->confidence, &a->outcome, &a->facts)) ||
+           hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);
+}
+
+static void print_case(const wall_case *c, const wall_score *s, const answer *a) {
+    const sv_wall_facts *const f = &a->facts;
+    printf(
+        "  %-4s %5.2f / %4.1f / %4.1f   outcome %d, T %u, valley %.2f, separability %.2f, wall %.0f, spread "
+        "%.2f, seen by %.0f %%\n",
+        c->name, s->error, 100.0 * s->cut, 100.0 * s->left, (int)a->outcome, f->threshold, f->valley,
+        f->separability, f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0);
+}
+
+/* The case is turned and gets other levels before; it is judged on its own levels. */
+static bool judge_case(wall_case *c, const wall_change *o, site_score *score, hs_error *err) {
+    if ((o->tilt[0] != 0.0 || o->tilt[1] != 0.0) && !wall_case_tilt(c, o->tilt, err)) return false;
+    const size_t bytes = (size_t)c->nx * c->ny * c->nz;
+    uint8_t *const original = malloc(bytes);
+    answer a = {0};
+    bool ok = original || hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);
+    if (ok) {
+        memcpy(original, c->full, bytes);
+        if (o->gain != 1.0 || o->gamma != 1.0 || o->black != 0.0)
+            wall_case_change(c, o->gain, o->gamma, o->black);
+        ok = ask(c, o, &a, err);
+    }
+    if (ok) {
+        const wall_score s = wall_judge(c, original, a.depth, a.confidence, &score->calibration);
+        site_score_add(score, c->name, &s);
+        score->refused += a.outcome != SV_WALL_SURFACE;
+        print_case(c, &s, &a);
+    }
+    free_answer(&a);
+    free(original);
+    return ok;
+}
+
+static bool judge_set(site_set *set, const wall_change *o, hs_error *err) {
+    site_score score = {0};
+    printf("%s (%u cases)\n", set->title, set->count);
+    for (uint32_t n = 0; n < set->count; n++)
+        if (!judge_case(&set->cases[n], o, &score, err)) return false;
+    printf("  all  ");
+    site_score_print(&score, true);
+    site_score_print_calibration("wall", &score.calibration);
+    return true;
+}
+
+/* As wall_flicker_of asks for it; user: wall_change. */
+static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
+    answer a;
+    const bool ok = ask(c, user, &a, err);
+    if (ok) memcpy(depth, a.depth, (size_t)c->nx * c->ny * sizeof *depth);
+    free_answer(&a);
+    return ok;
+}
+
+/* A scene that stands still: only the seed is another in every frame. */
+static bool flicker_of(const char *scene, const judge_request *r, wall_flicker *out, hs_error *err) {
+    wall_case frames[STILL_FRAMES];
+    wall_change change = r->wall;
+    uint32_t count = 0;
+    while (count < STILL_FRAMES &&
+           wall_case_make(scene, r->still_seed + count, r->still_pose, 0, &frames[count], err))
+        count++;
+    const bool ok = count == STILL_FRAMES && wall_flicker_of(frames, count, depth_of, &change, out, err);
+    while (count > 0) wall_case_free(&frames[--count]);
+    return ok;
+}
+
+static bool judge_still(const judge_request *r, hs_error *err) {
+    double sum = 0.0;
+    for (int i = 0; i < SITE_NAMES; i++) {
+        wall_flicker f;
+        if (!flicker_of(site_names[i], r, &f, err)) return false;
+        sum += (f.result - f.truth) / SITE_NAMES;
+        printf("  %-4s %5.2f slices a frame, truth %5.2f\n", site_names[i], f.result, f.truth);
+    }
+    printf("still: %.2f slices a frame beyond the truth's\n", sum);
+    return true;
+}
+
+static bool judge_view(const wall_case *c, const wall_change *o, double *worst, int *refused, hs_error *err) {
+    answer a;
+    const bool ok = ask(c, o, &a, err);
+    if (ok) {
+        const double cut = wall_cut_anywhere(c, a.depth);
+        *worst = fmax(*worst, cut);
+        *refused += a.outcome != SV_WALL_SURFACE;
+        printf("  %s: outcome %d, cut %.1f %%, valley %.2f, fetus on %.0f %%\n", c->name, (int)a.outcome,
+               100.0 * cut, a.facts.valley, 100.0 * a.facts.fetus);
+    }
+    free_answer(&a);
+    return ok;
+}
+
+static bool judge_views(const char *path, const wall_change *o, hs_error *err) {
+    double worst = 0.0;
+    int refused = 0;
+    wall_case whole;
+    if (!wall_case_open(path, &whole, err)) return false;
+    bool ok = true;
+    for (int i = 0; ok && i < VIEWS; i++) {
+        wall_case c = {0};
+        ok = site_view_make(&whole, i, VIEW_SIDE, &c, err) && judge_view(&c, o, &worst, &refused, err);
+        wall_case_free(&c);
+    }
+    wall_case_free(&whole);
+    if (ok) printf("views: %d of %d refused, at most %.1f %% cut\n", refused, VIEWS, 100.0 * worst);
+    return ok;
+}
+
+bool judge_wall(judge_request *r, hs_error *err) {
+    const bool nothing_given = r->sites.count == 0 && r->volume_count == 0 && !r->still;
+    bool ok = !nothing_given || site_add_scenes(&r->sites, "201,0", err);
+    for (uint32_t i = 0; ok && i < r->sites.count; i++) ok = judge_set(&r->sites.set[i], &r->wall, err);
+    if (ok && r->still) ok = judge_still(r, err);
+    for (uint32_t i = 0; ok && i < r->volume_count; i++) ok = judge_views(r->volumes[i], &r->wall, err);
+    return ok;
+}
