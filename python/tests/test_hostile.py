@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Files that are wrong, or mean harm: refused by name with exit code 3, by `smartvis clip` as by the host."""
+"""Files that are wrong, or mean harm: refused by name with exit code 3, through every door."""
 
+import csv
 import gzip
 import os
 import struct
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import LONG
+from conftest import BUILD, LONG
 
 from smartvis.cli import main
 
@@ -81,19 +82,45 @@ def inside(tmp_path: Path) -> Path:
     return folder
 
 
-def refused(path: Path, words: str) -> None:
+CLIP = [sys.executable, "-P", "-m", "smartvis", "clip", "{0}", "--out", "out", "--write", "clipped"]
+HOST = [str(BUILD / "host_sim")]
+OF_HOST = (
+    [*HOST, "info", "{0}"],
+    [*HOST, "run", "--volume", "{0}", "--out", "out"],
+    [*HOST, "measure", "--case", "{0},{0},{0}", "-"],
+    [*HOST, "report", "--case", "{0},{0},{0}", "--coarse", "--out", "out"],
+)
+
+
+def refused(path: Path, words: str, door: list[str] = CLIP) -> None:
     """As a program, since what hangs must not take the tests with it."""
-    command = [sys.executable, "-P", "-m", "smartvis", "clip", path.name, "--out", "out", "--write", "clipped"]
+    command = [part.format(path.name) for part in door]
     ended = subprocess.run(command, cwd=path.parent, capture_output=True, text=True, timeout=LONG, check=False)
     said = ended.stdout + ended.stderr
-    assert ended.returncode == 3 and words in said and path.name in said and "Traceback" not in said, said
+    assert ended.returncode == 3 and words in said and path.name in said and "Traceback" not in said, (command, said)
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_what_the_host_refuses_is_refused(inside: Path, name: str) -> None:
+def test_every_door_refuses(inside: Path, name: str) -> None:
     content, words = HOSTILE[name]
     (inside / name).write_bytes(content)
     refused(inside / name, words)
+    if name.endswith((".mha", ".mhd")) and name != "invalid.mha":  # the host leaves the invalid volume out
+        for door in OF_HOST:
+            refused(inside / name, words, door)
+
+
+def test_a_batch_of_them_is_a_table(inside: Path) -> None:
+    for name, (content, _) in HOSTILE.items():
+        (inside / name).write_bytes(content)
+    (inside / "pipe").rename(inside / "pipe.nrrd")
+    command = ["batch", str(inside), "--out", str(inside / "out"), "--workers", "1", "--write", "clipped"]
+    assert main(command) == 1
+    with open(inside / "out" / "table.csv", newline="") as file:
+        rows = {Path(row["file"]).name: row for row in csv.DictReader(file) if row["state"] != "ok"}
+    assert set(rows) == {*HOSTILE, "pipe.nrrd"}
+    for name, (_, words) in HOSTILE.items():
+        assert "pipe" in name or (rows[name]["state"] == "input" and words in rows[name]["reason"]), rows[name]
 
 
 def test_nifti_that_is_cut_or_has_no_geometry_is_refused(inside: Path) -> None:
