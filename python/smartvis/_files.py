@@ -218,7 +218,7 @@ def _header(path: Path) -> dict[str, str]:
             name = found[1].decode("ascii", "replace").replace(" ", "").lower() if found else ""
             if found:
                 fields[name] = os.fsdecode(found[2])
-            if name == "elementdatafile" or (is_nrrd and name == "datafile") or not line.strip():
+            if name == "elementdatafile" or (is_nrrd and name == "datafile") or not (line.strip() if is_nrrd else line):
                 break
         if is_nrrd and "datafile" in fields:
             listed = fields["datafile"].split()[:1] == ["LIST"]
@@ -232,7 +232,7 @@ def _stay_below(header: Path, names: Sequence[str]) -> None:
     for name in names:
         files = [str(folder / name)]
         if "%" in name:  # a pattern of many names, and the numbers in them
-            files = glob.glob(os.path.join(glob.escape(str(folder)), re.sub(r"%\d*d", "*", name.split()[0])))
+            files += glob.glob(os.path.join(glob.escape(str(folder)), re.sub(r"%\d*d", "*", name.split()[0])))
         for file in map(Path, files):
             if not file.resolve().is_relative_to(folder) or (file.exists() and not file.is_file()):
                 raise FileError(f"{header}: data file is '{name}', expected a regular file in the folder or below it")

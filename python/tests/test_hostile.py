@@ -43,7 +43,7 @@ def nifti(tmp_path: Path, at: int = 0, *put: Any) -> bytes:
 
 
 SEQUENCE = {"NDims": 4, "DimSize": "16 16 16 2", "ElementSpacing": "1 1 1 1"}
-STATES = "Seq_Frame0000_ImageStatus = OK\nSeq_Frame0001_ImageStatus = INVALID\n"
+STATES = "\nSeq_Frame0000_ImageStatus = OK\nSeq_Frame0001_ImageStatus = INVALID\n"
 HOSTILE = {
     "zlib.mha": (meta(PACKED[:2000] + b"!" + PACKED[2001:], "CompressedData = True\n"), "CompressedData is damaged"),
     "cut.mha": (meta(PACKED[:2000], "CompressedData = True\n"), "CompressedData is cut off"),
@@ -64,6 +64,7 @@ HOSTILE = {
     "link.nhdr": (nrrd("data file: link"), "data file is 'link', expected a regular file"),
     "pipe.nhdr": (nrrd("data file: pipe"), "data file is 'pipe', expected a regular file"),
     "list.nhdr": (nrrd("data file: LIST\n" + "../outside\n" * 16), "data file is '../outside'"),
+    "percent.nhdr": (nrrd("data file: a %.raw"), "data file is 'a %.raw'"),
     "pattern.nhdr": (nrrd("data file: lin%c.raw 1 16 1".replace("%c", "%d")), "data file is 'lin%d.raw 1 16 1'"),
     "bomb.nrrd": (nrrd("").replace(b"raw", b"gzip").replace(b"16 16 16", b"2000 1000 1000"), "bytes, the file holds"),
 }
@@ -77,6 +78,7 @@ def inside(tmp_path: Path) -> Path:
     folder.mkdir()
     (folder / "link").symlink_to("../outside")
     (folder / "lin1.raw").symlink_to("../outside")
+    (folder / "a %.raw").symlink_to("../outside")
     (folder / "up").symlink_to("..")
     os.mkfifo(folder / "pipe")
     return folder
