@@ -505,7 +505,8 @@ struct sv_plugin {
     sv_status(SV_CALL *param_info)(const sv_plugin *plugin, uint32_t index, sv_param_info *out);
 
     /* [any] A value as a person reads it ("0.24", "offset"): writes at most bytes - 1 characters and a NUL.
-     * An enum's value text is its name. */
+     * An enum's value text is its name. An enum may leave values out between its ends (retired ones, say):
+     * each is SV_ERR_PARAM_RANGE here as in every other call, and a host does not offer it. */
     sv_status(SV_CALL *param_text)(const sv_plugin *plugin, uint32_t id, double value, char *out,
                                    uint32_t bytes);
 

@@ -57,11 +57,9 @@ static void range_text(const hs_plugin *plugin, const sv_param_info *info, char 
         (void)snprintf(out, bytes, "%s .. %s", low, high);
         return;
     }
-    for (uint32_t i = 0; i < names && used < bytes; i++) {
-        if (!hs_plugin_enum_at(plugin, info, i, &value, low, sizeof low))
-            (void)snprintf(low, sizeof low, "%g", value);
-        used += (size_t)snprintf(out + used, bytes - used, "%s%s", used ? " | " : "", low);
-    }
+    for (uint32_t i = 0; i < names && used < bytes; i++)
+        if (hs_plugin_enum_at(plugin, info, i, &value, low, sizeof low))
+            used += (size_t)snprintf(out + used, bytes - used, "%s%s", used ? " | " : "", low);
 }
 
 /* What to print of a plugin. */

@@ -278,6 +278,7 @@ static inline sv_status SV_CALL sva_param_text(const sv_plugin *plugin, uint32_t
     if (!out || bytes == 0) return sva_tell(a, SV_ERR_ARGUMENT, "param_text: no room for text");
     out[0] = '\0';
     if (!p) return sva_tell(a, SV_ERR_PARAM_ID, "param_text: no parameter has this id");
+    if (sva_left_out(p, value)) return SV_ERR_PARAM_RANGE; /* a host that asks which values there are */
     if (!sva_value_fits(p, value)) return sva_tell(a, SV_ERR_PARAM_RANGE, "param_text: value out of range");
     if (p->names)
         (void)snprintf(out, bytes, "%s", p->names[(size_t)((value - p->min_value) / sva_step(p))]);

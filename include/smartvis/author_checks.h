@@ -28,12 +28,23 @@ static inline double sva_step(const sva_param *p) {
     return p->step > 0.0 || p->type == SV_PARAM_FLOAT ? p->step : 1.0;
 }
 
-/* 1 if `value` is in the hard range and a value of the parameter's type; NaN is in no range. */
-static inline int sva_value_fits(const sva_param *p, double value) {
+/* 1 if `value` is on a step of the hard range; NaN is in no range. */
+static inline int sva_on_step(const sva_param *p, double value) {
     if (!(value >= p->min_value && value <= p->max_value && value >= -DBL_MAX && value <= DBL_MAX)) return 0;
     if (p->type == SV_PARAM_FLOAT) return 1;
     const double steps = (value - p->min_value) / sva_step(p);
     return steps < 9e15 && steps == (double)(int64_t)steps;
+}
+
+/* 1 if an enum's names leave this value out. */
+static inline int sva_left_out(const sva_param *p, double value) {
+    return p->type == SV_PARAM_ENUM && p->names && sva_on_step(p, value) &&
+           !p->names[(size_t)((value - p->min_value) / sva_step(p))];
+}
+
+/* 1 if `value` is in the hard range and a value of the parameter's type. */
+static inline int sva_value_fits(const sva_param *p, double value) {
+    return sva_on_step(p, value) && !sva_left_out(p, value);
 }
 
 /* Takes a list into a->values. `needed`: the flag that the call asks for (0: any). Values of activate are

@@ -29,7 +29,8 @@ typedef struct sva_param {
     double step;                     /* 0: 1 for int, bool and enum, none for float */
     double display_min, display_max; /* both 0: the hard range */
     const char *group;               /* NULL: none */
-    const char *const *names; /* an enum's values, (max_value - min_value) / step + 1 of them; or NULL */
+    const char *const *names; /* an enum's values, (max_value - min_value) / step + 1 of them, NULL for one
+                               * that it leaves out; or NULL */
     uint32_t depends_on;      /* id of another parameter, or 0 */
     uint64_t depends_values;
 } sva_param;

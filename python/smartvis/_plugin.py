@@ -58,6 +58,7 @@ class Parameter:
     display: tuple[float, float]  #: what a slider should span
     step: float
     choices: tuple[str, ...]  #: the names of an enum's values, else empty
+    numbers: tuple[float, ...] = field(repr=False)  #: the values themselves, which need not follow one another
     primary: bool  #: the one knob that a user sees
     expert: bool
     fixed: bool  #: read at activation only: a Clipper takes it when it is made
@@ -74,7 +75,7 @@ class Parameter:
         """
         if isinstance(value, str):
             if value in self.choices:
-                return self.minimum + self.choices.index(value) * self.step
+                return self.numbers[self.choices.index(value)]
             if self.choices:
                 raise ValueError(f"{self.key}='{value}' is none of {', '.join(self.choices)}")
         try:
@@ -154,13 +155,14 @@ def _read_parameters(instance: ctypes._Pointer[_abi.sv_plugin]) -> list[Paramete
 def _describe(instance: ctypes._Pointer[_abi.sv_plugin], info: _abi.sv_param_info) -> Parameter:
     kind = ("float", "int", "bool", "enum")[info.type] if info.type < 4 else "float"
     default: float | int | bool | str = info.default_value
-    choices: tuple[str, ...] = ()
+    texts: dict[float, str] = {}
     if kind == "enum":
         step = info.step or 1.0
         steps = (info.max_value - info.min_value) / step
         count = min(int(steps + 1.5), _MOST_CHOICES) if 0 <= steps < _MOST_CHOICES else 0
-        choices = tuple(_value_text(instance, info.id, info.min_value + n * step) for n in range(count))
-        default = _value_text(instance, info.id, info.default_value)
+        values = (info.min_value + n * step for n in range(count))
+        texts = {v: text for v in values if (text := _value_text(instance, info.id, v)) is not None}
+        default = texts.get(info.default_value, f"{info.default_value:g}")
     elif kind == "bool":
         default = bool(default)
     elif kind == "int":
@@ -177,7 +179,8 @@ def _describe(instance: ctypes._Pointer[_abi.sv_plugin], info: _abi.sv_param_inf
         maximum=info.max_value,
         display=(info.display_min, info.display_max),
         step=info.step,
-        choices=choices,
+        choices=tuple(texts.values()),
+        numbers=tuple(texts),
         primary=bool(info.flags & _abi.SV_PARAM_PRIMARY),
         expert=bool(info.flags & _abi.SV_PARAM_EXPERT),
         fixed=bool(info.flags & _abi.SV_PARAM_REACTIVATE),
@@ -186,10 +189,10 @@ def _describe(instance: ctypes._Pointer[_abi.sv_plugin], info: _abi.sv_param_inf
     )
 
 
-def _value_text(instance: ctypes._Pointer[_abi.sv_plugin], param_id: int, value: float) -> str:
+def _value_text(instance: ctypes._Pointer[_abi.sv_plugin], param_id: int, value: float) -> str | None:
     out = ctypes.create_string_buffer(_MOST_TEXT)
     status = instance.contents.param_text(instance, param_id, value, out, _MOST_TEXT - 1)
-    return _text(out.value) if status == _abi.SV_OK else f"{value:g}"
+    return _text(out.value) if status == _abi.SV_OK else None
 
 
 def default_path() -> str:

@@ -65,6 +65,14 @@ def what_is_listed(page):
     holds(len(hello["plugins"]) == 2, "no plugins")
 
 
+def values_of_an_enum(page):
+    page.say(page.state())
+    method = next(p for p in page.text("plugin")["params"] if p["key"] == "method")
+    holds([one["value"] for one in method["names"]] == [0, 1, 2, 6, 7], f"methods: {method['names']}")
+    lane = page.show(lanes=[{"plugin": 0, "values": {"method": 4}}])["lanes"][0]
+    holds(lane["failed"] and "method is 4, which is none of its values" in lane["words"], f"a retired value: {lane}")
+
+
 def a_picture(page):
     frame = page.show(views=["result", "full", "truth", "depthmap", "across", "along", "deep"])
     holds(frame["pictures"] == 7 and sorted(page.pictures) == [0, 1, 2, 3, 4, 5, 6], f"pictures: {sorted(page.pictures)}")
@@ -240,6 +248,7 @@ def one_console(work):
             page = Page(console)
             holds(page.open, "a page is not let in")
             what_is_listed(page)
+            values_of_an_enum(page)
             a_picture(page)
             messages_that_are_refused(page)
             states_that_cannot_be_shown(page)

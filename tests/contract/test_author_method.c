@@ -45,7 +45,7 @@ static sv_status on_finish(sva *a, float *depth) {
     return fail_at(a, AT_FINISH);
 }
 
-static const char *const colours[] = {"red", "green"};
+static const char *const colours[] = {"red", "green", NULL, "blue"};
 static const char *const places[] = {"nowhere", "activate", "begin", "slab", "finish", "nan", "silent"};
 static const sva_param own_params[] = {
     {.id = WHERE,
@@ -78,7 +78,7 @@ static const sva_param own_params[] = {
      .label = "Colour",
      .unit = "",
      .help = "Nothing.",
-     .max_value = 1,
+     .max_value = 3,
      .names = colours},
 };
 static const sv_descriptor own_descriptor = SVA_DESCRIPTOR("test.own", "Own", "Test", "1", "Fails.", 0);
@@ -202,15 +202,20 @@ static void parameters(void **state) {
     assert_true(info.display_max == 9.0 && info.step == 2.0);
     assert_int_equal(p->param_info(p, 2, &info), SV_OK);
     assert_string_equal(info.group, "");
-    assert_true(info.display_max == 1.0 && info.step == 1.0);
+    assert_true(info.display_max == 3.0 && info.step == 1.0);
     assert_int_equal(p->param_text(p, COLOUR, 1.0, text, sizeof text), SV_OK);
     assert_string_equal(text, "green");
     assert_int_equal(p->param_text(p, COLOUR, 0.5, text, sizeof text), SV_ERR_PARAM_RANGE);
+    assert_int_equal(p->param_text(p, COLOUR, 2.0, text, sizeof text), SV_ERR_PARAM_RANGE); /* left out */
+    assert_int_equal(p->param_text(p, COLOUR, 3.0, text, sizeof text), SV_OK);
+    assert_string_equal(text, "blue");
     assert_int_equal(p->param_text(p, SHADE, 5.0, text, sizeof text), SV_OK);
     assert_int_equal(activate_at(p, NOWHERE), SV_OK);
     sv_param_value values[] = {{SHADE, 0, 4.0}, {WHERE, 0, NOWHERE}};
     assert_int_equal(begin(p, values, 1), SV_ERR_PARAM_RANGE);
     assert_string_equal(p->last_error(p), "begin: shade is 4, expected 1 to 31 in steps of 2");
+    const sv_param_value left_out = {COLOUR, 0, 2.0};
+    assert_int_equal(begin(p, &left_out, 1), SV_ERR_PARAM_RANGE);
     values[0].value = 5.0;
     assert_int_equal(begin(p, values, 2), SV_OK); /* the value of activate may be repeated */
     assert_true(sva_value(p->plugin_data, SHADE) == 5.0);

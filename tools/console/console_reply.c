@@ -259,8 +259,7 @@ static json_t *enum_names(const hs_plugin *plugin, const sv_param_info *info) {
     for (uint32_t i = 0; i < hs_plugin_enum_count(info); i++) {
         char name[HS_ENUM_NAME];
         double value;
-        if (!hs_plugin_enum_at(plugin, info, i, &value, name, sizeof name))
-            (void)snprintf(name, sizeof name, "%g", value);
+        if (!hs_plugin_enum_at(plugin, info, i, &value, name, sizeof name)) continue;
         json_t *one = json_object();
         put(one, "value", json_real(value));
         put(one, "name", hs_json_text(name));

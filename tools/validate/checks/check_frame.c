@@ -241,6 +241,7 @@ static bool find_offer(v_rig *r, const sv_ext_confidence *ext, const v_params *p
         for (uint32_t n = 0; n < v_param_values(info); n++) {
             v_way way = v_standard_way(&r->s);
             way.fixed[0] = (sv_param_value){info->id, 0, info->min_value + n * info->step};
+            if (!v_param_has(&r->s, info, way.fixed[0].value)) continue;
             way.fixed_count = 1;
             v_rig_again(r, &way);
             if (ext->offered(p)) return true;

@@ -70,7 +70,7 @@ const v_check v_checks[] = {
     {"param-in-range", "first-frame", "begin takes every value of the hard range, ends included.",
      "Refuse only what lies outside of what param_info says.", check_param_in_range},
     {"param-out-of-range", "first-frame",
-     "Values beyond the range, between steps, NaN and unknown ids are refused.",
+     "Values beyond the range, between steps, left out by an enum, NaN and unknown ids are refused.",
      "Compare so that NaN fails: !(value >= least && value <= most).", check_param_out_of_range},
     {"param-fixed", "first-frame", "A frame may repeat what activate was given, and not change it.",
      "Return SV_ERR_PARAM_FIXED if a value flagged SV_PARAM_REACTIVATE differs.", check_param_fixed},

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { MOST_OUTSIDE = 16 };
+
 static v_params params; /* too large for the stack */
 
 static void open_with_params(v_run *run, v_rig *r) {
@@ -33,14 +35,14 @@ void check_param_in_range(v_run *run) {
         try_value(&r, p->key, p->id, p->max_value, SV_OK);
         try_value(&r, p->key, p->id, p->default_value, SV_OK);
         for (uint32_t k = 0; k < 4 * run->level; k++)
-            try_value(&r, p->key, p->id, v_param_random(run, p), SV_OK);
+            try_value(&r, p->key, p->id, v_param_random(&r.s, p), SV_OK);
     }
     v_rig_close(&r);
 }
 
 /* ---- what must be refused */
-/* Values beside the parameter's own; returns how many. */
-static uint32_t outside(const sv_param_info *p, double out[10]) {
+/* Values beside the parameter's own, up to MOST_OUTSIDE; returns how many. */
+static uint32_t outside(const v_subject *s, const sv_param_info *p, double out[MOST_OUTSIDE]) {
     uint32_t n = 0;
     const double range = p->max_value - p->min_value + 1.0;
     out[n++] = p->max_value + range;
@@ -52,12 +54,14 @@ static uint32_t outside(const sv_param_info *p, double out[10]) {
     out[n++] = -(double)INFINITY;
     out[n++] = 1e300;
     if (p->type != SV_PARAM_FLOAT && p->max_value > p->min_value) out[n++] = p->min_value + 0.5 * p->step;
+    for (uint32_t k = 0; k < v_param_values(p) && n < MOST_OUTSIDE; k++) /* what an enum has left out */
+        if (!v_param_has(s, p, p->min_value + k * p->step)) out[n++] = p->min_value + k * p->step;
     return n;
 }
 
 static void refuse_in_activate(v_rig *r, const sv_param_info *p) {
-    double values[10];
-    const uint32_t count = outside(p, values);
+    double values[MOST_OUTSIDE];
+    const uint32_t count = outside(&r->s, p, values);
     const sv_plugin *plugin = r->s.plugin;
     for (uint32_t k = 0; k < count; k++) {
         const sv_param_value list = {.id = p->id, .value = values[k]};
@@ -74,14 +78,14 @@ static void refuse_in_activate(v_rig *r, const sv_param_info *p) {
 
 void check_param_out_of_range(v_run *run) {
     static const uint32_t nobody[] = {0, 0xfffffff0u, UINT32_MAX};
-    double values[10];
+    double values[MOST_OUTSIDE];
     v_rig r;
     v_map map;
     open_with_params(run, &r);
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->flags & SV_PARAM_REACTIVATE) continue;
-        const uint32_t count = outside(p, values);
+        const uint32_t count = outside(&r.s, p, values);
         for (uint32_t k = 0; k < count; k++) try_value(&r, p->key, p->id, values[k], SV_ERR_PARAM_RANGE);
     }
     for (size_t i = 0; i < sizeof nobody / sizeof *nobody; i++)
@@ -161,7 +165,7 @@ void check_adjust_equals_frame(v_run *run) {
         const sv_param_info *p = &params.info[i];
         if (p->flags & SV_PARAM_ADJUST) {
             try_adjust(&r, p, v_param_other(p));
-            try_adjust(&r, p, v_param_random(run, p));
+            try_adjust(&r, p, v_param_random(&r.s, p));
             continue;
         }
         const sv_param_value list = {.id = p->id, .value = v_param_other(p)};
@@ -193,7 +197,7 @@ void check_param_fuzz(v_run *run) {
         v_map map;
         for (uint32_t i = 0; i < params.count; i++)
             if (!(params.info[i].flags & SV_PARAM_REACTIVATE) && v_random(run, 3) > 0)
-                list[count++] = (sv_param_value){params.info[i].id, 0, v_param_random(run, &params.info[i])};
+                list[count++] = (sv_param_value){params.info[i].id, 0, v_param_random(&r.s, &params.info[i])};
         v_volume_free(&r.volume);
         v_volume_make(run, &r.volume, (v_kind)v_random(run, V_KINDS), r.stage.format.width,
                       r.stage.format.height, r.stage.format.slices);

@@ -166,11 +166,13 @@ enum { MOST_VALUES = 64 };
 static v_params params;
 
 /* All values, or the ends and the middle where they are many. */
-static uint32_t choose_values(const sv_param_info *p, double out[MOST_VALUES]) {
+static uint32_t choose_values(const v_subject *s, const sv_param_info *p, double out[MOST_VALUES]) {
     const uint32_t values = v_param_values(p);
     if (values > 0 && values <= MOST_VALUES && p->type != SV_PARAM_INT) {
-        for (uint32_t n = 0; n < values; n++) out[n] = p->min_value + n * p->step;
-        return values;
+        uint32_t count = 0;
+        for (uint32_t n = 0; n < values; n++)
+            if (v_param_has(s, p, p->min_value + n * p->step)) out[count++] = p->min_value + n * p->step;
+        return count;
     }
     const uint32_t half = values / 2;
     out[0] = p->min_value;
@@ -227,7 +229,7 @@ void check_every_setting(v_run *run) {
     for (uint32_t i = 0; i < params.count; i++) {
         double values[MOST_VALUES];
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
-        const uint32_t count = choose_values(&params.info[i], values);
+        const uint32_t count = choose_values(&r.s, &params.info[i], values);
         for (uint32_t n = 0; n < count; n++) {
             if (values[n] == params.info[i].default_value) continue; /* the other checks try that */
             try_setting(&r, &params.info[i], values[n]);

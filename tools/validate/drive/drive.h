@@ -130,8 +130,12 @@ void v_params_read(v_subject *s, v_params *params);
 /* Number of values of an int, bool or enum; 0 for a float, or if they are more than 10^6. */
 uint32_t v_param_values(const sv_param_info *info);
 
+/* False for a value that an enum leaves out between others: param_text says so, and every call that is given
+ * it must refuse it. */
+bool v_param_has(const v_subject *s, const sv_param_info *info, double value);
+
 /* A value of the parameter: anywhere in the hard range, an end now and then. */
-double v_param_random(v_run *run, const sv_param_info *info);
+double v_param_random(const v_subject *s, const sv_param_info *info);
 
 /* A value that is not the default, or the default if there is no other. */
 double v_param_other(const sv_param_info *info);

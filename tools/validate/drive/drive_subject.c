@@ -181,10 +181,20 @@ uint32_t v_param_values(const sv_param_info *info) {
     return count >= 1.0 && count <= 1e6 ? (uint32_t)count : 0;
 }
 
-double v_param_random(v_run *run, const sv_param_info *info) {
+bool v_param_has(const v_subject *s, const sv_param_info *info, double value) {
+    char text[64];
+    return info->type != SV_PARAM_ENUM ||
+           s->plugin->param_text(s->plugin, info->id, value, text, sizeof text) != SV_ERR_PARAM_RANGE;
+}
+
+double v_param_random(const v_subject *s, const sv_param_info *info) {
+    v_run *run = s->run;
     const uint32_t values = v_param_values(info), turn = v_random(run, 8);
     if (turn == 0) return info->min_value;
-    if (values > 0) return info->min_value + info->step * v_random(run, values);
+    if (values > 0) {
+        const double value = info->min_value + info->step * v_random(run, values);
+        return v_param_has(s, info, value) ? value : info->default_value;
+    }
     if (turn == 1) return info->max_value;
     return info->min_value + (info->max_value - info->min_value) * v_random_unit(run);
 }
