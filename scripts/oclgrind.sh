@@ -30,7 +30,6 @@ simulate() { # simulate METHOD
 export -f simulate
 export build out beside
 
-# Each method by itself: the simulation uses one processor. Those of the longest simulation first.
-methods=$(awk '{ print $1 }' "$beside" | uniq)
-(grep -xE 'plate|wall' <<< "$methods" && grep -vxE 'plate|wall' <<< "$methods") |
+# Each method by itself: the simulation uses one processor. In the order from the newest, which take longest.
+awk '{ print $1 }' "$beside" | uniq | tac |
     xargs -P "$jobs" -I METHOD bash -c 'simulate METHOD' && echo "oclgrind: nothing found"

@@ -2,7 +2,9 @@
 /*
  * The methods of surface reconstruction: constant, stable value, and name, which is the parameter's text and
  * the suffix of the method's table (sv_method_<name>, in method/method_<name>.c) and of its definition's
- * (sv_ref_method_<name>, in ref/ref_<name>.c). In the order of their values.
+ * (sv_ref_method_<name>, in ref/ref_<name>.c). In the order of their values. This is the only list of them:
+ * the parameter, self-test, tests and benchmarks go through it. Values 3 to 5 are retired and never used
+ * again: they were pushpull, membrane and plate.
  */
 #ifndef SV_METHOD_LIST_H
 #define SV_METHOD_LIST_H
@@ -11,10 +13,12 @@
     X(MEAN, 0, mean)                                                                                         \
     X(MINIMUM, 1, minimum)                                                                                   \
     X(SPLINE, 2, spline)                                                                                     \
-    X(PUSHPULL, 3, pushpull)                                                                                 \
-    X(MEMBRANE, 4, membrane)                                                                                 \
-    X(PLATE, 5, plate)                                                                                       \
     X(COST, 6, cost)                                                                                         \
     X(WALL, 7, wall)
+
+/* SV_METHOD_MEAN, ...; SV_METHOD_END is one more than the last value. */
+#define SV_METHOD_VALUE(NAME, value, key) SV_METHOD_##NAME = (value),
+enum { SV_METHODS(SV_METHOD_VALUE) SV_METHOD_END };
+#undef SV_METHOD_VALUE
 
 #endif

@@ -39,8 +39,8 @@ __kernel void chain_gather(uint padded_width, uint height, __global const ushort
 
 /*
  * Reduced resolution: a cell of reduction x reduction pixels per work item, those of the rows' padding
- * included. Near and far depth of its points' mean (`least`: of the one nearest to the viewer), and how many
- * there are; a cell without points holds INFINITY.
+ * included. Near and far depth of its points' mean (`least`: of the one nearest to the viewer); a cell
+ * without points holds INFINITY.
  */
 __kernel void chain_cells(uint width, uint padded_width, uint height, __global const ushort *restrict state16,
                           __global const uchar *restrict status, uint blended, float q, uint least,
@@ -67,7 +67,6 @@ __kernel void chain_cells(uint width, uint padded_width, uint height, __global c
     const bool none = count == 0.0f;
     maps[i] = none ? INFINITY : least ? smallest : sum_near / count;
     maps[cells + i] = none ? INFINITY : sum_far / count;
-    maps[2 * cells + i] = count;
     cell_status[i] = none ? SV_STATUS_NONE : SV_STATUS_INITIAL;
 }
 

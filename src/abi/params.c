@@ -2,7 +2,6 @@
 #include "abi/abi.h"
 
 #include "common/sv_shared.h"
-#include "grid/grid_shared.h"
 #include "method/method.h"
 #include "spline/spline_shared.h"
 
@@ -11,8 +10,8 @@
 #include <string.h>
 
 static const char *const bone_modes[] = {"absolute", "offset", "fraction"};
-#define SV_METHOD_KEY(NAME, value, key) #key,
-static const char *const methods[] = {SV_METHODS(SV_METHOD_KEY)};
+#define SV_METHOD_KEY(NAME, value, key) [value] = #key,
+static const char *const methods[SV_METHOD_END] = {SV_METHODS(SV_METHOD_KEY)};
 #undef SV_METHOD_KEY
 static const char *const prefilters[] = {"none", "minimum"};
 static const char *const precisions[] = {"float64", "float32", "int16"};
@@ -32,7 +31,7 @@ static const struct {
     uint32_t id, type, flags;
     const char *key, *label, *unit, *help;
     double min, max, display_min, display_max, initial, step;
-    const char *const *names;
+    const char *const *names; /* of an enum's values, from 0 on; NULL where a value is retired */
     const char *group;
     uint32_t depends_on; /* a parameter's id; 0: it always matters */
     uint64_t depends_values;
@@ -59,8 +58,7 @@ static const struct {
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
      "How depths spread from the initial points to all pixels, or, with cost and wall, are found from every "
      "ray's own fluid; with all but minimum turning q costs next to nothing.",
-     0.0, SV_METHOD_COUNT - 1.0, 0.0, SV_METHOD_COUNT - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0,
-     0},
+     0.0, SV_METHOD_END - 1.0, 0.0, SV_METHOD_END - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0, 0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
      23.0, 2.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
@@ -99,18 +97,9 @@ static const struct {
      "Spline evaluation", "",
      "Method spline: evaluated at the nodes of N x N cells, linear in between. 0: at every pixel.", 0.0,
      256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
-    {SV_PARAM_DATA_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "data_weight", "Weight of the points", "",
-     "Methods membrane and plate: how strongly the surface is drawn to the points; smaller is smoother.",
-     SV_MIN_DATA_WEIGHT, SV_MAX_DATA_WEIGHT, 0.01, 10.0, 1.0, 0.01, NULL, GROUP_METHOD, SV_PARAM_METHOD,
-     BY_METHOD},
-    {SV_PARAM_SOLVER_STEPS, SV_PARAM_INT, SV_PARAM_EXPERT, "solver_steps", "Solver steps", "",
-     "Methods membrane and plate: steps of the solver, fewer are faster and less exact; 0: as many as "
-     "the promised bound needs.",
-     0.0, SV_MAX_SOLVER_STEPS, 0.0, 48.0, 0.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision", "Precision", "",
-     "Methods spline, membrane and plate: float64 where the device has it, or float32, faster, with at "
-     "most 64 points in a spline. Method mean: int16 keeps half as many bytes a pixel, at the price of "
-     "depths in coarser steps.",
+     "Method spline: float64 where the device has it, or float32, faster, with at most 64 points. Method "
+     "mean: int16 keeps half as many bytes a pixel, at the price of depths in coarser steps.",
      0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
      "Reduced resolution", "pixels",
@@ -144,8 +133,9 @@ uint32_t sv_params_count(void) {
 static uint64_t depends_values(uint32_t index) {
     uint64_t values = 0;
     if (table[index].depends_on != SV_PARAM_METHOD) return table[index].depends_values;
-    for (uint32_t method = 0; method < SV_METHOD_COUNT; method++)
-        if (sv_method_uses(sv_method_of(method), table[index].id)) values |= SV_BIT(method);
+    for (uint32_t method = 0; method < SV_METHOD_END; method++)
+        if (sv_method_of(method) && sv_method_uses(sv_method_of(method), table[index].id))
+            values |= SV_BIT(method);
     return values;
 }
 
@@ -177,6 +167,12 @@ sv_status sv_params_info(sv_diag *diag, uint32_t index, sv_param_info *out) {
     return SV_OK;
 }
 
+/* A value between those of an enum that is none of them. */
+static bool is_left_out(int i, double value) {
+    return table[i].names && value >= table[i].min && value <= table[i].max && value == floor(value) &&
+           !table[i].names[(int)value];
+}
+
 /* SV_OK if `value` is in the hard range and a value of the parameter's type. */
 static sv_status check_value(sv_diag *diag, const char *call, int i, double value) {
     if (!isfinite(value) || value < table[i].min || value > table[i].max)
@@ -186,6 +182,9 @@ static sv_status check_value(sv_diag *diag, const char *call, int i, double valu
     if (table[i].type != SV_PARAM_FLOAT && steps != floor(steps))
         return sv_blame_host(diag, SV_ERR_PARAM_RANGE, "%s: %s is %g, expected %g plus a multiple of %g",
                              call, table[i].key, value, table[i].min, table[i].step);
+    if (is_left_out(i, value))
+        return sv_blame_host(diag, SV_ERR_PARAM_RANGE, "%s: %s is %g, which is none of its values", call,
+                             table[i].key, value);
     return SV_OK;
 }
 
@@ -194,6 +193,7 @@ sv_status sv_params_text(sv_diag *diag, uint32_t id, double value, char *out, ui
     if (!out || bytes == 0) return sv_blame_host(diag, SV_ERR_ARGUMENT, "param_text: no room for text");
     out[0] = '\0';
     if (i < 0) return sv_blame_host(diag, SV_ERR_PARAM_ID, "param_text: no parameter has id %u", id);
+    if (is_left_out(i, value)) return SV_ERR_PARAM_RANGE; /* a host that asks which values there are */
     const sv_status status = check_value(diag, "param_text", i, value);
     if (status != SV_OK) return status;
     if (table[i].names)

@@ -71,7 +71,6 @@ sv_status sv_chain_build(sv_chain *chain) {
     (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u", on->config->substeps);
     sv_status status = sv_kernel_set_build(on->queue->diag, on->queue->device, sv_kernels_chain,
                                            sv_kernels_chain_size, kernels, options, &chain->gather);
-    if (status == SV_OK) status = sv_map_prepare(on);
     if (status == SV_OK && chain->filtered) status = build_method(on, &sv_method_minimum, &chain->filter);
     return status == SV_OK ? build_method(on, chain->method, &chain->state) : status;
 }

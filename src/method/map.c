@@ -52,17 +52,8 @@ sv_status sv_map_buffers(sv_map *m, bool with_sums, cl_mem record) {
 
 sv_status sv_map_point_buffers(sv_map *m) {
     sv_status status = SV_OK;
-    m->points = sv_buffer_make(m->queue, 3 * plane_of(m) * sizeof(cl_float), &status);
+    m->points = sv_buffer_make(m->queue, 2 * plane_of(m) * sizeof(cl_float), &status);
     return status;
-}
-
-sv_status sv_map_prepare(const sv_map *m) {
-    const cl_float one = 1.0f;
-    const size_t plane = plane_of(m) * sizeof(cl_float);
-    return sv_clx_check(m->queue->diag,
-                        clEnqueueFillBuffer(m->queue->device->queue, m->points, &one, sizeof one, 2 * plane,
-                                            plane, 0, NULL, NULL),
-                        "clEnqueueFillBuffer");
 }
 
 void sv_map_release(sv_map *m) {

@@ -22,14 +22,14 @@ typedef struct {
     uint32_t bands;        /* bands of rows that work items share, strategy bands */
     uint32_t spacing;      /* pixels of the frame from one pixel of this map to the next */
     uint32_t sum_bytes;    /* of a value in the mean filter's planes: 4, or 8 if a frame can need wide sums */
-    bool doubles;          /* the solvers compute in float64 */
+    bool doubles;          /* the spline's solver computes in float64 */
 
     /* Rows of padded_width. The map owns them, except for the last two, which are the frame's. */
     cl_mem status;   /* 8 bits a pixel: SV_STATUS_* */
     cl_mem surfaces; /* near, far: float32 slices */
 
-    /* Near and far plane: float32 depth at initial points, INFINITY elsewhere; and a plane of how many points
-     * a point stands for: 1, or those of a cell. NULL if the method takes the sums. */
+    /* Near and far plane: float32 depth at initial points, INFINITY elsewhere. NULL if the method takes the
+     * sums. */
     cl_mem points;
 
     /* The mean filter's first planes, where the points stage or the method writes them; or NULL. */
@@ -56,9 +56,8 @@ void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, ui
 /* Makes the buffers that every method needs, and (with_sums) the mean filter's first planes. */
 sv_status sv_map_buffers(sv_map *map, bool with_sums, cl_mem record);
 
-/* Makes the maps of the points; sv_map_prepare then says that each point stands for one. */
+/* Makes the maps of the points. */
 sv_status sv_map_point_buffers(sv_map *map);
-sv_status sv_map_prepare(const sv_map *map);
 void sv_map_release(sv_map *map);
 
 /* Takes a frame's job and values, and chooses what depends on the map's size: passes, and the format

@@ -21,23 +21,11 @@
 #include "smartvis/spline.h"
 
 #define SV_MAX_METHOD_BUFFERS 18
-#define SV_MAX_LEVELS         14 /* of a pyramid over 8192 pixels */
-
-/* Sizes of a pyramid's levels, the map itself first; offsets count pixels from the first level's start. */
-typedef struct {
-    uint32_t count;
-    uint32_t width[SV_MAX_LEVELS], height[SV_MAX_LEVELS], offset[SV_MAX_LEVELS];
-    uint32_t pixels; /* of all levels together */
-} sv_levels;
-
-/* The levels of a map: sides are halved, rounding up, down to 1 x 1. */
-sv_levels sv_levels_make(uint32_t width, uint32_t height);
 
 /* What a method keeps from activate to deactivate. */
 typedef struct {
     sv_kernel_set kernels;
     cl_mem buffer[SV_MAX_METHOD_BUFFERS];
-    sv_levels levels;
     uint32_t capacity; /* spline: points it can solve for */
 } sv_method_state;
 
@@ -60,11 +48,8 @@ typedef struct {
 } sv_ray_states;
 
 typedef struct {
-    /* What it means: the scalar definition, which the self-test holds the device to, and the largest
-     * difference in slices that the self-test allows on a map of full precision or less (docs/numerics.md
-     * has the reasons). */
+    /* What it means: the scalar definition, which the self-test holds the device to, within its bound. */
     const sv_ref_method *definition;
-    double (*bound)(const sv_map *map);
 
     /* SV_USES(...) of every parameter that matters for it: the others leave its surface as it is. */
     uint32_t parameters;
@@ -127,7 +112,7 @@ _Static_assert(SV_PARAM_ID_END <= 32, "sv_method.parameters has a bit per parame
 SV_METHODS(SV_METHOD_TABLE)
 #undef SV_METHOD_TABLE
 
-/* The table of method SV_METHOD_*. */
+/* The table of method SV_METHOD_*; NULL if no method has that value. */
 const sv_method *sv_method_of(uint32_t method);
 
 /* True if the method's surface depends on the parameter SV_PARAM_*. */

@@ -196,14 +196,7 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-/* The kernels sum up costs in float32. Where two labels cost nearly the same either is right, and the
- * definition says where. */
-static double bound(const sv_map *m) {
-    return m->doubles ? 1e-3 : 1e-2;
-}
-
 const sv_method sv_method_cost = {.definition = &sv_ref_method_cost,
-                                  .bound = bound,
                                   .parameters = SV_USES_EVIDENCE | SV_USES(MEMORY),
                                   .linear = true,
                                   .kernels = kernels,

@@ -10,8 +10,6 @@
 #include "mean/mean_shared.h"
 #include "ref/ref_mean.h"
 
-#include <math.h>
-
 enum { K_LOAD, K_STORE };
 static const char *const kernels[] = {"mean_load", "mean_store", NULL};
 
@@ -108,14 +106,7 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     return status == SV_OK && from_maps && planes == 1 ? store_surfaces(m, s) : status;
 }
 
-/* int16: half a step a pass, in each of the two planes. Else what the format promises. */
-static double bound(const sv_map *m) {
-    if (m->config->half_sums) return 1e-3 + 2.0 * m->job.pass_limit * ldexp(0.5, -(int)m->job.fraction);
-    return m->doubles ? 1e-3 : 1e-2;
-}
-
 const sv_method sv_method_mean = {.definition = &sv_ref_method_mean,
-                                  .bound = bound,
                                   .parameters = SV_USES_POINTS | SV_USES(KERNEL) | SV_USES(FILL_WEIGHT) |
                                                 SV_USES(PRECISION),
                                   .linear = true,

@@ -90,14 +90,7 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     return status == SV_OK ? sv_map_done_passes(m) : status;
 }
 
-/* Minima round nothing; what rounds is S(q) in float32, and the interpolation between the cells of
- * a reduced map. */
-static double bound(const sv_map *m) {
-    return m->doubles ? 1e-3 : 1e-2;
-}
-
 const sv_method sv_method_minimum = {.definition = &sv_ref_method_minimum,
-                                     .bound = bound,
                                      .parameters = SV_USES_POINTS | SV_USES(KERNEL),
                                      .linear = false,
                                      .kernels = kernels,

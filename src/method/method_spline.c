@@ -234,13 +234,7 @@ static sv_status spline_report(const sv_map *m, const sv_method_state *s, sv_spl
     return SV_OK;
 }
 
-/* Float64 solves to far below a thousandth of a slice; float32, with at most 64 points, to a hundredth. */
-static double bound(const sv_map *m) {
-    return m->doubles ? 1e-3 : 1e-2;
-}
-
 const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
-                                    .bound = bound,
                                     .parameters = SV_USES_POINTS | SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
                                                   SV_USES(SPLINE_GRID) | SV_USES(PRECISION),
                                     .linear = true,

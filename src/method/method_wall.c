@@ -146,15 +146,7 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-/* Integers are used up to the cheapest layers, so these are the definition's. Then come some ten float32
- * operations on numbers up to the depth. Where division is rounded correctly nothing differs, elsewhere a
- * few units in the last place. */
-static double bound(const sv_map *m) {
-    return m->config->slices * 16.0 * 0x1p-24;
-}
-
 const sv_method sv_method_wall = {.definition = &sv_ref_method_wall,
-                                  .bound = bound,
                                   .linear = false,
                                   .kernels = sv_wall_rows_kernels,
                                   .source = sv_wall_rows_source,

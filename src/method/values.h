@@ -5,7 +5,8 @@
 
 #include "method_list.h"
 
-/* Stable ids of the parameters (never reused). They index sv_values. */
+/* Stable ids of the parameters (never reused: 21 and 23 were data_weight and solver_steps). They index
+ * sv_values. */
 enum {
     SV_PARAM_Q = 1,
     SV_PARAM_FLUID_THRESHOLD = 2,
@@ -27,9 +28,7 @@ enum {
     SV_PARAM_LAMBDA = 18,
     SV_PARAM_MERGE_GRID = 19,
     SV_PARAM_SPLINE_GRID = 20,
-    SV_PARAM_DATA_WEIGHT = 21,
     SV_PARAM_PRECISION = 22,
-    SV_PARAM_SOLVER_STEPS = 23,
     SV_PARAM_MEMORY = 24,
     SV_PARAM_REDUCTION = 25,
     SV_PARAM_ID_END
@@ -38,13 +37,10 @@ enum {
 /* Strategies: how the work is laid out on the device. All give the same bits. */
 enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
 
-/* Methods of surface reconstruction and what may be done to the points before. */
-#define SV_METHOD_VALUE(NAME, value, key) SV_METHOD_##NAME = (value),
-enum { SV_METHODS(SV_METHOD_VALUE) SV_METHOD_COUNT };
-#undef SV_METHOD_VALUE
-
-/* Numbers that the solvers (spline, membrane, plate) compute with, or that the mean filter keeps. */
+/* Numbers that the spline's solver computes with, or that the mean filter keeps. */
 enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
+
+/* What may be done to the initial points before. */
 enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
 
 /* Values by id; [0] is unused. */

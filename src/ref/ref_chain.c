@@ -13,15 +13,29 @@
 SV_METHODS(SV_REF_METHOD_TABLE)
 #undef SV_REF_METHOD_TABLE
 
-#define SV_REF_METHOD_ENTRY(NAME, value, key) [value] = &sv_ref_method_##key,
-static const sv_ref_method *const methods[] = {SV_METHODS(SV_REF_METHOD_ENTRY)};
+#define SV_REF_METHOD_ENTRY(NAME, value, key) [value] = {#key, &sv_ref_method_##key},
+static const struct {
+    const char *name;
+    const sv_ref_method *definition;
+} methods[SV_METHOD_END] = {SV_METHODS(SV_REF_METHOD_ENTRY)};
 #undef SV_REF_METHOD_ENTRY
 
 const sv_ref_settings sv_ref_default_settings = {
-    .kernel = 23, .fill_weight = 0.5, .data_weight = 1.0, .reduction = 1, .prefilter_kernel = 5};
+    .kernel = 23, .fill_weight = 0.5, .reduction = 1, .prefilter_kernel = 5};
 
 const sv_ref_method *sv_ref_method_of(uint32_t method) {
-    return method < sizeof methods / sizeof *methods ? methods[method] : NULL;
+    return method < SV_METHOD_END ? methods[method].definition : NULL;
+}
+
+const char *sv_ref_method_name(uint32_t method) {
+    return method < SV_METHOD_END ? methods[method].name : NULL;
+}
+
+/* float32 divides a position by three samples a slice, merges the points of a cell, and interpolates between
+ * cells: 8 half steps at most at the largest depth. */
+double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const sv_ref_device *device) {
+    const bool rounds = !method->takes_volume && (task->settings->reduction > 1 || device->substeps == 3);
+    return method->bound(task, device) + (rounds ? 8.0 * device->slices * 0x1p-24 : 0.0);
 }
 
 /* Runs pre-filter and method on a map whose settings are in its own pixels. */

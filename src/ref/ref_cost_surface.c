@@ -261,4 +261,10 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     return ok;
 }
 
-const sv_ref_method sv_ref_method_cost = {.name = "cost", .takes_volume = true, .surface = of_task};
+/* The kernels sum up costs in float32. Where two labels cost nearly the same either is right. */
+static double bound(const sv_ref_task *task, const sv_ref_device *device) {
+    (void)task;
+    return device->doubles ? 1e-3 : 1e-2;
+}
+
+const sv_ref_method sv_ref_method_cost = {.takes_volume = true, .bound = bound, .surface = of_task};

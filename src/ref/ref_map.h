@@ -11,14 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A sparse map. Membrane and plate weigh its points, and the plate's bending knows how far apart
- * its pixels lie. */
 typedef struct {
     const uint8_t *status;
     const double *depth;
     uint32_t width, height;
-    const double *weight; /* points that a point stands for; NULL: 1 each */
-    uint32_t spacing;     /* pixels of the depthmap from one of these to the next; 0: 1 */
 } sv_ref_map;
 
 /* What passes over a map came to. */

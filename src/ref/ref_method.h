@@ -12,13 +12,12 @@ typedef struct {
     double fill_weight; /* 0..1 */
     double lambda;
     uint32_t merge_grid, spline_grid;
-    double data_weight;
     uint32_t reduction;                          /* 1: pixels */
     uint32_t prefilter_passes, prefilter_kernel; /* passes 0: no pre-filter */
 } sv_ref_settings;
 
-/* What a method works on. `map`: the points, with depths S(q); its spacing tells pixels of the frame from
- * cells. `volume` and `q`: for a method that takes the volume; else they may be left out. */
+/* What a method works on. `map`: the points, with depths S(q). `volume` and its spacing: for a method that
+ * takes the volume; else they may be left out. */
 typedef struct {
     sv_ref_map map;
     const sv_ref_volume *volume;
@@ -27,10 +26,24 @@ typedef struct {
     const sv_ref_settings *settings;
 } sv_ref_task;
 
+/* What a device computes with. */
 typedef struct {
-    const char *name;  /* of the plugin's parameter value */
+    uint32_t slices, substeps; /* the largest depth, and samples of a slice */
+    bool doubles;              /* the spline's solver has float64 */
+    bool half_sums;            /* the mean filter keeps 16 bits */
+} sv_ref_device;
+
+typedef struct {
     bool takes_volume; /* the volume, not the points: no pre-filter and no reduction */
     bool least; /* a cell of a reduced map stands for the least depth of its points, not for their mean */
+
+    /* Largest difference in slices that a device's surface may have from this one (docs/numerics.md has the
+     * reasons); sv_ref_bound is what self-test and tests ask. */
+    double (*bound)(const sv_ref_task *task, const sv_ref_device *device);
+
+    /* Largest share of the points' range of depths that reduction 2 and 4 give up (docs/numerics.md). Not
+     * for a method that takes the volume. */
+    double given_up[2];
 
     /* The surface at every pixel of task->map, in slices. `either` (may be NULL): 1 at pixels where two
      * answers are right. False if memory runs out. */

@@ -65,4 +65,12 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     return sv_ref_minimum(&task->map, task->settings->kernel, surface, &fill);
 }
 
-const sv_ref_method sv_ref_method_minimum = {.name = "minimum", .least = true, .surface = of_task};
+/* Minima round nothing. */
+static double bound(const sv_ref_task *task, const sv_ref_device *device) {
+    (void)task, (void)device;
+    return 0.0;
+}
+
+/* Reduced, it may pick another point altogether. */
+const sv_ref_method sv_ref_method_minimum = {
+    .least = true, .bound = bound, .given_up = {1.0, 1.0}, .surface = of_task};

@@ -25,7 +25,6 @@ static void merge_cell(const sv_ref_map *map, uint32_t reduction, bool least, ui
         }
     const size_t i = (size_t)v * out->map.width + u;
     out->status[i] = count > 0.0;
-    out->weight[i] = count;
     if (count > 0.0) out->depth[i] = least ? smallest : sum / count;
 }
 
@@ -33,13 +32,12 @@ bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref
     const uint32_t width = sv_reduced_side(map->width, reduction);
     const uint32_t height = sv_reduced_side(map->height, reduction);
     const size_t count = (size_t)width * height;
-    *out = (sv_ref_reduced){.status = calloc(count, 1), .depth = calloc(2 * count, sizeof *out->depth)};
+    *out = (sv_ref_reduced){.status = calloc(count, 1), .depth = calloc(count, sizeof *out->depth)};
     if (!out->status || !out->depth) {
         sv_ref_reduced_free(out);
         return false;
     }
-    out->weight = out->depth + count;
-    out->map = (sv_ref_map){out->status, out->depth, width, height, out->weight, reduction};
+    out->map = (sv_ref_map){out->status, out->depth, width, height};
     for (uint32_t v = 0; v < height; v++)
         for (uint32_t u = 0; u < width; u++) merge_cell(map, reduction, least, u, v, out);
     return true;

@@ -8,11 +8,10 @@
 typedef struct {
     sv_ref_map map; /* of the arrays below */
     uint8_t *status;
-    double *depth, *weight;
+    double *depth;
 } sv_ref_reduced;
 
-/* The cells' points: mean depth, or the smallest (`least`), and how many there were. False if
- * memory runs out. */
+/* The cells' points: mean depth, or the smallest (`least`). False if memory runs out. */
 bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref_reduced *out);
 void sv_ref_reduced_free(sv_ref_reduced *reduced);
 

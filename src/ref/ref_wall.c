@@ -194,4 +194,12 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     return done;
 }
 
-const sv_ref_method sv_ref_method_wall = {.name = "wall", .takes_volume = true, .surface = of_task};
+/* Integers are used up to the cheapest layers, so these are the definition's. Then come some ten float32
+ * operations on numbers up to the depth. Where division is rounded correctly nothing differs, elsewhere a
+ * few units in the last place. */
+static double bound(const sv_ref_task *task, const sv_ref_device *device) {
+    (void)task;
+    return device->slices * 16.0 * 0x1p-24;
+}
+
+const sv_ref_method sv_ref_method_wall = {.takes_volume = true, .bound = bound, .surface = of_task};

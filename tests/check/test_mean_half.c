@@ -100,7 +100,7 @@ static void test_error(void **state) {
         for (uint32_t k = 3; k <= 23; k += 20) {
             surface_points p = set == 0 ? surface_scattered(171, 171, 60, 171 * 171 / 33, 71)
                                         : surface_patches(171, 171, 60, 7);
-            const surface_chain chain = {.method = MEAN, .k = k, .half = true, .q = 0.5f};
+            const surface_chain chain = {.method = SV_METHOD_MEAN, .k = k, .half = true, .q = 0.5f};
             rig_result out = rig_result_make(p.width, p.height);
             assert_int_equal(surface_run(*state, &p, &chain, &out, NULL), SV_OK);
             double *expected = surface_expect(&p, &chain);

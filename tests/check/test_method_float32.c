@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The solvers in float32 (parameter precision; the only way on devices without float64): the spline
- * merges to 64 points, the membrane and the plate iterate in float32. What is left of their accuracy,
- * against the same definitions.
+ * The spline's solver in float32 (parameter precision; the only way on devices without float64) merges to 64
+ * points. What is left of its accuracy, against the same definition.
  */
 #include "support/surfaces.h"
 
@@ -22,7 +21,7 @@ static void check(rig *r, const surface_points *p, const surface_chain *chain, d
     assert_int_equal(surface_run(r, p, chain, &out, &report), SV_OK);
     double *expected = surface_expect(p, chain);
     const double error = surface_error(&out, expected, count);
-    print_message("float32 %-9s %-24s error %.2e slices, bound %.0e\n", surface_names[chain->method], what,
+    print_message("float32 %-9s %-24s error %.2e slices, bound %.0e\n", surface_name(chain->method), what,
                   error, bound);
     assert_true(error <= bound);
     assert_true(report.points <= 64);
@@ -40,13 +39,11 @@ static void test_scattered(void **state) {
             const uint32_t far_end = 1 + surface_random(&random) % 59;
             surface_put(&p, surface_random(&random) % width, surface_random(&random) % height, 0, far_end);
         }
-        const surface_chain spline = {.method = SPLINE, .float32 = true, .merge_grid = 8, .q = 0.25f};
-        const surface_chain finer = {.method = SPLINE, .float32 = true, .merge_grid = 0, .q = 0.25f};
-        const surface_chain membrane = {.method = MEMBRANE, .float32 = true, .q = 0.25f},
-                            plate = {.method = PLATE, .float32 = true, .q = 0.25f};
+        const surface_chain spline = {
+            .method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 8, .q = 0.25f};
+        const surface_chain finer = {
+            .method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 0, .q = 0.25f};
         check(*state, &p, &spline, 5e-3, "merged on 8 x 8");
-        check(*state, &p, &membrane, 1e-3, "5 % of the pixels");
-        check(*state, &p, &plate, 1e-2, "5 % of the pixels");
         /* asked for every point, it merges all the same, and says so */
         rig_result out = rig_result_make(width, height);
         sv_spline_report report;
@@ -69,23 +66,18 @@ static void test_degenerate(void **state) {
             if (set == 2 && i == 18) surface_put(&p, i, 9, 0, 33);
             if (set == 3) surface_put(&p, 20 + i % 4, 12 + i / 8, 0, i % 2 ? 15 : 45);
         }
-        const surface_chain spline = {.method = SPLINE, .float32 = true, .merge_grid = 8},
-                            plate = {.method = PLATE, .float32 = true};
-        const surface_chain membrane = {.method = MEMBRANE, .float32 = true};
+        const surface_chain spline = {.method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 8};
         check(*state, &p, &spline, 1e-2, "degenerate");
-        check(*state, &p, &membrane, 1e-3, "degenerate");
-        /* far from a single cluster the plate hangs on its slight tension alone, which float32 hardly sees */
-        check(*state, &p, &plate, set == 3 ? 1.0 : 1e-2, "degenerate");
         surface_points_free(&p);
     }
 }
 
-/* In patches with wide gaps, up to 512 x 512. The membrane and the plate there: test_energy. */
+/* In patches with wide gaps, up to 512 x 512. */
 static void test_patches(void **state) {
     static const uint32_t sides[] = {128, 171, 512};
     for (int n = 0; n < 3; n++) {
         surface_points p = surface_patches(sides[n], sides[n], 60, 7);
-        const surface_chain spline = {.method = SPLINE, .float32 = true, .merge_grid = 8};
+        const surface_chain spline = {.method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 8};
         check(*state, &p, &spline, 1e-2, "patches");
         surface_points_free(&p);
     }

@@ -12,28 +12,31 @@
 
 #include <cmocka.h>
 
+static uint32_t held[SV_METHOD_END]; /* chains of a method that were held to its definition */
+
 /* Runs a chain and holds it to its definition; prints what docs/numerics.md quotes. */
 static void check(rig *r, const surface_points *points, const surface_chain *chain, double bound,
                   const char *what) {
     const size_t count = (size_t)points->width * points->height;
     rig_result out = rig_result_make(points->width, points->height);
     const sv_status status = surface_run(r, points, chain, &out, NULL);
-    if (status != SV_OK) print_message("%s: %s\n", surface_names[chain->method], r->last_log);
+    if (status != SV_OK) print_message("%s: %s\n", surface_name(chain->method), r->last_log);
     assert_int_equal(status, SV_OK);
     assert_memory_equal(out.status, points->status, count);
     double *expected = surface_expect(points, chain);
     const double error = surface_error(&out, expected, count);
-    print_message("%-9s %-34s %4u x %-4u error %.2e slices, bound %.0e\n", surface_names[chain->method], what,
+    print_message("%-9s %-34s %4u x %-4u error %.2e slices, bound %.0e\n", surface_name(chain->method), what,
                   points->width, points->height, error, bound);
     assert_true(error <= bound);
     assert_int_equal(out.stats.unfilled, 0);
+    held[chain->method]++;
     free(expected);
     rig_result_free(&out);
 }
 
 static void test_definition(void **state) {
     static const uint32_t sizes[][2] = {{75, 40}, {16, 64}, {33, 31}};
-    for (int method = MINIMUM; method < METHODS; method++)
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
         for (uint32_t n = 0; n < 3; n++) {
             const uint32_t pixels = sizes[n][0] * sizes[n][1];
             surface_points p = surface_scattered(sizes[n][0], sizes[n][1], 60, pixels / 20, 5 + n);
@@ -43,10 +46,24 @@ static void test_definition(void **state) {
         }
 }
 
+/* Methods that take the volume: layers of skin, fluid and fetus, in every layout of the work. */
+static void test_volumes(void **state) {
+    surface_points p = surface_points_make(70, 45, 60);
+    for (uint32_t y = 0; y < p.height; y++)
+        for (uint32_t x = 0; x < p.width; x++)
+            if (x % 9 > 0) surface_put(&p, x, y, 9 + x / 12, 30 + (x / 8 + y / 6) % 6);
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method))
+        for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+            const surface_chain chain = {.method = method, .q = 0.75f, .k = 11, .strategy = strategy};
+            check(*state, &p, &chain, surface_bound(&chain, &p), "layers");
+        }
+    surface_points_free(&p);
+}
+
 /* Whatever lays out the points' work, the methods get the same points. */
 static void test_layouts(void **state) {
     surface_points p = surface_scattered(70, 45, 60, 150, 61);
-    for (int method = MEAN; method < METHODS; method++)
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
         for (uint32_t strategy = 1; strategy <= 3; strategy++) {
             const surface_chain chain = {.method = method,
                                          .q = 1.25f,
@@ -61,7 +78,7 @@ static void test_layouts(void **state) {
 
 /* q > 1: depths below 0 must come through. */
 static void test_negative_depths(void **state) {
-    for (int method = MEAN; method < METHODS; method++) {
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
         surface_points p = surface_scattered(48, 40, 60, 60, 11);
         const surface_chain chain = {.method = method, .q = 1.5f, .k = 9};
         check(*state, &p, &chain, surface_bound(&chain, &p), "q = 1.5");
@@ -71,7 +88,7 @@ static void test_negative_depths(void **state) {
 
 /* The pre-filter, in chains with every method; the mean filter takes its points from maps then. */
 static void test_prefilter(void **state) {
-    for (int method = MEAN; method < METHODS; method++)
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
         for (uint32_t passes = 1; passes <= 3; passes += 2) {
             surface_points p = surface_scattered(50, 37, 60, 150, 23);
             const surface_chain chain = {
@@ -81,14 +98,14 @@ static void test_prefilter(void **state) {
         }
 }
 
-/* What bones give: patches with wide gaps. The membrane and the plate there: test_energy. */
+/* What bones give: patches with wide gaps. */
 static void test_patches(void **state) {
     static const uint32_t sides[] = {128, 171};
     for (int n = 0; n < 2; n++) {
         surface_points p = surface_patches(sides[n], sides[n], 60, 7);
-        for (int method = MEAN; method <= PUSHPULL; method++) {
+        for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
             const surface_chain chain = {
-                .method = method, .q = 0.25f, .k = 11, .merge_grid = method == SPLINE ? 16 : 0};
+                .method = method, .q = 0.25f, .k = 11, .merge_grid = method == SV_METHOD_SPLINE ? 16 : 0};
             check(*state, &p, &chain, surface_bound(&chain, &p), "patches");
         }
         surface_points_free(&p);
@@ -99,27 +116,15 @@ static void test_patches(void **state) {
 static void test_settings(void **state) {
     surface_points p = surface_scattered(64, 48, 60, 120, 31);
     const surface_chain chains[] = {
-        {.method = SPLINE, .lambda = 250.0},
-        {.method = SPLINE, .merge_grid = 8},
-        {.method = SPLINE, .merge_grid = 8, .spline_grid = 32, .lambda = 3.5},
-        {.method = SPLINE, .spline_grid = 1},
-        {.method = MEMBRANE, .data_weight = 10.0},
-        {.method = MEMBRANE, .data_weight = 0.01},
-        {.method = PLATE, .data_weight = 0.01},
-        {.method = MINIMUM, .k = 63},
-        {.method = MINIMUM, .k = 3},
+        {.method = SV_METHOD_SPLINE, .lambda = 250.0},
+        {.method = SV_METHOD_SPLINE, .merge_grid = 8},
+        {.method = SV_METHOD_SPLINE, .merge_grid = 8, .spline_grid = 32, .lambda = 3.5},
+        {.method = SV_METHOD_SPLINE, .spline_grid = 1},
+        {.method = SV_METHOD_MINIMUM, .k = 63},
+        {.method = SV_METHOD_MINIMUM, .k = 3},
     };
     for (size_t i = 0; i < sizeof chains / sizeof *chains; i++)
         check(*state, &p, &chains[i], surface_bound(&chains[i], &p), "other settings");
-    surface_points_free(&p);
-}
-
-/* The plate needs most steps where it is tied down hardest: few points and the largest weight. (With the
- * default weight: test_energy.) */
-static void test_plate_hardest(void **state) {
-    surface_points p = surface_scattered(128, 96, 60, 12, 41);
-    const surface_chain tied = {.method = PLATE, .data_weight = 10.0};
-    check(*state, &p, &tied, 1e-3, "12 points, data weight 10");
     surface_points_free(&p);
 }
 
@@ -131,7 +136,7 @@ static void test_deep(void **state) {
         const uint32_t far_end = 8180 + surface_random(&random) % 10;
         surface_put(&p, surface_random(&random) % 40, surface_random(&random) % 30, far_end - 4, far_end);
     }
-    for (int method = MEAN; method < METHODS; method++) {
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
         const surface_chain chain = {.method = method, .q = 0.5f, .k = 3};
         check(*state, &p, &chain, surface_bound(&chain, &p), "depths near 8,180");
     }
@@ -174,18 +179,54 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
 
 static void test_adjust(void **state) {
     surface_points p = surface_scattered(40, 33, 60, 70, 3);
-    for (int method = MEAN; method < METHODS; method++)
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
         for (int prefilter = 0; prefilter < 2; prefilter++) check_adjust(*state, &p, method, prefilter);
     surface_points_free(&p);
 }
 
+/* The parameter has the values of the list, by the list's names; every other one is refused. */
+static void test_values(void **state) {
+    rig *r = *state;
+    const sv_plugin *p = r->plugin;
+    surface_points points = surface_scattered(40, 33, 60, 70, 3);
+    for (int value = -1; value <= SV_METHOD_END; value++) {
+        const sv_param_value fixed = {rig_param(r, "method"), 0, value};
+        const sv_format format = surface_format(&points, &fixed, 1);
+        const char *name = value < 0 ? NULL : surface_name(value);
+        char text[64], wrong[32];
+        (void)snprintf(wrong, sizeof wrong, "method is %d, ", value);
+        assert_int_equal(p->param_text(p, fixed.id, value, text, sizeof text),
+                         name ? SV_OK : SV_ERR_PARAM_RANGE);
+        assert_string_equal(text, name ? name : "");
+        assert_int_equal(p->activate(p, &format), name ? SV_OK : SV_ERR_PARAM_RANGE);
+        if (name)
+            p->deactivate(p);
+        else
+            assert_non_null(strstr(p->last_error(p), wrong));
+    }
+    surface_points_free(&points);
+}
+
+/* Comes last: no method of the list went through the tests above without being held to its definition. */
+static void test_nothing_is_left(void **state) {
+    (void)state;
+    uint32_t methods = 0;
+#define IS_HELD(NAME, value, key)                                                                            \
+    if (held[value] == 0) fail_msg("method %s was held to nothing", #key);                                   \
+    methods++;
+    SV_METHODS(IS_HELD)
+#undef IS_HELD
+    assert_true(methods > 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition), cmocka_unit_test(test_negative_depths),
-        cmocka_unit_test(test_prefilter),  cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_patches),    cmocka_unit_test(test_plate_hardest),
-        cmocka_unit_test(test_deep),       cmocka_unit_test(test_adjust),
-        cmocka_unit_test(test_layouts),
+        cmocka_unit_test(test_values),          cmocka_unit_test(test_definition),
+        cmocka_unit_test(test_volumes),         cmocka_unit_test(test_negative_depths),
+        cmocka_unit_test(test_prefilter),       cmocka_unit_test(test_settings),
+        cmocka_unit_test(test_patches),         cmocka_unit_test(test_deep),
+        cmocka_unit_test(test_adjust),          cmocka_unit_test(test_layouts),
+        cmocka_unit_test(test_nothing_is_left),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -8,7 +8,6 @@
 
 #include "ref/ref_mean.h"
 #include "ref/ref_minimum.h"
-#include "ref/ref_pushpull.h"
 #include "ref/ref_reduce.h"
 
 #include <math.h>
@@ -32,14 +31,14 @@ static void check(rig *r, const surface_points *p, const surface_chain *chain, c
     const size_t count = (size_t)p->width * p->height;
     rig_result out = rig_result_make(p->width, p->height);
     const sv_status status = surface_run(r, p, chain, &out, NULL);
-    if (status != SV_OK) print_message("%s: %s\n", surface_names[chain->method], r->last_log);
+    if (status != SV_OK) print_message("%s: %s\n", surface_name(chain->method), r->last_log);
     assert_int_equal(status, SV_OK);
     assert_memory_equal(out.status, p->status, count); /* of the rays, at full resolution */
     assert_int_equal(out.stats.unfilled, 0);
     double *expected = surface_expect(p, chain);
     const double error = surface_error(&out, expected, count), bound = surface_bound(chain, p);
     print_message("%-9s 1/%u, %-9s %3u x %-3u pre-filter %u error %.2e slices, bound %.0e\n",
-                  surface_names[chain->method], chain->reduction, set, p->width, p->height,
+                  surface_name(chain->method), chain->reduction, set, p->width, p->height,
                   chain->prefilter_passes, error, bound);
     assert_true(error <= bound);
     free(expected);
@@ -52,7 +51,8 @@ static void test_definition(void **state) {
     for (int set = 0; set < 2; set++)
         for (int size = 0; size < 3; size++) {
             surface_points p = make_set(set, sizes[size][0], sizes[size][1]);
-            for (int method = MEAN; method < METHODS; method++)
+            for (int method = surface_next_of_points(-1); method >= 0;
+                 method = surface_next_of_points(method))
                 for (uint32_t reduction = 2; reduction <= 4; reduction++) {
                     surface_chain chain = {.method = method, .reduction = reduction, .k = 13, .q = 0.25f};
                     check(*state, &p, &chain, set_names[set]);
@@ -64,20 +64,16 @@ static void test_definition(void **state) {
         }
 }
 
-/* What depends on the pixels' size: lambda, the weight of the points, merging, the coarse grid, layouts. */
+/* What depends on the pixels' size: lambda, merging, the coarse grid, layouts. */
 static void test_settings(void **state) {
     surface_points p = make_set(0, 70, 45);
     const surface_chain chains[] = {
-        {.method = SPLINE, .reduction = 2, .lambda = 250.0},
-        {.method = SPLINE, .reduction = 4, .merge_grid = 8, .spline_grid = 8, .lambda = 3.5},
-        {.method = MEMBRANE, .reduction = 2, .data_weight = 10.0},
-        {.method = MEMBRANE, .reduction = 4, .data_weight = 0.01},
-        {.method = PLATE, .reduction = 4, .data_weight = 10.0},
-        {.method = PLATE, .reduction = 2, .data_weight = 0.01},
-        {.method = MEAN, .reduction = 2, .k = 3, .strategy = 1},
-        {.method = MEAN, .reduction = 4, .k = 63, .strategy = 2},
-        {.method = MEAN, .reduction = 3, .k = 9, .strategy = 3, .q = 1.5f},
-        {.method = MINIMUM, .reduction = 4, .k = 63},
+        {.method = SV_METHOD_SPLINE, .reduction = 2, .lambda = 250.0},
+        {.method = SV_METHOD_SPLINE, .reduction = 4, .merge_grid = 8, .spline_grid = 8, .lambda = 3.5},
+        {.method = SV_METHOD_MEAN, .reduction = 2, .k = 3, .strategy = 1},
+        {.method = SV_METHOD_MEAN, .reduction = 4, .k = 63, .strategy = 2},
+        {.method = SV_METHOD_MEAN, .reduction = 3, .k = 9, .strategy = 3, .q = 1.5f},
+        {.method = SV_METHOD_MINIMUM, .reduction = 4, .k = 63},
     };
     for (size_t i = 0; i < sizeof chains / sizeof *chains; i++) check(*state, &p, &chains[i], "settings");
     surface_points_free(&p);
@@ -90,7 +86,7 @@ static void test_adjust(void **state) {
     surface_points p = make_set(1, 61, 47);
     const size_t count = (size_t)p.width * p.height;
     uint8_t *volume = surface_volume(&p);
-    for (int method = MEAN; method < METHODS; method++) {
+    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
         const sv_param_value fixed[] = {{rig_param(r, "method"), 0, method},
                                         {rig_param(r, "reduction"), 0, 2}};
         const sv_format format = surface_format(&p, fixed, 2);
@@ -122,7 +118,8 @@ static void test_adjust(void **state) {
 static void test_no_fill_weight(void **state) {
     rig *r = *state;
     surface_points p = make_set(0, 40, 30);
-    const sv_param_value fixed[] = {{rig_param(r, "method"), 0, MEAN}, {rig_param(r, "reduction"), 0, 2}};
+    const sv_param_value fixed[] = {{rig_param(r, "method"), 0, SV_METHOD_MEAN},
+                                    {rig_param(r, "reduction"), 0, 2}};
     const sv_format format = surface_format(&p, fixed, 2);
     const sv_param_value none[] = {{rig_param(r, "fill_weight"), 0, 0.0}};
     const sv_frame frame = {.size = sizeof frame, .values = none, .value_count = 1};
@@ -147,7 +144,7 @@ static double range_around(const sv_ref_map *map, uint32_t x0, uint32_t y0, uint
 }
 
 static bool filter(int method, const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill) {
-    return method == MEAN
+    return method == SV_METHOD_MEAN
                ? sv_ref_mean(map->status, map->depth, map->width, map->height, k, 0.5, surface, fill)
                : sv_ref_minimum(map, k, surface, fill);
 }
@@ -163,7 +160,7 @@ static uint32_t both_surfaces(int method, const sv_ref_map *map, uint32_t reduct
     sv_ref_reduced reduced;
     sv_ref_fill fill, fill_cells;
     assert_true(filter(method, map, K, full, &fill));
-    assert_true(sv_ref_reduce(map, reduction, method == MINIMUM, &reduced));
+    assert_true(sv_ref_reduce(map, reduction, method == SV_METHOD_MINIMUM, &reduced));
     assert_true(filter(method, &reduced.map, k_cells, cells, &fill_cells));
     sv_ref_spread(cells, map->width, map->height, reduction, less);
     sv_ref_reduced_free(&reduced);
@@ -194,7 +191,7 @@ static void check_reach(int method, int set, uint32_t reduction) {
         }
     print_message("%-9s 1/%u, %-9s at most %.2f slices from the full resolution, %.0f %% of what the points "
                   "within %u pixels allow\n",
-                  surface_names[method], reduction, set_names[set], worst, 100.0 * share, reach);
+                  surface_name(method), reduction, set_names[set], worst, 100.0 * share, reach);
     free(full);
     surface_points_free(&p);
 }
@@ -202,7 +199,7 @@ static void check_reach(int method, int set, uint32_t reduction) {
 static void test_reach(void **state) {
     (void)state;
     for (int set = 0; set < 2; set++)
-        for (int method = MEAN; method <= MINIMUM; method++)
+        for (int method = SV_METHOD_MEAN; method <= SV_METHOD_MINIMUM; method++)
             for (uint32_t reduction = 2; reduction <= 4; reduction++) check_reach(method, set, reduction);
 }
 
@@ -212,16 +209,17 @@ static double layer(double x, double y) {
 }
 
 /*
- * Derived, where every pixel is a point: a surface through the points is the layer itself at full resolution.
- * Reduced, a cell's mean is off by (r^2 - 1) / 24 second derivatives each way, and what is linear between the
- * cells by r^2 / 8 more; at the border, beyond the outermost centres, by (r - 1) / 2 slopes.
+ * Derived, where every pixel is a point: a surface through the points is the layer itself at full resolution,
+ * and the cells' means at a reduced one. A cell's mean is off by (r^2 - 1) / 24 second derivatives each way,
+ * and what is linear between the cells by r^2 / 8 more; at the border, beyond the outermost centres, by (r -
+ * 1) / 2 slopes.
  */
 static void test_dense(void **state) {
     (void)state;
     enum { SIDE = 48, PIXELS = SIDE * SIDE };
     const double bends = 10.0 / 144.0 + 10.0 / 81.0, slopes = 10.0 / 12.0 + 10.0 / 9.0;
     static uint8_t status[PIXELS];
-    static double depth[PIXELS], cells[PIXELS], surface[PIXELS];
+    static double depth[PIXELS], surface[PIXELS];
     for (uint32_t i = 0; i < PIXELS; i++) {
         status[i] = 1;
         depth[i] = layer(i % SIDE, i / SIDE);
@@ -232,8 +230,7 @@ static void test_dense(void **state) {
         const double inside = bends * ((r * r - 1.0) / 24.0 + r * r / 8.0), border = slopes * (r - 1.0) / 2.0;
         sv_ref_reduced reduced;
         assert_true(sv_ref_reduce(&map, reduction, false, &reduced));
-        assert_true(sv_ref_pushpull(&reduced.map, cells));
-        sv_ref_spread(cells, SIDE, SIDE, reduction, surface);
+        sv_ref_spread(reduced.map.depth, SIDE, SIDE, reduction, surface);
         double worst_inside = 0.0, worst = 0.0;
         for (uint32_t i = 0; i < PIXELS; i++) {
             const uint32_t x = i % SIDE, y = i / SIDE;
@@ -253,16 +250,11 @@ static void test_dense(void **state) {
 /*
  * What a host gives up on points of a smooth layer, as a share of their range of depths: every method,
  * points scattered over 3 % of the pixels, and in patches. The largest differences stand where a step
- * between two patches, or a cell's worth of slope at the border, lands a few pixels aside. A minimum
- * may pick another point altogether, so its bound is the range; the plate carries slopes on from
- * patches that are few cells wide.
+ * between two patches, or a cell's worth of slope at the border, lands a few pixels aside. The bound is the
+ * method's own.
  */
 static void test_given_up(void **state) {
     (void)state;
-    static const double bound[METHODS][2] = {
-        [MEAN] = {0.25, 0.30},     [MINIMUM] = {1.0, 1.0},    [SPLINE] = {0.12, 0.30},
-        [PUSHPULL] = {0.10, 0.17}, [MEMBRANE] = {0.06, 0.12}, [PLATE] = {0.25, 0.70},
-    };
     for (int set = 0; set < 2; set++) {
         surface_points p = make_set(set, 128, 96);
         const size_t count = (size_t)p.width * p.height;
@@ -273,8 +265,9 @@ static void test_given_up(void **state) {
             low = fmin(low, p.far_end[i]);
             high = fmax(high, p.far_end[i]);
         }
-        for (int method = MEAN; method < METHODS; method++) {
+        for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
             surface_chain chain = {.method = method, .k = 23, .merge_grid = 8};
+            const double *bound = sv_ref_method_of((uint32_t)method)->given_up;
             double *full = surface_expect(&p, &chain);
             for (int n = 0; n < 2; n++) {
                 chain.reduction = n ? 4 : 2;
@@ -286,9 +279,9 @@ static void test_given_up(void **state) {
                 print_message(
                     "%-9s 1/%u, %-9s given up: %5.1f %% of the range at most, %4.1f %% on average, bound "
                     "%.0f %%\n",
-                    surface_names[method], chain.reduction, set_names[set], 100.0 * worst / (high - low),
-                    100.0 * sum / (double)count / (high - low), 100.0 * bound[method][n]);
-                assert_true(worst <= bound[method][n] * (high - low));
+                    surface_name(method), chain.reduction, set_names[set], 100.0 * worst / (high - low),
+                    100.0 * sum / (double)count / (high - low), 100.0 * bound[n]);
+                assert_true(worst <= bound[n] * (high - low));
                 free(less);
             }
             free(full);

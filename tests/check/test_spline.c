@@ -80,7 +80,7 @@ static void test_lapack(void **state) {
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (double lambda = 0.0; lambda <= 50.0; lambda += 50.0) {
             surface_points p = hill(128, 96, counts[i], 9 + (uint32_t)i);
-            const surface_chain chain = {.method = SPLINE, .lambda = lambda};
+            const surface_chain chain = {.method = SV_METHOD_SPLINE, .lambda = lambda};
             rig_result out = rig_result_make(p.width, p.height);
             sv_spline_report report;
             assert_int_equal(surface_run(*state, &p, &chain, &out, &report), SV_OK);
@@ -136,7 +136,7 @@ static void test_reference_solver(void **state) {
 
 /* A degenerate set: a surface that meets the definition, and the rank that was found. */
 static void check_rank(rig *r, const surface_points *p, uint32_t rank, const char *what) {
-    const surface_chain chain = {.method = SPLINE};
+    const surface_chain chain = {.method = SV_METHOD_SPLINE};
     rig_result out = rig_result_make(p->width, p->height);
     sv_spline_report report;
     assert_int_equal(surface_run(r, p, &chain, &out, &report), SV_OK);
@@ -178,7 +178,7 @@ static void test_degenerate(void **state) {
 /* More points than the solver takes: merged, and said so. */
 static void test_too_many(void **state) {
     surface_points p = hill(90, 80, 1401, 77);
-    const surface_chain chain = {.method = SPLINE};
+    const surface_chain chain = {.method = SV_METHOD_SPLINE};
     rig_result out = rig_result_make(p.width, p.height);
     sv_spline_report report;
     assert_int_equal(surface_run(*state, &p, &chain, &out, &report), SV_OK);
@@ -194,11 +194,11 @@ static void test_too_many(void **state) {
 /* The coarse grid costs what bilinear interpolation costs: against the spline itself, on the hill above. */
 static void test_coarse_grid(void **state) {
     surface_points p = hill(128, 128, 300, 5);
-    const surface_chain fine = {.method = SPLINE, .merge_grid = 8};
+    const surface_chain fine = {.method = SV_METHOD_SPLINE, .merge_grid = 8};
     double *expected = surface_expect(&p, &fine);
     double before = INFINITY;
     for (uint32_t grid = 16; grid <= 64; grid *= 2) {
-        const surface_chain coarse = {.method = SPLINE, .merge_grid = 8, .spline_grid = grid};
+        const surface_chain coarse = {.method = SV_METHOD_SPLINE, .merge_grid = 8, .spline_grid = grid};
         rig_result out = rig_result_make(p.width, p.height);
         assert_int_equal(surface_run(*state, &p, &coarse, &out, NULL), SV_OK);
         const double error = surface_error(&out, expected, (size_t)p.width * p.height);
@@ -227,7 +227,7 @@ static double grid_bound(const surface_points *p, const sv_ref_spline *spline, u
 static void check_grids(rig *r, const surface_points *p, const char *what) {
     const size_t count = (size_t)p->width * p->height;
     const sv_ref_map map = {.status = p->status, .depth = p->far_end, .width = p->width, .height = p->height};
-    const surface_chain fine = {.method = SPLINE, .merge_grid = 8};
+    const surface_chain fine = {.method = SV_METHOD_SPLINE, .merge_grid = 8};
     double *x = malloc(3 * count * sizeof *x), *expected = surface_expect(p, &fine);
     rig_result out = rig_result_make(p->width, p->height);
     sv_ref_spline spline;
@@ -235,7 +235,7 @@ static void check_grids(rig *r, const surface_points *p, const char *what) {
     const uint32_t n = sv_ref_merge(&map, 8, x, x + count, x + 2 * count);
     assert_true(sv_ref_spline_solve(x, x + count, x + 2 * count, n, 0.0, &spline));
     for (uint32_t grid = 16; grid <= 64; grid *= 2) {
-        const surface_chain coarse = {.method = SPLINE, .merge_grid = 8, .spline_grid = grid};
+        const surface_chain coarse = {.method = SV_METHOD_SPLINE, .merge_grid = 8, .spline_grid = grid};
         assert_int_equal(surface_run(r, p, &coarse, &out, NULL), SV_OK);
         const double error = surface_error(&out, expected, count), bound = grid_bound(p, &spline, grid);
         print_message("coarse grid %2u, %-9s %3u x %-3u error %.3f slices, bound %.2f\n", grid, what,
@@ -275,7 +275,7 @@ static void test_extension(void **state) {
     assert_int_equal(spline->report(p, &report), SV_ERR_SIZE);
     assert_int_equal(report.points, 4711);
     surface_points none = surface_points_make(20, 20, 30);
-    const surface_chain chain = {.method = SPLINE};
+    const surface_chain chain = {.method = SV_METHOD_SPLINE};
     rig_result out = rig_result_make(20, 20);
     assert_int_equal(surface_run(r, &none, &chain, &out, &report), SV_NO_SURFACE);
     assert_int_equal(report.points, 0);

@@ -162,6 +162,28 @@ static void enum_values_are_found_by_their_name(void **state) {
     assert_false(hs_plugin_find_enum(plugin, &info, "1", &value));
 }
 
+/* Values that an enum leaves out between others have no name, and are not offered. */
+static void an_enum_may_leave_values_out(void **state) {
+    (void)state;
+    char path[1024], name[HS_ENUM_NAME];
+    const char *build = getenv("SV_BUILD_DIR");
+    hs_plugin plugin;
+    hs_error err = {0};
+    sv_param_info info;
+    sv_param_value retired;
+    double value;
+    (void)snprintf(path, sizeof path, "%s/smartvis.so", build ? build : ".");
+    if (!hs_plugin_open(&plugin, path, NULL, SV_LOG_ERROR, &err)) fail_msg("%s", err.text);
+    assert_true(hs_plugin_find_param(&plugin, "method", &info));
+    assert_false(hs_plugin_enum_at(&plugin, &info, 4, &value, name, sizeof name));
+    assert_true(hs_plugin_enum_at(&plugin, &info, 7, &value, name, sizeof name) && value == 7.0);
+    assert_string_equal(name, "wall");
+    assert_true(hs_plugin_find_enum(&plugin, &info, "wall", &value) && value == 7.0);
+    assert_false(hs_plugin_parse_param(&plugin, "method=plate", &retired, &err));
+    assert_non_null(strstr(err.text, "'plate' is not one of mean, minimum, spline, cost, wall"));
+    hs_plugin_close(&plugin);
+}
+
 static void wrong_values_are_refused_with_what_is_allowed(void **state) {
     const hs_plugin *plugin = *state;
     static const struct {
@@ -227,6 +249,7 @@ int main(void) {
                                         close_plane),
         cmocka_unit_test_setup_teardown(a_failed_call_is_told_with_path_call_status_and_reason, open_plane,
                                         close_plane),
+        cmocka_unit_test(an_enum_may_leave_values_out),
         cmocka_unit_test(every_status_has_its_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,7 @@
  * numbers. What activate says it needs is what it makes, to the byte.
  */
 #include "support/fixture.h"
+#include "support/surfaces.h"
 #include "validate/spy/cl_spy.h"
 
 #include <inttypes.h>
@@ -34,16 +35,11 @@ static uint64_t number_behind(const fixture *f, const char *word) {
 
 static void the_sum_is_that_of_the_buffers(void **state) {
     fixture *f = *state;
-    sv_param_info info = {.size = sizeof info};
     spy_watch(f->r.entry);
-    for (uint32_t i = 0; i < f->r.plugin->param_count(f->r.plugin); i++) {
-        assert_int_equal(f->r.plugin->param_info(f->r.plugin, i, &info), SV_OK);
-        if (info.id == rig_param(&f->r, "method")) break;
-    }
-    for (double method = info.min_value; method <= info.max_value; method++)
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method))
         for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++)
             for (double reduction = 1.0; reduction <= 2.0; reduction++) {
-                if (method > info.min_value && carrier != SV_CARRIER_HOST)
+                if (method != surface_next(-1) && carrier != SV_CARRIER_HOST)
                     continue; /* methods do not see it */
                 choose(f, carrier, method, reduction);
                 spy_device_memory(1, 0);

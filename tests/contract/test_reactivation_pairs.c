@@ -21,13 +21,15 @@ typedef struct {
     int count;
 } knob;
 
-/* All values where they are few, else the ends and the default. */
-static void choose_values(knob *k) {
+/* All values that there are where they are few, else the ends and the default. */
+static void choose_values(const sv_plugin *p, knob *k) {
+    char text[64];
     const sv_param_info *i = &k->info;
     const double steps = (i->max_value - i->min_value) / i->step;
     assert_true(i->type == SV_PARAM_ENUM || i->type == SV_PARAM_INT || i->type == SV_PARAM_BOOL);
     if (steps < MOST_VALUES) {
-        for (double v = i->min_value; v <= i->max_value; v += i->step) k->value[k->count++] = v;
+        for (double v = i->min_value; v <= i->max_value; v += i->step)
+            if (p->param_text(p, i->id, v, text, sizeof text) == SV_OK) k->value[k->count++] = v;
         return;
     }
     assert_int_equal(i->type, SV_PARAM_INT);
@@ -43,7 +45,7 @@ static int find_knobs(const rig *r, knob knobs[MOST_PARAMETERS]) {
         assert_int_equal(r->plugin->param_info(r->plugin, i, &k.info), SV_OK);
         if (!(k.info.flags & SV_PARAM_REACTIVATE)) continue;
         assert_true(count < MOST_PARAMETERS);
-        choose_values(&k);
+        choose_values(r->plugin, &k);
         knobs[count++] = k;
     }
     return count;

@@ -1,19 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
-#include "quantise.h"
-#include "ref/ref_chain.h"
-
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const surface_names[METHODS] = {"mean", "minimum", "spline", "pushpull", "membrane", "plate"};
+int surface_next(int method) {
+    while (++method < SV_METHOD_END)
+        if (sv_ref_method_of((uint32_t)method)) return method;
+    return -1;
+}
+
+int surface_next_of_points(int method) {
+    do method = surface_next(method);
+    while (method >= 0 && sv_ref_method_of((uint32_t)method)->takes_volume);
+    return method;
+}
 
 static void *must(void *p) {
     if (!p) abort();
     return p;
+}
+
+const char *surface_name(int method) {
+    return sv_ref_method_name((uint32_t)method);
 }
 
 surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t slices) {
@@ -115,6 +126,7 @@ sv_format surface_format(const surface_points *points, const sv_param_value *val
                        .tile_w = points->width,
                        .tile_h = points->height,
                        .row_pitch = points->width,
+                       .spacing_mm = {1.0f, 1.0f, 1.0f},
                        .values = values,
                        .value_count = count};
 }
@@ -142,15 +154,13 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter_passes"), 0, chain->prefilter_passes},
         {rig_param(r, "prefilter_kernel"), 0, chain->prefilter_k ? chain->prefilter_k : 5},
         {rig_param(r, "lambda"), 0, chain->lambda},
-        {rig_param(r, "solver_steps"), 0, chain->solver_steps},
-        {rig_param(r, "data_weight"), 0, chain->data_weight > 0.0 ? chain->data_weight : 1.0},
     };
     sv_status status = r->plugin->activate(r->plugin, &format);
     if (status != SV_OK) return status;
     uint8_t *volume = surface_volume(points);
     status = run_active(r, points, volume, values, sizeof values / sizeof *values, out);
     free(volume);
-    if (status >= 0 && report && chain->method == SPLINE) {
+    if (status >= 0 && report && chain->method == SV_METHOD_SPLINE) {
         const sv_ext_spline *spline = hs_plugin_spline(r->plugin);
         *report = (sv_spline_report){.size = sizeof *report};
         const sv_status read = spline->report(r->plugin, report);
@@ -164,7 +174,6 @@ static sv_ref_settings settings_of(const surface_chain *chain) {
     sv_ref_settings s = sv_ref_default_settings;
     if (chain->k) s.kernel = chain->k;
     if (chain->prefilter_k) s.prefilter_kernel = chain->prefilter_k;
-    if (chain->data_weight > 0.0) s.data_weight = chain->data_weight;
     if (chain->reduction) s.reduction = chain->reduction;
     s.prefilter_passes = chain->prefilter_passes;
     s.lambda = chain->lambda;
@@ -176,15 +185,28 @@ static sv_ref_settings settings_of(const surface_chain *chain) {
 double *surface_expect(const surface_points *points, const surface_chain *chain) {
     const size_t count = (size_t)points->width * points->height;
     double *depth = must(malloc(count * sizeof *depth)), *surface = must(malloc(count * sizeof *surface));
+    uint8_t *volume = surface_volume(points), *either = must(malloc(count));
     for (size_t i = 0; i < count; i++) { /* in float32, as the minimum filter gets them: it must be exact */
         const float near_end = (float)points->near_end[i], far_end = (float)points->far_end[i];
         depth[i] = (double)(far_end + chain->q * (near_end - far_end));
     }
+    const sv_ref_volume voxels = {.voxels = volume,
+                                  .width = points->width,
+                                  .height = points->height,
+                                  .slices = points->slices,
+                                  .padding = SV_NO_PADDING};
     const sv_ref_settings settings = settings_of(chain);
     const sv_ref_task task = {
         .map = {.status = points->status, .depth = depth, .width = points->width, .height = points->height},
+        .volume = &voxels,
+        .spacing_mm = {1.0, 1.0, 1.0},
+        .q = (double)chain->q,
         .settings = &settings};
-    if (!sv_ref_chain(sv_ref_method_of((uint32_t)chain->method), &task, surface, NULL)) abort();
+    if (!sv_ref_chain(sv_ref_method_of((uint32_t)chain->method), &task, surface, either)) abort();
+    for (size_t i = 0; i < count; i++)
+        if (either[i]) surface[i] = (double)NAN;
+    free(either);
+    free(volume);
     free(depth);
     return surface;
 }
@@ -193,36 +215,19 @@ double surface_error(const rig_result *out, const double *expected, size_t count
     double worst = 0.0;
     for (size_t i = 0; i < count; i++) {
         if (!isfinite(out->depth[i])) return (double)NAN;
-        worst = fmax(worst, fabs((double)out->depth[i] - expected[i]));
+        if (!isnan(expected[i])) worst = fmax(worst, fabs((double)out->depth[i] - expected[i]));
     }
     return worst;
 }
 
-/* The mean filter with planes of 16 bits: half a step a pass, in each of two planes where depths have a sign,
- * and half a step for merged points, which are no whole samples. */
-static double half_bound(const surface_chain *chain, const surface_points *p) {
-    const uint32_t reduction = chain->reduction ? chain->reduction : 1;
-    const uint32_t k = sv_reduced_kernel(chain->k ? chain->k : 23, reduction);
-    const uint32_t passes =
-        sv_pass_limit(sv_reduced_side(p->width, reduction), sv_reduced_side(p->height, reduction), k);
-    const sv_fixed format = sv_half_format(p->slices, 2);
-    return (2.0 + fabs((double)chain->q)) * (passes + 1) *
-           (ldexp(0.5, -(int)format.fraction) + p->slices * 0x1p-23);
-}
-
-double surface_bound(const surface_chain *chain, const surface_points *p) {
-    const double ulp = p->slices * 0x1p-24; /* half a float32 step at the largest depth */
-    const double spread = chain->reduction > 1 ? 8.0 * ulp : 0.0; /* merging, and bilinear interpolation */
-    switch (chain->method) {
-    case MINIMUM:
-        return spread;
-    case PUSHPULL:
-        return 8.0 * ulp + spread; /* a few roundings a level, which the next level halves, and the blend */
-    case MEAN:
-        return fmax(1e-3, chain->half ? half_bound(chain, p) : 0.0) + spread;
-    default:
-        return 1e-3 + spread;
-    }
+double surface_bound(const surface_chain *chain, const surface_points *points) {
+    const sv_ref_settings settings = settings_of(chain);
+    const sv_ref_task task = {.map = {.width = points->width, .height = points->height},
+                              .q = (double)chain->q,
+                              .settings = &settings};
+    const sv_ref_device device = {
+        .slices = points->slices, .substeps = 1, .doubles = !chain->float32, .half_sums = chain->half};
+    return sv_ref_bound(sv_ref_method_of((uint32_t)chain->method), &task, &device);
 }
 
 uint32_t surface_random(uint32_t *state) {

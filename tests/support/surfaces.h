@@ -6,22 +6,25 @@
 
 #include "support/rig.h"
 
-#include "ref/ref_method.h"
+#include "method_list.h"
+#include "ref/ref_chain.h"
 
-enum { MEAN, MINIMUM, SPLINE, PUSHPULL, MEMBRANE, PLATE, METHODS };
-extern const char *const surface_names[METHODS];
+/* The method of the list (method_list.h) behind this one, the first behind -1; -1 behind the last. Of all,
+ * and of those that start from initial points and not from the volume. */
+int surface_next(int method);
+int surface_next_of_points(int method);
+const char *surface_name(int method);
 
-/* One chain. Zeroed: mean filter, k = 23, no pre-filter, no merging, spline at every pixel, data weight 1. */
+/* One chain. Zeroed: mean filter, k = 23, no pre-filter, no merging, spline at every pixel. */
 typedef struct {
     int method;
     uint32_t k;                             /* 0: 23 */
     uint32_t prefilter_passes, prefilter_k; /* passes 0: no pre-filter */
-    double lambda, data_weight;             /* weight 0: 1 */
+    double lambda;
     uint32_t merge_grid, spline_grid;
-    uint32_t solver_steps; /* 0: the method's own number */
-    bool float32, half;    /* precision float32, or int16 */
-    uint32_t reduction;    /* 0: 1 */
-    uint32_t strategy;     /* work layout; 0: auto */
+    bool float32, half; /* precision float32, or int16 */
+    uint32_t reduction; /* 0: 1 */
+    uint32_t strategy;  /* work layout; 0: auto */
     float q;
 } surface_chain;
 
@@ -54,13 +57,13 @@ sv_format surface_format(const surface_points *points, const sv_param_value *val
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
                       sv_spline_report *report);
 
-/* The same in float64 from the definitions. */
+/* The same by definition, in float64; NAN at pixels where two answers are right. */
 double *surface_expect(const surface_points *points, const surface_chain *chain);
 
-/* Largest difference; NAN if a depth is not finite. */
+/* Largest difference, where one is expected; NAN if a depth is not finite. */
 double surface_error(const rig_result *out, const double *expected, size_t count);
 
-/* The bound of docs/numerics.md for a chain in full precision, or int16, on these points. */
+/* The method's own bound, on a device with float64 unless the chain says float32. */
 double surface_bound(const surface_chain *chain, const surface_points *points);
 
 /* Deterministic numbers: xorshift, 32 bits. */

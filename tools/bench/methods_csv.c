@@ -2,6 +2,7 @@
 #include "bench/methods_csv.h"
 
 #include "base/output_file.h"
+#include "ref/ref_chain.h"
 
 static void field(FILE *file, bool known, double value) {
     if (known) (void)fprintf(file, ",%.6g", value);
@@ -18,10 +19,10 @@ static void times(FILE *file, const bench_times *t) {
 static void write_row(const methods_report *report, const char *section, const methods_row *r, FILE *file) {
     const methods_variant *v = r->variant;
     const methods_times *t = &r->times;
-    (void)fprintf(file, "%s,\"%s\",%s,%s,%u,%u,%u,%u,%u,%u,%u,%u,%u,%u", section, v->label,
-                  methods_kind_key(v->kind), methods_variant_precision(v), r->n, v->k, v->merge_grid,
-                  v->spline_grid, v->steps, methods_variant_reduction(v), r->points, t->control_points,
-                  t->passes, t->frames);
+    (void)fprintf(file, "%s,\"%s\",%s,%s,%u,%u,%u,%u,%u,%u,%u,%u,%u", section, v->label,
+                  sv_ref_method_name(v->method), methods_variant_precision(v), r->n, v->k, v->merge_grid,
+                  v->spline_grid, methods_variant_reduction(v), r->points, t->control_points, t->passes,
+                  t->frames);
     times(file, &t->end);
     times(file, &t->reconstruct);
     times(file, &t->memory);
@@ -40,7 +41,7 @@ static void write_row(const methods_report *report, const char *section, const m
 bool methods_write_csv(const methods_report *report, const char *path, hs_error *err) {
     hs_output_file output = {0};
     if (!hs_output_open(&output, path, err)) return false;
-    (void)fprintf(output.file, "section,variant,method,precision,size,k,merge_grid,spline_grid,solver_steps,"
+    (void)fprintf(output.file, "section,variant,method,precision,size,k,merge_grid,spline_grid,"
                                "reduction,points,control_points,passes,frames");
     static const char *const parts[] = {"end", "reconstruct", "memory", "plain_c"};
     for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)

@@ -6,6 +6,7 @@
 #include "bench/methods_print.h"
 #include "bench/methods_svg.h"
 #include "plugin/loader.h"
+#include "ref/ref_chain.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +19,7 @@ typedef struct {
     const char *id, *csv, *svg, *points;
     uint32_t frames;
     double seconds, budget; /* of a variant; of a definition, operations */
-    bool size[BENCH_SIZES], kind[METHODS_KINDS], quick, truth, fit;
+    bool size[BENCH_SIZES], method[SV_METHOD_END], quick, truth, fit;
 } options;
 
 static const char help[] =
@@ -35,13 +36,13 @@ static const char help[] =
     "  --plugin PATH    plugin library (default: smartvis.so beside this program)\n"
     "  --id ID          the library's plugin of that id (default: its first)\n"
     "  --size N         maps of N x N pixels only: 128, 171 or 512; may be repeated\n"
-    "  --method NAME    mean, minimum, spline, pushpull, membrane or plate only; may be repeated\n"
+    "  --method NAME    this method only, of those that start from initial points; may be repeated\n"
     "  --frames N       timed frames of each variant at most (default 30)\n"
     "  --seconds S      a variant that took longer ends early, after 3 frames at least (default 2)\n"
     "  --operations N   leave out a float64 definition that takes more scalar operations (default 2e10)\n"
     "  --no-truth       without the scenes\n"
     "  --no-fit         without the exponents\n"
-    "  --quick          17 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n"
+    "  --quick          9 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n"
     "  --csv FILE       all numbers as CSV\n"
     "  --svg FILE       a plot of time against error, with the Pareto fronts\n"
     "  --points FILE    write the initial points of the one --size as lines 'x y near far', and end\n"
@@ -52,8 +53,8 @@ static const char help[] =
     "Exit codes as host_sim's; 1: the plugin finds other initial points, or no surface.\n";
 
 static bool parse_method(options *o, const char *text, hs_error *err) {
-    for (int i = 0; i < METHODS_KINDS; i++)
-        if (strcmp(text, methods_kind_key((methods_kind)i)) == 0) return o->kind[i] = true;
+    for (uint32_t m = 0; m < SV_METHOD_END; m++)
+        if (methods_on_points(m) && strcmp(text, sv_ref_method_name(m)) == 0) return o->method[m] = true;
     return hs_fail(err, HS_ERR_USAGE, "--method: there is no '%s'; see --help", text);
 }
 
@@ -143,7 +144,7 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
     if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
     if (*wants_help) return true;
     const int sizes = bench_choose_all_if_none(o->size, BENCH_SIZES);
-    (void)bench_choose_all_if_none(o->kind, METHODS_KINDS);
+    (void)bench_choose_all_if_none(o->method, SV_METHOD_END);
     return !o->points || sizes == 1 ||
            hs_fail(err, HS_ERR_USAGE, "--points: needs one --size, got %d", sizes);
 }
@@ -162,7 +163,7 @@ typedef struct {
 } bench_run;
 
 static bool wanted(const options *o, const methods_variant *v) {
-    return o->kind[v->kind] && (v->quick || !o->quick);
+    return v->label && o->method[v->method] && (v->quick || !o->quick);
 }
 
 /* Error against the definition, unless that takes too long. */
@@ -213,7 +214,7 @@ static bool run_size(bench_run *run, uint32_t n, hs_error *err) {
 
 /* Splines through more and more points, for the fit. */
 static bool run_splines(bench_run *run, hs_error *err) {
-    static const methods_variant unmerged = {.label = "spline unmerged, pixels", .kind = METHODS_SPLINE};
+    static const methods_variant unmerged = {.label = "spline unmerged, pixels", .method = SV_METHOD_SPLINE};
     methods_print_head("Splines through scattered points, 128 x 128 pixels");
     for (int i = 0; i < METHODS_SPLINES; i++) {
         methods_map map;
@@ -263,7 +264,7 @@ static bool measure(bench_run *run, hs_error *err) {
     bench_machine_print(&run->report.machine);
     for (int s = 0; s < BENCH_SIZES; s++)
         if (o->size[s] && !run_size(run, bench_sizes[s], err)) return false;
-    if (o->fit && o->kind[METHODS_SPLINE] && !run_splines(run, err)) return false;
+    if (o->fit && o->method[SV_METHOD_SPLINE] && !run_splines(run, err)) return false;
     if (o->truth && !run_truth(run, err)) return false;
     if (o->fit) methods_print_fits(&run->report);
     if (o->csv && !methods_write_csv(&run->report, o->csv, err)) return false;
@@ -310,6 +311,7 @@ int main(int argc, char **argv) {
     bool wants_help = false, ok = false;
     bench_run *run = calloc(1, sizeof *run);
     if (!run) (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
+    methods_variants_complete();
     if (run) ok = parse_options(argc, argv, &run->o, &wants_help, &err);
     if (wants_help) (void)fputs(help, stdout);
     if (ok && !wants_help) ok = run->o.points ? write_points(&run->o, &err) : open_and_measure(run, &err);

@@ -81,7 +81,7 @@ static void fit_pixels(const methods_report *report) {
             count++;
         }
         print_fit(methods_variants[v].label, "pixels", methods_fit_line(x, all, count));
-        if (methods_variants[v].kind == METHODS_MEAN || methods_variants[v].kind == METHODS_MINIMUM)
+        if (methods_variants[v].method == SV_METHOD_MEAN || methods_variants[v].method == SV_METHOD_MINIMUM)
             print_fit(methods_variants[v].label, "pixels, a pass", methods_fit_line(x, pass, count));
     }
 }
@@ -93,7 +93,7 @@ static void fit_k(const methods_report *report) {
         uint32_t count = 0;
         for (uint32_t i = 0; i < report->row_count; i++) {
             const methods_row *r = &report->rows[i];
-            if (r->n != bench_sizes[s] || r->variant->kind != METHODS_MEAN || r->times.passes == 0 ||
+            if (r->n != bench_sizes[s] || r->variant->method != SV_METHOD_MEAN || r->times.passes == 0 ||
                 methods_variant_approximates(r->variant))
                 continue;
             k[count] = r->variant->k;

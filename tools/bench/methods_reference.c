@@ -12,17 +12,10 @@ double methods_reference_cost(const methods_map *map, const methods_variant *v) 
     const double points =
         fmin(map->points, v->merge_grid ? v->merge_grid * v->merge_grid : SV_SPLINE_MAX_POINTS);
     const uint32_t reach = v->k / 2;
-    switch (v->kind) {
-    case METHODS_MEAN: /* k^2 a pixel and pass; gaps of 0.385 sides, k / 2 of which a pass closes */
-    case METHODS_MINIMUM:
-        return pixels * v->k * v->k * ceil(0.385 * n / reach);
-    case METHODS_SPLINE: /* elimination; a logarithm a pixel and point */
+    if (v->method == SV_METHOD_SPLINE) /* elimination; a logarithm a pixel and point */
         return points * points * points + 10.0 * pixels * points;
-    case METHODS_PUSHPULL:
-        return 10.0 * pixels;
-    default: /* conjugate gradients take steps like n for the membrane and like n^2 for the plate */
-        return 40.0 * pixels * n * (v->kind == METHODS_PLATE ? n / 2.0 : 1.0);
-    }
+    /* filters: k^2 a pixel and pass; gaps of 0.385 sides, k / 2 of which a pass closes */
+    return pixels * v->k * v->k * ceil(0.385 * n / reach);
 }
 
 double *methods_reference_make(const methods_map *map, const methods_variant *v, float q, hs_error *err) {
@@ -37,8 +30,7 @@ double *methods_reference_make(const methods_map *map, const methods_variant *v,
     /* In float32, as the minimum filter gets them: it must be exact. */
     for (size_t i = 0; depth && i < count; i++)
         depth[i] = (double)((float)map->far_end[i] + q * ((float)map->near_end[i] - (float)map->far_end[i]));
-    const bool ok =
-        depth && surface && sv_ref_chain(sv_ref_method_of((uint32_t)v->kind), &task, surface, NULL);
+    const bool ok = depth && surface && sv_ref_chain(sv_ref_method_of(v->method), &task, surface, NULL);
     free(depth);
     if (ok) return surface;
     free(surface);
@@ -47,7 +39,7 @@ double *methods_reference_make(const methods_map *map, const methods_variant *v,
 }
 
 bool methods_reference_same(const methods_variant *a, const methods_variant *b) {
-    return a->kind == b->kind && a->k == b->k && a->merge_grid == b->merge_grid;
+    return a->method == b->method && a->k == b->k && a->merge_grid == b->merge_grid;
 }
 
 methods_error methods_error_of(const float *depth, const double *reference, size_t count) {

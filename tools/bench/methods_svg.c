@@ -3,15 +3,19 @@
 
 #include "base/output_file.h"
 #include "bench/methods_fit.h"
+#include "ref/ref_chain.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { WIDTH = 1440, HEIGHT = 700, TOP = 84, BOTTOM = 600, PANEL = 500, MARK = 6 };
 static const double smallest = 1e-7; /* slices: what an error of 0 is drawn at */
-static const char *const colours[METHODS_KINDS] = {"#0072b2", "#009e73", "#d55e00",
-                                                   "#cc79a7", "#e69f00", "#56504a"};
+static const char *const colours[] = {"#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56504a"};
 static const char *const dashes[BENCH_SIZES] = {"none", "7 4", "2 4"};
+
+static const char *colour_of(uint32_t method) {
+    return colours[method % (sizeof colours / sizeof *colours)];
+}
 
 /* One diagram. */
 typedef struct {
@@ -158,17 +162,18 @@ static void draw_panel(panel *p, const mark *marks, uint32_t count, const char *
         (void)snprintf(tip, sizeof tip, "%s, %u x %u: %.3g ms, %.3g slices", r->variant->label, r->n, r->n,
                        marks[i].ms, marks[i].error);
         draw_shape(p->file, place_x(p, marks[i].ms), place_y(p, marks[i].error), marks[i].size,
-                   colours[r->variant->kind], methods_variant_approximates(r->variant), tip);
+                   colour_of(r->variant->method), methods_variant_approximates(r->variant), tip);
     }
 }
 
 static void draw_legend(FILE *file) {
     double y = TOP + 8;
     const double x = WIDTH - 190;
-    for (int kind = 0; kind < METHODS_KINDS; kind++, y += 22) {
-        draw_shape(file, x, y, 0, colours[kind], false, methods_kind_key((methods_kind)kind));
-        (void)fprintf(file, "<text x='%.1f' y='%.1f'>%s</text>\n", x + 16, y + 4,
-                      methods_kind_key((methods_kind)kind));
+    for (uint32_t m = 0; m < SV_METHOD_END; m++) {
+        if (!methods_on_points(m)) continue;
+        draw_shape(file, x, y, 0, colour_of(m), false, sv_ref_method_name(m));
+        (void)fprintf(file, "<text x='%.1f' y='%.1f'>%s</text>\n", x + 16, y + 4, sv_ref_method_name(m));
+        y += 22;
     }
     y += 12;
     for (int size = 0; size < BENCH_SIZES; size++, y += 22) {

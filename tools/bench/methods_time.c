@@ -40,7 +40,7 @@ static bool prepare(timing *t, hs_error *err) {
         return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", t->variant->label, rays);
     for (int p = 0; p < PARTS; p++)
         if (!bench_samples_create(&t->samples[p], t->setup->frames, err)) return false;
-    const uint32_t k = t->variant->kind == METHODS_MEAN ? t->variant->k : PLAIN_K;
+    const uint32_t k = t->variant->method == SV_METHOD_MEAN ? t->variant->k : PLAIN_K;
     t->plain = plain_surface_create(t->setup->team, &points, k, err);
     return t->plain && methods_values_make(t->setup->plugin, t->variant, &t->values, err);
 }
@@ -109,7 +109,7 @@ static bool verify(timing *t, methods_times *times, hs_error *err) {
     times->passes = points.passes;
     const sv_ext_spline *spline = hs_plugin_spline(t->instance);
     sv_spline_report report = {.size = sizeof report};
-    if (t->variant->kind == METHODS_SPLINE && spline && spline->report(t->instance, &report) == SV_OK)
+    if (t->variant->method == SV_METHOD_SPLINE && spline && spline->report(t->instance, &report) == SV_OK)
         times->control_points = report.points;
     return true;
 }
@@ -147,7 +147,7 @@ static bool time_frames(timing *t, methods_times *times, hs_error *err) {
     const uint32_t warm_up = t->first_ms > slow_ms ? 0 : WARM_UP;
     sv_stats stats = {.size = sizeof stats};
     const sv_result result = {.size = sizeof result, .depth = t->depth, .stats = &stats};
-    const bool mean = t->variant->kind == METHODS_MEAN;
+    const bool mean = t->variant->method == SV_METHOD_MEAN;
     (void)plain_ms(t, run_plain); /* its maps hold surfaces from now on */
     for (uint32_t i = 0; i < warm_up + t->setup->frames; i++) {
         if (times->frames >= LEAST_FRAMES && hs_now() - start > t->setup->seconds) break;

@@ -3,35 +3,29 @@
 #ifndef METHODS_VARIANT_H
 #define METHODS_VARIANT_H
 
+#include "method_list.h"
 #include "plugin/loader.h"
 
-typedef enum {
-    METHODS_MEAN,
-    METHODS_MINIMUM,
-    METHODS_SPLINE,
-    METHODS_PUSHPULL,
-    METHODS_MEMBRANE,
-    METHODS_PLATE,
-    METHODS_KINDS
-} methods_kind;
-
-/* The value of the plugin's parameter "method": "mean", ... */
-const char *methods_kind_key(methods_kind kind);
+/* True for a method of the list (method_list.h) that starts from initial points. Those that take the volume
+ * are the business of sv_bench and of the judge. */
+bool methods_on_points(uint32_t method);
 
 /* Settings that a method does not read are 0 here, and keep their defaults. */
 typedef struct {
     const char *label; /* for tables: at most 24 characters */
-    methods_kind kind;
+    uint32_t method;   /* SV_METHOD_* */
     uint32_t k;
     uint32_t merge_grid, spline_grid;
-    uint32_t steps;        /* of the solver; 0: as many as the bound needs */
     uint32_t reduction;    /* cells of this many by as many pixels; 0: 1 */
     const char *precision; /* NULL: float64, and exact sums in the mean filter */
     bool quick;            /* part of a --quick run */
 } methods_variant;
 
-enum { METHODS_VARIANTS = 40 };
-extern const methods_variant methods_variants[METHODS_VARIANTS];
+/* Those whose label is not NULL, until methods_variants_complete has given every method of the list that has
+ * no variant the one with its default settings. */
+enum { METHODS_VARIANTS = 22 + SV_METHOD_END };
+extern methods_variant methods_variants[METHODS_VARIANTS];
+void methods_variants_complete(void);
 
 const char *methods_variant_precision(const methods_variant *variant);
 uint32_t methods_variant_reduction(const methods_variant *variant);
