@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_convert.h"
-
+/* Times scan conversion against reading the volume's bytes once, and holds it to exact means over boxes. */
 #include "base/progress.h"
-#include "bench/plain_read.h"
+#include "bench/bench_results.h"
+#include "bench/plain.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_files.h"
+/* The benchmark's results as CSV and JSON. */
+#include "bench/bench_results.h"
 
 #include "base/output_file.h"
-#include "bench/bench_method.h"
 
 #include <jansson.h>
 #include <math.h>

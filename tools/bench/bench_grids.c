@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_grids.h"
+/* Times the renderer of a probe's volume in turns in both grids that it could sample: the Cartesian copy, as
+ * the host does, and the probe's own (tools/bench/cl/probe_grid.cl). */
+#include "bench/bench_results.h"
 
-#include "base/progress.h"
 #include "kernels_bench_grids.h"
 #include "render/dvr.h"
 #include "render/dvr_thesis.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_guard.h"
+/* What the guard costs a frame: the same frames with the plugin in this process and in one of its own, in
+ * turns. */
+#include "bench/bench_results.h"
 
-#include "base/progress.h"
-#include "bench/bench_host.h"
 #include "guarded/guarded.h"
 #include "loop/loop_stages.h"
 

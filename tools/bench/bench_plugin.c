@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_plugin.h"
-
-#include "bench/plain_frame.h"
-#include "bench/plain_read.h"
+/* Times a plugin's frame beside reading the volume and the plain C frame, in turns. */
+#include "bench/bench_results.h"
+#include "bench/plain.h"
 #include "plugin/loader_param.h"
 
 #include <math.h>

@@ -1,10 +1,89 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_report.h"
+#include "bench/bench_results.h"
 
-#include "bench/bench_method.h"
-
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* --------------------------------------------------------------------------------------------- methods -- */
+/* The frames of another method than the one plain C computes, as multiples of a ray profile. */
+
+const bench_method bench_methods[BENCH_METHODS] = {
+    {"cost", {6.0, 15.0}, 171}, /* its bins of 512^3 voxels are gigabytes */
+    {"wall", {1.5, 3.5}, 512},
+};
+
+/* What a frame may take, in milliseconds; 0: this size has no limit. */
+static double bench_limit_ms(const bench_method *method, uint32_t n) {
+    return n == 128 ? method->limit_ms[0] : n == 171 ? method->limit_ms[1] : 0.0;
+}
+
+static double limit_of(const char *name, uint32_t n) {
+    for (int i = 0; i < BENCH_METHODS; i++)
+        if (strcmp(name, bench_methods[i].name) == 0) return bench_limit_ms(&bench_methods[i], n);
+    return 0.0;
+}
+
+/* The result of the same size, slabs and route with another method; NULL if it was not measured. */
+static const bench_plugin_result *bench_find(const bench_report *report, const bench_plugin_result *like,
+                                             const char *method) {
+    for (uint32_t i = 0; i < report->plugin_count; i++) {
+        const bench_plugin_result *r = &report->plugin[i];
+        if (strcmp(r->method, method) == 0 && r->variant.n == like->variant.n &&
+            r->variant.slab_slices == like->variant.slab_slices && r->variant.route == like->variant.route)
+            return r;
+    }
+    return NULL;
+}
+
+static double per_profile(const bench_plugin_result *result, const bench_plugin_result *of) {
+    if (!of || !of->has_stages || !(of->stages.profile_ms > 0.0)) return NAN;
+    return result->times[BENCH_FRAME].median / of->stages.profile_ms;
+}
+
+bench_profile_ratio bench_per_profile(const bench_report *report, const bench_plugin_result *result) {
+    return (bench_profile_ratio){.mean = per_profile(result, bench_find(report, result, "mean")),
+                                 .own = per_profile(result, result)};
+}
+
+static void print_line(const bench_report *report, const bench_plugin_result *r) {
+    const bench_times *t = &r->times[BENCH_FRAME];
+    const bench_profile_ratio ratio = bench_per_profile(report, r);
+    const double limit = limit_of(r->method, r->variant.n);
+    const double n = r->variant.n;
+    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.2f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ", r->variant.n,
+           bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min, t->p95,
+           t->median * 1e6 / (n * n * n), r->stages.profile_ms, r->stages.threshold_ms,
+           r->stages.reconstruct_ms, ratio.mean, ratio.own);
+    if (limit > 0.0) printf("%4.1f ms", limit);
+    printf("%s\n", r->stats.outcome == SV_OK ? "" : "  (no surface)");
+}
+
+void bench_print_method(const bench_report *report, const char *method) {
+    bool any = false;
+    for (uint32_t i = 0; i < report->plugin_count; i++) {
+        if (strcmp(report->plugin[i].method, method) != 0) continue;
+        if (!any) {
+            printf("\nFrame with method %s, milliseconds (medians unless named); as multiples of the profile "
+                   "stage of the mean filter and of its own\n",
+                   method);
+            printf("%4s %-34s %4s | %7s %7s %7s %8s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of",
+                   "frame", "min", "p95", "ns/voxel", "profile", "threshold", "reconstruct", "/mean's",
+                   "/own", "limit");
+        }
+        any = true;
+        print_line(report, &report->plugin[i]);
+    }
+    (void)fflush(stdout);
+}
+
+/* ---------------------------------------------------------------------------------------------- tables -- */
+/* The benchmark's results as tables on standard output. */
+
+/* Ratios to plain C are held to this (issue "speed"), DVR to milliseconds, the loop to volumes per second. */
+#define BENCH_TARGET_RATIO   3.0
+#define BENCH_TARGET_DVR_MS  60.0
+#define BENCH_TARGET_VOLUMES 12.0
 
 void bench_print_plugin_head(uint32_t n, uint32_t k) {
     printf("\nPlugin frame, %u^3 voxels, k = %u; milliseconds, medians unless named; ratios of medians, (of "

@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_slabs.h"
+/* The benchmark's volume, cut into slabs as a host would deliver them. */
+#include "bench/bench.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* A volume as slices in tiles: voxel (x, y, z) is slice[z][y * pitch + x]. Not owned. After every row
+ * PLAIN_READ_AHEAD bytes more may be read; they do not matter. */
+enum { PLAIN_READ_AHEAD = 63 };
 
 enum { ALIGN = 4096 };
 _Static_assert(ALIGN >= (int)PLAIN_READ_AHEAD, "the spare bytes after the last slab");

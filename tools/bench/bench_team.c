@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/bench_team.h"
+/* Two persistent threads, the caller and one more, for the C side of the benchmark. */
+#include "bench/bench.h"
 
 #include <linux/futex.h>
 #include <pthread.h>

@@ -2,7 +2,7 @@
 #include "bench/methods_map.h"
 
 #include "base/output_file.h"
-#include "bench/bench_slabs.h"
+#include "bench/bench.h"
 #include "ref/ref_points.h"
 
 #include <math.h>

@@ -3,8 +3,7 @@
 #ifndef METHODS_REPORT_H
 #define METHODS_REPORT_H
 
-#include "bench/bench_cli.h"
-#include "bench/bench_machine.h"
+#include "bench/bench.h"
 #include "bench/methods_reference.h"
 #include "bench/methods_time.h"
 #include "bench/methods_truth.h"

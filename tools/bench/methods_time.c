@@ -2,7 +2,7 @@
 #include "bench/methods_time.h"
 
 #include "base/progress.h"
-#include "bench/plain_surface.h"
+#include "bench/plain.h"
 #include "plugin/loader_param.h"
 #include "plugin/plugin_ext.h"
 

@@ -3,8 +3,7 @@
 #ifndef METHODS_TIME_H
 #define METHODS_TIME_H
 
-#include "bench/bench_team.h"
-#include "bench/bench_times.h"
+#include "bench/bench.h"
 #include "bench/methods_map.h"
 #include "bench/methods_variant.h"
 

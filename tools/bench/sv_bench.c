@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
 #include "base/cli.h"
-#include "bench/bench_cli.h"
-#include "bench/bench_convert.h"
-#include "bench/bench_files.h"
-#include "bench/bench_guard.h"
-#include "bench/bench_loop.h"
-#include "bench/bench_method.h"
-#include "bench/bench_report.h"
+#include "bench/bench.h"
+#include "bench/bench_results.h"
 #include "plugin/loader_param.h"
 
 #include <stdio.h>

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+/* What the benchmarks share: command line, machine, times, two threads, slabs and views. */
+#ifndef BENCH_H
+#define BENCH_H
+
+#include "base/error.h"
+#include "plugin/loader.h"
+#include "render/dvr.h"
+#include "render/host_cl.h"
+#include "render/scan_convert.h"
+
+#include <getopt.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---------------------------------------------------------------------------------------- command line -- */
+/* What the command lines of the benchmarks share: the loop over the options, and options that both have. */
+
+/* Voxels or pixels along an axis that --size chooses from. */
+enum { BENCH_SIZES = 3 };
+extern const uint32_t bench_sizes[BENCH_SIZES];
+
+/* The value of --help in a list of options; those of others start behind it. */
+enum { BENCH_OPT_HELP = 256, BENCH_OPT_FIRST };
+
+/* Hands every option to `set`, its argument in optarg. True without `wants_help` when all were taken; true
+ * with it as soon as help is asked for. HS_ERR_USAGE. */
+typedef bool (*bench_set_option)(void *options, int option, hs_error *err);
+bool bench_parse(int argc, char **argv, const struct option *known, bench_set_option set, void *options,
+                 bool *wants_help, hs_error *err);
+
+bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err);
+
+/* What was not chosen is all chosen. Returns how many were. */
+int bench_choose_all_if_none(bool *chosen, int count);
+
+/* Finds out now, not after minutes, that a file cannot be written. NULL: none is wanted. HS_ERR_OUTPUT. */
+bool bench_try_output(const char *path, hs_error *err);
+
+/* Says on stderr what went wrong; returns the exit code. */
+int bench_fail(const char *program, const hs_error *err);
+
+/* --------------------------------------------------------------------------------------------- machine -- */
+/* What the numbers were measured on. */
+
+typedef struct {
+    char cpu[128];
+    long processors;
+    char device[256], version[256], driver[128], platform[256];
+    char plugin[256]; /* id and version */
+    double load;      /* one-minute load average when the run began */
+} bench_machine;
+
+/* What cannot be asked stays empty. */
+void bench_machine_ask(bench_machine *machine, const hs_cl *cl, const hs_plugin *plugin);
+
+/* To standard output. */
+void bench_machine_print(const bench_machine *machine);
+
+/* ----------------------------------------------------------------------------------------------- times -- */
+/* Samples of a duration, and what is reported of them. */
+
+/* Processor time of all threads so far, milliseconds: other load on the machine
+ * hardly changes what is spent. */
+double bench_processor_ms(void);
+
+typedef struct {
+    double *ms;
+    uint32_t count, capacity;
+} bench_samples;
+
+bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *err);
+void bench_samples_add(bench_samples *samples, double ms);
+void bench_samples_destroy(bench_samples *samples);
+
+/* Milliseconds; zeros without samples. */
+typedef struct {
+    double min, median, p95; /* p95: nearest rank */
+} bench_times;
+
+/* Sorts the samples. */
+bench_times bench_samples_times(bench_samples *samples);
+
+/* ------------------------------------------------------------------------------------------------ team -- */
+/* Two persistent threads, the caller and one more, for the C side of the benchmark. */
+
+enum { BENCH_THREADS = 2 };
+
+typedef struct bench_team bench_team;
+
+/* NULL with HS_ERR_MEMORY if the thread cannot be started. */
+bench_team *bench_team_create(hs_error *err);
+void bench_team_destroy(bench_team *team);
+
+/* Wakes the second thread and returns once it runs, so that a bench_team_run right after measures work and
+ * not the system's wake-up. bench_team_rest lets it sleep at once; otherwise it would look for work some 50
+ * us more, and take a core from others. */
+void bench_team_ready(bench_team *team);
+void bench_team_rest(bench_team *team);
+
+/* Runs job(context, 0) here and job(context, 1) on the second thread, and returns when both have. Only
+ * between ready and rest. */
+void bench_team_run(bench_team *team, void (*job)(void *context, unsigned thread), void *context);
+
+/* For jobs: returns when both threads have called it; what either wrote before is seen by both. */
+void bench_team_barrier(bench_team *team);
+
+/* --------------------------------------------------------------------------------------------- volumes -- */
+/*
+ * The yardsticks: what a careful C programmer gets from two threads and the compiler's vectoriser, -O3
+ * -march=native, without intrinsics. For the benchmark only; it shares no code with the plugin.
+ */
+
+typedef struct {
+    uint32_t width, height, slices;
+    const uint8_t *const *slice;
+    size_t pitch; /* bytes */
+} plain_volume;
+
+/* ----------------------------------------------------------------------------------------------- slabs -- */
+/* The benchmark's volume, cut into slabs as a host would deliver them. */
+
+/* Intensities of the volume, grey levels: fluid 1 .. 40, tissue 60 .. 150, bone 220 .. 255. */
+enum { BENCH_FLUID_LEVEL = 40 };
+
+/*
+ * Voxel (x, y, z) of the volume with n x n rays of `slices` voxels, the same at every call: a wall, fluid,
+ * then tissue with bones that 3 % of the rays meet; a few rays meet bone in the wall, before any fluid. All
+ * layers have noise.
+ *
+ * slice[z] is the first of n rows, `pitch` bytes apart, of n bytes. HS_ERR_MEMORY.
+ */
+bool bench_volume_fill(uint32_t n, uint32_t slices, uint8_t *const *slice, size_t pitch, hs_error *err);
+
+typedef struct {
+    hs_slab_layout layout;
+    uint32_t count;      /* slabs */
+    size_t stride;       /* bytes from one slab's texture to the next */
+    size_t bytes;        /* of all */
+    uint8_t *memory;     /* owned */
+    uint8_t **slice;     /* owned: where each slice begins */
+    plain_volume volume; /* the same voxels */
+} bench_slabs;
+
+/* n voxels an axis in slabs of slab_slices, tiles as square as the host's scan
+ * loop lays them. HS_ERR_MEMORY. */
+bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs_error *err);
+void bench_slabs_destroy(bench_slabs *slabs);
+
+/* ----------------------------------------------------------------------------------------------- views -- */
+/* What the benchmarks of the renderer draw: four views, each with a picture and a
+ * depthmap that is a plane. */
+
+enum { BENCH_VIEWS = 4 };
+
+/* A camera in degrees, and whether the picture is clipped. */
+typedef struct {
+    const char *label;
+    double yaw, pitch;
+    bool clipped;
+} bench_view;
+
+extern const bench_view bench_views[BENCH_VIEWS];
+
+typedef struct {
+    const hs_cl *cl;
+    cl_mem pixels;         /* RGBA of the settings' width x height */
+    hs_start_depths start; /* of the plane */
+} bench_picture;
+
+/* HS_ERR_DEVICE; call bench_picture_destroy in every case. */
+bool bench_picture_create(bench_picture *p, const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err);
+
+/* Safe on a zeroed struct. */
+void bench_picture_destroy(bench_picture *p);
+
+/* Draws into `pixels` without waiting; clips at the plane or not. */
+bool bench_picture_draw(const bench_picture *p, hs_dvr *dvr, const hs_device_volume *volume,
+                        const hs_camera *camera, bool clipped, hs_error *err);
+
+/* Waits for the queue. */
+bool bench_picture_wait(const bench_picture *p, hs_error *err);
+
+#endif

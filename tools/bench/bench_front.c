@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+#include "bench/bench.h"
+
+#include "base/cli.h"
+#include "base/output_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---------------------------------------------------------------------------------------- command line -- */
+/* What the command lines of the benchmarks share: the loop over the options, and options that both have. */
+
+const uint32_t bench_sizes[BENCH_SIZES] = {128, 171, 512};
+
+bool bench_parse(int argc, char **argv, const struct option *known, bench_set_option set, void *options,
+                 bool *wants_help, hs_error *err) {
+    *wants_help = false;
+    for (int c; (c = getopt_long(argc, argv, "", known, NULL)) != -1;) {
+        if (c == BENCH_OPT_HELP) return *wants_help = true;
+        /* of an unknown one getopt_long has said what is wrong */
+        if (c < BENCH_OPT_FIRST) return hs_fail(err, HS_ERR_USAGE, "the command line is wrong");
+        if (!set(options, c, err)) return false;
+    }
+    return hs_cli_no_more(argc, argv, optind, err);
+}
+
+bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err) {
+    for (int i = 0; i < BENCH_SIZES; i++) {
+        char name[16];
+        (void)snprintf(name, sizeof name, "%u", bench_sizes[i]);
+        if (strcmp(text, name) == 0) return chosen[i] = true;
+    }
+    return hs_fail(err, HS_ERR_USAGE, "--size: %s is none of 128, 171, 512", text);
+}
+
+int bench_choose_all_if_none(bool *chosen, int count) {
+    int found = 0;
+    for (int i = 0; i < count; i++) found += chosen[i];
+    for (int i = 0; i < count; i++) chosen[i] = chosen[i] || found == 0;
+    return found;
+}
+
+bool bench_try_output(const char *path, hs_error *err) {
+    hs_output_file output = {0};
+    if (path && !hs_output_open(&output, path, err)) return false;
+    hs_output_discard(&output);
+    return true;
+}
+
+int bench_fail(const char *program, const hs_error *err) {
+    (void)fprintf(stderr, "%s: %s\n", program, err->text);
+    if (err->code == HS_ERR_USAGE) (void)fprintf(stderr, "Try '%s --help'.\n", program);
+    return (int)err->code;
+}
+
+/* --------------------------------------------------------------------------------------------- machine -- */
+/* What the numbers were measured on. */
+
+/* "model name" of /proc/cpuinfo; "unknown CPU" elsewhere. */
+static void ask_cpu(char *out, size_t bytes) {
+    char line[256];
+    (void)snprintf(out, bytes, "unknown CPU");
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    while (file && fgets(line, sizeof line, file)) {
+        const char *value = strchr(line, ':');
+        if (!value || strncmp(line, "model name", strlen("model name")) != 0) continue;
+        (void)snprintf(out, bytes, "%.*s", (int)strcspn(value + 2, "\n"), value + 2);
+        break;
+    }
+    if (file) (void)fclose(file);
+}
+
+void bench_machine_ask(bench_machine *m, const hs_cl *cl, const hs_plugin *plugin) {
+    const sv_descriptor *d = plugin->instance->descriptor;
+    *m = (bench_machine){.processors = sysconf(_SC_NPROCESSORS_ONLN)};
+    ask_cpu(m->cpu, sizeof m->cpu);
+    if (getloadavg(&m->load, 1) != 1) m->load = -1.0;
+    (void)snprintf(m->device, sizeof m->device, "%s", cl->device_name);
+    (void)snprintf(m->plugin, sizeof m->plugin, "%s %s", d->id, d->version);
+    cl_platform_id platform = NULL;
+    /* Captions only: what cannot be asked stays empty. */
+    (void)clGetDeviceInfo(cl->device, CL_DEVICE_VERSION, sizeof m->version - 1, m->version, NULL);
+    (void)clGetDeviceInfo(cl->device, CL_DRIVER_VERSION, sizeof m->driver - 1, m->driver, NULL);
+    if (clGetDeviceInfo(cl->device, CL_DEVICE_PLATFORM, sizeof platform, &platform, NULL) == CL_SUCCESS)
+        (void)clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof m->platform - 1, m->platform, NULL);
+}
+
+void bench_machine_print(const bench_machine *m) {
+    printf("CPU       %s, %ld processors, load %.1f when the run began\n", m->cpu, m->processors, m->load);
+    printf("device    %s; %s; driver %s; %s\n", m->device, m->version, m->driver, m->platform);
+    printf("plugin    %s\n", m->plugin);
+    printf("plain C   %s, %d threads\n", __VERSION__, BENCH_THREADS);
+}
+
+/* ----------------------------------------------------------------------------------------------- times -- */
+/* Samples of a duration, and what is reported of them. */
+
+double bench_processor_ms(void) {
+    struct timespec t;
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *err) {
+    *samples = (bench_samples){.ms = malloc(capacity * sizeof(double)), .capacity = capacity};
+    return samples->ms || hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u samples", capacity);
+}
+
+void bench_samples_add(bench_samples *samples, double ms) {
+    if (samples->count < samples->capacity) samples->ms[samples->count++] = ms;
+}
+
+void bench_samples_destroy(bench_samples *samples) {
+    free(samples->ms);
+    *samples = (bench_samples){0};
+}
+
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+bench_times bench_samples_times(bench_samples *samples) {
+    const uint32_t n = samples->count;
+    if (n == 0) return (bench_times){0};
+    qsort(samples->ms, n, sizeof(double), compare);
+    const double median = (samples->ms[(n - 1) / 2] + samples->ms[n / 2]) / 2.0;
+    return (bench_times){samples->ms[0], median, samples->ms[(n * 95 + 99) / 100 - 1]};
+}

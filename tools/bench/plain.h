@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The yardsticks: what a careful C programmer gets from two threads and the compiler's vectoriser, -O3
+ * -march=native, without intrinsics. For the benchmark only; it shares no code with the plugin.
+ */
+#ifndef PLAIN_H
+#define PLAIN_H
+
+#include "bench/bench.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* --------------------------------------------------------------------------------------------- reading -- */
+/* Reading a volume's bytes once, one of the yardsticks (plain_volume.h). */
+
+/* Reads `bytes` bytes (a multiple of 16, aligned to 8) once, as 64-bit words that are summed. Between
+ * bench_team_ready and _rest. */
+uint64_t plain_read(bench_team *team, const void *memory, size_t bytes);
+
+/* ---------------------------------------------------------------------------------------- ray profiles -- */
+/* Ray profiles in plain C, for a range of rows. */
+
+/* What is known of the rays, in rows of `stride` values, a multiple of PLAIN_BLOCK. */
+typedef struct {
+    size_t stride;
+    uint8_t *maximum, *tissue;
+    uint16_t *entry, *exit;         /* slices of the last crossings */
+    uint16_t *max_entry, *max_exit; /* the ones that were current at the (first) maximum */
+} plain_rays;
+
+/* Profiles of rows y0 .. y1 - 1. Returns their largest intensity. */
+uint8_t plain_profile(const plain_volume *volume, uint8_t fluid_level, uint32_t y0, uint32_t y1,
+                      const plain_rays *rays);
+
+/* ----------------------------------------------------------------------------------------- mean filter -- */
+/* The mean filter in plain C, for a range of rows. */
+
+enum { PLAIN_NEAR, PLAIN_FAR, PLAIN_WEIGHT, PLAIN_PLANES };
+
+/* The mean filter's maps: weight * near end, weight * far end (fixed point), weight. */
+typedef struct {
+    uint32_t width, height, k, fraction;
+    const uint8_t *status;
+    uint32_t *sums[2][PLAIN_PLANES]; /* width * height each; a pass reads one set and writes the other */
+    float *surface[2];               /* near, far */
+} plain_maps;
+
+/* Weights of initial points and of pixels that an earlier pass filled: omega = 0.5. */
+enum { PLAIN_INITIAL = 2, PLAIN_FILLED = 1 };
+
+/* A thread's rows: plain_mean_row_values(maps) values. */
+size_t plain_mean_row_values(uint32_t width, uint32_t k);
+
+/* Pass `number` over rows y0 .. y1 - 1. Returns the pixels there that still have no surface. */
+uint32_t plain_mean(const plain_maps *maps, uint32_t number, uint32_t y0, uint32_t y1, uint32_t *rows);
+
+/* --------------------------------------------------------------------------------------------- surface -- */
+/* The mean filter alone in plain C, from initial points to S(q), and the memory it cannot do without. */
+
+/* Initial points of a map of width x height pixels: SV_POINT_*, and interval ends in slices. Not owned. */
+typedef struct {
+    uint32_t width, height, slices;
+    const uint8_t *status;
+    const uint16_t *near_end, *far_end;
+} plain_points;
+
+typedef struct plain_surface plain_surface;
+
+/* `team` and the points must outlive it. k odd. NULL with HS_ERR_MEMORY, or HS_ERR_USAGE if a window's sums
+ * do not fit 32 bits with 10 fraction bits. */
+plain_surface *plain_surface_create(bench_team *team, const plain_points *points, uint32_t k, hs_error *err);
+void plain_surface_destroy(plain_surface *surface);
+
+/* Points to sums, all passes over both ends, S(q) into `depth` (width * height slices). Returns the passes.
+ * There must be an initial point. Between bench_team_ready and _rest, as is the next. */
+uint32_t plain_surface_run(plain_surface *surface, float q, float *depth);
+
+/* The least that any method moves: reads two float32 maps and writes one, with a multiply-add between. */
+void plain_surface_touch(plain_surface *surface, float q, float *depth);
+
+/* Fraction bits with which the largest sum of a window fits 32 bits, and a depth a float's 24. Fewer than
+ * PLAIN_MIN_FRACTION are too coarse. */
+enum { PLAIN_MIN_FRACTION = 10 };
+uint32_t plain_fraction(uint32_t slices, uint32_t k);
+
+/* One end of `count` intervals as the mean filter's first sums: weight * depth, 0
+ * where the interval is empty. */
+void plain_weigh_points(size_t count, uint32_t fraction, const uint8_t *restrict status,
+                        const uint16_t *restrict end, uint32_t *restrict sum);
+
+/* S(q) = S_f + q (S_n - S_f) for `count` pixels. */
+void plain_blend(size_t count, float q, const float *restrict near_surface, const float *restrict far_surface,
+                 float *restrict depth);
+
+/* ----------------------------------------------------------------------------------------------- frame -- */
+/* The whole frame in plain C, one of the yardsticks (plain_volume.h). */
+
+typedef struct {
+    uint8_t fluid_level; /* T_L as a grey level: tissue lies above it */
+    uint8_t bone_drop;   /* a ray is bone if its maximum is above (maximum of the volume) - bone_drop */
+    uint32_t k;          /* window of the mean filter, odd */
+    float q;
+} plain_settings;
+
+/* The plugin's work: ray profiles, offset threshold, initial points, mean filter of both ends to
+ * completion with weights 2 : 1, S(q). All voxels count as scanned. */
+typedef struct plain_frame plain_frame;
+
+/* `team` must outlive it. NULL with HS_ERR_MEMORY, or HS_ERR_USAGE if a window's sums do not fit 32 bits with
+ * 10 fraction bits. */
+plain_frame *plain_frame_create(bench_team *team, uint32_t width, uint32_t height, uint32_t slices,
+                                const plain_settings *settings, hs_error *err);
+void plain_frame_destroy(plain_frame *frame);
+
+/* One frame, between bench_team_ready and _rest. depth: width * height slices; status: width * height bytes,
+ * SV_POINT_*. Returns the passes of the mean filter, 0 if there is no initial point. */
+uint32_t plain_frame_run(plain_frame *frame, const plain_volume *volume, float *depth, uint8_t *status);
+
+#endif
