@@ -9,7 +9,6 @@
 #include "render/host_cl.h"
 #include "render/scan_convert.h"
 
-#include <getopt.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -21,14 +20,23 @@
 enum { BENCH_SIZES = 3 };
 extern const uint32_t bench_sizes[BENCH_SIZES];
 
-/* The value of --help in a list of options; those of others start behind it. */
-enum { BENCH_OPT_HELP = 256, BENCH_OPT_FIRST };
+/* An option: a flag (no value) or a text, whole number or number in low .. high that is put at `at` of the
+ * options, or something that `take` reads. */
+typedef enum { BENCH_FLAG, BENCH_TEXT, BENCH_COUNT, BENCH_NUMBER, BENCH_TAKEN } bench_option_type;
+typedef struct {
+    const char *name, *value,
+        *help; /* `value` names it, NULL: there is none; lines of `help` end with a newline */
+    bench_option_type type;
+    size_t at;
+    double low, high;
+    bool (*take)(void *options, const char *text, hs_error *err);
+} bench_option;
 
-/* Hands every option to `set`, its argument in optarg. True without `wants_help` when all were taken; true
- * with it as soon as help is asked for. HS_ERR_USAGE. */
-typedef bool (*bench_set_option)(void *options, int option, hs_error *err);
-bool bench_parse(int argc, char **argv, const struct option *known, bench_set_option set, void *options,
-                 bool *wants_help, hs_error *err);
+/* Reads a command line by a list that ends with a name of NULL; --help is known, too: true with `wants_help`
+ * as soon as it is asked for. HS_ERR_USAGE. */
+bool bench_parse(int argc, char **argv, const bench_option *known, void *options, bool *wants_help,
+                 hs_error *err);
+void bench_print_options(const bench_option *known);
 
 bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err);
 

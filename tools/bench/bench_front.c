@@ -4,6 +4,7 @@
 #include "base/cli.h"
 #include "base/output_file.h"
 
+#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,16 +16,55 @@
 
 const uint32_t bench_sizes[BENCH_SIZES] = {128, 171, 512};
 
-bool bench_parse(int argc, char **argv, const struct option *known, bench_set_option set, void *options,
-                 bool *wants_help, hs_error *err) {
+static bool take_option(const bench_option *o, void *options, const char *text, hs_error *err) {
+    void *const target = (char *)options + o->at;
+    char name[32];
+    (void)snprintf(name, sizeof name, "--%s", o->name);
+    switch (o->type) {
+    case BENCH_FLAG:
+        return *(bool *)target = true;
+    case BENCH_TEXT:
+        *(const char **)target = text;
+        return true;
+    case BENCH_COUNT:
+        return hs_cli_u32(name, text, (uint32_t)o->low, (uint32_t)o->high, target, err);
+    case BENCH_NUMBER:
+        return hs_cli_number(name, text, o->low, o->high, target, err);
+    case BENCH_TAKEN:
+        return o->take(options, text, err);
+    }
+    return hs_fail(err, HS_ERR_FAILED, "%s: of no type", name);
+}
+
+bool bench_parse(int argc, char **argv, const bench_option *known, void *options, bool *wants_help,
+                 hs_error *err) {
+    enum { MOST = 32, FIRST = 256 };
+    struct option list[MOST + 2] = {{"help", no_argument, NULL, FIRST - 1}};
+    for (int i = 0; i < MOST && known[i].name; i++)
+        list[i + 1] =
+            (struct option){known[i].name, known[i].value ? required_argument : no_argument, NULL, FIRST + i};
     *wants_help = false;
-    for (int c; (c = getopt_long(argc, argv, "", known, NULL)) != -1;) {
-        if (c == BENCH_OPT_HELP) return *wants_help = true;
-        /* of an unknown one getopt_long has said what is wrong */
-        if (c < BENCH_OPT_FIRST) return hs_fail(err, HS_ERR_USAGE, "the command line is wrong");
-        if (!set(options, c, err)) return false;
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, ":", list, NULL)) != -1;) {
+        if (!hs_cli_known(c, argv, err)) return false;
+        if (c == FIRST - 1) return *wants_help = true;
+        if (!take_option(&known[c - FIRST], options, optarg, err)) return false;
     }
     return hs_cli_no_more(argc, argv, optind, err);
+}
+
+void bench_print_options(const bench_option *known) {
+    enum { COLUMN = 22 };
+    for (; known->name; known++) {
+        const int used = printf("  --%s %s", known->name, known->value ? known->value : "");
+        int indent = COLUMN - used;
+        for (const char *line = known->help; *line;
+             line += strcspn(line, "\n") + (line[strcspn(line, "\n")] != 0)) {
+            printf("%*s%.*s\n", indent, "", (int)strcspn(line, "\n"), line);
+            indent = COLUMN;
+        }
+    }
+    printf("  --help              %s\n", "this text");
 }
 
 bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err) {

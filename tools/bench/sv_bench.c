@@ -21,8 +21,8 @@ enum {
 static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
 
 typedef struct {
-    char plugin[1024];
-    const char *id, *scene, *scan, *csv, *json;
+    char usual[1024]; /* where the plugin lies by default */
+    const char *plugin, *id, *scene, *scan, *csv, *json;
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
@@ -31,7 +31,7 @@ typedef struct {
     uint32_t value_count;
 } options;
 
-static const char help[] =
+static const char intro[] =
     "Usage: sv_bench [options]\n"
     "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
     "C,\n"
@@ -40,48 +40,24 @@ static const char help[] =
     "Last, the renderer of a probe's volume in the Cartesian copy and in the probe's own grid.\n"
     "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
     "and\n"
-    "kernel is timed as it is.\n\n"
-    "  --plugin PATH      plugin library (default: smartvis.so beside this program)\n"
-    "  --id ID            the library's plugin of that id (default: its first)\n"
-    "  --param KEY=VALUE  a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
-    "                     change the result make the comparison with plain C fail\n"
-    "  --only PART        'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n"
-    "  --size N           volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n"
-    "  --slab N           slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, "
-    "0)\n"
-    "  --route NAME       how slabs get to the plugin; may be repeated (default: all)\n"
-    "                       place-own    host memory, read in place; the plugin's own queue\n"
-    "                       place-host   host memory, read in place; the host's queue\n"
-    "                       copy-own     host memory, copied; the plugin's own queue\n"
-    "                       copy-host    host memory, copied; the host's queue\n"
-    "                       buffer-host  OpenCL buffer; the host's queue\n"
-    "  --frames N         timed frames of each combination (default 100)\n"
-    "  --loop-frames N    timed frames of each camera and setting of the scan loop (default 20)\n"
-    "  --loop-size N      voxels an axis of the scan loop's volume (default 400)\n"
-    "  --scene NAME       a scene for the scan loop: E01 .. D02 or a scene file (default: the layered "
-    "volume\n"
-    "                     that the plugin is timed on)\n"
-    "  --scan FILE        a scan file for 'convert': MetaImage, or Kretz in probe geometry\n"
-    "  --quick            20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n"
-    "  --csv FILE         all numbers as CSV\n"
-    "  --json FILE        all numbers as JSON\n"
-    "  --help             this text\n\n"
-    "Exit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is no "
-    "failure.\n";
+    "kernel is timed as it is.\n\n";
 
-static bool parse_route(options *o, const char *text, hs_error *err) {
+static bool take_route(void *all, const char *text, hs_error *err) {
+    options *const o = all;
     for (int i = 0; i < BENCH_ROUTES; i++)
         if (strcmp(text, bench_route_key((bench_route)i)) == 0) return o->route[i] = true;
     return hs_fail(err, HS_ERR_USAGE, "--route: there is no '%s'; see --help", text);
 }
 
-static bool parse_slab(options *o, const char *text, hs_error *err) {
+static bool take_slab(void *all, const char *text, hs_error *err) {
+    options *const o = all;
     if (o->slab_count == MAX_SLABS)
         return hs_fail(err, HS_ERR_USAGE, "--slab: given more than %d times", MAX_SLABS);
     return hs_cli_u32("--slab", text, 0, 512, &o->slabs[o->slab_count++], err);
 }
 
-static bool parse_part(options *o, const char *text, hs_error *err) {
+static bool take_part(void *all, const char *text, hs_error *err) {
+    options *const o = all;
     o->plugin_part = strcmp(text, "plugin") == 0;
     o->guard_part = strcmp(text, "guard") == 0;
     o->convert_part = strcmp(text, "convert") == 0;
@@ -92,12 +68,15 @@ static bool parse_part(options *o, const char *text, hs_error *err) {
                    "--only: '%s' is none of 'plugin', 'guard', 'convert', 'loop' and 'grids'", text);
 }
 
-static void make_quick(options *o) {
+static bool take_quick(void *all, const char *text, hs_error *err) {
+    options *const o = all;
+    (void)text;
+    (void)err;
     o->frames = 20;
     o->host_frames = 5;
     o->slabs[0] = 32;
     o->slab_count = 1;
-    o->route[BENCH_PLACE_OWN] = o->route[BENCH_BUFFER_HOST] = true;
+    return o->route[BENCH_PLACE_OWN] = o->route[BENCH_BUFFER_HOST] = true;
 }
 
 /* What was not chosen takes its default. */
@@ -110,87 +89,62 @@ static void fill_defaults(options *o) {
     o->slab_count = sizeof usual / sizeof *usual;
 }
 
-enum {
-    OPT_PLUGIN = BENCH_OPT_FIRST,
-    OPT_ID,
-    OPT_PARAM,
-    OPT_ONLY,
-    OPT_SIZE,
-    OPT_SLAB,
-    OPT_ROUTE,
-    OPT_FRAMES,
-    OPT_HOST_FRAMES,
-    OPT_HOST_SIZE,
-    OPT_SCENE,
-    OPT_SCAN,
-    OPT_QUICK,
-    OPT_CSV,
-    OPT_JSON
-};
-static const struct option long_options[] = {
-    {"plugin", required_argument, NULL, OPT_PLUGIN},
-    {"id", required_argument, NULL, OPT_ID},
-    {"param", required_argument, NULL, OPT_PARAM},
-    {"only", required_argument, NULL, OPT_ONLY},
-    {"size", required_argument, NULL, OPT_SIZE},
-    {"slab", required_argument, NULL, OPT_SLAB},
-    {"route", required_argument, NULL, OPT_ROUTE},
-    {"frames", required_argument, NULL, OPT_FRAMES},
-    {"loop-frames", required_argument, NULL, OPT_HOST_FRAMES},
-    {"loop-size", required_argument, NULL, OPT_HOST_SIZE},
-    {"scene", required_argument, NULL, OPT_SCENE},
-    {"scan", required_argument, NULL, OPT_SCAN},
-    {"quick", no_argument, NULL, OPT_QUICK},
-    {"csv", required_argument, NULL, OPT_CSV},
-    {"json", required_argument, NULL, OPT_JSON},
-    {"help", no_argument, NULL, BENCH_OPT_HELP},
-    {NULL, 0, NULL, 0},
+static bool take_param(void *all, const char *text, hs_error *err) {
+    options *const o = all;
+    return hs_cli_append("--param", text, o->value_texts, &o->value_count, MAX_VALUES, err);
+}
+
+static bool take_size(void *all, const char *text, hs_error *err) {
+    return bench_parse_size(text, ((options *)all)->size, err);
+}
+
+#define AT(field) offsetof(options, field)
+static const bench_option known[] = {
+    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", BENCH_TEXT, AT(plugin),
+     0, 0, NULL},
+    {"id", "ID", "the library's plugin of that id (default: its first)\n", BENCH_TEXT, AT(id), 0, 0, NULL},
+    {"param", "KEY=VALUE",
+     "a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
+     "change the result make the comparison with plain C fail\n",
+     BENCH_TAKEN, 0, 0, 0, take_param},
+    {"only", "PART", "'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n", BENCH_TAKEN, 0, 0, 0,
+     take_part},
+    {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", BENCH_TAKEN, 0, 0,
+     0, take_size},
+    {"slab", "N", "slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, 0)\n",
+     BENCH_TAKEN, 0, 0, 0, take_slab},
+    {"route", "NAME",
+     "how slabs get to the plugin; may be repeated (default: all)\n"
+     "  place-own    host memory, read in place; the plugin's own queue\n"
+     "  place-host   host memory, read in place; the host's queue\n"
+     "  copy-own     host memory, copied; the plugin's own queue\n"
+     "  copy-host    host memory, copied; the host's queue\n"
+     "  buffer-host  OpenCL buffer; the host's queue\n",
+     BENCH_TAKEN, 0, 0, 0, take_route},
+    {"frames", "N", "timed frames of each combination (default 100)\n", BENCH_COUNT, AT(frames), 1, 100000,
+     NULL},
+    {"loop-frames", "N", "timed frames of each camera and setting of the scan loop (default 20)\n",
+     BENCH_COUNT, AT(host_frames), 1, 100000, NULL},
+    {"loop-size", "N", "voxels an axis of the scan loop's volume (default 400)\n", BENCH_COUNT, AT(host_size),
+     32, 1024, NULL},
+    {"scene", "NAME",
+     "a scene for the scan loop: E01 .. D02 or a scene file (default: the layered volume\n"
+     "that the plugin is timed on)\n",
+     BENCH_TEXT, AT(scene), 0, 0, NULL},
+    {"scan", "FILE", "a scan file for 'convert': MetaImage, or Kretz in probe geometry\n", BENCH_TEXT,
+     AT(scan), 0, 0, NULL},
+    {"quick", NULL, "20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n", BENCH_TAKEN,
+     0, 0, 0, take_quick},
+    {"csv", "FILE", "all numbers as CSV\n", BENCH_TEXT, AT(csv), 0, 0, NULL},
+    {"json", "FILE", "all numbers as JSON\n", BENCH_TEXT, AT(json), 0, 0, NULL},
+    {NULL, NULL, NULL, BENCH_FLAG, 0, 0, 0, NULL},
 };
 
-static bool set_option(void *all, int option, hs_error *err) {
-    options *o = all;
-    switch (option) {
-    case OPT_PLUGIN:
-        (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
-        return true;
-    case OPT_ID:
-        o->id = optarg;
-        return true;
-    case OPT_PARAM:
-        if (o->value_count == MAX_VALUES)
-            return hs_fail(err, HS_ERR_USAGE, "--param: given more than %d times", MAX_VALUES);
-        o->value_texts[o->value_count++] = optarg;
-        return true;
-    case OPT_ONLY:
-        return parse_part(o, optarg, err);
-    case OPT_SIZE:
-        return bench_parse_size(optarg, o->size, err);
-    case OPT_SLAB:
-        return parse_slab(o, optarg, err);
-    case OPT_ROUTE:
-        return parse_route(o, optarg, err);
-    case OPT_FRAMES:
-        return hs_cli_u32("--frames", optarg, 1, 100000, &o->frames, err);
-    case OPT_HOST_FRAMES:
-        return hs_cli_u32("--loop-frames", optarg, 1, 100000, &o->host_frames, err);
-    case OPT_HOST_SIZE:
-        return hs_cli_u32("--loop-size", optarg, 32, 1024, &o->host_size, err);
-    case OPT_SCENE:
-        o->scene = optarg;
-        return true;
-    case OPT_SCAN:
-        o->scan = optarg;
-        return true;
-    case OPT_QUICK:
-        make_quick(o);
-        return true;
-    case OPT_CSV:
-        o->csv = optarg;
-        return true;
-    default: /* OPT_JSON */
-        o->json = optarg;
-        return true;
-    }
+static void print_help(void) {
+    printf("%s", intro);
+    bench_print_options(known);
+    printf("\nExit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is "
+           "no failure.\n");
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
@@ -202,8 +156,9 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
                    .convert_part = true,
                    .host_part = true,
                    .grids_part = true};
-    hs_plugin_default_path(o->plugin, sizeof o->plugin);
-    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
+    hs_plugin_default_path(o->usual, sizeof o->usual);
+    o->plugin = o->usual;
+    if (!bench_parse(argc, argv, known, o, wants_help, err)) return false;
     fill_defaults(o);
     return true;
 }
@@ -382,7 +337,7 @@ int main(int argc, char **argv) {
         return bench_fail("sv_bench", &err);
     }
     bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
-    if (wants_help) (void)fputs(help, stdout);
+    if (wants_help) print_help();
     if (ok && !wants_help) {
         const bool device = hs_cl_open(&run->cl, &err);
         const bool plugin =
