@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_surfaces_bench: what each reconstruction method costs, and how wrong it is. */
+#include "bench/methods.h"
+
 #include "base/cli.h"
 #include "base/progress.h"
-#include "bench/methods_csv.h"
-#include "bench/methods_print.h"
-#include "bench/methods_svg.h"
-#include "plugin/loader.h"
 #include "ref/ref_chain.h"
 
 #include <stdio.h>
@@ -15,14 +13,14 @@
 static const double default_q = 0.5;
 
 typedef struct {
-    char plugin[1024];
-    const char *id, *csv, *svg, *points;
+    char usual[1024]; /* where the plugin lies by default */
+    const char *plugin, *id, *csv, *svg, *points;
     uint32_t frames;
     double seconds, budget; /* of a variant; of a definition, operations */
-    bool size[BENCH_SIZES], method[SV_METHOD_END], quick, truth, fit;
+    bool size[BENCH_SIZES], method[SV_METHOD_END], quick, no_truth, no_fit;
 } options;
 
-static const char help[] =
+static const char intro[] =
     "Usage: sv_surfaces_bench [options]\n"
     "Times the surface reconstruction of every method, precision and approximation, and measures its error:\n"
     "against the float64 definition on the same initial points, and against the ground truth of scenes. The\n"
@@ -32,116 +30,72 @@ static const char help[] =
     "written,\n"
     "its least time) and to the mean filter in plain C (in brackets: ratio of minima), both on two threads "
     "and\n"
-    "in turns with the plugin.\n\n"
-    "  --plugin PATH    plugin library (default: smartvis.so beside this program)\n"
-    "  --id ID          the library's plugin of that id (default: its first)\n"
-    "  --size N         maps of N x N pixels only: 128, 171 or 512; may be repeated\n"
-    "  --method NAME    this method only, of those that start from initial points; may be repeated\n"
-    "  --frames N       timed frames of each variant at most (default 30)\n"
-    "  --seconds S      a variant that took longer ends early, after 3 frames at least (default 2)\n"
-    "  --operations N   leave out a float64 definition that takes more scalar operations (default 2e10)\n"
-    "  --no-truth       without the scenes\n"
-    "  --no-fit         without the exponents\n"
-    "  --quick          9 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n"
-    "  --csv FILE       all numbers as CSV\n"
-    "  --svg FILE       a plot of time against error, with the Pareto fronts\n"
-    "  --points FILE    write the initial points of the one --size as lines 'x y near far', and end\n"
-    "  --help           this text\n\n"
+    "in turns with the plugin.\n\n";
+static const char outro[] =
     "Variants: k, the mean and minimum filter's window; m, cells per side that a spline's points are merged\n"
     "on; grid or g, cells per side it is evaluated on (pixels: every pixel); f32, solver in float32; int16,\n"
     "16-bit planes; 1/2 and 1/4, reduced resolution. Errors are those against the full one.\n"
     "Exit codes as host_sim's; 1: the plugin finds other initial points, or no surface.\n";
 
-static bool parse_method(options *o, const char *text, hs_error *err) {
+static bool take_method(void *all, const char *text, hs_error *err) {
+    options *const o = all;
     for (uint32_t m = 0; m < SV_METHOD_END; m++)
         if (methods_on_points(m) && strcmp(text, sv_ref_method_name(m)) == 0) return o->method[m] = true;
     return hs_fail(err, HS_ERR_USAGE, "--method: there is no '%s'; see --help", text);
 }
 
-static void make_quick(options *o) {
-    o->quick = true;
+static bool take_quick(void *all, const char *text, hs_error *err) {
+    options *const o = all;
+    (void)text;
+    (void)err;
     o->frames = 10;
     o->seconds = 0.3;
     o->budget = 5.5e9;
+    return o->quick = true;
 }
 
-enum {
-    OPT_PLUGIN = BENCH_OPT_FIRST,
-    OPT_ID,
-    OPT_SIZE,
-    OPT_METHOD,
-    OPT_FRAMES,
-    OPT_SECONDS,
-    OPT_OPERATIONS,
-    OPT_NO_TRUTH,
-    OPT_NO_FIT,
-    OPT_QUICK,
-    OPT_CSV,
-    OPT_SVG,
-    OPT_POINTS
-};
-static const struct option long_options[] = {
-    {"plugin", required_argument, NULL, OPT_PLUGIN},
-    {"id", required_argument, NULL, OPT_ID},
-    {"size", required_argument, NULL, OPT_SIZE},
-    {"method", required_argument, NULL, OPT_METHOD},
-    {"frames", required_argument, NULL, OPT_FRAMES},
-    {"seconds", required_argument, NULL, OPT_SECONDS},
-    {"operations", required_argument, NULL, OPT_OPERATIONS},
-    {"no-truth", no_argument, NULL, OPT_NO_TRUTH},
-    {"no-fit", no_argument, NULL, OPT_NO_FIT},
-    {"quick", no_argument, NULL, OPT_QUICK},
-    {"csv", required_argument, NULL, OPT_CSV},
-    {"svg", required_argument, NULL, OPT_SVG},
-    {"points", required_argument, NULL, OPT_POINTS},
-    {"help", no_argument, NULL, BENCH_OPT_HELP},
-    {NULL, 0, NULL, 0},
+static bool take_size(void *all, const char *text, hs_error *err) {
+    return bench_parse_size(text, ((options *)all)->size, err);
+}
+
+#define AT(field) offsetof(options, field)
+static const bench_option known[] = {
+    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", BENCH_TEXT, AT(plugin),
+     0, 0, NULL},
+    {"id", "ID", "the library's plugin of that id (default: its first)\n", BENCH_TEXT, AT(id), 0, 0, NULL},
+    {"size", "N", "maps of N x N pixels only: 128, 171 or 512; may be repeated\n", BENCH_TAKEN, 0, 0, 0,
+     take_size},
+    {"method", "NAME", "this method only, of those that start from initial points; may be repeated\n",
+     BENCH_TAKEN, 0, 0, 0, take_method},
+    {"frames", "N", "timed frames of each variant at most (default 30)\n", BENCH_COUNT, AT(frames), 3, 100000,
+     NULL},
+    {"seconds", "S", "a variant that took longer ends early, after 3 frames at least (default 2)\n",
+     BENCH_NUMBER, AT(seconds), 0, 3600, NULL},
+    {"operations", "N", "leave out a float64 definition that takes more scalar operations (default 2e10)\n",
+     BENCH_NUMBER, AT(budget), 0, 1e15, NULL},
+    {"no-truth", NULL, "without the scenes\n", BENCH_FLAG, AT(no_truth), 0, 0, NULL},
+    {"no-fit", NULL, "without the exponents\n", BENCH_FLAG, AT(no_fit), 0, 0, NULL},
+    {"quick", NULL, "9 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n", BENCH_TAKEN, 0,
+     0, 0, take_quick},
+    {"csv", "FILE", "all numbers as CSV\n", BENCH_TEXT, AT(csv), 0, 0, NULL},
+    {"svg", "FILE", "a plot of time against error, with the Pareto fronts\n", BENCH_TEXT, AT(svg), 0, 0,
+     NULL},
+    {"points", "FILE", "write the initial points of the one --size as lines 'x y near far', and end\n",
+     BENCH_TEXT, AT(points), 0, 0, NULL},
+    {NULL, NULL, NULL, BENCH_FLAG, 0, 0, 0, NULL},
 };
 
-static bool set_option(void *all, int option, hs_error *err) {
-    options *o = all;
-    switch (option) {
-    case OPT_PLUGIN:
-        (void)snprintf(o->plugin, sizeof o->plugin, "%s", optarg);
-        return true;
-    case OPT_ID:
-        o->id = optarg;
-        return true;
-    case OPT_SIZE:
-        return bench_parse_size(optarg, o->size, err);
-    case OPT_METHOD:
-        return parse_method(o, optarg, err);
-    case OPT_FRAMES:
-        return hs_cli_u32("--frames", optarg, 3, 100000, &o->frames, err);
-    case OPT_SECONDS:
-        return hs_cli_number("--seconds", optarg, 0.0, 3600.0, &o->seconds, err);
-    case OPT_OPERATIONS:
-        return hs_cli_number("--operations", optarg, 0.0, 1e15, &o->budget, err);
-    case OPT_NO_TRUTH:
-        o->truth = false;
-        return true;
-    case OPT_NO_FIT:
-        o->fit = false;
-        return true;
-    case OPT_QUICK:
-        make_quick(o);
-        return true;
-    case OPT_CSV:
-        o->csv = optarg;
-        return true;
-    case OPT_SVG:
-        o->svg = optarg;
-        return true;
-    default: /* OPT_POINTS */
-        o->points = optarg;
-        return true;
-    }
+static void print_help(void) {
+    printf("%s", intro);
+    bench_print_options(known);
+    printf("\n%s", outro);
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
-    *o = (options){.frames = 30, .seconds = 2.0, .budget = 2e10, .truth = true, .fit = true};
-    hs_plugin_default_path(o->plugin, sizeof o->plugin);
-    if (!bench_parse(argc, argv, long_options, set_option, o, wants_help, err)) return false;
+    *o = (options){.frames = 30, .seconds = 2.0, .budget = 2e10};
+    hs_plugin_default_path(o->usual, sizeof o->usual);
+    o->plugin = o->usual;
+    if (!bench_parse(argc, argv, known, o, wants_help, err)) return false;
     if (*wants_help) return true;
     const int sizes = bench_choose_all_if_none(o->size, BENCH_SIZES);
     (void)bench_choose_all_if_none(o->method, SV_METHOD_END);
@@ -264,9 +218,9 @@ static bool measure(bench_run *run, hs_error *err) {
     bench_machine_print(&run->report.machine);
     for (int s = 0; s < BENCH_SIZES; s++)
         if (o->size[s] && !run_size(run, bench_sizes[s], err)) return false;
-    if (o->fit && o->method[SV_METHOD_SPLINE] && !run_splines(run, err)) return false;
-    if (o->truth && !run_truth(run, err)) return false;
-    if (o->fit) methods_print_fits(&run->report);
+    if (!o->no_fit && o->method[SV_METHOD_SPLINE] && !run_splines(run, err)) return false;
+    if (!o->no_truth && !run_truth(run, err)) return false;
+    if (!o->no_fit) methods_print_fits(&run->report);
     if (o->csv && !methods_write_csv(&run->report, o->csv, err)) return false;
     if (o->svg && !methods_write_svg(&run->report, o->svg, err)) return false;
     if (o->csv) printf("\nnumbers: %s\n", o->csv);
@@ -313,7 +267,7 @@ int main(int argc, char **argv) {
     if (!run) (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
     methods_variants_complete();
     if (run) ok = parse_options(argc, argv, &run->o, &wants_help, &err);
-    if (wants_help) (void)fputs(help, stdout);
+    if (wants_help) print_help();
     if (ok && !wants_help) ok = run->o.points ? write_points(&run->o, &err) : open_and_measure(run, &err);
     free(run);
     if (ok) return HS_OK;

@@ -1,10 +1,127 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/methods_print.h"
+#include "bench/methods.h"
 
-#include "bench/methods_fit.h"
+#include "base/output_file.h"
+#include "ref/ref_chain.h"
 
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ------------------------------------------------------------------------------------------------ fits -- */
+/* Exponents of how cost grows, and the Pareto front. */
+
+/* x, y > 0; values where y is 0 are left out. */
+static methods_fit methods_fit_line(const double *x, const double *y, uint32_t count) {
+    double sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+    methods_fit fit = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(y[i] > 0.0)) continue;
+        const double u = log(x[i]), v = log(y[i]);
+        sum_x += u;
+        sum_y += v;
+        sum_xx += u * u;
+        sum_xy += u * v;
+        fit.count++;
+    }
+    const double n = fit.count, spread = n * sum_xx - sum_x * sum_x;
+    if (fit.count < 2 || !(spread > 0.0)) return (methods_fit){.count = fit.count};
+    fit.exponent = (n * sum_xy - sum_x * sum_y) / spread;
+    const double constant = (sum_y - fit.exponent * sum_x) / n;
+    for (uint32_t i = 0; i < count; i++)
+        if (y[i] > 0.0)
+            fit.factor = fmax(fit.factor, exp(fabs(log(y[i]) - constant - fit.exponent * log(x[i]))));
+    return fit;
+}
+
+void methods_pareto(const double *x, const double *y, uint32_t count, bool *best) {
+    for (uint32_t i = 0; i < count; i++) {
+        best[i] = true;
+        for (uint32_t j = 0; j < count && best[i]; j++)
+            best[i] = !(x[j] <= x[i] && y[j] <= y[i] && (x[j] < x[i] || y[j] < y[i]));
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------ rows -- */
+/* The results of sv_surfaces_bench. */
+
+const uint32_t methods_spline_points[METHODS_SPLINES] = {40, 80, 160, 320, 640, 1280};
+
+double methods_row_ms(const methods_row *row) {
+    return row->times.reconstruct.median > 0.0 ? row->times.reconstruct.median : row->times.end.median;
+}
+
+const methods_truth_row *methods_row_truth(const methods_report *report, const methods_row *row) {
+    for (int v = 0; v < METHODS_VARIANTS; v++)
+        if (row->variant == &methods_variants[v] && report->truth[v].known) return &report->truth[v];
+    return NULL;
+}
+
+double methods_truth_mean(const methods_truth_row *truth) {
+    double sum = 0.0;
+    for (int s = 0; s < METHODS_SCENES; s++) sum += truth->slices[s];
+    return sum / METHODS_SCENES;
+}
+
+/* ------------------------------------------------------------------------------------------------- CSV -- */
+/* The results as CSV: a line a row; what is not known is empty. */
+
+static void field(FILE *file, bool known, double value) {
+    if (known) (void)fprintf(file, ",%.6g", value);
+    if (!known) (void)fputc(',', file);
+}
+
+static void times(FILE *file, const bench_times *t) {
+    const bool known = t->median > 0.0;
+    field(file, known, t->median);
+    field(file, known, t->min);
+    field(file, known, t->p95);
+}
+
+static void write_row(const methods_report *report, const char *section, const methods_row *r, FILE *file) {
+    const methods_variant *v = r->variant;
+    const methods_times *t = &r->times;
+    (void)fprintf(file, "%s,\"%s\",%s,%s,%u,%u,%u,%u,%u,%u,%u,%u,%u", section, v->label,
+                  sv_ref_method_name(v->method), methods_variant_precision(v), r->n, v->k, v->merge_grid,
+                  v->spline_grid, methods_variant_reduction(v), r->points, t->control_points, t->passes,
+                  t->frames);
+    times(file, &t->end);
+    times(file, &t->reconstruct);
+    times(file, &t->memory);
+    times(file, &t->plain);
+    const double ms = methods_row_ms(r);
+    field(file, t->memory.min > 0.0, ms / t->memory.min); /* a limit: the least of all frames */
+    field(file, t->plain.median > 0.0, ms / t->plain.median);
+    field(file, r->error.known, r->error.largest);
+    field(file, r->error.known, r->error.mean);
+    const methods_truth_row *truth = methods_row_truth(report, r);
+    for (int s = 0; s < METHODS_SCENES; s++) /* the scenes have this size */
+        field(file, truth && r->n == METHODS_SCENE_SIZE, truth ? truth->slices[s] : 0.0);
+    (void)fputc('\n', file);
+}
+
+bool methods_write_csv(const methods_report *report, const char *path, hs_error *err) {
+    hs_output_file output = {0};
+    if (!hs_output_open(&output, path, err)) return false;
+    (void)fprintf(output.file, "section,variant,method,precision,size,k,merge_grid,spline_grid,"
+                               "reduction,points,control_points,passes,frames");
+    static const char *const parts[] = {"end", "reconstruct", "memory", "plain_c"};
+    for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
+        (void)fprintf(output.file, ",%s_median_ms,%s_min_ms,%s_p95_ms", parts[p], parts[p], parts[p]);
+    (void)fprintf(output.file, ",per_memory,per_plain_c,error_max,error_mean");
+    for (int s = 0; s < METHODS_SCENES; s++) (void)fprintf(output.file, ",truth_%s", methods_scene_names[s]);
+    (void)fputc('\n', output.file);
+    for (uint32_t i = 0; i < report->row_count; i++)
+        write_row(report, "method", &report->rows[i], output.file);
+    for (uint32_t i = 0; i < report->spline_count; i++)
+        write_row(report, "points", &report->splines[i], output.file);
+    return hs_output_commit(&output, err); /* fails if any write before did */
+}
+
+/* ---------------------------------------------------------------------------------------------- tables -- */
+/* The results as tables on standard output. */
 
 static double ratio(double a, double b) {
     return b > 0.0 ? a / b : 0.0;
