@@ -3,7 +3,7 @@
 
 #include "frame/pipeline.h"
 #include "quantise.h"
-#include "ref/ref_mean_fixed.h"
+#include "ref/ref_mean.h"
 #include "ref/ref_points.h"
 
 #include <math.h>

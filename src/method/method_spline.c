@@ -8,7 +8,7 @@
 
 #include "device/queue.h"
 #include "kernels_spline.h"
-#include "ref/ref_spline_surface.h"
+#include "ref/ref_spline.h"
 #include "spline/spline_shared.h"
 
 enum {

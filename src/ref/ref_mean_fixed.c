@@ -4,7 +4,7 @@
  * pixel. Equal to the kernels bit for bit where division is correctly rounded; within the bound of
  * docs/numerics.md of sv_ref_mean.
  */
-#include "ref/ref_mean_fixed.h"
+#include "ref/ref_mean.h"
 
 #include <math.h>
 #include <stdlib.h>

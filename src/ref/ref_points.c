@@ -1,10 +1,60 @@
 /* SPDX-License-Identifier: MIT */
-/* Bone threshold and initial points: Algorithm 4.1, lines 15-22, and the three threshold modes of spec 3. */
 #include "ref/ref_points.h"
 
 #include "quantise.h"
 
 #include <math.h>
+
+/* The walk along one ray. */
+typedef struct {
+    bool in_tissue; /* class of the last scanned sample */
+    double entry, exit;
+    double maximum;
+    sv_ref_ray ray;
+} walk;
+
+/* One sample: `value` in grey levels (between two slices: not necessarily whole), at `depth` slices. */
+static void walk_sample(walk *w, double value, double depth, double threshold) {
+    const bool tissue = value > threshold;
+    if (tissue && !w->in_tissue) w->entry = depth;
+    if (!tissue && w->in_tissue) w->exit = depth;
+    if (value > w->maximum) {
+        w->maximum = value;
+        w->ray.max_entry = w->entry;
+        w->ray.max_exit = w->exit;
+    }
+    w->in_tissue = tissue;
+}
+
+static void walk_ray(const sv_ref_volume *v, size_t pixel, double threshold, uint32_t substeps,
+                     sv_ref_ray *ray) {
+    const size_t slice_size = (size_t)v->width * v->height;
+    /* A ray starts as if in tissue: fluid at its first scanned voxel opens an interval there, tissue opens
+     * none. */
+    walk w = {.in_tissue = true};
+    int before = -1; /* voxel of the slice before, -1 if there is none or it was not scanned */
+    for (uint32_t z = 0; z < v->slices; z++) {
+        const int voxel = v->voxels[z * slice_size + pixel];
+        const bool scanned = sv_ref_scanned(v, pixel, z);
+        for (uint32_t j = 1; scanned && before >= 0 && j < substeps; j++) {
+            /* One division of whole numbers: on a plateau the sample must equal the voxels, or a rounding
+             * error would make it a new maximum. */
+            const uint32_t sum = (uint32_t)before * (substeps - j) + (uint32_t)voxel * j;
+            walk_sample(&w, (double)sum / substeps, z - 1.0 + (double)j / substeps, threshold);
+        }
+        if (scanned) walk_sample(&w, voxel, z, threshold);
+        before = scanned ? voxel : -1;
+    }
+    w.ray.maximum = (uint8_t)w.maximum; /* whole: a linear piece is largest at one of its ends, a voxel */
+    *ray = w.ray;
+}
+
+void sv_ref_profile(const sv_ref_volume *volume, double fluid_threshold, uint32_t substeps,
+                    sv_ref_ray *rays) {
+    const double threshold = fluid_threshold * 255.0 + SV_LEVEL_SLACK;
+    const size_t count = (size_t)volume->width * volume->height;
+    for (size_t pixel = 0; pixel < count; pixel++) walk_ray(volume, pixel, threshold, substeps, &rays[pixel]);
+}
 
 /* The largest level that at least `wanted` rays exceed. */
 static uint32_t level_of_fraction(const sv_ref_ray *rays, size_t count, uint32_t wanted) {
@@ -48,14 +98,14 @@ sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uin
         const double gap = rays[i].max_entry - rays[i].max_exit;
         const bool bone = rays[i].maximum > level;
         found.bone += bone;
-        found.sure += bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_gap_samples(min_gap, substeps);
+        found.with_gap += bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_gap_samples(min_gap, substeps);
     }
     return found;
 }
 
 bool sv_ref_surface_wanted(uint32_t points, sv_ref_evidence found, double evidence) {
     const uint64_t thousandths = (uint64_t)(evidence * 1000.0 + 0.5);
-    return points > 0 && (uint64_t)found.sure * 1000 >= found.bone * thousandths;
+    return points > 0 && (uint64_t)found.with_gap * 1000 >= found.bone * thousandths;
 }
 
 uint32_t sv_ref_points(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone, uint32_t level,

@@ -1,12 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* Bone threshold and initial points (spec 3; thesis Algorithm 4.1, lines 15-22). */
+/* From rays to initial points (spec 3; thesis Algorithm 4.1). */
 #ifndef SV_REF_POINTS_H
 #define SV_REF_POINTS_H
 
-#include "ref/ref_profile.h"
+#include "ref/ref_volume.h"
 
 #include <stdbool.h>
 #include <stddef.h>
+
+/* ---- ray profiles (lines 2-14) */
+
+/* What is known of a ray at its end. Depths in slices. */
+typedef struct {
+    uint8_t maximum;  /* largest intensity */
+    double max_entry; /* entry into tissue current at the (first) maximum: far end d_f of the interval */
+    double max_exit;  /* exit from tissue current there: near end d_n */
+} sv_ref_ray;
+
+/* rays: width * height, row by row. `substeps` samples per slice (1 .. 4), linear in between. */
+void sv_ref_profile(const sv_ref_volume *volume, double fluid_threshold, uint32_t substeps, sv_ref_ray *rays);
+
+/* ---- bone threshold and initial points (lines 15-22) */
 
 enum { SV_REF_ABSOLUTE = 0, SV_REF_OFFSET = 1, SV_REF_FRACTION = 2 };
 
@@ -23,10 +37,10 @@ typedef struct {
 uint32_t sv_ref_bone_level(const sv_ref_ray *rays, size_t count, const sv_ref_bone *bone);
 
 /* Evidence of a gap: bone rays (maximum above `level`), and those among them whose interval has at least
- * `min_gap` slices. A frame has a surface only if it has a point and sure >= evidence * bone, `evidence`
+ * `min_gap` slices. A frame has a surface only if it has a point and with_gap >= evidence * bone, `evidence`
  * in whole thousandths. */
 typedef struct {
-    uint32_t bone, sure;
+    uint32_t bone, with_gap;
 } sv_ref_evidence;
 sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uint32_t level, double min_gap,
                                        uint32_t substeps);

@@ -3,9 +3,22 @@
 #ifndef SV_REF_SPLINE_H
 #define SV_REF_SPLINE_H
 
+#include "ref/ref_method.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* ---- a small dense solver: Gaussian elimination with partial pivoting (ref_spline.c) */
+
+/* Factors a (n x n, row by row) in place; false if it is singular to working precision. */
+bool sv_ref_factor(double *a, uint32_t n, uint32_t *pivots);
+/* Solves with the factors; b becomes the solution. */
+void sv_ref_solve(const double *a, uint32_t n, const uint32_t *pivots, double *b);
+/* Estimate of the inverse's 1-norm for a symmetric matrix (Hager's method). `work`: 3 n values. */
+double sv_ref_inverse_norm(const double *a, uint32_t n, const uint32_t *pivots, double *work);
+
+/* ---- the spline (ref_spline.c) */
 
 /* Coefficients of one spline over `count` points. */
 typedef struct {
@@ -27,5 +40,18 @@ bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint
                          sv_ref_spline *out);
 double sv_ref_spline_at(const sv_ref_spline *spline, double x, double y);
 void sv_ref_spline_free(sv_ref_spline *spline);
+
+/* ---- the points it takes and the pixels it gives (ref_spline_surface.c) */
+
+/* Algorithm 4.2: the means of the initial points in every cell of a grid x grid raster; 0: the points as they
+ * are. x, y, z: room for width * height. Returns the number of points. */
+uint32_t sv_ref_merge(const sv_ref_map *map, uint32_t grid, double *x, double *y, double *z);
+
+/* Every pixel of a map, or, with cells > 0, bilinear between the nodes of `cells` x `cells` cells. */
+void sv_ref_spline_surface(const sv_ref_spline *spline, uint32_t width, uint32_t height, uint32_t cells,
+                           double *surface);
+
+/* The plugin's method. */
+extern const sv_ref_method sv_ref_method_spline;
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Around the spline: merging of points (Algorithm 4.2), and the surface from a coarse grid or
  * pixel by pixel. */
-#include "ref/ref_spline_surface.h"
+#include "ref/ref_spline.h"
 
 #include "spline/spline_shared.h"
 

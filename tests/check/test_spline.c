@@ -6,8 +6,7 @@
  */
 #include "support/surfaces.h"
 
-#include "ref/ref_solve.h"
-#include "ref/ref_spline_surface.h"
+#include "ref/ref_spline.h"
 
 #include <lapacke.h>
 

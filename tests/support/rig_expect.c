@@ -73,7 +73,7 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
     assert(ok);
     (void)ok;
     const sv_ref_evidence found = sv_ref_gather_evidence(rays, count, e.level, s->min_gap, s->substeps);
-    e.sure_points = found.sure;
+    e.sure_points = found.with_gap;
     e.outcome = e.fill.unfilled > 0 ? SV_PARTIAL : SV_OK;
     if (!sv_ref_surface_wanted(e.points, found, s->evidence)) {
         e.outcome = SV_NO_SURFACE;

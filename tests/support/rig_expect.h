@@ -3,7 +3,7 @@
 #ifndef SV_RIG_EXPECT_H
 #define SV_RIG_EXPECT_H
 
-#include "ref/ref_mean_fixed.h"
+#include "ref/ref_mean.h"
 #include "ref/ref_points.h"
 #include "smartvis_plugin.h"
 
