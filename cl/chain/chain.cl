@@ -39,11 +39,11 @@ __kernel void chain_gather(uint padded_width, uint height, __global const ushort
 
 /*
  * Reduced resolution: a cell of reduction x reduction pixels per work item, those of the rows' padding
- * included. Near and far depth of its points' mean (`least`: of the one nearest to the viewer); a cell
+ * included. Near and far depth of its points' mean (`minimum`: of the one nearest to the viewer); a cell
  * without points holds INFINITY.
  */
 __kernel void chain_cells(uint width, uint padded_width, uint height, __global const ushort *restrict state16,
-                          __global const uchar *restrict status, uint blended, float q, uint least,
+                          __global const uchar *restrict status, uint blended, float q, uint minimum,
                           uint reduction, uint cells_padded, uint cells_height, __global float *restrict maps,
                           __global uchar *restrict cell_status) {
     const uint u = (uint)get_global_id(0), v = (uint)get_global_id(1);
@@ -65,7 +65,7 @@ __kernel void chain_cells(uint width, uint padded_width, uint height, __global c
         }
     const size_t i = (size_t)v * cells_padded + u;
     const bool none = count == 0.0f;
-    maps[i] = none ? INFINITY : least ? smallest : sum_near / count;
+    maps[i] = none ? INFINITY : minimum ? smallest : sum_near / count;
     maps[cells + i] = none ? INFINITY : sum_far / count;
     cell_status[i] = none ? SV_STATUS_NONE : SV_STATUS_INITIAL;
 }

@@ -107,10 +107,10 @@ static sv_status forget_passes(sv_chain *chain) {
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }
 
-/* True if a cell stands for the least depth of its points: the minimum filter takes minima of minima. */
-static bool takes_least(const sv_chain *chain) {
+/* True if a cell stands for the minimum depth of its points: the minimum filter takes minima of minima. */
+static bool takes_minimum(const sv_chain *chain) {
     const bool filters = chain->filtered && chain->frame->values.of[SV_PARAM_PREFILTER_PASSES] > 0.0;
-    return filters || chain->method->definition->least;
+    return filters || chain->method->definition->minimum;
 }
 
 /* Fetches the depths of the initial points: both ends, or S(q). */
@@ -128,7 +128,7 @@ static sv_status fetch_points(sv_chain *chain, cl_mem state16, float q) {
         sv_launch_buffer(&l, on->points);
         return sv_launch_vectors(&l, on->padded_width, on->height, SV_STAGE_RECONSTRUCT);
     }
-    sv_launch_uint(&l, takes_least(chain));
+    sv_launch_uint(&l, takes_minimum(chain));
     sv_launch_uint(&l, on->spacing);
     sv_launch_uint(&l, on->padded_width);
     sv_launch_uint(&l, on->height);

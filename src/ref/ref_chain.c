@@ -55,9 +55,9 @@ static bool filter_and_solve(const sv_ref_method *method, sv_ref_task task, doub
 /* Runs pre-filter and method on cells, and interpolates at the pixels. */
 static bool on_cells(const sv_ref_method *method, const sv_ref_task *task, double *surface) {
     sv_ref_settings s = *task->settings;
-    const bool least = method->least || s.prefilter_passes > 0;
+    const bool minimum = method->minimum || s.prefilter_passes > 0;
     sv_ref_reduced cells;
-    if (!sv_ref_reduce(&task->map, s.reduction, least, &cells)) return false;
+    if (!sv_ref_reduce(&task->map, s.reduction, minimum, &cells)) return false;
     s.kernel = sv_reduced_kernel(s.kernel, s.reduction);
     s.prefilter_kernel = sv_reduced_kernel(s.prefilter_kernel, s.reduction);
     s.lambda /= (double)s.reduction * s.reduction; /* an area */

@@ -35,7 +35,7 @@ typedef struct {
 
 typedef struct {
     bool takes_volume; /* the volume, not the points: no pre-filter and no reduction */
-    bool least; /* a cell of a reduced map stands for the least depth of its points, not for their mean */
+    bool minimum; /* a cell of a reduced map stands for the minimum depth of its points, not for their mean */
 
     /* Largest difference in slices that a device's surface may have from this one (docs/numerics.md has the
      * reasons); sv_ref_bound is what self-test and tests ask. */

@@ -13,13 +13,13 @@ static uint32_t minimum_pass(const double *from, uint32_t width, uint32_t height
     uint32_t empty = 0;
     for (int64_t y = 0; y < height; y++)
         for (int64_t x = 0; x < width; x++) {
-            double least = INFINITY;
+            double minimum = INFINITY;
             for (int64_t v = y - r; v <= y + r; v++)
                 for (int64_t u = x - r; u <= x + r; u++)
-                    if (u >= 0 && v >= 0 && u < width && v < height && from[v * width + u] < least)
-                        least = from[v * width + u];
-            to[y * width + x] = least;
-            empty += isinf(least) != 0;
+                    if (u >= 0 && v >= 0 && u < width && v < height && from[v * width + u] < minimum)
+                        minimum = from[v * width + u];
+            to[y * width + x] = minimum;
+            empty += isinf(minimum) != 0;
         }
     return empty;
 }
@@ -73,4 +73,4 @@ static double bound(const sv_ref_task *task, const sv_ref_device *device) {
 
 /* Reduced, it may pick another point altogether. */
 const sv_ref_method sv_ref_method_minimum = {
-    .least = true, .bound = bound, .given_up = {1.0, 1.0}, .surface = of_task};
+    .minimum = true, .bound = bound, .given_up = {1.0, 1.0}, .surface = of_task};

@@ -98,7 +98,8 @@ sv_ref_evidence sv_ref_gather_evidence(const sv_ref_ray *rays, size_t count, uin
         const double gap = rays[i].max_entry - rays[i].max_exit;
         const bool bone = rays[i].maximum > level;
         found.bone += bone;
-        found.with_gap += bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_gap_samples(min_gap, substeps);
+        found.with_gap +=
+            bone && gap > 0.0 && floor(gap * substeps + 0.5) >= sv_gap_samples(min_gap, substeps);
     }
     return found;
 }

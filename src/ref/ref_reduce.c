@@ -12,7 +12,7 @@
 #include <stdlib.h>
 
 /* The points of cell (u, v). */
-static void merge_cell(const sv_ref_map *map, uint32_t reduction, bool least, uint32_t u, uint32_t v,
+static void merge_cell(const sv_ref_map *map, uint32_t reduction, bool minimum, uint32_t u, uint32_t v,
                        sv_ref_reduced *out) {
     double count = 0.0, sum = 0.0, smallest = INFINITY;
     for (uint32_t y = v * reduction; y < (v + 1) * reduction && y < map->height; y++)
@@ -25,10 +25,10 @@ static void merge_cell(const sv_ref_map *map, uint32_t reduction, bool least, ui
         }
     const size_t i = (size_t)v * out->map.width + u;
     out->status[i] = count > 0.0;
-    if (count > 0.0) out->depth[i] = least ? smallest : sum / count;
+    if (count > 0.0) out->depth[i] = minimum ? smallest : sum / count;
 }
 
-bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref_reduced *out) {
+bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool minimum, sv_ref_reduced *out) {
     const uint32_t width = sv_reduced_side(map->width, reduction);
     const uint32_t height = sv_reduced_side(map->height, reduction);
     const size_t count = (size_t)width * height;
@@ -39,7 +39,7 @@ bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref
     }
     out->map = (sv_ref_map){out->status, out->depth, width, height};
     for (uint32_t v = 0; v < height; v++)
-        for (uint32_t u = 0; u < width; u++) merge_cell(map, reduction, least, u, v, out);
+        for (uint32_t u = 0; u < width; u++) merge_cell(map, reduction, minimum, u, v, out);
     return true;
 }
 

@@ -11,8 +11,8 @@ typedef struct {
     double *depth;
 } sv_ref_reduced;
 
-/* The cells' points: mean depth, or the smallest (`least`). False if memory runs out. */
-bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool least, sv_ref_reduced *out);
+/* The cells' points: mean depth, or the smallest (`minimum`). False if memory runs out. */
+bool sv_ref_reduce(const sv_ref_map *map, uint32_t reduction, bool minimum, sv_ref_reduced *out);
 void sv_ref_reduced_free(sv_ref_reduced *reduced);
 
 /* Bilinear between the cells' centres, constant beyond the outermost. width, height: of `surface`. */

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* ---- a small dense solver: Gaussian elimination with partial pivoting (ref_spline.c) */
+/* ---- a small dense solver: Gaussian elimination with partial pivoting */
 
 /* Factors a (n x n, row by row) in place; false if it is singular to working precision. */
 bool sv_ref_factor(double *a, uint32_t n, uint32_t *pivots);
@@ -18,7 +18,7 @@ void sv_ref_solve(const double *a, uint32_t n, const uint32_t *pivots, double *b
 /* Estimate of the inverse's 1-norm for a symmetric matrix (Hager's method). `work`: 3 n values. */
 double sv_ref_inverse_norm(const double *a, uint32_t n, const uint32_t *pivots, double *work);
 
-/* ---- the spline (ref_spline.c) */
+/* ---- the spline */
 
 /* Coefficients of one spline over `count` points. */
 typedef struct {
@@ -41,7 +41,7 @@ bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint
 double sv_ref_spline_at(const sv_ref_spline *spline, double x, double y);
 void sv_ref_spline_free(sv_ref_spline *spline);
 
-/* ---- the points it takes and the pixels it gives (ref_spline_surface.c) */
+/* ---- the points it takes and the pixels it gives */
 
 /* Algorithm 4.2: the means of the initial points in every cell of a grid x grid raster; 0: the points as they
  * are. x, y, z: room for width * height. Returns the number of points. */
