@@ -56,8 +56,8 @@ static const struct {
      "Mode fraction: T_B is the highest threshold that at least this share of the rays exceeds.", 0.0, 1.0,
      0.01, 0.1, 0.03, 0.01, NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_FRACTION)},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
-     "How depths spread from the initial points to all pixels, or, with cost and wall, are found from every "
-     "ray's own fluid; with all but minimum turning q costs next to nothing.",
+     "wall and cost find the surface in every ray's own fluid. The others spread depths from initial "
+     "points to all pixels. Turning q costs next to nothing, but with minimum.",
      0.0, SV_METHOD_END - 1.0, 0.0, SV_METHOD_END - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0, 0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
      "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
@@ -98,17 +98,17 @@ static const struct {
      "Method spline: evaluated at the nodes of N x N cells, linear in between. 0: at every pixel.", 0.0,
      256.0, 0.0, 64.0, 32.0, 1.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision", "Precision", "",
-     "Method spline: float64 where the device has it, or float32, faster, with at most 64 points. Method "
-     "mean: int16 keeps half as many bytes a pixel, at the price of depths in coarser steps.",
+     "Method spline: float64 where the device has it; float32 is faster and takes at most 64 points. "
+     "Method mean: int16 halves the bytes of a pixel, and depths have coarser steps.",
      0.0, 2.0, 0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, precisions, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
      "Reduced resolution", "pixels",
-     "The surface is made on cells of this many by as many pixels and interpolated: faster, less exact; 1: "
-     "on pixels. Wants a fill weight above 0. Methods cost and wall ignore it, having cells of their own.",
+     "The surface is made on cells of N x N pixels and interpolated: faster, less exact. 1: on pixels. "
+     "Needs a fill weight above 0. Methods cost and wall have cells of their own and ignore it.",
      1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
-     "Method cost: share of the frame before in the costs of this one; a place that changes much forgets at "
-     "once.",
+     "Method cost: share of the frame before in the costs of this one. A place that changes much forgets "
+     "at once.",
      0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
