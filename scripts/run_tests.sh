@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# run_tests.sh BUILD_FOLDER JOBS [LABELS]: runs CTest and closes with one line of counts. LABELS is a regular
-# expression: tests with such a label only. Exit code: CTest's.
+# run_tests.sh BUILD_FOLDER JOBS [LABELS]: runs CTest and closes with one line of counts, and with what was skipped and why.
+# LABELS is a regular expression: tests with such a label only. Exit code: CTest's. With SV_SKIP_NOTHING=1 a test that is
+# skipped is an error, too.
 set -u
 folder=$(cd "$1" && pwd) || exit 1
 jobs=$2
@@ -19,5 +20,14 @@ count() { sed -n "s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$result" 2> /dev/nul
 total=$(count tests) failed=$(count failures) idle=$(($(count skipped) + $(count disabled)))
 if [ -n "$total" ]; then
     echo "tests ($1): $((total - failed - idle)) passed, $failed failed, $idle did not run, of $total"
+fi
+# What a skipped test said of it, and the tests that said so.
+skipped=$(awk -F'"' '/<testcase / { name = $2; off = /status="notrun"/ }
+    off && /skipped: / { sub(/.*skipped: /, ""); sub(/<.*/, ""); off = 0; tests[$0] = tests[$0] " " name }
+    off && /<\/testcase>/ { tests["no reason given"] = tests["no reason given"] " " name }
+    END { for (why in tests) print "LEFT OUT, " why ":" tests[why] }' "$result" 2> /dev/null)
+if [ -n "$skipped" ]; then
+    sort <<< "$skipped"
+    [ "${SV_SKIP_NOTHING:-0}" = 0 ] || [ $code != 0 ] || { echo "tests: nothing may be left out here" && code=1; }
 fi
 exit $code

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # environment.sh SOURCE BUILD PYTHON: a virtual environment in BUILD/python/venv with the versions of
 # python/requirements-test.txt, and in it the wheel, built from SOURCE. The environment is made anew when the versions
-# change, the wheel every time.
+# change, the wheel every time. Where no index of Python packages can be reached, these tests are skipped.
 set -eu
 source=$1
 folder=$2/python
@@ -15,7 +15,13 @@ missing() {
 }
 
 mkdir -p "$folder"
-"$source/scripts/python_env.sh" "$venv" "$source/python/requirements-test.txt" "$3"
+code=0
+"$source/scripts/python_env.sh" "$venv" "$source/python/requirements-test.txt" "$3" || code=$?
+if [ $code = 3 ]; then
+    echo "skipped: no index of Python packages (PyPI) can be reached"
+    exit 77
+fi
+[ $code = 0 ] || missing "there is no environment"
 
 rm -rf "$folder/wheel"
 "$venv/bin/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$folder/wheel" "$source/python" ||
