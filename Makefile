@@ -101,7 +101,7 @@ oclgrind: ## every method on a small frame in a simulated device that sees wrong
 
 lint: ## format, house rules, links, include rule, clang warnings, clang-tidy, kernels, ruff and mypy
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
-	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON)
+	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON) --target embedded
 	@scripts/lint.sh build-clang $(JOBS)
 
 format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python

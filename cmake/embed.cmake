@@ -2,6 +2,8 @@
 # sv_embed(<out.h> <symbol> <file>...): a header with the files, one after the other, as one byte array
 # `static const unsigned char <symbol>[]` and its length `<symbol>_size`. A `#line 1 "<file>"` stands before each,
 # so that a kernel's build log names the real file. A byte array, not a string: ISO C bounds the length of a literal.
+# All headers that are made so are the target embedded: what reads sources without compiling them needs them.
+add_custom_target(embedded)
 set(SV_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_script.cmake)
 # sv_embed_text(<out.h> <symbol> <file>...): the same without the lines between, for what is no kernel.
 function(sv_embed out symbol)
@@ -24,4 +26,6 @@ function(sv_embed_as how out symbol)
     DEPENDS ${inputs} ${SV_EMBED_SCRIPT}
     COMMENT "Embedding ${symbol}"
     VERBATIM)
+  add_custom_target(embedded_${symbol} DEPENDS ${out})
+  add_dependencies(embedded embedded_${symbol})
 endfunction()

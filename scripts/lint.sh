@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# lint.sh BUILD_FOLDER JOBS: everything that reads the sources without running them. BUILD_FOLDER was built with clang and
-# has compile_commands.json. Runs all checks, then ends with 1 if any of them failed.
+# lint.sh BUILD_FOLDER JOBS: everything that reads the sources without running them. BUILD_FOLDER is configured for clang, with
+# compile_commands.json, and has its target embedded. Runs all checks, then ends with 1 if any of them failed.
 set -u
 cd "$(dirname "$0")/.."
 build=$(realpath "$1")
@@ -24,7 +24,7 @@ links() { scripts/list_sources.sh md | xargs -r python3 scripts/check_links.py; 
 
 format() { scripts/list_sources.sh c h cl clh | xargs -r clang-format --dry-run -Werror; }
 
-# Every file that the build compiles. One file a process: clang-tidy's own script would need Python.
+# Every file that the build compiles, with clang's own warnings. One file a process: clang-tidy's own script would need Python.
 tidy() {
     scripts/list_sources.sh c | while read -r file; do
         if grep -qF "\"$PWD/$file\"" "$build/compile_commands.json"; then echo "$file"; fi
