@@ -34,7 +34,7 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo looks console report test test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb demo looks console report test test-night test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
@@ -78,6 +78,11 @@ test: ## set up, build, run all tests
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build)
 	@scripts/run_tests.sh build $(JOBS) '$(LABELS)'
+
+test-night: ## what takes long and proves little more than `make test` does
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
+	@$(call build,build)
+	@scripts/run_tests.sh build $(JOBS) night
 
 test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.

@@ -129,6 +129,7 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
         assert sitk.ReadImage(str(path)).GetSize() == SHAPE[::-1]
 
 
+@pytest.mark.night
 def test_workers_that_are_gone_for_good_are_replaced(tmp_path: Path, doomed) -> None:
     files = write_study(tmp_path / "study", 12)
     done: list[int] = []
@@ -181,6 +182,7 @@ def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, doomed, troubl
     assert killed[0]["state"] == "plugin" and "worker died" in killed[0]["reason"]
 
 
+@pytest.mark.night
 def test_a_file_that_takes_too_long_is_a_row(tmp_path: Path, trouble: str, monkeypatch) -> None:
     files = write_study(tmp_path / "study", 3)
     stops = tmp_path / "study" / "stops.nrrd"
@@ -252,6 +254,7 @@ def test_a_batch_that_is_killed_goes_on(tmp_path: Path, trouble: str, monkeypatc
     nothing_is_half(out)
 
 
+@pytest.mark.night
 def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:
     write_study(tmp_path / "study", 3)
     address = client.scheduler.address

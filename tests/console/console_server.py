@@ -270,7 +270,7 @@ def a_sequence_plays(work):
     """A Kretz sequence of three volumes goes on by itself, as fast as the page has seen its frames, and stops where it is told."""
     folder = os.path.join(work, "scans")
     subprocess.run([os.path.join(BUILD, "host_sim"), "scenes", "D01", "--size", "64", "--frames", "3", "--export", "--format", "vol",
-                    "--out", folder], check=True, stdout=subprocess.DEVNULL, timeout=120)
+                    "--out", folder], check=True, stdout=subprocess.DEVNULL, timeout=900)
     console = Console(BUILD, [folder, *PLUGINS])
     try:
         page = Page(console)
@@ -324,7 +324,7 @@ def command_lines():
     for arguments, code, text in ((["/no/such/folder"], 3, "/no/such/folder: is no folder"), (["--port", "99999"], 2, "--port"),
                                   (["--listen", "example.org"], 2, "'example.org' is no address"), (["--nonsense"], 2, "--nonsense"),
                                   (["--listen", "192.0.2.77"], 1, "cannot listen on 192.0.2.77")):
-        done = subprocess.run([os.path.join(BUILD, "host_sim"), "console", *arguments], capture_output=True, text=True, timeout=60, check=False)
+        done = subprocess.run([os.path.join(BUILD, "host_sim"), "console", *arguments], capture_output=True, text=True, timeout=900, check=False)
         holds(done.returncode == code and text in done.stderr, f"{arguments}: {done.returncode}, {done.stderr}")
 
 

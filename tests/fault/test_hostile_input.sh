@@ -15,7 +15,7 @@ cd "$work" || exit 1
 expect() {
     local code=$1 words=$2 got
     shift 2
-    timeout 100 "$host_sim" "$@" > stdout 2> stderr
+    timeout 600 "$host_sim" "$@" > stdout 2> stderr
     got=$?
     holds [ $got -eq "$code" ]
     [ $got -eq "$code" ] || cat stderr

@@ -31,7 +31,7 @@ document.title = [first !== null, last !== null, first && last && first.src !== 
 </script>
 SCRIPT
 for width in 390 1280; do
-    timeout 100 "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$work/profile" --enable-logging=stderr \
+    timeout 600 "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$work/profile" --enable-logging=stderr \
         --window-size=$width,900 --dump-dom "file://$work/turned.html" > "$work/dom" 2> "$work/log" || {
         echo "FAIL: the browser ended with $?"
         tail -n 5 "$work/log"

@@ -13,4 +13,6 @@ if [ ! -x venv/bin/pytest ]; then # environment.sh says why
     echo "skipped: no index of Python packages (PyPI) can be reached"
     exit 77
 fi
-exec venv/bin/python -P -m pytest -q -c "$1/python/pyproject.toml" --rootdir "$1/python" "$3"
+marked="not night"
+[ -z "${SV_NIGHT:-}" ] || marked=night
+exec venv/bin/python -P -m pytest -q -m "$marked" -c "$1/python/pyproject.toml" --rootdir "$1/python" "$3"

@@ -14,7 +14,7 @@ failed=0
 expect() {
     local code=$1 text=$2 got
     shift 2
-    timeout 60 "$validate" "$@" > "$work/out" 2> "$work/err"
+    timeout 600 "$validate" "$@" > "$work/out" 2> "$work/err"
     got=$?
     if [ $got -ne "$code" ] || ! cat "$work/out" "$work/err" | grep -qE -- "$text"; then
         echo "sv_validate $*: exit code $got, expected $code and '$text'"
@@ -54,7 +54,7 @@ expect 1 '"passed": false' --json --only depth-values "$wrong"
 expect 1 '^crash +first-frame .*(SIGSEGV|left by exit.1.); under way: slab' "$build/wrong/crash_in_slab.so"
 expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong/exit_in_end.so"
 expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
-expect 1 '^timeout +first-frame .*ran out of time \(2\.0 s\); under way: end' --timeout 2 "$build/wrong/hang_in_end.so"
+expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 "$build/wrong/hang_in_end.so"
 expect 1 '^skip +state-walk .*first-frame did not pass' "$build/wrong/crash_in_slab.so"
 
 # In a pipe there are no colours, and nothing that the plugin printed or that a terminal would obey.

@@ -17,12 +17,8 @@ if [ "${4:-}" ]; then
     options=(--level 2)
     [ "$4" != opencl ] || options=(--level 10 --only "$check")
     # What only ends by running out of time does so soon, but not before a busy machine has come to the call that hangs.
-    if [[ $id = memory* || ($id = hang* && -z ${SV_SANITIZE:-}) ]]; then
-        options+=(--timeout 4)
-    elif [[ $id = hang* ]]; then
-        options+=(--timeout 20)
-    fi
-    timeout 500 "$validate" "${options[@]}" "$build/wrong/$id.so" > "$work/$id" 2>&1
+    [[ $id != hang* && $id != memory* ]] || options+=(--timeout 15)
+    timeout 1200 "$validate" "${options[@]}" "$build/wrong/$id.so" > "$work/$id" 2>&1
     code=$?
     line=$(grep -E "^[a-z]+ +$check " "$work/$id")
     if [ "$code" -ne 1 ]; then
