@@ -3,8 +3,7 @@
 
 #include "base/progress.h"
 #include "commands/info_sampling.h"
-#include "volume/metaimage_header.h"
-#include "volume/plain_bytes.h"
+#include "volume/metaimage_parts.h"
 
 #include <math.h>
 #include <stdio.h>

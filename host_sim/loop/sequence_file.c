@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/sequence_file.h"
 
-#include "volume/scanned_maps.h"
+#include "volume/metaimage.h"
 
 /* What only MetaImage files take must not be asked of others in vain. */
 static bool check_kretz(const char *path, const hs_source_files *how, hs_error *err) {

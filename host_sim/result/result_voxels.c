@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "result/result_voxels.h"
 
-#include "volume/metaimage_voxels.h"
+#include "volume/metaimage_parts.h"
 
 #include <math.h>
 #include <stdlib.h>

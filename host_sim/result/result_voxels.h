@@ -5,7 +5,7 @@
 #define HS_RESULT_VOXELS_H
 
 #include "loop/source.h"
-#include "volume/metaimage_type.h"
+#include "volume/metaimage.h"
 
 typedef struct hs_result_voxels hs_result_voxels;
 

@@ -4,7 +4,7 @@
 #include "base/paths.h"
 #include "base/progress.h"
 #include "result/result_voxels.h"
-#include "volume/metaimage_stream.h"
+#include "volume/metaimage_write.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
 #include "scene/scene_export.h"
 
 #include "base/threads.h"
-#include "volume/beams_cartesian.h"
 #include "volume/metaimage_write.h"
+#include "volume/volume.h"
 
 #include <math.h>
 #include <stdio.h>

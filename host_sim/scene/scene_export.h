@@ -4,7 +4,7 @@
 #define HS_SCENE_EXPORT_H
 
 #include "scene/scene.h"
-#include "volume/kretz_write.h"
+#include "volume/kretz.h"
 
 /* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha: volumes, and
  * maps of one slice. Where the label is 0, near and

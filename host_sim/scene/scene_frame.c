@@ -6,7 +6,7 @@
 #include "scene/scene_random.h"
 #include "scene/scene_solid.h"
 #include "scene/scene_spec.h"
-#include "volume/volume_file.h"
+#include "volume/kretz.h"
 
 #include <limits.h>
 #include <stdio.h>

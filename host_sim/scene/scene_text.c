@@ -4,7 +4,7 @@
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 #include "scene/scene_spec.h"
-#include "volume/metaimage_open.h"
+#include "base/input_file.h"
 
 #include <ctype.h>
 #include <jansson.h>
@@ -38,7 +38,7 @@ static void scene_folder(char *folder, size_t size) {
 static char *read_text(const char *path, hs_error *err) {
     enum { MAX_BYTES = 1 << 20 };
     uint64_t bytes;
-    FILE *file = hs_met_open(path, path, &bytes, err); /* a regular file: nothing that waits for a writer */
+    FILE *file = hs_input_open(path, path, &bytes, err); /* a regular file: nothing that waits for a writer */
     if (!file) return NULL;
     char *text = malloc(MAX_BYTES + 1);
     size_t length = text ? fread(text, 1, MAX_BYTES + 1, file) : 0;

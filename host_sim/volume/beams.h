@@ -27,8 +27,9 @@ typedef struct {
     double axis;         /* mm, of either sign */
     double *theta, *phi; /* rad; lines and planes of them, owned */
     bool mirrored;
-    uint8_t *voxels;  /* samples * lines * planes bytes, owned */
-    double corner[3]; /* mm: the corner of the Cartesian volume that was made of it (beams_cartesian.h) */
+    uint8_t *voxels; /* samples * lines * planes bytes, owned */
+    double
+        corner[3]; /* mm: the corner of the Cartesian volume that was made of it (hs_beams_cartesian_init) */
 } hs_beams;
 
 /* A copy of the geometry with voxels of its own, which are not filled. NULL: HS_ERR_MEMORY. */

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/kretz.h"
 
-#include "volume/beams_cartesian.h"
-#include "volume/kretz_header.h"
-#include "volume/metaimage_open.h"
-#include "volume/volume_fill.h"
+#include "base/input_file.h"
+#include "volume/kretz_parts.h"
+#include "volume/volume.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +20,7 @@ static bool has_magic(const char *path) {
     uint8_t head[HS_KRETZ_MAGIC_BYTES];
     uint64_t bytes = 0;
     hs_error unused = {0};
-    FILE *file = hs_met_open(path, path, &bytes, &unused);
+    FILE *file = hs_input_open(path, path, &bytes, &unused);
     if (!file) return false;
     const bool ours =
         fread(head, 1, sizeof head, file) == sizeof head && memcmp(head, HS_KRETZ_MAGIC, sizeof head) == 0;
@@ -133,4 +132,24 @@ bool hs_kretz_read(const hs_kretz *kretz, uint32_t index, hs_volume *volume, hs_
         ok = mark(kretz, volume, err);
     if (!ok && fresh) hs_volume_free(volume);
     return ok;
+}
+
+static bool read_kretz(const char *path, hs_volume *out, hs_error *err) {
+    memset(out, 0, sizeof *out);
+    hs_kretz *kretz = hs_kretz_open(path, NULL, err);
+    if (!kretz) return false;
+    const uint32_t volumes = hs_kretz_count(kretz);
+    const bool ok =
+        (volumes == 1 ||
+         hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one volume", path, volumes)) &&
+        hs_kretz_read(kretz, 0, out, err);
+    hs_kretz_close(kretz);
+    if (!ok) return false;
+    hs_beams_free(out->beams);
+    out->beams = NULL;
+    return true;
+}
+
+bool hs_volume_file_read(const char *path, hs_volume *out, hs_error *err) {
+    return hs_kretz_is_file(path) ? read_kretz(path, out, err) : hs_metaimage_read(path, NULL, out, err);
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads GE Kretz volumes (.vol): single ones and sequences, in probe geometry or Cartesian. docs/kretz.md. */
+/* Reads and writes GE Kretz volumes (.vol): single ones and sequences, in probe geometry or Cartesian.
+ * docs/kretz.md. */
 #ifndef HS_KRETZ_H
 #define HS_KRETZ_H
 
+#include "base/output_file.h"
 #include "volume/metaimage.h"
 
 typedef struct {
@@ -47,5 +49,37 @@ bool hs_kretz_read(const hs_kretz *kretz, uint32_t index, hs_volume *volume, hs_
  * measuring. Their number is hs_kretz_bytes. */
 bool hs_kretz_read_bytes(const hs_kretz *kretz, uint32_t index, uint8_t *voxels, hs_error *err);
 size_t hs_kretz_bytes(const hs_kretz *kretz);
+
+/* A file under way. Zeroed: nothing is open. */
+typedef struct {
+    hs_output_file out;
+    size_t bytes;  /* of a volume */
+    uint32_t left; /* volumes that are still to come */
+} hs_kretz_writer;
+
+/*
+ * Begins a file of `count` volumes, more than one of them as a sequence, in the geometry of `beams`, whose
+ * voxels and mirror are not read. Tables are written as they stand, with pi / 2 added, as scanners do. It has
+ * no text and names nobody. HS_ERR_OUTPUT names the path and what cannot be written: no volume, or more than
+ * 4 GB of them.
+ */
+bool hs_kretz_write_open(hs_kretz_writer *writer, const char *path, const hs_beams *beams, uint32_t count,
+                         hs_error *err);
+
+/* The next volume: as many bytes as `beams` has samples. */
+bool hs_kretz_write_volume(hs_kretz_writer *writer, const uint8_t *voxels, hs_error *err);
+
+/* Ends the file when all volumes are written: it appears under its name then. Either way the struct is
+ * zeroed. */
+bool hs_kretz_write_commit(hs_kretz_writer *writer, hs_error *err);
+
+/* Gives the file up; nothing is left behind. Safe on a zeroed struct. */
+void hs_kretz_write_discard(hs_kretz_writer *writer);
+
+/* Reads a MetaImage file as hs_metaimage_read does, and of a Kretz file the Cartesian copy that hs_kretz_read
+ * makes, without its beams; both with their default options. The caller frees `out` with hs_volume_free; on
+ * failure it is zeroed. HS_ERR_INPUT, also for a sequence of several volumes, or HS_ERR_MEMORY. Any thread.
+ */
+bool hs_volume_file_read(const char *path, hs_volume *out, hs_error *err);
 
 #endif

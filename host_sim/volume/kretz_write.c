@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/kretz_write.h"
-
-#include "volume/kretz_items.h"
+#include "volume/kretz.h"
+#include "volume/kretz_parts.h"
 
 #include <inttypes.h>
 #include <string.h>

@@ -3,8 +3,44 @@
 #ifndef HS_METAIMAGE_H
 #define HS_METAIMAGE_H
 
-#include "volume/frame_fields.h"
 #include "volume/volume.h"
+
+typedef enum {
+    HS_MET_CHAR = 0,
+    HS_MET_UCHAR,
+    HS_MET_SHORT,
+    HS_MET_USHORT,
+    HS_MET_INT,
+    HS_MET_UINT,
+    HS_MET_LONG_LONG,
+    HS_MET_ULONG_LONG,
+    HS_MET_FLOAT,
+    HS_MET_DOUBLE,
+    HS_MET_TYPES
+} hs_met_type;
+
+/* "MET_CHAR", ...; static. */
+const char *hs_met_type_name(hs_met_type type);
+/* Bytes of a voxel. */
+uint32_t hs_met_type_bytes(hs_met_type type);
+
+#define HS_FRAME_TRANSFORMS 8u /* of one volume */
+
+/* Where something was while the volume was scanned. */
+typedef struct {
+    char name[48];     /* "ImageToReference": letters, digits and _ */
+    double matrix[16]; /* row-major, mm; the last row is 0 0 0 1. The identity if only a status was given */
+    char status[24];   /* "OK", or why it does not hold, in capitals */
+} hs_frame_transform;
+
+/* Zeroed: nothing is said. */
+typedef struct {
+    bool invalid;  /* the image is none */
+    bool has_time; /* `time` is given */
+    double time;   /* s, by the scanner's clock */
+    uint32_t transform_count;
+    hs_frame_transform transforms[HS_FRAME_TRANSFORMS];
+} hs_frame_fields;
 
 /* What a 0 in the 8-bit volume means. */
 typedef enum {
@@ -78,5 +114,15 @@ bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_vol
 /* Reads a map of nx x ny pixels (a file of nx x ny x 1) as it stands, row by row, into `values`, the
  * caller's. HS_ERR_INPUT as above, and if the size is another one; HS_ERR_MEMORY. Any thread. */
 bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err);
+
+/*
+ * Voxel (x, y, z) was scanned if first(x, y) <= z < end(x, y): what was not becomes 0, and zeros that were
+ * scanned become 1 (hs_volume). `first` and `end` are MetaImage files of nx x ny x 1 whole numbers, 0 .. nz;
+ * first >= end means that nothing was scanned there.
+ *
+ * HS_ERR_INPUT names the file, the pixel and the value that does not fit; HS_ERR_MEMORY. The volume is then
+ * unchanged.
+ */
+bool hs_scanned_maps_apply(hs_volume *volume, const char *first, const char *end, hs_error *err);
 
 #endif

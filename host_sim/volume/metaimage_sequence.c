@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/metaimage_sequence.h"
+#include "volume/metaimage_parts.h"
 
 #include <ctype.h>
 #include <inttypes.h>

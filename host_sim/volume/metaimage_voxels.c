@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/metaimage_voxels.h"
-
 #include "base/threads.h"
-#include "volume/metaimage_data.h"
+#include "volume/metaimage_parts.h"
 
 #include <float.h>
 #include <inttypes.h>

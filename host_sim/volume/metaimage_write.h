@@ -1,13 +1,41 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes arrays as MetaImage files, whole (metaimage_stream.h writes piece by piece). docs/metaimage.md
+/* Writes MetaImage files, whole or piece by piece: images, volumes, sequences of volumes. docs/metaimage.md
  * states the mapping. */
 #ifndef HS_METAIMAGE_WRITE_H
 #define HS_METAIMAGE_WRITE_H
 
-#include "base/error.h"
-#include "volume/pose.h"
+#include "volume/metaimage.h"
 
-#include <stdint.h>
+/* What is written; x fastest, then y, z and time. */
+typedef struct {
+    hs_met_type type;
+    uint32_t dims;       /* 2, 3, or 4: a sequence of size[3] volumes */
+    uint32_t size[4];    /* elements; those beyond dims are ignored */
+    double spacing[3];   /* mm, > 0; the same */
+    const hs_pose *pose; /* of a volume or a sequence; borrowed until _open returns. NULL: the default one */
+    const hs_frame_fields
+        *fields;   /* of the size[3] volumes, borrowed until the end; NULL: there is nothing to say */
+    bool compress; /* zlib */
+} hs_metaimage_format;
+
+typedef struct hs_metaimage_stream hs_metaimage_stream;
+
+/* Begins "<name>.mha", or "<name>.mhd" and beside it "<name>.raw" ("<name>.zraw" if compressed), by the
+ * ending of `path`, under temporary names. `err` must outlive the stream and receives the errors of all its
+ * functions: HS_ERR_OUTPUT names the path and the field or the system's reason; HS_ERR_MEMORY. NULL on
+ * failure. */
+hs_metaimage_stream *hs_metaimage_stream_open(const char *path, const hs_metaimage_format *format,
+                                              hs_error *err);
+
+/* The next elements, in this machine's byte order. */
+bool hs_metaimage_stream_write(hs_metaimage_stream *stream, const void *data, uint64_t bytes);
+
+/* Ends and renames, the data before the header; fails unless all elements were written. Frees the stream
+ * either way, and leaves nothing behind on failure. */
+bool hs_metaimage_stream_close(hs_metaimage_stream *stream);
+
+/* Gives up: frees the stream and removes what was written. NULL is allowed. */
+void hs_metaimage_stream_discard(hs_metaimage_stream *stream);
 
 typedef enum { HS_ARRAY_U8 = 0, HS_ARRAY_U16, HS_ARRAY_F32 } hs_array_type;
 

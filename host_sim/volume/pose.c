@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/pose.h"
+#include "volume/volume.h"
 
 #include <ctype.h>
 #include <math.h>

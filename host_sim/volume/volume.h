@@ -1,14 +1,65 @@
 /* SPDX-License-Identifier: MIT */
-/* A source volume as the host keeps it: 8-bit voxels on a regular grid, x fastest, then y, then z. */
+/* A source volume as the host keeps it: 8-bit voxels on a regular grid, x fastest, then y, then z, and how it
+ * lies in the patient. */
 #ifndef HS_VOLUME_H
 #define HS_VOLUME_H
 
 #include "base/error.h"
 #include "volume/beams.h"
-#include "volume/pose.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/*
+ * World coordinates are millimetres; +x runs to the patient's left, +y to the back (posterior), +z to the
+ * head (superior): LPS, as in DICOM, ITK and MetaImage. A voxel's index i is found at origin + direction *
+ * (i[0] * spacing[0], i[1] * spacing[1], i[2] * spacing[2]).
+ */
+typedef struct {
+    double origin[3];    /* mm; where the centre of voxel (0, 0, 0) lies */
+    double direction[9]; /* row-major; column a is where index a grows to. Orthonormal; det -1: left-handed */
+    bool stated;         /* the file says how the patient lies; else only lengths and angles hold */
+    char contradicted[4]; /* orientation letters of the file that the directions contradict, or "" */
+} hs_pose;
+
+/* The face of the volume that the probe touches. The beams run from it to the opposite one. */
+typedef enum {
+    HS_PROBE_LOW_Z = 0, /* slice 0: the beams run along +z */
+    HS_PROBE_HIGH_Z,
+    HS_PROBE_LOW_Y,
+    HS_PROBE_HIGH_Y,
+    HS_PROBE_LOW_X,
+    HS_PROBE_HIGH_X,
+    HS_PROBE_COUNT
+} hs_probe;
+
+/* Directions along the world's axes, origin 0, nothing stated. */
+void hs_pose_default(hs_pose *pose);
+
+/* True if the axes are left-handed: what is drawn along them without care is a mirror image. */
+bool hs_pose_is_mirrored(const hs_pose *pose);
+
+/* Where the index (voxel centres at integers) lies in the world, mm. */
+void hs_pose_world(const hs_pose *pose, const double spacing[3], const double index[3], double world[3]);
+
+/* Three letters, by the closest direction of each axis: where it comes from, as in AnatomicalOrientation.
+ * "RAI": x runs from right to left, y from the front to the back, z from the feet to the head. */
+void hs_pose_letters(const hs_pose *pose, char letters[4]);
+
+/* Sets the directions from such letters, in any case; false, and nothing changed, if they are none. */
+bool hs_pose_from_letters(hs_pose *pose, const char *letters);
+
+/* "x to the left, y to the back, z to the head"; for an axis that is more than a degree off, also by how
+ * much: "x to the left (12 degrees off)". */
+void hs_pose_words(const hs_pose *pose, char *out, size_t bytes);
+
+/* The ends of the patient's axes ("left", "front", "head", ...; static) that two directions at right angles
+ * are closest to, and never one axis for both. They are given along the volume's axes. */
+void hs_pose_ends(const hs_pose *pose, const double first[3], const double second[3], const char *out[2]);
+
+/* "-z", "+z", ..: the name of a face on command lines. */
+const char *hs_probe_name(hs_probe probe);
 
 #define HS_VOLUME_MAX_AXIS   2048u               /* voxels along one axis */
 #define HS_VOLUME_MAX_VOXELS (UINT64_C(1) << 31) /* voxels of a volume */
@@ -18,7 +69,7 @@
  * from the volume's corner. `pose` says where that is in the patient, `probe` from where it was scanned.
  *
  * The value 0 means "not scanned" (outside the fan) and nothing else: scanned voxels hold 1 .. 255. A reader
- * that meets zeros inside the scanned region raises them to 1 (hs_volume_mark_unscanned in volume_fill.h). So
+ * that meets zeros inside the scanned region raises them to 1 (hs_volume_mark_unscanned). So
  * the host can tell the plugin padding_value = 0.
  */
 typedef struct {
@@ -42,5 +93,44 @@ void hs_volume_free(hs_volume *volume);
 
 /* Number of voxels. */
 size_t hs_volume_count(const hs_volume *volume);
+
+#define HS_CARTESIAN_AXIS 400u /* voxels along the longest side, at most, if no spacing is given */
+
+/*
+ * Makes a volume for `beams`: cubic voxels of `spacing` mm (0: the pitch of the samples, or the box's longest
+ * side by HS_CARTESIAN_AXIS if that is more), as many as it takes to hold the box of what was scanned, which
+ * lies in their middle. x, y and z are those of the beams, so the probe looks along +z, and the pose has its
+ * origin in the array's centre of curvature; how the patient lies is not said. The volume owns
+ * `beams` from then on, with beams->corner set; on failure the caller still does. HS_ERR_USAGE: more than
+ * HS_VOLUME_MAX_AXIS voxels along an axis; HS_ERR_INPUT: too many in all; HS_ERR_MEMORY.
+ */
+bool hs_beams_cartesian_init(hs_volume *volume, hs_beams *beams, double spacing, hs_error *err);
+
+/* Fills it from volume->beams. A voxel is linear between the eight samples around its centre, rounded half
+ * up, 1 .. 255; where that was not scanned it is 0. All of it is float64, on every processor. */
+void hs_beams_cartesian_fill(hs_volume *volume);
+
+/* Fills `count` voxels from voxel `first` on, whole rows of them, into `out`. */
+typedef bool (*hs_fill_fn)(void *context, size_t first, size_t count, uint8_t *out, hs_error *err);
+
+/* Fills all voxels piece by piece, on up to `threads` threads; with one of them in order. False with what
+ * `fill` said about the first piece that failed. */
+bool hs_volume_fill(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *context, hs_error *err);
+
+/* The same, and what hs_volume_mark_unscanned does, while the voxels are still in the cache: a pass over
+ * memory less. */
+bool hs_volume_fill_marked(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *context,
+                           hs_error *err);
+
+/* Keeps as 0 only the zeros that are connected (6-neighbourhood) to the volume's border through zeros, and
+ * raises every other zero to 1. Needs a quarter of the volume's size for a while; false (HS_ERR_MEMORY,
+ * volume unchanged) if that runs out. */
+bool hs_volume_mark_unscanned(hs_volume *volume, hs_error *err);
+
+/* Raises every zero to 1. */
+void hs_raise_zeros(uint8_t *voxels, size_t count);
+
+/* The same: all of the volume was scanned. */
+void hs_volume_mark_all_scanned(hs_volume *volume);
 
 #endif

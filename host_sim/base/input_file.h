@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens a file that somebody else made. Internal to the MetaImage reader. */
-#ifndef HS_METAIMAGE_OPEN_H
-#define HS_METAIMAGE_OPEN_H
+/* Opens and reads files that somebody else made. */
+#ifndef HS_INPUT_FILE_H
+#define HS_INPUT_FILE_H
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
 /* Opens a regular file for reading and sets *bytes to its size. On failure NULL, and HS_ERR_INPUT "<context>:
  * <reason>". Never waits, not even on a FIFO. */
-FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
+FILE *hs_input_open(const char *path, const char *context, uint64_t *bytes, hs_error *err);
 
 /* The same for a file that the file at `header` names: links must not lead out of that file's folder. NULL:
  * any file. */
-FILE *hs_met_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
-                        hs_error *err);
+FILE *hs_input_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
+                          hs_error *err);
 
 #endif

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/scanned_maps.h"
-
 #include "volume/metaimage.h"
 
 #include <math.h>

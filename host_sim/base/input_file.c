@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/metaimage_open.h"
+#include "base/input_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -24,8 +24,8 @@ static bool is_below(int descriptor, const char *header) {
     return below;
 }
 
-FILE *hs_met_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
-                        hs_error *err) {
+FILE *hs_input_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
+                          hs_error *err) {
     const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat status;
     if (descriptor < 0 || fstat(descriptor, &status) != 0) {
@@ -44,6 +44,6 @@ FILE *hs_met_open_below(const char *header, const char *path, const char *contex
     return NULL;
 }
 
-FILE *hs_met_open(const char *path, const char *context, uint64_t *bytes, hs_error *err) {
-    return hs_met_open_below(NULL, path, context, bytes, err);
+FILE *hs_input_open(const char *path, const char *context, uint64_t *bytes, hs_error *err) {
+    return hs_input_open_below(NULL, path, context, bytes, err);
 }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The items of a KRETZFILE 1.0 stream. Internal to the Kretz reader. */
-#ifndef HS_KRETZ_ITEMS_H
-#define HS_KRETZ_ITEMS_H
+/* The parts of the Kretz reader: the items of a KRETZFILE 1.0 stream, and what they say of its grey volume,
+ * checked. */
+#ifndef HS_KRETZ_PARTS_H
+#define HS_KRETZ_PARTS_H
 
-#include "base/error.h"
+#include "volume/beams.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -42,5 +43,30 @@ bool hs_kretz_items_read(const hs_kretz_items *items, uint64_t offset, void *out
 
 /* Safe on a zeroed struct. */
 void hs_kretz_items_close(hs_kretz_items *items);
+
+#define HS_KRETZ_MIN_PITCH  0.01   /* mm between samples, or a voxel's edge */
+#define HS_KRETZ_MAX_PITCH  5.0    /* mm */
+#define HS_KRETZ_MIN_SPAN   0.01   /* rad: of a narrower fan the copy would be one voxel wide */
+#define HS_KRETZ_MAX_OFFSET 1000.0 /* mm: start of the samples, and place of the sweep's axis */
+#define HS_KRETZ_TIMES      65536u /* volumes of a sequence */
+
+typedef struct {
+    bool cartesian;
+    uint32_t size[3]; /* samples, lines, planes; or voxels along x, y, z. Each 1 (beams: 2) .. 2048 */
+    double spacing;   /* mm: a Cartesian voxel's edge */
+    hs_beams beams;   /* else: the geometry, with tables but without voxels; not mirrored */
+    uint64_t voxels;  /* where those of the first volume begin; the others follow without a gap */
+    uint32_t count;   /* volumes, >= 1 */
+} hs_kretz_header;
+
+/*
+ * Walks all items and checks what they say. Everything is checked in 64 bits before anything is allocated.
+ * HS_ERR_INPUT names the file, the item and its value; HS_ERR_MEMORY. Texts, which are personal data, and
+ * unknown items are skipped by their length and never read. On failure the header is zeroed.
+ */
+bool hs_kretz_header_read(hs_kretz_items *items, hs_kretz_header *header, hs_error *err);
+
+/* Frees the tables. Safe on a zeroed struct. */
+void hs_kretz_header_free(hs_kretz_header *header);
 
 #endif

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* The parts of the MetaImage reader, also for what copies or measures files: text, header, data, voxels. */
+#ifndef HS_METAIMAGE_PARTS_H
+#define HS_METAIMAGE_PARTS_H
+
+#include "volume/metaimage.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { HS_MET_SHOWN_BYTES = 64 }; /* of a value in a message */
+
+/* The fields that are used. All others are skipped unseen. */
+typedef enum {
+    HS_MET_F_OBJECT_TYPE,
+    HS_MET_F_NDIMS,
+    HS_MET_F_DIM_SIZE,
+    HS_MET_F_ELEMENT_TYPE,
+    HS_MET_F_ELEMENT_SPACING,
+    HS_MET_F_ELEMENT_SIZE,
+    HS_MET_F_CHANNELS,
+    HS_MET_F_BINARY,
+    HS_MET_F_BINARY_MSB,
+    HS_MET_F_ELEMENT_MSB,
+    HS_MET_F_COMPRESSED,
+    HS_MET_F_COMPRESSED_SIZE,
+    HS_MET_F_HEADER_SIZE,
+    HS_MET_F_DATA_FILE,
+    HS_MET_F_TRANSFORM, /* TransformMatrix, Rotation or Orientation */
+    HS_MET_F_OFFSET,    /* Offset, Position or Origin */
+    HS_MET_F_ANATOMICAL,
+    HS_MET_F_KINDS,
+    HS_MET_F_ULTRASOUND, /* UltrasoundImageOrientation */
+    HS_MET_F_COUNT
+} hs_met_field;
+
+/* One used field as it stands in the text; line 0: it is missing. */
+typedef struct {
+    const char *name; /* as the file spells it */
+    const char *value;
+    unsigned line; /* counts from 1 */
+} hs_met_value;
+
+/* The text of a header. Values point into `text`. */
+typedef struct {
+    const char *path; /* borrowed */
+    hs_error *err;    /* borrowed */
+    char *text;
+    hs_met_value fields[HS_MET_F_COUNT];
+    hs_met_value *frames; /* the fields "Seq_Frame<number>_<what>" of a sequence, in the file's order */
+    size_t frame_count;
+    uint64_t bytes; /* of the text, the line of ElementDataFile included */
+} hs_met_text;
+
+/* Reads the text of `path`, up to 16 MB of it. Errors as in hs_metaimage_read. Free it either way. */
+bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err);
+void hs_met_text_free(hs_met_text *text);
+
+/* True if the field is there. */
+bool hs_met_has(const hs_met_text *text, hs_met_field id);
+
+/* "<file>:<line>: <Field> is '<value>', expected <expected>". Returns false. */
+bool hs_met_bad_value(const hs_met_text *text, hs_met_field id, const char *expected);
+bool hs_met_bad(const hs_met_text *text, const hs_met_value *value, const char *expected);
+
+/* "<file>:<line>: <Field>: <reason>", for fields whose value may be somebody's. Returns false. */
+bool hs_met_wrong(const hs_met_text *text, const hs_met_value *value, const char *reason);
+
+/* "<file>: <Field> is missing". Returns false. */
+bool hs_met_missing(const hs_met_text *text, hs_met_field id);
+
+/* Makes a value fit for a one-line message. */
+void hs_met_shown(const char *value, char out[HS_MET_SHOWN_BYTES]);
+
+/* True at the end of a value. */
+bool hs_met_at_end(const char *value);
+
+/* Reads the next decimal number without sign and moves *value behind it; or a finite number. */
+bool hs_met_unsigned(const char **value, uint64_t *out);
+bool hs_met_number(const char **value, double *out);
+
+/* True, False, 1, 0, T or F in any case; `absent` if the field is not there. */
+bool hs_met_bool(const hs_met_text *text, hs_met_field id, bool absent, bool *out);
+
+/* True, with HS_ERR_INPUT, if the first bytes of `path` are those of NRRD, NIfTI (also compressed), Analyze
+ * or DICOM: the message names the format and says how to convert the file. `head` holds the first `bytes`. */
+bool hs_met_is_foreign(const char *path, const char *head, size_t bytes, hs_error *err);
+
+/*
+ * TransformMatrix, Offset (each with its other names) and AnatomicalOrientation, of a header of `dims` (3 or
+ * 4) dimensions. The matrix counts; without one the letters do. The pose is stated if the file names the
+ * letters, or has a matrix and does not call its letters unknown ("???", which then must be the identity).
+ */
+bool hs_met_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose);
+
+/* UltrasoundImageOrientation: the axis that runs "far" from the probe, or "near" to it. */
+bool hs_met_probe(const hs_met_text *text, hs_probe *probe);
+
+#define HS_MET_MAX_FRAMES 100000u /* volumes in a file */
+
+/*
+ * Checks Kinds against the number of dimensions (3 or 4). A sequence of pictures, whose third axis is time,
+ * is refused by name: as a volume it would be misread. Such a file has fields of its frames, or calls its
+ * third axis a list or time. PLUS calls it so in the volumes that it reconstructs, too: those have no fields
+ * of frames, and `placed`, a third spacing other than 1 or a third offset other than 0, which pictures never
+ * have.
+ */
+bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed);
+
+/* The fields of all `count` volumes of four dimensions: *fields is the caller's to free, and NULL if the file
+ * has none of them. Fields that are not used are skipped unseen. */
+bool hs_met_frames(const hs_met_text *text, uint64_t dims, uint32_t count, hs_frame_fields **fields);
+
+/* A checked header. Line numbers count from 1 and are 0 for a field that is not there. */
+typedef struct {
+    uint32_t dims; /* 3 or 4 */
+    uint32_t size[3];
+    uint32_t frames;         /* volumes: 1 if dims is 3 */
+    char size_text[48];      /* "4 3 2", as DimSize says it */
+    hs_frame_fields *fields; /* of every volume; NULL: the file says nothing about them */
+    double spacing[3];       /* mm */
+    hs_pose pose;
+    hs_probe probe;
+    hs_met_type type;
+    const char *type_name; /* static, "MET_UCHAR" */
+    uint32_t element_bytes;
+    bool big_endian;
+    bool compressed;
+    bool has_compressed_size;
+    uint64_t compressed_size; /* bytes, if has_compressed_size */
+    bool header_from_end;     /* HeaderSize = -1: the data ends where the file ends */
+    uint64_t header_size;     /* bytes before the data in the data file; LOCAL: at least local_start */
+    bool local;               /* the data is in the header's own file */
+    uint64_t local_start;     /* bytes of the text part */
+    char data_path[4096];     /* the data file; the header's own path if local */
+    char data_name[256];      /* ElementDataFile, made fit for a message */
+    unsigned dim_line, compressed_size_line, header_size_line, data_line;
+} hs_met_header;
+
+/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. Free it either way. */
+bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
+void hs_met_header_free(hs_met_header *header);
+
+typedef struct hs_met_data hs_met_data;
+
+/* Opens the data file and checks its size against the header, before any voxel is allocated. `path` is the
+ * header's file; it and `header` must outlive the stream. NULL on failure. */
+hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err);
+
+/* To byte `offset` of the voxels, 0 .. their number. Compressed data knows one way only: forward costs the
+ * inflating of what is passed over, backward that of all from the first byte on. */
+bool hs_met_data_seek(hs_met_data *data, uint64_t offset, hs_error *err);
+
+/* The next `bytes` bytes. */
+bool hs_met_data_read(hs_met_data *data, void *out, size_t bytes, hs_error *err);
+
+/* `bytes` bytes from byte `offset` of the voxels on, of data that is not compressed: straight from the file
+ * to `out`. Any number of threads at a time; the stream stays where it is. */
+bool hs_met_data_read_at(const hs_met_data *data, uint64_t offset, void *out, size_t bytes, hs_error *err);
+
+/* Succeeds if the stream ends here, as it should after the last voxel. */
+bool hs_met_data_finish(hs_met_data *data, hs_error *err);
+
+/* NULL is allowed. */
+void hs_met_data_close(hs_met_data *data);
+
+enum { HS_MET_CHUNK = 8192 }; /* voxels that are read at once, at most */
+
+typedef struct hs_met_voxels hs_met_voxels;
+
+/* Opens the file and checks all that can be checked before a voxel is read. `err` must outlive the stream and
+ * receives the errors of all functions below, unless _report_to names another. NULL on failure. */
+hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err);
+void hs_met_voxels_close(hs_met_voxels *voxels); /* NULL is allowed */
+
+void hs_met_voxels_report_to(hs_met_voxels *voxels, hs_error *err);
+
+const hs_met_header *hs_met_voxels_header(const hs_met_voxels *voxels);
+
+/* The next `count` voxels, at most HS_MET_CHUNK: as numbers, all finite; and, unless `raw` is NULL, as bytes
+ * of the file's type in this machine's order. Both are the stream's and good until the next call. NULL on
+ * failure.
+ */
+const double *hs_met_voxels_read(hs_met_voxels *voxels, size_t count, const uint8_t **raw);
+
+/* Passes over the next `count` voxels, whatever they hold. */
+bool hs_met_voxels_skip(hs_met_voxels *voxels, size_t count);
+
+/* To voxel `at`, counted from the file's first; what it costs says hs_met_data_seek. */
+bool hs_met_voxels_seek(hs_met_voxels *voxels, uint64_t at);
+
+/* Numbers from bytes of the type in this machine's order. */
+void hs_met_decode(hs_met_type type, const uint8_t *raw, size_t count, double *value);
+
+/*
+ * From voxel `at` on, wherever the stream is: as bytes, of a file whose type has one byte; as numbers, all
+ * finite, at most HS_MET_CHUNK of them, into a room of the caller's; and of those only the bytes, in this
+ * machine's order, into room->raw. hs_met_voxels_threads may do so at a time, each with a room of its own; if
+ * that is one, data is compressed, and what is asked for in order is inflated once.
+ */
+typedef struct {
+    uint8_t raw[HS_MET_CHUNK * 8];
+    double value[HS_MET_CHUNK];
+} hs_met_room;
+bool hs_met_voxels_bytes_at(hs_met_voxels *voxels, uint64_t at, size_t count, uint8_t *out, hs_error *err);
+bool hs_met_voxels_read_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_met_room *room,
+                           hs_error *err);
+bool hs_met_voxels_raw_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_met_room *room, hs_error *err);
+uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
+
+/* Succeeds if all voxels have been read and nothing follows. */
+bool hs_met_voxels_finish(hs_met_voxels *voxels);
+
+/* Widens low .. high so that it holds `count` finite numbers. */
+void hs_met_widen(const double *value, size_t count, double *low, double *high);
+
+/* low .. high becomes 0 .. 255, rounded to the nearest level; what lies beyond is clamped. low < high, and
+ * hs_met_scale of them is finite. */
+void hs_met_levels(const double *value, size_t count, double low, double high, uint8_t *out);
+
+/* The level of each of `count` bit patterns of `width` bytes, 1 or 2, in this machine's order:
+ * table[pattern]. */
+void hs_met_look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out);
+
+/* Levels for each half of the numbers' unit. Halved, since high - low may exceed the largest double. */
+double hs_met_scale(double low, double high);
+
+/* The file's bytes from `first` on, up to *bytes of them, in one piece of new memory that the caller frees;
+ * *bytes becomes their number. NULL with HS_ERR_INPUT or HS_ERR_MEMORY. */
+uint8_t *hs_plain_bytes(const char *path, uint64_t first, size_t *bytes, hs_error *err);
+
+/* Reads the zlib or gzip data from `first` to the file's end in one piece, and inflates its first `bytes`
+ * bytes into another; both are freed. HS_ERR_INPUT or HS_ERR_MEMORY. */
+bool hs_plain_inflate(const char *path, uint64_t first, size_t bytes, hs_error *err);
+
+#endif
