@@ -47,3 +47,15 @@ FILE *hs_input_open_below(const char *header, const char *path, const char *cont
 FILE *hs_input_open(const char *path, const char *context, uint64_t *bytes, hs_error *err) {
     return hs_input_open_below(NULL, path, context, bytes, err);
 }
+
+const char *hs_input_read_at(FILE *file, uint64_t *at, void *out, size_t bytes) {
+    for (uint8_t *to = out; bytes > 0;) {
+        const ssize_t got = pread(fileno(file), to, bytes, (off_t)*at);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return got < 0 ? strerror(errno) : "it became shorter";
+        to += got;
+        *at += (uint64_t)got;
+        bytes -= (size_t)got;
+    }
+    return NULL;
+}

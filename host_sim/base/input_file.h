@@ -18,4 +18,8 @@ FILE *hs_input_open(const char *path, const char *context, uint64_t *bytes, hs_e
 FILE *hs_input_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
                           hs_error *err);
 
+/* Reads `bytes` bytes from *at on, and moves *at behind what was read. Any number of threads at a time. NULL,
+ * or why they cannot be read: the system's reason, or that the file became shorter. */
+const char *hs_input_read_at(FILE *file, uint64_t *at, void *out, size_t bytes);
+
 #endif

@@ -5,10 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define EVEN_STEP 1e-6 /* of a step: closer than any reader of the table can tell */
 
 static double *copy_table(const double *table, uint32_t count) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The items of a KRETZFILE, and what they say of its grey volume, checked. */
 #include "base/input_file.h"
 #include "volume/kretz_parts.h"
 #include "volume/volume.h"
@@ -12,7 +13,6 @@
 
 #define HEADER_BYTES 8u
 #define DICOM_MAGIC  128 /* "DICM" stands here in a DICOM file */
-#define MOST_AT_ONCE ((size_t)1 << 30)
 
 static uint32_t u16_at(const uint8_t *bytes) {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8;
@@ -20,19 +20,9 @@ static uint32_t u16_at(const uint8_t *bytes) {
 
 bool hs_kretz_items_read(const hs_kretz_items *items, uint64_t offset, void *out, size_t bytes,
                          hs_error *err) {
-    uint8_t *at = out;
-    while (bytes > 0) {
-        const size_t most = bytes < MOST_AT_ONCE ? bytes : MOST_AT_ONCE;
-        const ssize_t got = pread(fileno(items->file), at, most, (off_t)offset);
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0)
-            return hs_fail(err, HS_ERR_INPUT, "%s: byte %" PRIu64 ": cannot be read: %s", items->path, offset,
-                           got < 0 ? strerror(errno) : "the file became shorter");
-        at += got;
-        offset += (uint64_t)got;
-        bytes -= (size_t)got;
-    }
-    return true;
+    const char *reason = hs_input_read_at(items->file, &offset, out, bytes);
+    return !reason || hs_fail(err, HS_ERR_INPUT, "%s: byte %" PRIu64 ": cannot be read: %s", items->path,
+                              offset, reason);
 }
 
 static bool check_magic(const hs_kretz_items *items, hs_error *err) {

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: MIT */
+/* The voxel bytes of a MetaImage file as one stream, compressed or not; and bytes alone, to measure against.
+ */
 #include "base/input_file.h"
 #include "volume/metaimage_parts.h"
 
@@ -93,30 +95,17 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
     return NULL;
 }
 
-/* From byte `at` of the data in the file. */
-static bool read_from(const hs_met_data *d, uint64_t at, void *out, size_t bytes, hs_error *err) {
-    for (uint8_t *to = out; bytes > 0;) {
-        const ssize_t got = pread(fileno(d->file), to, bytes, (off_t)(d->first + at));
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0)
-            return hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d),
-                           got < 0 ? strerror(errno) : "it became shorter");
-        to += got;
-        at += (uint64_t)got;
-        bytes -= (size_t)got;
-    }
-    return true;
+bool hs_met_data_read_at(const hs_met_data *d, uint64_t offset, void *out, size_t bytes, hs_error *err) {
+    uint64_t at = d->first + offset;
+    const char *reason = hs_input_read_at(d->file, &at, out, bytes);
+    return !reason || hs_fail(err, HS_ERR_INPUT, DATA_CONTEXT "cannot be read: %s", DATA_ARGS(d), reason);
 }
 
 /* The next bytes in the file. */
 static bool read_file(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
-    if (!read_from(d, d->bytes - d->left, out, bytes, err)) return false;
+    if (!hs_met_data_read_at(d, d->bytes - d->left, out, bytes, err)) return false;
     d->left -= bytes;
     return true;
-}
-
-bool hs_met_data_read_at(const hs_met_data *d, uint64_t offset, void *out, size_t bytes, hs_error *err) {
-    return read_from(d, offset, out, bytes, err);
 }
 
 /* Inflates up to *bytes bytes; *bytes becomes what was made. 0 at the end of
@@ -229,11 +218,8 @@ uint8_t *hs_plain_bytes(const char *path, uint64_t first, size_t *bytes, hs_erro
     if (there < *bytes) *bytes = (size_t)there;
     uint8_t *memory = make_room(path, *bytes, err);
     bool ok = memory != NULL;
-    for (size_t at = 0; ok && at < *bytes;) {
-        const ssize_t got = pread(fileno(file), memory + at, *bytes - at, (off_t)(first + at));
-        ok = got > 0 || hs_fail(err, HS_ERR_INPUT, "%s: cannot be read", path);
-        at += ok ? (size_t)got : 0;
-    }
+    ok = ok && (!hs_input_read_at(file, &first, memory, *bytes) ||
+                hs_fail(err, HS_ERR_INPUT, "%s: cannot be read", path));
     (void)fclose(file);
     if (ok) return memory;
     free(memory);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* What a MetaImage header says, checked: sizes, types, encoding, data file, and how the volume lies. */
 #include "volume/metaimage.h"
 #include "volume/metaimage_parts.h"
 
@@ -8,6 +9,30 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+static const struct {
+    const char *name;
+    uint32_t bytes;
+} types[HS_MET_TYPES] = {
+    [HS_MET_CHAR] = {"MET_CHAR", 1},
+    [HS_MET_UCHAR] = {"MET_UCHAR", 1},
+    [HS_MET_SHORT] = {"MET_SHORT", 2},
+    [HS_MET_USHORT] = {"MET_USHORT", 2},
+    [HS_MET_INT] = {"MET_INT", 4},
+    [HS_MET_UINT] = {"MET_UINT", 4},
+    [HS_MET_LONG_LONG] = {"MET_LONG_LONG", 8},
+    [HS_MET_ULONG_LONG] = {"MET_ULONG_LONG", 8},
+    [HS_MET_FLOAT] = {"MET_FLOAT", 4},
+    [HS_MET_DOUBLE] = {"MET_DOUBLE", 8},
+};
+
+const char *hs_met_type_name(hs_met_type type) {
+    return types[type].name;
+}
+
+uint32_t hs_met_type_bytes(hs_met_type type) {
+    return types[type].bytes;
+}
 
 static bool check_dims(const hs_met_text *p, hs_met_header *h) {
     uint64_t dims = 0;
@@ -156,26 +181,6 @@ static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     return true;
 }
 
-bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) {
-    hs_met_text text;
-    memset(header, 0, sizeof *header);
-    bool ok = hs_met_text_read(&text, path, err);
-    header->local_start = text.bytes;
-    ok = ok && check_dims(&text, header) && check_spacing(&text, header) && check_type(&text, header) &&
-         check_encoding(&text, header) && check_data_file(&text, header) &&
-         hs_met_pose(&text, header->dims, &header->pose) && hs_met_probe(&text, &header->probe);
-    ok = ok &&
-         hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
-         hs_met_frames(&text, header->dims, header->frames, &header->fields);
-    hs_met_text_free(&text);
-    return ok;
-}
-
-void hs_met_header_free(hs_met_header *header) {
-    free(header->fields);
-    header->fields = NULL;
-}
-
 #define SKEW 1e-3 /* the most by which squared lengths may miss 1, and scalar products 0 */
 
 /* Reads `count` numbers, or as many as `other` if there are no more; *found tells. Nothing may follow. */
@@ -231,7 +236,12 @@ static bool is_identity(const hs_pose *pose) {
     return true;
 }
 
-bool hs_met_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
+/*
+ * TransformMatrix, Offset (each with its other names) and AnatomicalOrientation, of a header of `dims` (3 or
+ * 4) dimensions. The matrix counts; without one the letters do. The pose is stated if the file names the
+ * letters, or has a matrix and does not call its letters unknown ("???", which then must be the identity).
+ */
+static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     const bool has_matrix = hs_met_has(text, HS_MET_F_TRANSFORM);
     const char *letters =
         hs_met_has(text, HS_MET_F_ANATOMICAL) ? text->fields[HS_MET_F_ANATOMICAL].value : "";
@@ -258,7 +268,8 @@ bool hs_met_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     return true;
 }
 
-bool hs_met_probe(const hs_met_text *text, hs_probe *probe) {
+/* UltrasoundImageOrientation: the axis that runs "far" from the probe, or "near" to it. */
+static bool check_probe(const hs_met_text *text, hs_probe *probe) {
     static const char *const kinds[3] = {"MU", "NF", "AD"};
     static const hs_probe low[3] = {HS_PROBE_LOW_X, HS_PROBE_LOW_Y, HS_PROBE_LOW_Z};
     static const hs_probe high[3] = {HS_PROBE_HIGH_X, HS_PROBE_HIGH_Y, HS_PROBE_HIGH_Z};
@@ -280,26 +291,22 @@ bool hs_met_probe(const hs_met_text *text, hs_probe *probe) {
                                   "three letters, one of M U, one of N F and one of A D, or XX");
 }
 
-static const struct {
-    const char *name;
-    uint32_t bytes;
-} types[HS_MET_TYPES] = {
-    [HS_MET_CHAR] = {"MET_CHAR", 1},
-    [HS_MET_UCHAR] = {"MET_UCHAR", 1},
-    [HS_MET_SHORT] = {"MET_SHORT", 2},
-    [HS_MET_USHORT] = {"MET_USHORT", 2},
-    [HS_MET_INT] = {"MET_INT", 4},
-    [HS_MET_UINT] = {"MET_UINT", 4},
-    [HS_MET_LONG_LONG] = {"MET_LONG_LONG", 8},
-    [HS_MET_ULONG_LONG] = {"MET_ULONG_LONG", 8},
-    [HS_MET_FLOAT] = {"MET_FLOAT", 4},
-    [HS_MET_DOUBLE] = {"MET_DOUBLE", 8},
-};
-
-const char *hs_met_type_name(hs_met_type type) {
-    return types[type].name;
+bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) {
+    hs_met_text text;
+    memset(header, 0, sizeof *header);
+    bool ok = hs_met_text_read(&text, path, err);
+    header->local_start = text.bytes;
+    ok = ok && check_dims(&text, header) && check_spacing(&text, header) && check_type(&text, header) &&
+         check_encoding(&text, header) && check_data_file(&text, header) &&
+         check_pose(&text, header->dims, &header->pose) && check_probe(&text, &header->probe);
+    ok = ok &&
+         hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
+         hs_met_frames(&text, header->dims, header->frames, &header->fields);
+    hs_met_text_free(&text);
+    return ok;
 }
 
-uint32_t hs_met_type_bytes(hs_met_type type) {
-    return types[type].bytes;
+void hs_met_header_free(hs_met_header *header) {
+    free(header->fields);
+    header->fields = NULL;
 }

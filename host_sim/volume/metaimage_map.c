@@ -1,8 +1,31 @@
 /* SPDX-License-Identifier: MIT */
+/* Maps beside a volume: a value a pixel, and what of each column was scanned. */
 #include "volume/metaimage.h"
+#include "volume/metaimage_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err) {
+    hs_met_voxels *voxels = hs_met_voxels_open(path, err);
+    if (!voxels) return false;
+    const hs_met_header *h = hs_met_voxels_header(voxels);
+    bool ok = true;
+    if (h->size[0] != nx || h->size[1] != ny || h->size[2] != 1 || h->frames != 1)
+        ok = hs_fail(err, HS_ERR_INPUT, "%s:%u: DimSize is %s, expected %u %u 1", path, h->dim_line,
+                     h->size_text, nx, ny);
+    const size_t count = (size_t)nx * ny;
+    for (size_t first = 0; ok && first < count; first += HS_MET_CHUNK) {
+        const size_t n = count - first < HS_MET_CHUNK ? count - first : HS_MET_CHUNK;
+        const double *value = hs_met_voxels_read(voxels, n, NULL);
+        ok = value != NULL;
+        if (ok) memcpy(values + first, value, n * sizeof *values);
+    }
+    ok = ok && hs_met_voxels_finish(voxels);
+    hs_met_voxels_close(voxels);
+    return ok;
+}
 
 /* Reads one map; its values are slices of the volume. */
 static bool read_map(const char *path, const hs_volume *volume, double *map, hs_error *err) {

@@ -10,29 +10,30 @@
 
 enum { HS_MET_SHOWN_BYTES = 64 }; /* of a value in a message */
 
-/* The fields that are used. All others are skipped unseen. */
-typedef enum {
-    HS_MET_F_OBJECT_TYPE,
-    HS_MET_F_NDIMS,
-    HS_MET_F_DIM_SIZE,
-    HS_MET_F_ELEMENT_TYPE,
-    HS_MET_F_ELEMENT_SPACING,
-    HS_MET_F_ELEMENT_SIZE,
-    HS_MET_F_CHANNELS,
-    HS_MET_F_BINARY,
-    HS_MET_F_BINARY_MSB,
-    HS_MET_F_ELEMENT_MSB,
-    HS_MET_F_COMPRESSED,
-    HS_MET_F_COMPRESSED_SIZE,
-    HS_MET_F_HEADER_SIZE,
-    HS_MET_F_DATA_FILE,
-    HS_MET_F_TRANSFORM, /* TransformMatrix, Rotation or Orientation */
-    HS_MET_F_OFFSET,    /* Offset, Position or Origin */
-    HS_MET_F_ANATOMICAL,
-    HS_MET_F_KINDS,
-    HS_MET_F_ULTRASOUND, /* UltrasoundImageOrientation */
-    HS_MET_F_COUNT
-} hs_met_field;
+/* The fields that are used, by their first name. All others are skipped unseen. */
+#define HS_MET_FIELDS(X)                                                                                     \
+    X(OBJECT_TYPE, "ObjectType")                                                                             \
+    X(NDIMS, "NDims")                                                                                        \
+    X(DIM_SIZE, "DimSize")                                                                                   \
+    X(ELEMENT_TYPE, "ElementType")                                                                           \
+    X(ELEMENT_SPACING, "ElementSpacing")                                                                     \
+    X(ELEMENT_SIZE, "ElementSize")                                                                           \
+    X(CHANNELS, "ElementNumberOfChannels")                                                                   \
+    X(BINARY, "BinaryData")                                                                                  \
+    X(BINARY_MSB, "BinaryDataByteOrderMSB")                                                                  \
+    X(ELEMENT_MSB, "ElementByteOrderMSB")                                                                    \
+    X(COMPRESSED, "CompressedData")                                                                          \
+    X(COMPRESSED_SIZE, "CompressedDataSize")                                                                 \
+    X(HEADER_SIZE, "HeaderSize")                                                                             \
+    X(DATA_FILE, "ElementDataFile")                                                                          \
+    X(TRANSFORM, "TransformMatrix")                                                                          \
+    X(OFFSET, "Offset")                                                                                      \
+    X(ANATOMICAL, "AnatomicalOrientation")                                                                   \
+    X(KINDS, "Kinds")                                                                                        \
+    X(ULTRASOUND, "UltrasoundImageOrientation")
+#define HS_MET_FIELD_ID(id, name) HS_MET_F_##id,
+typedef enum { HS_MET_FIELDS(HS_MET_FIELD_ID) HS_MET_F_COUNT } hs_met_field;
+#undef HS_MET_FIELD_ID
 
 /* One used field as it stands in the text; line 0: it is missing. */
 typedef struct {
@@ -81,20 +82,6 @@ bool hs_met_number(const char **value, double *out);
 
 /* True, False, 1, 0, T or F in any case; `absent` if the field is not there. */
 bool hs_met_bool(const hs_met_text *text, hs_met_field id, bool absent, bool *out);
-
-/* True, with HS_ERR_INPUT, if the first bytes of `path` are those of NRRD, NIfTI (also compressed), Analyze
- * or DICOM: the message names the format and says how to convert the file. `head` holds the first `bytes`. */
-bool hs_met_is_foreign(const char *path, const char *head, size_t bytes, hs_error *err);
-
-/*
- * TransformMatrix, Offset (each with its other names) and AnatomicalOrientation, of a header of `dims` (3 or
- * 4) dimensions. The matrix counts; without one the letters do. The pose is stated if the file names the
- * letters, or has a matrix and does not call its letters unknown ("???", which then must be the identity).
- */
-bool hs_met_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose);
-
-/* UltrasoundImageOrientation: the axis that runs "far" from the probe, or "near" to it. */
-bool hs_met_probe(const hs_met_text *text, hs_probe *probe);
 
 #define HS_MET_MAX_FRAMES 100000u /* volumes in a file */
 
@@ -210,20 +197,6 @@ uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
 
 /* Succeeds if all voxels have been read and nothing follows. */
 bool hs_met_voxels_finish(hs_met_voxels *voxels);
-
-/* Widens low .. high so that it holds `count` finite numbers. */
-void hs_met_widen(const double *value, size_t count, double *low, double *high);
-
-/* low .. high becomes 0 .. 255, rounded to the nearest level; what lies beyond is clamped. low < high, and
- * hs_met_scale of them is finite. */
-void hs_met_levels(const double *value, size_t count, double low, double high, uint8_t *out);
-
-/* The level of each of `count` bit patterns of `width` bytes, 1 or 2, in this machine's order:
- * table[pattern]. */
-void hs_met_look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out);
-
-/* Levels for each half of the numbers' unit. Halved, since high - low may exceed the largest double. */
-double hs_met_scale(double low, double high);
 
 /* The file's bytes from `first` on, up to *bytes of them, in one piece of new memory that the caller frees;
  * *bytes becomes their number. NULL with HS_ERR_INPUT or HS_ERR_MEMORY. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Volumes from MetaImage files: their range, what becomes of their numbers, and one or all of a sequence. */
 #include "base/threads.h"
 #include "volume/metaimage.h"
 #include "volume/metaimage_parts.h"
@@ -9,6 +10,65 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { LANES = 16 }; /* loops of a fixed length, which compilers turn into vectors */
+
+/* Widens low .. high so that it holds `count` finite numbers. */
+static void widen(const double *value, size_t count, double *low, double *high) {
+    double least[LANES], most[LANES];
+    size_t i = 0;
+    for (int k = 0; k < LANES; k++) {
+        least[k] = *low;
+        most[k] = *high;
+    }
+    for (; i + LANES <= count; i += LANES)
+        for (int k = 0; k < LANES; k++) {
+            const double v = value[i + (size_t)k];
+            least[k] = v < least[k] ? v : least[k];
+            most[k] = v > most[k] ? v : most[k];
+        }
+    for (; i < count; i++) {
+        least[0] = value[i] < least[0] ? value[i] : least[0];
+        most[0] = value[i] > most[0] ? value[i] : most[0];
+    }
+    for (int k = 0; k < LANES; k++) {
+        *low = least[k] < *low ? least[k] : *low;
+        *high = most[k] > *high ? most[k] : *high;
+    }
+}
+
+/* Levels for each half of the numbers' unit. Halved, since high - low may exceed the largest double. */
+static double scale_of(double low, double high) {
+    return 255.0 / (high * 0.5 - low * 0.5);
+}
+
+static inline int level_of(double value, double half, double scale) {
+    const double level = (value * 0.5 - half) * scale;
+    const double at_least = level < 0.0 ? 0.0 : level;
+    return (int)((at_least > 255.0 ? 255.0 : at_least) + 0.5);
+}
+
+/* low .. high becomes 0 .. 255, rounded to the nearest level; what lies beyond is clamped. */
+static void to_levels(const double *value, size_t count, double low, double high, uint8_t *out) {
+    const double half = low * 0.5, scale = scale_of(low, high);
+    size_t i = 0;
+    for (; i + LANES <= count; i += LANES) {
+        int level[LANES];
+        for (int k = 0; k < LANES; k++) level[k] = level_of(value[i + (size_t)k], half, scale);
+        for (int k = 0; k < LANES; k++) out[i + (size_t)k] = (uint8_t)level[k];
+    }
+    for (; i < count; i++) out[i] = (uint8_t)level_of(value[i], half, scale);
+}
+
+/* The level of each of `count` bit patterns of `width` bytes, 1 or 2, in this machine's order. */
+static void look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out) {
+    for (size_t i = 0; width == 1 && i < count; i++) out[i] = table[raw[i]];
+    for (size_t i = 0; width == 2 && i < count; i++) {
+        uint16_t pattern;
+        memcpy(&pattern, raw + 2 * i, sizeof pattern);
+        out[i] = table[pattern];
+    }
+}
 
 struct hs_metaimage {
     const char *path;
@@ -63,10 +123,10 @@ static bool search_block(void *context, uint32_t block, hs_error *err) {
     for (size_t at = start; at < end; at += HS_MET_CHUNK) {
         const size_t n = chunk_of(end - at);
         if (!hs_met_voxels_read_at(s->file->voxels, s->first + at, n, &room, err)) return false;
-        hs_met_widen(room.value, n, &low, &high);
+        widen(room.value, n, &low, &high);
     }
     pthread_mutex_lock(&s->lock);
-    hs_met_widen((const double[]){low, high}, 2, &s->low, &s->high);
+    widen((const double[]){low, high}, 2, &s->low, &s->high);
     pthread_mutex_unlock(&s->lock);
     return true;
 }
@@ -121,7 +181,7 @@ static bool make_table(hs_metaimage *m) {
             if (width == 2) memcpy(raw + 2 * (size_t)i, &pattern, sizeof pattern);
         }
         hs_met_decode(m->header->type, raw, 256, value);
-        hs_met_levels(value, 256, m->low, m->high, m->table + first);
+        to_levels(value, 256, m->low, m->high, m->table + first);
     }
     return true;
 }
@@ -142,9 +202,9 @@ static bool read_mapped(const reading *r, size_t first, size_t count, uint8_t *o
         if (!(m->table ? hs_met_voxels_raw_at : hs_met_voxels_read_at)(m->voxels, voxel, n, &room, err))
             return false;
         if (m->table)
-            hs_met_look_up(m->table, room.raw, m->header->element_bytes, n, out + at);
+            look_up(m->table, room.raw, m->header->element_bytes, n, out + at);
         else
-            hs_met_levels(room.value, n, m->low, m->high, out + at);
+            to_levels(room.value, n, m->low, m->high, out + at);
     }
     return true;
 }
@@ -204,7 +264,7 @@ static bool start(hs_metaimage *m) {
     m->high = m->options.window_high;
     if (takes_bytes(m)) return true;
     if (!m->options.has_window && !find_range(m)) return false;
-    if (!isfinite(hs_met_scale(m->low, m->high)))
+    if (!isfinite(scale_of(m->low, m->high)))
         return hs_fail(m->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", m->path,
                        m->low, m->high);
     return make_table(m);
@@ -295,79 +355,4 @@ bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_vol
     ok = ok && hs_metaimage_next(m, out, NULL);
     hs_metaimage_close(m);
     return ok;
-}
-
-bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err) {
-    hs_met_voxels *voxels = hs_met_voxels_open(path, err);
-    if (!voxels) return false;
-    const hs_met_header *h = hs_met_voxels_header(voxels);
-    bool ok = true;
-    if (h->size[0] != nx || h->size[1] != ny || h->size[2] != 1 || h->frames != 1)
-        ok = hs_fail(err, HS_ERR_INPUT, "%s:%u: DimSize is %s, expected %u %u 1", path, h->dim_line,
-                     h->size_text, nx, ny);
-    const size_t count = (size_t)nx * ny;
-    for (size_t first = 0; ok && first < count; first += HS_MET_CHUNK) {
-        const size_t n = chunk_of(count - first);
-        const double *value = hs_met_voxels_read(voxels, n, NULL);
-        ok = value != NULL;
-        if (ok) memcpy(values + first, value, n * sizeof *values);
-    }
-    ok = ok && hs_met_voxels_finish(voxels);
-    hs_met_voxels_close(voxels);
-    return ok;
-}
-
-enum { LANES = 16 }; /* loops of a fixed length, which compilers turn into vectors */
-
-void hs_met_widen(const double *value, size_t count, double *low, double *high) {
-    double least[LANES], most[LANES];
-    size_t i = 0;
-    for (int k = 0; k < LANES; k++) {
-        least[k] = *low;
-        most[k] = *high;
-    }
-    for (; i + LANES <= count; i += LANES)
-        for (int k = 0; k < LANES; k++) {
-            const double v = value[i + (size_t)k];
-            least[k] = v < least[k] ? v : least[k];
-            most[k] = v > most[k] ? v : most[k];
-        }
-    for (; i < count; i++) {
-        least[0] = value[i] < least[0] ? value[i] : least[0];
-        most[0] = value[i] > most[0] ? value[i] : most[0];
-    }
-    for (int k = 0; k < LANES; k++) {
-        *low = least[k] < *low ? least[k] : *low;
-        *high = most[k] > *high ? most[k] : *high;
-    }
-}
-
-double hs_met_scale(double low, double high) {
-    return 255.0 / (high * 0.5 - low * 0.5);
-}
-
-static inline int level_of(double value, double half, double scale) {
-    const double level = (value * 0.5 - half) * scale;
-    const double at_least = level < 0.0 ? 0.0 : level;
-    return (int)((at_least > 255.0 ? 255.0 : at_least) + 0.5);
-}
-
-void hs_met_levels(const double *value, size_t count, double low, double high, uint8_t *out) {
-    const double half = low * 0.5, scale = hs_met_scale(low, high);
-    size_t i = 0;
-    for (; i + LANES <= count; i += LANES) {
-        int level[LANES];
-        for (int k = 0; k < LANES; k++) level[k] = level_of(value[i + (size_t)k], half, scale);
-        for (int k = 0; k < LANES; k++) out[i + (size_t)k] = (uint8_t)level[k];
-    }
-    for (; i < count; i++) out[i] = (uint8_t)level_of(value[i], half, scale);
-}
-
-void hs_met_look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out) {
-    for (size_t i = 0; width == 1 && i < count; i++) out[i] = table[raw[i]];
-    for (size_t i = 0; width == 2 && i < count; i++) {
-        uint16_t pattern;
-        memcpy(&pattern, raw + 2 * i, sizeof pattern);
-        out[i] = table[pattern];
-    }
 }

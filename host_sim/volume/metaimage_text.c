@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The text of a MetaImage header, told from files of other formats by what is in it and not by its name. */
 #include "base/input_file.h"
 #include "volume/metaimage_parts.h"
 
@@ -12,36 +13,93 @@
 #include <strings.h>
 #include <zlib.h>
 
+/* Where a NIfTI header has its size and its mark; Analyze 7.5 has the size alone. */
+enum { NIFTI1_SIZE = 348, NIFTI1_MARK = 344, NIFTI2_SIZE = 540, NIFTI2_MARK = 4, DICOM_MARK = 128 };
+
+static bool holds(const uint8_t *head, size_t bytes, size_t at, const char *mark, size_t length) {
+    return bytes >= at + length && memcmp(head + at, mark, length) == 0;
+}
+
+/* A 32-bit number at the start, in either byte order. */
+static bool starts_with(const uint8_t *head, size_t bytes, uint32_t number) {
+    if (bytes < 4) return false;
+    const uint32_t little =
+        head[0] | (uint32_t)head[1] << 8 | (uint32_t)head[2] << 16 | (uint32_t)head[3] << 24;
+    const uint32_t big = head[3] | (uint32_t)head[2] << 8 | (uint32_t)head[1] << 16 | (uint32_t)head[0] << 24;
+    return little == number || big == number;
+}
+
+static bool is_nifti(const uint8_t *head, size_t bytes) {
+    if (starts_with(head, bytes, NIFTI1_SIZE))
+        return holds(head, bytes, NIFTI1_MARK, "n+1", 4) || holds(head, bytes, NIFTI1_MARK, "ni1", 4);
+    return starts_with(head, bytes, NIFTI2_SIZE) &&
+           (holds(head, bytes, NIFTI2_MARK, "n+2", 4) || holds(head, bytes, NIFTI2_MARK, "ni2", 4));
+}
+
+/* The first bytes of what is compressed; 0 if they cannot be had. */
+static size_t inflate_head(const uint8_t *head, size_t bytes, uint8_t *out, size_t room) {
+    z_stream zlib = {0};
+    if (inflateInit2(&zlib, 15 + 32) != Z_OK) return 0;
+    zlib.next_in = (z_const Bytef *)head;
+    zlib.avail_in = (uInt)bytes;
+    zlib.next_out = out;
+    zlib.avail_out = (uInt)room;
+    (void)inflate(&zlib, Z_SYNC_FLUSH);
+    (void)inflateEnd(&zlib);
+    return room - zlib.avail_out;
+}
+
+/* A DICOM file without its preamble starts with an element of group 2 or 8, little endian, whose value
+ * representation is in capitals. */
+static bool is_bare_dicom(const uint8_t *head, size_t bytes) {
+    return bytes >= 8 && (head[0] == 2 || head[0] == 8) && head[1] == 0 && head[3] == 0 && head[4] >= 'A' &&
+           head[4] <= 'Z' && head[5] >= 'A' && head[5] <= 'Z';
+}
+
+static bool ends_with(const char *path, const char *ending) {
+    const size_t n = strlen(path), m = strlen(ending);
+    return n > m && strcasecmp(path + n - m, ending) == 0;
+}
+
+/* True, with HS_ERR_INPUT, if the first bytes are those of NRRD, NIfTI (also compressed), Analyze or DICOM:
+ * the message names the format and says how to convert the file. */
+static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs_error *err) {
+    const uint8_t *head = (const uint8_t *)head_text;
+    uint8_t inner[NIFTI2_SIZE];
+    const char *format = NULL;
+    const char *how = "open it in 3D Slicer and save it as .mha, or with Python's SimpleITK: "
+                      "WriteImage(ReadImage('in'), 'out.mha')";
+    if (bytes >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
+        bytes = inflate_head(head, bytes, inner, sizeof inner);
+        head = inner;
+    }
+    if (holds(head, bytes, 0, "NRRD", 4))
+        format = "an NRRD file";
+    else if (is_nifti(head, bytes))
+        format = "a NIfTI file";
+    else if (starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
+        format = "an Analyze file";
+    else if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
+        format = "a DICOM file";
+        how = "load its series in 3D Slicer and save the volume as .mha";
+    } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
+        format = "a Kretz file";
+        how = "labels and maps come in no other format";
+    }
+    return format && !hs_fail(err, HS_ERR_INPUT, "%s: is %s; host_sim reads MetaImage (.mha, .mhd): %s", path,
+                              format, how);
+}
+
 enum { FIRST_BYTES = 1 << 16, MAX_BYTES = 1 << 24 }; /* of a header; a long sequence needs many */
 
+#define NAME(id, name) {name, HS_MET_F_##id},
 static const struct {
     const char *name;
     hs_met_field id;
-} names[] = {
-    {"ObjectType", HS_MET_F_OBJECT_TYPE},
-    {"NDims", HS_MET_F_NDIMS},
-    {"DimSize", HS_MET_F_DIM_SIZE},
-    {"ElementType", HS_MET_F_ELEMENT_TYPE},
-    {"ElementSpacing", HS_MET_F_ELEMENT_SPACING},
-    {"ElementSize", HS_MET_F_ELEMENT_SIZE},
-    {"ElementNumberOfChannels", HS_MET_F_CHANNELS},
-    {"BinaryData", HS_MET_F_BINARY},
-    {"BinaryDataByteOrderMSB", HS_MET_F_BINARY_MSB},
-    {"ElementByteOrderMSB", HS_MET_F_ELEMENT_MSB},
-    {"CompressedData", HS_MET_F_COMPRESSED},
-    {"CompressedDataSize", HS_MET_F_COMPRESSED_SIZE},
-    {"HeaderSize", HS_MET_F_HEADER_SIZE},
-    {"ElementDataFile", HS_MET_F_DATA_FILE},
-    {"TransformMatrix", HS_MET_F_TRANSFORM},
-    {"Rotation", HS_MET_F_TRANSFORM},
-    {"Orientation", HS_MET_F_TRANSFORM},
-    {"Offset", HS_MET_F_OFFSET},
-    {"Position", HS_MET_F_OFFSET},
-    {"Origin", HS_MET_F_OFFSET},
-    {"AnatomicalOrientation", HS_MET_F_ANATOMICAL},
-    {"Kinds", HS_MET_F_KINDS},
-    {"UltrasoundImageOrientation", HS_MET_F_ULTRASOUND},
-};
+} names[] = {HS_MET_FIELDS(NAME){"Rotation", HS_MET_F_TRANSFORM},
+             {"Orientation", HS_MET_F_TRANSFORM},
+             {"Position", HS_MET_F_OFFSET},
+             {"Origin", HS_MET_F_OFFSET}};
 
 static const char frame_prefix[] = "Seq_Frame";
 
@@ -72,10 +130,7 @@ bool hs_met_bad_value(const hs_met_text *text, hs_met_field id, const char *expe
 }
 
 bool hs_met_missing(const hs_met_text *text, hs_met_field id) {
-    const char *name = "";
-    for (size_t i = sizeof names / sizeof *names; i-- > 0;)
-        if (names[i].id == id) name = names[i].name; /* the first of a field's names */
-    return hs_fail(text->err, HS_ERR_INPUT, "%s: %s is missing", text->path, name);
+    return hs_fail(text->err, HS_ERR_INPUT, "%s: %s is missing", text->path, names[id].name);
 }
 
 bool hs_met_has(const hs_met_text *text, hs_met_field id) {
@@ -218,7 +273,7 @@ bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err) {
     size_t bytes = 0;
     FILE *file = hs_input_open(path, path, &file_bytes, err);
     if (!file) return false;
-    const bool ok = read_bytes(text, file, &bytes) && !hs_met_is_foreign(path, text->text, bytes, err) &&
+    const bool ok = read_bytes(text, file, &bytes) && !is_foreign(path, text->text, bytes, err) &&
                     split_lines(text, bytes);
     (void)fclose(file);
     return ok;
@@ -228,79 +283,4 @@ void hs_met_text_free(hs_met_text *text) {
     free(text->text);
     free(text->frames);
     *text = (hs_met_text){0};
-}
-
-/* Where a NIfTI header has its size and its mark; Analyze 7.5 has the size alone. */
-enum { NIFTI1_SIZE = 348, NIFTI1_MARK = 344, NIFTI2_SIZE = 540, NIFTI2_MARK = 4, DICOM_MARK = 128 };
-
-static bool holds(const uint8_t *head, size_t bytes, size_t at, const char *mark, size_t length) {
-    return bytes >= at + length && memcmp(head + at, mark, length) == 0;
-}
-
-/* A 32-bit number at the start, in either byte order. */
-static bool starts_with(const uint8_t *head, size_t bytes, uint32_t number) {
-    if (bytes < 4) return false;
-    const uint32_t little =
-        head[0] | (uint32_t)head[1] << 8 | (uint32_t)head[2] << 16 | (uint32_t)head[3] << 24;
-    const uint32_t big = head[3] | (uint32_t)head[2] << 8 | (uint32_t)head[1] << 16 | (uint32_t)head[0] << 24;
-    return little == number || big == number;
-}
-
-static bool is_nifti(const uint8_t *head, size_t bytes) {
-    if (starts_with(head, bytes, NIFTI1_SIZE))
-        return holds(head, bytes, NIFTI1_MARK, "n+1", 4) || holds(head, bytes, NIFTI1_MARK, "ni1", 4);
-    return starts_with(head, bytes, NIFTI2_SIZE) &&
-           (holds(head, bytes, NIFTI2_MARK, "n+2", 4) || holds(head, bytes, NIFTI2_MARK, "ni2", 4));
-}
-
-/* The first bytes of what is compressed; 0 if they cannot be had. */
-static size_t inflate_head(const uint8_t *head, size_t bytes, uint8_t *out, size_t room) {
-    z_stream zlib = {0};
-    if (inflateInit2(&zlib, 15 + 32) != Z_OK) return 0;
-    zlib.next_in = (z_const Bytef *)head;
-    zlib.avail_in = (uInt)bytes;
-    zlib.next_out = out;
-    zlib.avail_out = (uInt)room;
-    (void)inflate(&zlib, Z_SYNC_FLUSH);
-    (void)inflateEnd(&zlib);
-    return room - zlib.avail_out;
-}
-
-/* A DICOM file without its preamble starts with an element of group 2 or 8, little endian, whose value
- * representation is in capitals. */
-static bool is_bare_dicom(const uint8_t *head, size_t bytes) {
-    return bytes >= 8 && (head[0] == 2 || head[0] == 8) && head[1] == 0 && head[3] == 0 && head[4] >= 'A' &&
-           head[4] <= 'Z' && head[5] >= 'A' && head[5] <= 'Z';
-}
-
-static bool ends_with(const char *path, const char *ending) {
-    const size_t n = strlen(path), m = strlen(ending);
-    return n > m && strcasecmp(path + n - m, ending) == 0;
-}
-
-bool hs_met_is_foreign(const char *path, const char *head_text, size_t bytes, hs_error *err) {
-    const uint8_t *head = (const uint8_t *)head_text;
-    uint8_t inner[NIFTI2_SIZE];
-    const char *format = NULL;
-    const char *how = "open it in 3D Slicer and save it as .mha, or with Python's SimpleITK: "
-                      "WriteImage(ReadImage('in'), 'out.mha')";
-    if (bytes >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
-        bytes = inflate_head(head, bytes, inner, sizeof inner);
-        head = inner;
-    }
-    if (holds(head, bytes, 0, "NRRD", 4))
-        format = "an NRRD file";
-    else if (is_nifti(head, bytes))
-        format = "a NIfTI file";
-    else if (starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
-        format = "an Analyze file";
-    else if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
-        format = "a DICOM file";
-        how = "load its series in 3D Slicer and save the volume as .mha";
-    } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
-        format = "a Kretz file";
-        how = "labels and maps come in no other format";
-    }
-    return format && !hs_fail(err, HS_ERR_INPUT, "%s: is %s; host_sim reads MetaImage (.mha, .mhd): %s", path,
-                              format, how);
 }

@@ -139,18 +139,15 @@ static bool all_finite(const hs_met_voxels *v, uint64_t at, size_t count, const 
                    v->path, h->data_line, h->data_name, in % nx, in / nx % ny, in / nx / ny, which, value[i]);
 }
 
-static bool bytes_at(hs_met_voxels *v, uint64_t at, size_t bytes, void *out, hs_error *err) {
+bool hs_met_voxels_bytes_at(hs_met_voxels *v, uint64_t at, size_t bytes, uint8_t *out, hs_error *err) {
     if (!v->header.compressed) return hs_met_data_read_at(v->data, at, out, bytes, err);
     return hs_met_data_seek(v->data, at, err) && hs_met_data_read(v->data, out, bytes, err);
 }
 
-bool hs_met_voxels_bytes_at(hs_met_voxels *v, uint64_t at, size_t count, uint8_t *out, hs_error *err) {
-    return bytes_at(v, at, count, out, err);
-}
-
 bool hs_met_voxels_raw_at(hs_met_voxels *v, uint64_t at, size_t count, hs_met_room *room, hs_error *err) {
     const hs_met_header *h = &v->header;
-    if (!bytes_at(v, at * h->element_bytes, count * h->element_bytes, room->raw, err)) return false;
+    if (!hs_met_voxels_bytes_at(v, at * h->element_bytes, count * h->element_bytes, room->raw, err))
+        return false;
     const bool host_is_big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
     if (h->big_endian != host_is_big) swap_bytes(room->raw, count, h->element_bytes);
     return true;

@@ -7,7 +7,7 @@
 #include "render/scanned_rays.h"
 #include "support/host_fixture.h"
 #include "support/ref_beams.h"
-#include "volume/beams_cartesian.h"
+#include "volume/volume.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 /* What the Kretz reader makes of good files: items in any order, banks, sequences, Cartesian files, and what
  * the writer wrote. */
 #include "support/kretz_files.h"
-#include "volume/kretz_write.h"
+#include "volume/kretz.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 /* How a volume lies in the patient, held to hand-made directions: words, letters, world coordinates, and what
  * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
 #include "render/camera_mark.h"
-#include "volume/pose.h"
+#include "volume/volume.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* hs_volume: limits, and the unscanned region against a plain flood fill. */
-#include "volume/volume_fill.h"
+#include "volume/volume.h"
 
 #include <limits.h>
 #include <pthread.h>

@@ -5,7 +5,7 @@
  * Run under ASan.
  */
 #include "support/kretz_files.h"
-#include "volume/kretz_items.h"
+#include "volume/kretz_parts.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -153,7 +153,7 @@ static void a_shrinking_file_is_an_error(void **state) {
     assert_int_equal(truncate(files_path("shrinks.vol"), 100), 0);
     assert_false(hs_kretz_read(kretz, 0, &v, &err));
     assert_int_equal(err.code, HS_ERR_INPUT);
-    assert_non_null(strstr(err.text, "the file became shorter"));
+    assert_non_null(strstr(err.text, "it became shorter"));
     assert_null(v.voxels);
     hs_kretz_close(kretz);
 }

@@ -8,7 +8,7 @@
 #include "result/result_voxels.h"
 #include "support/kretz_files.h"
 #include "support/sequence_fixture.h"
-#include "volume/kretz_write.h"
+#include "volume/kretz.h"
 
 #include <unistd.h>
 

@@ -8,7 +8,7 @@
 #include "render/dvr_thesis.h"
 #include "scene/scene.h"
 #include "scene/scene_export.h"
-#include "volume/beams_cartesian.h"
+#include "volume/volume.h"
 
 #include <inttypes.h>
 #include <math.h>

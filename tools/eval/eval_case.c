@@ -4,8 +4,8 @@
 #include "base/progress.h"
 #include "loop/loop_stages.h"
 #include "plugin/loader_param.h"
-#include "volume/scanned_maps.h"
-#include "volume/volume_file.h"
+#include "volume/kretz.h"
+#include "volume/metaimage.h"
 
 #include <assert.h>
 #include <limits.h>
