@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The text of a scene: built in, drawn or a file, with fields that a command line sets otherwise. */
+#include "base/input_file.h"
 #include "base/paths.h"
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 #include "scene/scene_spec.h"
-#include "base/input_file.h"
 
 #include <ctype.h>
 #include <jansson.h>
