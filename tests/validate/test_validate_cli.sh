@@ -28,7 +28,7 @@ expect 0 '^sv_validate [0-9.]+, plugin ABI 1\.0' --version
 expect 0 '^state-walk +[A-Z]' --list
 expect 2 'no library given'
 expect 2 'more than one library' "$right" "$right"
-expect 2 'unknown option' --nonsense "$right"
+expect 2 '--nonsense: not an option' --nonsense "$right"
 expect 2 "no check 'depth'" --only depth "$right"
 expect 2 '--level: 11 is outside 1 .. 10' --level 11 "$right"
 expect 2 '--timeout' --timeout 0 "$right"

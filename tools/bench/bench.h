@@ -20,24 +20,6 @@
 enum { BENCH_SIZES = 3 };
 extern const uint32_t bench_sizes[BENCH_SIZES];
 
-/* An option: a flag (no value) or a text, whole number or number in low .. high that is put at `at` of the
- * options, or something that `take` reads. */
-typedef enum { BENCH_FLAG, BENCH_TEXT, BENCH_COUNT, BENCH_NUMBER, BENCH_TAKEN } bench_option_type;
-typedef struct {
-    const char *name, *value,
-        *help; /* `value` names it, NULL: there is none; lines of `help` end with a newline */
-    bench_option_type type;
-    size_t at;
-    double low, high;
-    bool (*take)(void *options, const char *text, hs_error *err);
-} bench_option;
-
-/* Reads a command line by a list that ends with a name of NULL; --help is known, too: true with `wants_help`
- * as soon as it is asked for. HS_ERR_USAGE. */
-bool bench_parse(int argc, char **argv, const bench_option *known, void *options, bool *wants_help,
-                 hs_error *err);
-void bench_print_options(const bench_option *known);
-
 bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err);
 
 /* What was not chosen is all chosen. Returns how many were. */

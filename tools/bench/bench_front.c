@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "bench/bench.h"
 
-#include "base/cli.h"
 #include "base/output_file.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,60 +10,8 @@
 #include <unistd.h>
 
 /* ---------------------------------------------------------------------------------------- command line -- */
-/* What the command lines of the benchmarks share: the loop over the options, and options that both have. */
 
 const uint32_t bench_sizes[BENCH_SIZES] = {128, 171, 512};
-
-static bool take_option(const bench_option *o, void *options, const char *text, hs_error *err) {
-    void *const target = (char *)options + o->at;
-    char name[32];
-    (void)snprintf(name, sizeof name, "--%s", o->name);
-    switch (o->type) {
-    case BENCH_FLAG:
-        return *(bool *)target = true;
-    case BENCH_TEXT:
-        *(const char **)target = text;
-        return true;
-    case BENCH_COUNT:
-        return hs_cli_u32(name, text, (uint32_t)o->low, (uint32_t)o->high, target, err);
-    case BENCH_NUMBER:
-        return hs_cli_number(name, text, o->low, o->high, target, err);
-    case BENCH_TAKEN:
-        return o->take(options, text, err);
-    }
-    return hs_fail(err, HS_ERR_FAILED, "%s: of no type", name);
-}
-
-bool bench_parse(int argc, char **argv, const bench_option *known, void *options, bool *wants_help,
-                 hs_error *err) {
-    enum { MOST = 32, FIRST = 256 };
-    struct option list[MOST + 2] = {{"help", no_argument, NULL, FIRST - 1}};
-    for (int i = 0; i < MOST && known[i].name; i++)
-        list[i + 1] =
-            (struct option){known[i].name, known[i].value ? required_argument : no_argument, NULL, FIRST + i};
-    *wants_help = false;
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, ":", list, NULL)) != -1;) {
-        if (!hs_cli_known(c, argv, err)) return false;
-        if (c == FIRST - 1) return *wants_help = true;
-        if (!take_option(&known[c - FIRST], options, optarg, err)) return false;
-    }
-    return hs_cli_no_more(argc, argv, optind, err);
-}
-
-void bench_print_options(const bench_option *known) {
-    enum { COLUMN = 22 };
-    for (; known->name; known++) {
-        const int used = printf("  --%s %s", known->name, known->value ? known->value : "");
-        int indent = COLUMN - used;
-        for (const char *line = known->help; *line;
-             line += strcspn(line, "\n") + (line[strcspn(line, "\n")] != 0)) {
-            printf("%*s%.*s\n", indent, "", (int)strcspn(line, "\n"), line);
-            indent = COLUMN;
-        }
-    }
-    printf("  --help              %s\n", "this text");
-}
 
 bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err) {
     for (int i = 0; i < BENCH_SIZES; i++) {
@@ -97,7 +43,6 @@ int bench_fail(const char *program, const hs_error *err) {
 }
 
 /* --------------------------------------------------------------------------------------------- machine -- */
-/* What the numbers were measured on. */
 
 /* "model name" of /proc/cpuinfo; "unknown CPU" elsewhere. */
 static void ask_cpu(char *out, size_t bytes) {
@@ -136,7 +81,6 @@ void bench_machine_print(const bench_machine *m) {
 }
 
 /* ----------------------------------------------------------------------------------------------- times -- */
-/* Samples of a duration, and what is reported of them. */
 
 double bench_processor_ms(void) {
     struct timespec t;

@@ -8,8 +8,6 @@
 #include <stdlib.h>
 
 /* -------------------------------------------------------------------------------------------- pictures -- */
-/* What the benchmarks of the renderer draw: four views, each with a picture and a
- * depthmap that is a plane. */
 
 /* Where the plane lies, of the box' depth: in the fluid of the benchmark's volume. */
 #define BENCH_PICTURE_PLANE 0.28
@@ -50,7 +48,6 @@ bool bench_picture_wait(const bench_picture *p, hs_error *err) {
 }
 
 /* ----------------------------------------------------------------------------------------------- looks -- */
-/* Times the renderer's two looks in turns, so that other load on the machine affects both alike. */
 
 typedef struct {
     const hs_cl *cl;
@@ -148,7 +145,6 @@ void bench_print_lit(const bench_lit_result *result) {
 }
 
 /* ------------------------------------------------------------------------------------------------ loop -- */
-/* Times the host's own parts and the whole scan loop around the plugin. */
 
 static const double side_mm = 120.0; /* of the layered volume: what a scan of a fetus shows */
 static const double rotated_yaw = 30.0, rotated_pitch = 20.0; /* degrees */

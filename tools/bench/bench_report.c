@@ -6,7 +6,6 @@
 #include <string.h>
 
 /* --------------------------------------------------------------------------------------------- methods -- */
-/* The frames of another method than the one plain C computes, as multiples of a ray profile. */
 
 const bench_method bench_methods[BENCH_METHODS] = {
     {"cost", {6.0, 15.0}, 171}, /* its bins of 512^3 voxels are gigabytes */
@@ -78,7 +77,6 @@ void bench_print_method(const bench_report *report, const char *method) {
 }
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
-/* The benchmark's results as tables on standard output. */
 
 /* Ratios to plain C are held to this (issue "speed"), DVR to milliseconds, the loop to volumes per second. */
 #define BENCH_TARGET_RATIO   3.0

@@ -30,7 +30,7 @@ typedef struct {
     uint16_t *near_end, *far_end;
 } methods_map;
 
-/* The benchmark's layered volume (bench_slabs.h): 3 % of the rays are points, in patches. HS_ERR_MEMORY. */
+/* The benchmark's layered volume: 3 % of the rays are points, in patches. HS_ERR_MEMORY. */
 bool methods_map_bones(methods_map *map, uint32_t n, hs_error *err);
 
 /* `count` points, 1 .. n * n / 2, anywhere in the map, between two wavy layers. HS_ERR_MEMORY. */

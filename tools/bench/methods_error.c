@@ -12,8 +12,6 @@
 #include <string.h>
 
 /* ---------------------------------------------------------------------------------------------- points -- */
-/* Initial points for the reconstruction methods: a shallow volume, and the
- * points that the definition finds. */
 
 enum { ALIGN = 4096, NO_SCAN_PADDING = -1 };
 
@@ -111,7 +109,6 @@ bool methods_map_write(const methods_map *map, const char *path, hs_error *err) 
 }
 
 /* ----------------------------------------------------------------------------------------- definitions -- */
-/* The float64 definitions of the methods on the benchmark's points, and how far a map is from them. */
 
 double methods_reference_cost(const methods_map *map, const methods_variant *v) {
     const double n = map->n, pixels = n * n;
@@ -161,7 +158,6 @@ methods_error methods_error_of(const float *depth, const double *reference, size
 }
 
 /* ---------------------------------------------------------------------------------------------- scenes -- */
-/* How far the pictures of a method are from those of a scene's ground truth. */
 
 const char *const methods_scene_names[METHODS_SCENES] = {"D01", "E01", "M02"};
 

@@ -3,6 +3,7 @@
 #include "bench/methods.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "base/progress.h"
 #include "ref/ref_chain.h"
 
@@ -59,35 +60,36 @@ static bool take_size(void *all, const char *text, hs_error *err) {
 }
 
 #define AT(field) offsetof(options, field)
-static const bench_option known[] = {
-    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", BENCH_TEXT, AT(plugin),
-     0, 0, NULL},
-    {"id", "ID", "the library's plugin of that id (default: its first)\n", BENCH_TEXT, AT(id), 0, 0, NULL},
-    {"size", "N", "maps of N x N pixels only: 128, 171 or 512; may be repeated\n", BENCH_TAKEN, 0, 0, 0,
+static const hs_option known[] = {
+    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", HS_OPTION_TEXT,
+     AT(plugin), 0, 0, NULL},
+    {"id", "ID", "the library's plugin of that id (default: its first)\n", HS_OPTION_TEXT, AT(id), 0, 0,
+     NULL},
+    {"size", "N", "maps of N x N pixels only: 128, 171 or 512; may be repeated\n", HS_OPTION_TAKEN, 0, 0, 0,
      take_size},
     {"method", "NAME", "this method only, of those that start from initial points; may be repeated\n",
-     BENCH_TAKEN, 0, 0, 0, take_method},
-    {"frames", "N", "timed frames of each variant at most (default 30)\n", BENCH_COUNT, AT(frames), 3, 100000,
-     NULL},
+     HS_OPTION_TAKEN, 0, 0, 0, take_method},
+    {"frames", "N", "timed frames of each variant at most (default 30)\n", HS_OPTION_COUNT, AT(frames), 3,
+     100000, NULL},
     {"seconds", "S", "a variant that took longer ends early, after 3 frames at least (default 2)\n",
-     BENCH_NUMBER, AT(seconds), 0, 3600, NULL},
+     HS_OPTION_NUMBER, AT(seconds), 0, 3600, NULL},
     {"operations", "N", "leave out a float64 definition that takes more scalar operations (default 2e10)\n",
-     BENCH_NUMBER, AT(budget), 0, 1e15, NULL},
-    {"no-truth", NULL, "without the scenes\n", BENCH_FLAG, AT(no_truth), 0, 0, NULL},
-    {"no-fit", NULL, "without the exponents\n", BENCH_FLAG, AT(no_fit), 0, 0, NULL},
-    {"quick", NULL, "9 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n", BENCH_TAKEN, 0,
-     0, 0, take_quick},
-    {"csv", "FILE", "all numbers as CSV\n", BENCH_TEXT, AT(csv), 0, 0, NULL},
-    {"svg", "FILE", "a plot of time against error, with the Pareto fronts\n", BENCH_TEXT, AT(svg), 0, 0,
+     HS_OPTION_NUMBER, AT(budget), 0, 1e15, NULL},
+    {"no-truth", NULL, "without the scenes\n", HS_OPTION_FLAG, AT(no_truth), 0, 0, NULL},
+    {"no-fit", NULL, "without the exponents\n", HS_OPTION_FLAG, AT(no_fit), 0, 0, NULL},
+    {"quick", NULL, "9 variants, 10 frames, 0.3 seconds, 5.5e9 operations: under a minute\n", HS_OPTION_TAKEN,
+     0, 0, 0, take_quick},
+    {"csv", "FILE", "all numbers as CSV\n", HS_OPTION_TEXT, AT(csv), 0, 0, NULL},
+    {"svg", "FILE", "a plot of time against error, with the Pareto fronts\n", HS_OPTION_TEXT, AT(svg), 0, 0,
      NULL},
     {"points", "FILE", "write the initial points of the one --size as lines 'x y near far', and end\n",
-     BENCH_TEXT, AT(points), 0, 0, NULL},
-    {NULL, NULL, NULL, BENCH_FLAG, 0, 0, 0, NULL},
+     HS_OPTION_TEXT, AT(points), 0, 0, NULL},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
 static void print_help(void) {
     printf("%s", intro);
-    bench_print_options(known);
+    hs_options_print(known);
     printf("\n%s", outro);
 }
 
@@ -95,7 +97,10 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
     *o = (options){.frames = 30, .seconds = 2.0, .budget = 2e10};
     hs_plugin_default_path(o->usual, sizeof o->usual);
     o->plugin = o->usual;
-    if (!bench_parse(argc, argv, known, o, wants_help, err)) return false;
+    int next = argc;
+    if (!hs_options_read(argc, argv, known, o, &next, wants_help, err) ||
+        !hs_cli_no_more(argc, argv, next, err))
+        return false;
     if (*wants_help) return true;
     const int sizes = bench_choose_all_if_none(o->size, BENCH_SIZES);
     (void)bench_choose_all_if_none(o->method, SV_METHOD_END);

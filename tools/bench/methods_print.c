@@ -11,7 +11,6 @@
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------------------ fits -- */
-/* Exponents of how cost grows, and the Pareto front. */
 
 /* x, y > 0; values where y is 0 are left out. */
 static methods_fit methods_fit_line(const double *x, const double *y, uint32_t count) {
@@ -45,7 +44,6 @@ void methods_pareto(const double *x, const double *y, uint32_t count, bool *best
 }
 
 /* ------------------------------------------------------------------------------------------------ rows -- */
-/* The results of sv_surfaces_bench. */
 
 const uint32_t methods_spline_points[METHODS_SPLINES] = {40, 80, 160, 320, 640, 1280};
 
@@ -66,7 +64,6 @@ double methods_truth_mean(const methods_truth_row *truth) {
 }
 
 /* ------------------------------------------------------------------------------------------------- CSV -- */
-/* The results as CSV: a line a row; what is not known is empty. */
 
 static void field(FILE *file, bool known, double value) {
     if (known) (void)fprintf(file, ",%.6g", value);
@@ -121,7 +118,6 @@ bool methods_write_csv(const methods_report *report, const char *path, hs_error 
 }
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
-/* The results as tables on standard output. */
 
 static double ratio(double a, double b) {
     return b > 0.0 ? a / b : 0.0;

@@ -12,7 +12,6 @@
 #include <string.h>
 
 /* -------------------------------------------------------------------------------------------- variants -- */
-/* The chains that are compared: a reconstruction method with its settings. */
 
 const char *methods_variant_precision(const methods_variant *v) {
     return v->precision ? v->precision : "float64";
@@ -108,7 +107,6 @@ bool methods_values_make(const hs_plugin *plugin, const methods_variant *v, meth
 }
 
 /* ----------------------------------------------------------------------------------------------- times -- */
-/* Times one variant's reconstruction in a plugin, in turns with its memory limit and plain C. */
 
 enum { WARM_UP = 2, LEAST_FRAMES = 3, PLAIN_K = 23 };
 static const double slow_ms = 100.0; /* a frame that needs no warm-up but the first */

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 /* --------------------------------------------------------------------------------------------- reading -- */
-/* Reading a volume's bytes once, one of the yardsticks (plain_volume.h). */
+/* Reading a volume's bytes once. */
 
 /* Reads `bytes` bytes (a multiple of 16, aligned to 8) once, as 64-bit words that are summed. Between
  * bench_team_ready and _rest. */
@@ -94,7 +94,7 @@ void plain_blend(size_t count, float q, const float *restrict near_surface, cons
                  float *restrict depth);
 
 /* ----------------------------------------------------------------------------------------------- frame -- */
-/* The whole frame in plain C, one of the yardsticks (plain_volume.h). */
+/* The whole frame in plain C. */
 
 typedef struct {
     uint8_t fluid_level; /* T_L as a grey level: tissue lies above it */

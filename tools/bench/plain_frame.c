@@ -8,7 +8,6 @@
 #include <string.h>
 
 /* --------------------------------------------------------------------------------------------- reading -- */
-/* Reading a volume's bytes once, one of the yardsticks (plain_volume.h). */
 /* (a) of the benchmark: the volume's bytes, once through, by two threads. */
 
 typedef struct {

@@ -9,7 +9,6 @@
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------- mean filter -- */
-/* The mean filter in plain C, for a range of rows. */
 /*
  * The mean filter in plain C: running column sums down the rows, then windows along the row.
  * Sums are unsigned 32-bit fixed point; a difference of running sums is exact even where the
@@ -121,7 +120,6 @@ uint32_t plain_mean(const plain_maps *m, uint32_t number, uint32_t y0, uint32_t 
 }
 
 /* --------------------------------------------------------------------------------------------- surface -- */
-/* The mean filter alone in plain C, from initial points to S(q), and the memory it cannot do without. */
 
 enum { MAX_FRACTION = 16, PASS_SETS = 2 };
 

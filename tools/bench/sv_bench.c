@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_bench: a plugin's speed beside plain C, and the host's renderer and scan loop around it. */
 #include "base/cli.h"
+#include "base/options.h"
 #include "bench/bench.h"
 #include "bench/bench_results.h"
 #include "plugin/loader_param.h"
@@ -99,20 +100,21 @@ static bool take_size(void *all, const char *text, hs_error *err) {
 }
 
 #define AT(field) offsetof(options, field)
-static const bench_option known[] = {
-    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", BENCH_TEXT, AT(plugin),
-     0, 0, NULL},
-    {"id", "ID", "the library's plugin of that id (default: its first)\n", BENCH_TEXT, AT(id), 0, 0, NULL},
+static const hs_option known[] = {
+    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", HS_OPTION_TEXT,
+     AT(plugin), 0, 0, NULL},
+    {"id", "ID", "the library's plugin of that id (default: its first)\n", HS_OPTION_TEXT, AT(id), 0, 0,
+     NULL},
     {"param", "KEY=VALUE",
      "a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
      "change the result make the comparison with plain C fail\n",
-     BENCH_TAKEN, 0, 0, 0, take_param},
-    {"only", "PART", "'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n", BENCH_TAKEN, 0, 0, 0,
-     take_part},
-    {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", BENCH_TAKEN, 0, 0,
-     0, take_size},
+     HS_OPTION_TAKEN, 0, 0, 0, take_param},
+    {"only", "PART", "'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n", HS_OPTION_TAKEN, 0,
+     0, 0, take_part},
+    {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", HS_OPTION_TAKEN, 0,
+     0, 0, take_size},
     {"slab", "N", "slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, 0)\n",
-     BENCH_TAKEN, 0, 0, 0, take_slab},
+     HS_OPTION_TAKEN, 0, 0, 0, take_slab},
     {"route", "NAME",
      "how slabs get to the plugin; may be repeated (default: all)\n"
      "  place-own    host memory, read in place; the plugin's own queue\n"
@@ -120,29 +122,29 @@ static const bench_option known[] = {
      "  copy-own     host memory, copied; the plugin's own queue\n"
      "  copy-host    host memory, copied; the host's queue\n"
      "  buffer-host  OpenCL buffer; the host's queue\n",
-     BENCH_TAKEN, 0, 0, 0, take_route},
-    {"frames", "N", "timed frames of each combination (default 100)\n", BENCH_COUNT, AT(frames), 1, 100000,
-     NULL},
+     HS_OPTION_TAKEN, 0, 0, 0, take_route},
+    {"frames", "N", "timed frames of each combination (default 100)\n", HS_OPTION_COUNT, AT(frames), 1,
+     100000, NULL},
     {"loop-frames", "N", "timed frames of each camera and setting of the scan loop (default 20)\n",
-     BENCH_COUNT, AT(host_frames), 1, 100000, NULL},
-    {"loop-size", "N", "voxels an axis of the scan loop's volume (default 400)\n", BENCH_COUNT, AT(host_size),
-     32, 1024, NULL},
+     HS_OPTION_COUNT, AT(host_frames), 1, 100000, NULL},
+    {"loop-size", "N", "voxels an axis of the scan loop's volume (default 400)\n", HS_OPTION_COUNT,
+     AT(host_size), 32, 1024, NULL},
     {"scene", "NAME",
      "a scene for the scan loop: E01 .. D02 or a scene file (default: the layered volume\n"
      "that the plugin is timed on)\n",
-     BENCH_TEXT, AT(scene), 0, 0, NULL},
-    {"scan", "FILE", "a scan file for 'convert': MetaImage, or Kretz in probe geometry\n", BENCH_TEXT,
+     HS_OPTION_TEXT, AT(scene), 0, 0, NULL},
+    {"scan", "FILE", "a scan file for 'convert': MetaImage, or Kretz in probe geometry\n", HS_OPTION_TEXT,
      AT(scan), 0, 0, NULL},
-    {"quick", NULL, "20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n", BENCH_TAKEN,
-     0, 0, 0, take_quick},
-    {"csv", "FILE", "all numbers as CSV\n", BENCH_TEXT, AT(csv), 0, 0, NULL},
-    {"json", "FILE", "all numbers as JSON\n", BENCH_TEXT, AT(json), 0, 0, NULL},
-    {NULL, NULL, NULL, BENCH_FLAG, 0, 0, 0, NULL},
+    {"quick", NULL, "20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_quick},
+    {"csv", "FILE", "all numbers as CSV\n", HS_OPTION_TEXT, AT(csv), 0, 0, NULL},
+    {"json", "FILE", "all numbers as JSON\n", HS_OPTION_TEXT, AT(json), 0, 0, NULL},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
 static void print_help(void) {
     printf("%s", intro);
-    bench_print_options(known);
+    hs_options_print(known);
     printf("\nExit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is "
            "no failure.\n");
 }
@@ -158,7 +160,10 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
                    .grids_part = true};
     hs_plugin_default_path(o->usual, sizeof o->usual);
     o->plugin = o->usual;
-    if (!bench_parse(argc, argv, known, o, wants_help, err)) return false;
+    int next = argc;
+    if (!hs_options_read(argc, argv, known, o, &next, wants_help, err) ||
+        !hs_cli_no_more(argc, argv, next, err))
+        return false;
     fill_defaults(o);
     return true;
 }

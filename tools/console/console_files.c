@@ -108,8 +108,6 @@ void hs_console_files_list(const hs_console_files *files, hs_console_file_fn tel
 }
 
 /* --------------------------------------------------------------------------------------------- plugins -- */
-/* The plugins that a page may choose from: those of the libraries on the command line. A page never names a
- * path. */
 
 static hs_console_offer *add(hs_console_offers *offers, const char *library, const char *path,
                              hs_error *err) {

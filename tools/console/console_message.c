@@ -120,8 +120,6 @@ static bool hs_console_numbers(const json_t *object, const char *key, uint32_t c
 }
 
 /* -------------------------------------------------------------------------------------------- messages -- */
-/* Messages of a page, from text to values. A pure function: nothing is read, opened or kept. docs/console.md
- * has the fields. */
 
 #define MAX_INDEX  1000000u
 #define MAX_DEPTH  8                          /* of objects and arrays; a state has four */

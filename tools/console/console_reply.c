@@ -161,8 +161,6 @@ static char *hs_console_line(const hs_console_stage *stage, uint32_t lane) {
 }
 
 /* --------------------------------------------------------------------------------------------- replies -- */
-/* What the console tells a page, as JSON: docs/console.md has the fields. Every function returns a text that
- * the caller frees, or NULL without memory. */
 
 static void put(json_t *object, const char *key, json_t *value) {
     (void)json_object_set_new(object, key, value);

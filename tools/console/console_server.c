@@ -15,7 +15,6 @@
 #include <sys/random.h>
 
 /* ---------------------------------------------------------------------------------------------- access -- */
-/* Who may talk to the console: pure checks of what a request says, and the token that its address carries. */
 
 bool hs_console_make_token(char token[HS_CONSOLE_TOKEN], hs_error *err) {
     uint8_t bytes[(HS_CONSOLE_TOKEN - 1) / 2];
@@ -87,8 +86,6 @@ bool hs_console_origin_is_ours(const char *origin, const char *host) {
 }
 
 /* ---------------------------------------------------------------------------------------------- server -- */
-/* The console's web server: its page by HTTP, and everything that lives by WebSocket. docs/console.md has
- * what it refuses and why. */
 
 enum { MOST_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
 

@@ -163,7 +163,6 @@ static bool hs_console_draw(hs_console_stage *stage, hs_console_view view, hs_pi
 }
 
 /* ------------------------------------------------------------------------------------------------ show -- */
-/* What a page's thread does with a state: the stage follows it, and its pictures go to the page. */
 
 enum { QUALITY = 92, DRAFT_QUALITY = 80, HEADER = 16 };
 

@@ -8,7 +8,6 @@
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------------------ lane -- */
-/* A plugin with its values in a scan loop of its own. Two lanes on one source can be compared. */
 
 static void close_plugin(hs_lane *lane) {
     hs_error ended = {0};
@@ -199,8 +198,6 @@ const hs_error *hs_lane_error(const hs_lane *lane) {
 }
 
 /* ----------------------------------------------------------------------------------------------- stage -- */
-/* What one page looks at: a source, one or two lanes on it, and a renderer. It follows the page's newest
- * state, and does only what a change of that state needs. */
 
 bool hs_console_stage_open(hs_console_stage *stage, const hs_console_offers *offers,
                            const hs_console_files *files, hs_error *err) {

@@ -16,7 +16,6 @@
 #include <zlib.h>
 
 /* ---------------------------------------------------------------------------------------------- volume -- */
-/* Where a case of the evaluation comes from: a scene, or files with a ground truth. */
 
 /* The files of a case, in the order of its name. */
 enum { FULL, TRUTH, LABEL, FIRST, END, PARTS };
@@ -141,7 +140,6 @@ void hs_eval_source_close(hs_eval_source *source) {
 }
 
 /* ------------------------------------------------------------------------------------------------ case -- */
-/* One case of the evaluation: a volume with its ground truth, a plugin on it, and the table of its rays. */
 
 #define LINEAR_TOLERANCE 1e-3 /* slices */
 #define MAX_REPEATS      15

@@ -10,14 +10,6 @@
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- table -- */
-/*
- * What every start depth does to every viewing ray of a case, so that a setting costs one look-up per ray.
- *
- * With a hard cut (ghost width 0) a ray's termination depth depends on nothing but the step it starts at. The
- * table is made by the renderer itself: one picture per start step, each from a depthmap of one constant. The
- * evaluation picture has one pixel per ray of the low-resolution map, so the renderer's interpolation of the
- * map meets its pixel centres and changes nothing.
- */
 
 #define HS_EVAL_MAX_STEPS 32767u /* errors are 16 bit */
 /* Steps: errors beyond it count as "cut" and "left" (docs/evaluation.md). */
@@ -167,7 +159,6 @@ void hs_eval_table_free(hs_eval_table *table) {
 }
 
 /* -------------------------------------------------------------------------------------------- measures -- */
-/* Quality of a depthmap by the termination depths of its rays (spec 7; thesis 4, Eq. 4.5 - 4.10). */
 
 #define BLOCKS        16u
 #define LEAST_LOOKUPS 8192u /* fewer are done before a second thread has started */

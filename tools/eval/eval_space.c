@@ -10,7 +10,6 @@
 #include <zlib.h>
 
 /* ------------------------------------------------------------------------------------------------ plan -- */
-/* Which settings of a plugin are measured (thesis, Table 5.1). */
 
 #define KNOB_POSITIONS 31u
 #define COARSE         5u /* every fifth position */
@@ -101,7 +100,6 @@ bool hs_eval_plan_values(const hs_eval_plan *plan, uint32_t item, hs_eval_values
 }
 
 /* ----------------------------------------------------------------------------------------------- space -- */
-/* The results of a plan on one case; they can be put together from several runs. */
 
 bool hs_eval_space_open(hs_eval_space *space, const hs_eval_plan *plan, const hs_eval_case *c,
                         const hs_eval_request *request, hs_error *err) {
@@ -167,8 +165,6 @@ bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shar
 }
 
 /* --------------------------------------------------------------------------------------- best settings -- */
-/* What the parameter spaces say: the best setting of each case, and the one that is best for all (thesis 5.2,
- * Tables 5.2 and 5.3, Figures 5.7 and 5.8). */
 
 const hs_measures *hs_eval_at(const hs_eval_space *space, hs_eval_pick pick) {
     const hs_eval_plan *plan = space->plan;

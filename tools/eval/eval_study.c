@@ -11,7 +11,6 @@
 #include <string.h>
 
 /* ---------------------------------------------------------------------------------------------- thesis -- */
-/* What the thesis measured, to stand beside our own numbers: facts from Tables 5.2, 5.3 and 5.4. */
 
 static const hs_eval_thesis_case thesis_cases[] = {
     {"E01", 0.64, 0.23, 19, 0.80, 4.45, 0.80, 4.93}, {"E02", 0.90, 0.02, 63, 0.30, 2.35, 0.00, 6.06},
@@ -41,7 +40,6 @@ const hs_eval_thesis_case *hs_eval_thesis_find(const char *name) {
 }
 
 /* ----------------------------------------------------------------------------------------------- speed -- */
-/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figures 5.19 to 5.21). */
 
 #define PIXELS       512u  /* per side of the pictures (spec 5) */
 #define CURVE_CASE   "E04" /* of the thesis' Figure 5.20 */
@@ -98,10 +96,6 @@ bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_
 }
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
-/*
- * Another method of the same plugin beside the one whose space is studied: both on the same volumes, with the
- * true surface as the floor. What is compared is one setting for all cases.
- */
 
 #define USUAL     "method=wall" /* what is set beside where nothing is said */
 #define POSITIONS 31u           /* of the knob */
@@ -251,7 +245,6 @@ double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_besi
 }
 
 /* ----------------------------------------------------------------------------------------------- study -- */
-/* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
 
 bool hs_eval_study_open(hs_eval_study *study, const hs_eval_options *options, hs_error *err) {
     char beside[1024];

@@ -60,7 +60,7 @@ typedef struct {
 /* Copies a case of the report: its volume, truth and label. Voxels of 0 were not scanned. */
 bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err);
 
-/* Reads "FULL,TRUTH,LABEL[,FIRST,END]" as `host_sim report --case` does (eval/eval_source.h), with its
+/* Reads "FULL,TRUTH,LABEL[,FIRST,END]" as `host_sim report --case` does (eval/eval_case.h), with its
  * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
 bool wall_case_files(const char *files, wall_case *out, hs_error *err);
 
@@ -68,8 +68,8 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err);
  */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
-/* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case.h). Zeros at the ends of a ray
- * were not scanned. */
+/* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case_make). Zeros at the ends of a
+ * ray were not scanned. */
 bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
                     hs_error *err);
 

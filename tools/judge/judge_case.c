@@ -242,7 +242,6 @@ void wall_case_change(wall_case *c, double gain, double gamma, double black) {
 }
 
 /* -------------------------------------------------------------------------------------- turned cameras -- */
-/* Another pose of a camera before a case whose truth is known: a check on data that nobody made for it. */
 
 enum { NEAR_RAYS = 2, NEAR_SLICES = 3 };
 

@@ -7,7 +7,6 @@
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- moves -- */
-/* How calm a surface is: how far the ends of rays move from frame to frame, beside the truth's. */
 
 /* Mean move of the rays' ends, which are those of the truth, or of a result. */
 static double move(const wall_case *before, const wall_case *now, const float *end_before,
@@ -55,7 +54,6 @@ bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surf
 }
 
 /* ------------------------------------------------------------------------------------------- sequences -- */
-/* How calm a surface is in a moving scene: what the renderings flicker beyond the truth's. */
 
 enum { SCENES = 4, FRAMES = 20, SEED = 401 };
 static const char *const scenes[SCENES] = {"E01", "E03", "M02", "D01"};

@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 /* -------------------------------------------------------------------------------------------- variants -- */
-/* Volumes on which clipping can only do harm, made from cases of a site and from volumes without a truth. */
 
 enum { FLUID_LEVEL = 40, POOL = 65536, LEAST_POOL = 64, NEAR = 3, FAR = 8, LEAD = 16, NOISE = 24 };
 /* Half a bladder's width, and how much of the tissue between it and the true surface stays: it lies on the
@@ -216,7 +215,6 @@ bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err) {
 }
 
 /* ------------------------------------------------------------------------------------------ do no harm -- */
-/* Do no harm: what methods do where there is nothing to remove, or something that only looks like it. */
 
 enum { TURNS = 12 };
 static const double allowed = 0.02; /* share of the fetus that may be cut */

@@ -130,7 +130,6 @@ static bool site_draw(const site_pen *pen, const wall_case *c, const char *folde
 }
 
 /* ------------------------------------------------------------------------------------------------ page -- */
-/* One page with a method on every case in pictures, and on volumes that nothing hides. */
 
 /* The page under way. */
 typedef struct {

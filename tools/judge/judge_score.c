@@ -81,7 +81,6 @@ double wall_cut_anywhere(const wall_case *c, const float *depth) {
 }
 
 /* ---------------------------------------------------------------------------------------------- a site -- */
-/* What judgements add up to over the cases of a site. */
 
 enum { TENTHS = 10, LEAST_RAYS = 100 };
 

@@ -6,7 +6,6 @@
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- sites -- */
-/* The sites that surfaces are judged on: sets of cases from scenes, folders and files. */
 
 const char *const site_names[SITE_NAMES] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"};
 
@@ -142,7 +141,6 @@ surf_volume site_volume(const wall_case *c) {
 }
 
 /* ----------------------------------------------------------------------------------------------- table -- */
-/* Methods of a plugin on every site, one setting for all cases. */
 
 enum { QS = 31 };
 static const double q_step = 0.05;

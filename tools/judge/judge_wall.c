@@ -7,7 +7,6 @@
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------------- constants -- */
-/* The constants of the wall's surface by their names. */
 
 double *wall_constant_of(sv_wall_settings *s, wall_constant constant) {
     return (double *)(void *)((char *)s + constant.offset);

@@ -4,8 +4,8 @@
 #include "judge/judge.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -65,31 +65,33 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 
 /* -------------------------------------------------------------------------------------------- options -- */
 
-static bool take_scenes(judge_request *r, const char *text, hs_error *err) {
-    return site_add_scenes(&r->sites, text, err);
+static bool take_scenes(void *r, const char *text, hs_error *err) {
+    return site_add_scenes(&((judge_request *)r)->sites, text, err);
 }
 
-static bool take_scene(judge_request *r, const char *text, hs_error *err) {
-    return site_add_scene(&r->sites, text, err);
+static bool take_scene(void *r, const char *text, hs_error *err) {
+    return site_add_scene(&((judge_request *)r)->sites, text, err);
 }
 
-static bool take_random(judge_request *r, const char *text, hs_error *err) {
-    return site_add_random(&r->sites, text, err);
+static bool take_random(void *r, const char *text, hs_error *err) {
+    return site_add_random(&((judge_request *)r)->sites, text, err);
 }
 
-static bool take_site(judge_request *r, const char *text, hs_error *err) {
-    return site_add_folder(&r->sites, text, err);
+static bool take_site(void *r, const char *text, hs_error *err) {
+    return site_add_folder(&((judge_request *)r)->sites, text, err);
 }
 
-static bool take_case(judge_request *r, const char *text, hs_error *err) {
-    return site_add_files(&r->sites, text, err);
+static bool take_case(void *r, const char *text, hs_error *err) {
+    return site_add_files(&((judge_request *)r)->sites, text, err);
 }
 
-static bool take_volume(judge_request *r, const char *text, hs_error *err) {
+static bool take_volume(void *all, const char *text, hs_error *err) {
+    judge_request *const r = all;
     return hs_cli_append("--volume", text, r->volumes, &r->volume_count, JUDGE_MAX_VOLUMES, err);
 }
 
-static bool take_method(judge_request *r, const char *text, hs_error *err) {
+static bool take_method(void *all, const char *text, hs_error *err) {
+    judge_request *const r = all;
     static const char best[] = "best ";
     site_methods *const m = &r->methods;
     if (m->count == SITE_MAX_METHODS)
@@ -99,11 +101,12 @@ static bool take_method(judge_request *r, const char *text, hs_error *err) {
     return true;
 }
 
-static bool take_constant(judge_request *r, const char *text, hs_error *err) {
-    return wall_change_set(&r->wall, text, err);
+static bool take_constant(void *r, const char *text, hs_error *err) {
+    return wall_change_set(&((judge_request *)r)->wall, text, err);
 }
 
-static bool take_tilt(judge_request *r, const char *text, hs_error *err) {
+static bool take_tilt(void *all, const char *text, hs_error *err) {
+    judge_request *const r = all;
     int length = 0;
     double *const tilt = r->wall.tilt;
     const bool read = sscanf(text, "%lf,%lf%n", &tilt[0], &tilt[1], &length) == 2 && text[length] == '\0';
@@ -111,67 +114,48 @@ static bool take_tilt(judge_request *r, const char *text, hs_error *err) {
            hs_fail(err, HS_ERR_USAGE, "--tilt: '%s' is no X,Y of -45 to 45 degrees", text);
 }
 
-static bool take_still(judge_request *r, const char *text, hs_error *err) {
+static bool take_still(void *all, const char *text, hs_error *err) {
+    judge_request *const r = all;
     r->still = text;
     return site_seed_and_pose("--still", text, &r->still_seed, &r->still_pose, err);
 }
 
-static bool take_rounds(judge_request *r, const char *text, hs_error *err) {
-    return hs_cli_u32("--rounds", text, 1, 100, &r->rounds, err);
-}
+#define AT(field) offsetof(judge_request, field)
+static const hs_option options[] = {
+    {"scenes", "SEED,POSE", "the nine scenes at 128^3 [201,0]\n", HS_OPTION_TAKEN, 0, 0, 0, take_scenes},
+    {"scene", "NAME", "one scene by name or file, at 128^3: H01, or R7_3, number 3 of the random set 7\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_scene},
+    {"random", "SEED,COUNT", "the first random scenes of a set, at 128^3; all scenes together are one site\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_random},
+    {"site", "FOLDER",
+     "nine cases NAME_full.mha, NAME_truth.mha, NAME_label.mha, with scan_first.mha and scan_end.mha\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_site},
+    {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_case},
+    {"volume", "FILE", "harm, page, wall, cost: a volume that nothing hides, MetaImage\n", HS_OPTION_TAKEN, 0,
+     0, 0, take_volume},
+    {"method", "SETTINGS",
+     "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
+     "[best method=mean; method=cost; method=wall]; page: the last of them\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_method},
+    {"set", "KEY=VALUE",
+     "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"
+     "change the grey levels first, the judgement is on the unchanged ones\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_constant},
+    {"tilt", "X,Y", "wall: turn the camera by so many degrees about x and then y first\n", HS_OPTION_TAKEN, 0,
+     0, 0, take_tilt},
+    {"still", "SEED,POSE",
+     "wall: the nine scenes standing still, other speckle and particles in each of 8 frames:\n"
+     "how much the ends of rays move\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_still},
+    {"rounds", "N", "reverse: rounds of the search at most, 1 .. 100 [4]\n", HS_OPTION_COUNT, AT(rounds), 1,
+     100, NULL},
+    {"plugin", "PATH", "library to judge [the build's smartvis.so]\n", HS_OPTION_TEXT, AT(methods.plugin), 0,
+     0, NULL},
+    {"out", "FOLDER", "page: where it goes [out/sites]\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
 
-static bool take_plugin(judge_request *r, const char *text, hs_error *err) {
-    (void)err;
-    r->methods.plugin = text;
-    return true;
-}
-
-static bool take_out(judge_request *r, const char *text, hs_error *err) {
-    (void)err;
-    r->out = text;
-    return true;
-}
-
-static bool take_help(judge_request *r, const char *text, hs_error *err) {
-    (void)text;
-    (void)err;
-    r->help = true;
-    return true;
-}
-
-static const struct {
-    const char *name, *value;
-    bool (*take)(judge_request *r, const char *text, hs_error *err);
-    const char *help;
-} options[] = {
-    {"scenes", "SEED,POSE", take_scenes, "the nine scenes at 128^3 [201,0]"},
-    {"scene", "NAME", take_scene,
-     "one scene by name or file, at 128^3: H01, or R7_3, number 3 of the random set 7"},
-    {"random", "SEED,COUNT", take_random,
-     "the first random scenes of a set, at 128^3; all scenes together are one site"},
-    {"site", "FOLDER", take_site,
-     "nine cases NAME_full.mha, NAME_truth.mha, NAME_label.mha, with scan_first.mha and scan_end.mha"},
-    {"case", "FILES", take_case,
-     "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site"},
-    {"volume", "FILE", take_volume, "harm, page, wall, cost: a volume that nothing hides, MetaImage"},
-    {"method", "SETTINGS", take_method,
-     "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q [best method=mean; method=cost; "
-     "method=wall]; "
-     "page: the last of them"},
-    {"set", "KEY=VALUE", take_constant,
-     "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black: change the grey "
-     "levels first, the judgement is on the unchanged ones"},
-    {"tilt", "X,Y", take_tilt, "wall: turn the camera by so many degrees about x and then y first"},
-    {"still", "SEED,POSE", take_still,
-     "wall: the nine scenes standing still, other speckle and particles in each of 8 frames: how much the "
-     "ends of "
-     "rays move"},
-    {"rounds", "N", take_rounds, "reverse: rounds of the search at most, 1 .. 100 [4]"},
-    {"plugin", "PATH", take_plugin, "library to judge [the build's smartvis.so]"},
-    {"out", "FOLDER", take_out, "page: where it goes [out/sites]"},
-    {"help", NULL, take_help, "this text"},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
-enum { OPTIONS = sizeof options / sizeof *options, FIRST_OPTION = 256 };
 
 static void print_help(void) {
     printf("Usage: sv_judge COMMAND [options]\n"
@@ -181,9 +165,7 @@ static void print_help(void) {
            "occluder.\n");
     for (size_t i = 0; i < COMMANDS; i++) printf("  %-9s %s\n", commands[i].name, commands[i].help);
     printf("Options; scenes, scene, random, site, case, volume, method and set are repeatable:\n");
-    for (size_t i = 0; i < OPTIONS; i++)
-        printf("  --%s %s\n      %s\n", options[i].name, options[i].value ? options[i].value : "",
-               options[i].help);
+    hs_options_print(options);
     printf("\n%s", hs_exit_codes_help);
 }
 
@@ -198,18 +180,11 @@ static bool find_command(const char *name, judge_request *r, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, judge_request *r, hs_error *err) {
-    struct option known[OPTIONS + 1] = {{0}};
-    for (int i = 0; i < OPTIONS; i++)
-        known[i] = (struct option){options[i].name, options[i].value ? required_argument : no_argument, NULL,
-                                   FIRST_OPTION + i};
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", known, NULL)) != -1;)
-        if (!hs_cli_known(option, argv, err) || !options[option - FIRST_OPTION].take(r, optarg, err))
-            return false;
+    int next = argc;
+    if (!hs_options_read(argc, argv, options, r, &next, &r->help, err)) return false;
     if (r->help) return true;
-    if (optind + 1 != argc)
-        return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - optind);
-    if (!find_command(argv[optind], r, err)) return false;
+    if (next + 1 != argc) return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - next);
+    if (!find_command(argv[next], r, err)) return false;
     if (r->methods.count == 0) r->methods = site_methods_default(r->methods.plugin);
     return r->sites.count > 0 || !r->command->needs_cases || site_add_scenes(&r->sites, "201,0", err);
 }

@@ -14,7 +14,6 @@
 #include <string.h>
 
 /* --------------------------------------------------------------------------------------------- options -- */
-/* The command line of `host_sim report`. */
 
 static const char help_text[] =
     "Usage: host_sim report [options]\n"
@@ -204,7 +203,6 @@ static void hs_report_line_help(void) {
 }
 
 /* --------------------------------------------------------------------------------------------- command -- */
-/* host_sim report: quality and speed of a plugin over all cases and its parameter space, with a page. */
 
 #define CHECK_TOLERANCE 1e-3 /* steps */
 

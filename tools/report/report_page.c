@@ -9,7 +9,6 @@
 #include <math.h>
 
 /* ----------------------------------------------------------------------------------------------- study -- */
-/* The page of a study: tables, figures and every case in pictures. */
 
 static void put_table(hs_page *report, const hs_eval_study *study, hs_eval_table_kind kind) {
     char caption[300];
@@ -160,7 +159,6 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
-/* The page of a comparison. */
 
 #define CELL     64u /* bytes */
 #define MAX_BARS 8u  /* series a figure can tell apart */

@@ -14,7 +14,6 @@
 #include <stdlib.h>
 
 /* --------------------------------------------------------------------------------------------- drawing -- */
-/* What the pictures of a case are drawn with: loops over its volume, and files in its folder. */
 
 #define HS_EVAL_PICTURE      256u  /* pixels per side on the page */
 #define HS_EVAL_GHOST_SLICES 10.0f /* low-resolution slices: s and w of the ghosted pictures */
@@ -173,7 +172,6 @@ static bool hs_eval_beside_pictures(hs_eval_study *study, uint32_t index, hs_eva
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
-/* A comparison's renderings: every case at its first seed, by every method. */
 
 bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *out, size_t bytes,
                             hs_error *err) {
@@ -217,7 +215,6 @@ bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_ev
 }
 
 /* ------------------------------------------------------------------------------------------------ case -- */
-/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
 
 #define TURNED 192u /* of the slider's pictures: there are many */
 

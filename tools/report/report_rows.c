@@ -12,7 +12,6 @@
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
-/* The table of two methods beside each other, for the terminal, the CSV file and the page alike. */
 
 /* A beside_column: a measure of one way; the ratio of the two methods stands apart. */
 typedef struct {
@@ -137,7 +136,6 @@ static bool hs_eval_beside_table(const hs_eval_study *study, hs_error *err) {
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
-/* The ranking of a comparison, for the terminal and the CSV file. */
 
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
     char path[PATH_MAX];
@@ -173,7 +171,6 @@ void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out) {
 }
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
-/* Tables 5.2 and 5.3 as cells of text, for the terminal, the CSV files and the page alike. */
 
 enum {
     CASE,

@@ -11,7 +11,6 @@
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- parts -- */
-/* What the sections of the evaluation's page are made of: pictures of a case, and figures. */
 
 void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
                        const char *alt, const char *caption) {
@@ -36,7 +35,6 @@ void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *pl
 }
 
 /* ------------------------------------------------------------------------------------- parameter space -- */
-/* Figures 5.7 and 5.8 of the thesis, for our cases. */
 
 static void write_heat(FILE *out, const void *plot) {
     hs_plot_heat_write(out, plot);
@@ -103,7 +101,6 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
 }
 
 /* ----------------------------------------------------------------------------------------------- speed -- */
-/* Table 5.4 and Figures 5.19, 5.20 and 5.21 of the thesis, for our cases on this machine. */
 
 #define STAGES 5 /* of the plugin, as smartvis.timing/1 tells them */
 
@@ -257,7 +254,6 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
 }
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
-/* The page's section of two methods beside each other: table, legends, and every case in pictures. */
 
 #define LEGEND_STOPS 41u
 

@@ -3,6 +3,7 @@
  * process of its own, and says what they found in lines for a person or as JSON. */
 #include "base/cli.h"
 #include "base/error.h"
+#include "base/options.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "guard/child.h"
@@ -11,7 +12,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <getopt.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -232,44 +232,16 @@ static void v_print_list(void) {
 
 enum { MOST_CHECKS = 128 };
 
-static const char help[] =
-    "Usage: sv_validate [options] PLUGIN.so\n"
-    "Tries whether a plugin keeps the promises of smartvis_plugin.h. Every check runs in a process of its "
-    "own.\n"
-    "\n"
-    "  --only ID        only this check; repeatable\n"
-    "  --list           print the checks' ids, and what each of them shows\n"
-    "  --id ID          which of the library's plugins [the first]\n"
-    "  --seed N         of everything random; the same seed tries the same [0]\n"
-    "  --level N        1 .. 10: how much is tried [5]\n"
-    "  --timeout S      seconds for a check up to first-frame, a later one has five times as many [60]\n"
-    "  --json           one JSON object instead of lines\n"
-    "  --verbose        what the plugin logs and prints goes to standard error\n"
-    "  --in-process     no processes: for a debugger. A crash ends the validator.\n"
-    "  --help, --version\n"
-    "\n"
-    "A check comes to: pass; warn (holds, and could be better); skip (does not apply: the plugin does not "
-    "say\n"
-    "that it can do that, or an earlier check failed); fail; crash; timeout.\n"
-    "The variable SMARTVIS_DEVICE (cpu, gpu) chooses the OpenCL device.\n"
-    "\n"
-    "Exit codes:\n"
-    "  0  nothing failed\n"
-    "  1  a check failed, crashed or ran out of time\n"
-    "  2  the command line is wrong\n"
-    "  3  the library cannot be read\n"
-    "  6  the results cannot be written\n"
-    "  7  a process or memory could not be had\n";
-
 typedef struct {
     v_options run;
     const v_check *only[MOST_CHECKS];
     size_t only_count;
-    bool json;
+    bool json, list, version;
     char path[PATH_MAX];
 } command;
 
-static bool choose(command *c, const char *id, hs_error *err) {
+static bool take_only(void *all, const char *id, hs_error *err) {
+    command *const c = all;
     const v_check *check = v_check_find(id);
     if (!check) return hs_fail(err, HS_ERR_USAGE, "--only: there is no check '%s' (see --list)", id);
     if (c->only_count < MOST_CHECKS) c->only[c->only_count++] = check;
@@ -297,61 +269,68 @@ static bool find_library(command *c, const char *path, hs_error *err) {
     return true;
 }
 
-enum { ONLY = 1000, LIST, ID, SEED, LEVEL, TIMEOUT, JSON, VERBOSE, IN_PROCESS, HELP, VERSION };
-
-/* One option. False with an error, or with *done if there is nothing left to do. */
-static bool take(command *c, int option, bool *done, hs_error *err) {
-    switch (option) {
-    case ONLY:
-        return choose(c, optarg, err);
-    case ID:
-        c->run.id = optarg;
-        return true;
-    case SEED:
-        return hs_cli_integer("--seed", optarg, 0, INT64_MAX, &c->run.seed, err);
-    case LEVEL:
-        return hs_cli_u32("--level", optarg, 1, 10, &c->run.level, err);
-    case TIMEOUT:
-        return hs_cli_number("--timeout", optarg, 0.1, 86400.0, &c->run.timeout_s, err);
-    case JSON:
-        c->json = true;
-        return true;
-    case VERBOSE:
-        c->run.verbose = true;
-        return true;
-    case IN_PROCESS:
-        c->run.in_process = true;
-        return true;
-    default:
-        *done = option != '?';
-        if (option == LIST) v_print_list();
-        if (option == HELP) (void)fputs(help, stdout);
-        if (option == VERSION)
-            (void)printf("sv_validate " V_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
-        return *done ? false : hs_fail(err, HS_ERR_USAGE, "unknown option, or one without its value");
-    }
+/* JSON's whole numbers have a sign. */
+static bool take_seed(void *all, const char *text, hs_error *err) {
+    return hs_cli_integer("--seed", text, 0, INT64_MAX, &((command *)all)->run.seed, err);
 }
 
+#define AT(field) offsetof(command, field)
+static const hs_option options[] = {
+    {"only", "ID", "only this check; repeatable\n", HS_OPTION_TAKEN, 0, 0, 0, take_only},
+    {"list", NULL, "print the checks' ids, and what each of them shows\n", HS_OPTION_FLAG, AT(list), 0, 0,
+     NULL},
+    {"id", "ID", "which of the library's plugins [the first]\n", HS_OPTION_TEXT, AT(run.id), 0, 0, NULL},
+    {"seed", "N", "of everything random; the same seed tries the same [0]\n", HS_OPTION_TAKEN, 0, 0, 0,
+     take_seed},
+    {"level", "N", "1 .. 10: how much is tried [5]\n", HS_OPTION_COUNT, AT(run.level), 1, 10, NULL},
+    {"timeout", "S", "seconds for a check up to first-frame, a later one has five times as many [60]\n",
+     HS_OPTION_NUMBER, AT(run.timeout_s), 0.1, 86400, NULL},
+    {"json", NULL, "one JSON object instead of lines\n", HS_OPTION_FLAG, AT(json), 0, 0, NULL},
+    {"verbose", NULL, "what the plugin logs and prints goes to standard error\n", HS_OPTION_FLAG,
+     AT(run.verbose), 0, 0, NULL},
+    {"in-process", NULL, "no processes: for a debugger. A crash ends the validator.\n", HS_OPTION_FLAG,
+     AT(run.in_process), 0, 0, NULL},
+    {"version", NULL, "versions of this program and of the ABI\n", HS_OPTION_FLAG, AT(version), 0, 0, NULL},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
+static void print_help(void) {
+    printf("Usage: sv_validate [options] PLUGIN.so\n"
+           "Tries whether a plugin keeps the promises of smartvis_plugin.h. Every check runs in a process of "
+           "its own.\n"
+           "\n");
+    hs_options_print(options);
+    printf("\n"
+           "A check comes to: pass; warn (holds, and could be better); skip (does not apply: the plugin does "
+           "not say\n"
+           "that it can do that, or an earlier check failed); fail; crash; timeout.\n"
+           "The variable SMARTVIS_DEVICE (cpu, gpu) chooses the OpenCL device.\n"
+           "\n"
+           "Exit codes:\n"
+           "  0  nothing failed\n"
+           "  1  a check failed, crashed or ran out of time\n"
+           "  2  the command line is wrong\n"
+           "  3  the library cannot be read\n"
+           "  6  the results cannot be written\n"
+           "  7  a process or memory could not be had\n");
+}
+
+/* False with an error, or with *done if there is nothing left to do. */
 static bool parse(command *c, int argc, char **argv, bool *done, hs_error *err) {
-    static const struct option options[] = {{"only", required_argument, NULL, ONLY},
-                                            {"list", no_argument, NULL, LIST},
-                                            {"id", required_argument, NULL, ID},
-                                            {"seed", required_argument, NULL, SEED},
-                                            {"level", required_argument, NULL, LEVEL},
-                                            {"timeout", required_argument, NULL, TIMEOUT},
-                                            {"json", no_argument, NULL, JSON},
-                                            {"verbose", no_argument, NULL, VERBOSE},
-                                            {"in-process", no_argument, NULL, IN_PROCESS},
-                                            {"help", no_argument, NULL, HELP},
-                                            {"version", no_argument, NULL, VERSION},
-                                            {NULL, 0, NULL, 0}};
-    int option;
-    while ((option = getopt_long(argc, argv, "", options, NULL)) != -1)
-        if (!take(c, option, done, err)) return false;
-    if (argc - optind != 1)
-        return hs_fail(err, HS_ERR_USAGE,
-                       argc == optind ? "no library given" : "more than one library given");
-    return find_library(c, argv[optind], err);
+    int next = argc;
+    bool help = false;
+    if (!hs_options_read(argc, argv, options, c, &next, &help, err)) return false;
+    *done = help || c->list || c->version;
+    if (help)
+        print_help();
+    else if (c->list)
+        v_print_list();
+    else if (c->version)
+        printf("sv_validate " V_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
+    if (*done) return false;
+    if (argc - next != 1)
+        return hs_fail(err, HS_ERR_USAGE, argc == next ? "no library given" : "more than one library given");
+    return find_library(c, argv[next], err);
 }
 
 /* Runs what was asked for. Returns the exit code. */

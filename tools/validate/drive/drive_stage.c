@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 /* ---------------------------------------------------------------------------------------------- device -- */
-/* The validator's OpenCL device: what a host hands to a plugin that works on the host's queue. */
 
 enum { MOST_PLATFORMS = 16 };
 
@@ -43,7 +42,6 @@ void v_device_close(v_device *d) {
 }
 
 /* --------------------------------------------------------------------------------------------- volumes -- */
-/* Volumes to try a plugin on. */
 
 static uint8_t voxel(v_run *run, v_kind kind, uint32_t x, uint32_t y, uint32_t z, uint32_t slices) {
     const uint32_t shift = kind == V_OTHER ? slices / 5 : 0;
@@ -107,10 +105,6 @@ void v_volume_outside(v_run *run, v_volume *v, int value) {
 }
 
 /* ----------------------------------------------------------------------------------------------- stage -- */
-/*
- * What a host has ready for frames of one format: slabs cut from a volume, scanned ranges, and memory for
- * results with guard bands around it and between its rows.
- */
 
 enum { GUARD = 256, OBJECT_OFFSET = 64, RANGES_OFFSET = 12 };
 

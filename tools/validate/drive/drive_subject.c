@@ -154,7 +154,6 @@ void v_close(v_subject *s) {
 }
 
 /* ------------------------------------------------------------------------------------------ parameters -- */
-/* A plugin's parameters as checks use them: what it reports, bounded, and values to try. */
 
 static bool is_usable(const sv_param_info *i) {
     return i->id != 0 && i->key && i->label && i->unit && i->help && i->type <= SV_PARAM_ENUM &&

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/options.h"
+
+#include "base/cli.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST = 32, HELP = 256, FIRST };
+
+static bool take(const hs_option *o, void *options, const char *text, hs_error *err) {
+    void *const target = (char *)options + o->at;
+    char name[32];
+    (void)snprintf(name, sizeof name, "--%s", o->name);
+    switch (o->type) {
+    case HS_OPTION_FLAG:
+        return *(bool *)target = true;
+    case HS_OPTION_TEXT:
+        *(const char **)target = text;
+        return true;
+    case HS_OPTION_COUNT:
+        return hs_cli_u32(name, text, (uint32_t)o->low, (uint32_t)o->high, target, err);
+    case HS_OPTION_NUMBER:
+        return hs_cli_number(name, text, o->low, o->high, target, err);
+    case HS_OPTION_TAKEN:
+        return o->take(options, text, err);
+    }
+    return hs_fail(err, HS_ERR_FAILED, "%s: an option of no type", name);
+}
+
+bool hs_options_read(int argc, char **argv, const hs_option *known, void *options, int *next,
+                     bool *wants_help, hs_error *err) {
+    struct option list[MOST + 2] = {{"help", no_argument, NULL, HELP}};
+    for (int i = 0; i < MOST && known[i].name; i++)
+        list[i + 1] =
+            (struct option){known[i].name, known[i].value ? required_argument : no_argument, NULL, FIRST + i};
+    *wants_help = false;
+    optind = 1;
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, ":", list, NULL)) != -1;) {
+        if (!hs_cli_known(option, argv, err)) return false;
+        if (option == HELP) return *wants_help = true;
+        if (!take(&known[option - FIRST], options, optarg, err)) return false;
+    }
+    *next = optind;
+    return true;
+}
+
+void hs_options_print(const hs_option *known) {
+    enum { COLUMN = 22 };
+    for (; known->name; known++) {
+        int indent = COLUMN - printf("  --%s%s%s", known->name, known->value ? " " : "",
+                                     known->value ? known->value : "");
+        for (const char *line = known->help, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
+            printf("%*s%.*s\n", indent > 1 ? indent : 1, "", (int)(end - line), line);
+            indent = COLUMN;
+        }
+    }
+    printf("  --help              this text\n");
+}

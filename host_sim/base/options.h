@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* A command line by one table: what an option is called, what it takes, where that goes, and its help. */
+#ifndef HS_OPTIONS_H
+#define HS_OPTIONS_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+
+typedef enum {
+    HS_OPTION_FLAG,   /* a bool becomes true */
+    HS_OPTION_TEXT,   /* const char * */
+    HS_OPTION_COUNT,  /* uint32_t in low .. high */
+    HS_OPTION_NUMBER, /* double in low .. high */
+    HS_OPTION_TAKEN   /* `take` reads it; `text` is NULL without a value */
+} hs_option_type;
+
+typedef struct {
+    const char *name;
+    const char *value; /* what help calls it; NULL: the option has none */
+    const char *help;  /* lines, each ended by a newline */
+    hs_option_type type;
+    size_t at; /* the target's place in the options */
+    double low, high;
+    bool (*take)(void *options, const char *text, hs_error *err);
+} hs_option;
+
+/* Reads a command line by a list that ends with a name of NULL, and knows --help, too: true with `wants_help`
+ * as soon as it is asked for. *next is the index of the first argument that is no option. HS_ERR_USAGE names
+ * option, value and what is allowed. */
+bool hs_options_read(int argc, char **argv, const hs_option *known, void *options, int *next,
+                     bool *wants_help, hs_error *err);
+
+/* Prints the options' part of a help text, --help included. */
+void hs_options_print(const hs_option *known);
+
+#endif
