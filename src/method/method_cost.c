@@ -9,7 +9,6 @@
 #include "cost_layout.h"
 #include "device/queue.h"
 #include "kernels_cost.h"
-#include "ref/ref_cost.h"
 
 #include <math.h>
 

@@ -8,7 +8,6 @@
 #include "device/queue.h"
 #include "kernels_mean_maps.h"
 #include "mean/mean_shared.h"
-#include "ref/ref_mean.h"
 
 enum { K_LOAD, K_STORE };
 static const char *const kernels[] = {"mean_load", "mean_store", NULL};

@@ -6,7 +6,6 @@
 #include "device/queue.h"
 #include "kernels_minimum.h"
 #include "minimum/minimum_shared.h"
-#include "ref/ref_minimum.h"
 
 enum { K_CLEAR, K_LOAD, K_COLUMNS, K_ROWS, K_STORE };
 static const char *const kernels[] = {"minimum_clear", "minimum_load",  "minimum_columns",

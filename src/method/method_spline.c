@@ -8,7 +8,6 @@
 
 #include "device/queue.h"
 #include "kernels_spline.h"
-#include "ref/ref_spline.h"
 #include "spline/spline_shared.h"
 
 enum {

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_chain.h"
 
-#include "method_list.h"
 #include "quantise.h"
 #include "ref/ref_minimum.h"
 #include "ref/ref_reduce.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#define SV_REF_METHOD_TABLE(NAME, value, key) extern const sv_ref_method sv_ref_method_##key;
-SV_METHODS(SV_REF_METHOD_TABLE)
-#undef SV_REF_METHOD_TABLE
 
 #define SV_REF_METHOD_ENTRY(NAME, value, key) [value] = {#key, &sv_ref_method_##key},
 static const struct {
@@ -31,11 +26,12 @@ const char *sv_ref_method_name(uint32_t method) {
     return method < SV_METHOD_END ? methods[method].name : NULL;
 }
 
-/* float32 divides a position by three samples a slice, merges the points of a cell, and interpolates between
- * cells: 8 half steps at most at the largest depth. */
+/* float32 divides a position by three samples a slice; it merges the points of a cell and interpolates
+ * between cells. Each costs at most 8 half steps at the largest depth. */
 double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const sv_ref_device *device) {
-    const bool rounds = !method->takes_volume && (task->settings->reduction > 1 || device->substeps == 3);
-    return method->bound(task, device) + (rounds ? 8.0 * device->slices * 0x1p-24 : 0.0);
+    const double times =
+        method->takes_volume ? 0.0 : (task->settings->reduction > 1) + (device->substeps == 3);
+    return method->bound(task, device) + times * 8.0 * device->slices * 0x1p-24;
 }
 
 /* Runs pre-filter and method on a map whose settings are in its own pixels. */

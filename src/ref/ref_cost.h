@@ -98,7 +98,4 @@ bool sv_ref_cost_surface_with(const sv_ref_volume *volume, const sv_ref_cost_lay
 /* Returns the blurred cost volume, cells_x * cells_y * SV_COST_VALUES, from bins; the caller frees it. */
 double *sv_ref_cost_volume(const uint8_t *bins, const sv_ref_cost_layout *layout, sv_ref_cost_facts *facts);
 
-/* The plugin's method. */
-extern const sv_ref_method sv_ref_method_cost;
-
 #endif

@@ -16,9 +16,6 @@
 bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uint32_t height, uint32_t k,
                  double omega, double *surface, sv_ref_fill *fill);
 
-/* The plugin's method. */
-extern const sv_ref_method sv_ref_method_mean;
-
 /* ---- ref_mean_fixed.c */
 
 /* The kernels' fixed-point mean filter for both ends at once, to the bit. Positions in samples (substeps per

@@ -3,6 +3,7 @@
 #ifndef SV_REF_METHOD_H
 #define SV_REF_METHOD_H
 
+#include "method_list.h"
 #include "ref/ref_map.h"
 #include "ref/ref_volume.h"
 
@@ -49,5 +50,10 @@ typedef struct {
      * answers are right. False if memory runs out. */
     bool (*surface)(const sv_ref_task *task, double *surface, uint8_t *either);
 } sv_ref_method;
+
+/* The tables of the definitions. */
+#define SV_REF_METHOD_TABLE(NAME, value, key) extern const sv_ref_method sv_ref_method_##key;
+SV_METHODS(SV_REF_METHOD_TABLE)
+#undef SV_REF_METHOD_TABLE
 
 #endif

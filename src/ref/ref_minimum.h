@@ -11,7 +11,4 @@ bool sv_ref_minimum(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_f
 /* The pre-filter: `passes` passes, then initial points only. `filtered` holds their new depths. */
 bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes, double *filtered);
 
-/* The plugin's method. */
-extern const sv_ref_method sv_ref_method_minimum;
-
 #endif

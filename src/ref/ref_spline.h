@@ -51,7 +51,4 @@ uint32_t sv_ref_merge(const sv_ref_map *map, uint32_t grid, double *x, double *y
 void sv_ref_spline_surface(const sv_ref_spline *spline, uint32_t width, uint32_t height, uint32_t cells,
                            double *surface);
 
-/* The plugin's method. */
-extern const sv_ref_method sv_ref_method_spline;
-
 #endif

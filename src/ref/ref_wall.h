@@ -40,7 +40,4 @@ bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *setti
 bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], double q, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
 
-/* The plugin's method. */
-extern const sv_ref_method sv_ref_method_wall;
-
 #endif

@@ -4,6 +4,7 @@
  * report where there is no fluid.
  */
 #include "common/sv_shared.h"
+#include "method_list.h"
 #include "ref/ref_cost.h"
 #include "scene/scene.h"
 #include "support/rig.h"
@@ -18,7 +19,6 @@
 #include <cmocka.h>
 
 static const double BOUND = 1e-3; /* slices */
-static const double COST = 6.0;   /* the value of parameter method */
 
 typedef struct {
     uint32_t width, height, slices, slab_slices;
@@ -36,7 +36,7 @@ static rig_format cube_of(const rig *r, uint32_t side) {
                         .height = side,
                         .slices = side,
                         .slab_slices = 16,
-                        .fixed = {value_of(r, "method", COST)},
+                        .fixed = {value_of(r, "method", SV_METHOD_COST)},
                         .fixed_count = 1};
 }
 
@@ -49,7 +49,7 @@ static sv_status run(rig *r, const shape *s, const uint8_t *volume, float q, dou
                           .padding = s->padding,
                           .voxel_mm = s->voxel_mm,
                           .extra_w = 3,
-                          .fixed = {value_of(r, "method", COST)},
+                          .fixed = {value_of(r, "method", SV_METHOD_COST)},
                           .fixed_count = 1};
     const sv_param_value values[] = {value_of(r, "q", (double)q), value_of(r, "evidence", evidence)};
     return rig_run(r, &f, volume, values, 2, out);
