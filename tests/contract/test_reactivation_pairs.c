@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-enum { MOST_PARAMETERS = 16, MOST_VALUES = 8 };
+enum { MOST_PARAMETERS = 16, MOST_VALUES = 64, FEW = 8 };
 
 typedef struct {
     sv_param_info info;
@@ -27,7 +27,8 @@ static void choose_values(const sv_plugin *p, knob *k) {
     const sv_param_info *i = &k->info;
     const double steps = (i->max_value - i->min_value) / i->step;
     assert_true(i->type == SV_PARAM_ENUM || i->type == SV_PARAM_INT || i->type == SV_PARAM_BOOL);
-    if (steps < MOST_VALUES) {
+    if (i->type == SV_PARAM_ENUM || steps < FEW) {
+        assert_true(steps < MOST_VALUES);
         for (double v = i->min_value; v <= i->max_value; v += i->step)
             if (p->param_text(p, i->id, v, text, sizeof text) == SV_OK) k->value[k->count++] = v;
         return;
