@@ -18,22 +18,18 @@ static bool file_path(char path[1100], const char *prefix, const char *what, con
            hs_fail(err, HS_ERR_OUTPUT, "%.200s...: the path is too long", prefix);
 }
 
-static bool write_array(const char *prefix, const char *what, const hs_metaimage_array *array,
-                        hs_error *err) {
-    char path[1100];
-    return file_path(path, prefix, what, "mha", err) && hs_metaimage_write(path, array, err);
-}
-
 /* A map is one slice: what reads volumes reads it, too. */
-static hs_metaimage_array describe(const hs_volume *volume, hs_array_type type, const void *data,
-                                   uint32_t slices) {
-    return (hs_metaimage_array){.type = type,
-                                .data = data,
-                                .dims = 3,
-                                .size = {volume->nx, volume->ny, slices},
-                                .spacing = {volume->spacing[0], volume->spacing[1], volume->spacing[2]},
-                                .compress = true,
-                                .pose = &volume->pose};
+static bool write_slices(const char *prefix, const char *what, const hs_volume *volume, hs_met_type type,
+                         const void *data, uint32_t slices, hs_error *err) {
+    char path[1100];
+    const hs_metaimage_format format = {
+        .type = type,
+        .dims = 3,
+        .size = {volume->nx, volume->ny, slices},
+        .spacing = {volume->spacing[0], volume->spacing[1], volume->spacing[2]},
+        .compress = true,
+        .pose = &volume->pose};
+    return file_path(path, prefix, what, "mha", err) && hs_metaimage_write(path, &format, data, err);
 }
 
 /* Readers differ in what they make of NaN: -1 says "no interval" in the file. */
@@ -43,18 +39,16 @@ static bool write_depths(const char *prefix, const char *what, const hs_volume *
     float *copy = malloc(count * sizeof *copy);
     if (!copy) return hs_fail(err, HS_ERR_MEMORY, "%s_%s.mha: no memory for %zu pixels", prefix, what, count);
     for (size_t i = 0; i < count; i++) copy[i] = isnan(depth[i]) ? -1.0f : depth[i];
-    const hs_metaimage_array array = describe(volume, HS_ARRAY_F32, copy, 1);
-    bool ok = write_array(prefix, what, &array, err);
+    bool ok = write_slices(prefix, what, volume, HS_MET_FLOAT, copy, 1, err);
     free(copy);
     return ok;
 }
 
 bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *err) {
-    const hs_metaimage_array full = describe(&data->full, HS_ARRAY_U8, data->full.voxels, data->full.nz);
-    const hs_metaimage_array truth = describe(&data->full, HS_ARRAY_U8, data->truth.voxels, data->full.nz);
-    const hs_metaimage_array label = describe(&data->full, HS_ARRAY_U8, data->label, 1);
-    return write_array(prefix, "full", &full, err) && write_array(prefix, "truth", &truth, err) &&
-           write_array(prefix, "label", &label, err) &&
+    const hs_volume *v = &data->full;
+    return write_slices(prefix, "full", v, HS_MET_UCHAR, v->voxels, v->nz, err) &&
+           write_slices(prefix, "truth", v, HS_MET_UCHAR, data->truth.voxels, v->nz, err) &&
+           write_slices(prefix, "label", v, HS_MET_UCHAR, data->label, 1, err) &&
            write_depths(prefix, "near", &data->full, data->near_end, err) &&
            write_depths(prefix, "far", &data->full, data->far_end, err);
 }
@@ -237,8 +231,7 @@ static bool write_label(const char *prefix, hs_beams *beams, const hs_scene_data
     bool ok = label || hs_fail(err, HS_ERR_MEMORY, "%s_label.mha: no memory", prefix);
     if (ok) {
         fill_labels(&copy, data, label);
-        const hs_metaimage_array array = describe(&copy, HS_ARRAY_U8, label, 1);
-        ok = write_array(prefix, "label", &array, err);
+        ok = write_slices(prefix, "label", &copy, HS_MET_UCHAR, label, 1, err);
     }
     copy.beams = NULL; /* the caller's */
     hs_volume_free(&copy);

@@ -13,9 +13,8 @@ typedef struct {
     uint32_t size[4];    /* elements; those beyond dims are ignored */
     double spacing[3];   /* mm, > 0; the same */
     const hs_pose *pose; /* of a volume or a sequence; borrowed until _open returns. NULL: the default one */
-    const hs_frame_fields
-        *fields;   /* of the size[3] volumes, borrowed until the end; NULL: there is nothing to say */
-    bool compress; /* zlib */
+    const hs_frame_fields *fields; /* of the size[3] volumes, borrowed until the end; NULL: nothing to say */
+    bool compress;                 /* zlib */
 } hs_metaimage_format;
 
 typedef struct hs_metaimage_stream hs_metaimage_stream;
@@ -37,22 +36,7 @@ bool hs_metaimage_stream_close(hs_metaimage_stream *stream);
 /* Gives up: frees the stream and removes what was written. NULL is allowed. */
 void hs_metaimage_stream_discard(hs_metaimage_stream *stream);
 
-typedef enum { HS_ARRAY_U8 = 0, HS_ARRAY_U16, HS_ARRAY_F32 } hs_array_type;
-
-/* An array to be written; x fastest, then y, then z. */
-typedef struct {
-    hs_array_type type;
-    const void *data;    /* size[0] * size[1] * size[2] elements, borrowed */
-    uint32_t dims;       /* 2 or 3 */
-    uint32_t size[3];    /* elements along x, y, z; size[2] is ignored if dims is 2 */
-    double spacing[3];   /* mm, > 0; the same */
-    bool compress;       /* zlib */
-    const hs_pose *pose; /* borrowed; of 3 dimensions. NULL: the default one */
-} hs_metaimage_array;
-
-/* Writes "<name>.mha", or "<name>.mhd" and beside it "<name>.raw" ("<name>.zraw" if compressed), by the
- * ending of `path`. Each file is written under a temporary name and renamed, the data before the header.
- * HS_ERR_OUTPUT names the path and the field or the system's reason. */
-bool hs_metaimage_write(const char *path, const hs_metaimage_array *array, hs_error *err);
+/* Writes all elements, `data`, in one go: the same files, errors and rules. */
+bool hs_metaimage_write(const char *path, const hs_metaimage_format *format, const void *data, hs_error *err);
 
 #endif

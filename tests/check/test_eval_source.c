@@ -29,18 +29,18 @@ static void path_of(const fixture *f, const char *file, char path[TEXT]) {
     (void)snprintf(path, TEXT, "%s/%s", f->folder, file);
 }
 
-static void write_map(const fixture *f, const char *file, hs_array_type type, const void *data, uint32_t n) {
+static void write_map(const fixture *f, const char *file, hs_met_type type, const void *data, uint32_t n) {
     char path[TEXT];
     hs_error err = {0};
-    const hs_metaimage_array array = {
-        .type = type, .data = data, .dims = 3, .size = {n, n, 1}, .spacing = {1, 1, 1}, .compress = true};
+    const hs_metaimage_format format = {
+        .type = type, .dims = 3, .size = {n, n, 1}, .spacing = {1, 1, 1}, .compress = true};
     path_of(f, file, path);
-    if (!hs_metaimage_write(path, &array, &err)) fail_msg("%s", err.text);
+    if (!hs_metaimage_write(path, &format, data, &err)) fail_msg("%s", err.text);
 }
 
 static void write_maps(const fixture *f) {
-    write_map(f, "first.mha", HS_ARRAY_U16, f->first, N);
-    write_map(f, "end.mha", HS_ARRAY_U16, f->end, N);
+    write_map(f, "first.mha", HS_MET_USHORT, f->first, N);
+    write_map(f, "end.mha", HS_MET_USHORT, f->end, N);
 }
 
 /* Maps that are unlike in every column and row, and a ray without a label of which nothing was scanned. */
@@ -140,8 +140,8 @@ static void wrong_maps_are_named(void **state) {
     static const uint16_t small[4] = {0};
     static float fraction[RAYS];
     fraction[2 * N + 1] = 1.5f;
-    write_map(f, "small.mha", HS_ARRAY_U16, small, 2);
-    write_map(f, "fraction.mha", HS_ARRAY_F32, fraction, N);
+    write_map(f, "small.mha", HS_MET_USHORT, small, 2);
+    write_map(f, "fraction.mha", HS_MET_FLOAT, fraction, N);
     must_fail(f, "first.mha", NULL, HS_ERR_USAGE, "or five, FULL,TRUTH,LABEL,FIRST,END");
     must_fail(f, "nowhere.mha", "end.mha", HS_ERR_INPUT, "nowhere.mha");
     must_fail(f, "small.mha", "end.mha", HS_ERR_INPUT, "small.mha");

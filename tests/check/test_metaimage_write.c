@@ -24,24 +24,33 @@ static int setup(void **state) {
     return files_setup(state);
 }
 
-static hs_metaimage_array array_of(hs_array_type type, uint32_t dims, bool compress) {
-    const void *const data[] = {bytes, words, floats};
-    return (hs_metaimage_array){.type = type,
-                                .data = data[type],
-                                .dims = dims,
-                                .size = {NX, NY, NZ},
-                                .spacing = {0.5, 0.1, 1.0 / 3.0},
-                                .compress = compress};
+enum { U8, U16, F32, KINDS };
+static const hs_met_type types[KINDS] = {HS_MET_UCHAR, HS_MET_USHORT, HS_MET_FLOAT};
+
+static hs_metaimage_format format_of(int kind, uint32_t dims, bool compress) {
+    return (hs_metaimage_format){.type = types[kind],
+                                 .dims = dims,
+                                 .size = {NX, NY, NZ},
+                                 .spacing = {0.5, 0.1, 1.0 / 3.0},
+                                 .compress = compress};
 }
 
-static void write_ok(const char *name, const hs_metaimage_array *array) {
+/* The data of the format's type. */
+static const void *data_of(const hs_metaimage_format *format) {
+    const void *const data[KINDS] = {bytes, words, floats};
+    int kind = U8;
+    while (kind < F32 && types[kind] != format->type) kind++;
+    return data[kind];
+}
+
+static void write_ok(const char *name, const hs_metaimage_format *format) {
     hs_error err = {0};
-    if (!hs_metaimage_write(files_path(name), array, &err)) fail_msg("%s", err.text);
+    if (!hs_metaimage_write(files_path(name), format, data_of(format), &err)) fail_msg("%s", err.text);
 }
 
 /* Read with a window that makes the 8-bit value known: u8 as it is, u16 by 256 levels
  * of 257, floats by their step. */
-static void arrays_read_back(void **state) {
+static void formats_read_back(void **state) {
     (void)state;
     static const hs_metaimage_options options[] = {
         {.padding = HS_PADDING_ALL},
@@ -51,12 +60,12 @@ static void arrays_read_back(void **state) {
          .window_low = -7.0,
          .window_high = -7.0 + 255 * 0.25}};
     static const char *const names[] = {"a.mha", "a.mhd"};
-    for (int type = HS_ARRAY_U8; type <= HS_ARRAY_F32; type++) {
+    for (int kind = U8; kind <= F32; kind++) {
         for (int variant = 0; variant < 4; variant++) {
-            const hs_metaimage_array array = array_of((hs_array_type)type, 3, variant & 1);
-            write_ok(names[variant / 2], &array);
+            const hs_metaimage_format format = format_of(kind, 3, variant & 1);
+            write_ok(names[variant / 2], &format);
             hs_volume volume;
-            files_read(names[variant / 2], &options[type], &volume);
+            files_read(names[variant / 2], &options[kind], &volume);
             assert_int_equal(volume.nx, NX);
             assert_int_equal(volume.ny, NY);
             assert_int_equal(volume.nz, NZ);
@@ -65,7 +74,7 @@ static void arrays_read_back(void **state) {
                         volume.spacing[2] == 1.0 / 3.0);
             for (size_t i = 0; i < COUNT; i++) {
                 const uint8_t expected[] = {bytes[i], (uint8_t)((words[i] + 128) / 257), (uint8_t)i};
-                assert_int_equal(volume.voxels[i], expected[type]);
+                assert_int_equal(volume.voxels[i], expected[kind]);
             }
             hs_volume_free(&volume);
         }
@@ -85,10 +94,10 @@ static size_t read_file(const char *name, char *out, size_t room) {
 /* Text and bytes of a 2D depthmap, to the letter. */
 static void a_depthmap_is_written_as_stated(void **state) {
     (void)state;
-    hs_metaimage_array array = array_of(HS_ARRAY_F32, 2, false);
-    array.size[2] = 0; /* not looked at */
-    array.spacing[1] = 0.25;
-    write_ok("depth.mha", &array);
+    hs_metaimage_format format = format_of(F32, 2, false);
+    format.size[2] = 0; /* not looked at */
+    format.spacing[1] = 0.25;
+    write_ok("depth.mha", &format);
     static const char expected[] =
         "ObjectType = Image\nNDims = 2\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
         "CompressedData = False\nTransformMatrix = 1 0 0 1\nOffset = 0 0\nCenterOfRotation = 0 0\n"
@@ -102,8 +111,8 @@ static void a_depthmap_is_written_as_stated(void **state) {
 
 static void a_pair_names_its_data_file_without_folder(void **state) {
     (void)state;
-    const hs_metaimage_array array = array_of(HS_ARRAY_U8, 3, true);
-    write_ok("label.map.mhd", &array);
+    const hs_metaimage_format format = format_of(U8, 3, true);
+    write_ok("label.map.mhd", &format);
     char text[1024], size_line[64];
     struct stat status;
     read_file("label.map.mhd", text, sizeof text);
@@ -114,62 +123,62 @@ static void a_pair_names_its_data_file_without_folder(void **state) {
 }
 
 /* `named` is the file the message is about: `path`, or the data file that belongs to it. */
-static void refused_at(const char *path, const char *named, const hs_metaimage_array *array,
-                       const char *told) {
+static void refused_at(const char *path, const char *named, const hs_metaimage_format *format,
+                       const void *data, const char *told) {
     hs_error err = {0};
     const int before = files_count();
-    assert_false(hs_metaimage_write(path, array, &err));
+    assert_false(hs_metaimage_write(path, format, data, &err));
     assert_int_equal(err.code, HS_ERR_OUTPUT);
     if (!strstr(err.text, named) || !strstr(err.text, told))
         fail_msg("'%s' does not tell '%s'", err.text, told);
     assert_int_equal(files_count(), before); /* nothing is left behind */
 }
 
-static void refused(const char *path, const hs_metaimage_array *array, const char *told) {
-    refused_at(path, path, array, told);
+static void refused(const char *path, const hs_metaimage_format *format, const char *told) {
+    refused_at(path, path, format, data_of(format), told);
 }
 
 static void arrays_that_cannot_be_written_are_named(void **state) {
     (void)state;
-    hs_metaimage_array array = array_of(HS_ARRAY_U8, 3, false);
-    array.dims = 4;
-    refused(files_path("x.mha"), &array, "NDims is 4, expected 2 or 3");
-    array = array_of(HS_ARRAY_U8, 3, false);
-    array.size[1] = 0;
-    refused(files_path("x.mha"), &array, "DimSize along axis 1 is 0");
-    array = array_of(HS_ARRAY_F32, 3, false);
-    array.size[0] = array.size[1] = array.size[2] = UINT32_MAX; /* 2^98 bytes */
-    refused(files_path("x.mha"), &array, "DimSize along axis 1 is 4294967295");
-    array = array_of(HS_ARRAY_U8, 3, false);
-    array.spacing[2] = NAN;
-    refused(files_path("x.mha"), &array, "ElementSpacing along axis 2 is nan");
-    array.spacing[2] = 0;
-    refused(files_path("x.mha"), &array, "ElementSpacing along axis 2 is 0");
-    array = array_of(HS_ARRAY_U8, 3, false);
-    array.data = NULL;
-    refused(files_path("x.mha"), &array, "no data given");
-    array = array_of(HS_ARRAY_U8, 3, false);
-    array.type = (hs_array_type)7;
-    refused(files_path("x.mha"), &array, "ElementType 7");
+    hs_metaimage_format format = format_of(U8, 3, false);
+    format.dims = 5;
+    refused(files_path("x.mha"), &format, "NDims is 5, expected 2, 3 or 4");
+    format = format_of(U8, 3, false);
+    format.size[1] = 0;
+    refused(files_path("x.mha"), &format, "DimSize along axis 1 is 0");
+    format = format_of(F32, 3, false);
+    format.size[0] = format.size[1] = format.size[2] = UINT32_MAX; /* 2^98 bytes */
+    refused(files_path("x.mha"), &format, "DimSize along axis 1 is 4294967295");
+    format = format_of(U8, 3, false);
+    format.spacing[2] = NAN;
+    refused(files_path("x.mha"), &format, "ElementSpacing along axis 2 is nan");
+    format.spacing[2] = 0;
+    refused(files_path("x.mha"), &format, "ElementSpacing along axis 2 is 0");
+    format = format_of(U8, 3, false);
+    refused_at(files_path("x.mha"), files_path("x.mha"), &format, NULL, "no data given");
+    format = format_of(U8, 3, false);
+    format.type = (hs_met_type)HS_MET_TYPES;
+    refused(files_path("x.mha"), &format, "ElementType 10");
 }
 
 static void places_that_cannot_be_written_are_named(void **state) {
     (void)state;
-    const hs_metaimage_array array = array_of(HS_ARRAY_U8, 3, false);
-    refused(files_path("x.png"), &array, "should end in .mha or .mhd");
-    refused(files_path(".mha"), &array, "should end in .mha or .mhd");
-    refused(files_path("100%.mhd"), &array, "ElementDataFile cannot hold");
-    refused(files_path("absent/x.mha"), &array, "No such file or directory");
-    refused_at(files_path("absent/x.mhd"), files_path("absent/x.raw"), &array, "No such file or directory");
+    const hs_metaimage_format format = format_of(U8, 3, false);
+    refused(files_path("x.png"), &format, "should end in .mha or .mhd");
+    refused(files_path(".mha"), &format, "should end in .mha or .mhd");
+    refused(files_path("100%.mhd"), &format, "ElementDataFile cannot hold");
+    refused(files_path("absent/x.mha"), &format, "No such file or directory");
+    refused_at(files_path("absent/x.mhd"), files_path("absent/x.raw"), &format, data_of(&format),
+               "No such file or directory");
     assert_int_equal(mkdir(files_path("folder.mha"), 0700), 0);
-    refused(files_path("folder.mha"), &array, "not a regular file");
+    refused(files_path("folder.mha"), &format, "not a regular file");
     assert_int_equal(rmdir(files_path("folder.mha")), 0);
 }
 
 /* A disk that fills up, by a limit on the size of files: the earlier file stays as it was. */
 static void a_full_disk_leaves_the_earlier_file(void **state) {
     (void)state;
-    const hs_metaimage_array before = array_of(HS_ARRAY_U8, 3, false);
+    const hs_metaimage_format before = format_of(U8, 3, false);
     write_ok("full.mha", &before);
     write_ok("full.mhd", &before);
     (void)signal(SIGXFSZ, SIG_IGN); /* so that write reports EFBIG */
@@ -178,9 +187,9 @@ static void a_full_disk_leaves_the_earlier_file(void **state) {
     small = limit;
     small.rlim_cur = 400; /* the text fits, the data does not */
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-    const hs_metaimage_array later = array_of(HS_ARRAY_F32, 3, false);
+    const hs_metaimage_format later = format_of(F32, 3, false);
     refused(files_path("full.mha"), &later, "File too large");
-    refused_at(files_path("full.mhd"), files_path("full.raw"), &later, "File too large");
+    refused_at(files_path("full.mhd"), files_path("full.raw"), &later, data_of(&later), "File too large");
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
     static const char *const names[] = {"full.mha", "full.mhd"};
     for (int i = 0; i < 2; i++) {
@@ -193,7 +202,7 @@ static void a_full_disk_leaves_the_earlier_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(arrays_read_back),
+        cmocka_unit_test(formats_read_back),
         cmocka_unit_test(a_depthmap_is_written_as_stated),
         cmocka_unit_test(a_pair_names_its_data_file_without_folder),
         cmocka_unit_test(arrays_that_cannot_be_written_are_named),

@@ -164,9 +164,9 @@ static void real_volumes_are_their_own_truth(void **state) {
     char path[64];
     snprintf(path, sizeof path, "/tmp/scene_real_%ld.mha", (long)getpid());
     hs_error err = {0};
-    const hs_metaimage_array array = {
-        .type = HS_ARRAY_U8, .data = ball, .dims = 3, .size = {NX, NY, NZ}, .spacing = {0.5, 0.6, 0.7}};
-    if (!hs_metaimage_write(path, &array, &err)) fail_msg("%s", err.text);
+    const hs_metaimage_format format = {
+        .type = HS_MET_UCHAR, .dims = 3, .size = {NX, NY, NZ}, .spacing = {0.5, 0.6, 0.7}};
+    if (!hs_metaimage_write(path, &format, ball, &err)) fail_msg("%s", err.text);
     hs_scene *scene = hs_scene_open("real", &err);
     assert_non_null(scene);
     hs_scene_data d;

@@ -191,12 +191,11 @@ static bool write_volume(const wall_case *c, char *path, size_t size, hs_error *
     const int file = hs_path_temporary("occluded", ".mha", path, size, err);
     if (file < 0) return false;
     (void)close(file);
-    const hs_metaimage_array array = {.type = HS_ARRAY_U8,
-                                      .data = c->full + from * plane_of(c),
-                                      .dims = 3,
-                                      .size = {c->nx, c->ny, to - from},
-                                      .spacing = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
-    return hs_metaimage_write(path, &array, err);
+    const hs_metaimage_format format = {.type = HS_MET_UCHAR,
+                                        .dims = 3,
+                                        .size = {c->nx, c->ny, to - from},
+                                        .spacing = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
+    return hs_metaimage_write(path, &format, c->full + from * plane_of(c), err);
 }
 
 bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err) {
