@@ -58,10 +58,6 @@ typedef struct {
 /* NULL if the thesis has no such case. */
 const hs_eval_thesis_case *hs_eval_thesis_find(const char *name);
 
-/* Table 5.3's common setting. */
-#define HS_EVAL_THESIS_DELTA  0.24
-#define HS_EVAL_THESIS_KERNEL 55
-
 /* Table 5.4, milliseconds: the average over the cases. */
 typedef struct {
     const char *stage;

@@ -3,73 +3,53 @@
 #include "report/report.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "volume/metaimage.h"
 
-#include <getopt.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char help_text[] =
-    "Usage: host_sim measure [options] MAP...\n"
-    "Measures depthmaps that were made elsewhere, as 'report' measures a plugin's, and prints JSON.\n"
-    "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
-    "low-resolution volume, 0 or less clips nothing. '-' is the map that clips nothing at all.\n"
-    "\n"
-    "  --case NAME      a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END]\n"
-    "                   (see 'host_sim report --help') [D01]\n"
-    "  --real FILE      the volume of the scene 'real'\n"
-    "  --size N         voxels per axis of a scene, 32 .. 512 [384]\n"
-    "  --lowres N       pixels per axis of the maps [a third of the size: 128]\n"
-    "  --seed N         seed of the scene; 0 is its own [0]\n"
-    "  --help           this text\n"
-    "\n";
-
 typedef struct {
     hs_eval_request of;
+    int first; /* index of the first map's argument */
     bool help;
 } request;
 
-enum { OPT_CASE = 1, OPT_REAL, OPT_SIZE, OPT_LOWRES, OPT_SEED, OPT_HELP };
+static bool take_seed(void *all, const char *text, hs_error *err) {
+    return hs_cli_integer("--seed", text, 0, UINT64_MAX, &((request *)all)->of.seed, err);
+}
 
-static const struct option options[] = {{"case", required_argument, NULL, OPT_CASE},
-                                        {"real", required_argument, NULL, OPT_REAL},
-                                        {"size", required_argument, NULL, OPT_SIZE},
-                                        {"lowres", required_argument, NULL, OPT_LOWRES},
-                                        {"seed", required_argument, NULL, OPT_SEED},
-                                        {"help", no_argument, NULL, OPT_HELP},
-                                        {0}};
+#define AT(field) offsetof(request, of.field)
+static const hs_option options[] = {
+    {"case", "NAME",
+     "a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END]\n"
+     "(see 'host_sim report --help') [D01]\n",
+     HS_OPTION_TEXT, AT(name), 0, 0, NULL},
+    {"real", "FILE", "the volume of the scene 'real'\n", HS_OPTION_TEXT, AT(real), 0, 0, NULL},
+    {"size", "N", "voxels per axis of a scene, 32 .. 512 [384]\n", HS_OPTION_COUNT, AT(size), 32, 512, NULL},
+    {"lowres", "N", "pixels per axis of the maps [a third of the size: 128]\n", HS_OPTION_COUNT, AT(lowres),
+     8, 1024, NULL},
+    {"seed", "N", "seed of the scene; 0 is its own [0]\n", HS_OPTION_TAKEN, 0, 0, 0, take_seed},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
 
-static bool set_option(int option, request *r, hs_error *err) {
-    switch (option) {
-    case OPT_CASE:
-        r->of.name = optarg;
-        return true;
-    case OPT_REAL:
-        r->of.real = optarg;
-        return true;
-    case OPT_SIZE:
-        return hs_cli_u32("--size", optarg, 32, 512, &r->of.size, err);
-    case OPT_LOWRES:
-        return hs_cli_u32("--lowres", optarg, 8, 1024, &r->of.lowres, err);
-    case OPT_SEED:
-        return hs_cli_integer("--seed", optarg, 0, UINT64_MAX, &r->of.seed, err);
-    default:
-        r->help = true;
-        return true;
-    }
+static void print_help(void) {
+    printf("Usage: host_sim measure [options] MAP...\n"
+           "Measures depthmaps that were made elsewhere, as 'report' measures a plugin's, and prints JSON.\n"
+           "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
+           "low-resolution volume, 0 or less clips nothing. '-' is the map that clips nothing at all.\n"
+           "\n");
+    hs_options_print(options);
+    printf("\n%s", hs_exit_codes_help);
 }
 
 static bool parse(int argc, char **argv, request *r, hs_error *err) {
     *r = (request){.of = {.name = "D01", .size = 384}};
-    optind = 1;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (!hs_cli_known(option, argv, err) || !set_option(option, r, err)) return false;
-    }
-    return r->help || optind < argc || hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
+    if (!hs_options_read(argc, argv, options, r, &r->first, &r->help, err)) return false;
+    return r->help || r->first < argc || hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
 }
 
 /* The map of a file, as the table takes it. False if it cannot be read or a value is not finite. */
@@ -129,8 +109,8 @@ int hs_cmd_measure(int argc, char **argv) {
     hs_error err = {0};
     if (!parse(argc, argv, &r, &err)) return hs_cli_fail("measure", &err);
     if (r.help) {
-        printf("%s%s", help_text, hs_exit_codes_help);
+        print_help();
         return HS_OK;
     }
-    return measure(&r, argv + optind, argc - optind, &err) ? HS_OK : hs_cli_fail("measure", &err);
+    return measure(&r, argv + r.first, argc - r.first, &err) ? HS_OK : hs_cli_fail("measure", &err);
 }

@@ -5,11 +5,15 @@
 #include "base/paths.h"
 #include "base/text.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+static bool open_csv(const char *folder, const char *name, hs_output_file *output, hs_error *err) {
+    char path[PATH_MAX];
+    return hs_path_join(folder, name, path, sizeof path, err) && hs_output_open(output, path, err);
+}
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
 
@@ -118,31 +122,24 @@ static void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
 
 /* Heads hold commas: quoted. */
 static bool hs_eval_beside_table(const hs_eval_study *study, hs_error *err) {
-    char path[PATH_MAX], cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
+    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
     hs_output_file output = {0};
     if (!study->beside.exists) return true;
-    if (!hs_path_join(study->options->out, "beside.csv", path, sizeof path, err) ||
-        !hs_output_open(&output, path, err))
-        return false;
+    if (!open_csv(study->options->out, "beside.csv", &output, err)) return false;
     for (uint32_t r = 0; r <= study->count + 1; r++) {
         hs_eval_beside_row(study, r, cell);
         for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++)
             (void)fprintf(output.file, strchr(cell[i], ',') ? "%s\"%s\"" : "%s%s", i ? "," : "", cell[i]);
         (void)fprintf(output.file, "\n");
     }
-    if (!ferror(output.file)) return hs_output_commit(&output, err);
-    hs_output_discard(&output);
-    return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    return hs_output_commit(&output, err); /* fails if any write before did */
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
 
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
-    char path[PATH_MAX];
     hs_output_file output = {0};
-    if (!hs_path_join(x->options->out, "compare.csv", path, sizeof path, err) ||
-        !hs_output_open(&output, path, err))
-        return false;
+    if (!open_csv(x->options->out, "compare.csv", &output, err)) return false;
     (void)fprintf(output.file,
                   "rank,method,case,seed,e_abs,e_abs_best_knob,fetus_cut,occluder_left,e_abs_unclipped\n");
     for (uint32_t r = 0; r < x->count; r++) {
@@ -154,9 +151,7 @@ bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
                               (double)m->of[HS_METHOD_BEST][i][s], (double)m->of[HS_METHOD_CUT][i][s],
                               (double)m->of[HS_METHOD_LEFT][i][s], (double)x->unclipped[i][s]);
     }
-    if (!ferror(output.file)) return hs_output_commit(&output, err);
-    hs_output_discard(&output);
-    return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    return hs_output_commit(&output, err); /* fails if any write before did */
 }
 
 void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out) {
@@ -318,12 +313,9 @@ void hs_eval_study_print(const hs_eval_study *study, FILE *out) {
 
 static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, const char *name,
                         hs_error *err) {
-    char path[PATH_MAX];
     hs_output_file output = {0};
     hs_eval_row row;
-    if (!hs_path_join(study->options->out, name, path, sizeof path, err) ||
-        !hs_output_open(&output, path, err))
-        return false;
+    if (!open_csv(study->options->out, name, &output, err)) return false;
     for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
         (void)fprintf(output.file, "%s%s", i ? "," : "", hs_eval_row_head(study)[i]);
     (void)fprintf(output.file, "\n");
@@ -333,9 +325,7 @@ static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, con
             (void)fprintf(output.file, "%s%s", i ? "," : "", row.cell[i]);
         (void)fprintf(output.file, "\n");
     }
-    if (!ferror(output.file)) return hs_output_commit(&output, err);
-    hs_output_discard(&output);
-    return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    return hs_output_commit(&output, err); /* fails if any write before did */
 }
 
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err) {

@@ -51,9 +51,7 @@ static bool write_all(const hs_eval_space *space, const char *path, hs_error *er
     write_head(space, output.file);
     for (uint32_t item = 0; item < space->items; item++)
         if (hs_eval_space_done(space, item)) (void)append(space, item, output.file);
-    if (!ferror(output.file)) return hs_output_commit(&output, err);
-    hs_output_discard(&output);
-    return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    return hs_output_commit(&output, err); /* fails if any write before did */
 }
 
 /* ---------------------------------------------------------------------------------------------- load -- */
