@@ -17,7 +17,7 @@ static bool open_csv(const char *folder, const char *name, hs_output_file *outpu
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
 
-/* A beside_column: a measure of one way; the ratio of the two methods stands apart. */
+/* A column: a measure of one way; the ratio of the two methods stands apart. */
 typedef struct {
     hs_beside_way way;
     hs_measure measure;
@@ -37,7 +37,7 @@ static const beside_column beside_columns[HS_BESIDE_CELLS] = {[FIRST] = {HS_BESI
                                                               {HS_BESIDE_OTHER, HS_MEASURE_OCCLUDER_LEFT},
                                                               [FLOOR] = {HS_BESIDE_TRUTH, HS_MEASURE_ABS}};
 
-/* "mean", "mean, q 0.4", "mean, tuned", "cost": who a beside_column is about. */
+/* "mean", "mean, q 0.4", "mean, tuned", "cost": who a column is about. */
 static void name_way(const hs_eval_study *study, hs_beside_way way, char *out, size_t bytes) {
     const hs_eval_beside *b = &study->beside;
     if (way == HS_BESIDE_KNOB && b->knob.exists)
