@@ -133,7 +133,7 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
                       const float *confidence, wall_calibration *calibration);
 
 /* Area under the ROC curve of the confidence as a predictor of wrong rays. */
-double wall_auc(const wall_calibration *calibration);
+double wall_auc(const wall_calibration *t);
 
 /* Share of all rays that end on tissue and end more than 2 slices deeper when they start at the surface. */
 double wall_cut_anywhere(const wall_case *c, const float *depth);
@@ -161,7 +161,7 @@ void site_score_print(const site_score *score, bool sure);
 
 /* Prints, for every tenth of the confidence that has at least 100 rays, what it says on average, how many
  * rays are right there and their share of all. */
-void site_score_print_calibration(const char *what, const wall_calibration *calibration);
+void site_score_print_calibration(const char *what, const wall_calibration *t);
 
 /* ----------------------------------------------------------------------------------------------- moves -- */
 /* How calm a surface is: how far the ends of rays move from frame to frame, beside the truth's. */
