@@ -41,12 +41,13 @@ host_sim/loop              | abi MACHINE .                                      
 host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
 host_sim/show              | abi MACHINE host_sim/picture host_sim/loop .                | libc opencl
 host_sim/commands          | abi HOST .                                                 | libc opencl json
+tools/page                 | host_sim/base host_sim/picture .                            | libc
 tools/eval                 | abi MACHINE host_sim/loop .                                | libc opencl zlib
-tools/report               | abi HOST host_sim/commands tools/eval .                    | libc opencl json zlib
+tools/report               | abi HOST host_sim/commands tools/page tools/eval .         | libc opencl json zlib
 tools/console              | abi HOST host_sim/commands kernels .                       | libc opencl json web
 tools/bench                | abi HOST shared src src/ref tools/eval kernels .           | libc opencl json futex
 tools/bench/cl             | .                                                          |
-tools/judge                | abi HOST shared src src/ref tools/eval .                   | libc opencl json
+tools/judge                | abi HOST shared src src/ref tools/page tools/eval .                   | libc opencl json
 tools/validate/spy         | .                                                          | libc opencl elf
 tools/validate/drive       | abi host_sim/base host_sim/plugin tools/validate/spy .     | libc opencl
 tools/validate/checks      | abi host_sim/base host_sim/plugin tools/validate/spy tools/validate/drive . | libc opencl elf

@@ -58,7 +58,7 @@ kernels() {
     done
     for lanes in 1 16; do
         joined "$host"/*.cl | opencl -DLANES=$lanes - || code=1
-        joined "$host"/{base,base_rays,scan_convert,scan_convert_beams}.cl tools/bench/cl/probe_grid.cl "$host/dvr.cl" |
+        joined "$host"/{base,base_rays,scan_convert}.cl tools/bench/cl/probe_grid.cl "$host/dvr.cl" |
             opencl -DLANES=$lanes - || code=1
     done
     return $code

@@ -9,8 +9,7 @@
 #include "console/console.h"
 #include "guarded/guard_block.h"
 #include "guarded/guard_options.h"
-#include "guarded/serve.h"
-#include "picture/picture_text.h"
+#include "picture/picture_draw.h"
 #include "report/report.h"
 #include "smartvis_plugin.h"
 

@@ -3,7 +3,7 @@
 
 #include "base/cli.h"
 #include "base/text.h"
-#include "guarded/guard_line.h"
+#include "guarded/guard_options.h"
 #include "guarded/guarded.h"
 #include "plugin/loader_param.h"
 #include "smartvis/lookup.h"

@@ -3,8 +3,7 @@
 
 #include "loop/view.h"
 #include "plugin/loader_param.h"
-#include "render/camera_mark.h"
-#include "show/loop_knob.h"
+#include "render/camera.h"
 #include "show/loop_pictures.h"
 
 #include <stdio.h>

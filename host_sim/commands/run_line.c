@@ -5,7 +5,7 @@
 #include "base/cli.h"
 #include "commands/look_line.h"
 #include "commands/run_value.h"
-#include "guarded/guard_line.h"
+#include "guarded/guard_options.h"
 
 #include <getopt.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "commands/run_print.h"
 
 #include "base/text.h"
-#include "render/camera_mark.h"
+#include "render/camera.h"
 
 #include <unistd.h>
 

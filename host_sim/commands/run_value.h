@@ -3,7 +3,7 @@
 #ifndef HS_RUN_VALUE_H
 #define HS_RUN_VALUE_H
 
-#include "loop/loop_options.h"
+#include "loop/loop.h"
 #include "loop/source.h"
 
 /* All of them: HS_ERR_USAGE names the option, the text and what is expected. */

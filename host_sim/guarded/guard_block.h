@@ -16,7 +16,6 @@
 #include "base/error.h"
 #include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
-#include "plugin/plugin_ext.h"
 
 #include <stdatomic.h>
 
@@ -156,5 +155,9 @@ static inline size_t hs_guard_block_bytes(void) {
 static inline size_t hs_guard_map_offset(hs_guard_map map, size_t pixels) {
     return hs_guard_block_bytes() + (map < HS_GUARD_MAPS ? (size_t)map * 4u : 13u) * pixels;
 }
+
+/* The child: loads the plugin and does what the channel orders, until it is closed. The hidden command
+ * guard-child. Returns the exit code: HS_ERR_USAGE if the process was not started by a guard. */
+int hs_guard_serve(void);
 
 #endif

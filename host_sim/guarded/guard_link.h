@@ -6,6 +6,7 @@
 #include "guard/child.h"
 #include "guarded/guard_block.h"
 #include "guarded/guard_options.h"
+#include "smartvis_plugin.h"
 
 /* The instance's own copy of a descriptor, with pointers into the facts. */
 typedef struct {
@@ -78,5 +79,8 @@ bool hs_guard_revive(hs_guard *guard);
 
 /* Sends the saved format to the child. */
 sv_status hs_guard_activate(hs_guard *guard);
+
+/* sv_plugin.get_extension of a guarded instance. */
+const void *hs_guarded_extension(const sv_plugin *plugin, const char *id);
 
 #endif

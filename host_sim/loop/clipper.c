@@ -4,7 +4,6 @@
 #include "guarded/guarded.h"
 #include "loop/confidence_map.h"
 #include "plugin/loader_param.h"
-#include "render/map_check.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,8 +7,8 @@
 #define HS_CLIPPER_H
 
 #include "loop/slabs.h"
+#include "plugin/capabilities.h"
 #include "plugin/loader.h"
-#include "plugin/plugin_ext.h"
 #include "render/dvr.h"
 
 typedef struct {

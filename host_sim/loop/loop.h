@@ -9,12 +9,10 @@
 #ifndef HS_LOOP_H
 #define HS_LOOP_H
 
-#include "loop/loop_frame.h"
+#include "loop/loop_options.h"
 #include "loop/screen.h"
 #include "loop/source.h"
 #include "plugin/loader.h"
-
-typedef struct hs_loop hs_loop;
 
 /*
  * Builds a loop. `cl`, `source`, `plugin` and options->values must outlive it. `plugin` may be NULL: then

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* What a scan loop runs, and how: its settings, its stages and its options. */
+/* What a scan loop runs, and how: its settings, its stages, its options, and a frame as numbers. */
 #ifndef HS_LOOP_OPTIONS_H
 #define HS_LOOP_OPTIONS_H
 
 #include "plugin/capabilities.h"
 #include "render/dvr.h"
 #include "smartvis_plugin.h"
+
+typedef struct hs_loop hs_loop;
 
 /* What a frame consists of (thesis, Figure 5.21). Only the last clips: the others render the full volume. */
 typedef enum {
@@ -58,9 +60,6 @@ void hs_loop_defaults(hs_loop_options *options);
 /* Draws in this look, at the exposure that suits it. */
 void hs_loop_for_pictures(hs_loop_options *options, hs_look look);
 
-/* HS_ERR_USAGE names the option that is out of range, and its value. hs_dvr_create checks the renderer's. */
-bool hs_loop_check_options(const hs_loop_options *options, hs_error *err);
-
 /* Yaw of frame `index` in degrees: the orbit lies half to either side of options->yaw. */
 double hs_loop_yaw(const hs_loop_options *options, uint32_t index);
 
@@ -76,5 +75,15 @@ typedef enum {
 
 /* "upload", "scan conversion", ...: for a person. */
 const char *hs_stage_label(hs_stage stage);
+
+/* What one frame came to. */
+typedef struct {
+    double ms[HS_STAGE_COUNT];
+    bool clipped;            /* the picture was rendered with the plugin's map (hs_outcome_clips) */
+    bool sure;               /* and its ghosting with the plugin's confidence */
+    sv_status outcome;       /* the plugin's, SV_OK if it was not asked */
+    sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */
+    sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
+} hs_frame;
 
 #endif

@@ -4,7 +4,7 @@
 #define HS_LOOP_STATE_H
 
 #include "loop/clipper.h"
-#include "loop/loop_frame.h"
+#include "loop/loop_options.h"
 #include "loop/screen.h"
 #include "loop/slabs.h"
 #include "loop/source.h"
@@ -30,8 +30,5 @@ void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame);
 /* Where the rays of frame `index` start, for its window: NULL is the full volume, as for `frame` NULL. */
 const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const hs_frame *frame,
                                      hs_camera *window, hs_start_depths *out);
-
-/* The moment of frame `index`, after the frames the plugin has had. */
-hs_moment hs_loop_moment(hs_loop *loop, uint32_t index);
 
 #endif

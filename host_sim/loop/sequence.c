@@ -1,8 +1,79 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/sequence.h"
 
+#include "volume/metaimage.h"
+
 #include <stdlib.h>
 #include <string.h>
+
+/* An open file, MetaImage or Kretz: one of the two, or none. Owned. */
+typedef struct {
+    hs_kretz *kretz;
+    hs_metaimage *metaimage;
+    hs_source_scanned scanned; /* for every volume of `metaimage` */
+} sequence_file;
+
+/* What only MetaImage files take must not be asked of others in vain. */
+static bool check_kretz(const char *path, const hs_source_files *how, hs_error *err) {
+    if (how->scanned.first)
+        return hs_fail(err, HS_ERR_USAGE,
+                       "%s: a Kretz file says itself what was scanned, maps of it were given", path);
+    if (how->metaimage.has_probe)
+        return hs_fail(err, HS_ERR_USAGE, "%s: a Kretz file says itself where the probe is, %s was given",
+                       path, hs_probe_name(how->metaimage.probe));
+    return !how->metaimage.has_window ||
+           hs_fail(err, HS_ERR_USAGE, "%s: a window was given, but a Kretz file has 8 bits", path);
+}
+
+/* Opens a MetaImage (.mha, .mhd) or Kretz file (.vol); `path` must outlive it. On failure nothing is open:
+ * HS_ERR_INPUT if it cannot be read, HS_ERR_USAGE for a window, maps or a probe for a Kretz file, and the
+ * errors of hs_metaimage_open and hs_kretz_open. */
+static bool file_open(sequence_file *file, const char *path, const hs_source_files *how, hs_error *err) {
+    *file = (sequence_file){0};
+    if (hs_kretz_is_file(path)) {
+        hs_kretz_options options = how->kretz;
+        options.padding = how->metaimage.padding;
+        file->kretz = check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
+        return file->kretz != NULL;
+    }
+    hs_metaimage_options options = how->metaimage;
+    if (how->scanned.first) options.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
+    file->scanned = how->scanned;
+    file->metaimage = hs_metaimage_open(path, &options, err);
+    return file->metaimage != NULL;
+}
+
+/* Volumes in it, without those that are invalid. */
+static uint32_t file_count(const sequence_file *file) {
+    return file->kretz ? hs_kretz_count(file->kretz) : hs_metaimage_volumes(file->metaimage);
+}
+
+/* What hs_metaimage_shape and hs_kretz_shape say. Free it with hs_volume_free. */
+static bool file_shape(const sequence_file *file, hs_volume *shape, hs_error *err) {
+    if (file->kretz) return hs_kretz_shape(file->kretz, shape, err);
+    hs_metaimage_shape(file->metaimage, shape);
+    return true;
+}
+
+/* Reads volume `index` (0 .. count - 1). A zeroed `volume` is made, one that an earlier call made of a file
+ * of the same shape is filled again; the errors are those of hs_kretz_read, or of hs_metaimage_read_at and
+ * hs_scanned_maps_apply, and after them a volume that was to be made is zeroed. One thread at a time. */
+static bool file_read(sequence_file *file, uint32_t index, hs_volume *volume, hs_error *err) {
+    if (file->kretz) return hs_kretz_read(file->kretz, index, volume, err);
+    const bool fresh = volume->voxels == NULL;
+    if (!hs_metaimage_read_at(file->metaimage, index, volume, err)) return false;
+    const hs_source_scanned *maps = &file->scanned;
+    const bool ok = !maps->first || hs_scanned_maps_apply(volume, maps->first, maps->end, err);
+    if (!ok && fresh) hs_volume_free(volume);
+    return ok;
+}
+
+/* Safe if none is open. */
+static void file_close(sequence_file *file) {
+    hs_kretz_close(file->kretz);
+    hs_metaimage_close(file->metaimage);
+    *file = (sequence_file){0};
+}
 
 /* A file, and what must not change until it is opened again. */
 typedef struct {
@@ -21,7 +92,7 @@ struct hs_sequence {
     hs_source_origin *origins;
     uint32_t count, left_out;
     hs_volume shape; /* of all volumes; without voxels */
-    hs_sequence_file file;
+    sequence_file file;
     const part *open; /* what `file` is; NULL: none is open */
 };
 
@@ -84,7 +155,7 @@ static bool note_origins(hs_sequence *s, const part *p, hs_error *err) {
  * first; else they must agree. */
 static bool note_shape(hs_sequence *s, part *p, hs_error *err) {
     hs_volume shape;
-    if (!hs_sequence_file_shape(&s->file, &shape, err)) return false;
+    if (!file_shape(&s->file, &shape, err)) return false;
     p->pose = shape.pose;
     memcpy(p->name, shape.name, sizeof p->name);
     if (p == s->parts) {
@@ -98,10 +169,10 @@ static bool note_shape(hs_sequence *s, part *p, hs_error *err) {
 
 static bool add_file(hs_sequence *s, part *p, hs_error *err) {
     hs_sequence_rest(s);
-    if (!hs_sequence_file_open(&s->file, p->path, &s->how, err)) return false;
+    if (!file_open(&s->file, p->path, &s->how, err)) return false;
     s->open = p;
     p->first = s->count;
-    p->volumes = hs_sequence_file_count(&s->file);
+    p->volumes = file_count(&s->file);
     p->mapped = s->file.metaimage && hs_metaimage_range(s->file.metaimage, &p->low, &p->high);
     return note_shape(s, p, err) && note_origins(s, p, err);
 }
@@ -117,12 +188,12 @@ static bool open_again(hs_sequence *s, const part *p, hs_error *err) {
         how.metaimage.window_low = p->low;
         how.metaimage.window_high = p->high;
     }
-    if (!hs_sequence_file_open(&s->file, p->path, &how, err)) return false;
+    if (!file_open(&s->file, p->path, &how, err)) return false;
     s->open = p;
     const bool mapped = s->file.metaimage && hs_metaimage_range(s->file.metaimage, &low, &high);
-    bool ok = hs_sequence_file_shape(&s->file, &shape, err);
+    bool ok = file_shape(&s->file, &shape, err);
     if (ok) {
-        ok = (hs_sequence_file_count(&s->file) == p->volumes && mapped == p->mapped &&
+        ok = (file_count(&s->file) == p->volumes && mapped == p->mapped &&
               same_grid(&s->shape, &shape, p->path, p->path, &(hs_error){0})) ||
              hs_fail(err, HS_ERR_INPUT, "%s: is not as it was before: the file changed", p->path);
         hs_volume_free(&shape);
@@ -150,7 +221,7 @@ hs_sequence *hs_sequence_open(const char *const *paths, uint32_t count, const hs
 }
 
 void hs_sequence_rest(hs_sequence *s) {
-    hs_sequence_file_close(&s->file);
+    file_close(&s->file);
     s->open = NULL;
 }
 
@@ -179,7 +250,7 @@ bool hs_sequence_read(hs_sequence *s, uint32_t index, hs_volume *volume, hs_erro
     const part *p = s->parts;
     while (index - p->first >= p->volumes) p++;
     if (s->open != p && !open_again(s, p, err)) return false;
-    if (!hs_sequence_file_read(&s->file, index - p->first, volume, err)) return false;
+    if (!file_read(&s->file, index - p->first, volume, err)) return false;
     volume->pose = p->pose;
     memcpy(volume->name, p->name, sizeof p->name);
     return true;

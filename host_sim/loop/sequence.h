@@ -4,7 +4,20 @@
 #ifndef HS_SEQUENCE_H
 #define HS_SEQUENCE_H
 
-#include "loop/sequence_file.h"
+#include "volume/kretz.h"
+
+/* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
+ * the scan. */
+typedef struct {
+    const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
+} hs_source_scanned;
+
+/* How files are read: MetaImage, with maps that hold for all of them, and Kretz. Zeros are the defaults. */
+typedef struct {
+    hs_metaimage_options metaimage;
+    hs_source_scanned scanned;
+    hs_kretz_options kretz; /* its padding is not read: metaimage.padding holds for both */
+} hs_source_files;
 
 /* Where a volume was read from. */
 typedef struct {
@@ -18,7 +31,8 @@ typedef struct hs_sequence hs_sequence;
 
 /* Opens every file in turn and checks what it says; `paths` must outlive it, `how` need not. HS_ERR_INPUT if
  * one differs from the first in size, spacing, orientation or the probe's geometry: the message names both.
- * Else the errors of hs_sequence_file_open and _shape, or HS_ERR_MEMORY. NULL on failure. */
+ * HS_ERR_USAGE for a window, maps or a probe for a Kretz file. Else the errors of hs_metaimage_open and
+ * hs_kretz_open, or HS_ERR_MEMORY. NULL on failure. */
 hs_sequence *hs_sequence_open(const char *const *paths, uint32_t count, const hs_source_files *how,
                               hs_error *err);
 void hs_sequence_close(hs_sequence *sequence); /* NULL is allowed */
@@ -32,7 +46,8 @@ const hs_source_origin *hs_sequence_origins(const hs_sequence *sequence);
 
 /* Reads volume `index` (0 .. count - 1), with its file's name and place. A zeroed `volume` is made, one that
  * an earlier call made is filled again. A file that is not open is opened anew: HS_ERR_INPUT if it changed
- * since _open. Else the errors of hs_sequence_file_read. One thread at a time. */
+ * since _open. Else the errors of hs_kretz_read, hs_metaimage_read_at and hs_scanned_maps_apply. One thread
+ * at a time. */
 bool hs_sequence_read(hs_sequence *sequence, uint32_t index, hs_volume *volume, hs_error *err);
 
 /* Closes the file that is open, until the next _read. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/slabs.h"
 
-#include "render/scanned_rays.h"
+#include "render/scan_convert.h"
 
 #include <stdlib.h>
 #include <string.h>

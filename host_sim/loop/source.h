@@ -3,8 +3,11 @@
 #ifndef HS_SOURCE_H
 #define HS_SOURCE_H
 
-#include "loop/stream.h"
+#include "loop/sequence.h"
 #include "scene/scene.h"
+
+/* Volumes of a sequence that a thread of their own reads ahead. */
+typedef struct hs_stream hs_stream;
 
 /* One or more volumes of the same size and spacing; a loop over more frames than volumes starts again at the
  * first. Owned by the caller. */

@@ -1,15 +1,172 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/view.h"
 
-#include "loop/loop_stages.h"
+#include "loop/loop_run.h"
 #include "loop/loop_state.h"
-#include "loop/maps.h"
-#include "loop/truth_picture.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static bool allocate(const hs_loop *loop, hs_view *view, hs_error *err) {
+static bool allocate_maps(const hs_loop *loop, hs_maps *maps, hs_error *err) {
+    const hs_slab_layout *layout = hs_loop_layout(loop);
+    maps->width = layout->width;
+    maps->height = layout->height;
+    maps->slices = layout->slices;
+    const size_t rays = (size_t)maps->width * maps->height;
+    maps->depth = calloc(rays, sizeof *maps->depth);
+    maps->status = calloc(rays, 1);
+    return (maps->depth && maps->status) ||
+           hs_fail(err, HS_ERR_MEMORY, "maps: no memory for %u x %u pixels", maps->width, maps->height);
+}
+
+static bool read_confidence(const hs_loop *loop, size_t rays, hs_maps *maps, hs_error *err) {
+    maps->sure = malloc(rays * sizeof *maps->sure);
+    if (!maps->sure) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
+    return hs_clipper_read_confidence(loop->clipper, maps->sure, err);
+}
+
+/* A map that was not used is not shown either, since it may be an earlier frame's. */
+static bool read_back(const hs_loop *loop, hs_maps *maps, hs_error *err) {
+    const size_t rays = (size_t)maps->width * maps->height;
+    if (maps->frame.clipped && !hs_clipper_read_depth(loop->clipper, maps->depth, err)) return false;
+    if (maps->frame.sure && !read_confidence(loop, rays, maps, err)) return false;
+    if (maps->frame.outcome >= SV_OK) memcpy(maps->status, hs_clipper_status(loop->clipper), rays);
+    return true;
+}
+
+bool hs_loop_read_maps(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_maps *maps, hs_error *err) {
+    *maps = (hs_maps){.frame = *frame};
+    hs_loop_camera(loop, index, &maps->camera);
+    const bool ok = allocate_maps(loop, maps, err) && read_back(loop, maps, err);
+    if (!ok) hs_maps_free(maps);
+    return ok;
+}
+
+bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err) {
+    const bool wanted = hs_clipper_wants_confidence(loop->clipper);
+    hs_frame frame;
+    *maps = (hs_maps){0};
+    hs_loop_want(loop, true, true);
+    const bool ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, err);
+    hs_loop_want(loop, false, wanted);
+    return ok && hs_loop_read_maps(loop, index, &frame, maps, err);
+}
+
+void hs_maps_free(hs_maps *maps) {
+    free(maps->depth);
+    free(maps->status);
+    free(maps->sure);
+    *maps = (hs_maps){0};
+}
+
+bool hs_truth_surface_fits(const hs_camera *camera) {
+    for (int k = 0; k < 9; k++) {
+        const double expected = k % 4 == 0 ? 1.0 : 0.0;
+        if (camera->rotation[k] < expected || camera->rotation[k] > expected) return false;
+    }
+    return true;
+}
+
+/* The voxel of a column under the middle of pixel i of `side`; -1 beside the volume. */
+static int64_t column_at(uint32_t i, uint32_t side, double extent, uint32_t count, double spacing) {
+    const double at = ((i + 0.5) / side - 0.5) * extent / spacing + 0.5 * count;
+    return at >= 0.0 && at < count ? (int64_t)at : -1;
+}
+
+/* Depth of the map: the box may be deeper than the volume, which lies in its middle. */
+static void fill_surface(const hs_scene_data *data, const hs_camera *camera, uint32_t side, float *map) {
+    const hs_volume *v = &data->full;
+    const double slice = v->spacing[2], front = 0.5 * (camera->depth_extent - v->nz * slice);
+    for (uint32_t j = 0; j < side; j++)
+        for (uint32_t i = 0; i < side; i++) {
+            const int64_t x = column_at(i, side, camera->extent, v->nx, v->spacing[0]);
+            const int64_t y = column_at(j, side, camera->extent, v->ny, v->spacing[1]);
+            float *to = map + (size_t)j * side + i;
+            *to = 0.0f;
+            if (x < 0 || y < 0) continue;
+            const double clip = (double)data->clip[(size_t)y * v->nx + (size_t)x];
+            *to = (float)((front + (clip + 0.5) * slice) / camera->depth_extent * v->nz - 0.5);
+        }
+}
+
+bool hs_truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camera *camera,
+                      hs_start_depths *out, hs_error *err) {
+    const hs_volume *v = &data->full;
+    const uint32_t side = v->nx > v->ny ? v->nx : v->ny;
+    const size_t bytes = (size_t)side * side * sizeof(float);
+    float *map = malloc(bytes);
+    if (!map) return hs_fail(err, HS_ERR_MEMORY, "ground truth: no memory for %zu bytes", bytes);
+    fill_surface(data, camera, side, map);
+    cl_int code;
+    *out = (hs_start_depths){.width = side, .height = side, .slices = v->nz};
+    out->depth = clCreateBuffer(cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, bytes, map, &code);
+    free(map);
+    return hs_cl_check(code, "clCreateBuffer (the truth's surface)", err);
+}
+
+struct hs_truth_picture {
+    hs_loop *loop;
+    hs_device_volume *volume; /* the truth of frame `index`, or NULL */
+    uint32_t index;           /* of the source's volumes */
+};
+
+hs_truth_picture *hs_truth_picture_create(hs_loop *loop, hs_error *err) {
+    hs_truth_picture *picture = calloc(1, sizeof *picture);
+    if (picture)
+        picture->loop = loop;
+    else
+        (void)hs_fail(err, HS_ERR_MEMORY, "ground truth: no memory");
+    return picture;
+}
+
+void hs_truth_picture_destroy(hs_truth_picture *picture) {
+    if (!picture) return;
+    hs_device_volume_destroy(picture->volume);
+    free(picture);
+}
+
+static bool bring_truth(hs_truth_picture *picture, uint32_t index, hs_error *err) {
+    hs_loop *loop = picture->loop;
+    const uint32_t wanted = index % loop->source->count;
+    if (picture->volume && picture->index == wanted) return true;
+    const hs_volume *truth = hs_source_truth(loop->source, wanted);
+    picture->index = wanted;
+    if (picture->volume) return hs_device_volume_replace(picture->volume, truth, err);
+    picture->volume = hs_device_volume_create(loop->cl, truth, err);
+    return picture->volume != NULL;
+}
+
+static bool wait_for_truth(const hs_loop *loop, hs_error *err) {
+    return hs_cl_check(clFinish(loop->cl->queue), "clFinish (ground truth)", err);
+}
+
+static bool draw_cut(hs_loop *loop, const hs_scene_data *scene, uint32_t index, const hs_camera *window,
+                     float share, hs_screen *screen, hs_error *err) {
+    hs_camera box;
+    hs_start_depths start = {0};
+    hs_loop_camera(loop, index, &box);
+    bool ok = hs_truth_surface(loop->cl, scene, &box, &start, err);
+    start.share = share;
+    ok =
+        ok && hs_screen_render(screen, loop->volume, window, &start, false, err) && wait_for_truth(loop, err);
+    if (start.depth) (void)clReleaseMemObject(start.depth);
+    return ok;
+}
+
+bool hs_truth_picture_draw(hs_truth_picture *picture, hs_screen *screen, hs_look look, uint32_t index,
+                           hs_error *err) {
+    hs_loop *loop = picture->loop;
+    const hs_scene_data *scene = hs_source_scene_data(loop->source, index);
+    hs_camera window;
+    float share;
+    hs_loop_window(loop, index, &window, &share);
+    if (scene && look == HS_LOOK_LIT && hs_truth_surface_fits(&window))
+        return draw_cut(loop, scene, index, &window, share, screen, err);
+    return bring_truth(picture, index, err) &&
+           hs_screen_render(screen, picture->volume, &window, NULL, false, err) && wait_for_truth(loop, err);
+}
+
+static bool allocate_pictures(const hs_loop *loop, hs_view *view, hs_error *err) {
     const hs_slab_layout *layout = hs_loop_layout(loop);
     view->width = loop->options.dvr.width;
     view->height = loop->options.dvr.height;
@@ -68,7 +225,7 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     view->picture_mm = window.extent;
     view->look = loop->options.dvr.look;
     view->ghosted = loop->options.dvr.ghost_width > 0;
-    const bool ok = allocate(loop, view, err) && run_frame(loop, index, view, err) &&
+    const bool ok = allocate_pictures(loop, view, err) && run_frame(loop, index, view, err) &&
                     (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
                     render_to(loop, index, &view->frame, view->result, view->termination, err) &&
                     render_to(loop, index, NULL, view->full, view->full_termination, err) &&

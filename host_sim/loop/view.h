@@ -1,9 +1,60 @@
 /* SPDX-License-Identifier: MIT */
-/* Everything the pictures of one frame are made of, read back to the host. Not on the frame path. */
+/* What one frame left, read back to the host: the plugin's maps, a scene's ground truth, and the pictures.
+ * Not on the frame path. */
 #ifndef HS_VIEW_H
 #define HS_VIEW_H
 
 #include "loop/loop.h"
+#include "loop/screen.h"
+#include "render/dvr.h"
+#include "scene/scene.h"
+
+/* Maps are width * height values, row by row. Free with hs_maps_free. */
+typedef struct {
+    uint32_t width, height, slices; /* of the low-resolution volume */
+    float *depth;                   /* the depthmap, in slices; zeros if it was not used */
+    uint8_t *status;                /* SV_POINT_* */
+    float *sure;                    /* the plugin's confidence, 0 .. 1; NULL if it gave none */
+    hs_camera camera;
+    hs_frame frame;
+} hs_maps;
+
+/* Runs frame `index` of the setting "smartvis" and reads back every map the plugin has. HS_ERR_DEVICE or
+ * HS_ERR_MEMORY; the maps are zeroed then. */
+bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err);
+
+/* Reads back what frame `index` left, which was the loop's last: the depthmap, and points and confidence if
+ * the plugin was asked for them (hs_loop_want). The errors are the same. */
+bool hs_loop_read_maps(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_maps *maps, hs_error *err);
+
+/* Frees everything. Safe on a zeroed struct. */
+void hs_maps_free(hs_maps *maps);
+
+/*
+ * The surface in a box as wide and deep as the camera's: as many pixels across as the wider side of the scene
+ * has voxels, and its nz slices. A pixel beside the scene is 0 and clips nothing. The buffer is a new one,
+ * which the caller releases. The camera must look from the probe (hs_truth_surface_fits): the surface is
+ * known there only. HS_ERR_MEMORY or HS_ERR_DEVICE.
+ */
+bool hs_truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camera *camera,
+                      hs_start_depths *out, hs_error *err);
+
+/* True if the camera looks along the scene's own rays. */
+bool hs_truth_surface_fits(const hs_camera *camera);
+
+typedef struct hs_truth_picture hs_truth_picture;
+
+/* Nothing is made yet. `loop` must have a source with a ground truth and outlive it.
+ * NULL with HS_ERR_MEMORY. */
+hs_truth_picture *hs_truth_picture_create(hs_loop *loop, hs_error *err);
+void hs_truth_picture_destroy(hs_truth_picture *picture);
+
+/* Enqueues the truth of frame `index` with the loop's window, in the screen's look, and waits for it. In the
+ * lit look the truth is drawn as a result is, where the camera sees the scene's own rays: the frame's volume,
+ * which must be on the device (hs_loop_bring), cut at the scene's surface, so that a cut is drawn as one.
+ * HS_ERR_DEVICE or HS_ERR_MEMORY. */
+bool hs_truth_picture_draw(hs_truth_picture *picture, hs_screen *screen, hs_look look, uint32_t index,
+                           hs_error *err);
 
 /*
  * Everything pictures are made of, for one frame of the setting "smartvis". Pictures are width * height RGBA

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "picture/picture_draw.h"
 
+#include "picture/picture.h"
+
+#include <fontconfig/fontconfig.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -136,4 +140,148 @@ void hs_draw_box(cairo_t *cr, double x, double y, double width, double height, u
     hs_draw_colour(cr, colour);
     cairo_rectangle(cr, x, y, width, height);
     cairo_fill(cr);
+}
+
+double hs_tick_step(double range, unsigned most) {
+    const double smallest = range / most;
+    const double power = pow(10.0, floor(log10(smallest)));
+    static const double steps[] = {1.0, 2.0, 5.0};
+    for (int i = 0; i < 3; i++)
+        if (steps[i] * power >= smallest * (1.0 - 1e-9)) return steps[i] * power;
+    return 10.0 * power;
+}
+
+/* "12.5" with as many decimals as the step needs. */
+static void format_value(char out[32], double value, double step) {
+    const int decimals = step >= 1.0 ? 0 : (int)ceil(-log10(step) - 1e-9);
+    (void)snprintf(out, 32, "%.*f", decimals < 9 ? decimals : 9, value);
+}
+
+/* An end of the bar: its number and word, in the text colour. */
+static void draw_bar_end(cairo_t *cr, const hs_colour_bar *bar, double y, double value, double step,
+                         const char *word) {
+    char number[32], text[96];
+    format_value(number, value, step / 10.0);
+    (void)snprintf(text, sizeof text, word ? "%s (%s)" : "%s", number, word);
+    hs_draw_text(cr, bar->x + 42, y + 5, 14, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width - 42, text);
+}
+
+void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar) {
+    enum { BAR_WIDTH = 26, TICK = 6, CLEARANCE = 17 };
+    const int rows = (int)bar->height;
+    for (int row = 0; row < rows; row++) {
+        const double up = rows > 1 && bar->high > bar->low ? 1.0 - row / (rows - 1.0) : 1.0;
+        hs_draw_box(cr, bar->x, bar->y + row, BAR_WIDTH, 1,
+                    bar->colour(bar->t_low + (1.0 - bar->t_low) * up));
+    }
+    hs_draw_text(cr, bar->x, bar->y - 18, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width, bar->heading);
+    const double range = bar->high - bar->low;
+    if (!(range > 0.0)) {
+        draw_bar_end(cr, bar, bar->y, bar->high, 1.0, NULL);
+        return;
+    }
+    const double step = hs_tick_step(range, 6);
+    draw_bar_end(cr, bar, bar->y, bar->high, step, bar->high_word);
+    draw_bar_end(cr, bar, bar->y + bar->height, bar->low, step, bar->low_word);
+    for (double i = ceil(bar->low / step); i * step <= bar->high; i += 1.0) {
+        const double y = bar->y + bar->height * (bar->high - i * step) / range;
+        hs_draw_box(cr, bar->x + BAR_WIDTH, y - 0.5, TICK, 1, HS_COLOUR_FAINT_TEXT);
+        /* The numbers at the ends have their own place. */
+        if (y - bar->y < CLEARANCE || bar->y + bar->height - y < CLEARANCE) continue;
+        char number[32];
+        format_value(number, i * step, step);
+        hs_draw_text(cr, bar->x + 42, y + 5, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_LEFT, bar->max_width - 42,
+                     number);
+    }
+}
+
+bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint32_t colour, hs_align align,
+                     double max_width, const char *text, hs_error *err) {
+    cairo_t *cr = hs_draw_begin(picture);
+    hs_draw_text(cr, x, y, size, colour, align, max_width, text);
+    return hs_draw_end(cr, err);
+}
+
+bool hs_picture_line(hs_picture *picture, double x0, double y0, double x1, double y1, double width,
+                     uint32_t colour, hs_error *err) {
+    cairo_t *cr = hs_draw_begin(picture);
+    hs_draw_colour(cr, colour);
+    cairo_set_line_width(cr, width);
+    cairo_move_to(cr, x0, y0);
+    cairo_line_to(cr, x1, y1);
+    cairo_stroke(cr);
+    return hs_draw_end(cr, err);
+}
+
+void hs_picture_finish(void) {
+    cairo_debug_reset_static_data();
+    FcFini();
+}
+
+enum {
+    GAP = 16,
+    TITLE_SIZE = 24,
+    TITLE_BAND = 44,
+    CAPTION_SIZE = 18,
+    CAPTION_BAND = 30,
+    FACT_SIZE = 15,
+    FACT_STEP = 23
+};
+
+static bool check_items(const hs_panel_item *items, uint32_t count, hs_error *err) {
+    if (count < 1 || count > 8)
+        return hs_fail(err, HS_ERR_INPUT, "panel: %" PRIu32 " pictures, expected 1 .. 8", count);
+    const hs_image *first = &items[0].image;
+    for (uint32_t i = 0; i < count; i++) {
+        const hs_image *image = &items[i].image;
+        if (!image->data || image->width == 0 || image->height == 0 ||
+            (image->channels != 1 && image->channels != 4))
+            return hs_fail(err, HS_ERR_INPUT,
+                           "panel: picture %" PRIu32 " is %" PRIu32 " x %" PRIu32 " with %" PRIu32
+                           " channels",
+                           i, image->width, image->height, image->channels);
+        if (image->width != first->width || image->height != first->height)
+            return hs_fail(err, HS_ERR_INPUT,
+                           "panel: picture %" PRIu32 " is %" PRIu32 " x %" PRIu32 ", expected %" PRIu32
+                           " x %" PRIu32,
+                           i, image->width, image->height, first->width, first->height);
+    }
+    return true;
+}
+
+bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t count, uint32_t cell,
+                      const hs_caption *caption, hs_error *err) {
+    *out = (hs_picture){0};
+    if (!check_items(items, count, err)) return false;
+    if (cell == 0) cell = 512;
+    if (cell > HS_PICTURE_MAX_AXIS)
+        return hs_fail(err, HS_ERR_INPUT, "panel: a picture is %" PRIu32 " pixels wide, expected at most %u",
+                       cell, HS_PICTURE_MAX_AXIS);
+    const uint64_t aspect_height =
+        ((uint64_t)cell * items[0].image.height + items[0].image.width / 2) / items[0].image.width;
+    const uint32_t cell_height = aspect_height < 1                     ? 1
+                                 : aspect_height > HS_PICTURE_MAX_AXIS ? HS_PICTURE_MAX_AXIS
+                                                                       : (uint32_t)aspect_height;
+    const uint32_t facts = hs_draw_line_count(caption->footer);
+    const uint32_t top = (caption->title ? TITLE_BAND : GAP / 2) + CAPTION_BAND;
+    const uint32_t width = count * (cell + GAP) + GAP;
+    if (!hs_picture_init(out, width, top + cell_height + GAP + facts * FACT_STEP, HS_COLOUR_BACKGROUND, err))
+        return false;
+
+    for (uint32_t i = 0; i < count; i++)
+        hs_picture_blit(out, (int32_t)(GAP + i * (cell + GAP)), (int32_t)top, cell, cell_height,
+                        &items[i].image, HS_SCALE_SMOOTH);
+    cairo_t *cr = hs_draw_begin(out);
+    if (caption->title)
+        hs_draw_text(cr, GAP, TITLE_BAND - 12, TITLE_SIZE, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
+                     caption->title);
+    for (uint32_t i = 0; i < count; i++)
+        if (items[i].caption)
+            hs_draw_text(cr, GAP + i * (cell + GAP) + cell / 2.0, top - 9.0, CAPTION_SIZE, HS_COLOUR_TEXT,
+                         HS_ALIGN_CENTRE, cell, items[i].caption);
+    hs_draw_lines(cr, GAP, top + cell_height + FACT_STEP, FACT_STEP, FACT_SIZE, HS_COLOUR_FAINT_TEXT,
+                  width - 2.0 * GAP, caption->footer);
+    if (hs_draw_end(cr, err)) return true;
+    hs_picture_free(out);
+    return false;
 }

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Drawing on a picture through cairo: text, lines of text, boxes. Colours are 0xRRGGBB. */
+/* Drawing on a picture through cairo: text, lines, boxes, colour bars, and pictures side by side with
+ * captions. Colours are 0xRRGGBB. */
 #ifndef HS_PICTURE_DRAW_H
 #define HS_PICTURE_DRAW_H
 
 #include "picture/picture.h"
 
 #include <cairo.h>
+#include <stdint.h>
 
 /* A context that draws on the picture's pixels. Never NULL (cairo reports trouble at the end). */
 cairo_t *hs_draw_begin(hs_picture *picture);
@@ -24,5 +26,53 @@ void hs_draw_lines(cairo_t *cr, double x, double y, double step, double size, ui
 uint32_t hs_draw_line_count(const char *text);
 /* A filled rectangle. */
 void hs_draw_box(cairo_t *cr, double x, double y, double width, double height, uint32_t colour);
+
+/* A vertical colour bar with ticks, numbers, its ends and a heading. */
+typedef struct {
+    double x, y, height; /* of the bar, pixels */
+    double low, high;    /* values at the lower and the upper end, low <= high */
+    uint32_t (*colour)(double t);
+    double t_low;                     /* what `colour` takes at the lower end (0, or -1); 1 at the upper */
+    const char *heading;              /* "depth [slices]" */
+    const char *high_word, *low_word; /* beside the numbers at the ends: "far", "near"; NULL for none */
+    double max_width;                 /* pixels for bar and numbers */
+} hs_colour_bar;
+void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar);
+
+/* A step between ticks of 1, 2 or 5 times a power of ten that gives at most `most`
+ * (>= 1) steps over `range` (> 0). */
+double hs_tick_step(double range, unsigned most);
+
+/* One line of UTF-8 in DejaVu Sans, `size` pixels high, standing on y. Wider than max_width (0: no limit) it
+ * is set smaller, down to three quarters, then cut with an ellipsis. Bytes that are no UTF-8 (file names may
+ * hold any) become '?'. */
+bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint32_t colour, hs_align align,
+                     double max_width, const char *text, hs_error *err);
+
+/* A straight line between two points; pixel centres are at halves. */
+bool hs_picture_line(hs_picture *picture, double x0, double y0, double x1, double y1, double width,
+                     uint32_t colour, hs_error *err);
+
+/* Frees what cairo and fontconfig keep for the whole process (fonts), so that a leak checker finds nothing.
+ * Once, at the end of the program, when no other thread draws. */
+void hs_picture_finish(void);
+
+/* One picture of a panel. */
+typedef struct {
+    const char *caption; /* above it; NULL for none */
+    hs_image image;
+} hs_panel_item;
+
+/* Title and facts around a picture. NULL for none. */
+typedef struct {
+    const char *title;  /* one line above */
+    const char *footer; /* below; '\n' parts lines */
+} hs_caption;
+
+/* `count` (1 .. 8) images of equal size next to each other, each `cell` pixels wide (0: 512, so that three
+ * make 1600) and scaled smoothly with its aspect kept. Allocates *out (hs_picture_free it); on failure it is
+ * zeroed, with HS_ERR_INPUT if sizes differ. */
+bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t count, uint32_t cell,
+                      const hs_caption *caption, hs_error *err);
 
 #endif

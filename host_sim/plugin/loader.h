@@ -4,8 +4,19 @@
 #define HS_LOADER_H
 
 #include "base/error.h"
-#include "plugin/plugin_path.h"
 #include "smartvis_plugin.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The file that `name` means. What has a '/' in it, or is a file here, is taken as it is. Else it is looked
+ * for in the folders, with and without ".so"; if it is nowhere, out is `name` itself, so that a message names
+ * what was asked for. */
+void hs_plugin_find(const char *name, char *out, size_t bytes);
+
+/* The plugin that is taken if none is named: smartvis.so beside the program, as in a build folder, else in
+ * the folders. */
+void hs_plugin_default_path(char *out, size_t bytes);
 
 #define HS_MAX_PLUGINS 64u /* of a library; one that claims more is refused */
 

@@ -3,10 +3,32 @@
 #ifndef HS_DEVICE_VOLUME_H
 #define HS_DEVICE_VOLUME_H
 
-#include "render/brick_grid.h"
-#include "render/device_beams.h"
-#include "render/lit_volume.h"
+#include "render/derived_volume.h"
+#include "render/host_cl.h"
+#include "volume/beams.h"
 #include "volume/volume.h"
+
+/* The geometry as the kernel reads it: radius i = x * inverse pitch ... (cl/scan_convert.cl). */
+typedef struct {
+    uint32_t samples, lines, planes;
+    float start, per_mm;    /* mm; samples a mm */
+    float axis, side;       /* mm; -1 or +1 */
+    float theta[2], phi[2]; /* an even table's first angle, and its steps a radian; 0 steps: uneven */
+    double corner[3];       /* hs_beams */
+} hs_beams_shape;
+
+typedef struct hs_device_beams hs_device_beams;
+
+/* What the kernel samples. Buffers are borrowed, and may be others after hs_device_beams_replace. */
+typedef struct {
+    hs_beams_shape shape;
+    cl_mem voxels, theta, phi; /* bytes, and float32 tables */
+} hs_beams_view;
+hs_beams_view hs_device_beams_view(const hs_device_beams *db);
+
+/* The next six arguments of a kernel: what it samples, as convert_beams has them
+ * (cl/scan_convert.cl). */
+void hs_launch_beams(hs_launch *launch, const hs_beams_view *view);
 
 typedef struct hs_device_volume hs_device_volume;
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/dvr.h"
 
-#include "render/dvr_lit.h"
-#include "render/dvr_thesis.h"
+#include "render/dvr_looks.h"
 
 #include <math.h>
 #include <stdlib.h>

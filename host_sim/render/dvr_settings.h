@@ -6,7 +6,7 @@
 #include "render/host_cl.h"
 
 /* HS_LOOK_THESIS: Eq. 3.22 - 3.24 (dvr.h), what all measures use. HS_LOOK_LIT: a smooth surface in light
- * (dvr_lit.h), for pictures. */
+ * (dvr_looks.c), for pictures. */
 typedef enum { HS_LOOK_THESIS, HS_LOOK_LIT, HS_LOOK_COUNT } hs_look;
 
 /* "thesis", "lit": for command lines and files. */

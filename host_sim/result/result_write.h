@@ -4,7 +4,25 @@
 #define HS_RESULT_WRITE_H
 
 #include "loop/loop.h"
+#include "loop/source.h"
 #include "result/result_surface.h"
+#include "volume/metaimage.h"
+
+typedef struct hs_result_voxels hs_result_voxels;
+
+/* Files are read through once for their smallest value, unless they hold MET_UCHAR. HS_ERR_INPUT if they
+ * cannot be read any more, or are not of one type; HS_ERR_MEMORY. NULL on failure. `err` must outlive it. */
+hs_result_voxels *hs_result_voxels_open(const hs_source *source, hs_error *err);
+void hs_result_voxels_close(hs_result_voxels *voxels); /* NULL is allowed */
+
+/* Turns to volume `index` of the source: 0 first, then one after the other. */
+bool hs_result_voxels_turn(hs_result_voxels *voxels, uint32_t index);
+
+enum { HS_RESULT_CHUNK = 8192 }; /* voxels that are handed on at once, at most */
+
+/* The volume's next `count` voxels, at most HS_RESULT_CHUNK, in this machine's byte order; good until the
+ * next call. NULL on failure. */
+const uint8_t *hs_result_voxels_next(hs_result_voxels *voxels, size_t count);
 
 /* Bits of what can be written. */
 typedef enum {

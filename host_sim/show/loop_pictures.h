@@ -3,7 +3,15 @@
 #ifndef HS_LOOP_PICTURES_H
 #define HS_LOOP_PICTURES_H
 
+#include "loop/loop.h"
 #include "loop/view.h"
+
+/*
+ * Writes knob.png: the result of frame `index` for six positions of the plugin's primary parameter, from one
+ * end of its display range to the other. Writes nothing if the plugin has no such parameter.
+ */
+bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
+                        uint32_t index, const char *folder, const char *title, hs_error *err);
 
 /*
  * Writes, from one view:
@@ -25,9 +33,6 @@ bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err
 /* What a person must know of a frame beside its picture: that it is not clipped and why (`failure`, what the
  * plugin failed with), or how many rays are not. NULL if there is nothing to say, else `out`. */
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);
-
-/* What the colours of a view's renderings mean; NULL in the thesis' look, whose brightness is the echo's. */
-const char *hs_view_legend(const hs_view *view);
 
 #define HS_ORBIT_VIEWS 6u
 

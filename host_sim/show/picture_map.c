@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "show/picture_map.h"
 
-#include "picture/picture_bar.h"
-#include "picture/picture_colour.h"
+#include "picture/picture.h"
 #include "picture/picture_draw.h"
 #include "smartvis_plugin.h"
 

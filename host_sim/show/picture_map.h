@@ -7,7 +7,7 @@
 #ifndef HS_PICTURE_MAP_H
 #define HS_PICTURE_MAP_H
 
-#include "picture/picture_panel.h"
+#include "picture/picture_draw.h"
 
 #define HS_COLOUR_NOTHING_A 0x6a6d72u /* "clips nothing": a hatch of two greys */
 #define HS_COLOUR_NOTHING_B 0x4b4e53u

@@ -4,7 +4,31 @@
 #define HS_PICTURE_SLICES_H
 
 #include "loop/view.h"
-#include "picture/picture_panel.h"
+#include "picture/picture_draw.h"
+#include "render/camera.h"
+
+#define HS_SLICE_LINE 0xffd23fu /* the clipping surface */
+#define HS_SLICE_BAND 0xff8a5cu /* where it may lie, too, laid over the tissue */
+
+/* A slice: x and depth; depth and y; x and y. */
+typedef enum { HS_SLICE_ACROSS, HS_SLICE_ALONG, HS_SLICE_AT_DEPTH, HS_SLICE_PLANES } hs_slice_plane;
+
+/* What is cut. Everything is borrowed. Places in the box are 0 .. 1: u right, v down, w away. */
+typedef struct {
+    const hs_volume *volume;
+    hs_camera camera;                       /* of the box */
+    uint32_t map_width, map_height, slices; /* of the low-resolution volume */
+    const float *depth;                     /* the depthmap, in its slices */
+    const float *sure;                      /* the plugin's confidence 0 .. 1, or NULL */
+    double at[3];                           /* where the slices lie */
+    double low[3], side[3];                 /* the squares: where they begin, and what of the box they span */
+    double band_mm; /* the band's half width where nothing is sure, on either side of the line; 0: none */
+} hs_slice_scene;
+
+/* Fills `cell` * `cell` RGBA pixels, and `removed`, a flag for each of them. What lies beside the box has
+ * HS_COLOUR_BACKGROUND. Any thread. */
+void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t cell, uint8_t *rgba,
+                   bool *removed);
 
 /*
  * Four squares side by side, each `cell` pixels wide (0: 512): the result; the slice across (x and depth) and

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "show/scene_sheet.h"
 
-#include "loop/truth_surface.h"
-#include "picture/picture_colour.h"
-#include "picture/picture_text.h"
+#include "loop/view.h"
+#include "picture/picture.h"
+#include "picture/picture_draw.h"
 #include "render/dvr.h"
 #include "show/picture_map.h"
 

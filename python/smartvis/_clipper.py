@@ -17,7 +17,7 @@ from ._plugin import Plugin, load, log
 from ._result import Outcome, Result, Statistics
 from ._view import Shape, look
 
-_FARTHEST = 2.0  # volumes: a depth beyond it is none (the host's rule, host_sim/render/map_check.h)
+_FARTHEST = 2.0  # volumes: a depth beyond it is none (the host's rule, host_sim/loop/confidence_map.h)
 
 
 class Clipper:

@@ -4,7 +4,7 @@
  * and the low-resolution slabs with every ray's scanned range, for unlike geometries and for cameras that
  * look into the fan from all sides.
  */
-#include "render/scanned_rays.h"
+#include "render/scan_convert.h"
 #include "support/host_fixture.h"
 #include "support/ref_beams.h"
 #include "volume/volume.h"

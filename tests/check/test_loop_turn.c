@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Frames that are decided one by one: a loop that is turned, zoomed or given other values draws what a loop
  * that was made so draws. */
-#include "loop/loop_stages.h"
-#include "loop/maps.h"
+#include "loop/loop_run.h"
+#include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "support/loop_fixture.h"
 

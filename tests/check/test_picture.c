@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* hs_picture: colours, scaling, files, and where and how each kind of map is drawn. */
-#include "picture/picture_colour.h"
-#include "picture/picture_text.h"
+#include "picture/picture.h"
+#include "picture/picture_draw.h"
 #include "show/picture_map.h"
 #include "smartvis_plugin.h"
 

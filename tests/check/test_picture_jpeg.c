@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Renderings as JPEG: what a page shows must be the picture, and smaller. */
-#include "picture/picture_jpeg.h"
+#include "picture/picture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* How a volume lies in the patient, held to hand-made directions: words, letters, world coordinates, and what
  * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
-#include "render/camera_mark.h"
+#include "render/camera.h"
 #include "volume/volume.h"
 
 #include <math.h>

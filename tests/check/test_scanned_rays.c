@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The scanned range of every ray (render/scanned_rays.h) of volumes seen from all sides: exactly the first
+ * The scanned range of every ray (render/scan_convert.h) of volumes seen from all sides: exactly the first
  * and the last voxel of the converted slabs that is not 0, however little of the slabs is looked at.
  */
-#include "render/scanned_rays.h"
+#include "render/scan_convert.h"
 #include "support/host_fixture.h"
 
 #include <math.h>

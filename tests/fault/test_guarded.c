@@ -5,7 +5,7 @@
  * a few times.
  */
 #include "guarded/guarded.h"
-#include "loop/loop_stages.h"
+#include "loop/loop_run.h"
 #include "plugin/loader_param.h"
 #include "support/loop_fixture.h"
 

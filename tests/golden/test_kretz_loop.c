@@ -5,7 +5,7 @@
  * over.
  */
 #include "loop/slabs.h"
-#include "result/result_voxels.h"
+#include "result/result_write.h"
 #include "support/kretz_files.h"
 #include "support/sequence_fixture.h"
 #include "volume/kretz.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Slices beside a rendering, and what is said of a frame: over layers whose every pixel can be computed by
  * hand. */
-#include "picture/picture_text.h"
+#include "picture/picture_draw.h"
 #include "show/loop_pictures.h"
 #include "show/picture_slices.h"
 #include "support/loop_fixture.h"

@@ -3,7 +3,7 @@
 #ifndef SV_RIG_H
 #define SV_RIG_H
 
-#include "plugin/plugin_ext.h"
+#include "plugin/capabilities.h"
 #include "smartvis_plugin.h"
 #include "support/rig_expect.h"
 

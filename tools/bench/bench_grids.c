@@ -5,7 +5,7 @@
 
 #include "kernels_bench_grids.h"
 #include "render/dvr.h"
-#include "render/dvr_thesis.h"
+#include "render/dvr_looks.h"
 #include "scene/scene.h"
 #include "scene/scene_export.h"
 #include "volume/volume.h"

@@ -4,7 +4,7 @@
 #include "bench/bench_results.h"
 
 #include "guarded/guarded.h"
-#include "loop/loop_stages.h"
+#include "loop/loop_run.h"
 
 #include <stdio.h>
 #include <stdlib.h>

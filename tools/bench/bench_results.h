@@ -9,7 +9,6 @@
 #include "loop/loop_run.h"
 #include "plugin/capabilities.h"
 #include "plugin/loader.h"
-#include "plugin/plugin_ext.h"
 #include "render/host_cl.h"
 #include "smartvis_plugin.h"
 

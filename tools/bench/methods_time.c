@@ -3,8 +3,8 @@
 
 #include "base/progress.h"
 #include "bench/plain.h"
+#include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
-#include "plugin/plugin_ext.h"
 #include "ref/ref_chain.h"
 
 #include <stdio.h>

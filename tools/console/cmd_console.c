@@ -5,7 +5,7 @@
 #include "base/cli.h"
 #include "base/progress.h"
 #include "base/text.h"
-#include "guarded/guard_line.h"
+#include "guarded/guard_options.h"
 
 #include <getopt.h>
 #include <signal.h>

@@ -7,7 +7,7 @@
 #include "guarded/guarded.h"
 #include "loop/loop.h"
 #include "loop/screen.h"
-#include "loop/truth_picture.h"
+#include "loop/view.h"
 #include "picture/picture.h"
 #include "render/camera.h"
 #include "render/dvr_settings.h"

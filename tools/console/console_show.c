@@ -3,11 +3,10 @@
 
 #include "base/paths.h"
 #include "base/progress.h"
-#include "loop/maps.h"
-#include "picture/picture_colour.h"
-#include "picture/picture_jpeg.h"
+#include "loop/view.h"
+#include "picture/picture.h"
 #include "show/picture_map.h"
-#include "show/slice_pixels.h"
+#include "show/picture_slices.h"
 
 #include <limits.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "eval/eval_case.h"
 
 #include "base/progress.h"
-#include "loop/loop_stages.h"
+#include "loop/loop_run.h"
 #include "plugin/loader_param.h"
 #include "volume/kretz.h"
 #include "volume/metaimage.h"

@@ -2,7 +2,7 @@
 #include "eval/eval_case.h"
 
 #include "base/threads.h"
-#include "loop/loop_stages.h"
+#include "loop/loop_run.h"
 
 #include <assert.h>
 #include <math.h>

@@ -4,8 +4,8 @@
 #define JUDGE_H
 
 #include "eval/eval_case.h"
+#include "plugin/capabilities.h"
 #include "plugin/loader.h"
-#include "plugin/plugin_ext.h"
 #include "ref/ref_wall.h"
 #include "render/host_cl.h"
 #include "scene/scene.h"

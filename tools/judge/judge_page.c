@@ -3,8 +3,8 @@
 
 #include "base/paths.h"
 #include "loop/view.h"
-#include "picture/page_html.h"
-#include "picture/picture_text.h"
+#include "page/page_html.h"
+#include "picture/picture_draw.h"
 #include "show/loop_pictures.h"
 #include "show/picture_map.h"
 

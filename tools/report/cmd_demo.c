@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
-#include "guarded/guard_line.h"
+#include "guarded/guard_options.h"
 #include "loop/clipper.h"
 #include "plugin/loader_param.h"
 #include "show/loop_pictures.h"

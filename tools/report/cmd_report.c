@@ -5,7 +5,7 @@
 #include "base/paths.h"
 #include "base/text.h"
 #include "commands/look_line.h"
-#include "guarded/guard_line.h"
+#include "guarded/guard_options.h"
 #include "scene/scene.h"
 
 #include <getopt.h>

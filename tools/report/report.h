@@ -9,7 +9,7 @@
 #include "eval/eval_compare.h"
 #include "eval/eval_study.h"
 #include "loop/view.h"
-#include "picture/page_html.h"
+#include "page/page_html.h"
 #include "picture/picture.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include "base/paths.h"
 #include "loop/clipper.h"
-#include "picture/plot.h"
+#include "page/plot.h"
 
 #include <limits.h>
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "report/report.h"
 
 #include "base/paths.h"
-#include "picture/picture_colour.h"
-#include "render/camera_mark.h"
+#include "picture/picture.h"
+#include "render/camera.h"
 #include "show/loop_pictures.h"
 #include "show/picture_map.h"
 

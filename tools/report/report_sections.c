@@ -2,8 +2,8 @@
 #include "report/report.h"
 
 #include "base/paths.h"
-#include "picture/picture_colour.h"
-#include "picture/plot.h"
+#include "page/plot.h"
+#include "picture/picture.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A volume at half its resolution (host_sim/render/halved.h defines both results), made in one pass over its
+ * A volume at half its resolution (host_sim/render/derived_volume.h defines both results), made in one pass over its
  * bytes: the mean of 2 x 2 x 2 voxels for light, and for scan conversion the same with marks where not all of
  * them were scanned.
  *

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light on a surface (host_sim/render/dvr_lit.h): normals, the clipping surface's own normal, ambient
+ * Light on a surface (host_sim/render/dvr_looks.h): normals, the clipping surface's own normal, ambient
  * occlusion and shadow from the coarse opacities, and the colour of it all. Directions are in camera
  * coordinates: x right, y down, z away from the viewer.
  */
-#define LIT_PAD   2 /* empty voxels around the smoothed volume; the host's (halved.h) */
-#define SHARE_PAD 2 /* empty cubes around the share of the scan; the host's (scan_share.h) */
+#define LIT_PAD   2 /* empty voxels around the smoothed volume; the host's (derived_volume.h) */
+#define SHARE_PAD 2 /* empty cubes around the share of the scan; the host's (derived_volume.h) */
 
 typedef struct {
     vf x, y, z;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "picture/page_html.h"
+#include "page/page_html.h"
 
-#include "picture/picture_jpeg.h"
+#include "picture/picture.h"
 
 #include <errno.h>
 #include <stdio.h>
