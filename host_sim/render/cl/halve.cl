@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A volume at half its resolution (host_sim/render/derived_volume.h defines both results), made in one pass over its
- * bytes: the mean of 2 x 2 x 2 voxels for light, and for scan conversion the same with marks where not all of
- * them were scanned.
+ * A volume at half its resolution (host_sim/render/derived_volume.h defines both results), made in one pass
+ * over its bytes: the mean of 2 x 2 x 2 voxels for light, and for scan conversion the same with marks where
+ * not all of them were scanned.
  *
  * dims: source voxels; half_dims: halved ones, w: the empty border around `mean`, or -1: there is no `mean`.
  * CPU: a work item makes a slice; global (1, 1, z). GPU: a work item makes a voxel; global (x, y, z).

@@ -183,8 +183,8 @@ __kernel void lit_opacity(__global const uchar *smooth, int4 dims, int4 cells, f
 #endif
 
 /*
- * The share of cubes of voxels that was scanned (host_sim/render/derived_volume.h), 0 .. 255, halves up; smoothed
- * by lit_smooth (cl/lit_volume.cl) then. SHARE_PAD cubes of 0 surround it.
+ * The share of cubes of voxels that was scanned (host_sim/render/derived_volume.h), 0 .. 255, halves up;
+ * smoothed by lit_smooth (cl/lit_volume.cl) then. SHARE_PAD cubes of 0 surround it.
  *
  * marks: voxels, or the halved volume's marks. dims: theirs, w: the mark from which on all of one was scanned
  * (one less is a half, or nothing). shares: cubes, w: voxels along an edge.
