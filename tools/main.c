@@ -2,10 +2,7 @@
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
 #include "base/text.h"
-#include "commands/cmd_info.h"
-#include "commands/cmd_list.h"
-#include "commands/cmd_run.h"
-#include "commands/cmd_scene.h"
+#include "commands/commands.h"
 #include "console/console.h"
 #include "guarded/guard_block.h"
 #include "guarded/guard_options.h"

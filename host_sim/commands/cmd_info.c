@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "commands/cmd_info.h"
+#include "commands/commands.h"
 
 #include "base/cli.h"
 #include "base/text.h"

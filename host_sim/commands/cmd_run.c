@@ -1,13 +1,151 @@
 /* SPDX-License-Identifier: MIT */
-#include "commands/cmd_run.h"
+#include "commands/commands.h"
 
 #include "base/cli.h"
+#include "base/json_text.h"
 #include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"
-#include "commands/run_json.h"
+#include "commands/run.h"
 #include "commands/run_line.h"
 #include "commands/run_print.h"
+
+#include <jansson.h>
+#include <string.h>
+
+/* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
+ * rather than being left out. */
+static void put(json_t *object, const char *key, json_t *value, bool *ok) {
+    if (json_object_set_new(object, key, value) != 0) *ok = false;
+}
+
+static json_t *stage_times(const hs_run *run, const hs_loop_result *r, bool *ok) {
+    static const char *const keys[HS_STAGE_COUNT] = {"upload", "scan_conversion", "plugin", "dvr", "loop"};
+    json_t *stages = json_object();
+    for (int s = 0; s < HS_STAGE_COUNT; s++)
+        if (hs_run_has_stage(run, r->setting, (hs_stage)s))
+            put(stages, keys[s],
+                json_pack("{s:f, s:f}", "median_ms", r->stage[s].median, "p95_ms", r->stage[s].p95), ok);
+    return stages;
+}
+
+static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
+    const sv_stats *s = &r->stats;
+    json_t *part =
+        json_pack("{s:f, s:i, s:i, s:i, s:i, s:s, s:i}", "share", r->plugin_share, "clipped_frames",
+                  (int)r->clipped_frames, "partial_frames", (int)r->partial_frames, "note_frames",
+                  (int)r->note_frames, "failed_frames", (int)r->failed_frames, "outcome",
+                  hs_status_name(r->outcome), "outcome_code", (int)r->outcome);
+    put(part, "stats",
+        json_pack("{s:I, s:I, s:I}", "rays", (json_int_t)s->rays, "points", (json_int_t)s->points, "unfilled",
+                  (json_int_t)s->unfilled),
+        ok);
+    const sv_points_report *p = &r->points;
+    if (p->size > 0)
+        put(part, "points",
+            json_pack("{s:I, s:I, s:I, s:f, s:f}", "empty_points", (json_int_t)p->empty_points, "sure_points",
+                      (json_int_t)p->sure_points, "passes", (json_int_t)p->passes, "volume_max",
+                      (double)p->volume_max, "bone_threshold", (double)p->bone_threshold),
+            ok);
+    const sv_stage_times *t = &r->plugin_stages;
+    if (r->has_plugin_stages)
+        put(part, "stages_ms",
+            json_pack("{s:f, s:f, s:f, s:f, s:f}", "transfer", t->transfer_ms, "profile", t->profile_ms,
+                      "threshold", t->threshold_ms, "reconstruct", t->reconstruct_ms, "output", t->output_ms),
+            ok);
+    return part;
+}
+
+static json_t *vector(const double v[3]) {
+    return json_pack("[f, f, f]", v[0], v[1], v[2]);
+}
+
+/* The files of --write. */
+static json_t *written_part(const hs_result_report *w, bool *ok) {
+    json_t *part = json_object(), *what = json_array();
+    for (uint32_t i = 0; i < HS_RESULT_COUNT; i++)
+        if (w->what >> i & 1u && json_array_append_new(what, json_string(hs_result_name(i))) != 0)
+            *ok = false;
+    put(part, "what", what, ok);
+    put(part, "volumes", json_integer(w->volumes), ok);
+    put(part, "clipped_volumes", json_integer(w->clipped), ok);
+    if (w->what & HS_RESULT_CLIPPED) put(part, "fill", json_real(w->fill), ok);
+    return part;
+}
+
+static json_t *describe(const hs_run *run, bool *ok) {
+    const hs_volume *v = hs_source_shape(&run->source);
+    const hs_slab_layout *l = hs_loop_layout(run->loop);
+    const hs_loop_options *o = hs_loop_get_options(run->loop);
+    static const char *const carriers[] = {
+        [SV_CARRIER_HOST] = "host", [SV_CARRIER_BUFFER] = "buffer", [SV_CARRIER_IMAGE] = "image"};
+    const double size[3] = {v->nx * v->spacing[0], v->ny * v->spacing[1], v->nz * v->spacing[2]};
+    hs_camera camera; /* its box is the same for all frames */
+    hs_loop_camera(run->loop, 0, &camera);
+    const double box[3] = {camera.extent, camera.extent, camera.depth_extent};
+    const double lowres[3] = {box[0] / l->width, box[1] / l->height, box[2] / l->slices};
+    char plugin[200], letters[4];
+    hs_run_plugin_name(run, plugin, sizeof plugin);
+    hs_pose_letters(&v->pose, letters);
+    json_t *root = json_object();
+    put(root, "source", hs_json_text(v->name), ok);
+    put(root, "source_size", json_pack("[i, i, i]", (int)v->nx, (int)v->ny, (int)v->nz), ok);
+    put(root, "source_spacing_mm", vector(v->spacing), ok);
+    put(root, "source_size_mm", vector(size), ok);
+    put(root, "source_origin_mm", vector(v->pose.origin), ok);
+    put(root, "source_orientation", v->pose.stated ? json_string(letters) : json_null(), ok);
+    put(root, "probe", json_string(hs_probe_name(v->probe)), ok);
+    put(root, "unscanned_share", json_real(run->unscanned), ok);
+    if (v->beams) put(root, "mirrored", json_boolean(v->beams->mirrored), ok);
+    put(root, "plugin", hs_json_text(plugin), ok);
+    put(root, "device", hs_json_text(run->cl.device_name), ok);
+    put(root, "lowres_size", json_pack("[i, i, i]", (int)l->width, (int)l->height, (int)l->slices), ok);
+    put(root, "lowres_spacing_mm", vector(lowres), ok);
+    put(root, "box_mm", vector(box), ok);
+    put(root, "slab_slices", json_integer(l->slab_slices), ok);
+    put(root, "slab_mm", json_real(l->slab_slices * lowres[2]), ok);
+    put(root, "carrier", json_string(carriers[o->carrier]), ok);
+    put(root, "own_queue", json_boolean(o->own_queue), ok);
+    put(root, "scanned", hs_json_text(hs_fan_name(o->fan)), ok);
+    put(root, "camera",
+        json_pack("{s:s, s:f, s:f, s:f}", "from", hs_from_name(o->from), "yaw", o->yaw, "pitch", o->pitch,
+                  "orbit", o->orbit),
+        ok);
+    put(root, "picture", json_pack("[i, i]", (int)o->dvr.width, (int)o->dvr.height), ok);
+    return root;
+}
+
+/* Writes facts, times, shares and statistics to `path`, which appears whole. HS_ERR_OUTPUT, HS_ERR_MEMORY. */
+static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err) {
+    bool ok = true;
+    json_t *root = describe(run, &ok);
+    json_t *settings = json_object();
+    for (uint32_t i = 0; i < run->result_count; i++) {
+        const hs_loop_result *r = &run->results[i];
+        json_t *one =
+            json_pack("{s:i, s:f}", "frames", (int)r->frames, "volumes_per_second", r->volumes_per_second);
+        put(one, "stages", stage_times(run, r, &ok), &ok);
+        if (r->setting == HS_SETTING_SMARTVIS) put(one, "plugin", plugin_part(r, &ok), &ok);
+        put(settings, hs_setting_key(r->setting), one, &ok);
+    }
+    put(root, "settings", settings, &ok);
+    const hs_error *failure = hs_run_plugin_error(run);
+    if (run->has_written) put(root, "written", written_part(&run->written, &ok), &ok);
+    put(root, "plugin_error", failure->code == HS_OK ? json_null() : hs_json_text(failure->text), &ok);
+    char *dump = !ok ? NULL : json_dumps(root, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
+    json_decref(root);
+    if (!dump)
+        return hs_fail(err, HS_ERR_OUTPUT, "%s: a result is no finite number, or memory ran out", path);
+    hs_output_file output;
+    ok = hs_output_open(&output, path, err);
+    if (ok &&
+        !(hs_output_write(&output, dump, strlen(dump), err) && hs_output_write(&output, "\n", 1, err))) {
+        hs_output_discard(&output);
+        ok = false;
+    }
+    free(dump);
+    return ok && hs_output_commit(&output, err);
+}
 
 /* Before the work starts: all of it would be lost. */
 static bool can_write(const hs_run_line *line, hs_error *err) {

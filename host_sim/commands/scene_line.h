@@ -3,9 +3,9 @@
 #ifndef HS_SCENE_LINE_H
 #define HS_SCENE_LINE_H
 
-#include "commands/vol_line.h"
 #include "render/dvr_settings.h"
 #include "scene/scene.h"
+#include "scene/scene_export.h"
 
 #define HS_SCENE_LINE_SETS 32u
 
