@@ -214,9 +214,11 @@ static bool take_source_option(hs_run_line *line, int option, const char *text, 
     case OPT_REAL:
         r->scene.real = text;
         return true;
-    default:
+    case OPT_LIVE:
         r->loop.live = true;
         return true;
+    default:
+        return hs_cli_forgotten(option, err);
     }
 }
 
@@ -250,9 +252,11 @@ static bool take_plugin_option(hs_run_line *line, int option, const char *text, 
         return hs_cli_u32("--slab", text, 1, 8192, &r->loop.slab_slices, err);
     case OPT_LOWRES:
         return hs_cli_u32("--lowres", text, 1, 8192, &r->loop.lowres, err);
-    default:
+    case OPT_VERBOSE:
         r->log_level = SV_LOG_DEBUG;
         return true;
+    default:
+        return hs_cli_forgotten(option, err);
     }
 }
 
@@ -314,9 +318,11 @@ static bool take_loop_option(hs_run_line *line, int option, const char *text, hs
         return true;
     case OPT_WRITE:
         return hs_result_parse("--write", text, strcmp(text, "all") == 0 ? &r->write_if : &r->write, err);
-    default:
+    case OPT_JSON:
         line->json = text;
         return true;
+    default:
+        return hs_cli_forgotten(option, err);
     }
 }
 

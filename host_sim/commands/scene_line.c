@@ -215,9 +215,11 @@ static bool set_option(int option, hs_scene_line *r, hs_error *err) {
     case OPT_OUT:
         r->out = optarg;
         return true;
-    default:
+    case OPT_HELP:
         r->help = true;
         return true;
+    default:
+        return hs_cli_forgotten(option, err);
     }
 }
 

@@ -85,9 +85,11 @@ bool hs_guard_line_take(int option, const char *text, hs_guard_options *options,
         return true;
     case HS_OPT_GUARD_TIME:
         return take_time(text, options, err);
-    default:
+    case HS_OPT_GUARD_MEMORY:
         if (!hs_cli_integer("--guard-memory", text, 16, 1u << 20, &mib, err)) return false;
         options->memory_bytes = mib << 20;
         return true;
+    default:
+        return hs_cli_forgotten(option, err);
     }
 }
