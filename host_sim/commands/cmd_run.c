@@ -2,7 +2,6 @@
 #include "commands/commands.h"
 
 #include "base/cli.h"
-#include "base/json_text.h"
 #include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"

@@ -11,10 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The keys, for a help text. */
-extern const char hs_vol_line_help[];
-
-const char hs_vol_line_help[] =
+static const char vol_help[] =
     "  --vol KEY=VALUE,...  the geometry of Kretz files; what is not given fits the scene:\n"
     "                   pitch, start, axis (mm): samples, their start, and the sweep's axis, from the\n"
     "                   array's centre of curvature; theta, phi (degrees) from the first to the last line\n"
@@ -22,7 +19,7 @@ const char hs_vol_line_help[] =
     "                   descending 0 or 1; mirrored 0 or 1: to be read with --mirror\n";
 
 /* What a spec is before any key: all is left open. */
-static hs_vol_spec hs_vol_line_defaults(void) {
+static hs_vol_spec vol_line_defaults(void) {
     return (hs_vol_spec){.start = NAN, .axis = NAN};
 }
 
@@ -60,7 +57,7 @@ static bool take(const char *key, const char *value, hs_vol_spec *s, hs_error *e
 }
 
 /* "KEY=VALUE,KEY=VALUE,...". HS_ERR_USAGE names the key and its value, or the keys there are. */
-static bool hs_vol_line_parse(const char *text, hs_vol_spec *spec, hs_error *err) {
+static bool vol_line_parse(const char *text, hs_vol_spec *spec, hs_error *err) {
     while (*text) {
         char pair[64];
         const size_t length = strcspn(text, ",");
@@ -201,7 +198,7 @@ static bool set_option(int option, hs_scene_line *r, hs_error *err) {
                hs_fail(err, HS_ERR_USAGE, "--format: '%s' is none of mha, vol", optarg);
     case OPT_VOL:
         r->geometry_given = true;
-        return hs_vol_line_parse(optarg, &r->geometry, err);
+        return vol_line_parse(optarg, &r->geometry, err);
     case OPT_SHEET:
         r->sheet = true;
         return true;
@@ -238,7 +235,7 @@ static bool check_choice(hs_scene_line *r, const char *named, hs_error *err) {
 
 bool hs_scene_line_parse(int argc, char **argv, hs_scene_line *r, hs_error *err) {
     *r = (hs_scene_line){
-        .out = "out/scenes", .options = {.size = 256}, .frames = 1, .geometry = hs_vol_line_defaults()};
+        .out = "out/scenes", .options = {.size = 256}, .frames = 1, .geometry = vol_line_defaults()};
     hs_dvr_defaults(&r->drawing);
     r->drawing.look = HS_LOOK_LIT;
     optind = 1;
@@ -253,5 +250,5 @@ bool hs_scene_line_parse(int argc, char **argv, hs_scene_line *r, hs_error *err)
 }
 
 void hs_scene_line_help(void) {
-    (void)printf("%s%s%s%s", help_text, hs_vol_line_help, help_tail, hs_exit_codes_help);
+    (void)printf("%s%s%s%s", help_text, vol_help, help_tail, hs_exit_codes_help);
 }
