@@ -8,9 +8,14 @@
 sv_wall_settings sv_wall_settings_default(void) {
     return (sv_wall_settings){.block_mm = 2.0,
                               .dilation_mm = 3.75,
-                              .valley = 0.9,
+                              .near_field_mm = 7.5,
+                              .near_field_share = 0.5,
+                              .skin_line_mm = 4.0,
+                              .dark = 0.5,
+                              .gap_share = 0.43,
+                              .doubtful_share = 0.15,
                               .clear_wall_share = 0.75,
-                              .separability = 0.8,
+                              .doubtful_confidence = 0.3,
                               .tissue = 0.19,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
@@ -83,9 +88,13 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->knob_margin = rounded(s->knob_margin * SV_WALL_FINE_COST_ONE);
     l->q = (float)s->q;
     l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
-    l->valley = rounded(s->valley * SV_WALL_PER_MILLE);
+    l->near_field_share = rounded(s->near_field_share * SV_WALL_PER_MILLE);
+    l->dark = rounded(s->dark * SV_WALL_PER_MILLE);
+    l->gap_share = rounded(s->gap_share * SV_WALL_PER_MILLE);
+    l->doubtful_share = rounded(s->doubtful_share * SV_WALL_PER_MILLE);
     l->clear_wall_share = rounded(s->clear_wall_share * SV_WALL_PER_MILLE);
-    l->separability = rounded(s->separability * SV_WALL_PER_MILLE);
+    l->doubtful_confidence = (float)s->doubtful_confidence;
+    l->clip_doubtful = s->clip_doubtful;
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
     l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
     l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);
@@ -155,6 +164,8 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
         l.median_step[axis] = at_most(voxels(s->median_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
         l.smoothing_step[axis] = at_most(voxels(s->smoothing_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
     }
+    l.near_field = voxels(s->near_field_mm, layer_mm, 0);
+    l.skin_line = voxels(s->skin_line_mm, layer_mm, 0);
     l.skin = voxels(s->skin_mm, layer_mm, 0);
     l.full_distance = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_MAX_DISTANCE);
     l.rate = rounded(ldexp(SV_WALL_COST_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));

@@ -15,10 +15,17 @@
 typedef struct {
     double block_mm;    /* side of a block */
     double dilation_mm; /* a cell's brightness is the maximum over the cells so far to either side */
-    /* There is no fluid if all three hold: the histogram's valley is higher than `valley` of its lower mode,
-     * fewer than `clear_wall_share` of the rays see a wall, and the variance between the classes is at most
-     * `separability` of the variance of the levels. */
-    double valley, clear_wall_share, separability;
+    /* Scanned darkness in front of a ray's first run that is at most so deep is no fluid, if at least such a
+     * share of the rays begin with that. */
+    double near_field_mm, near_field_share;
+    double skin_line_mm; /* the brightness of the first run of a ray does not count so far behind its start */
+    /* A block is dark if its level is at most `dark` of the tissue's threshold. Of all dark blocks the share
+     * in the gaps that the surface lies in tells whether there is fluid in front of the fetus. There is none
+     * below `doubtful_share`. There is from `gap_share` on, or if at least `clear_wall_share` of the rays
+     * begin in the wall. Else it is doubtful. */
+    double dark, gap_share, doubtful_share, clear_wall_share;
+    double doubtful_confidence; /* a doubtful surface is at most so sure */
+    bool clip_doubtful;         /* clip at a doubtful surface, too */
     double tissue; /* tissue is brighter than this share of the way from the threshold to the bright mean */
     double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
     double low_rank, high_rank; /* the spread of the wall's brightness lies between these quantiles */

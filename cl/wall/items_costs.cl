@@ -57,6 +57,7 @@ static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const uint kind = r->kinds[at], chance = r->chances[r->brightness[at]];
     const uint any = chance >> 16, first = chance & 0xffffu;
     if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
+    if (z < r->run + l->skin_line) return 0; /* the skin tells nothing */
     if (kind & CELL_FLANKED) return any;
     return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }

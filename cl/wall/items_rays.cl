@@ -24,35 +24,72 @@ typedef struct {
     uint begin, end, maximum;
 } run_t;
 
-/* Finds the first run. `levels`, `brightness`: the first layer of the ray and of its cell. Without tissue
- * the run is empty and lies at the end of the scan. */
+/* Finds the first run; the brightness of the skin counts only if the run has nothing else. `levels`,
+ * `brightness`: the first layer of the ray and of its cell. Without tissue the run is empty and lies at the
+ * end of the scan. */
 static run_t first_run(const sv_wall_layout *l, __global const uchar *levels,
                        __global const uchar *brightness, uint threshold, uint end) {
     const size_t level_pitch = level_pitch_of(l), pitch = cell_row(l, 1, 0);
     uint z = 0;
     while (z < l->layers && levels[z * level_pitch] <= threshold) z++;
     run_t run = {z < l->layers ? z : end, end, 0};
-    for (; z < l->layers && levels[z * level_pitch] > threshold; z++)
-        run.maximum = max(run.maximum, (uint)brightness[z * pitch]);
+    const uint behind_skin = z + l->skin_line;
+    uint last = 0;
+    for (; z < l->layers && levels[z * level_pitch] > threshold; z++) {
+        last = brightness[z * pitch];
+        if (z >= behind_skin) run.maximum = max(run.maximum, last);
+    }
+    if (z <= behind_skin) run.maximum = last;
     if (z < l->layers) run.end = z;
     return run;
+}
+
+/* True if the first run begins at most `near_field` layers behind the start of the scan, but not at it. */
+static bool is_dark_front(const sv_wall_layout *l, uint begin, uint end, uint first) {
+    return begin < end && begin > first && begin - first <= l->near_field;
+}
+
+/* One work group per row of cells: counts the rays that begin with a few dark layers. */
+__kernel void wall_items_near_field(sv_wall_layout l, __global const uint *restrict info,
+                                    __global const uchar *restrict levels,
+                                    __global const ushort *restrict rays, __global uint *restrict fronts) {
+    __local uint sum;
+    const uint item = (uint)get_local_id(0), threshold = info[INFO_TISSUE];
+    const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
+    if (item == 0) sum = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = item; i < count; i += (uint)get_local_size(0)) {
+        const ray_place_t at = ray_of_group(&l, i);
+        const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
+        const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
+        uint z = first;
+        while (z < end && z - first <= l.near_field && levels[level_row(&l, z, at.row) + at.x] <= threshold)
+            z++;
+        if (is_dark_front(&l, z, end, first)) atomic_inc(&sum);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item == 0) fronts[get_group_id(0)] = sum;
 }
 
 /* One work group per row of cells. A ray begins in the wall if it begins in tissue with fluid behind it. */
 __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restrict info,
                                     __global const uchar *restrict levels,
                                     __global const uchar *restrict brightness, __global ushort *restrict rays,
-                                    __global uint *restrict histograms) {
+                                    __global uint *restrict histograms,
+                                    __global const uint *restrict fronts) {
     __local uint counts[HISTOGRAM_WORDS];
     const uint threshold = info[INFO_TISSUE];
     const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
+    const bool near_field = count > 0 && has_near_field(&l, fronts, info[INFO_RAYS]);
     clear_counts(counts);
     for (uint i = (uint)get_local_id(0); i < count; i += (uint)get_local_size(0)) {
         const ray_place_t at = ray_of_group(&l, i);
-        const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
+        uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
         const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
         const run_t run = first_run(&l, levels + level_row(&l, 0, at.row) + at.x,
                                     brightness + cell_row(&l, 0, at.row / 2) + at.x / 2, threshold, end);
+        if (near_field && is_dark_front(&l, run.begin, run.end, first)) first = run.begin;
+        rays[block_row(&l, RAY_FIRST, at.row) + at.x] = (ushort)first;
         rays[block_row(&l, RAY_RUN, at.row) + at.x] = (ushort)run.begin;
         rays[block_row(&l, RAY_RUN_END, at.row) + at.x] = (ushort)run.end;
         if (run.begin == first && run.end > run.begin && run.end < end) {

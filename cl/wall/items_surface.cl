@@ -46,6 +46,47 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
     places[place_row(&l, PLACE_OWN_COST, y) + x] = (float)own / SV_WALL_COST_ONE;
 }
 
+/* Adds the dark blocks of a ray to `gaps`: all of them, and those in the fluid of layer `at`, if tissue
+ * follows it. */
+static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, uint first, uint end,
+                     uint threshold, uint at, __local uint *gaps) {
+    const uint limit = threshold * l->dark / SV_WALL_PER_MILLE;
+    const size_t pitch = level_pitch_of(l);
+    uint all = 0, in_gaps = 0, in_fluid = 0;
+    bool holds = false;
+    for (uint z = first; z < end; z++) {
+        const uint level = levels[z * pitch], dark = level <= limit;
+        const bool tissue = level > threshold;
+        all += dark;
+        in_gaps += holds && tissue ? in_fluid : 0;
+        in_fluid = tissue ? 0 : in_fluid + dark;
+        holds = !tissue && (holds || z == at);
+    }
+    atomic_add(gaps, all);
+    atomic_add(gaps + 1, in_gaps);
+}
+
+/* One work group per row of cells: counts the dark blocks of its rays, and those of them in gaps. */
+__kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict info,
+                              __global const uchar *restrict levels, __global const ushort *restrict rays,
+                              __global const float *restrict places, __global ulong *restrict gaps) {
+    __local uint sums[2];
+    const uint item = (uint)get_local_id(0), row = (uint)get_group_id(0), threshold = info[INFO_TISSUE];
+    const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
+    if (item < 2) sums[item] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = item; i < count; i += (uint)get_local_size(0)) {
+        const ray_place_t at = ray_of_group(&l, i);
+        __global const uchar *from = levels + level_row(&l, 0, at.row) + at.x;
+        const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
+        const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
+        const float place = places[place_row(&l, PLACE_MEDIAN, at.row) + at.x];
+        add_gaps(&l, from, first, end, threshold, gap_layer(&l, from, threshold, first, place), sums);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < 2) gaps[2 * row + item] = sums[item];
+}
+
 /* One work item per ray: the confidence. */
 __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restrict info,
                                     __global float *restrict places) {
@@ -77,10 +118,11 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const float limit = info[INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);
-    const float certainty = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+    const float certainty = fmin(interpolate(&l, places, u, v), limit);
     surfaces[(size_t)y * padded_width + x] = wanted ? depth : 0.0f;
     confidence[(size_t)y * l.width + x] = wanted ? certainty : 0.0f;
 }

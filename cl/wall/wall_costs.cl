@@ -93,11 +93,12 @@ static u32h chances_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
 
 /* Accumulates the probability that the fetus has begun. `both`: probabilities of the cells, of a later run *
  * 65536 + of a first run; two rays share a word. */
-static void forward_fetus(rays_t *r, uint z, u16l tissue, u32h both, forward_t *w) {
+static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissue, u32h both, forward_t *w) {
     const u16l any = REINTERPRET(both >> 16u | (both & 0xffff0000u), u16l);
     const u16l first = REINTERPRET((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
-    const u16l chance = SELECT(any, first, in_run);
+    const i16l behind_skin = r->run <= (i16l)((short)z - (short)l->skin_line); /* the skin tells nothing */
+    const u16l chance = SELECT(any, first & AS_U16(behind_skin), in_run);
     w->maximum = MAXIMUM(w->maximum, chance) & tissue;
     w->now = SELECT(w->now, w->before - share(w->before, w->maximum), tissue);
     w->before = SELECT(w->now, w->before, tissue);
@@ -161,7 +162,7 @@ static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
         if (s->certain_from == l->layers) {
             const u32h chances = chances_at(l, s, z);
             UNROLL for (uint i = 0; i < 2; i++)
-                forward_fetus(&r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
+                forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
             const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
             if (z > 0 && !any_word(open)) s->certain_from = z;
         }

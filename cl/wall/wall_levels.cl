@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Grey levels, in both layouts: the threshold between fluid and tissue, whether there is fluid at all, and
- * how likely tissue of a brightness is the fetus. Each kernel is one work group of any size and works in
+ * Grey levels, in both layouts: the threshold between fluid and tissue, whether the surface lies in fluid,
+ * and how likely tissue of a brightness is the fetus. Each kernel is one work group of any size and works in
  * integers. The histograms of all rows are some 16,000 words, which a single work item of a GPU would wait
  * for one by one. What one work item does alone is some thousand steps in local memory.
  */
@@ -20,52 +20,6 @@ static void sum_rows(const sv_wall_layout *l, __global const uint *histograms, u
         for (uint i = item; i < 256; i += items) sums[i] += histograms[i];
         if (item == 0) sums[256] += histograms[extra];
     }
-}
-
-/* Box filter over the counts, mirrored at their ends. All work items of the group call it. */
-static void smooth_levels(__local const ulong *counts, __local ulong *smooth) {
-    const int items = (int)get_local_size(0);
-    for (int i = (int)get_local_id(0); i < 256; i += items) {
-        ulong sum = 0;
-        for (int k = i - SV_WALL_HISTOGRAM_REACH; k <= i + SV_WALL_HISTOGRAM_REACH; k++)
-            sum += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
-        smooth[i] = sum;
-    }
-}
-
-/* True if the lowest count of the smoothed histogram between the modes of the two classes is too high to
- * show fluid. */
-static bool is_shallow(const sv_wall_layout *l, __local const ulong *smooth, uint threshold) {
-    uint dark = 0, bright = threshold + 1;
-    for (uint i = 0; i <= threshold; i++)
-        if (smooth[i] > smooth[dark]) dark = i;
-    for (uint i = threshold + 1; i < 256; i++)
-        if (smooth[i] > smooth[bright]) bright = i;
-    ulong mode = min(smooth[dark], smooth[bright]), minimum = mode;
-    for (uint i = dark; i <= bright; i++) minimum = min(minimum, smooth[i]);
-    if (mode == 0) mode = minimum = 1;
-    return minimum * SV_WALL_PER_MILLE > mode * l->valley;
-}
-
-/* True if so much of the variance of the levels' roots lies between the classes that there must be two. */
-static bool is_separable(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
-                         ulong split) {
-    ulong count[2] = {0, 0}, sum[2] = {0, 0}, mean[2], between = 0, within = 0;
-    for (uint i = 0; i < 256; i++) {
-        count[root[i] > split] += histogram[i];
-        sum[root[i] > split] += histogram[i] * root[i];
-    }
-    const ulong middle = (sum[0] + sum[1]) / (count[0] + count[1]);
-    for (uint k = 0; k < 2; k++) {
-        mean[k] = sum[k] / count[k];
-        const ulong away = abs_diff(mean[k], middle);
-        between += count[k] * away * away;
-    }
-    for (uint i = 0; i < 256; i++) {
-        const ulong away = abs_diff((ulong)root[i], mean[root[i] > split]);
-        within += histogram[i] * away * away;
-    }
-    return between * SV_WALL_PER_MILLE > (between + within) * l->separability;
 }
 
 /* Counts the levels up to the split, and sums up their roots. */
@@ -97,11 +51,12 @@ static bool find_split(__local const ulong *histogram, __global const uint *root
 }
 
 /* Stores what the histogram shows. One work item calls it. */
-static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __local const ulong *smooth,
-                         __global const uint *root, __global uint *info) {
+static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
+                         __global uint *info) {
     ulong split = 0, counted = 0, sum = 0;
     info[INFO_RAYS] = (uint)histogram[256];
     info[INFO_OUTCOME] = SV_WALL_EMPTY;
+    info[INFO_DOUBTFUL] = 0;
     info[INFO_THRESHOLD] = info[INFO_TISSUE] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
     if (!find_split(histogram, root, &split)) return;
     uint threshold = 0;
@@ -118,25 +73,16 @@ static void store_levels(const sv_wall_layout *l, __local const ulong *histogram
     const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
     info[INFO_TISSUE] = threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
     info[INFO_BRIGHT] = bright;
-    const bool separable = is_separable(l, histogram, root, split);
-    info[INFO_SHALLOW] = is_shallow(l, smooth, threshold) && !separable;
     info[INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
 /* Launched as one work group. */
 __kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histograms,
                           __global const uint *restrict tables, __global uint *restrict info) {
-    __local ulong histogram[257], once[256], twice[256];
-    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    __local ulong histogram[257];
     sum_rows(&l, histograms, HISTOGRAM_RAYS, histogram);
-    for (uint i = item; i < 256; i += items)
-        twice[i] = i < 255 ? histogram[i] : 0; /* saturated blocks are no mode */
     barrier(CLK_LOCAL_MEM_FENCE);
-    smooth_levels(twice, once);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    smooth_levels(once, twice);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (item == 0) store_levels(&l, histogram, twice, tables + SV_WALL_ROOTS, info);
+    if (get_local_id(0) == 0) store_levels(&l, histogram, tables + SV_WALL_ROOTS, info);
 }
 
 /* Returns the level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
@@ -215,25 +161,46 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
         if (any < l.fetus_threshold && i == 255) info[INFO_FETUS] = 256;
     }
     if (item > 0) return;
-    const bool walled = (ulong)wall_rays * SV_WALL_PER_MILLE >= (ulong)rays * l.clear_wall_share;
     info[INFO_WALL_RAYS] = wall_rays;
     info[INFO_BARE] = bare;
-    if (info[INFO_SHALLOW] && !walled) info[INFO_OUTCOME] = SV_WALL_NO_FLUID;
 }
 
-/* Launched as one work item: decides whether the frame has a surface. `fetus`: for each row of cells, the
- * sum over its rays of the probability that the fetus is on them. They are so few that they need no group.
- * */
+/* Launched as one work item: decides whether the frame shows the fetus. `fetus`: for each row of cells, the
+ * sum over its rays of the probability that the fetus is on them. They are so few that they need no group. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
-                          __global uint *restrict info, __global uint *restrict record) {
-    bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    if (wanted) {
-        ulong sum = 0;
-        for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
-        wanted = sum * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * SV_WALL_PROBABILITY_ONE * l.fetus_share;
-        if (!wanted) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
+                          __global uint *restrict info) {
+    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    ulong sum = 0;
+    for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
+    if (sum * SV_WALL_PER_MILLE < (ulong)info[INFO_RAYS] * SV_WALL_PROBABILITY_ONE * l.fetus_share)
+        info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
+}
+
+/* Returns what the gaps and the wall tell of a surface. */
+static uint verdict_of(const sv_wall_layout *l, __global const uint *info, ulong dark, ulong in_gaps) {
+    const ulong share = in_gaps * SV_WALL_PER_MILLE;
+    const bool has_wall =
+        (ulong)info[INFO_WALL_RAYS] * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * l->clear_wall_share;
+    if (dark == 0 || share < dark * l->doubtful_share) return SV_WALL_NO_FLUID;
+    return has_wall || share >= dark * l->gap_share ? SV_WALL_SURFACE : SV_WALL_DOUBTFUL;
+}
+
+/* Launched as one work item: decides whether the frame clips at its surface. `gaps`: for each row of cells,
+ * the dark blocks of its rays, and those of them in gaps. */
+__kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps,
+                           __global uint *restrict info, __global uint *restrict record) {
+    if (info[INFO_OUTCOME] == SV_WALL_SURFACE) {
+        ulong dark = 0, in_gaps = 0;
+        for (uint y = 0; y < l.cells[1]; y++) {
+            dark += gaps[2 * y];
+            in_gaps += gaps[2 * y + 1];
+        }
+        const uint verdict = verdict_of(&l, info, dark, in_gaps);
+        info[INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
+        info[INFO_OUTCOME] = info[INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
     }
-    record[SV_REC_PASSES] = wanted;
-    record[SV_REC_UNFILLED] = wanted ? 0 : record[SV_REC_RAYS];
-    record[SV_REC_OUTCOME] = wanted ? SV_OUTCOME_OK : SV_OUTCOME_NO_SURFACE;
+    const bool clips = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    record[SV_REC_PASSES] = clips;
+    record[SV_REC_UNFILLED] = clips ? 0 : record[SV_REC_RAYS];
+    record[SV_REC_OUTCOME] = clips ? SV_OUTCOME_OK : SV_OUTCOME_NO_SURFACE;
 }

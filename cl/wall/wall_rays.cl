@@ -12,27 +12,32 @@
 
 /* The first run of LANES rays, found from front to back. */
 typedef struct {
-    i16l begin, end; /* of the run */
-    u8l begun, over; /* masks */
-    u8l maximum;     /* its maximum brightness */
+    i16l begin, end;   /* of the run */
+    u8l begun, over;   /* masks */
+    u8l maximum, last; /* its maximum brightness behind the skin, and that of its last layer */
 } walk_t;
 
-static void walk_step(walk_t *w, short z, u8l tissue, u8l brightness) {
+static void walk_step(walk_t *w, short z, short skin_line, u8l tissue, u8l brightness) {
     const u8l begins = tissue & ~w->begun;
     if (any_byte(begins)) w->begin = SELECT(w->begin, (i16l)(z), words_of(begins));
     w->begun |= begins;
     const u8l ends = w->begun & ~tissue & ~w->over;
     if (any_byte(ends)) w->end = SELECT(w->end, (i16l)(z), words_of(ends));
     w->over |= ends;
-    const u8l here = brightness & w->begun & ~w->over;
-    w->maximum = MAXIMUM(w->maximum, here);
+    const u8l in_run = w->begun & ~w->over, here = brightness & in_run;
+    const u8l behind_skin = here & bytes_of(w->begin <= (i16l)((short)(z - skin_line)));
+    w->maximum = MAXIMUM(w->maximum, behind_skin);
+    w->last = SELECT(w->last, here, AS_I8(in_run));
 }
 
 /* Counts the rays that begin in the wall with fluid behind it, by the brightness of the wall. */
-static void count_walls(const walk_t *w, i16l first, i16l end, __global uint *histogram) {
+static void count_walls(const sv_wall_layout *l, const walk_t *w, i16l first, i16l end,
+                        __global uint *histogram) {
     const i16l is_wall = words_of(w->begun) & (w->begin == first) & (w->end < end);
     if (!any_word(is_wall)) return;
-    const uchar *maximum = (const uchar *)&w->maximum;
+    const u8l thin = bytes_of(w->end - w->begin <= (i16l)((short)l->skin_line));
+    const u8l maxima = SELECT(w->maximum, w->last, AS_I8(thin));
+    const uchar *maximum = (const uchar *)&maxima;
     const short *wall = (const short *)&is_wall;
     for (uint i = 0; i < LANES; i++) {
         histogram[HISTOGRAM_WALL_RAYS] += wall[i] != 0;
@@ -57,14 +62,49 @@ static void dilate_columns(const sv_wall_layout *l, __global const uchar *row_ma
 /* Walks LANES rays until the first run of the last of them ends. */
 static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
                         __global const uchar *brightness, uint row, uint x, u8l threshold, i16l end) {
-    walk_t w = {.begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .maximum = (u8l)(0)};
+    walk_t w = {
+        .begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .maximum = (u8l)(0), .last = (u8l)(0)};
     const u8l scanned = bytes_of(end > (i16l)(0));
     for (uint z = 0; z < l->layers && any_byte(scanned & ~w.over); z++) {
         const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
         const u8h cells = ((__global const u8h *)(brightness + cell_row(l, z, row / 2)))[x];
-        walk_step(&w, (short)z, AS_U8(level > threshold), rays_of_cells(cells));
+        walk_step(&w, (short)z, (short)l->skin_line, AS_U8(level > threshold), rays_of_cells(cells));
     }
     return w;
+}
+
+/* Returns the lanes of rays whose first run begins at most `near_field` layers behind their scan's start, but
+ * not at it. */
+static i16l dark_fronts(const sv_wall_layout *l, i16l begin, i16l run_end, i16l first) {
+    return (begin < run_end) & (begin > first) & (begin - first <= (i16l)((short)l->near_field));
+}
+
+/* One work item per row of cells: counts the rays that begin with a few dark layers. Unscanned rays do not.
+ */
+__kernel void wall_near_field(sv_wall_layout l, __global const uint *restrict info,
+                              __global const uchar *restrict levels, __global ushort *restrict rays,
+                              __global uint *restrict fronts) {
+    const uint row = (uint)get_global_id(0);
+    const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
+    uint count = 0;
+    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    for (uint line = 2 * row; line < 2 * row + 2; line++)
+        for (uint x = 0; x < vectors_of(&l); x++) {
+            const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
+            const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
+            i16l open = end > first, begin = end;
+            for (uint z = 0; z < l.layers && any_word(open); z++) {
+                const i16l at = (i16l)((short)z);
+                const u8l level = ((__global const u8l *)(levels + level_row(&l, z, line)))[x];
+                const i16l begins = words_of(AS_U8(level > threshold)) & open;
+                begin = SELECT(begin, at, begins);
+                open &= ~begins & (first + (i16l)((short)l.near_field) > at);
+            }
+            const i16l counted = dark_fronts(&l, begin, end, first);
+            const short *lanes = (const short *)&counted;
+            for (uint i = 0; i < LANES; i++) count += lanes[i] != 0;
+        }
+    fronts[row] = count;
 }
 
 /* One work item per row of cells. `brightness`: the dilation of `row_maxima` along y. */
@@ -72,22 +112,25 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
                               __global const uchar *restrict levels,
                               __global const uchar *restrict row_maxima, __global uchar *restrict brightness,
                               __global ushort *restrict rays, __global uint *restrict histograms,
-                              __global ulong *restrict kinds) {
+                              __global ulong *restrict kinds, __global const uint *restrict fronts) {
     const uint row = (uint)get_global_id(0);
     const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const bool near_field = has_near_field(&l, fronts, info[INFO_RAYS]);
     histograms += (size_t)row * HISTOGRAM_WORDS;
     for (uint i = 0; i < 256; i++) histograms[i] = 0;
     histograms[HISTOGRAM_WALL_RAYS] = 0;
     for (uint z = 0; z < l.layers; z++) dilate_columns(&l, row_maxima, z, row, brightness);
     for (uint line = 2 * row; line < 2 * row + 2; line++)
         for (uint x = 0; x < vectors_of(&l); x++) {
-            const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
             const walk_t w = walk_rays(&l, levels, brightness, line, x, threshold, end);
+            i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
+            if (near_field) first = SELECT(first, w.begin, dark_fronts(&l, w.begin, w.end, first));
+            ray_row(rays, &l, RAY_FIRST, line)[x] = AS_U16(first);
             ray_row(rays, &l, RAY_RUN, line)[x] = AS_U16(w.begin);
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
-            count_walls(&w, first, end, histograms);
+            count_walls(&l, &w, first, end, histograms);
         }
     classify_row(&l, levels, rays, row, threshold, kinds);
 }

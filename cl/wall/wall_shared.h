@@ -49,9 +49,10 @@
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
-    SV_WALL_NO_FLUID = 1, /* the grey levels show no fluid */
+    SV_WALL_NO_FLUID = 1, /* the surface lies in no fluid that counts */
     SV_WALL_EMPTY = 2,    /* too little was scanned, or all of it has one grey level */
-    SV_WALL_NO_FETUS = 3  /* nothing behind the wall is brighter than the wall */
+    SV_WALL_NO_FETUS = 3, /* nothing behind the wall is brighter than the wall */
+    SV_WALL_DOUBTFUL = 4 /* most that is as dark as fluid lies elsewhere; a surface if layout.clip_doubtful */
 } sv_wall_outcome;
 
 /* The voxels of a block along one axis, first .. first + count - 1. A voxel weighs as much as lies in the
@@ -70,6 +71,8 @@ typedef struct {
     unsigned int depth;                 /* slices of a layer; the last one may have less */
     unsigned int smoothed;          /* 1: a layer is one slice, and its levels are smoothed along the rays */
     unsigned int dilation[2];       /* cells to either side along x, y */
+    unsigned int near_field;        /* layers, */
+    unsigned int skin_line;         /* layers */
     unsigned int skin;              /* layers */
     unsigned int full_distance;     /* layers: from this distance to the fluid on the cost is full */
     unsigned int rate;              /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
@@ -80,7 +83,8 @@ typedef struct {
     unsigned int cut_cost, occluder_cost, wrong_fluid_cost; /* in units of 1 / SV_WALL_COST_ONE */
     unsigned int average_margin, knob_margin;               /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
-    unsigned int tissue, valley, clear_wall_share, separability, fetus_share, wall_share;
+    unsigned int tissue, near_field_share, dark, gap_share, doubtful_share, clear_wall_share, fetus_share,
+        wall_share;
     unsigned int wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int slope;                        /* of the logistic function, sixteenths */
@@ -90,6 +94,8 @@ typedef struct {
     int assumed_spread;               /* and this one, too */
     unsigned int median;              /* 1: take the median of a ray and its eight neighbours */
     float q;                          /* the knob */
+    unsigned int clip_doubtful;       /* 1: a doubtful surface clips, too, and is */
+    float doubtful_confidence;        /* at most so sure */
     float half_confidence_cost;       /* own cost at which the confidence is one half */
 } sv_wall_layout;
 

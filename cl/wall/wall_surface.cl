@@ -63,6 +63,53 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
     }
 }
 
+/* Adds the dark blocks of LANES rays to `gaps`: all of them, and those in the gap of their ray, which is the
+ * fluid of layer `at` if tissue follows it. */
+static void add_gaps(const sv_wall_layout *l, __global const u8l *levels, i16l first, i16l end, u8l threshold,
+                     i16l at, ulong gaps[2]) {
+    const u8l limit = (u8l)((uchar)(threshold[0] * l->dark / SV_WALL_PER_MILLE));
+    const size_t pitch = level_pitch_of(l);
+    u16l all = (u16l)(0), in_gaps = (u16l)(0), in_fluid = (u16l)(0);
+    i16l holds = (i16l)(0);
+    for (uint z = 0; z < l->layers; z++) {
+        const u8l level = ((__global const u8l_unaligned *)((__global const uchar *)levels + z * pitch))->v;
+        const i16l here = (i16l)((short)z), scanned = (first <= here) & (end > here);
+        const i16l tissue = words_of(AS_U8(level > threshold)) & scanned;
+        const u16l dark = AS_U16(words_of(AS_U8(level <= limit)) & scanned) & (u16l)(1);
+        all += dark;
+        in_gaps += in_fluid & AS_U16(holds & tissue);
+        in_fluid = (in_fluid + dark) & AS_U16(~tissue);
+        holds = (holds | ((at == here) & scanned)) & ~tissue;
+    }
+    const ushort *counts[2] = {(const ushort *)&all, (const ushort *)&in_gaps};
+    for (uint k = 0; k < 2; k++)
+        for (uint i = 0; i < LANES; i++) gaps[k] += counts[k][i];
+}
+
+/* One work item per row of cells: counts the dark blocks of its rays, and those of them in gaps. */
+__kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
+                        __global const uchar *restrict levels, __global ushort *restrict rays,
+                        __global const float *restrict places, __global ulong *restrict gaps) {
+    const uint row = (uint)get_global_id(0), threshold = info[INFO_TISSUE];
+    ulong sums[2] = {0, 0};
+    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    for (uint y = 2 * row; y < 2 * row + 2; y++)
+        for (uint x = 0; x < padded_columns_of(&l); x += LANES) {
+            __global const uchar *from = levels + level_row(&l, 0, y) + x;
+            const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, y)[x / LANES]);
+            const i16l end = AS_I16(ray_row(rays, &l, RAY_END, y)[x / LANES]);
+            short at[LANES];
+            SCALAR_LOADS
+            for (uint i = 0; i < LANES; i++)
+                at[i] = (short)gap_layer(&l, from + i, threshold, rays[block_row(&l, RAY_FIRST, y) + x + i],
+                                         places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
+            add_gaps(&l, (__global const u8l *)from, first, end, (u8l)((uchar)threshold), *(const i16l *)at,
+                     sums);
+        }
+    gaps[2 * row] = sums[0];
+    gaps[2 * row + 1] = sums[1];
+}
+
 /* One work item per row of rays: the confidence. */
 __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict info,
                               __global float *restrict places) {
@@ -107,10 +154,10 @@ static void next_pixel(between_t *b, uint pixels, uint rays) {
 
 /* Copies a row in which every pixel is a ray. */
 static void copy_rays(const sv_wall_layout *l, __global const float *surface, __global const float *certainty,
-                      __global float *depth, __global float *confidence) {
+                      float limit, __global float *depth, __global float *confidence) {
     for (uint x = 0; x < l->width; x++) {
         depth[x] = (float)l->depth * surface[x];
-        confidence[x] = fmin(certainty[x], 1.0f);
+        confidence[x] = fmin(certainty[x], limit);
     }
 }
 
@@ -120,20 +167,22 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
                             uint padded_width, __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const float limit = info[INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
     __global const float *surface = places + place_row(&l, PLACE_SURFACE, 0);
     surfaces += (size_t)y * padded_width;
     confidence += (size_t)y * l.width;
     if (wanted && l.width == l.columns && l.height == l.rows) {
-        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), surfaces, confidence);
+        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), limit, surfaces,
+                  confidence);
         return;
     }
     for (uint x = 0; x < l.width; x++) {
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);
         const float depth = (float)l.depth * interpolate(&l, surface, u, v);
-        const float certainty = fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+        const float certainty = fmin(interpolate(&l, places, u, v), limit);
         surfaces[x] = wanted ? depth : 0.0f;
         confidence[x] = wanted ? certainty : 0.0f;
     }

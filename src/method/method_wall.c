@@ -119,6 +119,7 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
 static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t first, uint32_t end, float q) {
     sv_wall_layout layout = layout_of(m);
     layout.q = q;
+    layout.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
     return sv_wall_launch_all(m, s, work_of(m), first, end, &layout, (uint32_t)scratch_words(m, &layout));
 }
 

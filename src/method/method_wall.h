@@ -21,7 +21,7 @@ enum {
     SV_WALL_BRIGHT,
     SV_WALL_KINDS, /* of cells */
     SV_WALL_RAYS,
-    SV_WALL_HISTOGRAMS, /* later the sums of probabilities, SV_WALL_FETUS */
+    SV_WALL_HISTOGRAMS, /* later the sums of probabilities, SV_WALL_FETUS; then SV_WALL_GAPS */
     SV_WALL_TABLES,
     SV_WALL_INFO,
     SV_WALL_SCRATCH,
@@ -32,7 +32,7 @@ enum {
     SV_WALL_CONFIDENCE,
     SV_WALL_BUFFERS
 };
-enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS };
+enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS, SV_WALL_GAPS = SV_WALL_HISTOGRAMS };
 
 /* What a kernel is launched over. */
 typedef enum {

@@ -31,6 +31,7 @@ enum {
     SV_PARAM_PRECISION = 22,
     SV_PARAM_MEMORY = 24,
     SV_PARAM_REDUCTION = 25,
+    SV_PARAM_UNSURE = 26,
     SV_PARAM_ID_END
 };
 
@@ -39,6 +40,9 @@ enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_S
 
 /* Numbers that the spline's solver computes with, or that the mean filter keeps. */
 enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
+
+/* What is done where fluid in front of the fetus is doubtful. */
+enum { SV_UNSURE_KEEP = 0, SV_UNSURE_CLIP = 1 };
 
 /* What may be done to the initial points before. */
 enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };

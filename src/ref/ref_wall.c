@@ -55,30 +55,31 @@ static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidenc
     memset(confidence, 0, plane * sizeof *confidence);
 }
 
+/* Clips where the surface is doubtful, but never with more confidence than that deserves. */
+static void cap_confidence(const sv_wall_layout *l, float *confidence) {
+    for (size_t i = 0; i < (size_t)l->width * l->height; i++)
+        confidence[i] = fminf(confidence[i], l->doubtful_confidence);
+}
+
 /* Costs the layers and selects the surface, if enough rays show the fetus. */
 static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_evidence *evidence, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
+    const sv_wall_layout *l = scan->layout;
     sv_wall_costs costs;
+    sv_wall_gaps gaps = {0};
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
-    const uint64_t rays = scan->blocks->rays,
-                   needed = rays * SV_WALL_PROBABILITY_ONE * scan->layout->fetus_share;
+    const uint64_t rays = scan->blocks->rays, needed = rays * SV_WALL_PROBABILITY_ONE * l->fetus_share;
     facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_PROBABILITY_ONE);
-    *outcome = costs.fetus * SV_WALL_PER_MILLE < needed ? SV_WALL_NO_FETUS : SV_WALL_SURFACE;
-    const bool done = *outcome != SV_WALL_SURFACE || sv_wall_select_surface(scan, &costs, depth, confidence);
+    *outcome = SV_WALL_NO_FETUS;
+    bool done = true;
+    if (costs.fetus * SV_WALL_PER_MILLE >= needed) {
+        done = sv_wall_select_surface(scan, &costs, depth, confidence, &gaps);
+        *outcome = sv_wall_verdict(scan, evidence, &gaps);
+        if (done && *outcome == SV_WALL_DOUBTFUL) cap_confidence(l, confidence);
+    }
+    facts->gap_share = gaps.dark ? (double)gaps.in_gaps / (double)gaps.dark : 0.0;
     sv_wall_costs_destroy(&costs);
     return done;
-}
-
-/* Haze fills the valley between fluid and tissue, so a shallow valley is no proof that there is no fluid. In
- * a volume of tissue alone the threshold halves the tissue, and by chance half of the rays begin above it.
- * Many more do at a wall. Tissue that fades with depth has no mode of its own, but its levels are far from
- * fluid. */
-static bool shows_fluid(const sv_wall_scan *scan, const sv_wall_levels *levels,
-                        const sv_wall_evidence *evidence) {
-    const bool has_wall = (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >=
-                          (uint64_t)scan->blocks->rays * scan->layout->clear_wall_share;
-    return has_wall || !sv_wall_is_shallow(scan->layout, levels) ||
-           sv_wall_is_separable(scan->layout, levels);
 }
 
 /* Maps of every cell; each is allocated or NULL. */
@@ -97,19 +98,18 @@ static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, cell_map
 }
 
 /* The surface of a volume of two classes. */
-static bool surface(const sv_wall_layout *l, const sv_wall_blocks *blocks, const sv_wall_levels *levels,
+static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_levels *levels,
                     float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
     sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = sv_wall_tissue_above(l, levels)};
     cell_maps maps = {0};
+    sv_wall_skip_near_field(l, blocks, scan.threshold);
     bool done = make_maps(&scan, levels, &maps, &evidence);
     if (done) {
         facts->wall_rays = evidence.wall_rays;
         facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
         facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-        *outcome = SV_WALL_NO_FLUID;
-        if (shows_fluid(&scan, levels, &evidence))
-            done = cost_and_select(&scan, &evidence, depth, confidence, outcome, facts);
+        done = cost_and_select(&scan, &evidence, depth, confidence, outcome, facts);
     }
     free(maps.brightness);
     free(maps.surroundings);
@@ -127,12 +127,12 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     uint64_t histogram[256];
     sv_wall_histogram(&blocks, histogram);
     const sv_wall_levels levels = sv_wall_levels_of(histogram);
-    sv_wall_facts found = {.threshold = levels.threshold, .valley = levels.valley, .rays = blocks.rays};
-    if (levels.two) found.separability = (double)levels.between / (double)(levels.between + levels.within);
+    sv_wall_facts found = {.threshold = levels.threshold, .rays = blocks.rays};
     bool done = true;
     *outcome = SV_WALL_EMPTY;
     if (levels.two) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
-    if (done && *outcome != SV_WALL_SURFACE) clip_nothing(&l, depth, confidence);
+    const bool clips = *outcome == SV_WALL_SURFACE || (*outcome == SV_WALL_DOUBTFUL && l.clip_doubtful);
+    if (done && !clips) clip_nothing(&l, depth, confidence);
     sv_wall_blocks_destroy(&blocks);
     if (done && facts) *facts = found;
     return done;
@@ -156,8 +156,9 @@ static double in_range(double mm) {
     return mm > 0.0 ? fmin(fmax(mm, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM) : 0.0;
 }
 
-bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3], double q, float *depth,
-                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
+bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3],
+                            const sv_wall_settings *settings, float *depth, float *confidence,
+                            sv_wall_outcome *outcome, sv_wall_facts *facts) {
     const size_t plane = (size_t)v->width * v->height;
     uint8_t *voxels = malloc(plane * v->slices);
     uint16_t *ranges = calloc(2 * plane, sizeof *ranges);
@@ -172,9 +173,7 @@ bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3], 
             .first = ranges,
             .end = ranges + plane,
             .spacing_mm = {in_range(spacing_mm[0]), in_range(spacing_mm[1]), in_range(spacing_mm[2])}};
-        sv_wall_settings settings = sv_wall_settings_default();
-        settings.q = q;
-        done = sv_wall_surface(&wall, &settings, depth, confidence, outcome, facts);
+        done = sv_wall_surface(&wall, settings, depth, confidence, outcome, facts);
     }
     free(voxels);
     free(ranges);
@@ -187,7 +186,9 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     const size_t count = (size_t)task->map.width * task->map.height;
     float *maps = malloc(2 * count * sizeof *maps);
     sv_wall_outcome outcome;
-    const bool done = maps && sv_wall_surface_padded(task->volume, task->spacing_mm, task->q, maps,
+    sv_wall_settings settings = sv_wall_settings_default();
+    settings.q = task->q;
+    const bool done = maps && sv_wall_surface_padded(task->volume, task->spacing_mm, &settings, maps,
                                                      maps + count, &outcome, NULL);
     for (size_t i = 0; done && i < count; i++) surface[i] = (double)maps[i];
     free(maps);

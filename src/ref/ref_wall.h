@@ -14,8 +14,7 @@
 /* What was found on the way. */
 typedef struct {
     uint32_t threshold;  /* largest grey level of the dark class */
-    double valley;       /* of the histogram, 0 .. 1 */
-    double separability; /* share of the levels' variance that lies between the two classes, 0 .. 1 */
+    double gap_share;    /* of the dark blocks, the share in the gaps that the surface lies in */
     uint32_t rays;       /* scanned rays of blocks */
     uint32_t wall_rays;  /* of these, rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
@@ -37,7 +36,8 @@ bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *setti
 /* Finds the surface of a volume that may have a padding value. Voxels of that value were not scanned. A ray
  * then goes from its first other voxel to its last, and the padding between them counts as 0.
  * Any spacing is taken: one out of range counts as the nearest that is not. `q` is the knob, 0 .. 1.5. */
-bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], double q, float *depth,
-                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts);
+bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3],
+                            const sv_wall_settings *settings, float *depth, float *confidence,
+                            sv_wall_outcome *outcome, sv_wall_facts *facts);
 
 #endif

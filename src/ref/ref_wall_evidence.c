@@ -30,8 +30,25 @@ sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
     return run;
 }
 
+/* Returns the layer at which the scan of a ray begins if its near field is skipped. */
+static uint16_t behind_near_field(const sv_wall_scan *s, size_t ray) {
+    const sv_wall_run run = sv_wall_first_run(s, ray);
+    const uint16_t first = s->blocks->first[ray];
+    return run.begin < run.end && run.begin - first <= s->layout->near_field ? (uint16_t)run.begin : first;
+}
+
+void sv_wall_skip_near_field(const sv_wall_layout *l, sv_wall_blocks *blocks, uint32_t threshold) {
+    const sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = threshold};
+    const size_t plane = (size_t)l->columns * l->rows;
+    uint64_t dark = 0;
+    for (size_t ray = 0; ray < plane; ray++) dark += behind_near_field(&scan, ray) > blocks->first[ray];
+    if (dark * SV_WALL_PER_MILLE < (uint64_t)blocks->rays * l->near_field_share) return;
+    for (size_t ray = 0; ray < plane; ray++) blocks->first[ray] = behind_near_field(&scan, ray);
+}
+
 /* Counts how bright the walls are: the maximum brightness in the first run of each ray whose first run
- * touches the start of the scan and has fluid behind it. Returns the number of these rays. */
+ * touches the start of the scan and has fluid behind it. The skin may be much brighter than the wall behind
+ * it, so its layers do not count, unless the run has no other. Returns the number of these rays. */
 static uint32_t wall_histogram(const sv_wall_scan *s, uint64_t histogram[256]) {
     const size_t plane = (size_t)s->layout->columns * s->layout->rows;
     uint32_t rays = 0;
@@ -39,7 +56,8 @@ static uint32_t wall_histogram(const sv_wall_scan *s, uint64_t histogram[256]) {
         const sv_wall_run run = sv_wall_first_run(s, ray);
         if (!run.touches || !run.fluid || run.begin == run.end) continue;
         uint8_t maximum = 0;
-        for (size_t z = run.begin; z < run.end; z++)
+        const uint32_t behind = run.begin + s->layout->skin_line;
+        for (size_t z = behind < run.end ? behind : run.end - 1; z < run.end; z++)
             if (sv_wall_brightness_at(s, ray, z) > maximum) maximum = sv_wall_brightness_at(s, ray, z);
         histogram[maximum]++;
         rays++;

@@ -19,57 +19,6 @@ void sv_wall_histogram(const sv_wall_blocks *b, uint64_t histogram[256]) {
         }
 }
 
-/* Finds the lowest smoothed count between the modes of the two classes, and the lower mode. Saturated blocks
- * are no mode: a high gain would make one of any tissue. */
-static void find_valley(const uint64_t histogram[256], sv_wall_levels *out) {
-    uint64_t counts[256], smooth[256];
-    memcpy(counts, histogram, sizeof counts);
-    counts[255] = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (int i = 0; i < 256; i++) {
-            smooth[i] = 0;
-            for (int k = i - SV_WALL_HISTOGRAM_REACH; k <= i + SV_WALL_HISTOGRAM_REACH; k++)
-                smooth[i] += counts[k < 0 ? -k - 1 : k > 255 ? 511 - k : k];
-        }
-        memcpy(counts, smooth, sizeof counts);
-    }
-    uint32_t dark = 0, bright = out->threshold + 1;
-    for (uint32_t i = 0; i <= out->threshold; i++)
-        if (smooth[i] > smooth[dark]) dark = i;
-    for (uint32_t i = out->threshold + 1; i < 256; i++)
-        if (smooth[i] > smooth[bright]) bright = i;
-    const uint64_t mode = smooth[dark] < smooth[bright] ? smooth[dark] : smooth[bright];
-    uint64_t valley = mode;
-    for (uint32_t i = dark; i <= bright; i++)
-        if (smooth[i] < valley) valley = smooth[i];
-    if (mode == 0) return;
-    out->valley_count = valley;
-    out->mode_count = mode;
-    out->valley = (double)valley / (double)mode;
-}
-
-/* Splits the variance of the levels' square roots into the part between the classes and the part within them.
- * Of levels that are spread evenly and halved, three quarters lie between. */
-static void find_variance(const uint64_t histogram[256], const uint32_t *root, uint64_t split,
-                          sv_wall_levels *out) {
-    uint64_t count[2] = {0}, sum[2] = {0}, mean[2];
-    for (int i = 0; i < 256; i++) {
-        count[root[i] > split] += histogram[i];
-        sum[root[i] > split] += histogram[i] * root[i];
-    }
-    const uint64_t center = (sum[0] + sum[1]) / (count[0] + count[1]);
-    out->between = out->within = 0;
-    for (int k = 0; k < 2; k++) {
-        mean[k] = sum[k] / count[k];
-        const uint64_t away = mean[k] > center ? mean[k] - center : center - mean[k];
-        out->between += count[k] * away * away;
-    }
-    for (int i = 0; i < 256; i++) {
-        const uint64_t of = mean[root[i] > split], away = root[i] > of ? root[i] - of : of - root[i];
-        out->within += histogram[i] * away * away;
-    }
-}
-
 sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const uint32_t *root = tables + SV_WALL_ROOTS;
@@ -79,7 +28,7 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
         all += histogram[i];
         total += histogram[i] * root[i];
     }
-    sv_wall_levels out = {.valley_count = 1, .mode_count = 1, .valley = 1.0};
+    sv_wall_levels out = {0};
     if (all == 0) return out;
     uint64_t next = total / all;
     for (int iteration = 0; iteration < SV_WALL_MAX_ITERATIONS && next != split; iteration++) {
@@ -101,22 +50,12 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     out.two = count > 0 && count < all;
     if (!out.two) return out;
     out.bright = (uint32_t)(SV_WALL_LEVEL_ONE * sum / count);
-    find_valley(histogram, &out);
-    find_variance(histogram, root, split, &out);
     return out;
 }
 
 uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *levels) {
     const uint32_t distance = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
     return levels->threshold + distance * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
-}
-
-bool sv_wall_is_shallow(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    return levels->valley_count * SV_WALL_PER_MILLE > levels->mode_count * l->valley;
-}
-
-bool sv_wall_is_separable(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    return levels->between * SV_WALL_PER_MILLE > (levels->between + levels->within) * l->separability;
 }
 
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {

@@ -29,7 +29,7 @@ void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
  * rounded half up; blocks that were not scanned count as 0. The caller frees it. */
 uint8_t *sv_wall_brightness_map(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
 
-/* ---- grey levels: the threshold between fluid and tissue, and whether there is fluid (ref_wall_levels.c) */
+/* ---- grey levels: the threshold between fluid and tissue (ref_wall_levels.c) */
 
 /* Counts the scanned blocks of one ray a cell: of four rays that overlap by half it tells as much as all. It
  * is the ray next to the middle of the image, so that a mirrored volume has the same histogram, and both rays
@@ -40,13 +40,6 @@ typedef struct {
     bool two;           /* there are two classes: false if all blocks are equal, or there is none */
     uint32_t threshold; /* largest level of the dark class */
     uint32_t bright;    /* mean of the bright class, in units of 1 / SV_WALL_LEVEL_ONE */
-    /* Counts of the smoothed histogram: the lowest between the classes' modes, and the lower mode. Both are 1
-     * if that mode is 0. */
-    uint64_t valley_count, mode_count;
-    double valley; /* their ratio */
-    /* Variance of the levels' square roots times the blocks: between the means of the classes, within them.
-     */
-    uint64_t between, within;
 } sv_wall_levels;
 
 /* The classes are split midway between the means of their square roots, until the split no longer moves
@@ -56,12 +49,6 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]);
 /* Tissue is brighter than this level: layout->tissue of the way from the threshold to the mean of the bright
  * class, rounded down. */
 uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels *levels);
-
-/* True if the valley between the classes is so shallow that they may be one. */
-bool sv_wall_is_shallow(const sv_wall_layout *layout, const sv_wall_levels *levels);
-
-/* True if so much of the variance lies between the classes that there must be two. */
-bool sv_wall_is_separable(const sv_wall_layout *layout, const sv_wall_levels *levels);
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE; a level's
  * count is spread evenly over level +- 0.5. */
@@ -99,6 +86,11 @@ typedef struct {
     bool touches, fluid;
 } sv_wall_run;
 sv_wall_run sv_wall_first_run(const sv_wall_scan *scan, size_t ray);
+
+/* Skips the near field: dead zone, ringing and gel are dark, but no fluid. If enough rays begin with at most
+ * layout->near_field layers of darkness in front of their first run, the scan of these rays begins with that
+ * run. Fluid in front of a limb near the probe is dark, too, but on few rays. Changes blocks->first. */
+void sv_wall_skip_near_field(const sv_wall_layout *layout, sv_wall_blocks *blocks, uint32_t threshold);
 
 void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out);
 
@@ -140,8 +132,18 @@ void sv_wall_costs_destroy(sv_wall_costs *costs);
 
 /* ---- from the costs to the maps (ref_wall_surface.c) */
 
+/* Counts dark blocks: all, and those in the gap of their ray. The gap is the fluid that the surface lies in,
+ * or before which it lies in tissue, if tissue follows it. */
+typedef struct {
+    uint64_t dark, in_gaps;
+} sv_wall_gaps;
+
 /* Writes the maps of depth and confidence. */
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *costs, float *depth,
-                            float *confidence);
+                            float *confidence, sv_wall_gaps *gaps);
+
+/* What the gaps and the wall tell of the surface: SURFACE, DOUBTFUL or NO_FLUID. */
+sv_wall_outcome sv_wall_verdict(const sv_wall_scan *scan, const sv_wall_evidence *evidence,
+                                const sv_wall_gaps *gaps);
 
 #endif

@@ -84,6 +84,9 @@ bool wall_case_turn(const wall_case *from, int axis, double degrees, uint32_t si
 /* Grey levels become 255 (level / 255)^gamma * gain + black, at scanned voxels only. */
 void wall_case_change(wall_case *c, double gain, double gamma, double black);
 
+/* The first scanned slices of every ray become level * gain + black: gel, a dead zone, a skin line. */
+void wall_case_change_near(wall_case *c, uint32_t slices, double gain, double black);
+
 void wall_case_free(wall_case *c);
 
 /* The full volume as the wall's definition takes it; borrows the case's arrays. */
@@ -409,11 +412,12 @@ bool site_page_write(const site_page *page, hs_error *err);
 typedef struct {
     sv_wall_settings settings;
     double gain, gamma, black, tilt[2];
+    double near_slices, near_gain, near_black; /* and another near field */
 } wall_change;
 
 wall_change wall_change_none(void);
 
-/* Takes "KEY=NUMBER", a constant or gain, gamma or black. HS_ERR_USAGE. */
+/* Takes "KEY=NUMBER", a constant or one of the numbers above. HS_ERR_USAGE. */
 bool wall_change_set(wall_change *change, const char *text, hs_error *err);
 
 enum { JUDGE_MAX_VOLUMES = 16 };

@@ -241,6 +241,15 @@ void wall_case_change(wall_case *c, double gain, double gamma, double black) {
         }
 }
 
+void wall_case_change_near(wall_case *c, uint32_t slices, double gain, double black) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    for (size_t i = 0; i < plane; i++)
+        for (size_t z = c->first[i]; z < c->end[i] && z < c->first[i] + slices; z++) {
+            const double level = c->full[z * plane + i] * gain + black;
+            c->full[z * plane + i] = (uint8_t)fmin(fmax(level + 0.5, 0.0), 255.0);
+        }
+}
+
 /* -------------------------------------------------------------------------------------- turned cameras -- */
 
 enum { NEAR_RAYS = 2, NEAR_SLICES = 3 };

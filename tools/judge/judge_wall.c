@@ -17,9 +17,14 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
     static const wall_constant all[] = {
         WALL_CONSTANT(block_mm),
         WALL_CONSTANT(dilation_mm),
-        WALL_CONSTANT(valley),
+        WALL_CONSTANT(near_field_mm),
+        WALL_CONSTANT(near_field_share),
+        WALL_CONSTANT(skin_line_mm),
+        WALL_CONSTANT(dark),
+        WALL_CONSTANT(gap_share),
+        WALL_CONSTANT(doubtful_share),
         WALL_CONSTANT(clear_wall_share),
-        WALL_CONSTANT(separability),
+        WALL_CONSTANT(doubtful_confidence),
         WALL_CONSTANT(wall_rank),
         WALL_CONSTANT(low_rank),
         WALL_CONSTANT(high_rank),
@@ -57,7 +62,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
 enum { VIEW_SIDE = 96, VIEWS = 36, STILL_FRAMES = 8 };
 
 wall_change wall_change_none(void) {
-    return (wall_change){.settings = sv_wall_settings_default(), .gain = 1.0, .gamma = 1.0};
+    return (wall_change){.settings = sv_wall_settings_default(), .gain = 1.0, .gamma = 1.0, .near_gain = 1.0};
 }
 
 bool wall_change_set(wall_change *o, const char *text, hs_error *err) {
@@ -66,15 +71,22 @@ bool wall_change_set(wall_change *o, const char *text, hs_error *err) {
     if (text[length] != '=' || length >= sizeof key)
         return hs_fail(err, HS_ERR_USAGE, "--set: '%s' is no KEY=VALUE", text);
     (void)snprintf(key, sizeof key, "%.*s", (int)length, text);
-    double *const value = strcmp(key, "gain") == 0    ? &o->gain
-                          : strcmp(key, "gamma") == 0 ? &o->gamma
-                          : strcmp(key, "black") == 0 ? &o->black
-                                                      : find_constant(&o->settings, key);
+    const struct {
+        const char *key;
+        double *value;
+    } levels[] = {
+        {"gain", &o->gain},           {"gamma", &o->gamma},           {"black", &o->black},
+        {"near_gain", &o->near_gain}, {"near_black", &o->near_black}, {"near_slices", &o->near_slices}};
+    double *value = find_constant(&o->settings, key);
+    for (size_t i = 0; i < sizeof levels / sizeof *levels; i++)
+        if (strcmp(levels[i].key, key) == 0) value = levels[i].value;
     char *end;
     const double number = strtod(text + length + 1, &end);
     if (end == text + length + 1 || *end != '\0')
         return hs_fail(err, HS_ERR_USAGE, "--set: '%s' is no KEY=NUMBER", text);
-    if (strcmp(key, "median") == 0)
+    if (strcmp(key, "clip_doubtful") == 0)
+        o->settings.clip_doubtful = number != 0.0;
+    else if (strcmp(key, "median") == 0)
         o->settings.median = number != 0.0;
     else if (!value)
         return hs_fail(err, HS_ERR_USAGE, "--set: there is no constant '%s'", key);
@@ -110,11 +122,10 @@ static bool ask(const wall_case *c, const wall_change *o, answer *a, hs_error *e
 
 static void print_case(const wall_case *c, const wall_score *s, const answer *a) {
     const sv_wall_facts *const f = &a->facts;
-    printf(
-        "  %-4s %5.2f / %4.1f / %4.1f   outcome %d, T %u, valley %.2f, separability %.2f, wall %.0f, spread "
-        "%.2f, seen by %.0f %%\n",
-        c->name, s->error, 100.0 * s->cut, 100.0 * s->left, (int)a->outcome, f->threshold, f->valley,
-        f->separability, f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0);
+    printf("  %-4s %5.2f / %4.1f / %4.1f   outcome %d, T %u, gap share %.2f, wall %.0f, spread "
+           "%.2f, seen by %.0f %%\n",
+           c->name, s->error, 100.0 * s->cut, 100.0 * s->left, (int)a->outcome, f->threshold, f->gap_share,
+           f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0);
 }
 
 /* The case is turned and gets other levels before; it is judged on its own levels. */
@@ -128,6 +139,8 @@ static bool judge_case(wall_case *c, const wall_change *o, site_score *score, hs
         memcpy(original, c->full, bytes);
         if (o->gain != 1.0 || o->gamma != 1.0 || o->black != 0.0)
             wall_case_change(c, o->gain, o->gamma, o->black);
+        if (o->near_slices > 0.0)
+            wall_case_change_near(c, (uint32_t)o->near_slices, o->near_gain, o->near_black);
         ok = ask(c, o, &a, err);
     }
     if (ok) {
@@ -193,8 +206,8 @@ static bool judge_view(const wall_case *c, const wall_change *o, double *worst, 
         const double cut = wall_cut_anywhere(c, a.depth);
         *worst = fmax(*worst, cut);
         *refused += a.outcome != SV_WALL_SURFACE;
-        printf("  %s: outcome %d, cut %.1f %%, valley %.2f, fetus on %.0f %%\n", c->name, (int)a.outcome,
-               100.0 * cut, a.facts.valley, 100.0 * a.facts.fetus);
+        printf("  %s: outcome %d, cut %.1f %%, gap share %.2f, fetus on %.0f %%\n", c->name, (int)a.outcome,
+               100.0 * cut, a.facts.gap_share, 100.0 * a.facts.fetus);
     }
     free_answer(&a);
     return ok;

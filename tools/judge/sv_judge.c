@@ -140,7 +140,8 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_method},
     {"set", "KEY=VALUE",
      "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"
-     "change the grey levels first, the judgement is on the unchanged ones\n",
+     "change the grey levels first, the judgement is on the unchanged ones; near_slices,\n"
+     "near_gain, near_black: so many first scanned slices only\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_constant},
     {"tilt", "X,Y", "wall: turn the camera by so many degrees about x and then y first\n", HS_OPTION_TAKEN, 0,
      0, 0, take_tilt},
