@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""mutate.py: does a test notice?
+
+Makes small changes at random places of src, cl and host_sim, one at a time, in a copy of the committed sources. Builds each,
+runs the tests that should notice, and prints the survivors: changes that no test noticed. A survivor is a test to write, or a
+line that nothing needs, or a change that means the same; a person decides. Exit code 0 also with survivors, 1 if the unchanged
+sources do not pass, 2 for a wrong command line.
+"""
+
+import argparse
+import random
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# What stands in code, and what it becomes. The blanks keep pointers, includes and unary operators out.
+CHANGES = [
+    (" < ", " <= "), (" <= ", " < "), (" > ", " >= "), (" >= ", " > "), (" == ", " != "), (" != ", " == "),
+    (" && ", " || "), (" || ", " && "), (" + ", " - "), (" - ", " + "), (" * ", " / "), (" |= ", " = "), (" += ", " = "),
+    (" ? ", " ? !"), ("return false", "return true"), ("return true", "return false"), ("if (", "if (!("),
+    ("= 0;", "= 1;"), ("= true", "= false"), ("= false", "= true"),
+]  # fmt: skip
+
+# Where a source lies, and the tests that should notice, as a regular expression of CTest; the first that fits counts.
+TESTS = [
+    (r"wall", r"test_wall|test_confidence|every"),
+    (r"cost", r"test_cost"),
+    (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|reduction|hard|box)"),
+    (r"spline|grid", r"test_(spline|method|hard)"),
+    (r"src/(method|frame|device)", r"test_(method|mean|cl_faults|plugin|frame_path|formats|confidence)"),
+    (r"src/abi", r"contract/|test_plugin|test_cl_faults|test_layout|test_settings"),
+    (r"host_sim/volume", r"test_(metaimage|kretz|volume|beams|pose|hostile|files)|replay_(metaimage|kretz)"),
+    (r"host_sim/scene", r"test_scene|test_handover|replay_scene|golden/test_scenes"),
+    (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
+    (r"host_sim/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
+    (r"host_sim/loop", r"test_(loop|files|kretz_loop|metaimage_loop|confidence|slices)|golden/"),
+    (r"host_sim/(picture|show|result)", r"test_(picture|slices|result|loop)|golden/"),
+    (r"host_sim", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
+]  # fmt: skip
+
+
+def run(command: list[str], limit: int, **kwargs: object) -> bool:
+    """True if the command ends well within `limit` seconds."""
+    try:
+        return subprocess.run(command, timeout=limit, capture_output=True, check=False, **kwargs).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
+
+
+def places(tree: Path) -> list[tuple[Path, int, int, str, str]]:
+    """Every (file, line, column, before, after) that could be changed: code only, no comment, text or directive."""
+    found = []
+    for top, endings in (("src", ".c"), ("cl", ".cl .clh"), ("host_sim", ".c .cl")):
+        for path in sorted(p for p in (tree / top).rglob("*") if p.suffix and p.suffix in endings.split()):
+            text = path.read_text()
+            blank = re.sub(  # comments, texts and directives become blanks of the same length
+                r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*|^static_assert[^;]*;',
+                lambda m: re.sub(r"[^\n]", " ", m.group()),
+                text,
+                flags=re.DOTALL | re.MULTILINE,
+            )
+            for number, line in enumerate(blank.split("\n")):
+                for before, after in CHANGES:
+                    found += [(path, number, m.start(), before, after) for m in re.finditer(re.escape(before), line)]
+    return found
+
+
+def changed(line: str, column: int, before: str, after: str) -> str | None:
+    """The line with that change; a condition that is turned round needs its closing bracket on the same line."""
+    rest = line[column + len(before) :]
+    if before == "if (":
+        depth = 1
+        for at, letter in enumerate(rest):
+            depth += {"(": 1, ")": -1}.get(letter, 0)
+            if depth == 0:
+                return line[:column] + after + rest[:at] + ")" + rest[at:]
+        return None
+    return line[:column] + after + rest
+
+
+def tests_for(path: str) -> str:
+    return next(tests for pattern, tests in TESTS if re.search(pattern, path))
+
+
+class Copy:
+    """The committed sources in a folder of their own, built there."""
+
+    def __init__(self, tree: Path, cache: Path) -> None:
+        self.tree, self.build = tree, tree / "build"
+        shutil.rmtree(tree, ignore_errors=True)
+        tree.mkdir(parents=True)
+        archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
+        subprocess.run(["tar", "-x"], cwd=tree, input=archive, check=True)
+        configure = ["cmake", "-S", str(tree), "-B", str(self.build), "-G", "Ninja"]
+        if not run([*configure, f"-DSV_TEST_CACHE={cache}"], 300) or not self.builds():
+            sys.exit("mutate: the unchanged sources do not build")
+
+    def builds(self) -> bool:
+        return run(["cmake", "--build", str(self.build)], 3600)
+
+    def passes(self, tests: str) -> bool:
+        return run(
+            ["ctest", "--test-dir", str(self.build), "-R", tests, "-E", "python|browser|package|report|demo|sites", "-j", "2",
+             "--timeout", "300", "--stop-on-failure"], 1800,
+        )  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=20, help="how many changes [20]")
+    parser.add_argument("--seed", type=int, help="of the places, to see the same changes again [random]")
+    parser.add_argument("--only", default="", help="sources whose path holds this text")
+    parser.add_argument("--tree", type=Path, default=ROOT / "out/mutate", help="where the copy is made [out/mutate]")
+    parser.add_argument("--cache", type=Path, default=ROOT / "build/pocl_cache", help="compiled kernels of the tests")
+    options = parser.parse_args()
+    if options.count < 1:
+        parser.error(f"--count {options.count}: at least 1")
+    seed = options.seed if options.seed is not None else random.SystemRandom().randrange(10**6)
+    tree = options.tree.resolve()
+    copy = Copy(tree, options.cache.resolve())
+    candidates = [p for p in places(tree) if options.only in str(p[0].relative_to(tree))]
+    if not candidates:
+        parser.error(f"--only {options.only}: no source has such a path")
+    random.Random(seed).shuffle(candidates)
+    print(f"mutate: seed {seed}, {len(candidates)} places", flush=True)
+    tried, survivors, known = 0, [], set()
+    for path, number, column, before, after in candidates:
+        if tried == options.count:
+            break
+        name = str(path.relative_to(tree))
+        text = path.read_text()
+        lines = text.split("\n")
+        line = changed(lines[number], column, before, after)
+        if line is None:
+            continue
+        tests = tests_for(name)
+        if tests not in known and not copy.passes(tests):
+            sys.exit(f"mutate: the unchanged sources do not pass: ctest -R '{tests}'")
+        known.add(tests)
+        lines[number] = line
+        path.write_text("\n".join(lines))
+        built = copy.builds()
+        noticed = built and not copy.passes(tests)
+        path.write_text(text)
+        if not built:
+            copy.builds()
+            continue
+        copy.builds()
+        tried += 1
+        print(f"{tried}/{options.count} {'noticed ' if noticed else 'SURVIVED'} {name}:{number + 1}: {line.strip()}", flush=True)
+        if not noticed:
+            survivors.append(f"{name}:{number + 1}: {line.strip()}")
+    print(f"mutate: {tried - len(survivors)} of {tried} changes were noticed; survivors: {len(survivors)}")
+    for survivor in survivors:
+        print(f"  {survivor}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
