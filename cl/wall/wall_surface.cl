@@ -65,16 +65,17 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
 
 /* Adds the dark blocks of LANES rays to `gaps`: all of them, and those in the gap of their ray, which is the
  * fluid of layer `at` if tissue follows it. */
-static void add_gaps(const sv_wall_layout *l, __global const u8l *levels, i16l first, i16l end, u8l threshold,
-                     i16l at, ulong gaps[2]) {
-    const u8l limit = (u8l)((uchar)(threshold[0] * l->dark / SV_WALL_PER_MILLE));
+static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, i16l first, i16l end,
+                     uint threshold, i16l at, ulong gaps[2]) {
+    const u8l tissue_above = (u8l)((uchar)threshold),
+              limit = (u8l)((uchar)(threshold * l->dark / SV_WALL_PER_MILLE));
     const size_t pitch = level_pitch_of(l);
     u16l all = (u16l)(0), in_gaps = (u16l)(0), in_fluid = (u16l)(0);
     i16l holds = (i16l)(0);
     for (uint z = 0; z < l->layers; z++) {
-        const u8l level = ((__global const u8l_unaligned *)((__global const uchar *)levels + z * pitch))->v;
+        const u8l level = ((__global const u8l_unaligned *)(levels + z * pitch))->v;
         const i16l here = (i16l)((short)z), scanned = (first <= here) & (end > here);
-        const i16l tissue = words_of(AS_U8(level > threshold)) & scanned;
+        const i16l tissue = words_of(AS_U8(level > tissue_above)) & scanned;
         const u16l dark = AS_U16(words_of(AS_U8(level <= limit)) & scanned) & (u16l)(1);
         all += dark;
         in_gaps += in_fluid & AS_U16(holds & tissue);
@@ -94,17 +95,19 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
     ulong sums[2] = {0, 0};
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint y = 2 * row; y < 2 * row + 2; y++)
-        for (uint x = 0; x < padded_columns_of(&l); x += LANES) {
+        for (uint x = 0; x < l.columns; x += LANES) {
             __global const uchar *from = levels + level_row(&l, 0, y) + x;
             const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, y)[x / LANES]);
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, y)[x / LANES]);
-            short at[LANES];
+            i16l at = (i16l)(0), is_ray = (i16l)(0); /* behind the last column nothing is defined */
             SCALAR_LOADS
-            for (uint i = 0; i < LANES; i++)
-                at[i] = (short)gap_layer(&l, from + i, threshold, rays[block_row(&l, RAY_FIRST, y) + x + i],
-                                         places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
-            add_gaps(&l, (__global const u8l *)from, first, end, (u8l)((uchar)threshold), *(const i16l *)at,
-                     sums);
+            for (uint i = 0; i < min((uint)LANES, l.columns - x); i++) {
+                ((short *)&is_ray)[i] = -1;
+                ((short *)&at)[i] =
+                    (short)gap_layer(&l, from + i, threshold, rays[block_row(&l, RAY_FIRST, y) + x + i],
+                                     places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
+            }
+            add_gaps(&l, from, first, end & is_ray, threshold, at, sums);
         }
     gaps[2 * row] = sums[0];
     gaps[2 * row + 1] = sums[1];
