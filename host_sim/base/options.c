@@ -7,11 +7,12 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST = 32, HELP = 256, FIRST };
+enum { MOST = 64, HELP = 256, FIRST };
 
 static bool take(const hs_option *o, void *options, const char *text, hs_error *err) {
     void *const target = (char *)options + o->at;
     char name[32];
+    double number = 0.0;
     (void)snprintf(name, sizeof name, "--%s", o->name);
     switch (o->type) {
     case HS_OPTION_FLAG:
@@ -23,8 +24,19 @@ static bool take(const hs_option *o, void *options, const char *text, hs_error *
         return hs_cli_u32(name, text, (uint32_t)o->low, (uint32_t)o->high, target, err);
     case HS_OPTION_NUMBER:
         return hs_cli_number(name, text, o->low, o->high, target, err);
+    case HS_OPTION_FLOAT:
+        if (!hs_cli_number(name, text, o->low, o->high, &number, err)) return false;
+        *(float *)target = (float)number;
+        return true;
+    case HS_OPTION_WHOLE:
+        return hs_cli_integer(name, text, (uint64_t)o->low, UINT64_MAX, target, err);
+    case HS_OPTION_CHOICE:
+        *(int *)target = (int)o->low;
+        return true;
     case HS_OPTION_TAKEN:
-        return o->take(options, text, err);
+        return o->take(target, text, err);
+    case HS_OPTION_GROUP:
+        break;
     }
     return hs_fail(err, HS_ERR_FAILED, "%s: an option of no type", name);
 }
@@ -32,9 +44,12 @@ static bool take(const hs_option *o, void *options, const char *text, hs_error *
 bool hs_options_read(int argc, char **argv, const hs_option *known, void *options, int *next,
                      bool *wants_help, hs_error *err) {
     struct option list[MOST + 2] = {{"help", no_argument, NULL, HELP}};
-    for (int i = 0; i < MOST && known[i].name; i++)
-        list[i + 1] =
+    for (int i = 0, n = 1; known[i].name; i++) {
+        if (known[i].type == HS_OPTION_GROUP) continue;
+        if (n > MOST) return hs_fail(err, HS_ERR_FAILED, "--%s: there are too many options", known[i].name);
+        list[n++] =
             (struct option){known[i].name, known[i].value ? required_argument : no_argument, NULL, FIRST + i};
+    }
     *wants_help = false;
     optind = 1;
     opterr = 0;
@@ -48,12 +63,16 @@ bool hs_options_read(int argc, char **argv, const hs_option *known, void *option
 }
 
 void hs_options_print(const hs_option *known) {
-    enum { COLUMN = 22 };
+    enum { COLUMN = 24 };
     for (; known->name; known++) {
+        if (known->type == HS_OPTION_GROUP) {
+            printf("%s\n", known->name);
+            continue;
+        }
         int indent = COLUMN - printf("  --%s%s%s", known->name, known->value ? " " : "",
                                      known->value ? known->value : "");
         for (const char *line = known->help, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
-            printf("%*s%.*s\n", indent > 1 ? indent : 1, "", (int)(end - line), line);
+            printf("%*s%.*s\n", indent > 0 ? indent : 2, "", (int)(end - line), line);
             indent = COLUMN;
         }
     }

@@ -12,7 +12,11 @@ typedef enum {
     HS_OPTION_TEXT,   /* const char * */
     HS_OPTION_COUNT,  /* uint32_t in low .. high */
     HS_OPTION_NUMBER, /* double in low .. high */
-    HS_OPTION_TAKEN   /* `take` reads it; `text` is NULL without a value */
+    HS_OPTION_FLOAT,  /* float in low .. high */
+    HS_OPTION_WHOLE,  /* uint64_t from low on */
+    HS_OPTION_CHOICE, /* an enum or int32_t becomes low */
+    HS_OPTION_TAKEN,  /* `take` reads it; `text` is NULL without a value */
+    HS_OPTION_GROUP   /* no option: `name` is the heading of those that follow */
 } hs_option_type;
 
 typedef struct {
@@ -22,8 +26,11 @@ typedef struct {
     hs_option_type type;
     size_t at; /* the target's place in the options */
     double low, high;
-    bool (*take)(void *options, const char *text, hs_error *err);
+    bool (*take)(void *target, const char *text, hs_error *err);
 } hs_option;
+
+#define HS_OPTIONS_GROUP(heading)                                                                            \
+    { heading, NULL, NULL, HS_OPTION_GROUP, 0, 0, 0, NULL }
 
 /* Reads a command line by a list that ends with a name of NULL, and knows --help, too: true with `wants_help`
  * as soon as it is asked for. *next is the index of the first argument that is no option. HS_ERR_USAGE names

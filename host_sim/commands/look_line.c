@@ -5,16 +5,17 @@
 
 #include <math.h>
 
-bool hs_look_line_look(const char *text, hs_look *look, hs_error *err) {
+bool hs_look_line_look(void *look, const char *text, hs_error *err) {
     const char *names[HS_LOOK_COUNT];
     uint32_t index;
     for (int i = 0; i < HS_LOOK_COUNT; i++) names[i] = hs_look_key((hs_look)i);
     if (!hs_cli_pick("--look", text, names, HS_LOOK_COUNT, &index, err)) return false;
-    *look = (hs_look)index;
+    *(hs_look *)look = (hs_look)index;
     return true;
 }
 
-bool hs_look_line_light(const char *text, float light[2], hs_error *err) {
+bool hs_look_line_light(void *target, const char *text, hs_error *err) {
+    float *const light = target;
     double angle[2];
     if (!hs_cli_pair("--light", text, "AZ,EL", -180, 180, angle, err)) return false;
     if (fabs(angle[1]) > 90)

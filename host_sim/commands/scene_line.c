@@ -203,9 +203,9 @@ static bool set_option(int option, hs_scene_line *r, hs_error *err) {
         r->sheet = true;
         return true;
     case OPT_LOOK:
-        return hs_look_line_look(optarg, &r->drawing.look, err);
+        return hs_look_line_look(&r->drawing.look, optarg, err);
     case OPT_LIGHT:
-        return hs_look_line_light(optarg, r->drawing.light, err);
+        return hs_look_line_light(r->drawing.light, optarg, err);
     case OPT_TIMES:
         r->times = true;
         return true;

@@ -62,7 +62,8 @@ bool hs_guard_line_is(int option) {
 }
 
 /* "FRAME" or "FRAME,SETUP" */
-static bool take_time(const char *text, hs_guard_options *options, hs_error *err) {
+bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err) {
+    hs_guard_options *const options = guard_options;
     char frame[32];
     const size_t length = strcspn(text, ",");
     if (length >= sizeof frame)
@@ -74,8 +75,14 @@ static bool take_time(const char *text, hs_guard_options *options, hs_error *err
            hs_cli_number("--guard-time", text + length + 1, LEAST_S, MOST_S, &options->setup_s, err);
 }
 
+bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err) {
+    uint64_t mib = 0;
+    if (!hs_cli_integer("--guard-memory", text, 16, 1u << 20, &mib, err)) return false;
+    ((hs_guard_options *)guard_options)->memory_bytes = mib << 20;
+    return true;
+}
+
 bool hs_guard_line_take(int option, const char *text, hs_guard_options *options, hs_error *err) {
-    uint64_t mib;
     switch (option) {
     case HS_OPT_GUARD:
         options->choice = HS_GUARD_ON;
@@ -84,11 +91,9 @@ bool hs_guard_line_take(int option, const char *text, hs_guard_options *options,
         options->choice = HS_GUARD_OFF;
         return true;
     case HS_OPT_GUARD_TIME:
-        return take_time(text, options, err);
+        return hs_guard_take_time(options, text, err);
     case HS_OPT_GUARD_MEMORY:
-        if (!hs_cli_integer("--guard-memory", text, 16, 1u << 20, &mib, err)) return false;
-        options->memory_bytes = mib << 20;
-        return true;
+        return hs_guard_take_memory(options, text, err);
     default:
         return hs_cli_forgotten(option, err);
     }

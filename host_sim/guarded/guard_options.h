@@ -3,7 +3,7 @@
 #ifndef HS_GUARD_OPTIONS_H
 #define HS_GUARD_OPTIONS_H
 
-#include "base/error.h"
+#include "base/options.h"
 
 #include <getopt.h>
 #include <stddef.h>
@@ -45,6 +45,35 @@ enum { HS_OPT_GUARD = 1024, HS_OPT_NO_GUARD, HS_OPT_GUARD_TIME, HS_OPT_GUARD_MEM
 
 /* What --help says of them, indented as all options are. */
 extern const char hs_guard_line_help[];
+
+/* The same as rows of a table of hs_option; `at` is where the commands' options hold an hs_guard_options. */
+#define HS_GUARD_ROWS(at)                                                                                    \
+    HS_OPTIONS_GROUP(                                                                                        \
+        "The guard (the plugin runs in a process of its own; whatever it does, the host goes on):"),         \
+        {"guard",                                                                                            \
+         NULL,                                                                                               \
+         "any plugin [every library but the host's own smartvis.so]\n",                                      \
+         HS_OPTION_CHOICE,                                                                                   \
+         (at) + offsetof(hs_guard_options, choice),                                                          \
+         HS_GUARD_ON,                                                                                        \
+         0,                                                                                                  \
+         NULL},                                                                                              \
+        {"no-guard",   NULL, "none\n", HS_OPTION_CHOICE, (at) + offsetof(hs_guard_options, choice),          \
+         HS_GUARD_OFF, 0,    NULL},                                                                          \
+        {"guard-time",                                                                                       \
+         "S[,S]",                                                                                            \
+         "seconds a call of a frame may take, and any other call [5,60]\n",                                  \
+         HS_OPTION_TAKEN,                                                                                    \
+         at,                                                                                                 \
+         0,                                                                                                  \
+         0,                                                                                                  \
+         hs_guard_take_time},                                                                                \
+    {                                                                                                        \
+        "guard-memory", "MIB", "memory that the plugin's process may take [4096]\n", HS_OPTION_TAKEN, at, 0, \
+            0, hs_guard_take_memory                                                                          \
+    }
+bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err);
+bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err);
 
 /* True if the option is one of these. */
 bool hs_guard_line_is(int option);

@@ -226,9 +226,10 @@ holds [ -z "$(find "$work" -name '*.tmp*' -o -name '.host_sim_*')" ]
 # Colours and progress are for terminals.
 holds [ -z "$(grep -l "$(printf '\033')" stdout stderr)" ]
 
-# Every option that the table of options knows is in the help.
-for option in $(grep -o '{"[a-z-]*", *[rn][a-z_]*argument' "$source/host_sim/commands/run_line.c" | grep -o '"[a-z-]*"' | tr -d '"'); do
-    holds grep -q -- "--$option" <("$host_sim" run --help)
+# Every option of the help is taken.
+for option in $("$host_sim" run --help | grep -o '^  --[a-z-]*' | grep -v help); do
+    "$host_sim" run "$option" > stdout 2> stderr
+    holds grep -qE -- "^host_sim run: ($option: needs a value|no source|--mirror: is for)" stderr
 done
 
 echo "$checked checks, $failed failed"

@@ -286,7 +286,7 @@ static bool run_demo(demo *d, hs_error *err) {
 
 static bool set_look(demo *d, hs_error *err) {
     hs_look look;
-    if (!hs_look_line_look(optarg, &look, err)) return false;
+    if (!hs_look_line_look(&look, optarg, err)) return false;
     hs_loop_for_pictures(&d->drawing, look);
     return true;
 }
@@ -328,7 +328,7 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
             if (!set_look(d, err)) return false;
             break;
         case 'l':
-            if (!hs_look_line_light(optarg, d->drawing.dvr.light, err)) return false;
+            if (!hs_look_line_light(d->drawing.dvr.light, optarg, err)) return false;
             break;
         default:
             d->help = true;

@@ -160,9 +160,9 @@ static bool take(int option, hs_eval_options *o, bool *help, hs_error *err) {
         o->merge = true;
         return true;
     case OPT_LOOK:
-        return hs_look_line_look(optarg, &o->look, err);
+        return hs_look_line_look(&o->look, optarg, err);
     case OPT_LIGHT:
-        return hs_look_line_light(optarg, o->light, err);
+        return hs_look_line_light(o->light, optarg, err);
     case OPT_COMPARE:
         return hs_cli_append("--compare", optarg, o->compare, &o->compare_count, HS_EVAL_MAX_CASES, err);
     case OPT_SEEDS:
