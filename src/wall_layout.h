@@ -20,9 +20,9 @@ typedef struct {
     double near_field_mm, near_field_share;
     double skin_line_mm; /* the brightness of the first run of a ray does not count so far behind its start */
     /* A block is dark if its level is at most `dark` of the tissue's threshold. Of all dark blocks the share
-     * in the gaps that the surface lies in tells whether there is fluid in front of the fetus. There is none
-     * below `doubtful_share`. There is from `gap_share` on, or if at least `clear_wall_share` of the rays
-     * begin in the wall. Else it is doubtful. */
+     * in the gaps that the surface lies in tells whether there is fluid in front of the fetus: there is from
+     * `gap_share` on, there is none below `doubtful_share`, and between them it is doubtful. There is, too,
+     * if at least `clear_wall_share` of the rays begin in the wall. */
     double dark, gap_share, doubtful_share, clear_wall_share;
     double doubtful_confidence; /* a doubtful surface is at most so sure */
     bool clip_doubtful;         /* clip at a doubtful surface, too */

@@ -181,8 +181,9 @@ static uint verdict_of(const sv_wall_layout *l, __global const uint *info, ulong
     const ulong share = in_gaps * SV_WALL_PER_MILLE;
     const bool has_wall =
         (ulong)info[INFO_WALL_RAYS] * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * l->clear_wall_share;
+    if (has_wall) return SV_WALL_SURFACE;
     if (dark == 0 || share < dark * l->doubtful_share) return SV_WALL_NO_FLUID;
-    return has_wall || share >= dark * l->gap_share ? SV_WALL_SURFACE : SV_WALL_DOUBTFUL;
+    return share < dark * l->gap_share ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
 /* Launched as one work item: decides whether the frame clips at its surface. `gaps`: for each row of cells,

@@ -147,7 +147,8 @@ static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv
     return SV_OK;
 }
 
-const sv_method sv_method_wall = {.definition = &sv_ref_method_wall,
+const sv_method sv_method_wall = {.parameters = SV_USES(UNSURE),
+                                  .definition = &sv_ref_method_wall,
                                   .linear = false,
                                   .kernels = sv_wall_rows_kernels,
                                   .source = sv_wall_rows_source,

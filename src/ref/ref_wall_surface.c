@@ -263,8 +263,9 @@ sv_wall_outcome sv_wall_verdict(const sv_wall_scan *s, const sv_wall_evidence *e
     const uint64_t share = gaps->in_gaps * SV_WALL_PER_MILLE;
     const bool has_wall =
         (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >= (uint64_t)s->blocks->rays * l->clear_wall_share;
+    if (has_wall) return SV_WALL_SURFACE;
     if (gaps->dark == 0 || share < gaps->dark * l->doubtful_share) return SV_WALL_NO_FLUID;
-    return has_wall || share >= gaps->dark * l->gap_share ? SV_WALL_SURFACE : SV_WALL_DOUBTFUL;
+    return share < gaps->dark * l->gap_share ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *given, float *depth,

@@ -204,14 +204,14 @@ expect 2 "needs a value" list --set
 expect 0 "" list --all
 holds grep -q "mean | minimum | spline | cost | wall" stdout
 expect 2 "'plate' is not one of mean, minimum, spline, cost, wall" list --set method=plate
-# Three matter to the default, method wall: the knob, the method itself, the work layout.
+# Four matter to the default, method wall: the knob, doubtful fluid, the method itself, the work layout.
 expect 0 "" list
-holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 3 ]
+holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 4 ]
 # Eleven matter to method cost; all are listed on demand.
 expect 0 "" list --set method=cost
 holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 11 ]
 expect 0 "" list --all
-holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 23 ]
+holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 24 ]
 unset OCL_ICD_VENDORS
 expect 0 "" "${good[@]}" --json "$work/result.json"
 holds grep -q '"volumes_per_second"' result.json
