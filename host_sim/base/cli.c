@@ -94,10 +94,6 @@ bool hs_cli_known(int option, char **argv, hs_error *err) {
                    option == ':' ? "needs a value" : "not an option of this command");
 }
 
-bool hs_cli_forgotten(int option, hs_error *err) {
-    return hs_fail(err, HS_ERR_USAGE, "option %d is known, but nothing takes it", option);
-}
-
 int hs_cli_fail(const char *command, const hs_error *err) {
     hs_print(stderr, "host_sim %s: %s\n", command, err->text);
     if (err->code == HS_ERR_USAGE) (void)fprintf(stderr, "Try 'host_sim %s --help'.\n", command);

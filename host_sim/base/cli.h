@@ -34,10 +34,6 @@ bool hs_cli_append(const char *option, const char *text, const char **list, uint
  * value was there; HS_ERR_USAGE names it. */
 bool hs_cli_known(int option, char **argv, hs_error *err);
 
-/* For the end of a switch over options: an option of the table that has no case is refused, and does not
- * become another one. */
-bool hs_cli_forgotten(int option, hs_error *err);
-
 /* Prints "host_sim <command>: <error>", and for HS_ERR_USAGE where help is. Returns the exit code. */
 int hs_cli_fail(const char *command, const hs_error *err);
 

@@ -76,5 +76,5 @@ void hs_options_print(const hs_option *known) {
             indent = COLUMN;
         }
     }
-    printf("  --help              this text\n");
+    printf("  --help                this text\n");
 }

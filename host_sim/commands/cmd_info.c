@@ -2,34 +2,17 @@
 #include "commands/commands.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "base/text.h"
 #include "commands/info_timing.h"
 #include "commands/run.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #define BINS      16 /* of 16 grey levels each */
 #define BAR_WIDTH 50 /* characters of the longest bar */
-
-static const char help_text[] =
-    "Usage: host_sim info [options] FILE...\n"
-    "Prints what MetaImage and Kretz volumes are: size, spacing, how they lie in the patient, the share of "
-    "unscanned\n"
-    "voxels, a histogram; of a sequence, how many volumes there are, and this of the first one; of a probe\n"
-    "its geometry. Nothing that names a person is printed.\n"
-    "\n"
-    "  --mirror         Kretz files: positive sweep angles lie at +y (default: at -y)\n"
-    "  --spacing MM     Kretz files: voxels of the Cartesian copy\n"
-    "                   (default: the samples' pitch, or a 400th of the longest side)\n"
-    "  --timing         print how long reading takes, beside reading (of compressed files: inflating) its "
-    "bytes\n"
-    "                   alone; of a probe's volume how long sampling takes, in its own grid and in the\n"
-    "                   Cartesian copy\n"
-    "  --help           this text\n"
-    "\n";
 
 /* Counts of all grey levels; [0] are the unscanned voxels. */
 static void count_levels(const hs_volume *volume, size_t levels[256]) {
@@ -174,35 +157,49 @@ typedef struct {
     bool timing, help;
 } request;
 
-static bool parse(int argc, char **argv, request *r, hs_error *err) {
-    static const struct option options[] = {{"mirror", no_argument, NULL, 'm'},
-                                            {"spacing", required_argument, NULL, 's'},
-                                            {"timing", no_argument, NULL, 't'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
-    *r = (request){0};
-    optind = 1;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (!hs_cli_known(option, argv, err)) return false;
-        if (option == 's' && !hs_cli_number("--spacing", optarg, 0.01, 100, &r->kretz.spacing, err))
-            return false;
-        r->kretz.mirrored |= option == 'm';
-        r->timing |= option == 't';
-        r->help |= option == 'h';
-    }
-    return r->help || optind < argc || hs_fail(err, HS_ERR_USAGE, "no FILE given");
+#define AT(field) offsetof(request, field)
+static const hs_option options[] = {
+    {"mirror", NULL, "Kretz files: positive sweep angles lie at +y (default: at -y)\n", HS_OPTION_FLAG,
+     AT(kretz.mirrored), 0, 0, NULL},
+    {"spacing", "MM",
+     "Kretz files: voxels of the Cartesian copy\n"
+     "(default: the samples' pitch, or a 400th of the longest side)\n",
+     HS_OPTION_NUMBER, AT(kretz.spacing), 0.01, 100, NULL},
+    {"timing", NULL,
+     "print how long reading takes, beside reading (of compressed files: inflating) its bytes\n"
+     "alone; of a probe's volume how long sampling takes, in its own grid and in the\n"
+     "Cartesian copy\n",
+     HS_OPTION_FLAG, AT(timing), 0, 0, NULL},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
+static void print_help(void) {
+    (void)printf(
+        "Usage: host_sim info [options] FILE...\n"
+        "Prints what MetaImage and Kretz volumes are: size, spacing, how they lie in the patient, the "
+        "share of unscanned\n"
+        "voxels, a histogram; of a sequence, how many volumes there are, and this of the first one; "
+        "of a probe\n"
+        "its geometry. Nothing that names a person is printed.\n"
+        "\n");
+    hs_options_print(options);
+    (void)printf("\n%s", hs_exit_codes_help);
 }
 
 int hs_cmd_info(int argc, char **argv) {
     hs_error err = {0};
-    request r;
-    if (!parse(argc, argv, &r, &err)) return hs_cli_fail("info", &err);
+    request r = {0};
+    int first = argc;
+    if (!hs_options_read(argc, argv, options, &r, &first, &r.help, &err)) return hs_cli_fail("info", &err);
     if (r.help) {
-        (void)printf("%s%s", help_text, hs_exit_codes_help);
+        print_help();
         return HS_OK;
     }
-    for (int i = optind; i < argc; i++) {
+    if (first == argc) {
+        (void)hs_fail(&err, HS_ERR_USAGE, "no FILE given");
+        return hs_cli_fail("info", &err);
+    }
+    for (int i = first; i < argc; i++) {
         const char *path = argv[i];
         const bool ok =
             hs_kretz_is_file(path) ? print_kretz(path, &r.kretz, &err) : print_metaimage(path, &err);

@@ -2,34 +2,18 @@
 #include "commands/commands.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "base/text.h"
 #include "guarded/guard_options.h"
 #include "guarded/guarded.h"
 #include "plugin/loader_param.h"
 #include "smartvis/lookup.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
 #define MAX_SETS  64u
 #define MAX_NAMES 64u /* of an enum; one with more is shown as a range */
-
-static const char help_text[] =
-    "Usage: host_sim list [--plugin PATH] [--set KEY=VALUE ...] [--all]\n"
-    "Prints every plugin of a library, what it can do, and its parameters by groups; needs no OpenCL "
-    "device.\n"
-    "Parameters that do not matter with the values of the others are left out.\n"
-    "\n"
-    "  --plugin PATH    library to load, a path or a name [smartvis]\n"
-    "  --set KEY=VALUE  a parameter's value, for what depends on it; repeatable [the defaults]\n"
-    "  --all            all parameters\n"
-    "%s"
-    "  --help           this text\n"
-    "\n"
-    "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
-    "       reactivate = read at activation only; adjust = may change without a new volume\n"
-    "\n";
 
 static const char *type_name(uint32_t type) {
     static const char *const names[] = {"float", "int", "bool", "enum"};
@@ -185,46 +169,50 @@ static bool print_library(const list_line *line, hs_error *err) {
     return hs_guarded_close(&first, err) && ok;
 }
 
-static bool take_option(list_line *line, int option, const char *text, hs_error *err) {
-    switch (option) {
-    case 'p':
-        line->path = text;
-        return true;
-    case 's':
-        if (line->set_count == MAX_SETS)
-            return hs_fail(err, HS_ERR_USAGE, "--set: at most %u values", MAX_SETS);
-        line->sets[line->set_count++] = text;
-        return true;
-    default:
-        line->all = true;
-        return true;
-    }
+static bool take_set(void *target, const char *text, hs_error *err) {
+    list_line *const line = target;
+    return hs_cli_append("--set", text, line->sets, &line->set_count, MAX_SETS, err);
+}
+
+#define AT(field) offsetof(list_line, field)
+static const hs_option options[] = {
+    {"plugin", "PATH", "library to load, a path or a name [smartvis]\n", HS_OPTION_TEXT, AT(path), 0, 0,
+     NULL},
+    {"set", "KEY=VALUE", "a parameter's value, for what depends on it; repeatable [the defaults]\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_set},
+    {"all", NULL, "all parameters\n", HS_OPTION_FLAG, AT(all), 0, 0, NULL},
+    HS_GUARD_ROWS(AT(guard)),
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
+static void print_help(void) {
+    (void)printf("Usage: host_sim list [--plugin PATH] [--set KEY=VALUE ...] [--all]\n"
+                 "Prints every plugin of a library, what it can do, and its parameters by groups; needs no "
+                 "OpenCL device.\n"
+                 "Parameters that do not matter with the values of the others are left out.\n"
+                 "\n");
+    hs_options_print(options);
+    (void)printf("\n"
+                 "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
+                 "       reactivate = read at activation only; adjust = may change without a new volume\n"
+                 "\n%s",
+                 hs_exit_codes_help);
 }
 
 int hs_cmd_list(int argc, char **argv) {
-    static const struct option options[] = {
-        {"plugin", required_argument, NULL, 'p'}, {"set", required_argument, NULL, 's'},
-        {"all", no_argument, NULL, 'a'},          HS_GUARD_OPTIONS,
-        {"help", no_argument, NULL, 'h'},         {0}};
     char path[1024];
     hs_error err = {0};
+    int next = argc;
+    bool help = false;
     hs_plugin_default_path(path, sizeof path);
     list_line line = {.path = path};
     hs_guard_defaults(&line.guard);
-    optind = 1;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (option == 'h') {
-            (void)printf(help_text, hs_guard_line_help);
-            (void)printf("%s", hs_exit_codes_help);
-            return HS_OK;
-        }
-        const bool ok = hs_cli_known(option, argv, &err) &&
-                        (hs_guard_line_is(option) ? hs_guard_line_take(option, optarg, &line.guard, &err)
-                                                  : take_option(&line, option, optarg, &err));
-        if (!ok) return hs_cli_fail("list", &err);
+    if (!hs_options_read(argc, argv, options, &line, &next, &help, &err)) return hs_cli_fail("list", &err);
+    if (help) {
+        print_help();
+        return HS_OK;
     }
-    if (!hs_cli_no_more(argc, argv, optind, &err) || !print_library(&line, &err))
+    if (!hs_cli_no_more(argc, argv, next, &err) || !print_library(&line, &err))
         return hs_cli_fail("list", &err);
     return HS_OK;
 }

@@ -50,17 +50,6 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
 #define LEAST_S 0.01
 #define MOST_S  86400.0
 
-const char hs_guard_line_help[] =
-    "The guard (the plugin runs in a process of its own; whatever it does, the host goes on):\n"
-    "  --guard               any plugin [every library but the host's own smartvis.so]\n"
-    "  --no-guard            none\n"
-    "  --guard-time S[,S]    seconds a call of a frame may take, and any other call [5,60]\n"
-    "  --guard-memory MIB    memory that the plugin's process may take [4096]\n";
-
-bool hs_guard_line_is(int option) {
-    return option >= HS_OPT_GUARD && option <= HS_OPT_GUARD_MEMORY;
-}
-
 /* "FRAME" or "FRAME,SETUP" */
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err) {
     hs_guard_options *const options = guard_options;
@@ -80,21 +69,4 @@ bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err) 
     if (!hs_cli_integer("--guard-memory", text, 16, 1u << 20, &mib, err)) return false;
     ((hs_guard_options *)guard_options)->memory_bytes = mib << 20;
     return true;
-}
-
-bool hs_guard_line_take(int option, const char *text, hs_guard_options *options, hs_error *err) {
-    switch (option) {
-    case HS_OPT_GUARD:
-        options->choice = HS_GUARD_ON;
-        return true;
-    case HS_OPT_NO_GUARD:
-        options->choice = HS_GUARD_OFF;
-        return true;
-    case HS_OPT_GUARD_TIME:
-        return hs_guard_take_time(options, text, err);
-    case HS_OPT_GUARD_MEMORY:
-        return hs_guard_take_memory(options, text, err);
-    default:
-        return hs_cli_forgotten(option, err);
-    }
 }

@@ -5,7 +5,6 @@
 
 #include "base/options.h"
 
-#include <getopt.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -33,20 +32,7 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path);
 void hs_guard_set_program(const char *path);
 const char *hs_guard_program(void);
 
-/* Values of struct option.val for the commands' own tables. */
-enum { HS_OPT_GUARD = 1024, HS_OPT_NO_GUARD, HS_OPT_GUARD_TIME, HS_OPT_GUARD_MEMORY };
-
-/* Lines of such a table. */
-#define HS_GUARD_OPTIONS                                                                                     \
-    {"guard", no_argument, NULL, HS_OPT_GUARD}, {"no-guard", no_argument, NULL, HS_OPT_NO_GUARD},            \
-        {"guard-time", required_argument, NULL, HS_OPT_GUARD_TIME}, {                                        \
-        "guard-memory", required_argument, NULL, HS_OPT_GUARD_MEMORY                                         \
-    }
-
-/* What --help says of them, indented as all options are. */
-extern const char hs_guard_line_help[];
-
-/* The same as rows of a table of hs_option; `at` is where the commands' options hold an hs_guard_options. */
+/* Rows of a table of hs_option; `at` is where the command's options hold an hs_guard_options. */
 #define HS_GUARD_ROWS(at)                                                                                    \
     HS_OPTIONS_GROUP(                                                                                        \
         "The guard (the plugin runs in a process of its own; whatever it does, the host goes on):"),         \
@@ -74,11 +60,5 @@ extern const char hs_guard_line_help[];
     }
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err);
 bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err);
-
-/* True if the option is one of these. */
-bool hs_guard_line_is(int option);
-
-/* Takes one of them; `text` is its value. HS_ERR_USAGE. */
-bool hs_guard_line_take(int option, const char *text, hs_guard_options *options, hs_error *err);
 
 #endif

@@ -3,11 +3,11 @@
 #include "console/console.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "guarded/guard_options.h"
 
-#include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,26 +15,6 @@
 
 #define MOST_LIBRARIES 16u
 #define GRACE_S        2.0 /* after the last page: it may be one that loads again */
-
-static const char help_text[] =
-    "Usage: host_sim console [FOLDER...] [options]\n"
-    "Serves a page on which the scan loop runs live, and prints its address. Open it in a browser of this "
-    "machine.\n"
-    "\n"
-    "  FOLDER           volumes of these folders (.mha, .mhd, .vol) can be opened, and nothing outside of "
-    "them\n"
-    "  --plugin PATH    library to offer, a path or a name; repeatable [smartvis]\n"
-    "  --out DIR        folder for results that the page writes [out/console]\n"
-    "  --port N         port to listen on; 0 is any that is free [0]\n"
-    "  --listen ADDR    address to listen on; others than this machine can then reach the console, if they "
-    "know the\n"
-    "                   token, and everything goes over the net as it is [127.0.0.1]\n"
-    "  --stay           goes on when the last page is closed\n"
-    "%s"
-    "  --help           this text\n"
-    "\n"
-    "Ends at Ctrl-C, and when the last page is closed.\n"
-    "\n";
 
 typedef struct {
     hs_console_shared shared;
@@ -44,45 +24,49 @@ typedef struct {
     bool stay, help;
 } console_line;
 
-enum { OPT_PLUGIN = 256, OPT_OUT, OPT_PORT, OPT_LISTEN, OPT_STAY, OPT_HELP };
+static bool take_plugin(void *target, const char *text, hs_error *err) {
+    console_line *const line = target;
+    return hs_cli_append("--plugin", text, line->libraries, &line->library_count, MOST_LIBRARIES, err);
+}
 
-static bool take_option(console_line *line, int option, const char *text, hs_error *err) {
-    if (hs_guard_line_is(option)) return hs_guard_line_take(option, text, &line->shared.offers.guard, err);
-    switch (option) {
-    case OPT_PLUGIN:
-        if (line->library_count == MOST_LIBRARIES)
-            return hs_fail(err, HS_ERR_USAGE, "--plugin: given more than %u times", MOST_LIBRARIES);
-        line->libraries[line->library_count++] = text;
-        return true;
-    case OPT_OUT:
-        line->shared.out = text;
-        return true;
-    case OPT_PORT:
-        return hs_cli_u32("--port", text, 0, 65535, &line->address.port, err);
-    case OPT_LISTEN:
-        line->address.listen = text;
-        return true;
-    case OPT_STAY:
-        return (line->stay = true);
-    default:
-        return (line->help = true);
-    }
+#define AT(field) offsetof(console_line, field)
+static const hs_option options[] = {
+    {"plugin", "PATH", "library to offer, a path or a name; repeatable [smartvis]\n", HS_OPTION_TAKEN, 0, 0,
+     0, take_plugin},
+    {"out", "DIR", "folder for results that the page writes [out/console]\n", HS_OPTION_TEXT, AT(shared.out),
+     0, 0, NULL},
+    {"port", "N", "port to listen on; 0 is any that is free [0]\n", HS_OPTION_COUNT, AT(address.port), 0,
+     65535, NULL},
+    {"listen", "ADDR",
+     "address to listen on; others than this machine can then reach the console, if they know the\n"
+     "token, and everything goes over the net as it is [127.0.0.1]\n",
+     HS_OPTION_TEXT, AT(address.listen), 0, 0, NULL},
+    {"stay", NULL, "goes on when the last page is closed\n", HS_OPTION_FLAG, AT(stay), 0, 0, NULL},
+    HS_GUARD_ROWS(AT(shared.offers.guard)),
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
+static void print_help(void) {
+    (void)printf(
+        "Usage: host_sim console [FOLDER...] [options]\n"
+        "Serves a page on which the scan loop runs live, and prints its address. Open it in a browser "
+        "of this machine.\n"
+        "\n"
+        "  FOLDER                volumes of these folders (.mha, .mhd, .vol) can be opened, and nothing "
+        "outside of them\n");
+    hs_options_print(options);
+    (void)printf("\n"
+                 "Ends at Ctrl-C, and when the last page is closed.\n"
+                 "\n%s",
+                 hs_exit_codes_help);
 }
 
 static bool parse(int argc, char **argv, console_line *line, hs_error *err) {
-    static const struct option options[] = {
-        {"plugin", required_argument, NULL, OPT_PLUGIN}, {"out", required_argument, NULL, OPT_OUT},
-        {"port", required_argument, NULL, OPT_PORT},     {"listen", required_argument, NULL, OPT_LISTEN},
-        {"stay", no_argument, NULL, OPT_STAY},           HS_GUARD_OPTIONS,
-        {"help", no_argument, NULL, OPT_HELP},           {0}};
-    int option;
+    int next = argc;
     *line = (console_line){.shared = {.out = "out/console"}};
     hs_guard_defaults(&line->shared.offers.guard);
-    optind = 1;
-    opterr = 0;
-    while (!line->help && (option = getopt_long(argc, argv, ":", options, NULL)) != -1)
-        if (!hs_cli_known(option, argv, err) || !take_option(line, option, optarg, err)) return false;
-    for (int i = optind; i < argc && !line->help; i++)
+    if (!hs_options_read(argc, argv, options, line, &next, &line->help, err)) return false;
+    for (int i = next; i < argc && !line->help; i++)
         if (!hs_console_files_add(&line->shared.files, argv[i], err)) return false;
     return true;
 }
@@ -143,10 +127,9 @@ int hs_cmd_console(int argc, char **argv) {
     hs_error err = {0};
     bool ok = parse(argc, argv, &line, &err);
     if (ok && line.help)
-        (void)printf(help_text, hs_guard_line_help);
+        print_help();
     else
         ok = ok && serve(&line, &err);
     hs_console_files_free(&line.shared.files);
-    if (ok && line.help) (void)printf("%s", hs_exit_codes_help);
     return ok ? HS_OK : hs_cli_fail("console", &err);
 }

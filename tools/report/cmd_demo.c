@@ -3,6 +3,7 @@
 #include "report/report.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "base/paths.h"
 #include "base/text.h"
 #include "commands/look_line.h"
@@ -13,7 +14,6 @@
 #include "show/loop_pictures.h"
 
 #include <dirent.h>
-#include <getopt.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,22 +23,6 @@
 #define COLUMNS     8    /* of the table at the end of the page */
 #define CELL        48   /* bytes of a cell */
 #define ORBIT_TOTAL 60.0 /* degrees */
-
-static const char help_text[] =
-    "Usage: host_sim demo [options]\n"
-    "Runs the scan loop in its three settings on a few scenes, and writes pictures and one page, "
-    "index.html.\n"
-    "\n"
-    "  --out DIR       folder for the pictures and the page [out/demo]\n"
-    "  --data DIR      also runs the volumes of this folder (.mha, .mhd, .vol), four at most\n"
-    "  --plugin PATH   library to load, a path or a name [smartvis]\n"
-    "  --quick         smaller scenes and fewer frames\n"
-    "  --picture N     every picture is N x N pixels, 64 .. 1024 [512]\n"
-    "  --look NAME     how pictures are drawn: thesis or lit [lit]\n"
-    "  --light AZ,EL   where the lamp of the lit look is, degrees: right, up [-35,40]\n"
-    "%s"
-    "  --help          this text\n"
-    "\n";
 
 /* One source of the demo. */
 typedef struct {
@@ -284,63 +268,46 @@ static bool run_demo(demo *d, hs_error *err) {
     return true;
 }
 
-static bool set_look(demo *d, hs_error *err) {
+static bool take_look(void *drawing, const char *text, hs_error *err) {
     hs_look look;
-    if (!hs_look_line_look(&look, optarg, err)) return false;
-    hs_loop_for_pictures(&d->drawing, look);
+    if (!hs_look_line_look(&look, text, err)) return false;
+    hs_loop_for_pictures(drawing, look);
     return true;
 }
 
+#define AT(field) offsetof(demo, field)
+static const hs_option options[] = {
+    {"out", "DIR", "folder for the pictures and the page [out/demo]\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
+    {"data", "DIR", "also runs the volumes of this folder (.mha, .mhd, .vol), four at most\n", HS_OPTION_TEXT,
+     AT(data), 0, 0, NULL},
+    {"plugin", "PATH", "library to load, a path or a name [smartvis]\n", HS_OPTION_TEXT, AT(plugin), 0, 0,
+     NULL},
+    {"quick", NULL, "smaller scenes and fewer frames\n", HS_OPTION_FLAG, AT(quick), 0, 0, NULL},
+    {"picture", "N", "every picture is N x N pixels, 64 .. 1024 [512]\n", HS_OPTION_COUNT, AT(picture), 64,
+     1024, NULL},
+    {"look", "NAME", "how pictures are drawn: thesis or lit [lit]\n", HS_OPTION_TAKEN, AT(drawing), 0, 0,
+     take_look},
+    {"light", "AZ,EL", "where the lamp of the lit look is, degrees: right, up [-35,40]\n", HS_OPTION_TAKEN,
+     AT(drawing.dvr.light), 0, 0, hs_look_line_light},
+    HS_GUARD_ROWS(AT(guard)),
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {
-    static const struct option options[] = {
-        {"out", required_argument, NULL, 'o'},     {"data", required_argument, NULL, 'd'},
-        {"plugin", required_argument, NULL, 'p'},  {"quick", no_argument, NULL, 'q'},
-        {"picture", required_argument, NULL, 'i'}, {"look", required_argument, NULL, 'k'},
-        {"light", required_argument, NULL, 'l'},   HS_GUARD_OPTIONS,
-        {"help", no_argument, NULL, 'h'},          {0}};
+    int next = argc;
     hs_loop_defaults(&d->drawing);
     hs_loop_for_pictures(&d->drawing, HS_LOOK_LIT);
-    optind = 1;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-        if (!hs_cli_known(option, argv, err)) return false;
-        if (hs_guard_line_is(option)) {
-            if (!hs_guard_line_take(option, optarg, &d->guard, err)) return false;
-            continue;
-        }
-        switch (option) {
-        case 'o':
-            d->out = optarg;
-            break;
-        case 'd':
-            d->data = optarg;
-            break;
-        case 'p':
-            d->plugin = optarg;
-            break;
-        case 'q':
-            d->quick = true;
-            break;
-        case 'i':
-            if (!hs_cli_u32("--picture", optarg, 64, 1024, &d->picture, err)) return false;
-            break;
-        case 'k':
-            if (!set_look(d, err)) return false;
-            break;
-        case 'l':
-            if (!hs_look_line_light(d->drawing.dvr.light, optarg, err)) return false;
-            break;
-        default:
-            d->help = true;
-            return true;
-        }
-    }
-    return hs_cli_no_more(argc, argv, optind, err);
+    return hs_options_read(argc, argv, options, d, &next, &d->help, err) &&
+           (d->help || hs_cli_no_more(argc, argv, next, err));
 }
 
 static void print_help(void) {
-    (void)printf(help_text, hs_guard_line_help);
-    (void)printf("%s", hs_exit_codes_help);
+    (void)printf("Usage: host_sim demo [options]\n"
+                 "Runs the scan loop in its three settings on a few scenes, and writes pictures and one "
+                 "page, index.html.\n"
+                 "\n");
+    hs_options_print(options);
+    (void)printf("\n%s", hs_exit_codes_help);
 }
 
 int hs_cmd_demo(int argc, char **argv) {

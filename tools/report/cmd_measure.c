@@ -18,10 +18,6 @@ typedef struct {
     bool help;
 } request;
 
-static bool take_seed(void *all, const char *text, hs_error *err) {
-    return hs_cli_integer("--seed", text, 0, UINT64_MAX, &((request *)all)->of.seed, err);
-}
-
 #define AT(field) offsetof(request, of.field)
 static const hs_option options[] = {
     {"case", "NAME",
@@ -32,7 +28,7 @@ static const hs_option options[] = {
     {"size", "N", "voxels per axis of a scene, 32 .. 512 [384]\n", HS_OPTION_COUNT, AT(size), 32, 512, NULL},
     {"lowres", "N", "pixels per axis of the maps [a third of the size: 128]\n", HS_OPTION_COUNT, AT(lowres),
      8, 1024, NULL},
-    {"seed", "N", "seed of the scene; 0 is its own [0]\n", HS_OPTION_TAKEN, 0, 0, 0, take_seed},
+    {"seed", "N", "seed of the scene; 0 is its own [0]\n", HS_OPTION_WHOLE, AT(seed), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
