@@ -4,7 +4,6 @@
 #include "base/text.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,12 +85,6 @@ bool hs_cli_append(const char *option, const char *text, const char **list, uint
     if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
     list[(*count)++] = text;
     return true;
-}
-
-bool hs_cli_known(int option, char **argv, hs_error *err) {
-    if (option != ':' && option != '?') return true;
-    return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
-                   option == ':' ? "needs a value" : "not an option of this command");
 }
 
 int hs_cli_fail(const char *command, const hs_error *err) {

@@ -30,10 +30,6 @@ bool hs_cli_pick(const char *option, const char *text, const char *const *names,
 bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
                    hs_error *err);
 
-/* Whether getopt_long, with opterr 0 and the short options ":", knew the option that it returned and its
- * value was there; HS_ERR_USAGE names it. */
-bool hs_cli_known(int option, char **argv, hs_error *err);
-
 /* Prints "host_sim <command>: <error>", and for HS_ERR_USAGE where help is. Returns the exit code. */
 int hs_cli_fail(const char *command, const hs_error *err);
 

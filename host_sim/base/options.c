@@ -54,7 +54,9 @@ bool hs_options_read(int argc, char **argv, const hs_option *known, void *option
     optind = 1;
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, ":", list, NULL)) != -1;) {
-        if (!hs_cli_known(option, argv, err)) return false;
+        if (option == ':' || option == '?')
+            return hs_fail(err, HS_ERR_USAGE, "%s: %s", argv[optind - 1],
+                           option == ':' ? "needs a value" : "not an option of this command");
         if (option == HELP) return *wants_help = true;
         if (!take(&known[option - FIRST], options, optarg, err)) return false;
     }
