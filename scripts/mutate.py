@@ -4,7 +4,7 @@
 Makes small changes at random places of src, cl and host_sim, one at a time, in a copy of the committed sources. Builds each,
 runs the tests that should notice, and prints the survivors: changes that no test noticed. A survivor is a test to write, or a
 line that nothing needs, or a change that means the same; a person decides. Exit code 0 also with survivors, 1 if the unchanged
-sources do not pass, 2 for a wrong command line.
+sources do not build, 2 for a wrong command line.
 """
 
 import argparse
@@ -27,7 +27,7 @@ CHANGES = [
 
 # Where a source lies, and the tests that should notice, as a regular expression of CTest; the first that fits counts.
 TESTS = [
-    (r"wall", r"test_wall|test_confidence|every"),
+    (r"wall", r"test_wall($|_answer|_definition|_fluid)|test_confidence$"),
     (r"cost", r"test_cost"),
     (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|reduction|hard|box)"),
     (r"spline|grid", r"test_(spline|method|hard)"),
@@ -127,7 +127,8 @@ def main() -> int:
         parser.error(f"--only {options.only}: no source has such a path")
     random.Random(seed).shuffle(candidates)
     print(f"mutate: seed {seed}, {len(candidates)} places", flush=True)
-    tried, survivors, known = 0, [], set()
+    tried, survivors = 0, []
+    passing: dict[str, bool] = {}
     for path, number, column, before, after in candidates:
         if tried == options.count:
             break
@@ -138,9 +139,12 @@ def main() -> int:
         if line is None:
             continue
         tests = tests_for(name)
-        if tests not in known and not copy.passes(tests):
-            sys.exit(f"mutate: the unchanged sources do not pass: ctest -R '{tests}'")
-        known.add(tests)
+        if tests not in passing:
+            passing[tests] = copy.passes(tests)
+            if not passing[tests]:
+                print(f"mutate: left out, fails without a change: ctest -R '{tests}'", flush=True)
+        if not passing[tests]:
+            continue
         lines[number] = line
         path.write_text("\n".join(lines))
         built = copy.builds()
