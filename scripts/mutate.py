@@ -140,7 +140,7 @@ def main() -> int:
             continue
         tests = tests_for(name)
         if tests not in passing:
-            passing[tests] = copy.passes(tests)
+            passing[tests] = copy.builds() and copy.passes(tests)
             if not passing[tests]:
                 print(f"mutate: left out, fails without a change: ctest -R '{tests}'", flush=True)
         if not passing[tests]:
@@ -151,9 +151,7 @@ def main() -> int:
         noticed = built and not copy.passes(tests)
         path.write_text(text)
         if not built:
-            copy.builds()
             continue
-        copy.builds()
         tried += 1
         print(f"{tried}/{options.count} {'noticed ' if noticed else 'SURVIVED'} {name}:{number + 1}: {line.strip()}", flush=True)
         if not noticed:

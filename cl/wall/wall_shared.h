@@ -30,15 +30,14 @@
 #define SV_WALL_OWN_DISTANCE_WEIGHT 4
 
 /* ---- grey levels */
-#define SV_WALL_MAX_ITERATIONS  64  /* of the search for the split; it ended after 12 at most */
-#define SV_WALL_HISTOGRAM_REACH 4   /* levels to either side of each of two box filters over the histogram */
-#define SV_WALL_LEVEL_ONE       256 /* units of a grey level; the wall's brightness lies between two */
-#define SV_WALL_ROOT_ONE        256 /* units of a square root of a grey level */
-#define SV_WALL_ODDS_BITS       12  /* fraction of ln of the odds, of spreads, of evidence */
-#define SV_WALL_MIN_SPREAD      819 /* 0.2, for a wall of one single brightness */
-#define SV_WALL_MAX_EVIDENCE    (32 << SV_WALL_ODDS_BITS) /* the evidence is clamped to this */
-#define SV_WALL_LOGISTIC        193 /* entries of the logistic function, from evidence 0 to 12: */
-#define SV_WALL_LOGISTIC_BITS   8   /* fraction of a step between them, a sixteenth */
+#define SV_WALL_MAX_ITERATIONS 64  /* of the search for the split; it ended after 12 at most */
+#define SV_WALL_LEVEL_ONE      256 /* units of a grey level; the wall's brightness lies between two */
+#define SV_WALL_ROOT_ONE       256 /* units of a square root of a grey level */
+#define SV_WALL_ODDS_BITS      12  /* fraction of ln of the odds, of spreads, of evidence */
+#define SV_WALL_MIN_SPREAD     819 /* 0.2, for a wall of one single brightness */
+#define SV_WALL_MAX_EVIDENCE   (32 << SV_WALL_ODDS_BITS) /* the evidence is clamped to this */
+#define SV_WALL_LOGISTIC       193 /* entries of the logistic function, from evidence 0 to 12: */
+#define SV_WALL_LOGISTIC_BITS  8   /* fraction of a step between them, a sixteenth */
 
 /* Offsets of the tables, in words. */
 #define SV_WALL_ROOTS       0   /* square roots of the grey levels */

@@ -42,9 +42,8 @@ static const struct {
      "With cost and wall 0.5 is the best guess. Stay between 0 and 1.",
      0.0, 1.5, 0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_UNSURE, SV_PARAM_ENUM, 0, "unsure", "If fluid is doubtful", "",
-     "What happens where it is doubtful whether there is fluid in front of the fetus: keep removes nothing; "
-     "clip "
-     "tries it, with little confidence.",
+     "What happens where it is doubtful whether there is fluid in front of the fetus: keep removes "
+     "nothing; clip tries it, with little confidence.",
      0.0, 1.0, 0.0, 1.0, SV_UNSURE_KEEP, 1.0, unsure, GROUP_SURFACE, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_FLUID_THRESHOLD, SV_PARAM_FLOAT, 0, "fluid_threshold", "Fluid threshold T_L", "",
      "Intensities at or below it are amniotic fluid, above it tissue.", 0.0, 1.0, 0.05, 0.4, 40.5 / 255.0,

@@ -232,12 +232,17 @@ bool wall_case_turn(const wall_case *from, int axis, double degrees, uint32_t si
     return false;
 }
 
+/* Rounds to the nearest grey level. */
+static uint8_t to_grey(double level) {
+    return (uint8_t)fmin(fmax(level + 0.5, 0.0), 255.0);
+}
+
 void wall_case_change(wall_case *c, double gain, double gamma, double black) {
     const size_t plane = (size_t)c->nx * c->ny;
     for (size_t i = 0; i < plane; i++)
         for (size_t z = c->first[i]; z < c->end[i]; z++) {
             const double level = 255.0 * pow(c->full[z * plane + i] / 255.0, gamma) * gain + black;
-            c->full[z * plane + i] = (uint8_t)fmin(fmax(level + 0.5, 0.0), 255.0);
+            c->full[z * plane + i] = to_grey(level);
         }
 }
 
@@ -246,7 +251,7 @@ void wall_case_change_near(wall_case *c, uint32_t slices, double gain, double bl
     for (size_t i = 0; i < plane; i++)
         for (size_t z = c->first[i]; z < c->end[i] && z < c->first[i] + slices; z++) {
             const double level = c->full[z * plane + i] * gain + black;
-            c->full[z * plane + i] = (uint8_t)fmin(fmax(level + 0.5, 0.0), 255.0);
+            c->full[z * plane + i] = to_grey(level);
         }
 }
 
