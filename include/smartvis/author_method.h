@@ -51,7 +51,7 @@ typedef struct sva_method {
     const sva_param *params;
     uint32_t param_count;
     size_t own_bytes; /* of the author's own struct: sva.own, all zero after create */
-    size_t ray_bytes; /* of what is kept for a ray: sva.rays, all zero at begin */
+    size_t ray_bytes; /* of what is kept for a ray: sva.rays, all zero at begin; 0: sva.rays is NULL */
 
     /* a->format is valid and within what the descriptor offers. If it fails, deactivate is called. */
     sv_status (*activate)(sva *a);

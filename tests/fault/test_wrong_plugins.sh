@@ -53,6 +53,7 @@ if [ "${SV_SANITIZE:-0}" = 0 ]; then # a sanitizer finds many of them first
     ends crash_in_create 'crashed: SIGSEGV in create'
     ends crash_in_activate 'crashed: SIGSEGV in activate'
     ends crash_in_slab 'crashed: SIGSEGV in slab 1 of 1'
+    ends forgets_ray_bytes 'crashed: SIGSEGV in end'
     ends crash_in_destructor 'crashed: SIGSEGV in destroy'
     ends abort_in_slab 'aborted in slab 1 of 1'
     ends endless_recursion 'crashed: SIGSEGV in end'

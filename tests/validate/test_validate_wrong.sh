@@ -26,6 +26,8 @@ if [ "${4:-}" ]; then
     elif ! [[ $line =~ ^(fail|crash|timeout)\  ]]; then
         echo "$id: $check should have failed: '$line'"
         grep -E '^(fail|crash|timeout) ' "$work/$id"
+    elif [[ $id = forgets_ray_bytes && $line != *ray_bytes* ]]; then
+        echo "$id: the field is not named: '$line'"
     fi
     exit 0
 fi

@@ -197,4 +197,10 @@ static void misbehave(sv_plugin *api) {
     api->last_error = last_error;
     api->get_extension = extension;
 }
-WRONG_ENTRY(wrong_method, misbehave);
+
+static const sva_method forgetful = {.descriptor = &wrong_descriptor,
+                                     .params = wrong_params,
+                                     .param_count = PARAMS,
+                                     .finish = wrong_find,
+                                     .adjust = wrong_place};
+WRONG_ENTRY(*(WRONG_IS(forgets_ray_bytes) ? &forgetful : &wrong_method), misbehave);

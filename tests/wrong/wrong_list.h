@@ -102,6 +102,7 @@
     WRONG(remembers_frames, results, frames-independent, "the frame before shows in the map, even after a discontinuity") \
     WRONG(depends_on_slabs, results, slab-splits, "the map depends on how the volume is cut into slabs") \
     WRONG(crash_in_activate, life, first-frame, "activate crashes") \
+    WRONG(forgets_ray_bytes, life, first-frame, "the method keeps something for every ray and tells no ray_bytes") \
     WRONG(activate_fails, life, first-frame, "activate refuses every format") \
     WRONG(hang_in_activate, life, first-frame, "activate never returns") \
     WRONG(crash_in_slab, life, first-frame, "slab crashes") \

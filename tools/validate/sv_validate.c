@@ -96,10 +96,14 @@ static int perform_in_child(int channel, void *context) {
 
 /* ---- in the validator */
 static void report_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
-    char how[100];
+    char how[100], where[sizeof report->where + sizeof report->line + 32];
+    const int line = (int)strnlen(report->line, sizeof report->line);
     hs_child_tell(end, how, sizeof how);
+    (void)snprintf(where, sizeof where, "%.*s%s%.*s%s", (int)sizeof report->where,
+                   report->where[0] ? report->where : "the check itself",
+                   line ? "; last line of its log: \"" : "", line, report->line, line ? "\"" : "");
     out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
-    keep_text(out, "%s; under way: %s", how, report->where[0] ? report->where : "the check itself");
+    keep_text(out, "%s; under way: %s", how, where);
 }
 
 static bool run_in_child(const job *j, v_finding *out, hs_error *err) {

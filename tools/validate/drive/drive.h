@@ -31,6 +31,7 @@ typedef struct {
     bool finished;
     char text[700];  /* what was found; "" if there is nothing to say */
     char where[200]; /* the call that is under way */
+    char line[200];  /* the last that the plugin has logged */
 } v_report;
 
 typedef struct {

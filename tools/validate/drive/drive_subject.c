@@ -62,6 +62,7 @@ static void keep_line(const sv_host *host, int32_t severity, const char *text) {
     }
     if (!text) blame(h, "log: text is NULL");
     (void)snprintf(h->line, sizeof h->line, "%s", text ? text : "");
+    (void)snprintf(h->run->report->line, sizeof h->run->report->line, "%.199s", h->line);
     if (h->run->verbose) (void)fprintf(stderr, "    log %d: %s\n", (int)severity, text ? text : "(null)");
     (void)pthread_mutex_unlock(&h->lock);
 }
