@@ -23,7 +23,7 @@ one() {
     local seconds=1200 limits=300,300
     [[ $id != hang* ]] || limits=8,15
     [[ $mode$id != no-guardhang* ]] || seconds=10
-    timeout -k 1 $seconds "$build/host_sim" run --scene E01 --size 32 --frames 1 --setting smartvis --picture 16 --few-pictures \
+    timeout -k 1 $seconds "$build/host_sim" run --scene E01 --size 32 --lowres 11 --frames 1 --setting smartvis --picture 16 --few-pictures \
         --plugin "$build/wrong/$id.so" "--$mode" --guard-time $limits --guard-memory 512 --out "$out" \
         > "$out.text" 2> "$out.errors"
     code=$?

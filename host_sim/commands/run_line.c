@@ -159,7 +159,9 @@ static const hs_option options[] = {
      "[ranges if it takes them, else padding]\n",
      HS_OPTION_TAKEN, AT(loop.fan), 0, 0, take_fan},
     {"slab", "N", "slices of a slab [16]\n", HS_OPTION_COUNT, AT(loop.slab_slices), 1, 8192, NULL},
-    {"lowres", "N", "pixels across the low-resolution volume [a third of the source's resolution]\n",
+    {"lowres", "N",
+     "pixels across the low-resolution volume [1 mm each; a third of the\n"
+     "source's resolution at least, all of it at most]\n",
      HS_OPTION_COUNT, AT(loop.lowres), 1, 8192, NULL},
     {"verbose", NULL, "prints all the plugin logs; default: warnings and errors\n", HS_OPTION_CHOICE,
      AT(log_level), SV_LOG_DEBUG, 0, NULL},

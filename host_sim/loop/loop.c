@@ -59,7 +59,8 @@ static bool hs_loop_check_options(const hs_loop_options *o, hs_error *err) {
     return true;
 }
 
-#define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis: "about a third" (thesis 5.4) */
+#define LOWRES_VOXEL_MM          1.0
+#define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis, at most: "about a third" (thesis 5.4) */
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
 #define MOST_OF_ITSELF           1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
 
@@ -83,20 +84,34 @@ void hs_loop_window(const hs_loop *loop, uint32_t index, hs_camera *window, floa
 }
 
 /* One box that holds the volume in every view of the run. */
-static void find_box(hs_loop *loop) {
-    const hs_volume *volume = hs_source_shape(loop->source);
-    const hs_loop_options *o = &loop->options;
-    hs_camera_look_from(&loop->box, volume, o->from, hs_loop_yaw(o, 0), o->pitch);
-    if (o->turnable) hs_camera_hold_all(&loop->box, volume);
+static hs_camera find_box(const hs_volume *volume, const hs_loop_options *o) {
+    hs_camera box;
+    hs_camera_look_from(&box, volume, o->from, hs_loop_yaw(o, 0), o->pitch);
+    if (o->turnable) hs_camera_hold_all(&box, volume);
     for (uint32_t i = 1; i < o->frames && o->orbit != 0; i++) {
         hs_camera view;
         hs_camera_look_from(&view, volume, o->from, hs_loop_yaw(o, i), o->pitch);
-        hs_camera_merge_box(&loop->box, &view);
+        hs_camera_merge_box(&box, &view);
     }
+    return box;
 }
 
 static uint32_t axis_count(double count) {
     return (uint32_t)fmin(fmax(floor(count + 0.5), 1.0), MAX_LOWRES_AXIS);
+}
+
+/* Side of a low-resolution voxel in mm: what was asked for or, as a fetus is as large in every file, 1 mm,
+ * but no finer than the source and no coarser than three of its voxels. */
+static double lowres_voxel(const hs_volume *volume, const hs_loop_options *o, double extent) {
+    const double finest = fmin(volume->spacing[0], fmin(volume->spacing[1], volume->spacing[2]));
+    if (o->lowres) return extent / o->lowres;
+    return fmax(fmin(LOWRES_VOXEL_MM, SOURCE_VOXELS_PER_LOWRES * finest), finest);
+}
+
+uint32_t hs_loop_lowres(const hs_source *source, const hs_loop_options *options) {
+    const hs_volume *volume = hs_source_shape(source);
+    const double extent = find_box(volume, options).extent;
+    return axis_count(extent / lowres_voxel(volume, options, extent));
 }
 
 /* The low-resolution grid has cubic voxels over the loop's box; its slabs are textures of about as many tiles
@@ -104,18 +119,17 @@ static uint32_t axis_count(double count) {
 static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *err) {
     const hs_loop_options *o = &loop->options;
     const hs_volume *volume = hs_source_shape(loop->source);
-    const double spacing = fmin(volume->spacing[0], fmin(volume->spacing[1], volume->spacing[2]));
+    const double voxel = lowres_voxel(volume, o, loop->box.extent);
     if (o->lowres > MAX_LOWRES_AXIS)
-        return hs_fail(err, HS_ERR_USAGE, "low resolution: %u pixels, allowed are 1 .. %g (0: a third)",
+        return hs_fail(err, HS_ERR_USAGE, "low resolution: %u pixels, allowed are 1 .. %g (0: 1 mm a pixel)",
                        o->lowres, MAX_LOWRES_AXIS);
-    if (!o->lowres && loop->box.extent / (SOURCE_VOXELS_PER_LOWRES * spacing) > MOST_OF_ITSELF)
+    if (!o->lowres && loop->box.extent / voxel > MOST_OF_ITSELF)
         return hs_fail(
             err, HS_ERR_INPUT,
-            "%s: voxels of %g x %g x %g mm: a third of the finest axis are %.0f pixels, at most %g are "
-            "made without --lowres",
-            volume->name, volume->spacing[0], volume->spacing[1], volume->spacing[2],
-            loop->box.extent / (SOURCE_VOXELS_PER_LOWRES * spacing), MOST_OF_ITSELF);
-    const double voxel = o->lowres ? loop->box.extent / o->lowres : SOURCE_VOXELS_PER_LOWRES * spacing;
+            "%s: voxels of %g x %g x %g mm: pixels of %g mm are %.0f across, at most %g are made without "
+            "--lowres",
+            volume->name, volume->spacing[0], volume->spacing[1], volume->spacing[2], voxel,
+            loop->box.extent / voxel, MOST_OF_ITSELF);
     layout->width = layout->height = axis_count(loop->box.extent / voxel);
     layout->slices = axis_count(loop->box.depth_extent / voxel);
     layout->slab_slices = o->slab_slices < layout->slices ? o->slab_slices : layout->slices;
@@ -172,7 +186,7 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
 static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
     const hs_volume *first;
     hs_slab_layout checked;
-    find_box(loop);
+    loop->box = find_box(hs_source_shape(loop->source), &loop->options);
     return make_layout(loop, &checked, err) &&
            (loop->screen = hs_screen_create(loop->cl, &loop->options.dvr, err)) &&
            (first = hs_source_bring(loop->source, 0, err)) &&

@@ -24,6 +24,10 @@ hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugi
                         const hs_loop_options *options, hs_error *err);
 void hs_loop_destroy(hs_loop *loop);
 
+/* Pixels across the low-resolution volume of such a loop: options->lowres or, if that is 0, as many as 1 mm
+ * each needs, at least a third of the source's and at most as many as it has. */
+uint32_t hs_loop_lowres(const hs_source *source, const hs_loop_options *options);
+
 /* What it was built with, and the low-resolution volume with its slabs. Owned by the loop. */
 const hs_loop_options *hs_loop_get_options(const hs_loop *loop);
 const hs_slab_layout *hs_loop_layout(const hs_loop *loop);

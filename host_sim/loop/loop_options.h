@@ -35,7 +35,7 @@ typedef struct {
      * 0. 0 counts as 1. */
     double zoom;
     uint32_t frames;      /* volumes a run takes, >= 1 */
-    uint32_t lowres;      /* pixels across the low-resolution volume; 0: a third of the source's resolution */
+    uint32_t lowres;      /* pixels across the low-resolution volume; 0: hs_loop_lowres */
     uint32_t slab_slices; /* slices of a full slab, >= 1; more than the volume has: one slab */
     uint32_t carrier;     /* SV_CARRIER_* */
     bool own_queue;       /* the plugin picks its own device and queue (SV_CARRIER_HOST only) */
@@ -54,7 +54,8 @@ typedef struct {
 
 #define HS_LOOP_MAX_ZOOM 32.0
 
-/* Still camera at 0, 0; 100 frames; a third; slabs of 16; the host's queue with buffers; hs_dvr_defaults. */
+/* Still camera at 0, 0; 100 frames; hs_loop_lowres; slabs of 16; the host's queue with buffers;
+ * hs_dvr_defaults. */
 void hs_loop_defaults(hs_loop_options *options);
 
 /* Draws in this look, at the exposure that suits it. */

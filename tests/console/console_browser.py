@@ -211,7 +211,7 @@ def a_plugin_nobody_wrote_controls_for(b, work):
     holds(b.run("return document.querySelector('#knob label').textContent").startswith("Depth"), "no knob for the depth")
     before = pixels(b, "result")
     wide = b.run("return at('knob0').getBoundingClientRect().width")
-    b.drag("#knob0", (-wide / 2 + 8, 0), (wide / 6, 0))
+    b.drag("#knob0", (-wide / 2 + 8, 0), (0.45 * wide, 0))
     settle(b, "the plane's knob")
     holds(pixels(b, "result") != before, "the plane does not move")
     as_run_draws_it(b, work, "the plane")
@@ -222,7 +222,7 @@ def a_plugin_nobody_wrote_controls_for(b, work):
 def a_crash(b):
     b.run("at('plugin0').value = '2'; at('plugin0').dispatchEvent(new Event('change'))")
     settle(b, "the plugin that will crash")
-    b.run("setValue(0, lanes[0].params.find(p => p.primary), 30, false)")
+    b.run("setValue(0, lanes[0].params.find(p => p.primary), 60, false)")
     settle(b, "its knob")
     holds(b.run("return lastFigures.lanes[0].clipped"), "it does not clip before it crashes")
     clipped = pixels(b, "result")

@@ -41,7 +41,7 @@ static double tilted_depth(double d, int x) {
     return d + fmin(fmax(at, 0), LOW - 1);
 }
 
-static void the_format_is_a_third_and_covers_the_volume(void **state) {
+static void the_format_covers_the_volume(void **state) {
     const fixture *f = *state;
     const hs_loop_options o = options_with(NULL, 0);
     hs_loop *loop = make_loop(f, &o);
@@ -53,6 +53,32 @@ static void the_format_is_a_third_and_covers_the_volume(void **state) {
     assert_int_equal(hs_slab_length(l, 2), 4);
     assert_true(l->row_pitch >= l->tiles_x * l->tile_w && l->row_pitch % 64 == 0);
     hs_loop_destroy(loop);
+}
+
+/* N voxels a side: a third of them are LOW. */
+static void a_pixel_is_a_millimetre_where_the_source_allows_it(void **state) {
+    static const struct {
+        double spacing;
+        uint32_t asked, across;
+    } cases[] = {{1, 0, N},           {2, 0, N},     {0.75, 0, 36},  {0.5, 0, 24}, {0.375, 0, 18},
+                 {1.0 / 3.0, 0, LOW}, {0.1, 0, LOW}, {0.75, 20, 20}, {0.1, N, N}};
+    const fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        hs_error err = {0};
+        hs_volume volume = make_layers(false);
+        const hs_volume *one[] = {&volume};
+        const hs_source source = {.volumes = one, .count = 1};
+        hs_loop_options o = options_with(NULL, 0);
+        o.lowres = cases[i].asked;
+        for (int a = 0; a < 3; a++) volume.spacing[a] = cases[i].spacing;
+        assert_int_equal(hs_loop_lowres(&source, &o), cases[i].across);
+        hs_loop *loop = hs_loop_create(&f->cl, &source, NULL, &o, &err);
+        assert_non_null(loop);
+        assert_int_equal(hs_loop_layout(loop)->width, cases[i].across);
+        assert_int_equal(hs_loop_layout(loop)->slices, cases[i].across);
+        hs_loop_destroy(loop);
+        hs_volume_free(&volume);
+    }
 }
 
 static void a_flat_plane_clips_where_it_lies(void **state) {
@@ -308,7 +334,8 @@ static void the_ground_truth_is_rendered_with_the_same_camera(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_format_is_a_third_and_covers_the_volume),
+        cmocka_unit_test(the_format_covers_the_volume),
+        cmocka_unit_test(a_pixel_is_a_millimetre_where_the_source_allows_it),
         cmocka_unit_test(a_flat_plane_clips_where_it_lies),
         cmocka_unit_test(every_carrier_and_queue_gives_the_picture_of_a_tilted_plane),
         cmocka_unit_test(a_partial_map_clips_where_it_has_a_surface),

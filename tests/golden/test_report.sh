@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 # Only what hangs meets the guard's limits, however busy the machine is.
 code() { ends "$1" "$build/host_sim" report --guard-time 300,300 "${@:2}"; }
 
-small=(--quick --size 72 --case E04 --case D01)
+small=(--quick --size 72 --lowres 24 --case E04 --case D01)
 
 # --- the whole, with the direct check
 code 0 "${small[@]}" --out "$work/whole" --check 20
@@ -91,7 +91,7 @@ holds [ "$(wc -l < "$work/plane/space_E04.csv")" -eq $((7 + 2)) ]
 
 # --- comparison: the plugin with its default method, a plane in the fluid, a plane behind everything, zeros, a plane at 0
 plane=$build/tests/plugins/plane.so
-code 0 --quick --size 144 --case E04 --case D01 --out "$work/compare" --seeds 2 \
+code 0 --quick --size 144 --lowres 48 --case E04 --case D01 --out "$work/compare" --seeds 2 \
     --compare "$plane depth=60" --compare "$build/tests/plugins/zeros.so" --compare "$plane depth=0" \
     --compare "$plane depth=22" --compare "- evidence=0"
 rank() { grep "  $1\$" "$work/stdout" | awk '{ print $1 }'; }

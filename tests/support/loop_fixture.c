@@ -46,6 +46,7 @@ hs_loop_options options_with(const sv_param_value *values, uint32_t count) {
     hs_loop_options o;
     hs_loop_defaults(&o);
     o.frames = FRAMES;
+    o.lowres = LOW;
     o.slab_slices = 6; /* slabs of 6, 6 and 4 slices */
     o.dvr.width = o.dvr.height = PICTURE;
     o.values = values;

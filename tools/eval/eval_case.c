@@ -192,12 +192,11 @@ static uint32_t volume_crc(const hs_volume *full, const hs_volume *truth) {
 /* A loop whose picture has a pixel for every ray of the map. */
 static bool make_loop(hs_eval_case *c, const hs_cl *cl, const hs_eval_values *fixed, uint32_t lowres,
                       hs_error *err) {
-    const hs_volume *volume = hs_source_volume(&c->from.source, 0);
-    const uint32_t longest = volume->nx > volume->ny ? volume->nx : volume->ny;
     hs_loop_options options;
     hs_loop_defaults(&options);
     options.frames = 1;
-    options.lowres = lowres ? lowres : (longest + 1u) / 3u;
+    options.lowres = lowres;
+    options.lowres = hs_loop_lowres(&c->from.source, &options);
     options.dvr.width = options.dvr.height = options.lowres;
     options.values = fixed->at;
     options.value_count = fixed->count;

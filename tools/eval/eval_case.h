@@ -19,7 +19,7 @@ typedef struct {
      * FIRST < END. Without them the zeros of FULL tell, as HS_PADDING_AUTO reads them. */
     const char *name;
     uint32_t size;    /* voxels per axis of a scene */
-    uint32_t lowres;  /* pixels of the map per axis; 0: a third of the source */
+    uint32_t lowres;  /* pixels of the map per axis; 0: hs_loop_lowres */
     uint64_t seed;    /* of a scene; 0: its own */
     const char *real; /* the volume of the scene "real"; not read for others */
 } hs_eval_request;

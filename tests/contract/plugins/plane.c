@@ -90,7 +90,7 @@ static const sva_param params[PARAM_COUNT] = {
      .help = "Where the plane lies at x = 0.",
      .min_value = -1e4,
      .max_value = 1e4,
-     .display_max = 30,
+     .display_max = 48,
      .step = 0.5},
     {.id = PARAM_SHAPE,
      .type = SV_PARAM_ENUM,
