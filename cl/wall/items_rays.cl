@@ -119,6 +119,12 @@ static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __gl
                    (tissue - wall >= SV_WALL_MAJORITY ? CELL_FETUS : 0));
 }
 
+/* Whether a sweep reaches the cell; `before`: whether it reached the one before it. Of && and || LLVM 18
+ * makes selects of a bool that the loop carries, and PoCL 6.0 then aborts (docs/architecture.md). */
+static bool reaches(uint cell, uint source, bool before) {
+    return ((cell & CELL_TISSUE) != 0) & (((cell & source) != 0) | before);
+}
+
 /* Sweeps over `count` cells from `from` on, `step` apart. Cells that `source` reaches through tissue in
  * this direction, and that have all bits of `among`, get the bit `mark`; the others lose it. */
 static void sweep(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
@@ -126,7 +132,7 @@ static void sweep(__global uchar *cells, size_t from, long step, uint count, uin
     bool reached = false;
     for (uint i = 0; i < count; i++) {
         __global uchar *const cell = cells + ((long)from + (long)i * step);
-        reached = (*cell & CELL_TISSUE) && ((*cell & source) || reached);
+        reached = reaches(*cell, source, reached);
         const bool marked = reached && (*cell & among) == among;
         *cell = (uchar)((*cell & ~mark) | (marked ? mark : 0));
     }
@@ -146,7 +152,7 @@ static void find_flanked(__global uchar *cells, long step, uint count) {
     for (uint i = count; i-- > 0;) {
         __global uchar *const cell = cells + (long)i * step;
         const bool there = (*cell & CELL_REACHED) != 0;
-        reached = (*cell & CELL_TISSUE) && ((*cell & CELL_FETUS) || reached);
+        reached = reaches(*cell, CELL_FETUS, reached);
         *cell |= (uchar)((reached && there ? CELL_FLANKED : 0) | (reached || there ? CELL_ADJACENT : 0));
     }
 }
