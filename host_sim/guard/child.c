@@ -3,10 +3,12 @@
 
 #include "base/progress.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +20,110 @@
 #include <unistd.h>
 
 #define LOOK_EVERY_MS 20 /* between two looks at the child's memory: too short to fill the machine */
-#define ABOVE_PASSED  64 /* descriptors are moved up there first, so that none lands on another */
+#define MOST_CHILDREN 64
+#define MOST_LOOKS    100 /* for strays, however fast they multiply */
+#define ABOVE_PASSED  64  /* descriptors are moved up there first, so that none lands on another */
+
+/* ------------------------------------------------------------------------------------ what it leaves -- */
+
+/* The children that have not been collected yet. Whoever starts one, or looks for strays, holds the lock. */
+static pid_t living[MOST_CHILDREN];
+static pthread_mutex_t family = PTHREAD_MUTEX_INITIALIZER;
+
+static bool replace_living(pid_t from, pid_t to) {
+    for (size_t i = 0; i < MOST_CHILDREN; i++) {
+        if (living[i] != from) continue;
+        living[i] = to;
+        return true;
+    }
+    return false;
+}
+
+/* fork for a child of which all descendants can be found: orphans of it stay below it, and come to this
+ * process when it has ended. */
+static pid_t fork_child(void) {
+    (void)pthread_mutex_lock(&family);
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+    const bool room = replace_living(0, -1);
+    const pid_t pid = room ? fork() : -1;
+    const int reason = room ? errno : EAGAIN;
+    if (pid == 0) {
+        memset(living, 0, sizeof living);
+        (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+    } else if (room) {
+        (void)replace_living(-1, pid > 0 ? pid : 0);
+    }
+    (void)pthread_mutex_unlock(&family);
+    errno = reason;
+    return pid;
+}
+
+/* True for an orphan of a child that has ended. What others start in this process has the process's group. */
+static bool is_stray(long pid) {
+    char path[64], text[512];
+    int parent = 0, group = 0;
+    (void)snprintf(path, sizeof path, "/proc/%ld/stat", pid);
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0) return false;
+    const ssize_t length = read(file, text, sizeof text - 1);
+    (void)close(file);
+    text[length > 0 ? length : 0] = '\0';
+    const char *name_end = strrchr(text, ')');
+    return name_end && sscanf(name_end + 1, " %*c %d %d", &parent, &group) == 2 && parent == getpid() &&
+           group != getpgrp() && !replace_living((pid_t)pid, (pid_t)pid);
+}
+
+/* Ends the strays of one look. What these had started are strays then. False: there were none. */
+static bool end_strays(void) {
+    DIR *all = opendir("/proc");
+    bool found = false;
+    for (const struct dirent *entry; all && (entry = readdir(all));) {
+        const long pid = strtol(entry->d_name, NULL, 10);
+        if (pid <= 0 || !is_stray(pid)) continue;
+        (void)kill((pid_t)pid, SIGKILL);
+        (void)waitpid((pid_t)pid, NULL, 0);
+        found = true;
+    }
+    if (all) (void)closedir(all);
+    return found;
+}
+
+/* After a child was collected. */
+static void end_leftovers(pid_t pid) {
+    (void)kill(-pid, SIGKILL);
+    (void)pthread_mutex_lock(&family);
+    (void)replace_living(pid, 0);
+    for (int looks = 0; looks < MOST_LOOKS && end_strays(); looks++) {
+    }
+    (void)pthread_mutex_unlock(&family);
+}
+
+/* ------------------------------------------------------------------------------------ what it prints -- */
+
+/* Shows what has come, up to the limit. A pipe holds less than is read here, so all that was printed before
+ * a message is shown before it is taken. */
+static void listen_to(hs_child *child) {
+    char text[16384];
+    for (int i = 0; child->voice >= 0 && i < 16; i++) {
+        const ssize_t got = read(child->voice, text, sizeof text);
+        if (got < 0) return;
+        if (got == 0) {
+            (void)close(child->voice);
+            child->voice = -1;
+            return;
+        }
+        const uint64_t limit = child->limits.said_bytes ? child->limits.said_bytes : UINT64_MAX;
+        const uint64_t room = limit > child->said ? limit - child->said : 0;
+        (void)fwrite(text, 1, room < (size_t)got ? (size_t)room : (size_t)got, stderr);
+        child->said += (uint64_t)got;
+    }
+}
+
+uint64_t hs_child_dropped(hs_child *child) {
+    const uint64_t said = child->said, limit = child->limits.said_bytes;
+    child->said = 0;
+    return limit && said > limit ? said - limit : 0;
+}
 
 /* ------------------------------------------------------------------------------------ in the child -- */
 
@@ -45,15 +150,15 @@ static void settle_in(pid_t parent, const hs_child_limits *limits) {
 }
 
 /* Puts the channel and what is passed where the program looks for them. False with errno. */
-static bool arrange(int channel, const int *passed, uint32_t count) {
+static bool arrange(int channel, int voice, const int *passed, uint32_t count) {
     int high[HS_CHILD_MAX_PASSED + 1];
+    if (dup2(voice, STDERR_FILENO) < 0 || dup2(voice, STDOUT_FILENO) < 0) return false;
     for (uint32_t i = 0; i <= count; i++) {
         high[i] = fcntl(i ? passed[i - 1] : channel, F_DUPFD_CLOEXEC, ABOVE_PASSED);
         if (high[i] < 0) return false;
     }
     for (uint32_t i = 0; i <= count; i++)
         if (dup2(high[i], HS_CHILD_CHANNEL + (int)i) < 0) return false;
-    if (dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return false;
     /* What a library of the parent left open without CLOEXEC; on an old kernel it stays open. */
     (void)close_range(HS_CHILD_CHANNEL + 1u + count, ~0u, CLOSE_RANGE_CLOEXEC);
     return true;
@@ -68,7 +173,8 @@ static bool open_channel(int ends[2], hs_error *err) {
 }
 
 /* The parent's side after fork; `pid` < 0: it failed. */
-static bool adopt(hs_child *child, pid_t pid, int ends[2], const hs_child_limits *limits, hs_error *err) {
+static bool adopt(hs_child *child, pid_t pid, int ends[2], int voice, const hs_child_limits *limits,
+                  hs_error *err) {
     const int reason = errno;
     (void)close(ends[1]);
     if (pid < 0) {
@@ -76,7 +182,7 @@ static bool adopt(hs_child *child, pid_t pid, int ends[2], const hs_child_limits
         return hs_fail(err, HS_ERR_MEMORY, "child process: cannot be started: %s", strerror(reason));
     }
     (void)setpgid(pid, pid); /* as the child does: whoever comes first */
-    *child = (hs_child){.pid = pid, .channel = ends[0], .limits = *limits};
+    *child = (hs_child){.pid = pid, .channel = ends[0], .voice = voice, .limits = *limits};
     return true;
 }
 
@@ -85,21 +191,21 @@ bool hs_child_fork(hs_child *child, const hs_child_limits *limits, int (*work)(i
     int ends[2];
     *child = (hs_child){0};
     if (!open_channel(ends, err)) return false;
-    const pid_t parent = getpid(), pid = fork();
+    const pid_t parent = getpid(), pid = fork_child();
     if (pid == 0) {
         settle_in(parent, limits);
         (void)close(ends[0]);
         _exit(work(ends[1], context));
     }
-    return adopt(child, pid, ends, limits, err);
+    return adopt(child, pid, ends, -1, limits, err);
 }
 
 /* The new process: becomes the program, or writes errno to `report`. */
-static _Noreturn void become(const char *program, char *const argv[], int channel, const int *passed,
-                             uint32_t count, int report) {
+static _Noreturn void become(const char *program, char *const argv[], int channel, int voice,
+                             const int *passed, uint32_t count, int report) {
     /* Above what arrange overwrites. */
     const int safe = fcntl(report, F_DUPFD_CLOEXEC, ABOVE_PASSED);
-    if (safe >= 0 && arrange(channel, passed, count)) (void)execv(program, argv);
+    if (safe >= 0 && arrange(channel, voice, passed, count)) (void)execv(program, argv);
     const int reason = errno;
     (void)!write(safe >= 0 ? safe : report, &reason, sizeof reason);
     _exit(127);
@@ -107,22 +213,25 @@ static _Noreturn void become(const char *program, char *const argv[], int channe
 
 bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
                    const int *passed, uint32_t passed_count, hs_error *err) {
-    int ends[2], report[2], reason = 0;
+    int ends[2], report[2], voice[2] = {-1, -1}, reason = 0;
     *child = (hs_child){0};
     if (passed_count > HS_CHILD_MAX_PASSED)
         return hs_fail(err, HS_ERR_MEMORY, "child process: %u descriptors, at most %u", passed_count,
                        HS_CHILD_MAX_PASSED);
     if (pipe2(report, O_CLOEXEC) != 0)
         return hs_fail(err, HS_ERR_MEMORY, "child process: no pipe: %s", strerror(errno));
-    bool ok = open_channel(ends, err);
-    if (ok) {
-        const pid_t parent = getpid(), pid = fork();
+    bool ok = (pipe2(voice, O_CLOEXEC | O_NONBLOCK) == 0 && fcntl(voice[1], F_SETFL, 0) == 0) ||
+              hs_fail(err, HS_ERR_MEMORY, "child process: no pipe: %s", strerror(errno));
+    if (ok && (ok = open_channel(ends, err))) {
+        const pid_t parent = getpid(), pid = fork_child();
         if (pid == 0) {
             settle_in(parent, limits);
-            become(program, argv, ends[1], passed, passed_count, report[1]);
+            become(program, argv, ends[1], voice[1], passed, passed_count, report[1]);
         }
-        ok = adopt(child, pid, ends, limits, err);
+        ok = adopt(child, pid, ends, voice[0], limits, err);
     }
+    if (!ok) (void)close(voice[0]);
+    (void)close(voice[1]);
     (void)close(report[1]);
     /* The pipe closes without a word where exec succeeds. */
     if (ok && read(report[0], &reason, sizeof reason) == (ssize_t)sizeof reason) {
@@ -141,7 +250,8 @@ static bool has_ended(hs_child *child, int options) {
     if (!child->pid) return true;
     const pid_t got = waitpid(child->pid, &status, options);
     if (got == 0 || (got < 0 && errno == EINTR)) return false;
-    (void)kill(-child->pid, SIGKILL); /* what it started does not outlive it */
+    end_leftovers(child->pid);
+    listen_to(child); /* its last words */
     child->pid = 0;
     const bool killed = got < 0 || (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
     if (killed && child->end.fate != HS_CHILD_RUNS) return true;
@@ -167,6 +277,7 @@ static uint64_t own_memory(pid_t pid) {
 
 /* True if the child has ended, or has been ended for its memory. */
 static bool look(hs_child *child) {
+    listen_to(child);
     if (has_ended(child, WNOHANG)) return true;
     const uint64_t most = child->limits.memory_bytes;
     if (most == 0 || own_memory(child->pid) <= most) return false;
@@ -197,10 +308,13 @@ static void see_off(hs_child *child) {
 hs_child_news hs_child_wait(hs_child *child, double seconds) {
     const double until = hs_now() + seconds;
     while (child->pid) {
-        struct pollfd channel = {.fd = child->channel, .events = POLLIN};
-        const int ready = poll(&channel, 1, slice_ms(until - hs_now()));
-        if (ready > 0) {
-            if (has_message(child)) return HS_CHILD_MESSAGE;
+        struct pollfd ends[] = {{.fd = child->channel, .events = POLLIN},
+                                {.fd = child->voice, .events = POLLIN}};
+        (void)poll(ends, 2, slice_ms(until - hs_now()));
+        if (ends[0].revents) {
+            const bool message = has_message(child);
+            listen_to(child);
+            if (message) return HS_CHILD_MESSAGE;
             see_off(child);
         } else if (!look(child) && hs_now() >= until) {
             return HS_CHILD_NOTHING;
@@ -236,7 +350,10 @@ void hs_child_kill(hs_child *child, hs_child_fate why, double seconds) {
 
 void hs_child_close(hs_child *child) {
     if (child->pid) hs_child_kill(child, HS_CHILD_GONE, 0);
-    if (child->end.fate != HS_CHILD_RUNS) (void)close(child->channel); /* else there never was one */
+    if (child->end.fate != HS_CHILD_RUNS) { /* else there never was one */
+        (void)close(child->channel);
+        if (child->voice >= 0) (void)close(child->voice);
+    }
     *child = (hs_child){0};
 }
 

@@ -5,7 +5,9 @@
  * not from attacks: the code runs with the user's rights.
  *
  * The child has a process group of its own, dies with its parent, leaves no core dump and reads nothing from
- * the terminal. Parent and child talk through a channel, a socket that keeps messages apart (SOCK_SEQPACKET).
+ * the terminal. What it has started ends with it, in whatever session: this process and the child are
+ * subreapers, so orphans come to one of them. Parent and child talk through a channel, a socket that keeps
+ * messages apart (SOCK_SEQPACKET).
  */
 #ifndef HS_CHILD_H
 #define HS_CHILD_H
@@ -20,6 +22,7 @@
 typedef struct {
     uint32_t cpu_s;        /* seconds of CPU time, all threads together */
     uint64_t memory_bytes; /* memory of its own that it has touched (shared mappings do not count) */
+    uint64_t said_bytes;   /* of its output that are shown until hs_child_dropped; with hs_child_exec only */
 } hs_child_limits;
 
 typedef enum {
@@ -45,6 +48,8 @@ typedef struct {
 typedef struct {
     pid_t pid;   /* 0: none, or it ended */
     int channel; /* the parent's end; valid while there is a child and until hs_child_close */
+    int voice;   /* what it prints comes out here; -1: nothing more */
+    uint64_t said;
     hs_child_limits limits;
     hs_child_end end;
 } hs_child;
@@ -59,8 +64,9 @@ bool hs_child_fork(hs_child *child, const hs_child_limits *limits, int (*work)(i
 #define HS_CHILD_MAX_PASSED 8u /* descriptors that can be handed to it */
 
 /* Starts a program, from a process of any kind. Of the parent's descriptors it has standard input (empty),
- * output and error (both the parent's standard error), the channel (3) and the `passed` ones (4, 5, ...).
- * `argv` ends with NULL. HS_ERR_MEMORY (no process), HS_ERR_INPUT (the program cannot be run). */
+ * output and error (both shown on the parent's standard error while it waits), the channel (3) and the
+ * `passed` ones (4, 5, ...). `argv` ends with NULL. HS_ERR_MEMORY (no process), HS_ERR_INPUT (the program
+ * cannot be run). */
 bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
                    const int *passed, uint32_t passed_count, hs_error *err);
 
@@ -79,7 +85,11 @@ hs_child_news hs_child_wait(hs_child *child, double seconds);
  * are. */
 void hs_child_wait_end(hs_child *child, double seconds);
 
-/* Kills the child and everything in its process group, and notes why. How it ended before counts more: a
+/* Bytes of the child's output beyond the limit, which nobody saw, since the last call. The limit holds anew.
+ */
+uint64_t hs_child_dropped(hs_child *child);
+
+/* Kills the child and everything that it has started, and notes why. How it ended before counts more: a
  * child that has crashed was not late. `seconds` is for HS_CHILD_LATE. */
 void hs_child_kill(hs_child *child, hs_child_fate why, double seconds);
 

@@ -2,9 +2,11 @@
 #include "guarded/guard_link.h"
 
 #include "base/progress.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +14,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#define EXTRA_CALLS 8u /* of a message, beside one a slab: begin, end, the queue, extensions */
+#define OUTPUT_KIB  64u /* of a frame's log and prints that are shown */
+#define EXTRA_CALLS 8u  /* of a message, beside one a slab: begin, end, the queue, extensions */
 
 /* ------------------------------------------------------------------------------------------- memory -- */
 
@@ -41,7 +44,7 @@ bool hs_guard_link_create(hs_guard *guard, hs_error *err) {
 
 void hs_guard_link_destroy(hs_guard *guard) {
     const size_t most = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
-    hs_child_close(&guard->child);
+    hs_guard_end_child(guard);
     if (guard->block) (void)munmap(guard->block, most);
     if (guard->slabs) (void)munmap(guard->slabs, guard->slabs_bytes);
     if (guard->block_fd >= 0) (void)close(guard->block_fd);
@@ -67,6 +70,22 @@ static void note_call(hs_guard *guard) {
     guard->call[sizeof guard->block->call] = '\0';
 }
 
+/* What a child prints is shown up to a budget, which each frame has anew. */
+static void tell_dropped(hs_guard *guard) {
+    char path[sizeof guard->path];
+    const uint64_t dropped = hs_child_dropped(&guard->child);
+    if (dropped == 0) return;
+    (void)hs_text_escape(path, sizeof path, guard->path, 0);
+    (void)fprintf(stderr, "\n%s: %" PRIu64 " more bytes of its output were dropped (a frame has %u KiB)\n",
+                  path, dropped, OUTPUT_KIB);
+}
+
+void hs_guard_end_child(hs_guard *guard) {
+    if (guard->child.pid) hs_child_kill(&guard->child, HS_CHILD_GONE, 0);
+    tell_dropped(guard);
+    hs_child_close(&guard->child);
+}
+
 /* The child has ended: how, and in which call. */
 static sv_status report_end(hs_guard *guard) {
     char how[128];
@@ -81,7 +100,7 @@ static sv_status report_end(hs_guard *guard) {
     else
         (void)snprintf(guard->last_error, sizeof guard->last_error, "%s in %s", how, guard->call);
     (void)hs_fail(&guard->ended, HS_ERR_PLUGIN, "%s: %.900s", guard->path, guard->last_error);
-    hs_child_close(&guard->child);
+    hs_guard_end_child(guard);
     guard->lost_frame = true;
     return SV_ERR_INTERNAL;
 }
@@ -126,6 +145,7 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
     const hs_guard_order order = {.op = op, .number = ++guard->number};
     hs_guard_reply reply;
     if (!guard->child.pid) return hs_guard_refuse(guard, SV_ERR_STATE, "guard", "the plugin has no process");
+    if (op <= HS_GUARD_ADJUST) tell_dropped(guard);
     guard->block->call[0] = '\0';
     guard->block->step = guard->block->steps = 0;
     atomic_store(&guard->block->since_ns, 0);
@@ -141,7 +161,8 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
 
 bool hs_guard_start(hs_guard *guard, hs_error *err) {
     char program[PATH_MAX];
-    const hs_child_limits limits = {.memory_bytes = guard->options.memory_bytes};
+    const hs_child_limits limits = {.memory_bytes = guard->options.memory_bytes,
+                                    .said_bytes = (uint64_t)OUTPUT_KIB << 10};
     const int passed[] = {guard->block_fd, guard->slabs_read_fd};
     (void)snprintf(program, sizeof program, "%s", hs_guard_program());
     char command[] = HS_GUARD_COMMAND;
@@ -157,7 +178,7 @@ bool hs_guard_start(hs_guard *guard, hs_error *err) {
     const sv_status status = hs_guard_ask(guard, HS_GUARD_OPEN, guard->options.setup_s);
     if (status == SV_OK) return true;
     if (!guard->child.pid) return hs_fail(err, HS_ERR_PLUGIN, "%s: %s", guard->path, guard->last_error);
-    hs_child_close(&guard->child);
+    hs_guard_end_child(guard);
     return hs_fail(err, HS_ERR_PLUGIN, "%s", guard->last_error); /* names the path itself */
 }
 
@@ -189,7 +210,7 @@ bool hs_guard_revive(hs_guard *guard) {
         return false;
     }
     if (!guard->active || hs_guard_activate(guard) == SV_OK) return true;
-    hs_child_close(&guard->child);
+    hs_guard_end_child(guard);
     return false;
 }
 

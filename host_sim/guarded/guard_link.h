@@ -77,6 +77,9 @@ void hs_guard_note_error(hs_guard *guard);
  * guard->last_error says why not. */
 bool hs_guard_revive(hs_guard *guard);
 
+/* Ends the child if there is one. */
+void hs_guard_end_child(hs_guard *guard);
+
 /* Sends the saved format to the child. */
 sv_status hs_guard_activate(hs_guard *guard);
 

@@ -43,7 +43,7 @@ static void guarded_deactivate(const sv_plugin *plugin) {
 static void hs_guarded_end(hs_guard *guard) {
     guarded_deactivate(&guard->instance);
     if (guard->child.pid) (void)hs_guard_ask(guard, HS_GUARD_CLOSE, guard->options.setup_s);
-    hs_child_close(&guard->child);
+    hs_guard_end_child(guard);
 }
 
 static void guarded_destroy(const sv_plugin *plugin) {

@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -125,13 +126,26 @@ static void a_hanging_child_is_ended_in_time(void **state) {
     hs_child_close(&child);
 }
 
-/* Starts a process that runs on, tells its id, and leaves or hangs beside it. */
-static int with_grandchild(int channel, void *leaves) {
-    const pid_t pid = fork();
-    if (pid == 0) forever();
-    (void)hs_child_send(channel, &pid, sizeof pid);
-    if (leaves) return 0;
-    forever();
+/* How a child's own child goes, and how the child itself ends. */
+enum { IN_GROUP, IN_A_SESSION, AS_A_DAEMON, WAYS };
+typedef struct {
+    int way;
+    bool leaves; /* else it is ended */
+} escape;
+
+/* Starts a process that runs on and tells its id; leaves or hangs beside it. */
+static int with_grandchild(int channel, void *context) {
+    const escape *e = context;
+    if (fork() == 0) {
+        if (e->way != IN_GROUP) (void)setsid();
+        if (e->way == AS_A_DAEMON && fork() != 0) _exit(0);
+        const pid_t self = getpid();
+        (void)hs_child_send(channel, &self, sizeof self);
+        forever();
+    }
+    if (!e->leaves) forever();
+    (void)poll(NULL, 0, 200); /* until it has told */
+    return 0;
 }
 
 /* A process that nobody waits for may stay as a zombie where no init collects it:
@@ -148,17 +162,16 @@ static bool runs(pid_t pid) {
     return after_name && after_name[1] && after_name[2] != 'Z' && after_name[2] != 'X';
 }
 
-/* `leaves` NULL: the child is ended; else it ends by itself. */
-static void assert_grandchild_ends(void *leaves) {
+static void assert_grandchild_ends(escape e) {
     hs_child child;
     hs_error err = {0};
     pid_t grandchild = 0;
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&child, &none, with_grandchild, leaves, &err));
+    assert_true(hs_child_fork(&child, &none, with_grandchild, &e, &err));
     assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
     assert_true(hs_child_receive(child.channel, &grandchild, sizeof grandchild));
     assert_true(grandchild > 0 && runs(grandchild));
-    if (leaves) {
+    if (e.leaves) {
         hs_child_wait_end(&child, 30);
         assert_int_equal(child.end.fate, HS_CHILD_LEFT);
     } else {
@@ -168,13 +181,57 @@ static void assert_grandchild_ends(void *leaves) {
     const bool outlived = runs(grandchild);
     if (outlived) (void)kill(grandchild, SIGKILL);
     assert_false(outlived);
-    if (leaves) hs_child_close(&child);
+    if (e.leaves) hs_child_close(&child);
 }
 
 static void what_it_started_ends_with_it(void **state) {
     (void)state;
-    assert_grandchild_ends(NULL);
-    assert_grandchild_ends("leaves");
+    for (int way = 0; way < WAYS; way++) {
+        assert_grandchild_ends((escape){way, false});
+        assert_grandchild_ends((escape){way, true});
+    }
+}
+
+/* Others that this process has started itself are nobody's leftovers: a child's siblings, and its own. */
+static void nobody_else_is_ended(void **state) {
+    (void)state;
+    hs_child first, second;
+    hs_error err = {0};
+    const hs_child_limits none = {0};
+    const pid_t own = fork();
+    if (own == 0) forever();
+    assert_true(hs_child_fork(&first, &none, hang, NULL, &err));
+    assert_true(hs_child_fork(&second, &none, hang, NULL, &err));
+    hs_child_close(&first);
+    assert_true(runs(own) && runs(second.pid));
+    hs_child_close(&second);
+    assert_true(runs(own));
+    (void)kill(own, SIGKILL);
+}
+
+/* A program that prints without end is heard to the end, and shown up to its limit. */
+static void what_it_prints_is_bounded(void **state) {
+    (void)state;
+    enum { PRINTED = 2000000, SHOWN = 5000 };
+    hs_child child;
+    hs_error err = {0};
+    struct stat shown;
+    const hs_child_limits limits = {.said_bytes = SHOWN};
+    char *const argv[] = {"sh", "-c", "yes 0123456789 | head -c 2000000; exit 9", NULL};
+    const int errors = dup(STDERR_FILENO), file = memfd_create("errors", MFD_CLOEXEC);
+    (void)dup2(file, STDERR_FILENO);
+    const bool started = hs_child_exec(&child, &limits, "/bin/sh", argv, NULL, 0, &err);
+    const hs_child_news news = started ? hs_child_wait(&child, 60) : HS_CHILD_NOTHING;
+    (void)dup2(errors, STDERR_FILENO);
+    assert_int_equal(news, HS_CHILD_ENDED);
+    assert_int_equal(child.end.number, 9);
+    assert_int_equal(fstat(file, &shown), 0);
+    assert_int_equal(shown.st_size, SHOWN);
+    assert_int_equal(hs_child_dropped(&child), PRINTED - SHOWN);
+    assert_int_equal(hs_child_dropped(&child), 0);
+    hs_child_close(&child);
+    (void)close(errors);
+    (void)close(file);
 }
 
 /* A parent between the test and the child that it tells of; it dies without a word. */
@@ -285,7 +342,8 @@ int main(void) {
         cmocka_unit_test(each_end_has_its_sentence),    cmocka_unit_test(a_hanging_child_is_ended_in_time),
         cmocka_unit_test(what_it_started_ends_with_it), cmocka_unit_test(it_dies_with_its_parent),
         cmocka_unit_test(messages_travel_whole),        cmocka_unit_test(a_program_gets_what_is_passed),
-        cmocka_unit_test(a_program_that_is_not_there),
+        cmocka_unit_test(a_program_that_is_not_there),  cmocka_unit_test(nobody_else_is_ended),
+        cmocka_unit_test(what_it_prints_is_bounded),
     };
     return cmocka_run_group_tests_name("child", tests, NULL, NULL);
 }

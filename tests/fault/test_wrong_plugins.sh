@@ -68,5 +68,15 @@ ends hang_in_end 'ran out of time \(8.0 s\) in end'
 ends memory_grab 'took more than 512 MiB in end'
 ends count_endless 'at most 64 plugins are read'
 ends begin_77 'begin: unknown status \(77\)'
+
+# Output without end is cut, and each frame says by how much.
+work=$(mktemp -d)
+trap 'rm -rf "$table" "$work"' EXIT
+"$build/host_sim" run --scene E01 --size 32 --frames 2 --setting smartvis --picture 16 --few-pictures --guard \
+    --plugin "$build/wrong/logs_without_end.so" --out "$work/out" > /dev/null 2> "$work/errors" || complain "logs_without_end: code $?"
+cut=$(grep -c 'more bytes of its output were dropped' "$work/errors")
+size=$(stat -c %s "$work/errors")
+[ "$cut" -ge 2 ] && [ "$size" -lt $((cut * 66000)) ] || complain "logs_without_end: $size bytes, cut $cut times"
+
 [ $failed = 0 ] && echo "$ids plugins: none crashes or hangs the guarded host"
 exit $failed

@@ -8,7 +8,7 @@
 #include <pthread.h>
 #include <string.h>
 
-enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MOST_RAYS = 4096 };
+enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MOST_RAYS = 4096, LINES = 10000 };
 static int refused_a_slab; /* since activate */
 static uint32_t adjusted;  /* since begin */
 static double shared[PARAMS];
@@ -126,6 +126,8 @@ static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
     taken = *s;
     if (WRONG_IS(crash_in_slab)) wrong_crash();
     if (WRONG_IS(abort_in_slab)) abort();
+    for (int i = 0; i < LINES && WRONG_IS(logs_without_end); i++)
+        sva_log(a, SV_LOG_ERROR, "A line of the log that tells nothing that was not told before.");
     if (WRONG_IS(prints)) (void)(printf("slab %u\n", (unsigned)s->first_slice) + fflush(stdout));
     if (WRONG_IS(takes_any_order)) taken.first_slice = a->next_slice;
     if (WRONG_IS(takes_long_slab)) a->format.max_slab_slices = a->format.slices;

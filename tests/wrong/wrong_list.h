@@ -139,6 +139,7 @@
     WRONG(needs_log, life, bare-host, "a host without a log is not served") \
     WRONG(unknown_severity, life, host-callbacks, "lines are logged with a severity that nobody knows") \
     WRONG(logs_null, life, host-callbacks, "a line of the log is NULL") \
+    WRONG(logs_without_end, life, host-callbacks, "slab logs thousands of lines") \
     WRONG(changes_locale, life, process-untouched, "activate changes the process's locale") \
     WRONG(changes_rounding, life, process-untouched, "end leaves another rounding mode behind") \
     WRONG(prints, life, process-untouched, "slab prints to the standard output") \

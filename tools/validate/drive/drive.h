@@ -81,6 +81,7 @@ typedef struct {
     v_run *run;
     pthread_mutex_t lock;
     uint32_t lines;
+    uint64_t bytes;   /* of all lines */
     int32_t severity; /* of the last line */
     char line[512];
     char fault[256]; /* the first rule that a call to the host broke; "" */

@@ -53,6 +53,7 @@ static void keep_line(const sv_host *host, int32_t severity, const char *text) {
     v_host *h = host->host_data;
     (void)pthread_mutex_lock(&h->lock);
     h->lines++;
+    h->bytes += text ? strlen(text) : 0;
     h->severity = severity;
     if (host != &h->api) blame(h, "log: host is not the sv_host that create was given");
     if (severity < SV_LOG_DEBUG || severity > SV_LOG_PLUGIN_MISBEHAVING) {
