@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # setup.sh [--check] LIST...: installs the Debian packages of the lists (scripts/packages*.txt) that are missing.
-# Does nothing, and needs no network, if all are there. --check installs nothing: it only names what is missing.
-# Exit code 1 if packages are missing and cannot be installed from here.
+# Does nothing, and needs no network, if all are there. --check installs nothing: it names what is missing.
+# Exit code 1 if packages are missing and were not installed.
 set -eu
 
 check_only=0
@@ -29,7 +29,8 @@ command="apt-get install -y --no-install-recommends ${missing[*]}"
 if [ $check_only = 1 ]; then
     printf 'setup: missing Debian packages: %s\n' "${missing[*]}" >&2
     printf 'setup: install them as root with\n    apt-get update && %s\n' "$command" >&2
-    exit 0
+    printf 'setup: where others stand for them: cmake -S . -B build -G Ninja && cmake --build build\n' >&2
+    exit 1
 fi
 if [ "$(id -u)" -ne 0 ]; then
     printf 'setup: missing Debian packages: %s\n' "${missing[*]}" >&2

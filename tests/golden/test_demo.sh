@@ -29,6 +29,8 @@ if [ $code -ne 0 ]; then
     exit 1
 fi
 page=$work/demo/index.html
+# What is waited for is said before the first case is.
+holds [ "$(grep -n 'OpenCL compiles' "$work/stderr" | cut -d : -f 1)" = 1 ]
 for case in D01 E01 D02; do
     for picture in result full truth panel slices depthmap points knob orbit; do holds [ -s "$work/demo/$case/$picture.png" ]; done
     # The rendering of the ground truth differs from the full volume's: something hides the fetus.

@@ -257,6 +257,9 @@ static bool run_demo(demo *d, hs_error *err) {
     if (!add_volumes(d, err)) return false;
     hs_page_open(&d->report, page, "SmartVis: the scan loop");
     write_intro(d);
+    hs_print(stderr,
+             "host_sim demo: OpenCL compiles its kernels for this machine; the first time that can take a "
+             "minute, later they come from a cache ...\n");
     bool ok = true;
     for (uint32_t i = 0; ok && i < d->case_count; i++) ok = run_case(d, &d->cases[i], err);
     write_table(d);
