@@ -74,7 +74,7 @@ def read_png(data):
 
 def snapshot(b, work):
     """The result as the page saves it."""
-    path = os.path.join(work, "smartvis_result.png")
+    path = os.path.join(work, "smartvis_D01_result.png")
     if os.path.exists(path):
         os.remove(path)
     b.run("at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
@@ -192,11 +192,60 @@ def playing(b):
     holds(b.run("return at('play').getAttribute('aria-pressed')") == "false", "it still plays")
 
 
+def choose(b, control, value):
+    b.run("at(arguments[0]).value = arguments[1]; at(arguments[0]).dispatchEvent(new Event('change'))", control, value)
+
+
+def shown_as(b):
+    """How a reader sees the pictures, and what stands beside them."""
+    return b.run("""return [Number(getComputedStyle(canvases.result.canvas).opacity), Number(getComputedStyle(at('line')).opacity),
+        at('copy').disabled, at('shown').textContent, at('notice').textContent]""")
+
+
+def a_slow_host(b):
+    """Another size, then another source, while the host is behind: whatever is not of the menus is dimmed, and named."""
+    b.run("link.held = []; link.take = link.socket.onmessage; link.socket.onmessage = (event) => link.held.push(event)")
+    choose(b, "size", "64")
+    first = shown_as(b)
+    holds(first[0] < 0.3 and first[1] < 0.3 and first[2] and first[3] == "Still shown: D01, 96 voxels, from probe", f"another size: {first}")
+    frame = ("link.held.findIndex((e) => typeof e.data === 'string' && JSON.parse(e.data).type === 'frame' "
+             "&& JSON.parse(e.data).serial === state.serial)")
+    b.wait_for(f"!link.waiting && {frame} >= 0", "the frame of 64 voxels")
+    serial = b.run(f"link.until = {frame} + 1; return state.serial")
+    choose(b, "source", "scene E02")
+    b.run("link.held.splice(0, link.until).forEach(link.take)")
+    b.wait_for(f"document.body.dataset.serial === '{serial}'", "pictures of D01 with 64 voxels")
+    late = shown_as(b)
+    holds(late[0] < 0.3 and late[1] < 0.3 and late[2] and late[3] == "Still shown: D01, 64 voxels, from probe", f"E02 in the menu, D01 beside it: {late}")
+    b.run("link.socket.onmessage = link.take; link.held.splice(0).forEach(link.take)")
+    settle(b, "E02")
+    holds(shown_as(b) == [1, 1, False, "Shown: E02, 64 voxels, from probe", ""], f"E02: {shown_as(b)}")
+    holds("--scene E02 --size 64" in b.run("return at('line').value"), "the command line is of another scene")
+    choose(b, "from", "left")
+    b.wait_for("document.body.dataset.refused", "the refusal of a direction that a scene does not have")
+    refused = shown_as(b)
+    holds(refused[0] < 0.3 and "no view left" in refused[4], f"refused, and shown as {refused}")
+    for control, value in (("from", "probe"), ("size", "96"), ("source", "scene D01")):
+        choose(b, control, value)
+    settle(b, "D01 again")
+    holds(shown_as(b) == [1, 1, False, "Shown: D01, 96 voxels, from probe", ""], f"D01 again: {shown_as(b)}")
+
+
+def a_view_comes_back(b):
+    before = pixels(b, "truth")
+    choose(b, "third", "depthmap")
+    settle(b, "the depthmap")
+    choose(b, "third", "truth")
+    settle(b, "the ground truth again")
+    holds(pixels(b, "truth") == before, f"the ground truth comes back as {pixels(b, 'truth')}")
+
+
 def a_reactivation(b):
-    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 3, false)")
+    before = b.run("return lastFigures.lanes[0].activations")
+    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 1, false)")
     settle(b, "another method")
     figures = b.run("return lastFigures.lanes[0]")
-    holds(figures["activations"] == 2 and figures["activation_ms"] > 0, f"no activation: {figures}")
+    holds(figures["activations"] == before + 1 and figures["activation_ms"] > 0 and not figures["failed"], f"no activation: {figures}")
     note = b.run("return document.querySelector('#p0-method-note').textContent")
     holds("activates the plugin anew (" in note and " ms the last time)" in note, f"the note says '{note}'")
     b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 0, false)")
@@ -250,9 +299,11 @@ def comparing(b):
     holds(pixels(b, "result") == pixels(b, "other"), "the same settings give two pictures")
     b.run("setValue(1, lanes[1].params.find(p => p.primary), 1.2, false)")
     settle(b, "the other knob")
-    holds(pixels(b, "result") != pixels(b, "other"), "other settings give one picture")
+    other = pixels(b, "other")
+    holds(pixels(b, "result") != other, "other settings give one picture")
     b.run("at('compare').value = 'wipe'; at('compare').dispatchEvent(new Event('change'))")
     settle(b, "the wipe")
+    holds(pixels(b, "other") == other, "the wipe has another picture")
     holds(b.run("return canvases.other.canvas.style.clipPath") == "inset(0px 0px 0px 50%)", "no wipe")
     b.run("at('wipe').focus()")
     b.keys("#wipe", KEYS["right"])
@@ -290,6 +341,8 @@ def main():
             the_knob(b, work)
             turning(b, work)
             playing(b)
+            a_slow_host(b)
+            a_view_comes_back(b)
             a_reactivation(b)
             a_plugin_nobody_wrote_controls_for(b, work)
             a_crash(b)

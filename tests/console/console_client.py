@@ -152,8 +152,8 @@ class Page:
 
     def _take(self, data):
         assert data[:3] == b"SVP", "a binary message without its mark"
-        frame, view, width, height = struct.unpack("<IIHH", data[4:16])
-        self.pictures[view] = (frame, data[3], width, height, data[16:])
+        frame, view, width, height, serial = struct.unpack("<IIHHI", data[4:20])
+        self.pictures[view] = (frame, data[3], width, height, serial, data[20:])
 
     def state(self, **changes):
         """The next state, with these fields replaced."""

@@ -76,7 +76,8 @@ def values_of_an_enum(page):
 def a_picture(page):
     frame = page.show(views=["result", "full", "truth", "depthmap", "across", "along", "deep"])
     holds(frame["pictures"] == 7 and sorted(page.pictures) == [0, 1, 2, 3, 4, 5, 6], f"pictures: {sorted(page.pictures)}")
-    for _, kind, width, height, data in page.pictures.values():
+    for number, kind, width, height, serial, data in page.pictures.values():
+        holds((number, serial) == (frame["frame"], frame["serial"]), "a picture is of another frame or state")
         holds(kind == 0 and (width, height) == (64, 64) and data[:2] == b"\xff\xd8" and data[-2:] == b"\xff\xd9", "no JPEG")
     page.pictures.clear()
     again = page.show(views=["result", "full", "truth", "depthmap", "across", "along", "deep"])
@@ -88,6 +89,36 @@ def a_picture(page):
     page.say({"type": "do", "what": "snapshot", "view": "result"})
     page.show(picture=48)
     holds(page.pictures[0][1] == 0 and page.pictures[0][2] == 48, "no picture of 48 pixels")
+
+
+def pictures_name_their_state(page):
+    """Sources change faster than they are drawn, as by a hand that goes through the menus: every picture and every frame says which
+    state it was made for, and what is asked for is of the state before it."""
+    sources, frame = {}, {"serial": 0}
+    for i in range(12):
+        source = {"scene": ("D01", "E02")[i // 2 % 2], "size": 32 + i, "volumes": 1, "from": "probe"}
+        page.say(page.state(source=source, views=["result", "across"]))
+        sources[page.serial] = source
+        time.sleep(0.02)
+    while frame["serial"] != page.serial:
+        page.pictures.clear()
+        frame = page.text("frame", "refused")
+        holds(frame["type"] == "frame", f"{frame}")
+        page.say({"type": "seen", "frame": frame["frame"]})
+        if frame["serial"] not in sources:
+            continue
+        holds(frame["of"] == {"source": sources[frame["serial"]], "plugins": [0]}, f"the frame is of {frame['of']}")
+        holds(len(page.pictures) == 2, "a source changes, and the pictures stay")
+        for picture in page.pictures.values():
+            holds((picture[0], picture[4]) == (frame["frame"], frame["serial"]), f"a picture of {picture[:5]} in a frame of {frame['serial']}")
+    page.say(page.state(source={**source, "scene": "D01", "size": 40}))
+    page.say({"type": "do", "what": "snapshot", "view": "result"})
+    page.pictures.clear()
+    while page.pictures.get(0, (0, 0))[1] != 1:
+        heard = page.hear()
+        if heard[0] == 2:
+            page._take(heard[1])
+    holds(page.pictures[0][4] == page.serial, f"the snapshot is of state {page.pictures[0][4]}, asked for in {page.serial}")
 
 
 # What the parser is fed is in tests/check/test_console_message.c; these also meet what stands behind it.
@@ -250,6 +281,7 @@ def one_console(work):
             what_is_listed(page)
             values_of_an_enum(page)
             a_picture(page)
+            pictures_name_their_state(page)
             messages_that_are_refused(page)
             states_that_cannot_be_shown(page)
             the_newest_state_wins(page)

@@ -276,7 +276,8 @@ char *hs_console_reply_skipped(uint64_t frame);
 
 /* "refused" or "busy" with a text for a person, "written" with the folder. */
 char *hs_console_reply_text(const char *type, const char *text);
-char *hs_console_reply_written(const char *folder, const hs_result_report *report);
+char *hs_console_reply_written(const hs_console_stage *stage, const char *folder,
+                               const hs_result_report *report);
 
 /* ------------------------------------------------------------------------------------------------ show -- */
 /* What a page's thread does with a state: the stage follows it, and its pictures go to the page. */

@@ -56,16 +56,16 @@ static work wait_for_work(hs_console_page *page, double due, hs_console_message 
     (void)pthread_mutex_lock(&page->lock);
     while (!page->closed) {
         const bool keeps_up = page->frame - page->seen < UNDER_WAY;
-        if (page->has_deed) {
-            *deed = page->deed;
-            page->has_deed = false;
-            found = WORK_DEED;
-            break;
-        }
         if (keeps_up && page->has_state) {
             page->now = page->state;
             page->has_state = false;
             found = WORK_STATE;
+            break;
+        }
+        if (page->has_deed && !page->has_state) { /* what is asked for is of the state before it */
+            *deed = page->deed;
+            page->has_deed = false;
+            found = WORK_DEED;
             break;
         }
         if (!keeps_up || !page->now.playing) {

@@ -359,6 +359,27 @@ static json_t *source_part(const hs_console_stage *stage) {
                      stage->truth != NULL, "opened_ms", stage->source_ms);
 }
 
+/* The part of the page's state that says whose pictures these are, in the page's own words. */
+static json_t *made_for(const hs_console_stage *stage) {
+    const hs_console_source *s = &stage->state.source;
+    json_t *root = json_object(), *source = json_object(), *plugins = json_array();
+    if (s->scene[0] != '\0') {
+        put(source, "scene", json_string(s->scene));
+        put(source, "size", json_integer(s->size));
+        put(source, "volumes", json_integer(s->volumes));
+    } else {
+        put(source, "folder", json_integer(s->folder));
+        put(source, "path", json_string(s->path));
+    }
+    put(source, "from", json_string(hs_from_name(s->from)));
+    for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++)
+        if (stage->lane[i].offer)
+            (void)json_array_append_new(plugins, json_integer(stage->lane[i].offer - stage->offers->offer));
+    put(root, "source", source);
+    put(root, "plugins", plugins);
+    return root;
+}
+
 char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_shown *shown) {
     json_t *root = json_object(), *lanes = json_array();
     double stage_ms[HS_STAGE_COUNT] = {0};
@@ -373,6 +394,7 @@ char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_sho
     put(root, "pictures", json_integer(shown->pictures));
     put(root, "index", json_integer(stage->index % stage->source.count));
     put(root, "draft", json_boolean(stage->state.hurried));
+    put(root, "of", made_for(stage));
     put(root, "source", source_part(stage));
     put(root, "ms",
         json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "upload", stage_ms[HS_STAGE_UPLOAD], "convert",
@@ -389,11 +411,13 @@ char *hs_console_reply_skipped(uint64_t frame) {
     return dump(root);
 }
 
-char *hs_console_reply_written(const char *folder, const hs_result_report *report) {
+char *hs_console_reply_written(const hs_console_stage *stage, const char *folder,
+                               const hs_result_report *report) {
     json_t *root = json_object(), *names = json_array();
     for (uint32_t i = 0; i < HS_RESULT_COUNT; i++)
         if (report->what >> i & 1u) (void)json_array_append_new(names, json_string(hs_result_name(i)));
     put(root, "type", json_string("written"));
+    put(root, "of", made_for(stage));
     put(root, "folder", hs_json_text(folder));
     put(root, "names", names);
     return dump(root);

@@ -163,7 +163,7 @@ static bool hs_console_draw(hs_console_stage *stage, hs_console_view view, hs_pi
 
 /* ------------------------------------------------------------------------------------------------ show -- */
 
-enum { QUALITY = 92, DRAFT_QUALITY = 80, HEADER = 16 };
+enum { QUALITY = 92, DRAFT_QUALITY = 80, HEADER = 20 };
 
 /* What a binary message holds. */
 enum { KIND_JPEG = 0, KIND_PNG = 1 };
@@ -204,15 +204,17 @@ void hs_console_show_close(hs_console_show *show) {
 
 /* -------------------------------------------------------------------------------------------- frame -- */
 
-/* "SVP", kind, frame and view as 32 bits, width and height as 16, the lower byte first. */
+/* "SVP", kind, frame and view as 32 bits, width and height as 16, the state's serial as 32, the lower byte
+ * first. */
 static void put_header(uint8_t *out, unsigned kind, uint64_t frame, hs_console_view view,
-                       const hs_picture *picture) {
-    const uint32_t words[3] = {(uint32_t)frame, (uint32_t)view, picture->width | picture->height << 16};
+                       const hs_picture *picture, uint64_t serial) {
+    const uint32_t words[4] = {(uint32_t)frame, (uint32_t)view, picture->width | picture->height << 16,
+                               (uint32_t)serial};
     out[0] = 'S';
     out[1] = 'V';
     out[2] = 'P';
     out[3] = (uint8_t)kind;
-    for (unsigned w = 0; w < 3; w++)
+    for (unsigned w = 0; w < 4; w++)
         for (unsigned b = 0; b < 4; b++) out[4 + 4 * w + b] = (uint8_t)(words[w] >> 8 * b);
 }
 
@@ -220,7 +222,7 @@ static bool send_picture(const hs_console_show *show, unsigned kind, uint64_t fr
                          const hs_picture *picture, const uint8_t *data, size_t bytes) {
     uint8_t *message = malloc(HEADER + bytes);
     if (!message) return false;
-    put_header(message, kind, frame, view, picture);
+    put_header(message, kind, frame, view, picture, show->stage.state.serial);
     memcpy(message + HEADER, data, bytes);
     const bool ok = show->send(show->connection, true, message, HEADER + bytes);
     free(message);
@@ -346,7 +348,7 @@ static bool write_results(hs_console_show *show) {
          hs_results_write(loop, &show->stage.source, 0, HS_RESULT_ALL, folder, &report, &err);
     /* The loop went through all volumes: what is shown now is not the last frame it had. */
     if (loop) hs_lane_needs(&show->stage.lane[0], HS_LANE_CONVERT);
-    return ok ? say(show, hs_console_reply_written(folder, &report)) : refuse(show, &err);
+    return ok ? say(show, hs_console_reply_written(&show->stage, folder, &report)) : refuse(show, &err);
 }
 
 bool hs_console_show_deed(hs_console_show *show, const hs_console_message *deed) {

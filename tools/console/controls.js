@@ -183,6 +183,7 @@ function refreshControls(lane) {
 }
 
 function takePlugin(text) {
+  if (state.lanes[text.lane]?.plugin !== text.plugin) return; /* another one was chosen since */
   lanes[text.lane].params = text.params;
   lanes[text.lane].activations = undefined;
   for (const key of Object.keys(state.lanes[text.lane]?.values || {}))

@@ -71,6 +71,7 @@ function showOutcome(text) {
 }
 
 function showSource(source, index) {
+  if (document.body.dataset.shows === "other") return; /* the controls are ahead */
   const slider = document.getElementById("index");
   if (hasTruth !== source.truth) {
     hasTruth = source.truth;
@@ -93,9 +94,10 @@ function fitDrafts(ms) {
 }
 
 function showFigures(text) {
-  notice("", true);
+  if (text.serial >= Number(at("notice").dataset.serial)) notice("", true);
   const opened = !lastFigures || lastFigures.source.opened_ms !== text.source.opened_ms;
   lastFigures = text;
+  markShown(true);
   if (text.draft) fitDrafts(text.ms.all);
   painted.push(performance.now());
   if (!opened) history_.push(text.ms); /* the first frame of a source waits for what is made once */
@@ -122,5 +124,5 @@ function showFigures(text) {
 
 function showWritten(text) {
   notice("", true);
-  document.getElementById("written").textContent = "Written to " + text.folder + ": " + text.names.join(", ");
+  at("written").textContent = nameOfSource(text.of.source) + ", written to " + text.folder + ": " + text.names.join(", ");
 }

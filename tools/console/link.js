@@ -2,11 +2,12 @@
 /* The way to the console: the newest state goes out once a picture of the screen, pictures and figures come in. */
 "use strict";
 
-const HEADER_BYTES = 16;
+const HEADER_BYTES = 20;
 const VIEW_NAMES = ["result", "full", "truth", "depthmap", "across", "along", "deep", "other"];
 const REST_MS = 180; /* without a change, and drafts become pictures */
+const LATE_MS = 400; /* without a frame, and the pictures are behind their controls */
 
-const link = { socket: null, waiting: false, rest: 0, bitmaps: new Map(), retry: 500, chain: Promise.resolve() };
+const link = { socket: null, waiting: false, rest: 0, late: 0, bitmaps: new Map(), retry: 500, chain: Promise.resolve() };
 
 /* Sends the state before the screen's next picture. `hurried`: a hand is on it, so drafts will do. */
 function changed(hurried) {
@@ -18,8 +19,10 @@ function changed(hurried) {
       changed(false);
     }, REST_MS);
   }
-  if (link.waiting) return;
+  const sent = link.waiting;
   link.waiting = true;
+  markShown(false);
+  if (sent) return;
   requestAnimationFrame(() => {
     link.waiting = false;
     state.serial += 1;
@@ -27,6 +30,28 @@ function changed(hurried) {
     send(state);
     writeAddress();
   });
+}
+
+function sameSource(a, b) {
+  return sourceKey(a) === sourceKey(b) && a.size === b.size && a.volumes === b.volumes && a.from === b.from;
+}
+
+/* Dims what is not of the controls: at once where source, direction, volume or plugin are others, and where a value is
+ * when no frame has come for a while. `fresh`: one has. */
+function markShown(fresh) {
+  const body = document.body.dataset, text = lastFigures;
+  if (!text) return;
+  const volume = state.play.on || text.index === state.play.index % text.source.volumes;
+  const other = !sameSource(text.of.source, state.source) || !volume || !state.lanes.every((lane, i) => lane.plugin === text.of.plugins[i]);
+  if (fresh || other || body.shows === "other") {
+    clearTimeout(link.late);
+    link.late = 0;
+    body.shows = other ? "other" : "now";
+  }
+  if (!other && !link.late && (link.waiting || text.serial !== state.serial))
+    link.late = setTimeout(() => { body.shows = "older"; }, LATE_MS);
+  at("copy").disabled = other;
+  at("shown").textContent = (other ? "Still shown: " : "Shown: ") + nameOfSource(text.of.source);
 }
 
 function send(message) {
@@ -37,16 +62,18 @@ function send(message) {
 function takePicture(buffer) {
   const header = new DataView(buffer);
   const kind = header.getUint8(3), frame = header.getUint32(4, true), view = VIEW_NAMES[header.getUint32(8, true)];
+  const serial = header.getUint32(16, true);
   const type = kind === 1 ? "image/png" : "image/jpeg";
   const blob = new Blob([new Uint8Array(buffer, HEADER_BYTES)], { type });
-  if (kind === 1) savePicture(view, blob);
-  else link.bitmaps.set(view, { frame, bitmap: createImageBitmap(blob) });
+  if (kind === 1) link.chain = link.chain.then(() => savePicture(view, blob)); /* behind its frame, which names the source */
+  else link.bitmaps.set(view, { frame, serial, bitmap: createImageBitmap(blob) });
 }
 
 async function showFrame(text, bitmaps) {
-  for (const [view, one] of bitmaps) {
-    if (one.frame === text.frame) paint(view, await one.bitmap);
-  }
+  const ready = [];
+  for (const [view, one] of bitmaps)
+    if (one.frame === text.frame && one.serial === text.serial) ready.push([view, await one.bitmap]);
+  for (const [view, bitmap] of ready) paint(view, bitmap); /* all at once, and with their figures */
   showFigures(text);
   document.body.dataset.serial = text.serial;
   document.body.dataset.frame = text.frame;

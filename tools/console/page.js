@@ -8,6 +8,7 @@ function notice(text, quiet) {
   const box = at("notice");
   box.hidden = text === "";
   box.textContent = text;
+  box.dataset.serial = state.serial; /* no frame of an earlier state takes it away */
   box.classList.toggle("quiet", quiet);
 }
 
@@ -15,6 +16,10 @@ function notice(text, quiet) {
 
 function sourceKey(source) {
   return source.scene ? "scene " + source.scene : "file " + source.folder + " " + source.path;
+}
+
+function nameOfSource(source) {
+  return (source.scene ? source.scene + ", " + source.size + " voxels" : source.path) + ", from " + source.from;
 }
 
 function fillSources(hello) {
@@ -127,7 +132,9 @@ function buildRenderer() {
 /* ---------------------------------------------------------------------------------------- take away -- */
 
 function savePicture(view, blob) {
-  const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + view + ".png" });
+  const { scene, path } = lastFigures.of.source;
+  const name = [scene || path.split("/").pop(), view].join("_").replace(/[^\w.-]/g, "_") + ".png";
+  const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + name });
   document.body.dataset.snapshot = blob.size;
   link_.click();
   setTimeout(() => URL.revokeObjectURL(link_.href), 10000);

@@ -10,7 +10,8 @@ const DEGREES_A_PIXEL = 0.4;
 /* Which axes of the crosshair run right and down in a slice. */
 const AXES = { across: [0, 2], along: [2, 1], deep: [0, 1] };
 
-const canvases = {};
+const canvases = {}; /* what is on the page */
+const made = {}; /* and what was: a picture that has not changed does not come again */
 let hasTruth = true; /* whether the source has one */
 
 function clamp(value, low, high) {
@@ -154,10 +155,10 @@ function figureOf(view) {
 }
 
 /* Both results in one screen, with a seam. */
-function addWipe() {
+function addWipe(canvas) {
   const screen = canvases.result.screen;
-  const canvas = make("canvas", { width: 16, height: 16, class: "other" });
   const seam = make("div", { class: "seam" });
+  canvas.className = "other";
   screen.append(canvas, seam);
   canvases.other = { canvas, seam, caption: null, figure: canvases.result.figure };
   placeWipe();
@@ -170,31 +171,38 @@ function placeWipe() {
   other.seam.style.left = look.wipe + "%";
 }
 
+function viewOf(view) {
+  made[view] = made[view] || figureOf(view);
+  return made[view];
+}
+
 /* Builds what is shown anew; pictures that were there stay until others come. */
 function layOut() {
-  const before = { ...canvases };
   for (const view of Object.keys(canvases)) delete canvases[view];
   const rendered = document.getElementById("rendered"), slices = document.getElementById("slices");
   rendered.replaceChildren();
   slices.replaceChildren();
   const shown = renderedViews().concat(look.slices ? Object.keys(AXES) : []);
   for (const view of shown) {
-    canvases[view] = before[view] && before[view].screen ? before[view] : figureOf(view);
+    canvases[view] = viewOf(view);
     (view in AXES ? slices : rendered).append(canvases[view].figure);
   }
   rendered.classList.toggle("four", look.compare === "side");
-  for (const extra of canvases.result.screen.querySelectorAll(".other, .seam")) extra.remove();
-  if (look.compare === "wipe") addWipe();
+  const other = viewOf("other");
+  other.screen.append(other.canvas);
+  other.canvas.removeAttribute("class");
+  other.canvas.removeAttribute("style");
+  canvases.result.screen.querySelector(".seam")?.remove();
+  if (look.compare === "wipe") addWipe(other.canvas);
   document.getElementById("wipe-bar").hidden = look.compare !== "wipe";
   placeCross();
 }
 
 function paint(view, bitmap) {
-  const one = canvases[view];
-  if (!one) return;
-  one.canvas.width = bitmap.width;
-  one.canvas.height = bitmap.height;
-  one.canvas.getContext("2d").drawImage(bitmap, 0, 0);
+  const { canvas } = viewOf(view);
+  canvas.width = bitmap.width;
+  canvas.height = bitmap.height;
+  canvas.getContext("2d").drawImage(bitmap, 0, 0);
   bitmap.close();
 }
 
