@@ -153,9 +153,9 @@ static bool write_plain(const hs_view *view, const uint8_t *pixels, const char *
 
 static bool write_panel(const hs_view *view, const char *folder, const char *title, const char *note,
                         uint32_t cell, hs_error *err) {
-    const hs_panel_item items[3] = {{.caption = view->frame.clipped ? "Result" : "Result: not clipped",
+    const hs_panel_item items[3] = {{.caption = "Full volume", .image = rgba_image(view, view->full)},
+                                    {.caption = view->frame.clipped ? "Result" : "Result: not clipped",
                                      .image = rgba_image(view, view->result)},
-                                    {.caption = "Full volume", .image = rgba_image(view, view->full)},
                                     {.caption = "Ground truth", .image = rgba_image(view, view->truth)}};
     char foot[1400];
     const hs_caption caption = {.title = title, .footer = foot_of(view, note, foot, sizeof foot)};

@@ -8,7 +8,7 @@ trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # A file to stand for a real volume: a layer, fluid, and a bright ball behind it.
-mkdir "$work/data"
+mkdir -p "$work/data/real"
 printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n' \
     > "$work/data/layers.mha"
 {
@@ -16,6 +16,9 @@ printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCH
     head -c $((32 * 32 * 14)) /dev/zero | tr '\0' '\005'
     head -c $((32 * 32 * 12)) /dev/zero | tr '\0' '\360'
 } >> "$work/data/layers.mha"
+
+# The same as the real fetus.
+cp "$work/data/layers.mha" "$work/data/real/fetus_12w.mha"
 
 # And one in the geometry of a probe.
 "$build/host_sim" scenes D01 --size 32 --export --format vol --out "$work/vol" > /dev/null
@@ -31,7 +34,7 @@ fi
 page=$work/demo/index.html
 # What is waited for is said before the first case is.
 holds [ "$(grep -n 'OpenCL compiles' "$work/stderr" | cut -d : -f 1)" = 1 ]
-for case in D01 E01 D02; do
+for case in D01 E01 E02 D02; do
     for picture in result full truth panel slices depthmap points knob orbit; do holds [ -s "$work/demo/$case/$picture.png" ]; done
     # The rendering of the ground truth differs from the full volume's: something hides the fetus.
     holds [ "$(cmp -s "$work/demo/$case/full.png" "$work/demo/$case/truth.png"; echo $?)" = 1 ]
@@ -48,21 +51,41 @@ holds [ -s "$work/demo/hidden_probe_vol/truth.png" ]
 
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
-holds [ "$pictures" -eq $((5 * 8 + 2 * 7)) ]
+holds [ "$pictures" -eq $((6 * 8 + 2 * 7 + 7 + 3)) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"
 # The first PNG, taken out of the page again, is the file; renderings are JPEG, whole ones: they end with its mark.
 grep -o -m 1 'png;base64,[^"]*' "$page" | head -n 1 | cut -d , -f 2 | base64 -d > "$work/first.png"
-holds cmp "$work/first.png" "$work/demo/D01/depthmap.png"
+holds cmp "$work/first.png" "$work/demo/fetus_12w_mha/depthmap.png"
 grep -o -m 1 'jpeg;base64,[^"]*' "$page" | head -n 1 | cut -d , -f 2 | base64 -d > "$work/first.jpeg"
 holds [ "$(tail -c 2 "$work/first.jpeg" | od -An -tx1)" = " ff d9" ]
 # Tags are balanced.
-for tag in figure figcaption div table details pre p h2; do
+for tag in figure figcaption div table details pre p h2 nav ul li a dl dt dd; do
     holds [ "$(grep -o "<$tag[ >]" "$page" | wc -l)" -eq "$(grep -o "</$tag>" "$page" | wc -l)" ]
 done
 # One row a case in the table of speeds, after its head.
-holds [ "$(grep -c '^<tr><th>' "$page")" -eq 8 ]
+holds [ "$(grep -c '^<tr><th>' "$page")" -eq 10 ]
+
+# The answer comes first: the real fetus with its source, then the best scene, whose figures the cases do not beat.
+plain=$(sed 's/data:[^"]*//g' "$page" | tr -d '\n')
+opening=${plain%%<nav*}
+holds grep -q 'vizbi_webgl_demo (commit c6c2d7d, MIT licence)' <<< "$opening"
+alts=$(grep -o 'alt="[^"]*"' <<< "$opening" | sed 's/.*rendering//')
+holds [ "$(head -n 2 <<< "$alts" | paste -sd '|')" = ' of the full volume"| that starts at the clipping surface"' ]
+holds [ "$(tail -n 3 <<< "$alts" | paste -sd '|')" = ' of the full volume"| that starts at the clipping surface"| of the ground truth"' ]
+cut=$(grep -o '<dd>[0-9.]* %' <<< "$opening" | head -n 1 | grep -o '[0-9.]*')
+left=$(grep -o '<dd>[0-9.]* %' <<< "$opening" | tail -n 1 | grep -o '[0-9.]*')
+holds grep -q '<dd>[0-9.]* ms' <<< "$opening"
+grep -o 'Verdict: [^<]* Cut [0-9.]* %, left [0-9.]* %' <<< "$plain" | head -n 4 | grep -o '[0-9.]* %, left [0-9.]*' |
+    awk -v best="$(awk "BEGIN { print $cut + $left }")" '{ if ($1 + $4 < best - 0.05) bad = 1; n++ } END { exit bad || n != 4 }'
+holds [ $? -eq 0 ]
+# A verdict a case, and every case in the list of contents, by the same name.
+holds [ "$(grep -o '<p>Verdict: ' <<< "$plain" | wc -l)" -eq 9 ]
+holds [ "$(grep -o '<h2 id="[^<]*' <<< "$plain" | sed 's/<h2 id="//')" = "$(grep -o 'href="#[^<]*' <<< "$plain" | sed 's/href="#//')" ]
+holds grep -q '<h2 id="part[0-9]*">Cord before the face</h2>' "$page"
+# What is said of a result is not what the thesis says of its own.
+holds [ "$(grep -c 'forehead is cut' "$page")" -eq 0 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
 
 # With a plugin that fails, the demo ends with its code and shows the full volume.

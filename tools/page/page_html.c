@@ -14,33 +14,60 @@
 static const char head[] =
     "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>\n"
-    "body{font:16px/1.5 system-ui,sans-serif;color:#1c2024;background:#fff;max-width:70rem;margin:0 "
-    "auto;padding:1rem}\n"
-    "h1{font-size:1.7rem;line-height:1.2}h2{margin-top:2.5rem;border-bottom:1px solid "
-    "#d5d9de;padding-bottom:.3rem}\n"
-    "p{max-width:46rem}\n"
-    ".row{display:flex;flex-wrap:wrap;gap:1rem}\n"
+    ":root{color-scheme:light dark;--ink:#1c2024;--quiet:#4a5058;--ground:#fff;--line:#d5d9de;"
+    "--shade:#f4f5f7;--link:#0b5cad}\n"
+    "@media(prefers-color-scheme:dark){:root{--ink:#e6e8eb;--quiet:#aab2bb;--ground:#16181b;"
+    "--line:#3b4048;--shade:#22252a;--link:#7ab8f5}}\n"
+    "body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--ground);max-width:70rem;"
+    "margin:0 auto;padding:1rem}\n"
+    "h1{font-size:1.7rem;line-height:1.2}h2{margin-top:2.5rem;border-bottom:1px solid var(--line);"
+    "padding-bottom:.3rem}\n"
+    "h3{margin:1.5rem 0 .3rem}p{max-width:46rem}a,summary{color:var(--link)}\n"
+    "nav ul{columns:14rem;padding-left:1.2rem}\n"
+    ".row{display:flex;flex-wrap:wrap;gap:1rem;margin:1rem 0}\n"
     "figure{margin:0;flex:1 1 13rem;min-width:0}\n"
+    ".small{gap:.5rem}.small figure{flex:1 1 0;max-width:23rem}\n"
     "img{width:100%;height:auto;display:block;border-radius:4px;background:#000}\n"
-    "figcaption{font-size:.9rem;color:#4a5058;margin-top:.3rem}\n"
+    "figcaption{font-size:.9rem;color:var(--quiet);margin-top:.3rem}\n"
     ".wide{overflow-x:auto}\n"
+    ".row.wide{flex-wrap:nowrap}.row.wide figure{min-width:34rem}.row.wide figure:only-child{"
+    "min-width:60rem}\n"
+    "dl{display:flex;flex-wrap:wrap;gap:.5rem 2rem;margin:1rem 0}dl div{display:flex;"
+    "flex-direction:column-reverse}\n"
+    "dt{color:var(--quiet);font-size:.9rem}dd{margin:0;font-size:1.6rem;font-weight:600;"
+    "line-height:1.2}\n"
     "table{border-collapse:collapse;margin:1rem 0}\n"
-    "th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid #e3e6ea;white-space:nowrap;\n"
-    "font-variant-numeric:tabular-nums}\n"
+    "th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid var(--line);"
+    "white-space:nowrap;font-variant-numeric:tabular-nums}\n"
     "tr:first-child>*{white-space:normal;vertical-align:bottom}\n"
-    "th:first-child,td:first-child{text-align:left}tr:first-child>*{border-bottom:2px solid "
-    "#9aa1a9;font-weight:600}\n"
-    "pre{overflow-x:auto;background:#f4f5f7;padding:.8rem;font-size:.8rem;line-height:1.35}\n"
-    "summary{cursor:pointer;color:#0b5cad}\n"
-    ".plot{display:block;width:100%;min-width:30rem;max-width:50rem;height:auto;margin:1rem 0}\n"
-    ".slider{flex:1 1 13rem;max-width:22rem}.slider input{display:block;width:100%;margin:.4rem 0}.slider "
-    "figure[hidden]{display:none}\n"
-    "@media print{.slider input{display:none}h2,figure,svg{break-inside:avoid}}\n"
+    "th:first-child,td:first-child{text-align:left}tr:first-child>*{"
+    "border-bottom:2px solid var(--quiet);font-weight:600}\n"
+    "pre{overflow-x:auto;background:var(--shade);padding:.8rem;font-size:.8rem;line-height:1.35}\n"
+    "summary{cursor:pointer}\n"
+    ".plot{display:block;width:100%;min-width:30rem;max-width:50rem;height:auto;margin:1rem 0;"
+    "background:#fff;border-radius:4px}\n"
+    ".slider{flex:1 1 13rem;max-width:22rem}.slider input{display:block;width:100%;margin:.4rem 0}"
+    ".slider figure[hidden]{display:none}\n"
+    "@media print{nav,.slider input{display:none}h2,h3,figure,svg,tr{break-inside:avoid;"
+    "break-after:auto}h2,h3{break-after:avoid}.wide{overflow:visible}.row.wide figure{"
+    "min-width:0!important}details::details-content{content-visibility:visible;height:auto}}\n"
     "</style>\n<title>";
+
+static bool part_open(hs_page_part *part) {
+    return (part->stream = open_memstream(&part->text, &part->bytes)) != NULL;
+}
+
+/* What was written so far is in `text` then. */
+static bool part_close(hs_page_part *part) {
+    const bool ok = part->stream && fclose(part->stream) == 0;
+    part->stream = NULL;
+    return ok;
+}
 
 /* Writes unless something failed before. */
 static void put_bytes(hs_page *page, const void *data, size_t bytes) {
-    if (page->error.code == HS_OK) (void)hs_output_write(&page->output, data, bytes, &page->error);
+    if (page->error.code == HS_OK && fwrite(data, 1, bytes, page->to->stream) != bytes)
+        (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory for its text");
 }
 
 static void put(hs_page *page, const char *markup) {
@@ -71,8 +98,10 @@ static void put_text(hs_page *page, const char *text) {
 }
 
 void hs_page_open(hs_page *page, const char *path, const char *title) {
-    *page = (hs_page){0};
+    *page = (hs_page){.to = &page->before};
     if (!hs_output_open(&page->output, path, &page->error)) return;
+    if (!part_open(&page->before) || !part_open(&page->contents) || !part_open(&page->after))
+        (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory");
     put(page, head);
     put_text(page, title);
     put(page, "</title>\n</head>\n<body>\n<h1>");
@@ -80,10 +109,33 @@ void hs_page_open(hs_page *page, const char *path, const char *title) {
     put(page, "</h1>\n");
 }
 
-void hs_page_heading(hs_page *page, int level, const char *text) {
-    put(page, level == 2 ? "<h2>" : "<h3>");
+void hs_page_contents(hs_page *page) {
+    page->to = &page->after;
+}
+
+/* `open` with the number of the heading after it, the text, `end`. */
+static void put_numbered(hs_page *page, const char *open, const char *text, const char *end) {
+    char number[32];
+    (void)snprintf(number, sizeof number, "%u\">", page->headings);
+    put(page, open);
+    put(page, number);
     put_text(page, text);
-    put(page, level == 2 ? "</h2>\n" : "</h3>\n");
+    put(page, end);
+}
+
+void hs_page_heading(hs_page *page, int level, const char *text) {
+    if (level != 2) {
+        put(page, "<h3>");
+        put_text(page, text);
+        put(page, "</h3>\n");
+        return;
+    }
+    hs_page_part *const to = page->to;
+    page->headings++;
+    put_numbered(page, "<h2 id=\"part", text, "</h2>\n");
+    page->to = &page->contents;
+    put_numbered(page, "<li><a href=\"#part", text, "</a></li>\n");
+    page->to = to;
 }
 
 void hs_page_text(hs_page *page, const char *text) {
@@ -92,8 +144,28 @@ void hs_page_text(hs_page *page, const char *text) {
     put(page, "</p>\n");
 }
 
+void hs_page_numbers(hs_page *page, const char *const *names, const char *const *values, unsigned count) {
+    put(page, "<dl>\n");
+    for (unsigned i = 0; i < count; i++) {
+        put(page, "<div><dt>");
+        put_text(page, names[i]);
+        put(page, "</dt><dd>");
+        put_text(page, values[i]);
+        put(page, "</dd></div>\n");
+    }
+    put(page, "</dl>\n");
+}
+
 void hs_page_row_begin(hs_page *page) {
     put(page, "<div class=\"row\">\n");
+}
+
+void hs_page_small_row_begin(hs_page *page) {
+    put(page, "<div class=\"row small\">\n");
+}
+
+void hs_page_wide_row_begin(hs_page *page) {
+    put(page, "<div class=\"row wide\" tabindex=\"0\">\n");
 }
 
 void hs_page_row_end(hs_page *page) {
@@ -168,7 +240,7 @@ void hs_page_photo(hs_page *page, const char *path, const char *alt, const char 
 }
 
 void hs_page_table_begin(hs_page *page) {
-    put(page, "<div class=\"wide\"><table>\n");
+    put(page, "<div class=\"wide\" tabindex=\"0\"><table>\n");
 }
 
 void hs_page_table_row(hs_page *page, const char *const *cells, unsigned count) {
@@ -204,12 +276,22 @@ void hs_page_slider_end(hs_page *page) {
     put(page, "</div>\n");
 }
 
-void hs_page_folded(hs_page *page, const char *summary, const char *text) {
+void hs_page_fold_begin(hs_page *page, const char *summary) {
     put(page, "<details><summary>");
     put_text(page, summary);
-    put(page, "</summary><pre>");
+    put(page, "</summary>\n");
+}
+
+void hs_page_fold_end(hs_page *page) {
+    put(page, "</details>\n");
+}
+
+void hs_page_folded(hs_page *page, const char *summary, const char *text) {
+    hs_page_fold_begin(page, summary);
+    put(page, "<pre>");
     put_text(page, text);
-    put(page, "</pre></details>\n");
+    put(page, "</pre>");
+    hs_page_fold_end(page);
 }
 
 /* Shows the slider's picture and hides the others; the caption is what a screen reader says of the value. */
@@ -226,9 +308,34 @@ static const char slider_script[] =
     "});\n"
     "</script>\n";
 
+static void write_part(hs_page *page, const void *text, size_t bytes) {
+    if (page->error.code == HS_OK) (void)hs_output_write(&page->output, text, bytes, &page->error);
+}
+
+/* The list of contents stands between the two parts. */
+static void write_parts(hs_page *page) {
+    static const char begin[] = "<nav aria-label=\"Contents\"><ul>\n", end[] = "</ul></nav>\n";
+    write_part(page, page->before.text, page->before.bytes);
+    if (page->to == &page->after && page->headings > 0) {
+        write_part(page, begin, sizeof begin - 1);
+        write_part(page, page->contents.text, page->contents.bytes);
+        write_part(page, end, sizeof end - 1);
+    }
+    write_part(page, page->after.text, page->after.bytes);
+}
+
 bool hs_page_close(hs_page *page, hs_error *err) {
+    hs_page_part *const parts[] = {&page->before, &page->contents, &page->after};
     if (page->has_slider) put(page, slider_script);
     put(page, "</body>\n</html>\n");
+    for (int i = 0; i < 3; i++)
+        if (!part_close(parts[i]) && page->error.code == HS_OK)
+            (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory for its text");
+    if (page->error.code == HS_OK) write_parts(page);
+    for (int i = 0; i < 3; i++) {
+        free(parts[i]->text);
+        parts[i]->text = NULL;
+    }
     if (page->error.code == HS_OK) return hs_output_commit(&page->output, err);
     hs_output_discard(&page->output);
     return hs_fail(err, page->error.code, "%s", page->error.text);

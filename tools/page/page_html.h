@@ -6,11 +6,22 @@
 
 #include "base/output_file.h"
 
-/* A page under way. The first error is kept in it, so that only hs_page_close need be checked. */
+/* Text that grows in memory. */
+typedef struct {
+    FILE *stream;
+    char *text;
+    size_t bytes;
+} hs_page_part;
+
+/* A page under way. The first error is kept in it, so that only hs_page_close need be checked. Must not move
+ * while open. */
 typedef struct {
     hs_output_file output;
     hs_error error;
-    bool has_slider; /* the script is needed */
+    bool has_slider;                      /* the script is needed */
+    unsigned headings;                    /* of level 2 so far */
+    hs_page_part before, contents, after; /* what stands before the list of contents, it, and after it */
+    hs_page_part *to;                     /* what is written now */
 } hs_page;
 
 /* Starts a page at `path`; it appears when closed. All texts are escaped. */
@@ -19,11 +30,21 @@ void hs_page_open(hs_page *page, const char *path, const char *title);
 /* A heading of level 2 or 3. */
 void hs_page_heading(hs_page *page, int level, const char *text);
 
+/* Here stands the list of the headings of level 2 that follow, at most once. */
+void hs_page_contents(hs_page *page);
+
+/* Figures to be seen at once: each value with its name. */
+void hs_page_numbers(hs_page *page, const char *const *names, const char *const *values, unsigned count);
+
 /* A paragraph. */
 void hs_page_text(hs_page *page, const char *text);
 
 /* A row of pictures, which wraps on a narrow screen: begin, pictures, end. */
 void hs_page_row_begin(hs_page *page);
+/* One that stays a row on a narrow screen. */
+void hs_page_small_row_begin(hs_page *page);
+/* One of pictures with labels in them, which scrolls rather than shrinks. */
+void hs_page_wide_row_begin(hs_page *page);
 void hs_page_row_end(hs_page *page);
 
 /* A PNG file, inlined, with the text that stands for it when it is not seen, and a caption below. */
@@ -45,6 +66,10 @@ void hs_page_markup(hs_page *page, const char *markup);
  * pictures are seen, and in print the one it stands at. */
 void hs_page_slider_begin(hs_page *page, const char *label, unsigned count, unsigned shown);
 void hs_page_slider_end(hs_page *page);
+
+/* What stands between is folded away under `summary`. */
+void hs_page_fold_begin(hs_page *page, const char *summary);
+void hs_page_fold_end(hs_page *page);
 
 /* Text as printed in a terminal, folded away under `summary`. */
 void hs_page_folded(hs_page *page, const char *summary, const char *text);

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+#include "report/demo.h"
+
+#include "base/paths.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define WHOLE 0.01 /* shares up to which nothing is cut, or left, to the eye */
+#define A_BIT 0.05
+
+static const char source_of_real[] =
+    "A scan of a fetus of 12 to 13 weeks in its sac: ultrasound.nrrd of github.com/seaniod/vizbi_webgl_demo "
+    "(commit c6c2d7d, MIT licence).";
+
+/* A picture of the case, if it was made (a real volume has no ground truth). */
+typedef void put_figure(hs_page *page, const char *path, const char *alt, const char *caption);
+static void show(hs_page *page, const char *out, const hs_demo_case *c, put_figure *put, const char *file,
+                 const char *alt, const char *caption) {
+    char folder[PATH_MAX], path[PATH_MAX], whole[256];
+    (void)snprintf(whole, sizeof whole, "%s: %s", c->name, alt);
+    if (hs_path_join(out, c->folder, folder, sizeof folder, &page->error) &&
+        hs_path_join(folder, file, path, sizeof path, &page->error))
+        put(page, path, whole, caption);
+}
+
+/* Full volume, result, ground truth, in the order of all pages. */
+static void show_renderings(hs_page *page, const char *out, const hs_demo_case *c) {
+    show(page, out, c, hs_page_photo, "full.png", "rendering of the full volume", "Full volume");
+    show(page, out, c, hs_page_photo, "result.png",
+         c->clipped ? "rendering that starts at the clipping surface" : "rendering, not clipped",
+         c->clipped ? "Result" : "Result: not clipped");
+    if (c->has_truth)
+        show(page, out, c, hs_page_photo, "truth.png", "rendering of the ground truth",
+             "Ground truth. Grey: touches the occluder, cut");
+    hs_page_row_end(page);
+}
+
+static double known(double share) {
+    return isnan(share) ? 0.0 : share;
+}
+
+static void percent(double share, char out[16]) {
+    (void)snprintf(out, 16, isnan(share) ? "-" : "%.1f %%", 100 * share);
+}
+
+/* The sentence under the case's name. */
+static void put_verdict(hs_page *page, const hs_demo_case *c) {
+    char text[600], cut[16], left[16];
+    percent(c->cut, cut);
+    percent(c->left, left);
+    const char *fetus = known(c->cut) <= WHOLE   ? "the fetus is whole"
+                        : known(c->cut) <= A_BIT ? "the fetus is cut a little"
+                                                 : "the fetus is cut";
+    const char *before = known(c->left) <= WHOLE   ? "and nothing hides it any more"
+                         : known(c->left) <= A_BIT ? "and little is left before it"
+                                                   : "and a part of what hides it is left";
+    if (!c->clipped)
+        (void)snprintf(text, sizeof text, "Verdict: %s", c->note);
+    else if (!c->has_truth)
+        (void)snprintf(text, sizeof text, "Verdict: clipped; there is no ground truth to tell how well. %s",
+                       c->note);
+    else
+        (void)snprintf(text, sizeof text, "Verdict: %s, %s. Cut %s, left %s, %.1f ms. %s", fetus, before, cut,
+                       left, c->plugin_ms, c->note);
+    hs_page_text(page, text);
+}
+
+/* The scene of a fetus of which least is cut and left; NULL: none was clipped. */
+static const hs_demo_case *best_of(const hs_demo_case *cases, uint32_t count) {
+    const hs_demo_case *best = NULL;
+    for (uint32_t i = 0; i < count; i++) {
+        const hs_demo_case *c = &cases[i];
+        if (!c->clipped || !c->scene || c->file[0] || isnan(c->cut)) continue;
+        if (!best || c->cut + known(c->left) < best->cut + known(best->left)) best = c;
+    }
+    return best;
+}
+
+/* What a reader came for: the best case in pictures, one sentence, three figures. */
+static void put_answer(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count) {
+    static const char *const names[3] = {"of the fetus cut", "of what hides it left",
+                                         "a volume, in the plugin"};
+    char text[500], cut[16], left[16], ms[16];
+    const hs_demo_case *best = best_of(cases, count);
+    if (!best) {
+        hs_page_text(page, "No case with a ground truth was clipped.");
+        return;
+    }
+    hs_page_row_begin(page);
+    show_renderings(page, out, best);
+    (void)snprintf(
+        text, sizeof text,
+        "SmartVis finds a surface in the fluid before the fetus and starts the picture there, so that "
+        "what hides the fetus is gone: here in the best of the cases below, \"%s\".",
+        best->name);
+    hs_page_text(page, text);
+    percent(best->cut, cut);
+    percent(best->left, left);
+    (void)snprintf(ms, sizeof ms, "%.1f ms", best->plugin_ms);
+    hs_page_numbers(page, names, (const char *const[3]){cut, left, ms}, 3);
+}
+
+static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
+    hs_page_fold_begin(page, "How it was found, and how it looks from elsewhere");
+    hs_page_wide_row_begin(page);
+    show(page, out, c, hs_page_picture, "depthmap.png", "the clipping depthmap in false colour",
+         "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
+    show(page, out, c, hs_page_photo, "points.png", "initial points over the maximum intensity projection",
+         "Initial points over the maximum intensity projection");
+    hs_page_row_end(page);
+    const struct {
+        const char *file, *alt, *caption;
+    } wide[] = {
+        {"slices.png", "three slices with the clipping surface",
+         "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
+         "dimmed"},
+        {"knob.png", "the result for six positions of the knob",
+         "The knob: the result for six positions of the plugin's primary parameter"},
+        {"orbit.png", "six views of an orbit, the full volume above and the result below",
+         "Six views of an orbit: full volume above, result below"},
+    };
+    for (size_t i = 0; i < sizeof wide / sizeof *wide; i++) {
+        if (i == 1 && !c->has_knob) continue;
+        hs_page_wide_row_begin(page);
+        show(page, out, c, hs_page_photo, wide[i].file, wide[i].alt, wide[i].caption);
+        hs_page_row_end(page);
+    }
+    hs_page_fold_end(page);
+    hs_page_folded(page, "Times and statistics", c->printed ? c->printed : "");
+}
+
+static void put_case(hs_page *page, const char *out, const hs_demo_case *c) {
+    hs_page_heading(page, 2, c->name);
+    put_verdict(page, c);
+    if (!c->real) { /* which stands on top of the page */
+        hs_page_text(page, c->what);
+        hs_page_small_row_begin(page);
+        show_renderings(page, out, c);
+    }
+    put_details(page, out, c);
+}
+
+static void put_speed(hs_page *page, const hs_demo_case *cases, uint32_t count) {
+    static const char *const names[HS_DEMO_CELLS] = {
+        "Case",        "DVR [1/s]",      "+ scan conversion [1/s]", "+ plugin [1/s]",
+        "plugin [ms]", "plugin's share", "initial points",          "outcome"};
+    hs_page_heading(page, 2, "Speed");
+    hs_page_text(
+        page,
+        "Volumes a second from the median of the whole loop, in the three settings of the thesis' Figure "
+        "5.21: direct volume rendering (DVR) alone and with scan conversion draw the full volume, "
+        "unclipped; with the plugin the rays start at its depthmap. The plugin's share is that of a "
+        "whole frame.");
+    hs_page_table_begin(page);
+    hs_page_table_row(page, names, HS_DEMO_CELLS);
+    for (uint32_t i = 0; i < count; i++) {
+        const char *cells[HS_DEMO_CELLS] = {cases[i].name};
+        for (uint32_t k = 1; k < HS_DEMO_CELLS; k++) cells[k] = cases[i].row[k];
+        hs_page_table_row(page, cells, HS_DEMO_CELLS);
+    }
+    hs_page_table_end(page);
+}
+
+void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count) {
+    if (count > 0 && cases[0].real) {
+        hs_page_row_begin(page);
+        show_renderings(page, out, &cases[0]);
+        hs_page_text(page, source_of_real);
+    }
+    put_answer(page, out, cases, count);
+    hs_page_text(
+        page, "Cut is the share of the fetus that is cut by more than two steps of a ray, left the share of "
+              "the rays on which more than two steps of what hides it are left; a step is one slice of "
+              "the volume. Grey in a result is tissue that the surface cuts.");
+    hs_page_contents(page);
+    for (uint32_t i = 0; i < count; i++) put_case(page, out, &cases[i]);
+    put_speed(page, cases, count);
+}
