@@ -168,14 +168,16 @@ typedef struct sv_host sv_host;
 typedef int32_t sv_status;
 enum {
     SV_OK = 0,
-    SV_NO_SURFACE = 1, /* too little evidence of fluid before the fetus, or nothing hides it: the map holds
-                          zeros, which clip nothing */
+    SV_NO_SURFACE = 1, /* too little evidence of fluid before the fetus: the map holds zeros, which clip
+                          nothing. Where nothing hides the fetus it may be this, or SV_OK with a surface in
+                          front of it. */
     SV_PARTIAL = 2, /* the map holds, but some pixels have no surface: they are 0 and clip nothing. The host
                        renders with it as with SV_OK. */
 
     SV_ERR_INTERNAL = -1, /* a defect of the plugin */
 
-    SV_ERR_ARGUMENT = -10,    /* a pointer is NULL, a flag or an enum value is unknown */
+    SV_ERR_ARGUMENT = -10,    /* a pointer is NULL, a flag or an enum value is unknown, an object is none of
+                                 the host's context */
     SV_ERR_SIZE = -11,        /* a struct's `size` is smaller than version 1.0 of that struct */
     SV_ERR_FORMAT = -12,      /* the format is impossible (width 0, pitch too small), not supported, or needs
                                  more memory than the device has */
@@ -187,7 +189,8 @@ enum {
     SV_ERR_STATE = -20,        /* a call in the wrong state (its tag is violated) */
     SV_ERR_SLAB_ORDER = -21,   /* a slab does not start where the one before it ended */
     SV_ERR_SLAB_MISSING = -22, /* end before the last slice came */
-    SV_ERR_SLAB_SHAPE = -23, /* a slab is empty, too long, or its memory is too small or of a wrong carrier */
+    SV_ERR_SLAB_SHAPE = -23,   /* a slab is empty, too long, or its memory is too small, of a wrong carrier or
+                                  of another context */
 
     SV_ERR_NO_DEVICE = -30, /* no OpenCL platform or device */
     SV_ERR_BUILD = -31,     /* a kernel did not compile; the build log went to sv_host.log */
@@ -279,7 +282,7 @@ enum { SV_VOXEL_U8 = 1, SV_VOXEL_U16 = 2 /* reserved: a 1.0 plugin may refuse it
 
 enum {
     SV_CARRIER_HOST = 1,   /* host memory */
-    SV_CARRIER_BUFFER = 2, /* an OpenCL buffer; needs the host's context */
+    SV_CARRIER_BUFFER = 2, /* an OpenCL buffer of the host's context */
     SV_CARRIER_IMAGE = 3   /* an OpenCL 2D image, CL_R with CL_UNORM_INT8 or CL_UNSIGNED_INT8; the same.
                               An image has no row_pitch: the field is ignored. */
 };
@@ -421,7 +424,8 @@ typedef struct sv_result {
     uint32_t size;
     uint32_t depth_pitch;         /* bytes from one row of depth to the next, a multiple of 4; 0: width * 4 */
     float *depth;                 /* float32 slices, height rows */
-    struct _cl_mem *depth_object; /* an OpenCL buffer instead of depth; rows are width * 4 bytes apart */
+    struct _cl_mem *depth_object; /* an OpenCL buffer of the host's context instead of depth; rows are
+                                     width * 4 bytes apart */
     uint64_t depth_offset;        /* bytes into depth_object, a multiple of 4 */
     uint8_t *status; /* width * height bytes, SV_POINT_*; SV_POINT_NONE for methods without points */
     sv_stats *stats; /* stats->size set by the host; filled from the start up to that size */

@@ -107,9 +107,10 @@ static void print_plugin(const hs_loop_result *r, FILE *out) {
     const sv_stats *s = &r->stats;
     (void)fprintf(out, "Last frame: %s", hs_status_name(r->outcome));
     const sv_points_report *p = &r->points;
-    if (s->rays > 0)
-        (void)fprintf(out, "; %u rays gave a point (%.1f %% of %u), %u pixels without a surface", s->points,
-                      100.0 * s->points / s->rays, s->rays, s->unfilled);
+    if (s->points > 0)
+        (void)fprintf(out, "; %u rays gave a point (%.1f %% of %u)", s->points, 100.0 * s->points / s->rays,
+                      s->rays);
+    if (s->rays > 0) (void)fprintf(out, ", %u pixels without a surface", s->unfilled);
     if (p->size > 0)
         (void)fprintf(out,
                       "; %u points with an empty interval, %u surely in fluid; "

@@ -188,15 +188,19 @@ static inline sv_status sva_cl_open(sva *a, const char *source, const char *cons
 
 /* -------------------------------------------------------------------------------------- frame path -- */
 
-/* SV_OK if `object` is a buffer that holds `bytes` from `offset` on, else `status`. */
+/* SV_OK if `object` is a buffer of the device's context that holds `bytes` from `offset` on, else `status`.
+ */
 static inline sv_status sva_cl_check_buffer(sva *a, const char *field, cl_mem object, uint64_t offset,
                                             uint64_t bytes, sv_status status) {
     cl_mem_object_type type = 0;
+    cl_context context = NULL;
     size_t size = 0;
     if (clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL) != CL_SUCCESS ||
         type != CL_MEM_OBJECT_BUFFER ||
+        clGetMemObjectInfo(object, CL_MEM_CONTEXT, sizeof context, &context, NULL) != CL_SUCCESS ||
+        context != ((sva_cl *)a->own)->context ||
         clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof size, &size, NULL) != CL_SUCCESS)
-        return sva_blame(a, status, "%s is no buffer", field);
+        return sva_blame(a, status, "%s is no buffer of this context", field);
     if (offset <= size && bytes <= size - offset) return SV_OK;
     return sva_blame(a, status, "%s: %llu bytes from %llu on lie outside of its %llu", field,
                      (unsigned long long)bytes, (unsigned long long)offset, (unsigned long long)size);

@@ -30,7 +30,7 @@ typedef struct sv_ext_points {
     /* [frame & active, after a successful end or adjust] Writes the report of the last frame, up to
      * out->size, which the host sets. Host queue: enqueued behind the frame's own commands and valid when the
      * queue has run; the memory must stay until then. Own queue: valid when it returns. SV_ERR_STATE if there
-     * is no such frame. */
+     * is no such frame, or its method looks for no points. */
     sv_status(SV_CALL *write)(const sv_plugin *plugin, sv_points_report *out);
 } sv_ext_points;
 

@@ -40,6 +40,8 @@ static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
                              sizeof *out);
     if (in->state != SV_STATE_FINISHED)
         return sv_blame_host(&in->diag, SV_ERR_STATE, "points: no finished frame");
+    if (!in->pipeline.chain.surveyed) /* no mistake: a host need not know the methods */
+        return sv_report(&in->diag, SV_LOG_DEBUG, SV_ERR_STATE, "points: the method looks for none");
     const sv_status status = sv_pipeline_read_points(&in->pipeline, out);
     if (status != SV_OK || !in->device.owned) return status;
     return sv_clx_check(&in->diag, clFinish(in->device.queue), "points: clFinish");

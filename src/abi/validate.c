@@ -80,23 +80,28 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
     return status == SV_OK ? check_texture(diag, f) : status;
 }
 
-/* SV_OK if `object` is a memory object of this type. An image, too, has a size, and a kernel would take it
- * for a buffer. */
-static sv_status check_type(sv_diag *diag, const char *field, cl_mem object, cl_mem_object_type wanted,
-                            sv_status status) {
+/* SV_OK if `object` is a memory object of this type in the host's context. An image, too, has a size, and a
+ * kernel would take it for a buffer; and a runtime need not notice an object of another context. */
+static sv_status check_object(sv_diag *diag, const sv_pipeline *p, const char *field, cl_mem object,
+                              cl_mem_object_type wanted, sv_status status) {
     cl_mem_object_type type = 0;
-    const cl_int code = clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL);
+    cl_context context = NULL;
+    cl_int code = clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL);
+    if (code == CL_SUCCESS) code = clGetMemObjectInfo(object, CL_MEM_CONTEXT, sizeof context, &context, NULL);
     const char *name = wanted == CL_MEM_OBJECT_BUFFER ? "buffer" : "2D image";
     if (code != CL_SUCCESS) BLAME(diag, status, "%s is no %s: %s (%d)", field, name, sv_clx_name(code), code);
     if (type != wanted) BLAME(diag, status, "%s is no %s: its type is 0x%x", field, name, type);
+    if (context != p->queue.device->context)
+        BLAME(diag, status, "%s is of another context than the format's", field);
     return SV_OK;
 }
 
 /* SV_OK if `object` is a buffer that holds `needed` bytes from `offset` on. */
-static sv_status check_ranges_object(sv_diag *diag, const sv_frame *f, uint64_t needed) {
+static sv_status check_ranges_object(sv_diag *diag, const sv_pipeline *p, const sv_frame *f,
+                                     uint64_t needed) {
     size_t bytes = 0;
-    const sv_status status =
-        check_type(diag, "begin: scanned_object", f->scanned_object, CL_MEM_OBJECT_BUFFER, SV_ERR_ARGUMENT);
+    const sv_status status = check_object(diag, p, "begin: scanned_object", f->scanned_object,
+                                          CL_MEM_OBJECT_BUFFER, SV_ERR_ARGUMENT);
     if (status != SV_OK) return status;
     const cl_int code = clGetMemObjectInfo(f->scanned_object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     if (code != CL_SUCCESS)
@@ -120,7 +125,7 @@ static sv_status check_ranges(sv_diag *diag, const sv_pipeline *p, const sv_fram
     if (p->queue.device->owned)
         BLAME(diag, SV_ERR_ARGUMENT,
               "begin: scanned_object needs the host's context, and activate was given none");
-    return check_ranges_object(diag, f, (uint64_t)c->width * c->height * sizeof(sv_scanned));
+    return check_ranges_object(diag, p, f, (uint64_t)c->width * c->height * sizeof(sv_scanned));
 }
 
 sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *p, const sv_frame *f) {
@@ -149,7 +154,7 @@ static sv_status check_image(sv_diag *diag, const sv_pipeline *p, const sv_slab 
     size_t width = 0, height = 0;
     cl_image_format format = {0, 0};
     const sv_status status =
-        check_type(diag, "slab: object", slab->object, CL_MEM_OBJECT_IMAGE2D, SV_ERR_SLAB_SHAPE);
+        check_object(diag, p, "slab: object", slab->object, CL_MEM_OBJECT_IMAGE2D, SV_ERR_SLAB_SHAPE);
     if (status != SV_OK) return status;
     cl_int code = clGetImageInfo(slab->object, CL_IMAGE_WIDTH, sizeof width, &width, NULL);
     if (code == CL_SUCCESS)
@@ -172,10 +177,10 @@ static sv_status check_image(sv_diag *diag, const sv_pipeline *p, const sv_slab 
     return SV_OK;
 }
 
-static sv_status check_buffer(sv_diag *diag, const sv_slab *slab) {
+static sv_status check_buffer(sv_diag *diag, const sv_pipeline *p, const sv_slab *slab) {
     size_t bytes = 0;
     const sv_status status =
-        check_type(diag, "slab: object", slab->object, CL_MEM_OBJECT_BUFFER, SV_ERR_SLAB_SHAPE);
+        check_object(diag, p, "slab: object", slab->object, CL_MEM_OBJECT_BUFFER, SV_ERR_SLAB_SHAPE);
     if (status != SV_OK) return status;
     const cl_int code = clGetMemObjectInfo(slab->object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     if (code != CL_SUCCESS)
@@ -221,7 +226,7 @@ sv_status sv_validate_slab(sv_diag *diag, const sv_pipeline *p, const sv_slab *s
     if (slab->bytes < needed)
         BLAME(diag, SV_ERR_SLAB_SHAPE, "slab: bytes is %llu, %u slices need %llu",
               (unsigned long long)slab->bytes, slab->slice_count, (unsigned long long)needed);
-    return c->carrier == SV_CARRIER_BUFFER ? check_buffer(diag, slab) : check_memory(diag, c, slab);
+    return c->carrier == SV_CARRIER_BUFFER ? check_buffer(diag, p, slab) : check_memory(diag, c, slab);
 }
 
 static sv_status check_depth_object(sv_diag *diag, const char *call, const sv_pipeline *p,
@@ -230,7 +235,8 @@ static sv_status check_depth_object(sv_diag *diag, const char *call, const sv_pi
     const uint64_t needed = (uint64_t)p->config.width * p->config.height * sizeof(float);
     char field[32];
     (void)snprintf(field, sizeof field, "%s: depth_object", call);
-    const sv_status status = check_type(diag, field, r->depth_object, CL_MEM_OBJECT_BUFFER, SV_ERR_ARGUMENT);
+    const sv_status status =
+        check_object(diag, p, field, r->depth_object, CL_MEM_OBJECT_BUFFER, SV_ERR_ARGUMENT);
     if (status != SV_OK) return status;
     const cl_int code = clGetMemObjectInfo(r->depth_object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     if (code != CL_SUCCESS)

@@ -256,9 +256,10 @@ sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
     if (status != SV_OK) return status;
     status = sv_chain_slab(&p->chain, &placed);
     if (status != SV_OK) return status;
+    p->next_slice += slab->slice_count;
+    if (!p->chain.surveyed) return SV_OK; /* nobody takes the profile */
     p->batch_buffer = placed.buffer;
     p->batch.offset[p->batch.count] = placed.offset;
     p->batch.slices[p->batch.count++] = slab->slice_count;
-    p->next_slice += slab->slice_count;
     return batch_is_due(p) ? launch_profile(p) : SV_OK;
 }

@@ -3,11 +3,11 @@
 
 #include "device/queue.h"
 
-/* Finds the bone level from the survey, and starts an empty record. */
-static sv_status launch_level(sv_pipeline *p) {
+/* Finds the bone level from the survey of so many bands, and starts an empty record. */
+static sv_status launch_level(sv_pipeline *p, uint32_t bands) {
     sv_launch l = SV_LAUNCH_JOB(&p->map, band_level);
     sv_launch_buffer(&l, p->buffers.survey);
-    sv_launch_uint(&l, p->map.bands);
+    sv_launch_uint(&l, bands);
     sv_launch_buffer(&l, p->buffers.histogram);
     sv_launch_buffer(&l, p->buffers.record);
     return sv_launch_items(&l, 1, SV_STAGE_THRESHOLD);
@@ -27,7 +27,7 @@ static sv_status points_by_bands(sv_pipeline *p) {
     sv_launch_buffer(&l, b->state8);
     sv_launch_buffer(&l, b->survey);
     sv_status status = sv_launch_items(&l, p->map.bands, SV_STAGE_THRESHOLD);
-    if (status == SV_OK) status = launch_level(p);
+    if (status == SV_OK) status = launch_level(p, p->map.bands);
     if (status != SV_OK) return status;
     l = SV_LAUNCH_JOB(&p->map, band_points);
     points_args(&l, p);
@@ -46,7 +46,7 @@ static sv_status points_by_rays(sv_pipeline *p) {
         sv_launch_buffer(&l, b->survey);
         status = sv_launch_pixels(&l, p->config.width, p->config.height, SV_STAGE_THRESHOLD);
     }
-    if (status == SV_OK) status = launch_level(p);
+    if (status == SV_OK) status = launch_level(p, p->map.bands);
     if (status != SV_OK) return status;
     l = SV_LAUNCH_JOB(&p->map, rays_points);
     points_args(&l, p);
@@ -61,7 +61,10 @@ sv_status sv_pipeline_end(sv_pipeline *p, float q) {
         return chain->method->single(&p->map, &chain->state, &rays);
     }
     const bool by_rays = p->config.strategy == SV_STRATEGY_RAYS;
-    const sv_status status = by_rays ? points_by_rays(p) : points_by_bands(p);
+    /* Without points, record and status map have none. */
+    const sv_status status = !chain->surveyed ? launch_level(p, 0)
+                             : by_rays        ? points_by_rays(p)
+                                              : points_by_bands(p);
     return status == SV_OK ? sv_chain_run(chain, b->state16, q) : status;
 }
 

@@ -28,6 +28,7 @@ uint32_t sv_chain_commands(const sv_config *c) {
 void sv_chain_init(sv_chain *chain, sv_map *frame) {
     const sv_config *c = frame->config;
     *chain = (sv_chain){.method = sv_method_of(c->method),
+                        .surveyed = sv_method_uses(sv_method_of(c->method), SV_PARAM_EVIDENCE),
                         .filtered = is_filtered(c),
                         .reduced = is_reduced(c),
                         .frame = frame};
@@ -171,7 +172,7 @@ sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q) {
     if (chain->direct) return chain->method->run(on, &chain->state, 2);
     const double *v = on->values.of;
     sv_status status = forget_passes(chain);
-    if (status == SV_OK) status = fetch_points(chain, state16, q);
+    if (status == SV_OK && !chain->method->slab) status = fetch_points(chain, state16, q);
     if (status == SV_OK && chain->filtered)
         status = sv_minimum_prefilter(on, &chain->filter, (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
                                       (uint32_t)v[SV_PARAM_PREFILTER_PASSES]);

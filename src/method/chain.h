@@ -15,6 +15,7 @@
 
 typedef struct {
     const sv_method *method;
+    bool surveyed; /* initial points say whether there is a surface at all, whatever it is made of */
     bool direct;   /* the method takes the sums of the points stage: nothing is gathered */
     bool linear;   /* in the depths: one run serves every q */
     bool filtered; /* the minimum filter comes first */

@@ -140,6 +140,7 @@ static void wrong_ranges(void **state) {
     assert_int_equal(p->activate(p, &t->format), SV_OK);
     cl_int code = CL_SUCCESS;
     const cl_mem small = clCreateBuffer(s->r.context, CL_MEM_READ_WRITE, RAYS * 4 - 1, NULL, &code);
+    const cl_mem foreign = rig_foreign_buffer(&s->r, (size_t)RAYS * 4);
     const struct {
         const char *part;
         const sv_scanned *scanned;
@@ -150,7 +151,8 @@ static void wrong_ranges(void **state) {
         {"2 of scanned and scanned_object given, expected exactly one", s->ranges, small, 0},
         {"scanned_offset is 0, the ranges need 2380 of the buffer's 2379 bytes", NULL, small, 0},
         {"scanned_offset is 2, the ranges need 2380", NULL, small, 2},
-        {"scanned_offset is 18446744073709551612, the ranges need 2380", NULL, small, UINT64_MAX - 3}};
+        {"scanned_offset is 18446744073709551612, the ranges need 2380", NULL, small, UINT64_MAX - 3},
+        {"scanned_object is of another context", NULL, foreign, 0}};
     for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
         sv_frame frame = rig_begin(t, NULL, 0);
         frame.scanned = wrong[n].scanned;

@@ -348,6 +348,11 @@ static void bad_objects(void **state) {
     sv_slab one = {.size = sizeof one, .slice_count = SLAB, .object = buffer, .offset = 640, .bytes = 361};
     assert_int_equal(begin(s), SV_OK);
     refused(s, s->p->slab(s->p, &one), SV_ERR_SLAB_SHAPE, "361 bytes from 640 on lie outside of its 1000");
+    one.object = rig_foreign_buffer(&s->r, 1000);
+    assert_int_equal(begin(s), SV_OK);
+    refused(s, s->p->slab(s->p, &one), SV_ERR_SLAB_SHAPE, "object is no buffer of this context");
+    assert_int_equal(clReleaseMemObject(one.object), CL_SUCCESS);
+    one.object = buffer;
     sv_result result = {.size = sizeof result, .depth_object = buffer, .depth_offset = 1000 - RAYS * 4 + 4};
     for (uint32_t n = 0; n < 2; n++) {
         one.bytes = 360;

@@ -109,6 +109,9 @@ static void a_buffer_is_written_where_it_was_asked(void **state) {
     assert_int_equal(ext->write(r->plugin, NULL, buffer, 2), SV_ERR_ARGUMENT);
     assert_int_equal(ext->write(r->plugin, NULL, NULL, 0), SV_ERR_ARGUMENT);
     assert_int_equal(ext->write(r->plugin, expected, buffer, 0), SV_ERR_ARGUMENT);
+    cl_mem foreign = rig_foreign_buffer(r, BYTES);
+    assert_int_equal(ext->write(r->plugin, NULL, foreign, 0), SV_ERR_ARGUMENT);
+    assert_int_equal(clReleaseMemObject(foreign), CL_SUCCESS);
     assert_int_equal(ext->write(r->plugin, NULL, buffer, 0), SV_OK);
     assert_int_equal(clFinish(r->queue), CL_SUCCESS);
     assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);

@@ -150,6 +150,10 @@ static void wrong_buffers(void **state) {
     slab.bytes = 84 * 36;
     refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is no buffer");
     assert_int_equal(clReleaseMemObject(image), CL_SUCCESS);
+    slab = rig_slab(f->textures, 0);
+    slab.object = rig_foreign_buffer(&f->r, slab.offset + slab.bytes);
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is of another context");
+    assert_int_equal(clReleaseMemObject(slab.object), CL_SUCCESS);
     fixture_frame_is_good(f);
 }
 
@@ -218,6 +222,9 @@ static void wrong_results(void **state) {
     r.depth_offset = 0;
     r.depth_object = image;
     refused_result(f, r, SV_ERR_ARGUMENT, "depth_object is no buffer");
+    r.depth_object = rig_foreign_buffer(&f->r, FIXTURE_RAYS * 4);
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_object is of another context");
+    assert_int_equal(clReleaseMemObject(r.depth_object), CL_SUCCESS);
     sv_stats shorter = {.size = sizeof shorter - 4};
     r = fixture_result(f);
     r.stats = &shorter;

@@ -35,6 +35,16 @@ static void open_device(rig *r) {
     shared_programs_begin(r->context);
 }
 
+cl_mem rig_foreign_buffer(const rig *r, size_t bytes) {
+    cl_int code = CL_SUCCESS;
+    cl_mem buffer = NULL;
+    cl_context other = clCreateContext(NULL, 1, &r->device, NULL, NULL, &code);
+    if (code == CL_SUCCESS) buffer = clCreateBuffer(other, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    if (code != CL_SUCCESS) fail("OpenCL", "no buffer in another context");
+    (void)clReleaseContext(other); /* the buffer keeps it */
+    return buffer;
+}
+
 bool rig_is_cpu(const rig *r) {
     cl_device_type type = 0;
     if (clGetDeviceInfo(r->device, CL_DEVICE_TYPE, sizeof type, &type, NULL) != CL_SUCCESS)

@@ -3,8 +3,12 @@
 
 #include <assert.h>
 #include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 int surface_next(int method) {
     while (++method < SV_METHOD_END)
@@ -218,6 +222,17 @@ double surface_error(const rig_result *out, const double *expected, size_t count
         if (!isnan(expected[i])) worst = fmax(worst, fabs((double)out->depth[i] - expected[i]));
     }
     return worst;
+}
+
+void surface_check_points(const rig_result *out, const surface_points *points, int method) {
+    const bool on_points = method != SV_METHOD_WALL;
+    uint32_t resting = 0;
+    for (size_t i = 0; i < (size_t)points->width * points->height; i++) {
+        assert_int_equal(out->status[i], on_points ? points->status[i] : SV_POINT_NONE);
+        resting += out->status[i] != SV_POINT_NONE;
+    }
+    assert_int_equal(out->stats.points, resting);
+    assert_int_equal(out->points.size > 0, on_points);
 }
 
 double surface_bound(const surface_chain *chain, const surface_points *points) {

@@ -63,6 +63,10 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
 /* Largest difference, where one is expected; NAN if a depth is not finite. */
 double surface_error(const rig_result *out, const double *expected, size_t count);
 
+/* Fails unless statistics and status map name the points that there are: none with method wall, which looks
+ * for none. */
+void surface_check_points(const rig_result *out, const surface_points *points, int method);
+
 /* The method's own bound, on a device with float64 unless the chain says float32. */
 double surface_bound(const surface_chain *chain, const surface_points *points);
 

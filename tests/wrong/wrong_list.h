@@ -82,6 +82,7 @@
     WRONG(outcomes_differ, results, frame-outcome, "end returns SV_OK, and the statistics SV_PARTIAL") \
     WRONG(depths_without_surface, results, frame-outcome, "the outcome is SV_NO_SURFACE, and the map is not zero") \
     WRONG(rays_wrong, results, frame-statistics, "the statistics count one ray") \
+    WRONG(points_unmarked, results, frame-statistics, "the statistics count a point that the status map does not mark") \
     WRONG(unfilled_too_many, results, frame-statistics, "more pixels are without a surface than there are") \
     WRONG(stats_size_changed, results, frame-statistics, "end changes the size of the host's statistics") \
     WRONG(status_map_garbage, results, frame-statistics, "the status map holds 9") \
@@ -155,5 +156,6 @@
     WRONG(ignores_opencl_errors, opencl, opencl-faults, "an OpenCL call that fails goes unnoticed") \
     WRONG(crash_on_opencl_error, opencl, opencl-faults, "a buffer that cannot be made is used all the same") \
     WRONG(refuses_buffers, opencl, carriers, "activate refuses a carrier that the descriptor offers") \
-    WRONG(carriers_differ, opencl, carriers, "a volume in buffers gives another map than in memory")
+    WRONG(carriers_differ, opencl, carriers, "a volume in buffers gives another map than in memory") \
+    WRONG(takes_foreign_objects, opencl, foreign-objects, "begin takes ranges in a buffer of another context")
 #endif

@@ -88,7 +88,13 @@ static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
 }
 
 static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
+    sva_cl *cl = (sva_cl *)wrong_self(plugin)->own;
+    const cl_context own = cl->context;
+    if (WRONG_IS(takes_foreign_objects) && frame && frame->scanned_object)
+        (void)clGetMemObjectInfo(frame->scanned_object, CL_MEM_CONTEXT, sizeof own, (void *)&cl->context,
+                                 NULL);
     const sv_status status = sva_begin(plugin, frame);
+    cl->context = own;
     if (status == SV_OK && WRONG_IS(frame_builds)) build_a_program(wrong_self(plugin));
     return status;
 }

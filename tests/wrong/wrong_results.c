@@ -67,6 +67,7 @@ static void spoil_rest(const sva *a, const sv_result *r) {
     if (WRONG_IS(status_map_garbage) && r->status) r->status[0] = 9;
     if (!s) return;
     if (WRONG_IS(rays_wrong)) s->rays = 1;
+    if (WRONG_IS(points_unmarked)) s->points++;
     if (WRONG_IS(unfilled_too_many)) s->unfilled = s->rays + 1;
     if (WRONG_IS(stats_size_changed)) s->size = 4;
     if (WRONG_IS(writes_past_stats)) memset(s + 1, 0, 4);

@@ -2,6 +2,7 @@
 #include "eval/eval_study.h"
 
 #include "plugin/loader_param.h"
+#include "smartvis/lookup.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -22,10 +23,13 @@ static void fill_axis(hs_eval_axis *axis, double low, double step, uint32_t coun
     for (uint32_t i = 0; i < axis->count; i++) axis->value[i] = round((low + step * stride * i) * 1e6) / 1e6;
 }
 
-static void find_axis(hs_eval_axis *axis, const hs_plugin *plugin, const char *key) {
+/* An axis is there if the plugin has the parameter, and it matters with these values. */
+static void find_axis(hs_eval_axis *axis, const hs_plugin *plugin, const char *key,
+                      const hs_eval_values *with) {
     sv_param_info info;
     *axis = (hs_eval_axis){.count = 1};
-    axis->exists = hs_plugin_find_param(plugin, key, &info);
+    axis->exists = hs_plugin_find_param(plugin, key, &info) &&
+                   sv_lookup_matters(plugin->instance, &info, with->at, with->count);
     if (axis->exists) axis->id = info.id;
 }
 
@@ -69,20 +73,21 @@ static void name_identity(hs_eval_plan *plan, bool coarse) {
 static bool use_mode_absolute(hs_eval_plan *plan, hs_error *err) {
     const char *const absolute = "bone_mode=absolute";
     sv_param_info info;
-    return !plan->threshold.exists || !hs_plugin_find_param(plan->plugin, "bone_mode", &info) ||
+    return !hs_plugin_find_param(plan->plugin, "bone_threshold", &info) ||
+           !hs_plugin_find_param(plan->plugin, "bone_mode", &info) ||
            hs_eval_values_parse(&plan->base, plan->plugin, &absolute, 1, err);
 }
 
 bool hs_eval_plan_make(hs_eval_plan *plan, const hs_plugin *plugin, const char *const *sets, uint32_t count,
                        bool coarse, hs_error *err) {
     *plan = (hs_eval_plan){.plugin = plugin};
-    find_axis(&plan->threshold, plugin, "bone_threshold");
-    find_axis(&plan->kernel, plugin, "kernel");
+    if (!hs_eval_plan_base(&plan->base, plugin, sets, count, err) || !use_mode_absolute(plan, err))
+        return false;
+    find_axis(&plan->threshold, plugin, "bone_threshold", &plan->base);
+    find_axis(&plan->kernel, plugin, "kernel", &plan->base);
     if (plan->threshold.exists) fill_axis(&plan->threshold, 0.5, 0.01, 51, coarse);
     if (plan->kernel.exists) fill_axis(&plan->kernel, 3, 4, 16, coarse);
     hs_eval_knob_spread(&plan->knob, plugin, coarse ? (KNOB_POSITIONS - 1) / COARSE + 1 : KNOB_POSITIONS);
-    if (!hs_eval_plan_base(&plan->base, plugin, sets, count, err) || !use_mode_absolute(plan, err))
-        return false;
     name_identity(plan, coarse);
     return true;
 }

@@ -84,6 +84,7 @@ void check_padding_ignored(v_run *run);
 void check_scanned_ranges(v_run *run);
 void check_padding_value(v_run *run);
 void check_carriers(v_run *run);
+void check_foreign_objects(v_run *run);
 
 void check_slab_refusals(v_run *run);
 void check_format_refusals(v_run *run);

@@ -115,10 +115,15 @@ static void inspect_statistics(v_run *run, const v_map *map) {
              "the outcome is SV_NO_SURFACE, and stats.unfilled is %u of %u", s->unfilled, rays);
     V_EXPECT(run, s->outcome != SV_PARTIAL || (s->unfilled > 0 && s->unfilled < rays),
              "the outcome is SV_PARTIAL, and stats.unfilled is %u of %u", s->unfilled, rays);
-    for (uint32_t i = 0; i < rays; i++)
+    uint32_t marked = 0;
+    for (uint32_t i = 0; i < rays; i++) {
         V_EXPECT(run, map->status[i] <= SV_POINT_EMPTY,
                  "the status of ray (%u, %u) is %u, or was not written", i % map->width, i / map->width,
                  map->status[i]);
+        marked += map->status[i] != SV_POINT_NONE;
+    }
+    V_EXPECT(run, s->points == 0 || s->points == marked,
+             "stats.points is %u, and the status map marks %u rays", s->points, marked);
 }
 
 void check_frame_statistics(v_run *run) {

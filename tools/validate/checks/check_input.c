@@ -215,3 +215,47 @@ void check_carriers(v_run *run) {
     v_note(run, "%u ways to hand a volume over", ways);
     v_rig_close(&r);
 }
+
+/* A call that was handed an object of another context. */
+static void refused_foreign(v_rig *r, const char *what, sv_status status, sv_status expected) {
+    V_EXPECT(r->s.run, status == expected, "%s of another context: %s, expected %s", what, v_status(status),
+             v_status(expected));
+}
+
+void check_foreign_objects(v_run *run) {
+    v_rig r;
+    v_device other;
+    v_stage foreign;
+    v_map map;
+    v_rig_open(run, &r);
+    v_way way = v_standard_way(&r.s);
+    if (way.own_queue) v_skip(run, "the plugin takes no objects: it works on a queue of its own");
+    if (r.s.descriptor->carriers & SV_BIT(SV_CARRIER_BUFFER)) way.carrier = SV_CARRIER_BUFFER;
+    way.depth_object = true;
+    way.ranges_in_buffer = way.ranges;
+    v_rig_set(&r, &way, V_LAYERS);
+    v_device_open(run, &other);
+    v_stage_make(run, &foreign, &way, &other);
+    const sv_plugin *p = r.s.plugin;
+    sv_frame frame = v_stage_frame(&r.stage, NULL, 0);
+    sv_slab slab = v_stage_slab(&r.stage, 0);
+    sv_result result = v_stage_result(&r.stage);
+    v_stage_poison(&r.stage, V_POISON); /* the statistics get their size */
+    frame.scanned_object = foreign.ranges_object;
+    slab.object = foreign.objects[0];
+    result.depth_object = foreign.depth_object;
+    if (way.ranges) refused_foreign(&r, "scanned_object", p->begin(p, &frame), SV_ERR_ARGUMENT);
+    if (slab.object) {
+        (void)v_begin(p, &r.stage, NULL, 0);
+        refused_foreign(&r, "a slab's object", p->slab(p, &slab), SV_ERR_SLAB_SHAPE);
+    }
+    (void)v_begin(p, &r.stage, NULL, 0);
+    for (uint32_t n = 0; n < r.stage.slab_count; n++) (void)v_slab(p, &r.stage, n);
+    refused_foreign(&r, "depth_object", p->end(p, &result), SV_ERR_ARGUMENT);
+    (void)clFinish(r.device.queue);
+    v_frame(&r.s, p, &r.stage, NULL, 0, &map);
+    v_map_free(&map);
+    v_stage_free(&foreign);
+    v_device_close(&other);
+    v_rig_close(&r);
+}

@@ -123,6 +123,8 @@ const v_check v_checks[] = {
      "Carry the state of every ray from slab to slab.", check_slab_splits},
     {"carriers", "first-frame", "Every carrier and queue that the descriptor offers gives the same map.",
      "Take offset into account; do not offer what activate refuses.", check_carriers},
+    {"foreign-objects", "carriers", "Objects of another context are refused.",
+     "Compare CL_MEM_CONTEXT with the format's context.", check_foreign_objects},
     /* ---- what must be refused */
     {"call-states", "first-frame", "Every call in every state does what the header says.",
      "Keep a state in the instance and test it first; SV_ERR_STATE changes nothing.", check_call_states},
