@@ -191,7 +191,7 @@ sv_status hs_guard_activate(hs_guard *guard) {
     block->slab_count = 0;
     memcpy(block->values, guard->values, guard->format.value_count * sizeof *guard->values);
     const sv_status status = hs_guard_ask(guard, HS_GUARD_ACTIVATE, guard->options.setup_s);
-    guard->offered = status == SV_OK && block->offered != 0;
+    guard->offered = hs_status_is_success(status) && block->offered != 0;
     return status;
 }
 
@@ -209,7 +209,7 @@ bool hs_guard_revive(hs_guard *guard) {
                        err.text);
         return false;
     }
-    if (!guard->active || hs_guard_activate(guard) == SV_OK) return true;
+    if (!guard->active || hs_status_is_success(hs_guard_activate(guard))) return true;
     hs_guard_end_child(guard);
     return false;
 }

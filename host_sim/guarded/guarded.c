@@ -28,7 +28,7 @@ static sv_status guarded_activate(const sv_plugin *plugin, const sv_format *form
     guard->active = false;
     if (!hs_guard_revive(guard)) return SV_ERR_INTERNAL;
     const sv_status status = hs_guard_activate(guard);
-    guard->active = status == SV_OK;
+    guard->active = hs_status_is_success(status);
     return status;
 }
 

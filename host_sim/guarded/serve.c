@@ -5,6 +5,7 @@
 #include "guarded/serve_carrier.h"
 #include "plugin/capabilities.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,12 +18,21 @@ typedef struct {
     hs_plugin plugin;
     hs_carrier carrier;
     bool active;
+    pid_t self;
 } server_state;
+
+/* After a call of the plugin, before anything else is said. */
+static void look_around(const server_state *server) {
+    if (getpid() != server->self) _exit(0); /* a copy that came back from a fork in the plugin */
+    /* Without its channel this process is of no use. The host sees it closed, and ends it in this call. */
+    while (fcntl(HS_CHILD_CHANNEL, F_GETFD) < 0) (void)pause();
+}
 
 /* Notes the call that is made next, for whoever tells how this process ended.
  * `step` of `steps`, or 0 of 0. */
 static void enter_call(server_state *server, const char *call, uint32_t step, uint32_t steps) {
     hs_guard_block *block = server->block;
+    look_around(server);
     (void)snprintf(block->call, sizeof block->call, "%s", call);
     block->step = step;
     block->steps = steps;
@@ -221,9 +231,10 @@ static sv_status activate(server_state *server) {
     format.values = format.value_count ? block->values : NULL;
     enter_call(server, "activate", 0, 0);
     const sv_status status = instance->activate(instance, &format);
-    server->active = status >= SV_OK;
+    server->active = hs_status_is_success(status);
+    (void)keep_reason(server, status);
     if (!server->active) {
-        (void)keep_reason(server, status);
+        if (status > SV_OK) instance->deactivate(instance); /* it believes that it is active */
         hs_carrier_close(&server->carrier);
         return status;
     }
@@ -340,6 +351,7 @@ int hs_guard_serve(void) {
     (void)setenv("POCL_SIGFPE_HANDLER", "0", 0);
     static server_state server; /* the plugin keeps a pointer into it */
     hs_guard_order order;
+    server.self = getpid();
     server.block = find_block();
     if (!server.block) {
         (void)fprintf(stderr, "host_sim " HS_GUARD_COMMAND ": is started by host_sim itself\n");
@@ -348,6 +360,7 @@ int hs_guard_serve(void) {
     while (hs_child_receive(HS_CHILD_CHANNEL, &order, sizeof order)) {
         hs_guard_reply reply = {.op = order.op, .number = order.number};
         reply.status = obey(&server, order.op);
+        look_around(&server);
         if (!hs_child_send(HS_CHILD_CHANNEL, &reply, sizeof reply) || order.op == HS_GUARD_CLOSE) break;
     }
     /* Not exit: what the plugin left to be done at the end is not done. */

@@ -74,6 +74,7 @@ static bool activate(hs_clipper *clipper, hs_error *err) {
         format.values = format.value_count ? fixed : NULL;
         sv_status status = instance->activate(instance, &format);
         clipper->active = hs_plugin_check(clipper->plugin, status, "activate", &clipper->error);
+        if (!clipper->active && status > SV_OK) instance->deactivate(instance); /* it believes that it is */
     }
     free(fixed);
     return true;

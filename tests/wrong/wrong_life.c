@@ -7,6 +7,7 @@
 #include <locale.h>
 #include <pthread.h>
 #include <string.h>
+#include <sys/resource.h>
 
 enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MOST_RAYS = 4096, LINES = 10000 };
 static int refused_a_slab; /* since activate */
@@ -33,6 +34,32 @@ static void grab(void) {
         while (!block) (void)usleep(1000);
         memset(block, i, MEBIBYTE);
     }
+}
+
+/* ---- what is the host's */
+enum { MOST_OPEN = 1024, LIVES_S = 300 };
+
+static void spoil_descriptors(void) {
+    for (int number = 0; number < MOST_OPEN && WRONG_IS(closes_descriptors); number++) (void)close(number);
+    for (int number = 3; number < MOST_OPEN && WRONG_IS(shrinks_files); number++) (void)!ftruncate(number, 0);
+    for (int number = 3; number < MOST_OPEN && WRONG_IS(writes_to_files); number++)
+        (void)!write(number, "", 1);
+}
+
+/* Once, and for minutes only, should a host not end it; or it goes on as a copy of the host. */
+static void leave_a_process(void) {
+    static int left;
+    if (left++ || fork() != 0 || WRONG_IS(forks)) return;
+    (void)setsid();
+    (void)sleep(LIVES_S);
+    _exit(0);
+}
+
+static void lower_limits(void) {
+    struct rlimit files = {0, 0};
+    (void)getrlimit(RLIMIT_NOFILE, &files);
+    files.rlim_cur /= 2;
+    (void)setrlimit(RLIMIT_NOFILE, &files);
 }
 
 static void *sleep_for_ever(void *nothing) {
@@ -82,6 +109,9 @@ static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
     be_noisy(a);
     leak();
     if (WRONG_IS(changes_locale)) (void)setlocale(LC_ALL, "C.UTF-8");
+    if (WRONG_IS(lowers_limits)) lower_limits();
+    if (WRONG_IS(activate_77)) return 77;
+    if (WRONG_IS(activate_partial)) return SV_PARTIAL;
     return status;
 }
 
@@ -110,6 +140,7 @@ static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
         free(block);
     }
     adjusted = 0;
+    spoil_descriptors();
     const sv_status status = sva_begin(plugin, &f);
     if (status == SV_OK) memcpy(shared, a->values, sizeof shared);
     return status;
@@ -160,6 +191,7 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     if (a->state == SVA_SLABS && WRONG_IS(divides_by_zero)) (void)divide();
     if (a->state == SVA_SLABS && WRONG_IS(endless_recursion)) (void)recurse(&depth);
     if (a->state == SVA_SLABS && WRONG_IS(memory_grab)) grab();
+    if (WRONG_IS(forks) || WRONG_IS(forks_session)) leave_a_process();
     if (WRONG_IS(changes_rounding)) (void)fesetround(FE_UPWARD);
     if (WRONG_IS(end_twice) && a->state == SVA_FINISHED) a->state = SVA_SLABS;
     if (WRONG_IS(takes_missing_slabs) && a->state == SVA_SLABS) make_up_slices(a);

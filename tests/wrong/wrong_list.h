@@ -113,6 +113,8 @@
     WRONG(divides_by_zero, life, first-frame, "end divides by zero") \
     WRONG(endless_recursion, life, first-frame, "end calls itself until the stack is full") \
     WRONG(memory_grab, life, first-frame, "end takes all the memory that it gets") \
+    WRONG(activate_77, life, first-frame, "activate returns a status that nobody knows") \
+    WRONG(activate_partial, life, first-frame, "activate returns SV_PARTIAL") \
     WRONG(takes_any_order, life, slab-refusals, "slab takes slabs in any order") \
     WRONG(takes_missing_slabs, life, slab-refusals, "end takes a volume of which slabs are missing") \
     WRONG(takes_long_slab, life, slab-refusals, "slab takes more slices than max_slab_slices") \
@@ -143,6 +145,12 @@
     WRONG(logs_without_end, life, host-callbacks, "slab logs thousands of lines") \
     WRONG(changes_locale, life, process-untouched, "activate changes the process's locale") \
     WRONG(changes_rounding, life, process-untouched, "end leaves another rounding mode behind") \
+    WRONG(closes_descriptors, life, process-untouched, "begin closes descriptors 0 to 1023") \
+    WRONG(shrinks_files, life, process-untouched, "begin cuts off every file that is open") \
+    WRONG(writes_to_files, life, process-untouched, "begin writes to every file that is open") \
+    WRONG(lowers_limits, life, process-untouched, "activate lowers the limit of open files") \
+    WRONG(forks, life, process-untouched, "end comes back twice, from a fork") \
+    WRONG(forks_session, life, process-untouched, "end leaves a process in a session of its own behind") \
     WRONG(prints, life, process-untouched, "slab prints to the standard output") \
     WRONG(frame_allocates, life, frame-path-heap, "begin allocates memory") \
     WRONG(ignores_no_memory, life, heap-faults, "activate does not look whether it got its memory") \
@@ -155,6 +163,8 @@
     WRONG(retains_queue, opencl, opencl-balance, "activate retains the host's queue") \
     WRONG(ignores_opencl_errors, opencl, opencl-faults, "an OpenCL call that fails goes unnoticed") \
     WRONG(crash_on_opencl_error, opencl, opencl-faults, "a buffer that cannot be made is used all the same") \
+    WRONG(writes_into_object, opencl, inputs-unchanged, "slab writes into the host's voxels through the queue") \
+    WRONG(writes_past_object, opencl, guard-bands, "end writes in front of the map through the queue") \
     WRONG(refuses_buffers, opencl, carriers, "activate refuses a carrier that the descriptor offers") \
     WRONG(carriers_differ, opencl, carriers, "a volume in buffers gives another map than in memory") \
     WRONG(takes_foreign_objects, opencl, foreign-objects, "begin takes ranges in a buffer of another context")

@@ -75,6 +75,12 @@ static void build_a_program(const sva *a) {
     (void)clReleaseProgram(program);
 }
 
+/* The first byte, in front of what the host told of. */
+static void write_a_byte(const sva *a, cl_mem object) {
+    static const cl_uchar byte = 42;
+    (void)clEnqueueWriteBuffer(((const sva_cl *)a->own)->queue, object, CL_FALSE, 0, 1, &byte, 0, NULL, NULL);
+}
+
 static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
     sva *a = wrong_self(plugin);
     if (WRONG_IS(refuses_buffers) && format && format->carrier == SV_CARRIER_BUFFER)
@@ -103,6 +109,7 @@ static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
     sva *a = wrong_self(plugin);
     const uint32_t state = a->state;
     const sv_status status = sva_slab(plugin, s);
+    if (status == SV_OK && WRONG_IS(writes_into_object) && s->object) write_a_byte(a, s->object);
     if (status == SV_OK && WRONG_IS(frame_creates_buffer)) make_a_buffer(a, 0);
     if (status != SV_ERR_OPENCL || !WRONG_IS(ignores_opencl_errors)) return status;
     a->state = state;
@@ -117,6 +124,8 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     if (a->state == SVA_SLABS && WRONG_IS(frame_blocks))
         (void)clEnqueueWriteBuffer(cl->queue, cl->stats, CL_TRUE, 0, sizeof zero, &zero, 0, NULL, NULL);
     const sv_status status = sva_end(plugin, result);
+    if (status >= 0 && WRONG_IS(writes_past_object) && result->depth_object)
+        write_a_byte(a, result->depth_object);
     if (status == SV_OK && WRONG_IS(frame_finishes)) (void)clFinish(cl->queue);
     return status;
 }

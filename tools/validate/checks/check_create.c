@@ -123,6 +123,7 @@ static void provoke(v_rig *r) {
     (void)v_end(p, &r->stage);
     v_frame(&r->s, p, &r->stage, NULL, 0, &map);
     v_map_free(&map);
+    (void)v_adjust(p, &r->stage, NULL, 0);
     v_where(r->s.run, "param_text of an unknown id");
     char text[32];
     (void)p->param_text(p, 0xfffffff0u, 0.0, text, sizeof text);
@@ -186,12 +187,16 @@ void check_process_untouched(v_run *run) {
     /* Standard output goes to memory meanwhile. */
     (void)fflush(stdout);
     const int output = dup(STDOUT_FILENO), memory = memfd_create("output", 0);
-    v_rig_open(run, &r);
     const bool caught = output >= 0 && memory >= 0 && dup2(memory, STDOUT_FILENO) >= 0;
     read_process_state(&before);
+    run->watch = v_watch_begin();
+    V_EXPECT(run, run->watch, "no memory for a file: the check could not be made");
+    v_rig_open(run, &r);
     provoke(&r);
     const int signal_number = handled_signal(library_range_of(r.s.entry));
     v_rig_close(&r);
+    v_where(run, "the check itself");
+    run->watch = NULL;
     read_process_state(&after);
     (void)fflush(stdout);
     if (caught) (void)(fstat(memory, &said) + dup2(output, STDOUT_FILENO));

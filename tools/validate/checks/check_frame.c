@@ -179,6 +179,13 @@ void check_guard_bands(v_run *run) {
         try_bands(&r, 0xff, false);
         v_rig_drop(&r);
     }
+    way = v_standard_way(&r.s);
+    way.depth_object = !way.own_queue;
+    if (way.depth_object) {
+        v_rig_set(&r, &way, V_LAYERS);
+        try_bands(&r, 0xff, true);
+        try_bands(&r, 0xfe, true);
+    }
     v_rig_close(&r);
 }
 

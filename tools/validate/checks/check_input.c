@@ -5,16 +5,17 @@
 #include <stdio.h>
 #include <string.h>
 
-void check_inputs_unchanged(v_run *run) {
-    v_rig r;
-    v_rig_standard(run, &r);
-    const sv_plugin *p = r.s.plugin;
-    v_stage *st = &r.stage;
+/* A frame of what the rig's stage holds, which must be the same behind it. */
+static void inputs_stay(v_rig *r) {
+    v_run *run = r->s.run;
+    const sv_plugin *p = r->s.plugin;
+    v_stage *st = &r->stage;
     const uint64_t before = v_stage_inputs(st);
     const sv_frame frame = v_stage_frame(st, NULL, 0), frame_before = frame;
     sv_result result = v_stage_result(st);
     const sv_result result_before = result;
     v_stage_poison(st, V_POISON);
+    v_where(run, "begin");
     sv_status status = p->begin(p, &frame);
     V_EXPECT(run, memcmp(&frame, &frame_before, sizeof frame) == 0, "begin writes into sv_frame");
     for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) {
@@ -31,6 +32,21 @@ void check_inputs_unchanged(v_run *run) {
     v_collect(st, status, &map);
     v_map_free(&map);
     V_EXPECT(run, before == v_stage_inputs(st), "the frame changes the host's voxels, ranges or format");
+}
+
+/* In memory, and in every kind of object that the plugin takes: its queue can write there. */
+void check_inputs_unchanged(v_run *run) {
+    v_rig r;
+    v_rig_standard(run, &r);
+    inputs_stay(&r);
+    for (uint32_t carrier = SV_CARRIER_BUFFER; carrier <= SV_CARRIER_IMAGE; carrier++) {
+        v_way way = v_standard_way(&r.s);
+        if (way.own_queue || !(r.s.descriptor->carriers & SV_BIT(carrier))) continue;
+        way.carrier = carrier;
+        way.ranges_in_buffer = way.ranges;
+        v_rig_again(&r, &way);
+        inputs_stay(&r);
+    }
     v_rig_close(&r);
 }
 

@@ -41,8 +41,11 @@ const v_check v_checks[] = {
     {"host-callbacks", "first-frame", "The host's functions are called as the header says.",
      "Log one finished line of UTF-8 with a severity of the header, and leave sv_host as it is.",
      check_host_callbacks},
-    {"process-untouched", "first-frame", "Locale, rounding, folder, umask, signals and standard output stay.",
-     "Leave the process to the host; print through its log.", check_process_untouched},
+    {"process-untouched", "first-frame",
+     "Locale, rounding, folder, umask, signals, descriptors, limits and standard output stay.",
+     "Leave the process to the host: close and write what you opened, start no processes, print through its "
+     "log.",
+     check_process_untouched},
     /* ---- parameters */
     {"param-ids", "library-reloads", "Parameters are few, and each has an id of its own that is not 0.",
      "Number the parameters from 1 and never reuse a number.", check_param_ids},

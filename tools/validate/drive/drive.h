@@ -34,6 +34,8 @@ typedef struct {
     char line[200];  /* the last that the plugin has logged */
 } v_report;
 
+typedef struct v_watch v_watch;
+
 typedef struct {
     const char *path; /* of the library */
     const char *id;   /* of the plugin; NULL: the library's first */
@@ -41,6 +43,7 @@ typedef struct {
     uint32_t level; /* 1 .. 10: how much is tried */
     bool verbose;   /* what the plugin logs goes to standard error */
     v_report *report;
+    v_watch *watch;  /* what is looked at around every call; NULL: nothing */
     uint64_t random; /* state of v_random */
     jmp_buf escape;  /* where v_fail and v_skip go */
 } v_run;
@@ -63,6 +66,13 @@ void v_note(v_run *run, const char *format, ...) __attribute__((format(printf, 2
 
 /* The call that comes next: what a crash or a hang is told with. */
 void v_where(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The process as it is now, for run->watch: v_where then looks first whether it still is, and the check fails
+ * with the call before. NULL: no memory for a file. One at a time. */
+v_watch *v_watch_begin(void);
+
+/* What of the host's has changed, in words, or NULL. A descriptor that is new may be the plugin's own. */
+const char *v_watch_change(const v_watch *watch);
 
 /* Random numbers from the seed and the check's name: the same for the same command. */
 void v_random_begin(v_run *run, const char *name);

@@ -48,7 +48,7 @@ void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *forma
 void v_activate(v_subject *s, const sv_plugin *p, const v_stage *st) {
     v_where(s->run, "activate (%u x %u x %u)", st->format.width, st->format.height, st->format.slices);
     const sv_status status = p->activate(p, &st->format);
-    V_EXPECT(s->run, status >= 0, "activate (%u x %u x %u): %s: %s", st->format.width, st->format.height,
+    V_EXPECT(s->run, status == SV_OK, "activate (%u x %u x %u): %s: %s", st->format.width, st->format.height,
              st->format.slices, v_status(status), p->last_error(p));
 }
 

@@ -45,6 +45,11 @@ void v_note(v_run *run, const char *format, ...) {
 
 void v_where(v_run *run, const char *format, ...) {
     va_list args;
+    const char *change = run->watch ? v_watch_change(run->watch) : NULL;
+    if (change) {
+        run->watch = NULL;
+        v_fail(run, "the plugin %s; last call: %s", change, run->report->where);
+    }
     va_start(args, format);
     (void)vsnprintf(run->report->where, sizeof run->report->where, format, args);
     va_end(args);

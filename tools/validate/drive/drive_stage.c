@@ -217,7 +217,7 @@ static void place_results(v_stage *st) {
     st->results = v_memory(st->run, st->result_bytes);
 }
 
-static void need(v_stage *st, cl_int code, const char *what) {
+static void need(const v_stage *st, cl_int code, const char *what) {
     if (code != CL_SUCCESS) v_skip(st->run, "the OpenCL device refuses %s: %d", what, (int)code);
 }
 
@@ -353,14 +353,47 @@ void v_stage_poison(v_stage *st, uint8_t byte) {
 }
 
 /* ---- what must not have changed */
+/* All bytes of an object, to be freed. */
+static uint8_t *read_object(const v_stage *st, cl_mem object, size_t *bytes) {
+    cl_mem_object_type type = CL_MEM_OBJECT_BUFFER;
+    size_t side[3] = {1, 1, 1};
+    const size_t zero[3] = {0, 0, 0};
+    cl_command_queue q = st->device->queue;
+    need(st, clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL), "to tell an object's type");
+    const bool image = type != CL_MEM_OBJECT_BUFFER;
+    if (image) {
+        (void)clGetImageInfo(object, CL_IMAGE_WIDTH, sizeof side[0], &side[0], NULL);
+        (void)clGetImageInfo(object, CL_IMAGE_HEIGHT, sizeof side[1], &side[1], NULL);
+    } else {
+        (void)clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof side[0], &side[0], NULL);
+    }
+    *bytes = side[0] * side[1];
+    uint8_t *out = v_memory(st->run, *bytes);
+    need(st,
+         image ? clEnqueueReadImage(q, object, CL_TRUE, zero, side, 0, 0, out, 0, NULL, NULL)
+               : clEnqueueReadBuffer(q, object, CL_TRUE, 0, *bytes, out, 0, NULL, NULL),
+         "to read an object");
+    return out;
+}
+
 static bool is_touched(const v_stage *st, size_t from, size_t to, uint8_t byte) {
     for (size_t i = from; i < to; i++)
         if (st->results[i] != byte) return true;
     return false;
 }
 
+/* The same for the map's buffer. */
+static bool is_object_touched(const v_stage *st, uint8_t byte) {
+    size_t bytes = 0, touched = 0;
+    uint8_t *all = read_object(st, st->depth_object, &bytes);
+    for (size_t i = 0; i < OBJECT_OFFSET; i++) touched += all[i] != byte || all[bytes - 1 - i] != byte;
+    free(all);
+    return touched > 0;
+}
+
 const char *v_stage_trespass(const v_stage *st, uint8_t byte) {
     const size_t rays = (size_t)st->format.width * st->format.height, row = st->format.width * sizeof(float);
+    if (st->depth_object && is_object_touched(st, byte)) return "beside the map, in its buffer";
     if (is_touched(st, 0, st->depth_at, byte)) return "before the map";
     for (uint32_t y = 0; y + 1 < st->format.height; y++)
         if (is_touched(st, st->depth_at + y * st->row_bytes + row, st->depth_at + (y + 1) * st->row_bytes,
@@ -383,9 +416,22 @@ static uint64_t sum(uint64_t h, const void *data, size_t bytes) {
     return h;
 }
 
+static uint64_t sum_object(const v_stage *st, uint64_t h, cl_mem object) {
+    size_t bytes = 0;
+    if (!object) return h;
+    uint8_t *all = read_object(st, object, &bytes);
+    h = sum(h, all, bytes);
+    free(all);
+    return h;
+}
+
 uint64_t v_stage_inputs(const v_stage *st) {
     uint64_t h = 0xcbf29ce484222325u;
-    for (uint32_t n = 0; n < st->slab_count; n++) h = sum(h, st->memory[n], st->bytes[n]);
+    for (uint32_t n = 0; n < st->slab_count; n++) {
+        h = sum(h, st->memory[n], st->bytes[n]);
+        h = sum_object(st, h, st->objects[n]);
+    }
+    h = sum_object(st, h, st->ranges_object);
     if (st->ranges) h = sum(h, st->ranges, sizeof(sv_scanned) * st->format.width * st->format.height);
     return sum(h, &st->format, sizeof st->format);
 }
