@@ -19,6 +19,12 @@ bool hs_use_colour(int file_descriptor) {
     return isatty(file_descriptor) && term && strcmp(term, "dumb") != 0 && !(no_colour && no_colour[0]);
 }
 
+static void (*listener)(const char *label);
+
+void hs_progress_tell(void (*heard)(const char *label)) {
+    listener = heard;
+}
+
 void hs_progress_begin(hs_progress *progress, const char *label, uint64_t total) {
     *progress =
         (hs_progress){.label = label, .total = total, .start = hs_now(), .shown = isatty(STDERR_FILENO)};
@@ -26,6 +32,7 @@ void hs_progress_begin(hs_progress *progress, const char *label, uint64_t total)
 
 void hs_progress_step(hs_progress *progress, uint64_t done) {
     double now = hs_now();
+    if (listener) listener(progress->label);
     if (!progress->shown || done == 0 || now - progress->last < 0.1) return;
     progress->last = now;
     double left = (now - progress->start) / (double)done * (double)(progress->total - done);

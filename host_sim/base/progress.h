@@ -19,6 +19,9 @@ void hs_progress_begin(hs_progress *progress, const char *label, uint64_t total)
 /* `done` steps of total are through. Updates the line ten times a second at most. */
 void hs_progress_step(hs_progress *progress, uint64_t done);
 
+/* From now on `heard` is called with the label at every step of every progress. NULL: nobody is. */
+void hs_progress_tell(void (*heard)(const char *label));
+
 /* Removes the line. */
 void hs_progress_end(hs_progress *progress);
 

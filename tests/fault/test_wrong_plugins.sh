@@ -85,6 +85,14 @@ cut=$(grep -c 'more bytes of its output were dropped' "$work/errors")
 size=$(stat -c %s "$work/errors")
 [ "$cut" -ge 2 ] && [ "$size" -lt $((cut * 66000)) ] || complain "logs_without_end: $size bytes, cut $cut times"
 
+# The benchmark's own process ends, too.
+for id in crash_in_slab exit_in_end hang_in_activate; do
+    said=$("$build/sv_bench" --plugin "$build/wrong/$id.so" --only plugin --size 128 --slab 32 --route place-own --frames 1 \
+        --guard-time 15,15 2>&1 > /dev/null)
+    code=$?
+    [ $code = 4 ] && [[ $said = *"$id.so: "*" while it was timed "* ]] || complain "sv_bench with $id: code $code, $said"
+done
+
 # No process outlives the host. What it starts has its environment.
 for id in forks forks_session; do
     SV_TEST_RUN=$work "$build/host_sim" run "${small[@]}" --plugin "$build/wrong/$id.so" --out "$work/out" > /dev/null || complain "$id: code $?"

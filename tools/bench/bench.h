@@ -4,6 +4,7 @@
 #define BENCH_H
 
 #include "base/error.h"
+#include "guarded/guard_options.h"
 #include "plugin/loader.h"
 #include "render/dvr.h"
 #include "render/host_cl.h"
@@ -30,6 +31,14 @@ bool bench_try_output(const char *path, hs_error *err);
 
 /* Says on stderr what went wrong; returns the exit code. */
 int bench_fail(const char *program, const hs_error *err);
+
+/* work(context), in a process of its own if the plugin is one to be guarded; this process must have one
+ * thread then and must not have touched OpenCL. Returns the exit code; HS_ERR_PLUGIN with an error if the
+ * process crashed, left, took too much memory, or took no step for guard->setup_s. */
+int bench_in_child(const hs_guard_options *guard, const char *plugin, int (*work)(void *context),
+                   void *context, hs_error *err);
+/* In that process: a step was taken. */
+void bench_goes_on(void);
 
 /* --------------------------------------------------------------------------------------------- machine -- */
 /* What the numbers were measured on. */

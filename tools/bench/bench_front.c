@@ -94,6 +94,7 @@ bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *e
 }
 
 void bench_samples_add(bench_samples *samples, double ms) {
+    bench_goes_on();
     if (samples->count < samples->capacity) samples->ms[samples->count++] = ms;
 }
 

@@ -30,6 +30,7 @@ typedef struct {
     bool plugin_part, guard_part, convert_part, host_part, grids_part;
     const char *value_texts[MAX_VALUES];
     uint32_t value_count;
+    hs_guard_options guard;
 } options;
 
 static const char intro[] =
@@ -137,6 +138,7 @@ static const hs_option known[] = {
      AT(scan), 0, 0, NULL},
     {"quick", NULL, "20 frames, 5 of the loop; slabs of 32; routes place-own and buffer-host\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_quick},
+    HS_GUARD_ROWS(AT(guard)),
     {"csv", "FILE", "all numbers as CSV\n", HS_OPTION_TEXT, AT(csv), 0, 0, NULL},
     {"json", "FILE", "all numbers as JSON\n", HS_OPTION_TEXT, AT(json), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
@@ -158,6 +160,7 @@ static bool parse_options(int argc, char **argv, options *o, bool *wants_help, h
                    .convert_part = true,
                    .host_part = true,
                    .grids_part = true};
+    hs_guard_defaults(&o->guard);
     hs_plugin_default_path(o->usual, sizeof o->usual);
     o->plugin = o->usual;
     int next = argc;
@@ -333,25 +336,32 @@ static bool measure(bench_run *run, hs_error *err) {
            (!run->o.json || bench_write_json(&run->report, run->o.json, err));
 }
 
+/* Opens what a run needs, measures, and closes it. Returns the exit code. */
+static int open_and_measure(void *context) {
+    bench_run *run = context;
+    hs_error err = {HS_OK, ""};
+    const bool device = hs_cl_open(&run->cl, &err);
+    const bool plugin =
+        device && hs_plugin_open(&run->plugin, run->o.plugin, run->o.id, SV_LOG_WARNING, &err);
+    const bool ok = plugin && measure(run, &err);
+    bench_team_destroy(run->team);
+    if (plugin) hs_plugin_close(&run->plugin);
+    if (device) hs_cl_close(&run->cl);
+    return ok ? HS_OK : bench_fail("sv_bench", &err);
+}
+
 int main(int argc, char **argv) {
     hs_error err = {HS_OK, ""};
-    bool wants_help;
+    bool wants_help = false;
+    int code = HS_OK;
     bench_run *run = calloc(1, sizeof *run);
     if (!run) {
         (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");
         return bench_fail("sv_bench", &err);
     }
-    bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
+    const bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
     if (wants_help) print_help();
-    if (ok && !wants_help) {
-        const bool device = hs_cl_open(&run->cl, &err);
-        const bool plugin =
-            device && hs_plugin_open(&run->plugin, run->o.plugin, run->o.id, SV_LOG_WARNING, &err);
-        ok = plugin && measure(run, &err);
-        bench_team_destroy(run->team);
-        if (plugin) hs_plugin_close(&run->plugin);
-        if (device) hs_cl_close(&run->cl);
-    }
+    if (ok && !wants_help) code = bench_in_child(&run->o.guard, run->o.plugin, open_and_measure, run, &err);
     free(run);
-    return ok ? HS_OK : bench_fail("sv_bench", &err);
+    return err.code == HS_OK ? code : bench_fail("sv_bench", &err);
 }

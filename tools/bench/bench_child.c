@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+/* A benchmark in a process of its own, for a plugin that may do anything. The guard proper would stand
+ * between what is timed; so the whole benchmark is the child here, and says now and then that it goes on. */
+#include "base/progress.h"
+#include "bench/bench.h"
+#include "guard/child.h"
+#include "plugin/loader.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define TELL_EVERY_S 0.5
+
+typedef struct {
+    bool done;
+    char label[60]; /* of what is under way */
+} news;
+
+typedef struct {
+    int (*work)(void *context);
+    void *context;
+} job;
+
+static int channel; /* in the child; 0: there is none */
+
+/* A step of what has this label was taken. */
+static void tell(const char *label) {
+    static double last;
+    static news n;
+    const double now = hs_now();
+    if (channel == 0 || now - last < TELL_EVERY_S) return;
+    last = now;
+    if (label) (void)snprintf(n.label, sizeof n.label, "%s", label);
+    (void)hs_child_send(channel, &n, sizeof n);
+}
+
+void bench_goes_on(void) {
+    tell(NULL);
+}
+
+static int perform(int to_parent, void *context) {
+    const job *j = context;
+    const news end = {.done = true};
+    channel = to_parent;
+    hs_progress_tell(tell);
+    const int code = j->work(j->context);
+    (void)fflush(NULL);
+    (void)hs_child_send(channel, &end, sizeof end);
+    return code;
+}
+
+int bench_in_child(const hs_guard_options *guard, const char *plugin, int (*work)(void *context),
+                   void *context, hs_error *err) {
+    const hs_child_limits limits = {.memory_bytes = guard->memory_bytes};
+    char found[1024], how[128];
+    job j = {work, context};
+    news last = {0}, heard;
+    hs_child child;
+    hs_child_news what = HS_CHILD_MESSAGE;
+    hs_plugin_find(plugin, found, sizeof found);
+    if (!hs_guard_wanted(guard, found)) return work(context);
+    (void)fflush(NULL);
+    if (!hs_child_fork(&child, &limits, perform, &j, err)) return err->code;
+    while ((what = hs_child_wait(&child, guard->setup_s)) == HS_CHILD_MESSAGE) {
+        if (!hs_child_receive(child.channel, &heard, sizeof heard)) hs_child_kill(&child, HS_CHILD_SILENT, 0);
+        last = heard;
+    }
+    if (what == HS_CHILD_NOTHING) hs_child_kill(&child, HS_CHILD_LATE, guard->setup_s);
+    const hs_child_end end = child.end;
+    hs_child_close(&child);
+    if (end.fate == HS_CHILD_LEFT && last.done) return end.number;
+    hs_child_tell(&end, how, sizeof how);
+    last.label[sizeof last.label - 1] = '\0';
+    (void)hs_fail(err, HS_ERR_PLUGIN, "%s: %s while it was timed (%s)", found, how,
+                  last.label[0] ? last.label : "its first frames");
+    return HS_ERR_PLUGIN;
+}
