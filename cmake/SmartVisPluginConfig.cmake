@@ -5,6 +5,7 @@
 #                                kernels (smartvis/author_cl.h) links OpenCL::OpenCL besides.
 #   SmartVisPlugin_INCLUDE_DIR   that folder
 #   SmartVisPlugin_PLUGIN_DIR    where a plugin is installed, so that hosts of this installation find it
+#   smartvis_kernels(...)        the kernels of a .cl file as a header (SmartVisPluginKernels.cmake)
 #
 # All paths are told from where this file lies: an installation can be moved.
 get_filename_component(SmartVisPlugin_PREFIX "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
@@ -19,3 +20,4 @@ if(NOT TARGET SmartVis::Plugin)
   add_library(SmartVis::Plugin INTERFACE IMPORTED)
   set_target_properties(SmartVis::Plugin PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${SmartVisPlugin_INCLUDE_DIR}")
 endif()
+include("${CMAKE_CURRENT_LIST_DIR}/SmartVisPluginKernels.cmake")

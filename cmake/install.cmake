@@ -15,7 +15,9 @@ string(REGEX REPLACE ".*MAJOR ([0-9]+)u.*MINOR ([0-9]+)u.*" "\\1.\\2" SV_ABI_VER
 if(NOT SV_ABI_VERSION MATCHES "^[0-9]+\\.[0-9]+$")
   message(FATAL_ERROR "include/smartvis_plugin.h: no SV_ABI_MAJOR and SV_ABI_MINOR, found '${SV_ABI_LINES}'")
 endif()
-configure_file(cmake/SmartVisPluginConfig.cmake ${SV_PACKAGE_FOLDER}/SmartVisPluginConfig.cmake COPYONLY)
+foreach(part Config Kernels)
+  configure_file(cmake/SmartVisPlugin${part}.cmake ${SV_PACKAGE_FOLDER}/SmartVisPlugin${part}.cmake COPYONLY)
+endforeach()
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/SmartVisPluginConfigVersion.cmake
   VERSION ${SV_ABI_VERSION} COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
 configure_file(cmake/smartvis-plugin.pc.in ${SV_PC_FOLDER}/smartvis-plugin.pc @ONLY)

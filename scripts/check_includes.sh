@@ -53,7 +53,7 @@ tools/validate/drive       | abi host_sim/base host_sim/plugin tools/validate/sp
 tools/validate/checks      | abi host_sim/base host_sim/plugin tools/validate/spy tools/validate/drive . | libc opencl elf
 tools/validate             | abi host_sim/base host_sim/guard tools/validate/drive tools/validate/checks . | libc json
 tools                      | abi HOST host_sim/commands tools/report tools/console .    | libc
-examples/*                 | abi .                                                      | libc opencl
+examples/*                 | abi kernels .                                              | libc opencl
 python/bench               | abi .                                                      | libc
 tests/*                    | any kernels                                                | any
 tests/*/*                  | any kernels                                                | any

@@ -44,10 +44,8 @@ typedef struct sva_cl_arg {
 #define SVA_ARG(variable) {sizeof(variable), &(variable)}
 /* clang-format on */
 
-/* Kernels as C text, without preprocessor lines, made into a string. */
-#define SVA_SOURCE(...) #__VA_ARGS__
-
-/* What kernels see before their own source: WIDTH and HEIGHT, and for a kernel of sva_cl_slab
+/* What kernels see before their own source (which CMake's smartvis_kernels makes of a .cl file): WIDTH and
+ * HEIGHT, and for a kernel of sva_cl_slab
  *
  *     kernel void name(SVA_SLAB, ...)                    with the slab's slices first .. first + count - 1
  *     uchar voxel = SVA_VOXEL(x, y, s);                  s: 0 .. count - 1
@@ -143,12 +141,30 @@ static inline sv_status sva_cl_find_device(sva *a) {
     return sva_cl_check(a, code, "clCreateCommandQueue");
 }
 
-/* On failure the build log goes to the host's log, cut to 4,000 characters. */
+/* Tells the host's log what the compiler said, cut to 4,000 characters, line by line; the first error is the
+ * reason. */
+static inline sv_status sva_cl_tell_build(sva *a, cl_int code) {
+    sva_cl *cl = (sva_cl *)a->own;
+    char log[4000], *end = log;
+    const char *first = NULL;
+    memset(log, 0, sizeof log);
+    (void)clGetProgramBuildInfo(cl->program, cl->device, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
+    while (*end) {
+        const char *line = end;
+        end += strcspn(end, "\n");
+        if (*end) *end++ = '\0';
+        if (*line) sva_log(a, SV_LOG_ERROR, line);
+        if (!first && strstr(line, "error")) first = line;
+    }
+    return sva_error(a, SV_ERR_BUILD, "clBuildProgram: OpenCL error %d: %.200s", (int)code,
+                     first ? first : log);
+}
+
 static inline sv_status sva_cl_build(sva *a, const char *source) {
     sva_cl *cl = (sva_cl *)a->own;
     const sv_format *f = &a->format;
     const char *sources[] = {sva_cl_prelude, source};
-    char options[200], log[4000];
+    char options[200];
     cl_int code = CL_SUCCESS;
     (void)snprintf(options, sizeof options,
                    "-D WIDTH=%uu -D HEIGHT=%uu -D TILES_X=%uu -D TILE_W=%uu -D TILE_H=%uu -D ROW_PITCH=%uu "
@@ -158,11 +174,7 @@ static inline sv_status sva_cl_build(sva *a, const char *source) {
     cl->program = clCreateProgramWithSource(cl->context, 2, sources, NULL, &code);
     if (code != CL_SUCCESS) return sva_cl_check(a, code, "clCreateProgramWithSource");
     code = clBuildProgram(cl->program, 1, &cl->device, options, NULL, NULL);
-    if (code == CL_SUCCESS) return SV_OK;
-    memset(log, 0, sizeof log);
-    (void)clGetProgramBuildInfo(cl->program, cl->device, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
-    sva_log(a, SV_LOG_ERROR, log);
-    return sva_error(a, SV_ERR_BUILD, "clBuildProgram: OpenCL error %d", (int)code);
+    return code == CL_SUCCESS ? SV_OK : sva_cl_tell_build(a, code);
 }
 
 /* [control] The device, the program, its kernels by their names, and the helper's buffers. */

@@ -9,15 +9,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The build log goes to the host's log whole; the error keeps its beginning. */
+/* The build log goes to the host's log whole, line by line; the error keeps its first error. */
 static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program program, cl_int code) {
     size_t bytes = 0;
     (void)clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &bytes);
     char *log = calloc(bytes + 1, 1);
     if (log) (void)clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
-    if (log) sv_log(diag, SV_LOG_ERROR, log);
-    const sv_status status = sv_fail(diag, SV_ERR_BUILD, "the kernels do not build: %s (%d): %.300s",
-                                     sv_clx_name(code), code, log ? log : "");
+    const char *first = NULL;
+    for (char *end = log; end && *end;) {
+        const char *line = end;
+        end += strcspn(end, "\n");
+        if (*end) *end++ = '\0';
+        if (*line) sv_log(diag, SV_LOG_ERROR, line);
+        if (!first && strstr(line, "error")) first = line;
+    }
+    const sv_status status =
+        sv_fail(diag, SV_ERR_BUILD, "the kernels do not build: %s (%d): %.300s", sv_clx_name(code), code,
+                first ? first
+                : log ? log
+                      : "");
     free(log);
     return status;
 }

@@ -3,6 +3,7 @@
  * The header's demands on a plugin, kept by author.h: every misuse is refused with the header's code and a
  * reason that names field and value, by the example on the CPU and by the one with kernels.
  */
+#include "programs/shared_programs.h"
 #include "support/rig.h"
 
 #include <math.h>
@@ -372,6 +373,19 @@ static void bad_objects(void **state) {
     s->p->deactivate(s->p);
 }
 
+/* A build error names file and line of the kernel, in the reason and in the log, which gets a line at a time
+ * (support/rig.c holds that). */
+static void build_errors_name_lines(void **state) {
+    subject *s = *state;
+    shared_programs_options("-Dsorted=1"); /* no name for an array */
+    const sv_status status = s->p->activate(s->p, &s->t->format);
+    shared_programs_options(NULL);
+    refused(s, status, SV_ERR_BUILD, rig_is_cpu(&s->r) ? "edge.cl:22:11" : "error");
+    assert_true(s->r.log_lines > 2);
+    activate(s);
+    s->p->deactivate(s->p);
+}
+
 #define ON_BOTH(test)                                                                                        \
     cmocka_unit_test_setup_teardown(test, open_cpu, close_subject),                                          \
         cmocka_unit_test_setup_teardown(test, open_kernels, close_subject)
@@ -385,6 +399,7 @@ int main(void) {
         ON_BOTH(bad_frames_and_results),
         ON_BOTH(bad_values),
         cmocka_unit_test_setup_teardown(bad_objects, open_kernels, close_subject),
+        cmocka_unit_test_setup_teardown(build_errors_name_lines, open_kernels, close_subject),
     };
     return cmocka_run_group_tests_name("author", tests, NULL, NULL);
 }

@@ -29,7 +29,7 @@ most first_edge/first_edge.c 80
 most small_host/small_host.c 90
 most template/my_surface.c 50
 beside_method first_edge/first_edge.c 40
-beside_method kernel_edge/kernel_edge.c 60
+most kernel_edge/kernel_edge.c 65
 
 # --- copies build alone
 for name in first_edge kernel_edge template small_host queue_host; do

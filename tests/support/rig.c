@@ -17,6 +17,7 @@ static void fail(const char *what, const char *detail) {
 
 static void keep_log(const sv_host *host, int32_t severity, const char *text) {
     rig *r = host->host_data;
+    if (strchr(text, '\n')) fail("a line of the log has a newline", text);
     r->last_severity = severity;
     (void)snprintf(r->last_log, sizeof r->last_log, "%s", text);
     r->log_lines++;

@@ -4,40 +4,16 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
+#include "kernels_wrong.h"
 #include "smartvis/author_cl.h"
 #include "wrong_base.h"
 
 enum { FIND, PLACE, KERNELS };
 
 /* ---- the base's method */
-static const char source[] = SVA_SOURCE(
-    /* ray: the fluid's slices are x .. y - 1, y is 0 without such an edge; z counts fluid since x */
-    kernel void find(SVA_SLAB, global uint3 *rays, float level, uint gap) {
-        const uint x = get_global_id(0), y = get_global_id(1);
-        uint3 ray = rays[y * WIDTH + x];
-        for (uint s = 0; s < count && ray.y == 0; s++) {
-            const uchar voxel = SVA_VOXEL(x, y, s);
-            if (!SVA_SCANNED(x, y, s, voxel)) continue;
-            if (voxel < level)
-                ray.z++;
-            else if (ray.z >= gap)
-                ray.y = first + s;
-            else
-                ray = (uint3)(first + s + 1, 0, 0);
-        }
-        rays[y * WIDTH + x] = ray;
-    }
-
-    kernel void place(global const uint3 *rays, float q, global float *depth, global uchar *points) {
-        const uint i = get_global_id(1) * WIDTH + get_global_id(0);
-        const uint3 ray = rays[i];
-        depth[i] = ray.y ? (float)ray.y - 0.5f - q * (float)(ray.y - ray.x) : SVA_NO_DEPTH;
-        points[i] = ray.y ? 1 : 0;
-    });
-
 static sv_status open_device(sva *a) {
     static const char *const kernels[KERNELS] = {"find", "place"};
-    const sv_status status = sva_cl_open(a, source, kernels, KERNELS);
+    const sv_status status = sva_cl_open(a, kernels_wrong, kernels, KERNELS);
     return status == SV_OK ? sva_cl_rehearse(a) : status;
 }
 
