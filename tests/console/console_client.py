@@ -31,8 +31,12 @@ class Console:
         """(status, headers as text, body) of a request on a connection of its own."""
         lines = [f"{method} {path} HTTP/1.1", f"Host: {host or self.place}"]
         lines += [f"{key}: {value}" for key, value in (headers or {}).items()]
+        return self.ask("\r\n".join(lines + ["", ""]).encode())
+
+    def ask(self, data):
+        """The same for bytes as they are."""
         with socket.create_connection((self.host, self.port), timeout=30) as one:
-            one.sendall("\r\n".join(lines + ["", ""]).encode())
+            one.sendall(data)
             said = b""
             while True:
                 more = one.recv(65536)

@@ -21,11 +21,43 @@ def holds(condition, what):
         raise AssertionError(what)
 
 
+def has_our_headers(head, what):
+    for wanted in ("default-src 'none'", "frame-ancestors 'none'", "nosniff", "no-referrer", "no-store"):
+        holds(wanted in head, f"{what}: its headers lack {wanted}")
+
+
+def what_the_library_refuses(console):
+    """Requests that never come to the console's own code are answered as those that do."""
+    host = f"Host: {console.place}\r\n"
+    for what, request in {"nonsense": "nonsense\r\n\r\n", "another version": f"GET / HTTP/9.9\r\n{host}\r\n",
+                          "half a request": "GET / HT", "too long a head": "GET / HTTP/1.1\r\nX: " + "x" * 9000 + "\r\n\r\n",
+                          "a length that is none": f"GET / HTTP/1.1\r\n{host}Content-Length: x\r\n\r\n",
+                          "no WebSocket": f"GET /live?t={console.token} HTTP/1.1\r\n{host}\r\n"}.items():
+        status, head, body = console.ask(request.encode())
+        holds(400 <= status < 600, f"{what}: {status}")
+        has_our_headers(head, what)
+        holds(b"/" not in body, f"{what}: {body}")
+    for path in ("/console.css%00", "/console.css%00.html", "/%00", f"/?t={console.token}%00", f"/?t={console.token}&x=%00", "/live%00"):
+        holds(console.request(path)[0] == 400, f"{path} is answered")
+
+
+def slow_sockets(console):
+    """A hundred that never say all of it: one that does is answered, and they are not waited for long."""
+    slow = []
+    for i in range(100):
+        slow.append(socket.create_connection((console.host, console.port), timeout=30))
+        slow[i].sendall(b"GET / HT"[:i % 9])
+    holds(console.request("/?t=" + console.token)[0] == 200, "slow sockets lock everybody out")
+    for one in slow:
+        while one.recv(4096):
+            pass
+        one.close()
+
+
 def pages_and_files(console):
     status, head, body = console.request("/?t=" + console.token)
     holds(status == 200 and b"<title>SmartVis console" in body, "the page does not come")
-    for wanted in ("default-src 'none'", "frame-ancestors 'none'", "nosniff", "no-referrer", "no-store"):
-        holds(wanted in head, f"the page's headers lack {wanted}")
+    has_our_headers(head, "the page")
     holds(b"http://" not in body and b"https://" not in body, "the page names something outside")
     for name, kind in (("/console.css", "text/css"), ("/console.js", "text/javascript")):
         status, head, body = console.request(name)
@@ -126,7 +158,7 @@ REFUSED = ["", "{", "nonsense", "[]", "{}", "null", '{"type":"state"}', '{"type"
            b'{"type":"seen","frame":"\xff\xfe"}', "x" * 16385, "[" * 4000, '{"type":"seen","frame":1,"frame":2}']
 
 
-def states_that_cannot_be_shown(page):
+def states_that_cannot_be_shown(page, work):
     bad = [{"lanes": [{"plugin": 9, "values": {}}]}, {"lanes": [{"plugin": 0, "values": {"no_such": 1}}]},
            {"lanes": [{"plugin": 0, "values": {"q": 1e9}}]}, {"source": {"folder": 0, "path": "../outside.mha", "from": "probe"}},
            {"source": {"folder": 0, "path": "link.mha", "from": "probe"}}, {"source": {"folder": 0, "path": "inside.mha", "from": "probe"}},
@@ -136,6 +168,7 @@ def states_that_cannot_be_shown(page):
     for changes in bad:
         said = page.show(**changes)
         holds(said is not None and said["type"] == "refused" and said["text"], f"{changes}: {said}")
+        holds(os.path.realpath(work) not in said["text"], f"the page is told where the folder lies: {said}")
         good = page.show()
         holds(good is not None and good["type"] == "frame", f"after {changes} the page shows nothing: {good}")
 
@@ -274,6 +307,8 @@ def one_console(work):
         console = Console(BUILD, [make_folder(work), *PLUGINS, "--stay", "--out", os.path.join(work, "out")], said)
         try:
             pages_and_files(console)
+            what_the_library_refuses(console)
+            slow_sockets(console)
             who_gets_in(console)
             only_this_machine(console)
             page = Page(console)
@@ -283,7 +318,7 @@ def one_console(work):
             a_picture(page)
             pictures_name_their_state(page)
             messages_that_are_refused(page)
-            states_that_cannot_be_shown(page)
+            states_that_cannot_be_shown(page, work)
             the_newest_state_wins(page)
             frames_that_are_wrong(console, page)
             a_page_that_does_not_read(console)
@@ -330,6 +365,29 @@ def a_sequence_plays(work):
         console.end()
 
 
+def who_comes_early():
+    """Requests that come while the console starts find its own address right."""
+    for _ in range(30):
+        with socket.socket() as one:
+            one.bind(("127.0.0.1", 0))
+            port = one.getsockname()[1]
+        console = subprocess.Popen([os.path.join(BUILD, "host_sim"), "console", *PLUGINS, "--port", str(port)], stdout=subprocess.DEVNULL)
+        try:
+            said = b""
+            while not said:
+                holds(console.poll() is None, "the console has not started")
+                try:
+                    with socket.create_connection(("127.0.0.1", port), timeout=30) as one:
+                        one.sendall(f"GET /console.css HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+                        said = one.recv(64)
+                except ConnectionRefusedError:
+                    pass
+            holds(said.startswith(b"HTTP/1.1 200"), f"an early request is answered with {said[:40]}")
+        finally:
+            console.kill()
+            console.wait()
+
+
 def how_it_ends():
     console = Console(BUILD, PLUGINS)
     try:
@@ -365,6 +423,7 @@ def main():
         command_lines()
         one_console(work)
         a_sequence_plays(work)
+        who_comes_early()
         how_it_ends()
     print("ok")
 

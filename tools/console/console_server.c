@@ -87,6 +87,7 @@ bool hs_console_origin_is_ours(const char *origin, const char *host) {
 
 /* ---------------------------------------------------------------------------------------------- server -- */
 
+#define SERVED "128" /* connections at a time: a thread each, which costs 16 KiB */
 enum { MOST_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
 
 struct hs_console_server {
@@ -95,8 +96,8 @@ struct hs_console_server {
     char token[HS_CONSOLE_TOKEN];
     char host[64]; /* as it stands in the address */
     bool loopback;
+    pthread_mutex_t lock; /* of what follows, and held until the server has started */
     uint32_t port;
-    pthread_mutex_t lock; /* of the counts */
     uint32_t pages, ever;
 };
 
@@ -115,7 +116,8 @@ static const char headers[] =
     "Connection: close\r\n";
 
 static int answer(struct mg_connection *c, int status, const char *type, const void *body, size_t bytes) {
-    const bool head = strcmp(mg_get_request_info(c)->request_method, "HEAD") == 0;
+    const struct mg_request_info *request = mg_get_request_info(c); /* what could not be read has none */
+    const bool head = request && request->request_method && strcmp(request->request_method, "HEAD") == 0;
     (void)mg_printf(c, "HTTP/1.1 %d %s\r\nContent-Type: %s; charset=utf-8\r\nContent-Length: %zu\r\n%s\r\n",
                     status, mg_get_response_code_text(c, status), type, bytes, headers);
     if (!head) (void)mg_write(c, body, bytes);
@@ -126,13 +128,30 @@ static int refuse(struct mg_connection *c, int status, const char *text) {
     return answer(c, status, "text/plain", text, strlen(text));
 }
 
+/* What the library refuses by itself. 0: it has been answered. */
+static int answer_error(struct mg_connection *c, int status, const char *message) {
+    (void)message; /* it may name files */
+    (void)refuse(c, status, "This cannot be answered.\n");
+    return 0;
+}
+
+/* Whether the request names this server; a request that comes while it starts waits for its port. */
+static bool is_for_us(hs_console_server *server, const struct mg_connection *c) {
+    (void)pthread_mutex_lock(&server->lock);
+    const uint32_t port = server->port;
+    (void)pthread_mutex_unlock(&server->lock);
+    return hs_console_host_is_ours(mg_get_header(c, "Host"), port, server->loopback);
+}
+
 /* Every request, before anything else looks at it. 0: it goes on to the WebSocket. */
 static int begin_request(struct mg_connection *c) {
-    const hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    hs_console_server *server = mg_get_user_data(mg_get_context(c));
     const struct mg_request_info *request = mg_get_request_info(c);
     const char *uri = request->local_uri ? request->local_uri : "";
-    if (!hs_console_host_is_ours(mg_get_header(c, "Host"), server->port, server->loopback))
+    if (!is_for_us(server, c))
         return refuse(c, 403, "This console is reached by the address that it printed.\n");
+    if (strstr(uri, "%00") || (request->query_string && strstr(request->query_string, "%00")))
+        return refuse(c, 400, "An address has no zero bytes.\n");
     if (strcmp(request->request_method, "GET") != 0 && strcmp(request->request_method, "HEAD") != 0)
         return refuse(c, 405, "Only GET and HEAD.\n");
     if (strcmp(uri, "/live") == 0) return 0;
@@ -157,9 +176,8 @@ static bool send_to_page(void *connection, bool binary, const uint8_t *data, siz
 /* 0 lets the page in. */
 static int connect_page(const struct mg_connection *c, void *context) {
     hs_console_server *server = context;
-    const char *host = mg_get_header(c, "Host");
-    if (!hs_console_host_is_ours(host, server->port, server->loopback) ||
-        !hs_console_origin_is_ours(mg_get_header(c, "Origin"), host) ||
+    if (!is_for_us(server, c) ||
+        !hs_console_origin_is_ours(mg_get_header(c, "Origin"), mg_get_header(c, "Host")) ||
         !hs_console_token_fits(mg_get_request_info(c)->query_string, server->token))
         return 1;
     (void)pthread_mutex_lock(&server->lock);
@@ -226,23 +244,26 @@ static bool start(hs_console_server *server, const hs_console_address *address, 
     const char *options[] = {"listening_ports",
                              where,
                              "num_threads",
-                             "12",
+                             SERVED,
                              "connection_queue",
-                             "16",
+                             SERVED,
                              "max_request_size",
                              "8192",
-                             "request_timeout_ms",
-                             "10000",
+                             "request_timeout_ms", /* for a request to be whole, and for a write to go on */
+                             "3000",
                              "websocket_timeout_ms",
                              "20000",
                              "enable_websocket_ping_pong",
                              "yes",
+                             "decode_url", /* it would end at a zero byte */
+                             "no",
                              "enable_keep_alive",
                              "no",
                              "tcp_nodelay",
                              "1",
                              NULL};
-    const struct mg_callbacks callbacks = {.begin_request = begin_request, .log_message = note_message};
+    const struct mg_callbacks callbacks = {
+        .begin_request = begin_request, .log_message = note_message, .http_error = answer_error};
     struct mg_server_port port;
     (void)mg_init_library(0);
     server->web = mg_start(&callbacks, server, options);
@@ -265,9 +286,11 @@ hs_console_server *hs_console_server_open(const hs_console_shared *shared, const
     }
     server->shared = shared;
     (void)pthread_mutex_init(&server->lock, NULL);
-    if (take_address(server, address, err) && hs_console_make_token(server->token, err) &&
-        start(server, address, err))
-        return server;
+    (void)pthread_mutex_lock(&server->lock);
+    const bool ok = take_address(server, address, err) && hs_console_make_token(server->token, err) &&
+                    start(server, address, err);
+    (void)pthread_mutex_unlock(&server->lock);
+    if (ok) return server;
     hs_console_server_close(server);
     return NULL;
 }

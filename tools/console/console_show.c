@@ -274,8 +274,26 @@ static bool open_stage(hs_console_show *show, hs_error *err) {
     return show->open;
 }
 
+/* Takes every "FOLDER/" out of a text. */
+static void leave_out(char *text, const char *folder) {
+    const size_t length = strlen(folder);
+    for (char *at = text; length > 0 && (at = strstr(at, folder)) != NULL;) {
+        if (at[length] != '/') {
+            at += length;
+            continue;
+        }
+        memmove(at, at + length + 1, strlen(at + length + 1) + 1);
+    }
+}
+
+/* A page names files by their paths in a folder of the command line, and is told them so: where the folder
+ * lies is not its business. */
 static bool refuse(const hs_console_show *show, const hs_error *err) {
-    return say(show, hs_console_reply_text("refused", err->text));
+    hs_error told = *err;
+    for (uint32_t i = 0; i < show->shared->files.count; i++)
+        leave_out(told.text, show->shared->files.folder[i]);
+    leave_out(told.text, show->shared->out);
+    return say(show, hs_console_reply_text("refused", told.text));
 }
 
 bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state, uint32_t index,
