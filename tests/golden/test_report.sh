@@ -37,7 +37,25 @@ holds [ "$(wc -l < "$work/whole/beside.csv")" -eq 4 ]
 for picture in knob other knob_error other_error confidence ghost; do
     for case in E04 D01; do holds [ -s "$work/whole/$case/beside_$picture.png" ]; done
 done
-holds grep -q '<h2>wall beside mean</h2>' "$page"
+# The default method comes first, and all parts are in the list of contents.
+holds [ "$(grep -o '<h2 id="[^<]*' "$page" | sed 's/.*>//' | paste -sd '|')" = 'wall, the default method|wall beside mean|The settings of mean|Speed of mean' ]
+holds [ "$(grep -o '<h2 id="[^<]*' "$page" | sed 's/<h2 id="//')" = "$(grep -o '<a href="#[^<]*' "$page" | sed 's/<a href="#//')" ]
+# A term is defined where it first stands.
+plain=$(sed 's/data:[^"]*//g' "$page" | tr -d '\n')
+first() { grep -obF -- "$1" <<< "$plain" | head -n 1 | cut -d : -f 1; }
+while read -r term rest; do
+    holds [ -n "$(first "$term $rest")" ]
+    holds [ "$(first "$term")" = "$(first "$term $rest")" ]
+done << 'TERMS'
+e_abs is the mean size of the error
+T_B is the threshold
+Delta_MI is the largest value of the volume
+e_pos is the mean of the errors above 0
+DVR is direct volume rendering
+TERMS
+holds [ "$(first 'rue surface')" = "$(first 'rue surface is the scene')" ]
+# Full volume, result, ground truth: the order of every page.
+holds [ "$(grep -o 'alt="E04: rendering[^"]*' "$page" | head -n 3 | sed 's/.*rendering of the //' | paste -sd '|')" = 'full volume|result|ground truth' ]
 # The last column but one is the ratio of columns 10 and 4, and the mean's that of the means, as far as two digits tell.
 sed 's/"[^"]*"/x/g' "$work/whole/beside.csv" | awk -F, '
     NR > 1 && ($13 - $10 / $4 > 0.02 || $10 / $4 - $13 > 0.02) { bad = 1 }
@@ -83,6 +101,9 @@ code 0 "${small[@]}" --out "$work/zeros" --plugin "$build/tests/plugins/zeros.so
 awk -F, 'FNR > 1 && $6 != $11 { bad = 1 } END { exit bad }' "$work/zeros/best.csv"
 holds [ $? -eq 0 ]
 holds grep -q '^E04,-,-,-,-,' "$work/zeros/best.csv"
+# The page and the terminal have no columns for what it does not have.
+holds [ "$(grep -c 'T_B\|Delta_MI' "$work/zeros/index.html")" -eq 0 ]
+holds [ "$(grep -c 'T_B' "$work/stdout")" -eq 0 ]
 # It has no method to set beside.
 holds [ ! -e "$work/zeros/beside.csv" ]
 # A plane has a knob, its depth, that no adjust takes.

@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The evaluation's page in headless Chromium, where there is one: no console error, and the slider shows
-# another picture. Called with the source and the build folder.
+# The evaluation's page and the demo's in headless Chromium, where there is one: no console error, nothing wider than the
+# screen, dark colours where they are asked for, labels that a phone shows; and the evaluation's slider shows another picture.
+# Called with the source and the build folder.
 set -u
 build=$2
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome) || {
@@ -10,11 +11,33 @@ browser=$(command -v chromium || command -v chromium-browser || command -v googl
 }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"$build/host_sim" report --quick --size 72 --case D01 --frames 0 --out "$work/report" > /dev/null 2>&1 || exit 1
+"$build/host_sim" report --quick --size 48 --frames 1 --out "$work/report" > /dev/null 2>&1 || exit 1
+"$build/host_sim" demo --quick --picture 64 --out "$work/demo" > /dev/null 2>&1 || exit 1
+
+# shows PAGE WIDTH SCHEME WANTED: what the page's last script writes into its title, and an empty console.
+shows() {
+    timeout 600 "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$work/profile" --enable-logging=stderr \
+        --blink-settings=preferredColorScheme="$3" --window-size="$2,900" --dump-dom "file://$1" > "$work/dom" 2> "$work/log" || {
+        echo "FAIL: the browser ended with $?"
+        tail -n 5 "$work/log"
+        exit 1
+    }
+    title=$(grep -o '<title>seen[^<]*' "$work/dom" | head -n 1)
+    if [ "$title" != "<title>seen $4" ]; then
+        echo "FAIL: $1 at $2 pixels gave '$title', expected '$4'"
+        exit 1
+    fi
+    if grep CONSOLE "$work/log"; then
+        echo "FAIL: the console is not empty"
+        exit 1
+    fi
+}
 
 # The page, and a script that turns its slider as a user would, then writes what it sees into the title.
 cat "$work/report/index.html" - > "$work/turned.html" << 'SCRIPT'
 <script>
+var height = document.documentElement.scrollHeight; /* as a reader first sees it */
+document.querySelectorAll('details').forEach(function (fold) { fold.open = true; });
 var slider = document.querySelector('.slider'), input = slider.querySelector('input');
 function seen() {
     var all = Array.from(slider.querySelectorAll('figure')).filter(function (f) { return f.offsetHeight > 0; });
@@ -25,25 +48,23 @@ var first = seen();
 input.value = input.max; input.dispatchEvent(new Event('input'));
 var last = seen();
 input.focus();
-document.title = [first !== null, last !== null, first && last && first.src !== last.src,
+document.title = ['seen', first !== null, last !== null, first && last && first.src !== last.src,
     last && last.naturalWidth > 0, input.getAttribute('aria-valuetext'), document.activeElement === input,
-    document.documentElement.scrollWidth <= window.innerWidth].join(' ');
+    document.documentElement.scrollWidth <= window.innerWidth, height <= 15000].join(' ');
+</script>
+SCRIPT
+for width in 390 1280; do shows "$work/turned.html" $width 1 'true true true true q = 1.5 true true true'; done
+
+# The demo: pictures with labels in them are not shrunk to a phone's width, and the colours are those that were asked for.
+cat "$work/demo/index.html" - > "$work/seen.html" << 'SCRIPT'
+<script>
+document.querySelectorAll('details').forEach(function (fold) { fold.open = true; });
+var labelled = Array.from(document.querySelectorAll('.row.wide img'));
+document.title = ['seen', labelled.length > 0 && labelled.every(function (i) { return i.getBoundingClientRect().width >= 540; }),
+    document.documentElement.scrollWidth <= window.innerWidth, getComputedStyle(document.body).backgroundColor].join(' ');
 </script>
 SCRIPT
 for width in 390 1280; do
-    timeout 600 "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$work/profile" --enable-logging=stderr \
-        --window-size=$width,900 --dump-dom "file://$work/turned.html" > "$work/dom" 2> "$work/log" || {
-        echo "FAIL: the browser ended with $?"
-        tail -n 5 "$work/log"
-        exit 1
-    }
-    title=$(grep -o '<title>[a-z][^<]*' "$work/dom" | head -n 1)
-    if [ "$title" != "<title>true true true true q = 1.5 true true" ]; then
-        echo "FAIL: at $width pixels the slider gave '$title'"
-        exit 1
-    fi
-    if grep CONSOLE "$work/log"; then
-        echo "FAIL: the console is not empty"
-        exit 1
-    fi
+    shows "$work/seen.html" $width 1 'true true rgb(255, 255, 255)'
+    shows "$work/seen.html" $width 0 'true true rgb(22, 24, 27)'
 done

@@ -97,8 +97,9 @@ bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
 
-#define USUAL     "method=wall" /* what is set beside where nothing is said */
-#define POSITIONS 31u           /* of the knob */
+#define USUAL        "method=wall" /* what is set beside where nothing is said */
+#define POSITIONS    31u           /* of the knob */
+#define MOST_REPEATS 15u           /* of hs_eval_case_time */
 
 /* Adds "KEY=VALUE[ KEY=VALUE]...". */
 static bool parse(hs_eval_values *values, const hs_plugin *plugin, const char *text, hs_error *err) {
@@ -150,6 +151,7 @@ static bool hs_eval_beside_open(hs_eval_beside *b, const hs_cl *cl, const hs_plu
     if (strcmp(b->first_name, b->other_name) == 0)
         (void)snprintf(b->other_name, sizeof b->other_name, "%.63s", wanted ? wanted : USUAL);
     hs_eval_knob_spread(&b->knob, plugin, POSITIONS);
+    b->repeats = options->frames < MOST_REPEATS ? options->frames : MOST_REPEATS;
     b->exists = true;
     return true;
 }
@@ -201,9 +203,11 @@ static bool hs_eval_beside_measure(hs_eval_beside *b, uint32_t index, hs_eval_ca
         !measure_plain(c, &b->first, &of[HS_BESIDE_DEFAULT], err))
         return false;
     c->way = HS_KNOB_UNKNOWN;
+    b->ms[index] = (double)NAN;
     return hs_eval_case_measure(c, &b->first, &b->knob, b->line[index], &outcome, err) &&
            hs_eval_case_replace(c, b->cl, b->plugin, &b->other, err) &&
-           measure_plain(c, &b->other, &of[HS_BESIDE_OTHER], err);
+           measure_plain(c, &b->other, &of[HS_BESIDE_OTHER], err) &&
+           (b->repeats == 0 || hs_eval_case_time(c, &b->other, b->repeats, &b->ms[index], err));
 }
 
 /* ------------------------------------------------------------------------------------------- conclude -- */
@@ -344,6 +348,7 @@ bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, 
         return false;
     }
     study->count = index + 1;
+    if (index == 0) study->map_side = c->table.width;
     hs_eval_measure_map(&c->table, NULL, &result->unclipped);
     (void)snprintf(result->title, sizeof result->title, "%s", c->from.source.title);
     return true;

@@ -204,6 +204,8 @@ typedef struct {
     uint32_t best;                                         /* HS_BESIDE_KNOB's position */
     hs_measures line[HS_EVAL_MAX_CASES][HS_EVAL_MAX_LINE]; /* over the knob */
     hs_measures of[HS_EVAL_MAX_CASES][HS_BESIDE_COUNT];    /* NAN: not known */
+    uint32_t repeats;                                      /* frames of a measurement of speed; 0: none */
+    double ms[HS_EVAL_MAX_CASES];           /* hs_eval_case_time of the other method; NAN: not measured */
     bool has_confidence[HS_EVAL_MAX_CASES]; /* the other method gave one, and its picture is there */
 } hs_eval_beside;
 
@@ -238,6 +240,7 @@ typedef struct hs_eval_study {
     hs_cl cl;
     hs_plugin plugin;
     hs_eval_plan plan;
+    uint32_t map_side; /* pixels of the first case's depthmap */
     uint32_t count;
     hs_eval_space space[HS_EVAL_MAX_CASES];
     hs_eval_result result[HS_EVAL_MAX_CASES];

@@ -160,7 +160,7 @@ static void put_case(book *b, const wall_case *c, const char *title, const char 
     hs_page_row_begin(&b->page);
     show(b, folder, "full.png", true, c->name, "Full volume");
     show(b, folder, "result.png", true, c->name, d->clipped ? "Result" : "Result: not clipped");
-    show(b, folder, "truth.png", true, c->name, "Ground truth");
+    show(b, folder, "truth.png", true, c->name, HS_TRUTH_CAPTION);
     hs_page_row_end(&b->page);
     hs_page_row_begin(&b->page);
     show(b, folder, "slices.png", true, c->name, "The result, and slices with the surface drawn in");

@@ -50,6 +50,9 @@ void hs_page_row_end(hs_page *page);
 /* A PNG file, inlined, with the text that stands for it when it is not seen, and a caption below. */
 void hs_page_picture(hs_page *page, const char *path, const char *alt, const char *caption);
 
+/* Of a rendering of the ground truth, on every page. */
+#define HS_TRUTH_CAPTION "Ground truth. Grey: touches the occluder, cut"
+
 /* The same as JPEG, for renderings: a sixth of the bytes, with a loss that speckle hides. */
 void hs_page_photo(hs_page *page, const char *path, const char *alt, const char *caption);
 

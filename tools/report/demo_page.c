@@ -32,8 +32,7 @@ static void show_renderings(hs_page *page, const char *out, const hs_demo_case *
          c->clipped ? "rendering that starts at the clipping surface" : "rendering, not clipped",
          c->clipped ? "Result" : "Result: not clipped");
     if (c->has_truth)
-        show(page, out, c, hs_page_photo, "truth.png", "rendering of the ground truth",
-             "Ground truth. Grey: touches the occluder, cut");
+        show(page, out, c, hs_page_photo, "truth.png", "rendering of the ground truth", HS_TRUTH_CAPTION);
     hs_page_row_end(page);
 }
 

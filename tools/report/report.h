@@ -76,6 +76,10 @@ const char *const *hs_eval_row_head(const hs_eval_study *study);
 /* Row `index` of the table; index == study->count: the average over the cases. */
 void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index, hs_eval_row *row);
 
+/* False if no case has anything in the column, as T_B of a plugin without a threshold: then the terminal and
+ * the page leave it out. */
+bool hs_eval_row_has(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t column);
+
 /* One sentence: what the table shows. */
 void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes);
 
@@ -94,6 +98,9 @@ bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
 
 /* The table as cells of text: row 0 is the head, 1 .. count the cases, count + 1 the means. */
 void hs_eval_beside_row(const hs_eval_study *study, uint32_t row, char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL]);
+
+/* False if no case has anything in the column, as hs_eval_row_has. */
+bool hs_eval_beside_has(const hs_eval_study *study, uint32_t column);
 
 /* --------------------------------------------------------------------------------------------- ranking -- */
 /* The ranking of a comparison, for the terminal and the CSV file. */

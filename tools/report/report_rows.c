@@ -99,6 +99,15 @@ void hs_eval_beside_row(const hs_eval_study *study, uint32_t row,
     }
 }
 
+bool hs_eval_beside_has(const hs_eval_study *study, uint32_t column) {
+    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
+    for (uint32_t r = 1; r <= study->count; r++) {
+        hs_eval_beside_row(study, r, cell);
+        if (strcmp(cell[column], "-") != 0) return true;
+    }
+    return false;
+}
+
 /* To a terminal, and as "beside.csv" in the study's folder (HS_ERR_OUTPUT names the path). Nothing if there
  * is no other method. */
 static void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
@@ -108,13 +117,18 @@ static void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
                   "Beside each other, one setting for all cases; ratio: %s to %s at its best single knob\n",
                   study->beside.other_name, study->beside.first_name);
     hs_eval_beside_row(study, 0, cell);
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) hs_print(out, "  [%u] %s\n", i, cell[i]);
+    bool has[HS_BESIDE_CELLS];
+    for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) has[i] = hs_eval_beside_has(study, i);
+    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++)
+        if (has[i]) hs_print(out, "  [%u] %s\n", i, cell[i]);
     hs_print(out, "%-6s", "case");
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) hs_print(out, "    [%2u]", i);
+    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++)
+        if (has[i]) hs_print(out, "    [%2u]", i);
     hs_print(out, "\n");
     for (uint32_t r = 1; r <= study->count + 1; r++) {
         hs_eval_beside_row(study, r, cell);
-        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) hs_print(out, "%*s", i ? 8 : -6, cell[i]);
+        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++)
+            if (has[i]) hs_print(out, "%*s", i ? 8 : -6, cell[i]);
         hs_print(out, "\n");
     }
     hs_print(out, "\n");
@@ -266,13 +280,22 @@ void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint3
     put(row, THESIS_E_ABS, "%.2f", kind == HS_TABLE_BEST ? t->e_abs : t->common_e_abs);
 }
 
+bool hs_eval_row_has(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t column) {
+    hs_eval_row row;
+    for (uint32_t r = 0; r < study->count; r++) {
+        hs_eval_row_make(study, kind, r, &row);
+        if (strcmp(row.cell[column], "-") != 0) return true;
+    }
+    return false;
+}
+
 void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes) {
     const hs_eval_plan *plan = &study->plan;
     const hs_eval_mean *mean = &study->mean;
     if (kind == HS_TABLE_BEST)
         (void)snprintf(out, bytes, "Each case's setting with the lowest e_abs (thesis, Table 5.2)");
     else if (!plan->threshold.exists || !plan->kernel.exists)
-        (void)snprintf(out, bytes, "Each case's best position of the knob (this plugin has no T_B and k)");
+        (void)snprintf(out, bytes, "Each case's best position of the knob");
     else if (mean->deltas == 0)
         (void)snprintf(out, bytes, "The cases have no Delta_MI in common: each case's own best setting");
     else
@@ -295,11 +318,16 @@ static void print_table(const hs_eval_study *study, hs_eval_table_kind kind, FIL
     hs_eval_row row;
     hs_eval_row_caption(study, kind, caption, sizeof caption);
     hs_print(out, "%s\n", caption);
-    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) hs_print(out, "%*s", widths[i], hs_eval_row_head(study)[i]);
+    bool has[HS_EVAL_CELLS];
+    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) {
+        has[i] = hs_eval_row_has(study, kind, i);
+        if (has[i]) hs_print(out, "%*s", widths[i], hs_eval_row_head(study)[i]);
+    }
     (void)fprintf(out, "\n");
     for (uint32_t r = 0; r <= study->count; r++) {
         hs_eval_row_make(study, kind, r, &row);
-        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) hs_print(out, "%*s", widths[i], row.cell[i]);
+        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
+            if (has[i]) hs_print(out, "%*s", widths[i], row.cell[i]);
         (void)fprintf(out, "\n");
     }
     (void)fprintf(out, "\n");

@@ -57,7 +57,7 @@ void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t 
     hs_plot_heat plot = {.title = title,
                          .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
                          .y_label = "kernel size k (pixels)",
-                         .value_label = "e_abs (DVR steps)",
+                         .value_label = "e_abs (steps)",
                          .rows = kernels,
                          .x = delta,
                          .y = plan->kernel.value,
@@ -89,7 +89,7 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
                                    "All cases: lowest mean e_abs over the knob (as the thesis' Figure 5.8)",
                                .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
                                .y_label = "kernel size k (pixels)",
-                               .value_label = "mean e_abs (DVR steps)",
+                               .value_label = "mean e_abs (steps)",
                                .columns = mean->deltas,
                                .rows = mean->kernels,
                                .x = mean->delta,
@@ -215,7 +215,8 @@ static void put_table(hs_page *report, const hs_eval_study *study) {
     hs_page_table_begin(report);
     hs_page_table_row(report, head, 3);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        (void)snprintf(text[0], sizeof text[0], isnan(rows[i].ms) ? "-" : "%.3f", rows[i].ms);
+        if (isnan(rows[i].ms)) continue; /* the plugin does not tell */
+        (void)snprintf(text[0], sizeof text[0], "%.3f", rows[i].ms);
         (void)snprintf(text[1], sizeof text[1], rows[i].thesis < 0 ? "-" : "%.3f",
                        rows[i].thesis < 0 ? 0.0 : hs_eval_thesis_stages[rows[i].thesis].ms);
         const char *cells[3] = {rows[i].name, text[0], text[1]};
@@ -235,10 +236,15 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
                  study->result[i].speed[HS_SETTING_SMARTVIS].volumes_per_second) /
                 study->count;
     }
-    hs_page_heading(report, 2, "Speed");
+    (void)snprintf(text, sizeof text, "Speed%s%.60s", study->beside.exists ? " of " : "",
+                   study->beside.exists ? study->beside.first_name : "");
+    hs_page_heading(report, 2, text);
     (void)snprintf(
         text, sizeof text,
-        "Medians of %u frames on %s, pictures of 512 x 512. With the plugin a volume shows %.1f "
+        "Medians of %u frames on %s, pictures of 512 x 512. DVR is direct volume rendering, which draws the "
+        "picture; "
+        "scan conversion makes the low-resolution volume that the plugin gets. With the plugin a volume "
+        "shows %.1f "
         "frames a second %s than with scan conversion alone; in the thesis the plugin cost %d a "
         "second on another machine with other data. A clipped picture can also be quicker: its rays "
         "skip what is cut away.",
@@ -259,12 +265,14 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
 
 static void put_means(hs_page *report, const hs_eval_study *study) {
     char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
-    const char *cells[HS_BESIDE_CELLS];
-    for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) cells[i] = cell[i];
     hs_page_table_begin(report);
     for (uint32_t r = 0; r <= study->count + 1; r++) {
+        const char *cells[HS_BESIDE_CELLS];
+        uint32_t columns = 0;
         hs_eval_beside_row(study, r, cell);
-        hs_page_table_row(report, cells, HS_BESIDE_CELLS);
+        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++)
+            if (hs_eval_beside_has(study, i)) cells[columns++] = cell[i];
+        hs_page_table_row(report, cells, columns);
     }
     hs_page_table_end(report);
 }
@@ -316,7 +324,9 @@ static void put_legends(hs_page *report, bool with_confidence) {
     hs_eval_figure_put(report, write_legend, &confidence);
     hs_page_text(
         report,
-        "The last picture of a case is not cut off at the surface but ghosted: opacity rises over a window "
+        "Confidence is how sure the method says it is. The last picture of a case is not cut off at the "
+        "surface but "
+        "ghosted: opacity rises over a window "
         "before it, of ten low-resolution slices where the method is sure and up to thirty where it is "
         "not.");
 }
@@ -343,10 +353,8 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     caption_of(study, index, HS_BESIDE_OTHER, other, sizeof other);
     (void)snprintf(error[0], sizeof error[0], "Error of %.60s", b->first_name);
     (void)snprintf(error[1], sizeof error[1], "Error of %.60s", b->other_name);
-    hs_page_heading(report, 3, study->space[index].name);
+    hs_page_fold_begin(report, study->space[index].name);
     hs_page_row_begin(report);
-    hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
-    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", "Ground truth");
     hs_eval_page_show(report, study, index, "beside_knob.png", first, first);
     hs_eval_page_show(report, study, index, "beside_other.png", other, other);
     hs_page_row_end(report);
@@ -360,6 +368,7 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
         hs_eval_page_show(report, study, index, "beside_ghost.png", other, other);
     }
     hs_page_row_end(report);
+    hs_page_fold_end(report);
 }
 
 void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
@@ -371,17 +380,12 @@ void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
     hs_page_heading(report, 2, text);
     (void)snprintf(
         text, sizeof text,
-        "Each method at one setting for all cases: %.60s at its defaults, %.60s with its knob where the "
-        "mean e_abs over these cases is lowest. \"tuned\" is %.60s at the best setting of the whole "
-        "parameter space, found on these very volumes.",
-        b->other_name, b->first_name, b->first_name);
-    hs_page_text(report, text);
-    (void)snprintf(
-        text, sizeof text,
-        "e_abs in DVR steps; cut: share of the fetus that is cut by more than two steps; left: share of the "
-        "occluded rays whose occluder is still there. ratio: e_abs of %.60s to that of %.60s at its best "
-        "knob. true surface: what is left with the scene's own clipping surface as the depthmap.",
-        b->other_name, b->first_name);
+        "%s%.60s is measured with its knob, the parameter that a user turns, where the mean e_abs over these "
+        "cases is lowest; \"tuned\" is the best of all its settings, found on these very volumes. %.60s has "
+        "its "
+        "defaults. The ratio is e_abs of %.60s to that of %.60s at its best knob.",
+        strcmp(b->first_name, "mean") == 0 ? "mean is the thesis' method. " : "", b->first_name,
+        b->other_name, b->other_name, b->first_name);
     hs_page_text(report, text);
     put_means(report, study);
     for (uint32_t i = 0; i < study->count; i++) confidence = confidence || b->has_confidence[i];
