@@ -9,6 +9,8 @@ import gzip
 import math
 import os
 import re
+import sys
+import tempfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -257,8 +259,9 @@ def _inflated(path: Path) -> int:
 
 @contextlib.contextmanager
 def _no_warning(path: Path | None) -> Iterator[None]:
-    """FileError for what ITK only warns of. None: it may warn; a series' spacing is judged here."""
+    """FileError for what ITK only warns of, or libtiff. None: ITK may warn; a series' spacing is judged here."""
     said: list[str] = []
+    is_tiff = path is not None and path.suffix.lower() in (".tif", ".tiff")
 
     class Logger(_images.sitk().LoggerBase):  # type: ignore[misc]
         def DisplayWarningText(self, text: str) -> None:  # noqa: N802
@@ -267,11 +270,33 @@ def _no_warning(path: Path | None) -> Iterator[None]:
     logger = Logger()
     before = logger.SetAsGlobalITKLogger()
     try:
-        yield
+        with _libtiff(said) if is_tiff else contextlib.nullcontext():
+            yield
     finally:
         before.SetAsGlobalITKLogger()
     if said and path is not None:
         raise FileError(f"{path}: {said[0].strip().splitlines()[-1].split('): ')[-1]}")
+
+
+@contextlib.contextmanager
+def _libtiff(said: list[str]) -> Iterator[None]:
+    """Puts into `said` the errors that libtiff writes to the standard error, and nowhere else. ITK goes on after them:
+    with the pages before the cut, or with voxels that were never read. Warnings of tags that nobody needs do not
+    count."""
+    with tempfile.TemporaryFile() as file:
+        before = os.dup(2)
+        os.dup2(file.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(before, 2)
+            os.close(before)
+            file.seek(0)
+            for line in file.read(_HEADER).decode("utf-8", "replace").splitlines():
+                if not re.match(r"\w+: ", line):
+                    print(line, file=sys.stderr)  # not libtiff's
+                elif "Warning" not in line or "IO error" in line:
+                    said.append(line)
 
 
 def _reason(error: RuntimeError) -> str:

@@ -137,6 +137,23 @@ def test_nifti_that_is_cut_or_has_no_geometry_is_refused(inside: Path) -> None:
         refused(inside / name, words)
 
 
+def test_tiff_that_is_cut_or_damaged_is_refused(inside: Path) -> None:
+    """libtiff says so on the standard error alone, and ITK returns what there is."""
+    image = sitk.GetImageFromArray(np.frombuffer(VOXELS, np.uint8).reshape(16, 16, 16))
+    sitk.WriteImage(image, str(inside / "good.tif"), useCompression=True, compressor="Deflate")
+    good = (inside / "good.tif").read_bytes()
+    wrong = {f"cut{n}.tif": good[:-n] for n in (1, 100, len(good) // 2)}
+    wrong["data.tif"] = good[:100] + b"!!!" + good[103:]
+    for name, content in wrong.items():
+        (inside / name).write_bytes(content)
+        refused(inside / name, "")
+    (inside / "pipe").unlink()
+    assert main(["batch", str(inside), "--out", str(inside / "out"), "--workers", "1", "--write", "clipped"]) == 1
+    with open(inside / "out" / "table.csv", newline="") as file:
+        states = {Path(row["file"]).name: row["state"] for row in csv.DictReader(file)}
+    assert states == {"good.tif": "ok"} | dict.fromkeys(wrong, "input")
+
+
 def test_links_that_stay_in_the_folder_are_read(inside: Path) -> None:
     (inside / "data").write_bytes(VOXELS)
     (inside / "near").symlink_to("data")
