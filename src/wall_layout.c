@@ -8,15 +8,18 @@
 sv_wall_settings sv_wall_settings_default(void) {
     return (sv_wall_settings){.block_mm = 2.0,
                               .dilation_mm = 3.75,
+                              .window_mm = 10.0,
+                              .bright_share = 0.05,
+                              .dark_rank = 0.05,
+                              .threshold = 0.65,
+                              .dim = 0.4,
                               .near_field_mm = 7.5,
-                              .near_field_share = 0.5,
+                              .near_field_share = 0.3,
                               .skin_line_mm = 4.0,
-                              .dark = 0.5,
-                              .gap_share = 0.43,
-                              .doubtful_share = 0.15,
-                              .clear_wall_share = 0.75,
+                              .fluid_rank = 0.2,
+                              .gap_share = 0.3,
+                              .doubtful_share = 0.12,
                               .doubtful_confidence = 0.3,
-                              .tissue = 0.19,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
                               .high_rank = 0.9,
@@ -27,7 +30,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .one_side = 0.3,
                               .skin_mm = 5.5,
                               .tau_mm = 7.0,
-                              .cut_cost = 13.0,
+                              .cut_cost = 14.0,
                               .occluder_cost = 8.0,
                               .wrong_fluid_cost = 1.15,
                               .sigma_mm = 2.9,
@@ -87,12 +90,13 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->average_margin = rounded(s->average_margin * SV_WALL_FINE_COST_ONE);
     l->knob_margin = rounded(s->knob_margin * SV_WALL_FINE_COST_ONE);
     l->q = (float)s->q;
-    l->tissue = rounded(s->tissue * SV_WALL_PER_MILLE);
+    l->threshold = rounded(s->threshold * SV_WALL_PER_MILLE);
+    l->dark_rank = rounded(s->dark_rank * SV_WALL_PER_MILLE);
+    l->dim = rounded(s->dim * SV_WALL_TISSUE);
     l->near_field_share = rounded(s->near_field_share * SV_WALL_PER_MILLE);
-    l->dark = rounded(s->dark * SV_WALL_PER_MILLE);
+    l->fluid_rank = rounded(s->fluid_rank * SV_WALL_PER_MILLE);
     l->gap_share = rounded(s->gap_share * SV_WALL_PER_MILLE);
     l->doubtful_share = rounded(s->doubtful_share * SV_WALL_PER_MILLE);
-    l->clear_wall_share = rounded(s->clear_wall_share * SV_WALL_PER_MILLE);
     l->doubtful_confidence = (float)s->doubtful_confidence;
     l->clip_doubtful = s->clip_doubtful;
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
@@ -161,9 +165,13 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
     const double layer_mm = mm[2] * l.depth;
     for (int axis = 0; axis < 2; axis++) {
         l.dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
+        l.window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
         l.median_step[axis] = at_most(voxels(s->median_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
         l.smoothing_step[axis] = at_most(voxels(s->smoothing_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
     }
+    l.window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
+    const double blocks = 4.0 * (2 * l.window[0] + 1) * (2 * l.window[1] + 1) * (2 * l.window[2] + 1);
+    l.bright_blocks = (unsigned)fmax(rounded(s->bright_share * blocks), 1.0);
     l.near_field = voxels(s->near_field_mm, layer_mm, 0);
     l.skin_line = voxels(s->skin_line_mm, layer_mm, 0);
     l.skin = voxels(s->skin_mm, layer_mm, 0);

@@ -15,18 +15,22 @@
 typedef struct {
     double block_mm;    /* side of a block */
     double dilation_mm; /* a cell's brightness is the maximum over the cells so far to either side */
-    /* Scanned darkness in front of a ray's first run that is at most so deep is no fluid, if at least such a
-     * share of the rays begin with that. */
+    /* What is bright is told within so many mm to either side, along every axis. The mean of all that is
+     * bright counts as such a share of the blocks there. */
+    double window_mm, bright_share;
+    double dark_rank; /* such a share of the blocks is darker than the dark level */
+    double threshold; /* the threshold's root is this share of the way from the dark level's to the bright */
+    double dim;       /* a block that is brighter than this share of the threshold is dim, not dark */
+    /* Darkness at the start of a ray's scan that is at most so deep is no fluid, if at least such a share of
+     * the rays begin with that. */
     double near_field_mm, near_field_share;
     double skin_line_mm; /* the brightness of the first run of a ray does not count so far behind its start */
-    /* A block is dark if its level is at most `dark` of the tissue's threshold. Of all dark blocks the share
-     * in the gaps that the surface lies in tells whether there is fluid in front of the fetus: there is from
-     * `gap_share` on, there is none below `doubtful_share`, and between them it is doubtful. There is, too,
-     * if at least `clear_wall_share` of the rays begin in the wall. */
-    double dark, gap_share, doubtful_share, clear_wall_share;
+    /* Of the darkest `fluid_rank` of all blocks, the share in the gaps that the surface lies in tells whether
+     * there is fluid in front of the fetus: there is from `gap_share` on, there is none below
+     * `doubtful_share`, and between them it is doubtful. */
+    double fluid_rank, gap_share, doubtful_share;
     double doubtful_confidence; /* a doubtful surface is at most so sure */
     bool clip_doubtful;         /* clip at a doubtful surface, too */
-    double tissue; /* tissue is brighter than this share of the way from the threshold to the bright mean */
     double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
     double low_rank, high_rank; /* the spread of the wall's brightness lies between these quantiles */
     double slope;               /* of the logistic function, per spread */

@@ -13,7 +13,6 @@ typedef struct {
     __global const uchar *levels, *brightness,
         *kinds;                     /* of the first layer; brightness and kinds are those of the ray's cell */
     size_t level_pitch, cell_pitch; /* from one layer to the next */
-    uint threshold;
     __global const uint *chances;
     bool bare;                     /* there is no wall */
     uint first, end, run, run_end; /* scanned layers, the first run */
@@ -38,7 +37,7 @@ static layers_t layers_of(const sv_wall_layout *l, __global ushort *scratch, uin
 }
 
 static bool is_tissue(const ray_t *r, uint z) {
-    return r->levels[z * r->level_pitch] > r->threshold;
+    return r->levels[z * r->level_pitch] > SV_WALL_TISSUE;
 }
 
 /* Multiplies probabilities, rounding half up. */
@@ -153,7 +152,7 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
-    ray_t r = {.threshold = info[INFO_TISSUE], .chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
+    ray_t r = {.chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
     r.brightness = brightness + cell_row(&l, 0, row / 2) + x / 2;

@@ -28,14 +28,14 @@ typedef struct {
  * `brightness`: the first layer of the ray and of its cell. Without tissue the run is empty and lies at the
  * end of the scan. */
 static run_t first_run(const sv_wall_layout *l, __global const uchar *levels,
-                       __global const uchar *brightness, uint threshold, uint end) {
+                       __global const uchar *brightness, uint end) {
     const size_t level_pitch = level_pitch_of(l), pitch = cell_row(l, 1, 0);
     uint z = 0;
-    while (z < l->layers && levels[z * level_pitch] <= threshold) z++;
+    while (z < l->layers && levels[z * level_pitch] <= SV_WALL_TISSUE) z++;
     run_t run = {z < l->layers ? z : end, end, 0};
     const uint behind_skin = z + l->skin_line;
     uint last = 0;
-    for (; z < l->layers && levels[z * level_pitch] > threshold; z++) {
+    for (; z < l->layers && levels[z * level_pitch] > SV_WALL_TISSUE; z++) {
         last = brightness[z * pitch];
         if (z >= behind_skin) run.maximum = max(run.maximum, last);
     }
@@ -44,41 +44,24 @@ static run_t first_run(const sv_wall_layout *l, __global const uchar *levels,
     return run;
 }
 
-/* True if the first run begins at most `near_field` layers behind the start of the scan, but not at it. */
-static bool is_dark_front(const sv_wall_layout *l, uint begin, uint end, uint first) {
-    return begin < end && begin > first && begin - first <= l->near_field;
-}
-
-/* One work group per row of cells: counts the rays that begin with a few dark layers. */
-__kernel void wall_items_near_field(sv_wall_layout l, __global const uint *restrict info,
-                                    __global const uchar *restrict levels,
-                                    __global const ushort *restrict rays, __global uint *restrict fronts) {
-    __local uint sum;
-    const uint item = (uint)get_local_id(0), threshold = info[INFO_TISSUE];
-    const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
-    if (item == 0) sum = 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = item; i < count; i += (uint)get_local_size(0)) {
-        const ray_place_t at = ray_of_group(&l, i);
-        const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
-        const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
-        uint z = first;
-        while (z < end && z - first <= l.near_field && levels[level_row(&l, z, at.row) + at.x] <= threshold)
-            z++;
-        if (is_dark_front(&l, z, end, first)) atomic_inc(&sum);
+/* Dim blocks at the start of a ray's scan are tissue. */
+static void fill_dim_front(const sv_wall_layout *l, __global uchar *levels, uint first, uint end) {
+    const size_t pitch = level_pitch_of(l);
+    for (uint z = first; z < end; z++) {
+        const uint level = levels[z * pitch];
+        if (level <= l->dim || level > SV_WALL_TISSUE) break;
+        levels[z * pitch] = SV_WALL_DIM_TISSUE;
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (item == 0) fronts[get_group_id(0)] = sum;
 }
 
-/* One work group per row of cells. A ray begins in the wall if it begins in tissue with fluid behind it. */
+/* One work group per row of cells. A ray begins in the wall if it begins in tissue with fluid behind it.
+ * `levels`: relative ones. */
 __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restrict info,
-                                    __global const uchar *restrict levels,
+                                    __global uchar *restrict levels,
                                     __global const uchar *restrict brightness, __global ushort *restrict rays,
                                     __global uint *restrict histograms,
                                     __global const uint *restrict fronts) {
     __local uint counts[HISTOGRAM_WORDS];
-    const uint threshold = info[INFO_TISSUE];
     const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
     const bool near_field = count > 0 && has_near_field(&l, fronts, info[INFO_RAYS]);
     clear_counts(counts);
@@ -86,9 +69,10 @@ __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restr
         const ray_place_t at = ray_of_group(&l, i);
         uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
         const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
-        const run_t run = first_run(&l, levels + level_row(&l, 0, at.row) + at.x,
-                                    brightness + cell_row(&l, 0, at.row / 2) + at.x / 2, threshold, end);
-        if (near_field && is_dark_front(&l, run.begin, run.end, first)) first = run.begin;
+        __global uchar *const ray = levels + level_row(&l, 0, at.row) + at.x;
+        if (near_field) first = behind_near_field(&l, ray, first, end);
+        fill_dim_front(&l, ray, first, end);
+        const run_t run = first_run(&l, ray, brightness + cell_row(&l, 0, at.row / 2) + at.x / 2, end);
         rays[block_row(&l, RAY_FIRST, at.row) + at.x] = (ushort)first;
         rays[block_row(&l, RAY_RUN, at.row) + at.x] = (ushort)run.begin;
         rays[block_row(&l, RAY_RUN_END, at.row) + at.x] = (ushort)run.end;
@@ -103,14 +87,14 @@ __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restr
 /* Classifies a cell of a layer by its four rays: CELL_TISSUE and CELL_WALL; CELL_FETUS if it is tissue of a
  * later run. */
 static uchar kind_of(const sv_wall_layout *l, __global const uchar *levels, __global const ushort *rays,
-                     uint threshold, uint z, uint row, uint x) {
+                     uint z, uint row, uint x) {
     uint tissue = 0, wall = 0;
     _Pragma("unroll") for (uint i = 0; i < 4; i++) {
         const uint line = 2 * row + i / 2, column = 2 * x + i % 2;
         const uint begin = rays[block_row(l, RAY_RUN, line) + column];
         const uint first = rays[block_row(l, RAY_FIRST, line) + column];
         const uint end = rays[block_row(l, RAY_RUN_END, line) + column];
-        const uint is_tissue = levels[level_row(l, z, line) + column] > threshold;
+        const uint is_tissue = levels[level_row(l, z, line) + column] > SV_WALL_TISSUE;
         tissue += is_tissue;
         wall += is_tissue & (uint)(begin == first) & (uint)(z < end);
     }
@@ -174,12 +158,12 @@ __kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *res
                                       __global const ushort *restrict rays, __global uchar *restrict kinds) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), z = (uint)get_group_id(0);
     const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const uint threshold = info[INFO_TISSUE], minimum = info[INFO_FETUS];
+    const uint minimum = info[INFO_FETUS];
     const uint rows = wanted ? l.cells[1] : 0, columns = wanted ? l.cells[0] : 0;
     const size_t layer = cell_row(&l, z, 0), pitch = cell_row(&l, 0, 1);
     for (uint i = item; i < rows * columns; i += items)
         kinds[layer + i / columns * pitch + i % columns] =
-            kind_of(&l, levels, rays, threshold, z, i / columns, i % columns);
+            kind_of(&l, levels, rays, z, i / columns, i % columns);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint y = item; y < rows; y += items)
         find_enclosed(kinds + layer + y * pitch, 1, columns, 0, CELL_WALL_IN_ROW);

@@ -46,42 +46,44 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
     places[place_row(&l, PLACE_OWN_COST, y) + x] = (float)own / SV_WALL_COST_ONE;
 }
 
-/* Adds the dark blocks of a ray to `gaps`: all of them, and those in the fluid of layer `at`, if tissue
- * follows it. */
-static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, uint first, uint end,
-                     uint threshold, uint at, __local uint *gaps) {
-    const uint limit = threshold * l->dark / SV_WALL_PER_MILLE;
+/* Adds the blocks of a ray that are as dark as `fluid` to `gaps`: all of them, and those in the fluid of
+ * layer `at`, if tissue lies on both of its sides; dim tissue in front of it does not count. */
+static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
+                     uint first, uint end, uint fluid, uint at, __local uint *gaps) {
     const size_t pitch = level_pitch_of(l);
     uint all = 0, in_gaps = 0, in_fluid = 0;
-    bool holds = false;
+    uint holds = 0, behind_tissue = 0;
     for (uint z = first; z < end; z++) {
-        const uint level = levels[z * pitch], dark = level <= limit;
-        const bool tissue = level > threshold;
+        const uint dark = levels[z * pitch] <= fluid, related = relative[z * pitch];
+        const uint tissue = related > SV_WALL_TISSUE;
         all += dark;
-        in_gaps += holds && tissue ? in_fluid : 0;
-        in_fluid = tissue ? 0 : in_fluid + dark;
-        holds = !tissue && (holds || z == at);
+        in_gaps += (holds & tissue & behind_tissue) * in_fluid;
+        in_fluid = (1 - tissue) * (in_fluid + dark);
+        holds = (1 - tissue) & (holds | (uint)(z == at));
+        behind_tissue |= (uint)(related > SV_WALL_DIM_TISSUE);
     }
     atomic_add(gaps, all);
     atomic_add(gaps + 1, in_gaps);
 }
 
-/* One work group per row of cells: counts the dark blocks of its rays, and those of them in gaps. */
+/* One work group per row of cells: counts the darkest blocks of its rays, and those of them in gaps. */
 __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict info,
-                              __global const uchar *restrict levels, __global const ushort *restrict rays,
-                              __global const float *restrict places, __global ulong *restrict gaps) {
+                              __global const uchar *restrict levels, __global const uchar *restrict relative,
+                              __global const ushort *restrict rays, __global const float *restrict places,
+                              __global ulong *restrict gaps) {
     __local uint sums[2];
-    const uint item = (uint)get_local_id(0), row = (uint)get_group_id(0), threshold = info[INFO_TISSUE];
+    const uint item = (uint)get_local_id(0), row = (uint)get_group_id(0);
     const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
     if (item < 2) sums[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = item; i < count; i += (uint)get_local_size(0)) {
         const ray_place_t at = ray_of_group(&l, i);
-        __global const uchar *from = levels + level_row(&l, 0, at.row) + at.x;
+        const size_t from = level_row(&l, 0, at.row) + at.x;
         const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
         const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
         const float place = places[place_row(&l, PLACE_MEDIAN, at.row) + at.x];
-        add_gaps(&l, from, first, end, threshold, gap_layer(&l, from, threshold, first, place), sums);
+        add_gaps(&l, levels + from, relative + from, first, end, info[INFO_FLUID],
+                 gap_layer(&l, relative + from, first, place), sums);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < 2) gaps[2 * row + item] = sums[item];
@@ -107,8 +109,8 @@ __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict in
     const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_MEDIAN, y) + x];
     const float end = places[place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y) + x];
     const float at = fmax(place + part * (end - place), 0.0f);
-    places[place_row(&l, PLACE_SURFACE, y) + x] = back_to_fluid(
-        &l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE], rays[block_row(&l, RAY_FIRST, y) + x], at);
+    places[place_row(&l, PLACE_SURFACE, y) + x] =
+        back_to_fluid(&l, levels + level_row(&l, 0, y) + x, rays[block_row(&l, RAY_FIRST, y) + x], at);
 }
 
 /* One work item per pixel. The surface at q goes into the first plane; zeros if there is none. */

@@ -281,7 +281,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     cell_rays_t s = {.level_pitch = level_pitch_of(&l),
                      .cell_pitch = padded_cells_of(&l),
                      .word_pitch = padded_layers_of(&l),
-                     .threshold = (u8l)((uchar)info[INFO_TISSUE]),
+                     .threshold = (u8l)((uchar)SV_WALL_TISSUE),
                      .bare = info[INFO_BARE] != 0,
                      .chances = info + INFO_CHANCES};
     s.chance = (__global u32h *)(scratch + (size_t)row * scratch_words);

@@ -50,41 +50,6 @@ static bool find_split(__local const ulong *histogram, __global const uint *root
     return counted > 0 && counted < all;
 }
 
-/* Stores what the histogram shows. One work item calls it. */
-static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
-                         __global uint *info) {
-    ulong split = 0, counted = 0, sum = 0;
-    info[INFO_RAYS] = (uint)histogram[256];
-    info[INFO_OUTCOME] = SV_WALL_EMPTY;
-    info[INFO_DOUBTFUL] = 0;
-    info[INFO_THRESHOLD] = info[INFO_TISSUE] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
-    if (!find_split(histogram, root, &split)) return;
-    uint threshold = 0;
-    for (uint i = 0; i < 256; i++) {
-        if (root[i] <= split) {
-            threshold = i;
-        } else {
-            counted += histogram[i];
-            sum += i * histogram[i];
-        }
-    }
-    info[INFO_THRESHOLD] = threshold;
-    const uint bright = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
-    const uint way = bright - threshold * SV_WALL_LEVEL_ONE;
-    info[INFO_TISSUE] = threshold + way * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
-    info[INFO_BRIGHT] = bright;
-    info[INFO_OUTCOME] = SV_WALL_SURFACE;
-}
-
-/* Launched as one work group. */
-__kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histograms,
-                          __global const uint *restrict tables, __global uint *restrict info) {
-    __local ulong histogram[257];
-    sum_rows(&l, histograms, HISTOGRAM_RAYS, histogram);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) store_levels(&l, histogram, tables + SV_WALL_ROOTS, info);
-}
-
 /* Returns the level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE. */
 static uint quantile(__local const ulong *histogram, uint rank) {
     ulong all = 0, before = 0;
@@ -101,6 +66,61 @@ static uint quantile(__local const ulong *histogram, uint rank) {
         before += histogram[i];
     }
     return 255 * SV_WALL_LEVEL_ONE;
+}
+
+/* Stores what the histogram shows. One work item calls it. */
+static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
+                         __global uint *info) {
+    ulong split = 0, counted = 0, sum = 0;
+    info[INFO_RAYS] = (uint)histogram[256];
+    info[INFO_OUTCOME] = SV_WALL_EMPTY;
+    info[INFO_DOUBTFUL] = 0;
+    info[INFO_THRESHOLD] = info[INFO_FLUID] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
+    if (!find_split(histogram, root, &split)) return;
+    uint threshold = 0;
+    for (uint i = 0; i < 256; i++) {
+        if (root[i] <= split) {
+            threshold = i;
+        } else {
+            counted += histogram[i];
+            sum += i * histogram[i];
+        }
+    }
+    info[INFO_THRESHOLD] = threshold;
+    info[INFO_FLUID] = (quantile(histogram, l->fluid_rank) + SV_WALL_LEVEL_ONE / 2) / SV_WALL_LEVEL_ONE;
+    info[INFO_BRIGHT] = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
+    info[INFO_OUTCOME] = SV_WALL_SURFACE;
+}
+
+/* Returns the square root of a level in units of 1 / SV_WALL_LEVEL_ONE, linear between whole levels. */
+static uint root_of(__global const uint *root, uint level) {
+    const uint whole = level / SV_WALL_LEVEL_ONE, part = level % SV_WALL_LEVEL_ONE;
+    if (whole >= 255) return root[255];
+    return root[whole] + (root[whole + 1] - root[whole]) * part / SV_WALL_LEVEL_ONE;
+}
+
+/* Stores what levels are multiplied by: SV_WALL_TISSUE over the threshold at each brightness around them.
+ * All work items of the group call it. */
+static void store_gains(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
+                        __global uint *info) {
+    const uint one = SV_WALL_PER_MILLE;
+    const uint dark = root_of(root, max(quantile(histogram, l->dark_rank), (uint)SV_WALL_LEVEL_ONE));
+    for (uint i = (uint)get_local_id(0); i < SV_WALL_GAINS; i += (uint)get_local_size(0)) {
+        const uint bright = root_of(root, i * (SV_WALL_LEVEL_ONE / SV_WALL_BRIGHT_ONE));
+        const uint threshold = ((one - l->threshold) * dark + l->threshold * bright) / one;
+        info[INFO_GAINS + i] =
+            ((uint)SV_WALL_TISSUE << (2 * SV_WALL_ROOT_BITS + SV_WALL_GAIN_BITS)) / (threshold * threshold);
+    }
+}
+
+/* Launched as one work group. */
+__kernel void wall_levels(sv_wall_layout l, __global const uint *restrict histograms,
+                          __global const uint *restrict tables, __global uint *restrict info) {
+    __local ulong histogram[257];
+    sum_rows(&l, histograms, HISTOGRAM_RAYS, histogram);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    store_gains(&l, histogram, tables + SV_WALL_ROOTS, info);
+    if (get_local_id(0) == 0) store_levels(&l, histogram, tables + SV_WALL_ROOTS, info);
 }
 
 /* Returns ln of the odds of a level in units of 1 / SV_WALL_LEVEL_ONE. */
@@ -176,12 +196,9 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
         info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
 }
 
-/* Returns what the gaps and the wall tell of a surface. */
-static uint verdict_of(const sv_wall_layout *l, __global const uint *info, ulong dark, ulong in_gaps) {
+/* Returns what the gaps tell of a surface. */
+static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps) {
     const ulong share = in_gaps * SV_WALL_PER_MILLE;
-    const bool has_wall =
-        (ulong)info[INFO_WALL_RAYS] * SV_WALL_PER_MILLE >= (ulong)info[INFO_RAYS] * l->clear_wall_share;
-    if (has_wall) return SV_WALL_SURFACE;
     if (dark == 0 || share < dark * l->doubtful_share) return SV_WALL_NO_FLUID;
     return share < dark * l->gap_share ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
@@ -196,7 +213,7 @@ __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps
             dark += gaps[2 * y];
             in_gaps += gaps[2 * y + 1];
         }
-        const uint verdict = verdict_of(&l, info, dark, in_gaps);
+        const uint verdict = verdict_of(&l, dark, in_gaps);
         info[INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
         info[INFO_OUTCOME] = info[INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
     }

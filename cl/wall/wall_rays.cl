@@ -73,48 +73,30 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
     return w;
 }
 
-/* Returns the lanes of rays whose first run begins at most `near_field` layers behind their scan's start, but
- * not at it. */
-static i16l dark_fronts(const sv_wall_layout *l, i16l begin, i16l run_end, i16l first) {
-    return (begin < run_end) & (begin > first) & (begin - first <= (i16l)((short)l->near_field));
+/* Dim blocks at the start of LANES rays' scans are tissue. */
+static void fill_dim_fronts(const sv_wall_layout *l, __global uchar *relative, i16l first, i16l end) {
+    const size_t pitch = level_pitch_of(l);
+    i16l open = end > first;
+    for (uint z = 0; z < l->layers && any_word(open); z++) {
+        const i16l at = (i16l)((short)z), scanned = (first <= at) & (end > at);
+        __global u8l *here = (__global u8l *)(relative + z * pitch);
+        const u8l level = *here;
+        const u8l is_dim = AS_U8(level > (u8l)((uchar)l->dim)) & AS_U8(level <= (u8l)((uchar)SV_WALL_TISSUE));
+        const i16l fills = words_of(is_dim) & scanned & open;
+        if (any_word(fills)) *here = SELECT(level, (u8l)((uchar)SV_WALL_DIM_TISSUE), AS_I8(bytes_of(fills)));
+        open &= fills | (first > at);
+    }
 }
 
-/* One work item per row of cells: counts the rays that begin with a few dark layers. Unscanned rays do not.
- */
-__kernel void wall_near_field(sv_wall_layout l, __global const uint *restrict info,
-                              __global const uchar *restrict levels, __global ushort *restrict rays,
-                              __global uint *restrict fronts) {
-    const uint row = (uint)get_global_id(0);
-    const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
-    uint count = 0;
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint line = 2 * row; line < 2 * row + 2; line++)
-        for (uint x = 0; x < vectors_of(&l); x++) {
-            const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
-            const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
-            i16l open = end > first, begin = end;
-            for (uint z = 0; z < l.layers && any_word(open); z++) {
-                const i16l at = (i16l)((short)z);
-                const u8l level = ((__global const u8l *)(levels + level_row(&l, z, line)))[x];
-                const i16l begins = words_of(AS_U8(level > threshold)) & open;
-                begin = SELECT(begin, at, begins);
-                open &= ~begins & (first + (i16l)((short)l.near_field) > at);
-            }
-            const i16l counted = dark_fronts(&l, begin, end, first);
-            const short *lanes = (const short *)&counted;
-            for (uint i = 0; i < LANES; i++) count += lanes[i] != 0;
-        }
-    fronts[row] = count;
-}
-
-/* One work item per row of cells. `brightness`: the dilation of `row_maxima` along y. */
+/* One work item per row of cells. `levels`: relative ones; `brightness`: the dilation of `row_maxima` along
+ * y. */
 __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict info,
-                              __global const uchar *restrict levels,
-                              __global const uchar *restrict row_maxima, __global uchar *restrict brightness,
-                              __global ushort *restrict rays, __global uint *restrict histograms,
-                              __global ulong *restrict kinds, __global const uint *restrict fronts) {
+                              __global uchar *restrict levels, __global const uchar *restrict row_maxima,
+                              __global uchar *restrict brightness, __global ushort *restrict rays,
+                              __global uint *restrict histograms, __global ulong *restrict kinds,
+                              __global const uint *restrict fronts) {
     const uint row = (uint)get_global_id(0);
-    const u8l threshold = (u8l)((uchar)info[INFO_TISSUE]);
+    const u8l threshold = (u8l)((uchar)SV_WALL_TISSUE);
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const bool near_field = has_near_field(&l, fronts, info[INFO_RAYS]);
     histograms += (size_t)row * HISTOGRAM_WORDS;
@@ -124,9 +106,11 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
     for (uint line = 2 * row; line < 2 * row + 2; line++)
         for (uint x = 0; x < vectors_of(&l); x++) {
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
-            const walk_t w = walk_rays(&l, levels, brightness, line, x, threshold, end);
+            __global uchar *const from = levels + level_row(&l, 0, line) + x * LANES;
             i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
-            if (near_field) first = SELECT(first, w.begin, dark_fronts(&l, w.begin, w.end, first));
+            if (near_field) first = behind_near_field(&l, from, first, end);
+            fill_dim_fronts(&l, from, first, end);
+            const walk_t w = walk_rays(&l, levels, brightness, line, x, threshold, end);
             ray_row(rays, &l, RAY_FIRST, line)[x] = AS_U16(first);
             ray_row(rays, &l, RAY_RUN, line)[x] = AS_U16(w.begin);
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);

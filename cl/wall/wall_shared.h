@@ -23,6 +23,9 @@
 #define SV_WALL_AXIAL_SUM       6   /* weights 1, 4, 1 along a ray smooth layers of one slice */
 #define SV_WALL_MAJORITY        3   /* so many of a cell's four rays make it tissue, or wall */
 #define SV_WALL_MAX_NEIGHBOUR   64  /* rays or cells to a neighbour, at most */
+#define SV_WALL_MAX_WINDOW      7   /* cells to either side that tell what is bright, at most: the sums and */
+#define SV_WALL_MAX_LAYERS      8   /* counts of a window's layer have 22 and 10 bits, all sums have 24 */
+#define SV_WALL_SUM_BITS        22  /* of a word that holds a sum and a count */
 #define SV_WALL_MAX_DISTANCE    254 /* largest distance to the fluid, layers */
 #define SV_WALL_RATE_BITS       7   /* fraction of sv_wall_layout.rate */
 
@@ -31,8 +34,14 @@
 
 /* ---- grey levels */
 #define SV_WALL_MAX_ITERATIONS 64  /* of the search for the split; it ended after 12 at most */
+#define SV_WALL_TISSUE         128 /* tissue is brighter, relative to the threshold around it; and it is at */
+#define SV_WALL_DIM_TISSUE     129 /* least that: what a dim block at the start of a scan becomes */
+#define SV_WALL_BRIGHT_ONE     4   /* units of the brightness around a block */
+#define SV_WALL_GAINS          (256 * SV_WALL_BRIGHT_ONE) /* a gain for each of these brightnesses, */
+#define SV_WALL_GAIN_BITS      8                          /* with this fraction */
 #define SV_WALL_LEVEL_ONE      256 /* units of a grey level; the wall's brightness lies between two */
-#define SV_WALL_ROOT_ONE       256 /* units of a square root of a grey level */
+#define SV_WALL_ROOT_BITS      8   /* fraction of a square root of a grey level */
+#define SV_WALL_ROOT_ONE       (1 << SV_WALL_ROOT_BITS)
 #define SV_WALL_ODDS_BITS      12  /* fraction of ln of the odds, of spreads, of evidence */
 #define SV_WALL_MIN_SPREAD     819 /* 0.2, for a wall of one single brightness */
 #define SV_WALL_MAX_EVIDENCE   (32 << SV_WALL_ODDS_BITS) /* the evidence is clamped to this */
@@ -70,6 +79,9 @@ typedef struct {
     unsigned int depth;                 /* slices of a layer; the last one may have less */
     unsigned int smoothed;          /* 1: a layer is one slice, and its levels are smoothed along the rays */
     unsigned int dilation[2];       /* cells to either side along x, y */
+    unsigned int window[3];         /* cells and layers to either side that tell what is bright */
+    unsigned int bright_blocks;     /* the mean of all that is bright counts as so many blocks there */
+    unsigned int dim;               /* a block is dim if it is brighter, relative to the threshold */
     unsigned int near_field;        /* layers, */
     unsigned int skin_line;         /* layers */
     unsigned int skin;              /* layers */
@@ -82,7 +94,7 @@ typedef struct {
     unsigned int cut_cost, occluder_cost, wrong_fluid_cost; /* in units of 1 / SV_WALL_COST_ONE */
     unsigned int average_margin, knob_margin;               /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
-    unsigned int tissue, near_field_share, dark, gap_share, doubtful_share, clear_wall_share, fetus_share,
+    unsigned int threshold, dark_rank, near_field_share, fluid_rank, gap_share, doubtful_share, fetus_share,
         wall_share;
     unsigned int wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */

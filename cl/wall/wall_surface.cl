@@ -63,51 +63,55 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
     }
 }
 
-/* Adds the dark blocks of LANES rays to `gaps`: all of them, and those in the gap of their ray, which is the
- * fluid of layer `at` if tissue follows it. */
-static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, i16l first, i16l end,
-                     uint threshold, i16l at, ulong gaps[2]) {
-    const u8l tissue_above = (u8l)((uchar)threshold),
-              limit = (u8l)((uchar)(threshold * l->dark / SV_WALL_PER_MILLE));
+/* Adds the blocks of LANES rays that are as dark as `fluid` to `gaps`: all of them, and those in the gap of
+ * their ray. That is the fluid of layer `at`, if tissue lies on both of its sides; dim tissue in front of it
+ * does not count. */
+static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
+                     i16l first, i16l end, uint fluid, i16l at, ulong gaps[2]) {
+    const u8l fluid_level = (u8l)((uchar)fluid);
     const size_t pitch = level_pitch_of(l);
     u16l all = (u16l)(0), in_gaps = (u16l)(0), in_fluid = (u16l)(0);
-    i16l holds = (i16l)(0);
+    i16l holds = (i16l)(0), behind_tissue = (i16l)(0);
     for (uint z = 0; z < l->layers; z++) {
         const u8l level = ((__global const u8l_unaligned *)(levels + z * pitch))->v;
+        const u8l related = ((__global const u8l_unaligned *)(relative + z * pitch))->v;
         const i16l here = (i16l)((short)z), scanned = (first <= here) & (end > here);
-        const i16l tissue = words_of(AS_U8(level > tissue_above)) & scanned;
-        const u16l dark = AS_U16(words_of(AS_U8(level <= limit)) & scanned) & (u16l)(1);
+        const i16l tissue = words_of(AS_U8(related > (u8l)((uchar)SV_WALL_TISSUE))) & scanned;
+        const i16l more_than_dim = words_of(AS_U8(related > (u8l)((uchar)SV_WALL_DIM_TISSUE))) & scanned;
+        const u16l dark = AS_U16(words_of(AS_U8(level <= fluid_level)) & scanned) & (u16l)(1);
         all += dark;
-        in_gaps += in_fluid & AS_U16(holds & tissue);
+        in_gaps += in_fluid & AS_U16(holds & tissue & behind_tissue);
         in_fluid = (in_fluid + dark) & AS_U16(~tissue);
         holds = (holds | ((at == here) & scanned)) & ~tissue;
+        behind_tissue |= more_than_dim;
     }
     const ushort *counts[2] = {(const ushort *)&all, (const ushort *)&in_gaps};
     for (uint k = 0; k < 2; k++)
         for (uint i = 0; i < LANES; i++) gaps[k] += counts[k][i];
 }
 
-/* One work item per row of cells: counts the dark blocks of its rays, and those of them in gaps. */
+/* One work item per row of cells: counts the darkest blocks of its rays, and those of them in gaps. */
 __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
-                        __global const uchar *restrict levels, __global ushort *restrict rays,
-                        __global const float *restrict places, __global ulong *restrict gaps) {
-    const uint row = (uint)get_global_id(0), threshold = info[INFO_TISSUE];
+                        __global const uchar *restrict levels, __global const uchar *restrict relative,
+                        __global ushort *restrict rays, __global const float *restrict places,
+                        __global ulong *restrict gaps) {
+    const uint row = (uint)get_global_id(0);
     ulong sums[2] = {0, 0};
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint y = 2 * row; y < 2 * row + 2; y++)
         for (uint x = 0; x < l.columns; x += LANES) {
-            __global const uchar *from = levels + level_row(&l, 0, y) + x;
+            __global const uchar *from = relative + level_row(&l, 0, y) + x;
             const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, y)[x / LANES]);
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, y)[x / LANES]);
             i16l at = (i16l)(0), is_ray = (i16l)(0); /* behind the last column nothing is defined */
             SCALAR_LOADS
             for (uint i = 0; i < min((uint)LANES, l.columns - x); i++) {
                 ((short *)&is_ray)[i] = -1;
-                ((short *)&at)[i] =
-                    (short)gap_layer(&l, from + i, threshold, rays[block_row(&l, RAY_FIRST, y) + x + i],
-                                     places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
+                ((short *)&at)[i] = (short)gap_layer(&l, from + i, rays[block_row(&l, RAY_FIRST, y) + x + i],
+                                                     places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
             }
-            add_gaps(&l, from, first, end & is_ray, threshold, at, sums);
+            add_gaps(&l, levels + level_row(&l, 0, y) + x, from, first, end & is_ray, info[INFO_FLUID], at,
+                     sums);
         }
     gaps[2 * row] = sums[0];
     gaps[2 * row + 1] = sums[1];
@@ -143,7 +147,7 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
     }
     SCALAR_LOADS
     for (uint x = 0; x < l.columns; x++)
-        surface[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x, info[INFO_TISSUE],
+        surface[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x,
                                    rays[block_row(&l, RAY_FIRST, y) + x], surface[x]);
 }
 

@@ -20,7 +20,7 @@
 #include "smartvis/confidence.h"
 #include "smartvis/spline.h"
 
-#define SV_MAX_METHOD_BUFFERS 18
+#define SV_MAX_METHOD_BUFFERS 21
 
 /* What a method keeps from activate to deactivate. */
 typedef struct {

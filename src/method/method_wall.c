@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 265 };
+enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 265 + SV_WALL_GAINS };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -39,9 +39,9 @@ static size_t padded_columns(const sv_wall_layout *l) {
 }
 
 /* Returns the words of 32 bits of scratch memory per row. By rows, in whole vectors: wall_costs needs 8
- * bytes a layer for each of SV_WALL_LANES rays, wall_blocks three lines of levels, wall_blur two lines of
- * cells. By items, wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell of
- * wall_items_blur_y. */
+ * bytes a layer for each of SV_WALL_LANES rays, wall_blocks three lines of levels, wall_bright and wall_blur
+ * two lines of cells. By items, wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell
+ * of wall_items_blur_y. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     if (by_items(m)) return (size_t)5 * l->layers * padded_columns(l) / sizeof(cl_uint);
     const size_t layers = (size_t)2 * l->layers * SV_WALL_LANES;
@@ -72,6 +72,9 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
         [SV_WALL_LEVELS] = levels,
         [SV_WALL_SMOOTHED] = l.smoothed ? levels : 1,
+        [SV_WALL_RELATIVE] = levels,
+        [SV_WALL_WINDOWS] = cells * sizeof(cl_uint),
+        [SV_WALL_FRONTS] = l.cells[1] * sizeof(cl_uint),
         [SV_WALL_ROW_MAXIMA] = cells,
         [SV_WALL_BRIGHT] = cells,
         [SV_WALL_KINDS] = sv_wall_kinds_bytes(&l),

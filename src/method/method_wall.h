@@ -17,6 +17,9 @@ enum {
     SV_WALL_RANGES, /* of pixels */
     SV_WALL_LEVELS,
     SV_WALL_SMOOTHED,   /* smoothed levels if layers are one slice; else LEVELS takes its place */
+    SV_WALL_RELATIVE,   /* levels relative to the threshold around them */
+    SV_WALL_WINDOWS,    /* sums and counts of bright blocks near cells */
+    SV_WALL_FRONTS,     /* for each row of cells, rays that begin with a few dark layers */
     SV_WALL_ROW_MAXIMA, /* brightness dilated along x */
     SV_WALL_BRIGHT,
     SV_WALL_KINDS, /* of cells */
@@ -33,6 +36,7 @@ enum {
     SV_WALL_BUFFERS
 };
 enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS, SV_WALL_GAPS = SV_WALL_HISTOGRAMS };
+enum { SV_WALL_WINDOW_SUMS = SV_WALL_SCRATCH };
 
 /* What a kernel is launched over. */
 typedef enum {

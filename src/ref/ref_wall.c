@@ -62,8 +62,9 @@ static void cap_confidence(const sv_wall_layout *l, float *confidence) {
 }
 
 /* Costs the layers and selects the surface, if enough rays show the fetus. */
-static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_evidence *evidence, float *depth,
-                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
+static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *levels,
+                            const sv_wall_evidence *evidence, float *depth, float *confidence,
+                            sv_wall_outcome *outcome, sv_wall_facts *facts) {
     const sv_wall_layout *l = scan->layout;
     sv_wall_costs costs;
     sv_wall_gaps gaps = {0};
@@ -73,8 +74,8 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_evidence *ev
     *outcome = SV_WALL_NO_FETUS;
     bool done = true;
     if (costs.fetus * SV_WALL_PER_MILLE >= needed) {
-        done = sv_wall_select_surface(scan, &costs, depth, confidence, &gaps);
-        *outcome = sv_wall_verdict(scan, evidence, &gaps);
+        done = sv_wall_select_surface(scan, levels, &costs, depth, confidence, &gaps);
+        *outcome = sv_wall_verdict(l, &gaps);
         if (done && *outcome == SV_WALL_DOUBTFUL) cap_confidence(l, confidence);
     }
     facts->gap_share = gaps.dark ? (double)gaps.in_gaps / (double)gaps.dark : 0.0;
@@ -101,15 +102,17 @@ static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, cell_map
 static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_levels *levels,
                     float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     sv_wall_evidence evidence;
-    sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = sv_wall_tissue_above(l, levels)};
+    sv_wall_scan scan = {.layout = l, .blocks = blocks};
     cell_maps maps = {0};
-    sv_wall_skip_near_field(l, blocks, scan.threshold);
+    if (!sv_wall_relate_levels(l, levels, blocks)) return false;
+    sv_wall_skip_near_field(l, blocks);
+    sv_wall_fill_dim_fronts(l, blocks);
     bool done = make_maps(&scan, levels, &maps, &evidence);
     if (done) {
         facts->wall_rays = evidence.wall_rays;
         facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
         facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-        done = cost_and_select(&scan, &evidence, depth, confidence, outcome, facts);
+        done = cost_and_select(&scan, levels, &evidence, depth, confidence, outcome, facts);
     }
     free(maps.brightness);
     free(maps.surroundings);
@@ -126,7 +129,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     if (!sv_wall_blocks_create(v, &l, &blocks)) return false;
     uint64_t histogram[256];
     sv_wall_histogram(&blocks, histogram);
-    const sv_wall_levels levels = sv_wall_levels_of(histogram);
+    const sv_wall_levels levels = sv_wall_levels_of(&l, histogram);
     sv_wall_facts found = {.threshold = levels.threshold, .rays = blocks.rays};
     bool done = true;
     *outcome = SV_WALL_EMPTY;

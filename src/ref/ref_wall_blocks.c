@@ -66,9 +66,10 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
                           .layers = l->layers,
                           .means = calloc(plane, l->layers),
                           .levels = calloc(plane, l->layers),
+                          .relative = calloc(plane, l->layers),
                           .first = calloc(plane, sizeof(uint16_t)),
                           .end = calloc(plane, sizeof(uint16_t))};
-    if (!b->means || !b->levels || !b->first || !b->end) {
+    if (!b->means || !b->levels || !b->relative || !b->first || !b->end) {
         sv_wall_blocks_destroy(b);
         return false;
     }
@@ -93,6 +94,7 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
 void sv_wall_blocks_destroy(sv_wall_blocks *b) {
     free(b->means);
     free(b->levels);
+    free(b->relative);
     free(b->first);
     free(b->end);
     *b = (sv_wall_blocks){0};

@@ -2,7 +2,7 @@
 #include "ref/ref_wall_steps.h"
 
 bool sv_wall_is_tissue(const sv_wall_scan *s, size_t ray, size_t z) {
-    return s->blocks->levels[z * s->layout->columns * s->layout->rows + ray] > s->threshold;
+    return s->blocks->relative[z * s->layout->columns * s->layout->rows + ray] > SV_WALL_TISSUE;
 }
 
 /* Index of a ray's cell in the maps of cells. */
@@ -28,22 +28,6 @@ sv_wall_run sv_wall_first_run(const sv_wall_scan *s, size_t ray) {
     run.end = z;
     run.fluid = z < end;
     return run;
-}
-
-/* Returns the layer at which the scan of a ray begins if its near field is skipped. */
-static uint16_t behind_near_field(const sv_wall_scan *s, size_t ray) {
-    const sv_wall_run run = sv_wall_first_run(s, ray);
-    const uint16_t first = s->blocks->first[ray];
-    return run.begin < run.end && run.begin - first <= s->layout->near_field ? (uint16_t)run.begin : first;
-}
-
-void sv_wall_skip_near_field(const sv_wall_layout *l, sv_wall_blocks *blocks, uint32_t threshold) {
-    const sv_wall_scan scan = {.layout = l, .blocks = blocks, .threshold = threshold};
-    const size_t plane = (size_t)l->columns * l->rows;
-    uint64_t dark = 0;
-    for (size_t ray = 0; ray < plane; ray++) dark += behind_near_field(&scan, ray) > blocks->first[ray];
-    if (dark * SV_WALL_PER_MILLE < (uint64_t)blocks->rays * l->near_field_share) return;
-    for (size_t ray = 0; ray < plane; ray++) blocks->first[ray] = behind_near_field(&scan, ray);
 }
 
 /* Counts how bright the walls are: the maximum brightness in the first run of each ray whose first run

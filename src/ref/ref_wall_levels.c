@@ -19,7 +19,7 @@ void sv_wall_histogram(const sv_wall_blocks *b, uint64_t histogram[256]) {
         }
 }
 
-sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
+sv_wall_levels sv_wall_levels_of(const sv_wall_layout *l, const uint64_t histogram[256]) {
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const uint32_t *root = tables + SV_WALL_ROOTS;
     uint64_t all = 0, total = 0, split = 0;
@@ -50,12 +50,10 @@ sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]) {
     out.two = count > 0 && count < all;
     if (!out.two) return out;
     out.bright = (uint32_t)(SV_WALL_LEVEL_ONE * sum / count);
+    out.dark = sv_wall_quantile(histogram, l->dark_rank);
+    if (out.dark < SV_WALL_LEVEL_ONE) out.dark = SV_WALL_LEVEL_ONE;
+    out.fluid = (sv_wall_quantile(histogram, l->fluid_rank) + SV_WALL_LEVEL_ONE / 2) / SV_WALL_LEVEL_ONE;
     return out;
-}
-
-uint32_t sv_wall_tissue_above(const sv_wall_layout *l, const sv_wall_levels *levels) {
-    const uint32_t distance = levels->bright - levels->threshold * SV_WALL_LEVEL_ONE;
-    return levels->threshold + distance * l->tissue / SV_WALL_PER_MILLE / SV_WALL_LEVEL_ONE;
 }
 
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank) {

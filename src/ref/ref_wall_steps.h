@@ -11,11 +11,12 @@
 
 /* Block z of ray (x, y) at means[(z * rows + y) * columns + x]: the weighted mean of its voxels, rounded half
  * up; 0 if the block was not scanned. Blocks first .. end - 1 of a ray were scanned: all of their voxels
- * were. `levels`: the means, smoothed along the rays where a layer is one slice. Tissue is classified by
- * them. */
+ * were. `levels`: the means, smoothed along the rays where a layer is one slice. `relative`: the levels in
+ * units of the threshold around them, which is SV_WALL_TISSUE (sv_wall_relate_levels); what is brighter is
+ * tissue. */
 typedef struct {
     uint32_t columns, rows, layers;
-    uint8_t *means, *levels;
+    uint8_t *means, *levels, *relative;
     uint16_t *first, *end;
     uint32_t rays; /* that were scanned */
 } sv_wall_blocks;
@@ -40,19 +41,38 @@ typedef struct {
     bool two;           /* there are two classes: false if all blocks are equal, or there is none */
     uint32_t threshold; /* largest level of the dark class */
     uint32_t bright;    /* mean of the bright class, in units of 1 / SV_WALL_LEVEL_ONE */
+    uint32_t dark;      /* layout->dark_rank of the blocks are darker, in the same units; 1 at least */
+    uint32_t fluid;     /* the darkest layout->fluid_rank of the blocks have at most this level */
 } sv_wall_levels;
 
 /* The classes are split midway between the means of their square roots, until the split no longer moves
  * (isodata). */
-sv_wall_levels sv_wall_levels_of(const uint64_t histogram[256]);
-
-/* Tissue is brighter than this level: layout->tissue of the way from the threshold to the mean of the bright
- * class, rounded down. */
-uint32_t sv_wall_tissue_above(const sv_wall_layout *layout, const sv_wall_levels *levels);
+sv_wall_levels sv_wall_levels_of(const sv_wall_layout *layout, const uint64_t histogram[256]);
 
 /* The level below which `rank` per mille of the histogram lie, in units of 1 / SV_WALL_LEVEL_ONE; a level's
  * count is spread evenly over level +- 0.5. */
 uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank);
+
+/* ---- levels relative to the threshold around them (ref_wall_relative.c) */
+
+/* For each brightness around a block, in units of 1 / SV_WALL_BRIGHT_ONE, what its level is multiplied by:
+ * SV_WALL_TISSUE over the threshold there, with SV_WALL_GAIN_BITS of fraction. The threshold's root is
+ * layout->threshold of the way from the dark level's to the brightness'. */
+void sv_wall_gains_of(const sv_wall_layout *layout, const sv_wall_levels *levels,
+                      uint32_t gains[SV_WALL_GAINS]);
+
+/* Fills blocks->relative. The brightness around a block is the mean of the blocks above levels->threshold
+ * within layout->window of its cell. False: no memory. */
+bool sv_wall_relate_levels(const sv_wall_layout *layout, const sv_wall_levels *levels,
+                           sv_wall_blocks *blocks);
+
+/* Skips the near field: dead zone, ringing and gel are dark, but no fluid. If enough rays begin with at most
+ * layout->near_field dark layers, the scan of these rays begins behind them. Fluid in front of a limb near
+ * the probe is dark, too, but on few rays. Changes blocks->first. */
+void sv_wall_skip_near_field(const sv_wall_layout *layout, sv_wall_blocks *blocks);
+
+/* Dim blocks at the start of a ray's scan are tissue: SV_WALL_DIM_TISSUE. Changes blocks->relative. */
+void sv_wall_fill_dim_fronts(const sv_wall_layout *layout, sv_wall_blocks *blocks);
 
 /* ---- how bright the wall is, and how likely tissue of a brightness is the fetus (ref_wall_evidence.c) */
 
@@ -70,7 +90,6 @@ typedef struct {
     const sv_wall_blocks *blocks;
     const uint8_t *brightness;   /* of every cell (sv_wall_brightness_map) */
     const uint8_t *surroundings; /* of every cell (sv_wall_surroundings_map) */
-    uint32_t threshold;          /* tissue is brighter */
 } sv_wall_scan;
 
 /* True if the block in layer z of a ray is tissue. */
@@ -86,11 +105,6 @@ typedef struct {
     bool touches, fluid;
 } sv_wall_run;
 sv_wall_run sv_wall_first_run(const sv_wall_scan *scan, size_t ray);
-
-/* Skips the near field: dead zone, ringing and gel are dark, but no fluid. If enough rays begin with at most
- * layout->near_field layers of darkness in front of their first run, the scan of these rays begins with that
- * run. Fluid in front of a limb near the probe is dark, too, but on few rays. Changes blocks->first. */
-void sv_wall_skip_near_field(const sv_wall_layout *layout, sv_wall_blocks *blocks, uint32_t threshold);
 
 void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels, sv_wall_evidence *out);
 
@@ -132,18 +146,18 @@ void sv_wall_costs_destroy(sv_wall_costs *costs);
 
 /* ---- from the costs to the maps (ref_wall_surface.c) */
 
-/* Counts dark blocks: all, and those in the gap of their ray. The gap is the fluid that the surface lies in,
- * or before which it lies in tissue, if tissue follows it. */
+/* Counts blocks as dark as fluid: all, and those in the gap of their ray. The gap is the fluid that the
+ * surface lies in, or before which it lies in tissue, if tissue lies on both of its sides. Dim tissue in
+ * front of it does not count. */
 typedef struct {
     uint64_t dark, in_gaps;
 } sv_wall_gaps;
 
 /* Writes the maps of depth and confidence. */
-bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *costs, float *depth,
-                            float *confidence, sv_wall_gaps *gaps);
+bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
+                            const sv_wall_costs *costs, float *depth, float *confidence, sv_wall_gaps *gaps);
 
-/* What the gaps and the wall tell of the surface: SURFACE, DOUBTFUL or NO_FLUID. */
-sv_wall_outcome sv_wall_verdict(const sv_wall_scan *scan, const sv_wall_evidence *evidence,
-                                const sv_wall_gaps *gaps);
+/* What the gaps tell of the surface: SURFACE, DOUBTFUL or NO_FLUID. */
+sv_wall_outcome sv_wall_verdict(const sv_wall_layout *layout, const sv_wall_gaps *gaps);
 
 #endif

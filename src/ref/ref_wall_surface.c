@@ -229,21 +229,21 @@ static bool find_minima(const sv_wall_layout *l, const uint32_t *costs, float *l
     return true;
 }
 
-/* Adds the dark blocks of a ray whose surface lies at `place`, before the knob. */
-static void count_gap(const sv_wall_scan *s, size_t ray, float place, sv_wall_gaps *gaps) {
+/* Adds the blocks of a ray that are as dark as `fluid`. Its surface lies at `place`, before the knob. */
+static void count_gap(const sv_wall_scan *s, uint32_t fluid, size_t ray, float place, sv_wall_gaps *gaps) {
     const size_t plane = (size_t)s->layout->columns * s->layout->rows;
     const uint32_t start = s->blocks->first[ray], end = s->blocks->end[ray];
-    const uint32_t limit = s->threshold * s->layout->dark / SV_WALL_PER_MILLE;
     const uint32_t at = (uint32_t)(back_to_fluid(s, ray, place) + 0.5f);
     uint32_t fluid_dark = 0;
-    bool holds = false;
+    bool holds = false, behind_tissue = false;
     for (uint32_t z = start; z < end; z++) {
-        const bool dark = s->blocks->levels[z * plane + ray] <= limit;
+        const bool dark = s->blocks->levels[z * plane + ray] <= fluid;
         gaps->dark += dark;
         if (sv_wall_is_tissue(s, ray, z)) {
-            if (holds) gaps->in_gaps += fluid_dark;
+            if (holds && behind_tissue) gaps->in_gaps += fluid_dark;
             fluid_dark = 0;
             holds = false;
+            behind_tissue = behind_tissue || s->blocks->relative[z * plane + ray] > SV_WALL_DIM_TISSUE;
         } else {
             fluid_dark += dark;
             holds = holds || z == at;
@@ -251,25 +251,20 @@ static void count_gap(const sv_wall_scan *s, size_t ray, float place, sv_wall_ga
     }
 }
 
-static void count_gaps(const sv_wall_scan *s, const float *places, sv_wall_gaps *gaps) {
+static void count_gaps(const sv_wall_scan *s, uint32_t fluid, const float *places, sv_wall_gaps *gaps) {
     *gaps = (sv_wall_gaps){0};
     for (size_t ray = 0; ray < (size_t)s->layout->columns * s->layout->rows; ray++)
-        if (s->blocks->first[ray] < s->blocks->end[ray]) count_gap(s, ray, places[ray], gaps);
+        if (s->blocks->first[ray] < s->blocks->end[ray]) count_gap(s, fluid, ray, places[ray], gaps);
 }
 
-sv_wall_outcome sv_wall_verdict(const sv_wall_scan *s, const sv_wall_evidence *evidence,
-                                const sv_wall_gaps *gaps) {
-    const sv_wall_layout *l = s->layout;
+sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gaps) {
     const uint64_t share = gaps->in_gaps * SV_WALL_PER_MILLE;
-    const bool has_wall =
-        (uint64_t)evidence->wall_rays * SV_WALL_PER_MILLE >= (uint64_t)s->blocks->rays * l->clear_wall_share;
-    if (has_wall) return SV_WALL_SURFACE;
     if (gaps->dark == 0 || share < gaps->dark * l->doubtful_share) return SV_WALL_NO_FLUID;
     return share < gaps->dark * l->gap_share ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
-bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *given, float *depth,
-                            float *confidence, sv_wall_gaps *gaps) {
+bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
+                            const sv_wall_costs *given, float *depth, float *confidence, sv_wall_gaps *gaps) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
@@ -284,7 +279,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_costs *given
     if (done) {
         median_filter(l, layers, filtered);
         find_confidence(l, given, filtered + PLACE * count, layers, layers + count, confidence);
-        count_gaps(scan, filtered + PLACE * count, gaps);
+        count_gaps(scan, levels->fluid, filtered + PLACE * count, gaps);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
     }

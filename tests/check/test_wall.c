@@ -308,8 +308,8 @@ static void test_single_voxels(void **state) {
     assert_true(surfaces >= 18);
 }
 
-/* There is no wall, and bone from the first slice on behind half of the pixels: there the fetus has begun at
- * once. */
+/* Too few rays begin in tissue for a wall, and bone from the first slice on behind most of the pixels: there
+ * the fetus has begun at once. */
 static void test_bone_at_once(void **state) {
     const shape s = {.width = 150,
                      .height = 40,
@@ -322,7 +322,8 @@ static void test_bone_at_once(void **state) {
     uint32_t random = 7;
     assert_non_null(volume);
     for (size_t i = 0; i < plane * s.slices; i++) {
-        const bool fluid = i % s.width < s.width / 2 && i / plane < s.slices / 2;
+        const size_t x = i % s.width, z = i / plane;
+        const bool fluid = x < 50 && z < s.slices / 2 && (x >= 20 || z >= 8);
         volume[i] = (uint8_t)((fluid ? 5 : 245) + surface_random(&random) % 10);
     }
     assert_true(compare(*state, &s, volume, "bone at once"));

@@ -3,6 +3,7 @@
  * The surface told by the wall, with answers worked out by hand from the numbers of docs/surface.md: kernels
  * and definition read the same constants, so comparing them says nothing about those.
  */
+#include "ref/ref_wall_steps.h"
 #include "support/wall_fixture.h"
 
 #include <string.h>
@@ -77,16 +78,16 @@ static void test_near_field_is_no_fluid(void **state) {
     scan_free(&s);
 }
 
-/* Half of the rays must begin so: on fewer rays it is fluid, as in front of a limb near the probe. */
+/* Three tenths of the rays must begin so: on fewer rays it is fluid, as in front of a limb near the probe. */
 static void test_near_field_is_broad(void **state) {
     (void)state;
     uint8_t levels[LAYERS];
     scan s = scan_make(N, N, N);
     put_scene(levels, 12, 8);
-    run_layers(&s, levels, N * 45 / 100, 2, NULL);
+    run_layers(&s, levels, N * 65 / 100, 2, NULL);
     assert_int_equal(s.facts.wall_rays, s.facts.rays);
-    run_layers(&s, levels, N * 55 / 100, 2, NULL);
-    assert_in_range(s.facts.wall_rays, s.facts.rays / 2, s.facts.rays * 6 / 10);
+    run_layers(&s, levels, N * 75 / 100, 2, NULL);
+    assert_in_range(s.facts.wall_rays, s.facts.rays * 7 / 10, s.facts.rays * 8 / 10);
     scan_free(&s);
 }
 
@@ -112,83 +113,126 @@ static void test_skin_tells_nothing(void **state) {
     scan_free(&s);
 }
 
-/* A wall, a gap of `gap` dark layers, and `elsewhere` dark layers in the fetus. In columns `from` .. N - 1
- * the rays begin with two dark layers. */
-static void run_gap_from(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t level, uint32_t from,
-                         const sv_wall_settings *settings) {
+/* Four layers of level `front`, a gap of `gap` dark layers, the fetus, and `elsewhere` dark layers in it. */
+static void run_gap(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t front, bool clip_doubtful) {
+    sv_wall_settings settings = sv_wall_settings_default();
     uint8_t levels[LAYERS];
     uint32_t at = 0;
-    put(levels, &at, 4, MUSCLE);
+    settings.clip_doubtful = clip_doubtful;
+    put(levels, &at, 4, front);
     put(levels, &at, gap, FLUID);
     put(levels, &at, 3, BONE);
-    put(levels, &at, elsewhere, level);
+    put(levels, &at, elsewhere, FLUID);
     put(levels, &at, LAYERS, MUSCLE);
-    run_layers(s, levels, from, 2, settings);
+    run_layers(s, levels, N, 0, &settings);
 }
 
-/* The same with a wall on all rays, which by itself tells nothing. */
-static void run_gap(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t level, bool clip_doubtful) {
-    sv_wall_settings settings = sv_wall_settings_default();
-    settings.clear_wall_share = 1.1;
-    settings.clip_doubtful = clip_doubtful;
-    run_gap_from(s, gap, elsewhere, level, N, &settings);
-}
-
-/* From 0.43 of all dark blocks on there is a surface; below 0.15 there is none. Between them it is doubtful:
- * nothing is clipped, or with a confidence of 0.3 at most. */
+/* From 0.3 of what is as dark as fluid on there is a surface; below 0.12 there is none. Between them it is
+ * doubtful: nothing is clipped, or with a confidence of 0.3 at most. */
 static void test_surface_lies_in_what_is_dark(void **state) {
     (void)state;
     scan s = scan_make(N, N, N);
-    run_gap(&s, 7, 9, FLUID, false); /* 0.4375 */
+    run_gap(&s, 5, 11, MUSCLE, false); /* 0.3125 */
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
-    assert_true(fabs(s.facts.gap_share - 7.0 / 16.0) < 1e-9 && s.depth[0] > 7.0f && s.confidence[0] > 0.9f);
-    run_gap(&s, 6, 8, FLUID, false); /* 0.4286 */
+    assert_true(fabs(s.facts.gap_share - 5.0 / 16.0) < 1e-9 && s.depth[0] > 7.0f && s.confidence[0] > 0.9f);
+    run_gap(&s, 5, 12, MUSCLE, false); /* 0.294 */
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
-    run_gap(&s, 6, 8, FLUID, true);
+    run_gap(&s, 5, 12, MUSCLE, true);
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
     for (uint32_t i = 0; i < PIXELS; i++)
-        assert_true(s.depth[i] > 7.0f && s.depth[i] <= 20.0f && fabs(s.confidence[i] - 0.3) < 1e-6);
-    run_gap(&s, 3, 16, FLUID, false); /* 0.158 */
+        assert_true(s.depth[i] > 7.0f && s.depth[i] <= 18.0f && fabs(s.confidence[i] - 0.3) < 1e-6);
+    run_gap(&s, 2, 14, MUSCLE, false); /* 0.125 */
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
-    run_gap(&s, 3, 18, FLUID, true); /* 0.143 */
+    run_gap(&s, 2, 15, MUSCLE, true); /* 0.118 */
     assert_int_equal(s.outcome, SV_WALL_NO_FLUID);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
     scan_free(&s);
 }
 
-/* A wall on three quarters of the rays tells that there is fluid in front of the fetus, too. */
-static void test_clear_wall(void **state) {
+/* The threshold where the bright blocks around have this mean, and where a twentieth of the blocks is as dark
+ * as fluid. */
+static double threshold_at(double bright) {
+    return square(0.35 * sqrt(FLUID) + 0.65 * sqrt(bright));
+}
+
+/* The relative level of the first layer, in the middle of the image, of a scan with muscle in its first
+ * layers, and bone behind them. */
+static uint8_t relate_first_layer(uint32_t muscle) {
+    uint8_t levels[LAYERS], relative = 0;
+    uint32_t at = 0;
+    scan s = scan_make(N, N, N);
+    put(levels, &at, muscle, MUSCLE);
+    put(levels, &at, LAYERS, BONE);
+    run_layers(&s, levels, N, 0, NULL);
+    const sv_wall_volume v = {s.voxels, N, N, N, s.first, s.end, {MM, MM, 1.0}};
+    const sv_wall_settings settings = sv_wall_settings_default();
+    const sv_wall_layout l = sv_wall_layout_of(N, N, N, v.spacing_mm, &settings);
+    const sv_wall_levels known = {.two = true,
+                                  .threshold = 40,
+                                  .bright = MUSCLE * SV_WALL_LEVEL_ONE,
+                                  .dark = FLUID * SV_WALL_LEVEL_ONE};
+    sv_wall_blocks blocks;
+    assert_true(sv_wall_blocks_create(&v, &l, &blocks));
+    assert_true(sv_wall_relate_levels(&l, &known, &blocks));
+    relative = blocks.relative[(size_t)(l.rows / 2) * l.columns + l.columns / 2];
+    sv_wall_blocks_destroy(&blocks);
+    scan_free(&s);
+    return relative;
+}
+
+/* The threshold is the one around a block: what is bright within 10 mm, five layers of 2 mm, to either side
+ * counts, and the mean of all that is bright as a twentieth of the blocks there. */
+static void test_threshold_is_local(void **state) {
+    (void)state;
+    const double blocks = 4.0 * 11 * 11,
+                 window = 0.05 * blocks * 11; /* six of its 11 layers are in the scan */
+    const double bright = (5 * blocks * MUSCLE + blocks * BONE + window * MUSCLE) / (6 * blocks + window);
+    assert_true(fabs(relate_first_layer(6) - 128.0 * MUSCLE / threshold_at(MUSCLE)) <= 1.5);
+    assert_true(fabs(relate_first_layer(5) - 128.0 * MUSCLE / threshold_at(bright)) <= 1.5);
+    assert_true(relate_first_layer(6) - relate_first_layer(5) > 20);
+}
+
+/* A dim front is tissue, but no gap lies between it and the fetus: nobody knows what is in front. */
+static void test_dim_front_is_no_wall(void **state) {
     (void)state;
     scan s = scan_make(N, N, N);
-    run_gap_from(&s, 6, 9, FLUID, N * 78 / 100, NULL);
-    assert_true(s.facts.gap_share < 0.43);
-    assert_int_equal(s.outcome, SV_WALL_SURFACE);
-    run_gap_from(&s, 6, 9, FLUID, N * 72 / 100, NULL);
-    assert_true(s.facts.gap_share < 0.43);
-    assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
+    run_gap(&s, 8, 2, (uint8_t)(0.5 * threshold_at(MUSCLE)), false);
+    assert_int_equal(s.facts.wall_rays, s.facts.rays);
+    assert_true(s.facts.gap_share == 0.0);
+    assert_int_equal(s.outcome, SV_WALL_NO_FLUID);
+    run_gap(&s, 8, 2, (uint8_t)(1.2 * threshold_at(BONE)), false);
+    assert_true(fabs(s.facts.gap_share - 0.8) < 1e-9);
+    /* Below 0.4 of the threshold it is dark; 8 mm of that are no near field. */
+    run_gap(&s, 8, 2, (uint8_t)(0.3 * threshold_at(MUSCLE)), false);
+    assert_int_equal(s.facts.wall_rays, 0);
     scan_free(&s);
 }
 
-/* Dark is at most half of the level above which there is tissue. Haze is fluid, but not dark. */
-static void test_half_the_threshold_is_dark(void **state) {
+/* The darkest fifth of all blocks is as dark as fluid: of 32 layers, the seven of the gap that hold it, and
+ * not the three in the fetus that are a little brighter. */
+static void test_darkest_fifth(void **state) {
     (void)state;
-    scan s = scan_make(N, N, N);
-    run_gap(&s, 6, 8, FLUID, false);
-    const double bright = (15.0 * MUSCLE + 3.0 * BONE) / 18.0; /* of 32 layers 14 are dark */
-    const double limit = (s.facts.threshold + 0.19 * (bright - s.facts.threshold)) / 2.0;
-    run_gap(&s, 6, 8, (uint8_t)(0.8 * limit), false);
-    assert_true(fabs(s.facts.gap_share - 6.0 / 14.0) < 1e-9);
-    run_gap(&s, 6, 8, (uint8_t)(1.3 * limit), false);
-    assert_true(s.facts.gap_share == 1.0);
-    scan_free(&s);
+    uint8_t levels[LAYERS];
+    for (uint32_t gap = 5; gap <= 7; gap += 2) {
+        uint32_t at = 0;
+        scan s = scan_make(N, N, N);
+        put(levels, &at, 6, MUSCLE);
+        put(levels, &at, gap, FLUID);
+        put(levels, &at, 3, BONE);
+        put(levels, &at, 3, FLUID + 3);
+        put(levels, &at, LAYERS, MUSCLE);
+        run_layers(&s, levels, N, 0, NULL);
+        assert_true(fabs(s.facts.gap_share - (gap == 7 ? 1.0 : 5.0 / 8.0)) < 1e-9);
+        scan_free(&s);
+    }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_confidence_of_a_doubtful_ray), cmocka_unit_test(test_near_field_is_no_fluid),
         cmocka_unit_test(test_near_field_is_broad),          cmocka_unit_test(test_skin_tells_nothing),
-        cmocka_unit_test(test_surface_lies_in_what_is_dark), cmocka_unit_test(test_clear_wall),
-        cmocka_unit_test(test_half_the_threshold_is_dark)};
+        cmocka_unit_test(test_surface_lies_in_what_is_dark), cmocka_unit_test(test_threshold_is_local),
+        cmocka_unit_test(test_dim_front_is_no_wall),         cmocka_unit_test(test_darkest_fifth)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
