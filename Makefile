@@ -14,8 +14,8 @@ LABELS ?=
 FUZZ_SECONDS ?= 600
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
-# A folder of volumes of another program with their truth, for `make sites` and `make surface-page`.
-SITE ?= $(wildcard $(addsuffix /site_b,$(DATA)))
+# Folders of volumes of other programs with their truth, for `make sites` and `make surface-page`.
+SITES ?= $(wildcard $(addsuffix /site_b,$(DATA)) $(addsuffix /site_c,$(DATA)))
 
 SETUP := scripts/setup.sh
 PACKAGES := scripts/packages.txt
@@ -127,17 +127,17 @@ HARD := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,--scene H$(n
 UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
 # Broad contact with the wall: without it scenes do not say how bright a first tissue must be.
 CHOICE := --scenes 201,0 $(foreach n,01 04 05 07 08 15 16,--scene H$(n))
-FOREIGN = $(if $(SITE),--site $(SITE)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
+FOREIGN = $(foreach site,$(SITES),--site $(site)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
 
-sites: setup ## methods on scenes and on SITE: table, harm, flicker, constants chosen on one and judged on the other
+sites: setup ## methods on scenes and on SITES: table, harm, flicker, constants chosen on one and judged on the other
 	@$(call build,build) --target sv_judge smartvis
 	build/sv_judge table $(UNSEEN) $(FOREIGN)
 	build/sv_judge table $(HARD)
 	build/sv_judge harm --scenes 201,0 $(FOREIGN)
 	build/sv_judge flicker
-	$(if $(SITE),build/sv_judge reverse $(CHOICE) $(FOREIGN))
+	$(if $(SITES),build/sv_judge reverse $(CHOICE) $(FOREIGN))
 
-surface-page: setup ## method wall on scenes and on SITE in pictures: out/sites/index.html
+surface-page: setup ## method wall on scenes and on SITES in pictures: out/sites/index.html
 	@$(call build,build) --target sv_judge smartvis
 	build/sv_judge page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
 

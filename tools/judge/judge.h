@@ -64,8 +64,8 @@ bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err)
  * errors. With maps the voxels are the file's, so black fluid is 0; without, scanned voxels are 1 .. 255. */
 bool wall_case_files(const char *files, wall_case *out, hs_error *err);
 
-/* Reads NAME_full.mha, NAME_truth.mha, NAME_label.mha, scan_first.mha and scan_end.mha of a folder so, too.
- */
+/* Reads NAME_full.mha, NAME_truth.mha, NAME_label.mha, NAME_first.mha and NAME_end.mha of a folder so, too;
+ * scan_first.mha and scan_end.mha in place of the last two. */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
 /* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case_make). Zeros at the ends of a
@@ -249,7 +249,7 @@ typedef struct {
     uint32_t count;
 } site_list;
 
-/* Adds the nine cases of a folder as a set of its own (wall_case_read). */
+/* Adds the cases of a folder as a set of its own: every NAME_full.mha (wall_case_read). */
 bool site_add_folder(site_list *list, const char *folder, hs_error *err);
 
 /* Adds one case, FULL,TRUTH,LABEL[,FIRST,END], to the set of files. */

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 void wall_case_free(wall_case *c) {
     free(c->full);
@@ -136,11 +137,12 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
 }
 
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {
-    char files[5 * 1024];
-    const int length =
-        snprintf(files, sizeof files,
-                 "%s/%s_full.mha,%s/%s_truth.mha,%s/%s_label.mha,%s/scan_first.mha,%s/scan_end.mha", folder,
-                 name, folder, name, folder, name, folder, folder);
+    char files[5 * 1024], own[1024];
+    (void)snprintf(own, sizeof own, "%s/%s_first.mha", folder, name);
+    const char *const scan = access(own, F_OK) == 0 ? name : "scan";
+    const int length = snprintf(
+        files, sizeof files, "%s/%s_full.mha,%s/%s_truth.mha,%s/%s_label.mha,%s/%s_first.mha,%s/%s_end.mha",
+        folder, name, folder, name, folder, name, folder, scan, folder, scan);
     if (length < 0 || (size_t)length >= sizeof files)
         return hs_fail(err, HS_ERR_USAGE, "%.200s...: the path is too long", folder);
     return wall_case_files(files, out, err);

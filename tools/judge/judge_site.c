@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "judge/judge.h"
 
+#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,13 +45,27 @@ static void name_part(site_set *s, const char *text) {
     (void)snprintf(s->title + used, sizeof s->title - used, " %s", text);
 }
 
+static bool add_file(site_set *s, const char *folder, const char *full, hs_error *err) {
+    char name[256];
+    const char *const file = strrchr(full, '/') + 1;
+    (void)snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - strlen("_full.mha")), file);
+    wall_case *const c = new_case(s, err);
+    if (!c || !wall_case_read(folder, name, c, err)) return false;
+    s->count++;
+    return true;
+}
+
 bool site_add_folder(site_list *list, const char *folder, hs_error *err) {
+    char pattern[1024];
+    glob_t found = {0};
+    (void)snprintf(pattern, sizeof pattern, "%s/*_full.mha", folder);
     site_set *s = new_set(list, folder, err);
-    for (int i = 0; s && i < SITE_NAMES; i++) {
-        if (!wall_case_read(folder, site_names[i], &s->cases[i], err)) return false;
-        s->count++;
-    }
-    return s != NULL;
+    bool added = s != NULL;
+    if (added && glob(pattern, 0, NULL, &found) != 0)
+        added = hs_fail(err, HS_ERR_INPUT, "%s: there is no NAME_full.mha", folder);
+    for (size_t i = 0; added && i < found.gl_pathc; i++) added = add_file(s, folder, found.gl_pathv[i], err);
+    globfree(&found);
+    return added;
 }
 
 bool site_add_files(site_list *list, const char *files, hs_error *err) {

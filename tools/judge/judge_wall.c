@@ -149,7 +149,8 @@ static bool judge_case(wall_case *c, const wall_change *o, site_score *score, hs
     if (ok) {
         const wall_score s = wall_judge(c, original, a.depth, a.confidence, &score->calibration);
         site_score_add(score, c->name, &s);
-        score->refused += a.outcome != SV_WALL_SURFACE;
+        const bool clipped = a.outcome == SV_WALL_DOUBTFUL && o->settings.clip_doubtful;
+        score->refused += a.outcome != SV_WALL_SURFACE && !clipped;
         print_case(c, &s, &a);
     }
     free_answer(&a);

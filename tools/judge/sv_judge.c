@@ -128,7 +128,8 @@ static const hs_option options[] = {
     {"random", "SEED,COUNT", "the first random scenes of a set, at 128^3; all scenes together are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_random},
     {"site", "FOLDER",
-     "nine cases NAME_full.mha, NAME_truth.mha, NAME_label.mha, with scan_first.mha and scan_end.mha\n",
+     "every NAME_full.mha there, with NAME_truth, NAME_label, NAME_first and NAME_end.mha, or scan_first\n"
+     "and scan_end.mha for all\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_site},
     {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_case},
