@@ -100,7 +100,7 @@ code 2 table --random 7,0
 code 2 table --case "$full"
 holds grep -q 'FULL,TRUTH,LABEL' "$work/stderr"
 code 3 table --site "$work/nowhere"
-holds grep -q 'nowhere/E01_full.mha' "$work/stderr"
+holds grep -q 'nowhere: there is no NAME_full.mha' "$work/stderr"
 code 3 table --case "$full,$truth,$truth"
 holds grep -q 'labels, expected 32 x 32 x 1' "$work/stderr"
 code 3 table --case "$small,$work/from.mha,$work/to.mha"
