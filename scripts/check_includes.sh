@@ -66,7 +66,7 @@ host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/show"    
 groups() {
     cat <<'TABLE'
 fixed   stdint.h stddef.h
-libc    assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h fenv.h float.h getopt.h inttypes.h limits.h locale.h
+libc    assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h fenv.h float.h getopt.h glob.h inttypes.h limits.h locale.h
 libc    math.h poll.h pthread.h sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h
 libc    string.h strings.h threads.h time.h unistd.h wchar.h sys/*
 opencl  CL/*
