@@ -2,9 +2,10 @@
 /*
  * Calls of the plugin's ABI in any order with any numbers. Pointers are what the header asks for: where a
  * field says how much memory there is, so much is there. The input is a list of calls; a call's struct is a
- * right one of which some words are overwritten. Whatever comes, a status is one of the header's, a failure
- * has a reason, and a frame that came out well has a finite map.
+ * right one of which some words are overwritten. A call of OpenCL may fail (fake_cl.h). Whatever comes, a
+ * status is one of the header's, a failure has a reason, and a frame that came out well has a finite map.
  */
+#include "fuzz/fake_cl.h"
 #include "fuzz/fuzz_bytes.h"
 #include "fuzz/fuzz_target.h"
 #include "plugin/loader.h"
@@ -229,8 +230,7 @@ static void one_call(machine *m, fuzz_bytes *b) {
     }
 }
 
-/* Activation takes a tenth of a second, nearly all of it OpenCL's; so one instance stays active from input to
- * input. */
+/* Activation takes longer than all else, so one instance stays active from input to input. */
 static const sv_plugin *standing(void) {
     static const sv_plugin *plugin;
     if (plugin) return plugin;
@@ -252,12 +252,14 @@ static void end_frame(const sv_plugin *p) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_bytes b = {data, size};
     static machine m;
-    const int fresh = fuzz_u8(&b) % 16 == 15;
+    const uint8_t head = fuzz_u8(&b);
+    const int fresh = head % 16 == 15;
     memset(&m, 0, sizeof m);
     m.voxels = calloc(VOXELS, 1);
     if (!m.voxels) abort();
     m.plugin = standing();
     if (fresh && smartvis_plugin_entry.create(&host, m.plugin->descriptor->id, &m.plugin) != SV_OK) abort();
+    fake_cl_fail(head / 16); /* of the first calls one, or none */
     for (int i = 0; i < MAX_CALLS && b.left > 0; i++) {
         /* Only a fresh instance leaves its state: the standing one is for frames. */
         if (!fresh && b.at[0] % 16 < 2) {
@@ -266,6 +268,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         }
         one_call(&m, &b);
     }
+    fake_cl_fail(0);
     end_frame(m.plugin);
     if (fresh) m.plugin->destroy(m.plugin);
     free(m.voxels);
