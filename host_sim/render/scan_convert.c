@@ -10,11 +10,11 @@
 #define SAMPLE_SPACING       1.5        /* finest source voxels from one sample to the next, about */
 #define MIN_SHARED_SPAN      1.5        /* a box edge from here on has at least two samples */
 #define MAX_SAMPLES_PER_AXIS 8
-#define MAX_HALVED_SAMPLES   6    /* the same in the halved volume, each worth two of the source's */
-#define NEAREST_MIN_SPAN     1.95 /* source voxels a box spans each way for a mean of nearest ones */
-#define HALVED_MIN_SPAN      2.7  /* the same for samples of the halved volume */
-#define FIXED_MIN_BITS       12   /* fraction bits a fixed-point position must have */
-#define BLOCK                16 /* voxels each way of a work item of convert_halved on a CPU (its cl file) */
+#define MAX_HALVED_SAMPLES   6   /* the same in the halved volume, each worth two of the source's */
+#define NEAREST_MIN_SPAN     1.5 /* source voxels a box spans each way for a mean of nearest ones */
+#define HALVED_MIN_SPAN      2.7 /* the same for samples of the halved volume */
+#define FIXED_MIN_BITS       12  /* fraction bits a fixed-point position must have */
+#define BLOCK                16  /* voxels each way of a work item of convert_halved on a CPU (its cl file) */
 #define TOLERANCE            1e-6 /* of a span: 2 voxels computed as 1.999.. are 2 */
 
 /* How a voxel's samples are taken. */

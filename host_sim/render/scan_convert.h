@@ -45,8 +45,7 @@ void hs_scan_converter_destroy(hs_scan_converter *converter);
  * some was scanned is 0. All others are means of nearest source voxels, as below, of 2 g samples an edge: so
  * the edge of what was scanned is not blurred.
  *
- * Nearest: where every edge spans 1.95 voxels or more, as 1 mm does of voxels of 0.501 x 0.5 x 0.503 mm, a
- * sample is the nearest source voxel, in integers, too.
+ * Nearest: where every edge spans 1.5 voxels or more a sample is the nearest source voxel, in integers, too.
  * g is the edge in finest source voxels over 1.5, rounded, 8 at most, 2 at least.
  *
  * Trilinear: elsewhere, and where a box is so long that fewer than 12 fraction bits are left, a sample is

@@ -16,7 +16,7 @@ ref_way ref_grid(const hs_volume *volume, const hs_camera *camera, const hs_slab
     const double *s = volume->spacing, finest = fmin(s[0], fmin(s[1], s[2]));
     const double shortest =
         fmin(edge[0], fmin(edge[1], edge[2])) / fmax(s[0], fmax(s[1], s[2])) * (1.0 + 1e-6);
-    const ref_way way = shortest >= 2.7 ? REF_HALVED : shortest >= 1.95 ? REF_NEAREST : REF_TRILINEAR;
+    const ref_way way = shortest >= 2.7 ? REF_HALVED : shortest >= 1.5 ? REF_NEAREST : REF_TRILINEAR;
     for (int a = 0; a < 3; a++) {
         const double span = edge[a] / finest;
         const double wish = round(way == REF_HALVED ? span / 3.0 : span / 1.5);
