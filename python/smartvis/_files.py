@@ -27,6 +27,7 @@ SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk",
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
 _MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
+_FAR = 1e9  # of any number of a geometry: ITK squares them
 _POSITION = "0020|0032"  # DICOM's tag: where a slice lies, in mm
 _UNEVEN = 0.05  # of the distance between slices
 _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # DICOM's classes of ultrasound over time
@@ -104,6 +105,7 @@ class Source:
                 _checked_spacing(spacing[:3])
             except ValueError as error:
                 raise FileError(f"{self.path}: {error}") from None
+        self._numbers_that_hold(reader)
         if not np.isfinite(origin).all():
             raise FileError(f"{self.path}: origin={origin}, expected finite numbers")
         if math.prod(size[:3]) > _MOST_VOXELS:
@@ -124,6 +126,17 @@ class Source:
             there = _inflated(self.path)
         if needed > there and "datafile" not in self._fields:
             raise FileError(f"{self.path}: size={size} needs {needed} bytes, the file holds {there} at most")
+
+    def _numbers_that_hold(self, reader: Any) -> None:
+        """FileError for numbers of the geometry that ITK cannot compute with: it takes 1 mm without a word then. A
+        NRRD's NaN belongs to an axis that is none of space."""
+        said = {name: value for name, value in self._fields.items() if name in ("spacings", "spacedirections")}
+        nifti = [f"pixdim[{axis}]" for axis in (1, 2, 3)] + ["srow_x", "srow_y", "srow_z"]
+        said |= {name: reader.GetMetaData(name) for name in nifti if reader.HasMetaDataKey(name)}
+        for name, value in said.items():
+            for number in re.findall(r"[-+]?(?:inf|nan|[.\d]+(?:e[-+]?\d+)?)", value.lower()):
+                if abs(float(number)) > _FAR or ("nan" in number and name in nifti):
+                    raise FileError(f"{self.path}: {name} is '{value}', expected finite numbers of {_FAR:g} at most")
 
     def _ask_host(self) -> None:
         """FileError if host_sim, which reads all of a MetaImage and is stricter than ITK, refuses the file."""

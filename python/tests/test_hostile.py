@@ -3,6 +3,7 @@
 
 import csv
 import gzip
+import math
 import os
 import struct
 import subprocess
@@ -66,6 +67,11 @@ HOSTILE = {
     "list.nhdr": (nrrd("data file: LIST\n" + "../outside\n" * 16), "data file is '../outside'"),
     "percent.nhdr": (nrrd("data file: a %.raw"), "data file is 'a %.raw'"),
     "pattern.nhdr": (nrrd("data file: lin%c.raw 1 16 1".replace("%c", "%d")), "data file is 'lin%d.raw 1 16 1'"),
+    "endless.nrrd": (nrrd("spacings: 1 1e308 1") + VOXELS, "spacing=(1.0, 1e+308, 1.0)"),
+    "steep.nrrd": (
+        nrrd("space dimension: 3\nspace directions: (1,0,0) (0,1e308,0) (0,0,1)") + VOXELS,
+        "spacedirections is '(1,0,0) (0,1e308,0) (0,0,1)'",
+    ),
     "bomb.nrrd": (nrrd("").replace(b"raw", b"gzip").replace(b"16 16 16", b"2000 1000 1000"), "bytes, the file holds"),
 }
 
@@ -131,6 +137,7 @@ def test_nifti_that_is_cut_or_has_no_geometry_is_refused(inside: Path) -> None:
         ("cut.nii", nifti(inside)[:2000], "the file holds 2000"),
         ("cut.nii.gz", gzip.compress(nifti(inside))[:2000], "ended before"),
         ("flood.nii", nifti(inside, 40, "<8h", 4, 16, 16, 16, 32000, 1, 1, 1), "the file holds 4448"),
+        ("endless.nii", nifti(inside, 280, "<f", math.inf), "srow_x is 'inf"),
         ("negative.nii", nifti(inside, 80, "<f", -1.0), "unexpected scales"),
     ):
         (inside / name).write_bytes(content)
