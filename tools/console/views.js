@@ -31,7 +31,7 @@ function make(tag, attributes, ...children) {
 
 function renderedViews() {
   const third = look.third === "truth" && !hasTruth ? "depthmap" : look.third;
-  return look.compare === "side" ? ["result", "other", "full", third] : ["result", "full", third];
+  return look.compare === "side" ? ["full", "result", "other", third] : ["full", "result", third];
 }
 
 function wantedViews() {
