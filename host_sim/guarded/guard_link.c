@@ -110,7 +110,7 @@ static sv_status report_end(hs_guard *guard) {
 static double seconds_left(const hs_guard *guard, double ordered, double limit) {
     const double now = hs_now();
     const double since = (double)atomic_load(&guard->block->since_ns) * 1e-9;
-    const double calls = (double)guard->block->slab_count + EXTRA_CALLS;
+    const double calls = (double)guard->slab_count + EXTRA_CALLS;
     const double call = (since > ordered && since < now ? since : ordered) + limit - now;
     const double whole = ordered + calls * limit - now;
     return call < whole ? call : whole;
@@ -146,6 +146,7 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
     hs_guard_reply reply;
     if (!guard->child.pid) return hs_guard_refuse(guard, SV_ERR_STATE, "guard", "the plugin has no process");
     if (op <= HS_GUARD_ADJUST) tell_dropped(guard);
+    guard->block->slab_count = guard->slab_count;
     guard->block->call[0] = '\0';
     guard->block->step = guard->block->steps = 0;
     atomic_store(&guard->block->since_ns, 0);
@@ -173,12 +174,14 @@ bool hs_guard_start(hs_guard *guard, hs_error *err) {
     (void)snprintf(block->id, sizeof block->id, "%s", guard->id);
     block->has_id = guard->has_id;
     block->log_level = guard->log_level;
-    block->slab_count = 0;
+    guard->slab_count = 0;
     block->error.code = HS_OK;
     const sv_status status = hs_guard_ask(guard, HS_GUARD_OPEN, guard->options.setup_s);
     if (status == SV_OK) return true;
     if (!guard->child.pid) return hs_fail(err, HS_ERR_PLUGIN, "%s: %s", guard->path, guard->last_error);
     hs_guard_end_child(guard);
+    if (guard->last_error[0] == '\0')
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: its process refuses it without a reason", guard->path);
     return hs_fail(err, HS_ERR_PLUGIN, "%s", guard->last_error); /* names the path itself */
 }
 
@@ -188,7 +191,7 @@ sv_status hs_guard_activate(hs_guard *guard) {
     block->format.values = NULL;
     block->way = guard->way;
     block->slabs_bytes = guard->slabs_bytes;
-    block->slab_count = 0;
+    guard->slab_count = 0;
     memcpy(block->values, guard->values, guard->format.value_count * sizeof *guard->values);
     const sv_status status = hs_guard_ask(guard, HS_GUARD_ACTIVATE, guard->options.setup_s);
     guard->offered = hs_status_is_success(status) && block->offered != 0;

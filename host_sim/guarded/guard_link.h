@@ -18,7 +18,8 @@ typedef struct {
     sv_plugin instance; /* what the host calls; plugin_data is the guard */
     hs_guard_options options;
     hs_child child;
-    uint32_t number; /* of the last order */
+    uint32_t number;     /* of the last order */
+    uint32_t slab_count; /* of the frame under way; the block's is for the child */
     uint32_t restarts;
 
     hs_guard_block *block; /* shared; the child may write anything into it at any time */

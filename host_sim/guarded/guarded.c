@@ -74,22 +74,21 @@ static sv_status guarded_begin(const sv_plugin *plugin, const sv_frame *frame) {
     if (frame->scanned)
         memcpy(hs_guard_map_of(guard, HS_GUARD_SCANNED), frame->scanned,
                guard->pixels * sizeof *frame->scanned);
-    block->slab_count = 0;
+    guard->slab_count = 0;
     return SV_OK;
 }
 
 static sv_status guarded_slab(const sv_plugin *plugin, const sv_slab *slab) {
     hs_guard *guard = hs_guard_of(plugin);
-    hs_guard_block *block = guard->block;
     const uint8_t *memory = slab->memory;
     if (!guard->slabs || memory < guard->slabs || memory > guard->slabs + guard->slabs_bytes ||
         slab->bytes > (uint64_t)(guard->slabs + guard->slabs_bytes - memory) ||
-        block->slab_count >= HS_GUARD_MAX_SLABS)
+        guard->slab_count >= HS_GUARD_MAX_SLABS)
         return hs_guard_refuse(guard, SV_ERR_SLAB_SHAPE, "slab", "not in the guard's memory");
-    block->slabs[block->slab_count++] = (hs_guard_slab){.first_slice = slab->first_slice,
-                                                        .slice_count = slab->slice_count,
-                                                        .offset = (uint64_t)(memory - guard->slabs),
-                                                        .bytes = slab->bytes};
+    guard->block->slabs[guard->slab_count++] = (hs_guard_slab){.first_slice = slab->first_slice,
+                                                               .slice_count = slab->slice_count,
+                                                               .offset = (uint64_t)(memory - guard->slabs),
+                                                               .bytes = slab->bytes};
     return SV_OK;
 }
 
