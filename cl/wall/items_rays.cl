@@ -109,35 +109,41 @@ static bool reaches(uint cell, uint source, bool before) {
     return ((cell & CELL_TISSUE) != 0) & (((cell & source) != 0) | before);
 }
 
-/* Sweeps over `count` cells from `from` on, `step` apart. Cells that `source` reaches through tissue in
- * this direction, and that have all bits of `among`, get the bit `mark`; the others lose it. */
-static void sweep(__global uchar *cells, size_t from, long step, uint count, uint source, uint among,
-                  uint mark) {
+/* Sweeps over `count` cells, `step` apart. Cells that `source` reaches through tissue in this direction get
+ * CELL_REACHED; the others lose it. */
+static void sweep(__global uchar *cells, size_t step, uint count, uint source) {
     bool reached = false;
     for (uint i = 0; i < count; i++) {
-        __global uchar *const cell = cells + ((long)from + (long)i * step);
+        __global uchar *const cell = cells + i * step;
         reached = reaches(*cell, source, reached);
-        const bool marked = reached && (*cell & among) == among;
-        *cell = (uchar)((*cell & ~mark) | (marked ? mark : 0));
+        *cell = (uchar)((*cell & ~CELL_REACHED) | (reached ? CELL_REACHED : 0));
     }
 }
 
-/* Sweeps a line both ways: cells that reach the wall on both sides, and that have all bits of `among`, get
- * the bit `mark`. */
-static void find_enclosed(__global uchar *cells, long step, uint count, uint among, uint mark) {
-    sweep(cells, 0, step, count, CELL_WALL, among, CELL_REACHED);
-    sweep(cells, (count - 1) * (size_t)step, -step, count, CELL_WALL, among | CELL_REACHED, mark);
+/* Sweeps a line both ways: cells that `source` reaches from both sides get the bit `both`, from any side the
+ * bit `any`. */
+static void find_sides(__global uchar *cells, size_t step, uint count, uint source, uint both, uint any) {
+    bool reached = false;
+    sweep(cells, step, count, source);
+    for (uint i = count; i-- > 0;) {
+        __global uchar *const cell = cells + i * step;
+        const bool there = (*cell & CELL_REACHED) != 0;
+        reached = reaches(*cell, source, reached);
+        *cell |= (uchar)((reached && there ? both : 0) | (reached || there ? any : 0));
+    }
 }
 
-/* Sweeps a line both ways for cells that the fetus flanks, or that it reaches from one side. */
-static void find_flanked(__global uchar *cells, long step, uint count) {
+/* Sweeps a column both ways, after the rows: cells that the wall reaches from three sides are enclosed. */
+static void find_enclosed(__global uchar *cells, size_t step, uint count) {
     bool reached = false;
-    sweep(cells, 0, step, count, CELL_FETUS, 0, CELL_REACHED);
+    sweep(cells, step, count, CELL_WALL);
     for (uint i = count; i-- > 0;) {
-        __global uchar *const cell = cells + (long)i * step;
-        const bool there = (*cell & CELL_REACHED) != 0;
-        reached = reaches(*cell, CELL_FETUS, reached);
-        *cell |= (uchar)((reached && there ? CELL_FLANKED : 0) | (reached || there ? CELL_ADJACENT : 0));
+        __global uchar *const cell = cells + i * step;
+        const bool above = (*cell & CELL_REACHED) != 0, in_row = (*cell & CELL_WALL_IN_ROW) != 0;
+        const bool beside = (*cell & CELL_WALL_BESIDE) != 0;
+        reached = reaches(*cell, CELL_WALL, reached);
+        const bool enclosed = (in_row & (above | reached)) | (beside & above & reached);
+        *cell = (uchar)((*cell & ~(CELL_WALL_IN_ROW | CELL_WALL_BESIDE)) | (enclosed ? CELL_ENCLOSED : 0));
     }
 }
 
@@ -166,14 +172,15 @@ __kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *res
             kind_of(&l, levels, rays, z, i / columns, i % columns);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint y = item; y < rows; y += items)
-        find_enclosed(kinds + layer + y * pitch, 1, columns, 0, CELL_WALL_IN_ROW);
+        find_sides(kinds + layer + y * pitch, 1, columns, CELL_WALL, CELL_WALL_IN_ROW, CELL_WALL_BESIDE);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint x = item; x < columns; x += items) {
         __global uchar *const column = kinds + layer + x;
-        find_enclosed(column, (long)pitch, rows, CELL_WALL_IN_ROW, CELL_ENCLOSED);
+        find_enclosed(column, pitch, rows);
         classify_fetus(&l, column, brightness + layer + x, minimum, pitch);
-        find_flanked(column, (long)pitch, rows);
+        find_sides(column, pitch, rows, CELL_FETUS, CELL_FLANKED, CELL_ADJACENT);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
-    for (uint y = item; y < rows; y += items) find_flanked(kinds + layer + y * pitch, 1, columns);
+    for (uint y = item; y < rows; y += items)
+        find_sides(kinds + layer + y * pitch, 1, columns, CELL_FETUS, CELL_FLANKED, CELL_ADJACENT);
 }

@@ -118,7 +118,7 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
  * wall in its first run, if that touches the start of the scan. The fetus: cells of later runs that are not
  * enclosed, and whose probability is `fetus_threshold` at least.
  *
- * Enclosed: the wall is reached through tissue alone to the left, to the right, upwards and downwards.
+ * Enclosed: the wall is reached through tissue alone to three sides at least, of left, right, above, below.
  * Flanked: the fetus is reached to the left and to the right, or upwards and downwards. One side: the fetus
  * is reached on some side only.
  */

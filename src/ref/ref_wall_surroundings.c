@@ -77,6 +77,12 @@ static void sweep_all_sides(const sv_wall_layout *l, const uint8_t *cell_class, 
     }
 }
 
+/* True if the wall reaches a cell from at least three sides. */
+static bool is_enclosed(uint8_t sides) {
+    const bool in_row = (sides & IN_ROW) == IN_ROW, in_column = (sides & IN_COLUMN) == IN_COLUMN;
+    return (in_row && (sides & IN_COLUMN)) || (in_column && (sides & IN_ROW));
+}
+
 /* Returns the flag of a cell that the fetus reaches from these sides. */
 static uint8_t fetus_flag(uint8_t sides) {
     if ((sides & IN_ROW) == IN_ROW || (sides & IN_COLUMN) == IN_COLUMN) return SV_WALL_FLANKED;
@@ -90,8 +96,7 @@ static void classify_layer(const sv_wall_scan *s, const sv_wall_evidence *e, con
     const size_t cells = (size_t)l->cells[0] * l->cells[1];
     classify_cells(s, runs, z, cell_class);
     sweep_all_sides(l, cell_class, WALL, sides);
-    for (size_t i = 0; i < cells; i++)
-        surroundings[i] = sides[i] == (IN_ROW | IN_COLUMN) ? SV_WALL_ENCLOSED : 0;
+    for (size_t i = 0; i < cells; i++) surroundings[i] = is_enclosed(sides[i]) ? SV_WALL_ENCLOSED : 0;
     classify_fetus(s, e, z, surroundings, cell_class);
     sweep_all_sides(l, cell_class, FETUS, sides);
     for (size_t i = 0; i < cells; i++) surroundings[i] |= fetus_flag(sides[i]);

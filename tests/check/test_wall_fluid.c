@@ -94,13 +94,17 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
     return is;
 }
 
-/* Fluid to one side is enough: the tissue is no longer enclosed. Fluid at the corners is not. */
+/* The wall encloses tissue that it reaches from three sides: fluid to one side changes nothing, fluid to two
+ * sides does. Fluid at the corners does not. */
 static void test_enclosed(void **state) {
-    static const int sides[] = {11, 13, 7, 17}, corners[] = {6, 8, 16, 18, 0, 24};
+    static const int sides[] = {11, 13, 7, 17, 11}, corners[] = {6, 8, 16, 18, 0, 24};
     (void)state;
     assert_int_equal(enclosed_in_middle(NULL, 0), SV_WALL_ENCLOSED);
     assert_int_equal(enclosed_in_middle(corners, 6), SV_WALL_ENCLOSED);
-    for (size_t i = 0; i < 4; i++) assert_int_equal(enclosed_in_middle(&sides[i], 1), 0);
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(enclosed_in_middle(&sides[i], 1), SV_WALL_ENCLOSED);
+        assert_int_equal(enclosed_in_middle(&sides[i], 2), 0);
+    }
 }
 
 /* A finger stands out of the ball by less than tau_mm. Its neighbours weigh more, so the far end of the
