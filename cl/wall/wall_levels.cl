@@ -74,7 +74,7 @@ static void store_levels(const sv_wall_layout *l, __local const ulong *histogram
     ulong split = 0, counted = 0, sum = 0;
     info[INFO_RAYS] = (uint)histogram[256];
     info[INFO_OUTCOME] = SV_WALL_EMPTY;
-    info[INFO_DOUBTFUL] = 0;
+    info[INFO_DOUBTFUL] = info[INFO_FOUND] = 0;
     info[INFO_THRESHOLD] = info[INFO_FLUID] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
     if (!find_split(histogram, root, &split)) return;
     uint threshold = 0;
@@ -192,8 +192,9 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
     if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
     ulong sum = 0;
     for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
-    if (sum * SV_WALL_PER_MILLE < (ulong)info[INFO_RAYS] * SV_WALL_PROBABILITY_ONE * l.fetus_share)
-        info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
+    const ulong whole = (ulong)info[INFO_RAYS] * SV_WALL_PROBABILITY_ONE;
+    info[INFO_FOUND] = (uint)(sum * SV_WALL_PER_MILLE / max(whole, (ulong)1));
+    if (sum * SV_WALL_PER_MILLE < whole * l.fetus_share) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
 }
 
 /* Returns what the gaps tell of a surface. */
@@ -214,6 +215,7 @@ __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps
             in_gaps += gaps[2 * y + 1];
         }
         const uint verdict = verdict_of(&l, dark, in_gaps);
+        info[INFO_FOUND] = (uint)(in_gaps * SV_WALL_PER_MILLE / max(dark, (ulong)1));
         info[INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
         info[INFO_OUTCOME] = info[INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
     }

@@ -85,7 +85,7 @@ const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out,
                        "Clipped in part: %u of %u rays have no clipping surface and show everything.",
                        frame->stats.unfilled, frame->stats.rays);
     else if (frame->outcome == SV_NO_SURFACE)
-        (void)snprintf(out, bytes, "Nothing hides the fetus here, as far as fluid tells: not clipped.");
+        (void)snprintf(out, bytes, "No fluid found before the fetus: nothing removed.");
     else if (frame->outcome > SV_OK)
         (void)snprintf(out, bytes, "Not clipped: the plugin says %s.", hs_status_name(frame->outcome));
     else

@@ -14,18 +14,33 @@ extern "C" {
 
 #define SV_EXT_CONFIDENCE "smartvis.confidence/1"
 
+/* Why there is no surface, or why it is doubtful. */
+typedef enum sv_reason {
+    SV_REASON_NONE = 0,     /* there is one, or the method does not tell */
+    SV_REASON_NO_FLUID = 1, /* too little of what is as dark as fluid lies where a surface would */
+    SV_REASON_EMPTY = 2,    /* too little was scanned, or all of it has one grey level */
+    SV_REASON_NO_FETUS = 3, /* too little of the view shows tissue brighter than the wall behind it */
+    SV_REASON_DOUBTFUL =
+        4 /* as SV_REASON_NO_FLUID, but it may be right; there is a surface if it is asked for */
+} sv_reason;
+
 typedef struct sv_confidence_report {
     uint32_t size;
     float fluid_threshold; /* T_L that was found from the volume's own grey levels, 0 .. 1 */
     uint32_t rays; /* that have a scanned voxel; a method that works on blocks counts columns of blocks */
-    uint32_t open_rays; /* of these, with fluid behind tissue; too few of them: SV_NO_SURFACE */
+    uint32_t open_rays;  /* of these, with fluid behind tissue; too few of them: SV_NO_SURFACE */
+    uint32_t reason;     /* sv_reason */
+    float found, wanted; /* the share that the reason is about, 0 .. 1, and from where on it would be none */
+    uint32_t try_id; /* the parameter that takes the doubtful surface all the same, and its value; 0: none */
+    float try_value;
 } sv_confidence_report;
 
 typedef struct sv_ext_confidence {
     uint32_t size;
     uint32_t reserved; /* 0 */
 
-    /* [control & active] Waits for the queue and reads the last frame whose end succeeded. `map`: width *
+    /* [control & active] Waits for the queue and reads the last frame whose end succeeded, `out` as far as
+     * out->size goes. `map`: width *
      * height float32, row by row, 0 (nothing is known) .. 1 (no other depth comes near in cost, and all rays
      * nearby show fluid); all 0 without a surface. The surface lies nearer to the viewer where it is low; a
      * host may widen its ghosting window there. `map` or `out` may be NULL. SV_ERR_STATE if there is no such

@@ -278,6 +278,11 @@ class sv_confidence_report(Structure):
         ("fluid_threshold", c_float),
         ("rays", c_uint32),
         ("open_rays", c_uint32),
+        ("reason", c_uint32),
+        ("found", c_float),
+        ("wanted", c_float),
+        ("try_id", c_uint32),
+        ("try_value", c_float),
     ]
 
 

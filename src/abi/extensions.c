@@ -71,14 +71,20 @@ static sv_status confidence_ready(sv_instance *in) {
 
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
     sv_instance *in = sv_instance_enter(plugin);
-    if (out && out->size < sizeof *out)
+    const size_t least = offsetof(sv_confidence_report, reason); /* what an older host knows */
+    sv_confidence_report all = {.size = sizeof all};
+    if (out && out->size < least)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
-                             out->size, sizeof *out);
+                             out->size, least);
     const sv_chain *chain = &in->pipeline.chain;
     sv_status status = confidence_ready(in);
     if (status == SV_OK && map) status = sv_pipeline_confidence(&in->pipeline, map, NULL, 0, true);
     if (status != SV_OK || !out) return status;
-    return chain->method->confidence_report(&in->pipeline.map, &chain->state, out);
+    status = chain->method->confidence_report(&in->pipeline.map, &chain->state, &all);
+    if (status != SV_OK) return status;
+    all.size = out->size;
+    memcpy(out, &all, out->size < sizeof all ? out->size : sizeof all);
+    return SV_OK;
 }
 
 static uint32_t confidence_offered(const sv_plugin *plugin) {

@@ -11,7 +11,15 @@
 #include <stdlib.h>
 
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum { INFO_THRESHOLD = 1, INFO_RAYS = 3, INFO_WALL_RAYS = 4, INFO_WORDS = 265 + SV_WALL_GAINS };
+enum {
+    INFO_OUTCOME,
+    INFO_THRESHOLD,
+    INFO_RAYS = 3,
+    INFO_WALL_RAYS,
+    INFO_DOUBTFUL = 6,
+    INFO_FOUND = 265,
+    INFO_WORDS = INFO_FOUND + 1 + SV_WALL_GAINS
+};
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -139,14 +147,33 @@ static cl_mem confidence(const sv_method_state *s) {
     return s->buffer[SV_WALL_CONFIDENCE];
 }
 
+/* Why there is no surface, or only a doubtful one. */
+static void give_reason(const sv_map *m, const cl_uint *info, sv_confidence_report *out) {
+    static const sv_reason reasons[] = {[SV_WALL_SURFACE] = SV_REASON_NONE,
+                                        [SV_WALL_NO_FLUID] = SV_REASON_NO_FLUID,
+                                        [SV_WALL_EMPTY] = SV_REASON_EMPTY,
+                                        [SV_WALL_NO_FETUS] = SV_REASON_NO_FETUS,
+                                        [SV_WALL_DOUBTFUL] = SV_REASON_DOUBTFUL};
+    const sv_wall_layout l = layout_of(m);
+    out->reason = reasons[info[INFO_DOUBTFUL] ? SV_WALL_DOUBTFUL : info[INFO_OUTCOME]];
+    if (out->reason == SV_REASON_NONE || out->reason == SV_REASON_EMPTY) return;
+    out->found = (float)info[INFO_FOUND] / SV_WALL_PER_MILLE;
+    out->wanted =
+        (float)(out->reason == SV_REASON_NO_FETUS ? l.fetus_share : l.gap_share) / SV_WALL_PER_MILLE;
+    if (out->reason != SV_REASON_DOUBTFUL || info[INFO_OUTCOME] == SV_WALL_SURFACE) return;
+    out->try_id = SV_PARAM_UNSURE;
+    out->try_value = SV_UNSURE_CLIP;
+}
+
 static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv_confidence_report *out) {
-    cl_uint info[INFO_WALL_RAYS + 1];
+    cl_uint info[INFO_FOUND + 1];
     const sv_status status = sv_buffer_read(m->queue, s->buffer[SV_WALL_INFO], sizeof info, info,
                                             "confidence: clEnqueueReadBuffer");
     if (status != SV_OK) return status;
     out->fluid_threshold = (float)info[INFO_THRESHOLD] / 255.0f;
     out->rays = info[INFO_RAYS];
     out->open_rays = info[INFO_WALL_RAYS];
+    give_reason(m, info, out);
     return SV_OK;
 }
 

@@ -202,7 +202,12 @@ AT(sv_confidence_report, size, 0);
 AT(sv_confidence_report, fluid_threshold, 4);
 AT(sv_confidence_report, rays, 8);
 AT(sv_confidence_report, open_rays, 12);
-SIZE(sv_confidence_report, 16);
+AT(sv_confidence_report, reason, 16);
+AT(sv_confidence_report, found, 20);
+AT(sv_confidence_report, wanted, 24);
+AT(sv_confidence_report, try_id, 28);
+AT(sv_confidence_report, try_value, 32);
+SIZE(sv_confidence_report, 36);
 
 AT(sv_ext_confidence, size, 0);
 AT(sv_ext_confidence, reserved, 4);

@@ -153,6 +153,17 @@ static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const 
     for (size_t i = 0; i < count; i++) assert_true(confidence[i] >= 0.0f && confidence[i] <= 1.0f);
     assert_true(confidence_error <= (bound > 0.0 ? 1e-6 : 0.0));
     assert_true(fabs((double)report.fluid_threshold * 255.0 - e->facts.threshold) < 1e-3);
+    assert_int_equal(report.reason, e->outcome); /* by the same numbers */
+    const double share = e->outcome == SV_WALL_NO_FETUS ? e->facts.fetus : e->facts.gap_share;
+    if (e->outcome == SV_WALL_SURFACE || e->outcome == SV_WALL_EMPTY) {
+        assert_true(report.found == 0.0f && report.wanted == 0.0f);
+    } else {
+        assert_true(fabs((double)report.found - share) <= 0.001);
+        assert_true(report.found < report.wanted);
+    }
+    const bool tries = e->outcome == SV_WALL_DOUBTFUL && !e->clip_doubtful;
+    assert_int_equal(report.try_id, tries ? unsure.id : 0);
+    assert_int_equal(report.try_value, tries);
     if (e->outcome == SV_WALL_SURFACE) {
         assert_int_equal(report.rays, e->facts.rays);
         assert_int_equal(report.open_rays, e->facts.wall_rays);

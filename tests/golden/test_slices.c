@@ -60,7 +60,7 @@ static void nothing_clipped_is_said_in_words(void **state) {
     assert_false(view.frame.clipped);
     assert_true(hs_view_clip_depth(&view) < 0);
     assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
-                        "Nothing hides the fetus here, as far as fluid tells: not clipped.");
+                        "No fluid found before the fetus: nothing removed.");
     assert_true(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
     assert_int_equal(at(&p, 0, 0.2, (OCCLUDER + 4.0) / N), grey(153));
     hs_picture_free(&p);

@@ -135,7 +135,8 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     if (map && WRONG_IS(confidence_above)) map[0] = 1.001f;
     if (map && WRONG_IS(confidence_nan)) map[rays / 2] = NAN;
     if (out) {
-        const sv_confidence_report report = {out->size, 0.2f, (uint32_t)rays, (uint32_t)rays};
+        const sv_confidence_report report = {
+            .size = out->size, .fluid_threshold = 0.2f, .rays = (uint32_t)rays, .open_rays = (uint32_t)rays};
         *out = report;
     }
     a->reason[0] = '\0';

@@ -207,6 +207,12 @@ typedef struct {
 /* At least this is needed at the next run. */
 void hs_lane_needs(hs_lane *lane, hs_lane_need need);
 
+enum { HS_CONSOLE_REASON = 320 }; /* bytes */
+
+/* Which rule of the plugin's found no surface in the last frame, or a doubtful one, in words for who holds
+ * the probe. False: the plugin does not tell. Waits for the lane's queue. */
+bool hs_lane_reason(const hs_lane *lane, sv_confidence_report *out, char words[HS_CONSOLE_REASON]);
+
 /* Why the last frame is not clipped, if the plugin failed; code HS_OK if it did not. */
 const hs_error *hs_lane_error(const hs_lane *lane);
 

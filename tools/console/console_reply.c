@@ -319,6 +319,21 @@ char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
 
 /* -------------------------------------------------------------------------------------------- frame -- */
 
+/* Why there is no surface or a doubtful one, and the setting that takes it all the same. */
+static void put_reason(json_t *one, const hs_lane *lane) {
+    sv_confidence_report r;
+    sv_param_info info = {.size = sizeof info};
+    char words[HS_CONSOLE_REASON];
+    if (!hs_lane_reason(lane, &r, words)) return;
+    put(one, "why", hs_json_text(words));
+    const sv_plugin *instance = lane->plugin.instance;
+    const uint32_t params = hs_plugin_param_count(&lane->plugin);
+    for (uint32_t i = 0; r.try_id != 0 && i < params; i++)
+        if (instance->param_info(instance, i, &info) == SV_OK && info.key && info.id == r.try_id)
+            put(one, "try",
+                json_pack("{s:o, s:f}", "key", hs_json_text(info.key), "value", (double)r.try_value));
+}
+
 static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
     const hs_lane *l = &stage->lane[i];
     const sv_points_report *p = &l->frame.points;
@@ -341,6 +356,7 @@ static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
         put(one, "t_b", json_real((double)p->bone_threshold));
         put(one, "volume_max", json_real((double)p->volume_max));
     }
+    if (!stage->state.hurried) put_reason(one, l);
     if (line) put(one, "line", hs_json_text(line));
     free(line);
     return one;

@@ -3,8 +3,10 @@
 
 #include "base/progress.h"
 #include "loop/loop_run.h"
+#include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------------------ lane -- */
@@ -189,6 +191,40 @@ static bool hs_lane_run(hs_lane *lane, uint32_t index, hs_error *err) {
     lane->ms[HS_STAGE_PLUGIN] = (end - converted) * 1e3;
     lane->need = HS_LANE_NOTHING;
     return true;
+}
+
+static bool reason_words(const sv_confidence_report *r, char words[HS_CONSOLE_REASON]) {
+    const double found = 100.0 * (double)r->found, wanted = 100.0 * (double)r->wanted;
+    switch (r->reason) {
+    case SV_REASON_EMPTY:
+        (void)snprintf(words, HS_CONSOLE_REASON,
+                       "Too little was scanned, or all of it has one grey level. Scan more of it.");
+        return true;
+    case SV_REASON_NO_FETUS:
+        (void)snprintf(words, HS_CONSOLE_REASON,
+                       "Only %.0f %% of the view shows tissue brighter than the wall behind it; %.0f %% are "
+                       "needed. Turn the view, or move the probe, until the fetus lies behind the wall.",
+                       found, wanted);
+        return true;
+    case SV_REASON_NO_FLUID:
+    case SV_REASON_DOUBTFUL:
+        (void)snprintf(
+            words, HS_CONSOLE_REASON,
+            "%.0f %% of what is as dark as fluid lies between wall and fetus; from %.0f %% on it is "
+            "sure. Turn the view, or move the probe, until fluid lies between them.",
+            found, wanted);
+        return true;
+    default:
+        return false; /* of a later version */
+    }
+}
+
+bool hs_lane_reason(const hs_lane *lane, sv_confidence_report *out, char words[HS_CONSOLE_REASON]) {
+    const sv_plugin *instance = lane->has_plugin && lane->loop ? lane->plugin.instance : NULL;
+    const sv_ext_confidence *ext = instance ? hs_plugin_confidence(instance) : NULL;
+    *out = (sv_confidence_report){.size = sizeof *out};
+    return ext && lane->frame.outcome >= SV_OK && ext->offered(instance) &&
+           ext->read(instance, NULL, out) == SV_OK && reason_words(out, words);
 }
 
 const hs_error *hs_lane_error(const hs_lane *lane) {

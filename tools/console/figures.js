@@ -60,14 +60,29 @@ function laneNumbers(lane, mark) {
   return list;
 }
 
+/* Which rule found no surface, and a button for the setting that takes it all the same. */
+function reasonOf(lane, i) {
+  const box = make("details", {}, make("summary", { text: "Why, and what to try" }), make("p", { text: lane.why }));
+  const param = lane.try && lanes[i].params.find((p) => p.key === lane.try.key);
+  if (!param) return [box];
+  const button = make("button", { type: "button", text: "Try it: " + param.label + ": " + nameOf(param, lane.try.value) });
+  button.addEventListener("click", () => setValue(i, param, lane.try.value, false));
+  return [button, box];
+}
+
+/* The page reads it out when it changes, so what is the same stays. Drafts do not ask for reasons. */
 function showOutcome(text) {
   const box = document.getElementById("outcome");
-  const lines = text.lanes.map((lane, i) => {
+  const said = JSON.stringify(text.lanes.map((lane) => [lane.words, lane.why, lane.try]));
+  const words = text.lanes.map((lane) => lane.words).join();
+  if (box.dataset.said === said || (text.draft && box.dataset.words === words)) return;
+  box.dataset.said = said;
+  box.dataset.words = words;
+  box.replaceChildren(...text.lanes.flatMap((lane, i) => {
     const name = text.lanes.length > 1 ? "AB"[i] + ": " : "";
-    return make("p", { class: lane.failed ? "bad" : lane.clipped ? "good" : "", text: name + lane.words });
-  });
-  if (lines.map((l) => l.textContent).join() !== [...box.children].map((l) => l.textContent).join())
-    box.replaceChildren(...lines);
+    const words = make("p", { class: lane.failed ? "bad" : lane.clipped ? "good" : "", text: name + lane.words });
+    return lane.why ? [words, ...reasonOf(lane, i)] : [words];
+  }));
 }
 
 function showSource(source, index) {
