@@ -110,6 +110,9 @@ def it_loads(b):
     settle(b, "the first frame")
     holds(b.run("return document.title") == "SmartVis console", "another page")
     holds(b.run("return at('notice').hidden"), "a notice: " + b.run("return at('notice').textContent"))
+    b.wait_for("at('fps').textContent === 'at rest'", "a page at rest")
+    holds("Points" not in b.run("return document.body.innerText") and b.run("return at('numbers').textContent.includes('Points')"),
+          "point counts stand before who did not ask for expert figures")
     drawn = all_pixels(b)
     holds(len(set(drawn.values())) == 6 and all(p.startswith("512:") for p in drawn.values()), f"views: {drawn}")
     names = b.run("return [...document.querySelectorAll('input, select, textarea, button, [role=application]')].filter(e => "

@@ -294,7 +294,7 @@ def make_folder(work):
     """A folder to give, with a link that leads out of it."""
     given = os.path.join(work, "given")
     os.makedirs(os.path.join(given, "sub"))
-    for name in ("given/inside.mha", "given/sub/deep.mha", "outside.mha"):
+    for name in ("given/inside_label.mha", "given/sub/deep_near.mha", "given/inside.mha", "given/sub/deep.mha", "outside.mha"):
         with open(os.path.join(work, name), "w") as out:
             out.write("no volume\n")
     os.symlink("../outside.mha", os.path.join(given, "link.mha"))

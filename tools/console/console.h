@@ -154,8 +154,9 @@ void hs_console_files_free(hs_console_files *files);
 /* Called for every volume, by its path in folder `folder`, in the order of the names; false ends the list. */
 typedef bool (*hs_console_file_fn)(void *context, uint32_t folder, const char *path);
 
-/* Lists files that end in .mha, .mhd or .vol, HS_CONSOLE_FILES at most, HS_CONSOLE_DEPTH_OF_FOLDERS folders
- * deep. What a symbolic link leads to outside its folder is left out. */
+/* Lists volumes: files that end in .mha, .mhd or .vol and are no labels or depths of a scene,
+ * HS_CONSOLE_FILES at most, HS_CONSOLE_DEPTH_OF_FOLDERS folders deep. What a symbolic link leads to outside
+ * its folder is left out. */
 void hs_console_files_list(const hs_console_files *files, hs_console_file_fn tell, void *context);
 
 /* The real path of a listed file. HS_ERR_INPUT if there is no such folder, no such file, or if it lies

@@ -36,6 +36,18 @@ static bool is_volume_name(const char *name) {
     return false;
 }
 
+/* True for what `scenes --export` writes beside a volume: labels and depths, which are no echoes to look at.
+ */
+static bool is_map_name(const char *name) {
+    static const char *const endings[] = {"_label.mha", "_near.mha", "_far.mha"};
+    const size_t length = strlen(name);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        const size_t end = strlen(endings[i]);
+        if (length > end && strcmp(name + length - end, endings[i]) == 0) return true;
+    }
+    return false;
+}
+
 /* True if the real path `inner` is below the real folder `outer`. */
 static bool is_below(const char *outer, const char *inner) {
     const size_t length = strlen(outer);
@@ -78,6 +90,7 @@ static bool list_entry(listing *l, const char *path, int depth) {
     const int length = snprintf(joined, sizeof joined, "%s/%s", l->files->folder[l->folder], path);
     if (length < 0 || (size_t)length >= sizeof joined || lstat(joined, &what) != 0) return true;
     if (S_ISDIR(what.st_mode)) return list_folder(l, path, depth + 1);
+    if (is_map_name(path)) return true;
     if (!hs_console_files_find(l->files, l->folder, path, real, sizeof real, &outside)) return true;
     return ++l->told <= HS_CONSOLE_FILES && l->tell(l->context, l->folder, path);
 }

@@ -48,7 +48,9 @@ function rows(id, list) {
 function rate() {
   const now = performance.now();
   while (painted.length && now - painted[0] > 1000) painted.shift();
-  document.getElementById("fps").textContent = painted.length;
+  const resting = painted.length === 0; /* nothing to draw is no rate */
+  at("fps").textContent = resting ? "at rest" : painted.length;
+  at("fps").nextElementSibling.hidden = resting;
 }
 
 function laneNumbers(lane, mark) {
