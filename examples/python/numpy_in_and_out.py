@@ -5,9 +5,10 @@ import numpy as np
 
 import smartvis
 
-# A skin, a gap of fluid, and a ball behind it.
+# A skin, a gap of fluid, and a ball in it before the back of the sac.
 z, y, x = np.mgrid[:96, :96, :96]
 volume = np.where(z < 20, 110, 12).astype(np.uint8)
+volume[90:] = 130
 volume[(x - 48) ** 2 + (y - 48) ** 2 + (z - 70) ** 2 < 22**2] = 200
 
 result = smartvis.clip(volume, spacing=(0.8, 0.8, 0.8))

@@ -56,6 +56,13 @@ expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong
 expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
 expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 "$build/wrong/hang_in_end.so"
 expect 1 '^skip +state-walk .*first-frame did not pass' "$build/wrong/crash_in_slab.so"
+# A pipe that the caller left open, and that nobody reads: not the plugin's.
+mkfifo "$work/pipe"
+: < "$work/pipe" &
+exec 9> "$work/pipe"
+wait
+expect 1 '^fail +process-untouched' --only process-untouched "$build/wrong/writes_to_files.so"
+exec 9>&-
 
 # In a pipe there are no colours, and nothing that the plugin printed or that a terminal would obey.
 expect 1 'param-strings' "$build/wrong/param_key_blank.so"
