@@ -272,7 +272,8 @@ cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem object, const void *pa
                            size_t offset, size_t bytes, cl_uint waits, const cl_event *list,
                            cl_event *event) {
     (void)queue, (void)waits, (void)list;
-    for (size_t at = 0; at < bytes; at += size) memcpy(object->data + offset + at, pattern, size);
+    if (size == 1) memset(object->data + offset, *(const uint8_t *)pattern, bytes);
+    for (size_t at = 0; size > 1 && at < bytes; at += size) memcpy(object->data + offset + at, pattern, size);
     return done(event);
 }
 
