@@ -30,7 +30,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .one_side = 0.3,
                               .skin_mm = 5.5,
                               .tau_mm = 7.0,
-                              .cut_cost = 14.0,
+                              .cut_cost = 15.0,
                               .occluder_cost = 8.0,
                               .wrong_fluid_cost = 1.15,
                               .sigma_mm = 2.9,

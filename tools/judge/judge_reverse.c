@@ -19,7 +19,7 @@ static const struct {
     {WALL_CONSTANT(fetus_level), {0.0, 0.2, 0.4, 0.55, 0.7}},
     {WALL_CONSTANT(first_run_extra), {0.0, 0.4, 0.85, 1.2, 1.6}},
     {WALL_CONSTANT(dilation_mm), {1.9, 2.8, 3.75, 4.7, 5.6}},
-    {WALL_CONSTANT(cut_cost), {10.0, 12.0, 14.0, 16.0, 18.0}},
+    {WALL_CONSTANT(cut_cost), {11.0, 13.0, 15.0, 17.0, 19.0}},
     {WALL_CONSTANT(occluder_cost), {3.0, 4.0, 5.6, 6.8, 8.0}},
     {WALL_CONSTANT(sigma_mm), {1.5, 2.2, 3.0, 4.2, 6.0}},
     {WALL_CONSTANT(threshold), {0.55, 0.6, 0.65, 0.7, 0.75}},
