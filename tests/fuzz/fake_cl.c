@@ -53,9 +53,10 @@ static void *make(size_t bytes, cl_int *code) {
     return *code == CL_SUCCESS ? calloc(1, bytes) : NULL;
 }
 
-static cl_int tell(const void *value, size_t bytes, size_t room, void *out) {
-    if (bytes > room) return CL_INVALID_VALUE;
-    memcpy(out, value, bytes);
+static cl_int tell(const void *value, size_t bytes, size_t room, void *out, size_t *told) {
+    if (told) *told = bytes;
+    if (out && bytes > room) return CL_INVALID_VALUE;
+    if (out) memcpy(out, value, bytes);
     return CL_SUCCESS;
 }
 
@@ -100,18 +101,18 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t room, vo
     static const cl_bool unified = CL_TRUE;
     static const cl_uint units = 2;
     cl_bitfield bits = what == CL_DEVICE_TYPE ? CL_DEVICE_TYPE_CPU : CL_FP_FMA;
-    (void)device, (void)bytes;
+    (void)device;
     switch (what) {
     case CL_DEVICE_GLOBAL_MEM_SIZE:
-        return tell(&memory, sizeof memory, room, out);
+        return tell(&memory, sizeof memory, room, out, bytes);
     case CL_DEVICE_MAX_MEM_ALLOC_SIZE:
-        return tell(&largest, sizeof largest, room, out);
+        return tell(&largest, sizeof largest, room, out, bytes);
     case CL_DEVICE_HOST_UNIFIED_MEMORY:
-        return tell(&unified, sizeof unified, room, out);
+        return tell(&unified, sizeof unified, room, out, bytes);
     case CL_DEVICE_MAX_COMPUTE_UNITS:
-        return tell(&units, sizeof units, room, out);
+        return tell(&units, sizeof units, room, out, bytes);
     default:
-        return tell(&bits, sizeof bits, room, out);
+        return tell(&bits, sizeof bits, room, out, bytes);
     }
 }
 
@@ -142,8 +143,8 @@ cl_int clReleaseCommandQueue(cl_command_queue queue) {
 cl_int clGetCommandQueueInfo(cl_command_queue queue, cl_command_queue_info what, size_t room, void *out,
                              size_t *bytes) {
     static const cl_command_queue_properties in_order = 0;
-    (void)queue, (void)what, (void)bytes;
-    return tell(&in_order, sizeof in_order, room, out);
+    (void)queue, (void)what;
+    return tell(&in_order, sizeof in_order, room, out, bytes);
 }
 
 cl_int clFinish(cl_command_queue queue) {
@@ -168,8 +169,7 @@ cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id *dev
 cl_int clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_program_build_info what, size_t room,
                              void *out, size_t *bytes) {
     (void)program, (void)device, (void)what;
-    if (bytes) *bytes = sizeof "a log";
-    return out ? tell("a log", sizeof "a log", room, out) : CL_SUCCESS;
+    return tell("a log", sizeof "a log", room, out, bytes);
 }
 
 cl_int clReleaseProgram(cl_program program) {
@@ -228,10 +228,9 @@ cl_int clReleaseMemObject(cl_mem object) {
 
 cl_int clGetMemObjectInfo(cl_mem object, cl_mem_info what, size_t room, void *out, size_t *bytes) {
     static const cl_mem_object_type buffer = CL_MEM_OBJECT_BUFFER;
-    (void)bytes;
-    if (what == CL_MEM_TYPE) return tell(&buffer, sizeof buffer, room, out);
-    if (what == CL_MEM_CONTEXT) return tell(&object->context, sizeof object->context, room, out);
-    return tell(&object->bytes, sizeof object->bytes, room, out);
+    if (what == CL_MEM_TYPE) return tell(&buffer, sizeof buffer, room, out, bytes);
+    if (what == CL_MEM_CONTEXT) return tell(&object->context, sizeof object->context, room, out, bytes);
+    return tell(&object->bytes, sizeof object->bytes, room, out, bytes);
 }
 
 cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem object, cl_bool blocking, size_t offset,
@@ -281,8 +280,7 @@ cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem object, const void *pa
 cl_int clGetEventProfilingInfo(cl_event event, cl_profiling_info what, size_t room, void *out,
                                size_t *bytes) {
     const cl_ulong time_ns = what == CL_PROFILING_COMMAND_END;
-    (void)bytes;
-    return event ? tell(&time_ns, sizeof time_ns, room, out) : CL_INVALID_EVENT;
+    return event ? tell(&time_ns, sizeof time_ns, room, out, bytes) : CL_INVALID_EVENT;
 }
 
 cl_int clReleaseEvent(cl_event event) {

@@ -60,7 +60,7 @@ int bench_in_child(const hs_guard_options *guard, const char *plugin, int (*work
     hs_plugin_find(plugin, found, sizeof found);
     if (!hs_guard_wanted(guard, found)) return work(context);
     (void)fflush(NULL);
-    if (!hs_child_fork(&child, &limits, perform, &j, err)) return err->code;
+    if (!hs_child_fork(&child, &limits, perform, &j, err)) return (int)err->code;
     while ((what = hs_child_wait(&child, guard->setup_s)) == HS_CHILD_MESSAGE) {
         if (!hs_child_receive(child.channel, &heard, sizeof heard)) hs_child_kill(&child, HS_CHILD_SILENT, 0);
         last = heard;
