@@ -110,6 +110,11 @@ def it_loads(b):
     settle(b, "the first frame")
     holds(b.run("return document.title") == "SmartVis console", "another page")
     holds(b.run("return at('notice').hidden"), "a notice: " + b.run("return at('notice').textContent"))
+    for view, name in (("across", "A plane"), ("along", "B plane"), ("deep", "C plane")):
+        holds(b.run("return canvases[arguments[0]].caption.textContent", view).startswith(name), f"{view} is no {name}")
+    bar = b.run("const s = canvases.across.scale; return [s.textContent, s.getBoundingClientRect().width / "
+                "canvases.across.screen.getBoundingClientRect().width * lastFigures.source.window_mm]")
+    holds(abs(float(bar[0].split()[0]) - bar[1]) < 0.5, f"a bar of {bar[0]} is {bar[1]} mm wide")
     b.wait_for("at('fps').textContent === 'at rest'", "a page at rest")
     holds("Points" not in b.run("return document.body.innerText") and b.run("return at('numbers').textContent.includes('Points')"),
           "point counts stand before who did not ask for expert figures")
@@ -258,6 +263,7 @@ def a_view_comes_back(b):
     before = pixels(b, "truth")
     choose(b, "third", "depthmap")
     settle(b, "the depthmap")
+    holds("violet near, yellow far" in b.run("return canvases.depthmap.caption.textContent"), "the depthmap has no legend")
     choose(b, "third", "truth")
     settle(b, "the ground truth again")
     holds(pixels(b, "truth") == before, f"the ground truth comes back as {pixels(b, 'truth')}")

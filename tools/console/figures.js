@@ -123,6 +123,7 @@ function showFigures(text) {
   drawChart();
   showOutcome(text);
   showSource(text.source, text.index);
+  placeScales(text.source.window_mm);
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], text.ms[key].toFixed(2), colour]).concat([["all", text.ms.all.toFixed(2)]]));
   const source = text.source;
   const two = text.lanes.length > 1;

@@ -4,7 +4,7 @@
 
 const TITLES = {
   result: "Result", full: "Full volume", truth: "Ground truth", depthmap: "Depthmap", other: "Result B",
-  across: "Across", along: "Along", deep: "At depth",
+  across: "A plane (across)", along: "B plane (along)", deep: "C plane (at depth)",
 };
 const DEGREES_A_PIXEL = 0.4;
 /* Which axes of the crosshair run right and down in a slice. */
@@ -140,18 +140,29 @@ function figureOf(view) {
   const screen = make("div", {
     class: "screen", tabindex: "0", role: "application", "aria-label": TITLES[view] + ": " + help, "data-view": view,
   }, canvas);
-  const caption = make("figcaption", { text: TITLES[view] });
+  const caption = make("figcaption", { text: TITLES[view] + (view === "depthmap" ? ": violet near, yellow far, hatched: nothing removed" : "") });
   const figure = make("figure", slice ? { class: "slice" } : {}, screen, caption);
   const one = { figure, screen, canvas, caption };
   if (slice) {
     one.down = make("div", { class: "cross down" });
     one.right = make("div", { class: "cross right" });
-    screen.append(one.down, one.right);
+    one.scale = make("div", { class: "scale" });
+    screen.append(one.down, one.right, one.scale);
     crossByHand(view, screen);
   } else {
     turnByHand(screen);
   }
   return one;
+}
+
+/* A bar of a round length in every slice, a third of the picture at most. */
+function placeScales(window_mm) {
+  const mm = [100, 50, 20, 10, 5, 2, 1].find((length) => length <= window_mm / 3) || 1;
+  for (const view of Object.keys(AXES)) {
+    const { scale } = viewOf(view);
+    scale.style.width = (100 * mm) / window_mm + "%";
+    scale.textContent = mm + " mm";
+  }
 }
 
 /* Both results in one screen, with a seam. */
