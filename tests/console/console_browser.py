@@ -125,6 +125,16 @@ def it_loads(b):
     holds(names == [], f"without a name for a screen reader: {names}")
 
 
+def on_a_phone(b):
+    """The whole result and the knob are on the screen together, and neither covers the other."""
+    b.devtools("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=False)
+    top, result, knob, end = b.run("canvases.result.screen.scrollIntoView(); const r = canvases.result.screen.getBoundingClientRect(), "
+                                   "k = at('knob0').getBoundingClientRect(); return [r.top, r.bottom, k.top, k.bottom]")
+    holds(-1 <= top and result <= knob and end <= 844, f"the result from {top} to {result}, the knob from {knob} to {end}")
+    b.devtools("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
+    b.run("scrollTo(0, 0)")
+
+
 def the_knob(b, work):
     before = all_pixels(b)
     wide = b.run("return document.querySelector('#knob0').getBoundingClientRect().width")
@@ -367,6 +377,7 @@ def main():
             b = Browser(work)
             b.open(console.address + START)
             it_loads(b)
+            on_a_phone(b)
             the_knob(b, work)
             turning(b, work)
             playing(b)
