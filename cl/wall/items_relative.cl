@@ -54,15 +54,6 @@ __kernel void wall_items_relative(sv_wall_layout l, __global const uint *restric
     }
 }
 
-/* Returns the first layer of a ray that is not dark, if that may be behind the near field, else its first
- * layer. */
-static uint behind_near_field(const sv_wall_layout *l, __global const uchar *relative, uint first, uint end) {
-    const size_t pitch = level_pitch_of(l);
-    uint z = first;
-    while (z < end && z - first <= l->near_field && relative[z * pitch] <= l->dim) z++;
-    return z < end && z - first <= l->near_field ? z : first;
-}
-
 /* One work group per row of cells: counts the rays that begin with a few dark layers. */
 __kernel void wall_items_near_field(sv_wall_layout l, __global const uint *restrict info,
                                     __global const uchar *restrict relative,

@@ -128,21 +128,6 @@ static void relate_cells(const sv_wall_layout *l, __global const uint *info, __g
     }
 }
 
-/* Returns the first layer of LANES rays that is not dark, if that may be behind the near field, else their
- * first layer. */
-static i16l behind_near_field(const sv_wall_layout *l, __global const uchar *relative, i16l first, i16l end) {
-    const size_t pitch = level_pitch_of(l);
-    i16l open = end > first, begin = first;
-    for (uint z = 0; z < l->layers && any_word(open); z++) {
-        const i16l at = (i16l)((short)z);
-        const u8l level = *(__global const u8l *)(relative + z * pitch);
-        const i16l begins = words_of(AS_U8(level > (u8l)((uchar)l->dim))) & open & (first <= at) & (end > at);
-        begin = SELECT(begin, at, begins);
-        open &= ~begins & (first + (i16l)((short)l->near_field) > at);
-    }
-    return begin;
-}
-
 /* One work item per row of cells, after wall_bright: relative levels, and the number of rays that begin with
  * a few dark layers. */
 __kernel void wall_relative(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
