@@ -178,6 +178,7 @@ static void wrong_ranges(void **state) {
     rig_result_free(&out);
     rig_textures_free(t);
     (void)clReleaseMemObject(small);
+    (void)clReleaseMemObject(foreign);
 }
 
 static void wrong_spacing(void **state) {
