@@ -150,9 +150,9 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
                                __global const uchar *restrict kinds, __global const ushort *restrict rays,
                                __global ushort *restrict scratch) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
-    ray_t r = {.chances = info + INFO_CHANCES, .bare = info[INFO_BARE] != 0};
+    ray_t r = {.chances = info + SV_WALL_INFO_CHANCES, .bare = info[SV_WALL_INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
     r.brightness = brightness + cell_row(&l, 0, row / 2) + x / 2;
@@ -172,7 +172,7 @@ __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict i
                                __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
     __local uint sum;
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), row = (uint)get_group_id(0);
-    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     const uint count = wanted ? l.cells[0] * l.layers : 0, rays = wanted ? 2 * l.columns : 0;
     if (item == 0) sum = 0;
     barrier(CLK_LOCAL_MEM_FENCE);

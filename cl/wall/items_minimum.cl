@@ -15,7 +15,7 @@
 __kernel void wall_items_blur_y(sv_wall_layout l, __global const uint *restrict info,
                                 __global const ushort *restrict costs, __global uint *restrict sums) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
-    if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.cells[0] || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     uint sum = l.kernel_y[0] * costs[cell_row(&l, z, row) + x];
     for (int k = 1; k <= (int)l.reach_y; k++)
         sum += l.kernel_y[k] * ((uint)costs[cell_row(&l, z, clamped(row, -k, l.cells[1])) + x] +
@@ -27,7 +27,7 @@ __kernel void wall_items_blur_y(sv_wall_layout l, __global const uint *restrict 
 __kernel void wall_items_blur_x(sv_wall_layout l, __global const uint *restrict info,
                                 __global const uint *restrict sums, __global ushort *restrict fine) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
-    if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.cells[0] || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global const uint *line = sums + cell_row(&l, z, row);
     uint sum = l.kernel_x[0] * line[x];
     for (int k = 1; k <= (int)l.reach_x; k++)
@@ -109,7 +109,7 @@ static float far_end(const costs_t *c, uint best, uint limit) {
 __kernel void wall_items_minimum(sv_wall_layout l, __global const uint *restrict info,
                                  __global const ushort *restrict fine, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const costs_t c = costs_of(&l, fine, x, row);
     uint minimum;
     const uint best = minimum_layer(&c, &minimum);

@@ -12,7 +12,7 @@ __kernel void wall_items_dilate_columns(sv_wall_layout l, __global const uint *r
                                         __global const uchar *restrict row_maxima,
                                         __global uchar *restrict brightness) {
     const uint x = (uint)get_global_id(0), row = row_of_cell(&l), z = layer_of_cell(&l);
-    if (x >= l.cells[0] || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.cells[0] || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     uint maximum = 0;
     for (uint y = row - min(row, l.dilation[1]); y <= min(row + l.dilation[1], l.cells[1] - 1); y++)
         maximum = max(maximum, (uint)row_maxima[cell_row(&l, z, y) + x]);
@@ -62,8 +62,8 @@ __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restr
                                     __global uint *restrict histograms,
                                     __global const uint *restrict fronts) {
     __local uint counts[HISTOGRAM_WORDS];
-    const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
-    const bool near_field = count > 0 && has_near_field(&l, fronts, info[INFO_RAYS]);
+    const uint count = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
+    const bool near_field = count > 0 && has_near_field(&l, fronts, info[SV_WALL_INFO_RAYS]);
     clear_counts(counts);
     for (uint i = (uint)get_local_id(0); i < count; i += (uint)get_local_size(0)) {
         const ray_place_t at = ray_of_group(&l, i);
@@ -163,8 +163,8 @@ __kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *res
                                       __global const uchar *restrict brightness,
                                       __global const ushort *restrict rays, __global uchar *restrict kinds) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), z = (uint)get_group_id(0);
-    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const uint minimum = info[INFO_FETUS];
+    const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
+    const uint minimum = info[SV_WALL_INFO_FETUS];
     const uint rows = wanted ? l.cells[1] : 0, columns = wanted ? l.cells[0] : 0;
     const size_t layer = cell_row(&l, z, 0), pitch = cell_row(&l, 0, 1);
     for (uint i = item; i < rows * columns; i += items)

@@ -36,7 +36,7 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
                                 __global const uchar *restrict distance_costs,
                                 __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float filtered = median_at(&l, places, PLACE_LAYER, x, y);
     places[place_row(&l, PLACE_MEDIAN, y) + x] = filtered;
     places[place_row(&l, PLACE_MEDIAN_NEAR, y) + x] = median_at(&l, places, PLACE_NEAR, x, y);
@@ -73,7 +73,7 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
                               __global ulong *restrict gaps) {
     __local uint sums[2];
     const uint item = (uint)get_local_id(0), row = (uint)get_group_id(0);
-    const uint count = info[INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
+    const uint count = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
     if (item < 2) sums[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = item; i < count; i += (uint)get_local_size(0)) {
@@ -82,7 +82,7 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
         const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
         const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
         const float place = places[place_row(&l, PLACE_MEDIAN, at.row) + at.x];
-        add_gaps(&l, levels + from, relative + from, first, end, info[INFO_FLUID],
+        add_gaps(&l, levels + from, relative + from, first, end, info[SV_WALL_INFO_FLUID],
                  gap_layer(&l, relative + from, first, place), sums);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -93,7 +93,7 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
 __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restrict info,
                                     __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     float n[9];
     neighbours(&l, l.smoothing_step, places + place_row(&l, PLACE_OWN_COST, 0), x, y, n);
     places[place_row(&l, PLACE_LAYER, y) + x] = confidence_of(&l, n);
@@ -105,7 +105,7 @@ __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict in
                               __global const uchar *restrict levels, __global const ushort *restrict rays,
                               __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= l.columns || info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_MEDIAN, y) + x];
     const float end = places[place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y) + x];
     const float at = fmax(place + part * (end - place), 0.0f);
@@ -119,8 +119,8 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
                                   uint padded_width, __global float *restrict surfaces) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
-    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const float limit = info[INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
+    const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
+    const float limit = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);

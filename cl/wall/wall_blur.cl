@@ -64,7 +64,7 @@ __kernel void wall_blur(sv_wall_layout l, uint scratch_words, __global const uin
                         __global const ushort *restrict costs, __global uint *restrict scratch,
                         __global ushort *restrict fine) {
     const uint row = (uint)get_global_id(0), pitch = padded_cells_of(&l) + 2 * LINE_MARGIN;
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     /* two lines alternate, for a vector that was just stored is slow to load in parts */
     __global float *lines = (__global float *)(scratch + (size_t)row * scratch_words) + LINE_MARGIN;
     rows_t rows;

@@ -29,8 +29,7 @@ typedef struct {
 /* The state of the two rows of rays that HALF cells have. */
 typedef struct {
     rays_t rays[2];
-    size_t level_pitch, cell_pitch; /* from one layer to the next */
-    u8l threshold;
+    size_t level_pitch, cell_pitch;   /* from one layer to the next */
     bool bare;                        /* there is no wall */
     __global const uchar *brightness; /* of the first layer */
     __global const ulong *kinds;      /* of the first layer */
@@ -44,7 +43,7 @@ typedef struct {
 } cell_rays_t;
 
 static u8l tissue_at(const cell_rays_t *s, const rays_t *r, uint z) {
-    return AS_U8(*(__global const u8l *)(r->levels + z * s->level_pitch) > s->threshold);
+    return tissue_of(*(__global const u8l *)(r->levels + z * s->level_pitch));
 }
 
 /* Multiplies probabilities, rounding half up. */
@@ -277,13 +276,12 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                          __global uint *restrict scratch, __global ushort *restrict costs,
                          __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     cell_rays_t s = {.level_pitch = level_pitch_of(&l),
                      .cell_pitch = padded_cells_of(&l),
                      .word_pitch = padded_layers_of(&l),
-                     .threshold = (u8l)((uchar)SV_WALL_TISSUE),
-                     .bare = info[INFO_BARE] != 0,
-                     .chances = info + INFO_CHANCES};
+                     .bare = info[SV_WALL_INFO_BARE] != 0,
+                     .chances = info + SV_WALL_INFO_CHANCES};
     s.chance = (__global u32h *)(scratch + (size_t)row * scratch_words);
     s.rays[0].begun_at = (__global u16l *)(s.chance + l.layers);
     s.rays[1].begun_at = s.rays[0].begun_at + l.layers;

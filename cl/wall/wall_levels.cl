@@ -72,10 +72,11 @@ static uint quantile(__local const ulong *histogram, uint rank) {
 static void store_levels(const sv_wall_layout *l, __local const ulong *histogram, __global const uint *root,
                          __global uint *info) {
     ulong split = 0, counted = 0, sum = 0;
-    info[INFO_RAYS] = (uint)histogram[256];
-    info[INFO_OUTCOME] = SV_WALL_EMPTY;
-    info[INFO_DOUBTFUL] = info[INFO_FOUND] = 0;
-    info[INFO_THRESHOLD] = info[INFO_FLUID] = info[INFO_BRIGHT] = info[INFO_WALL_RAYS] = 0;
+    info[SV_WALL_INFO_RAYS] = (uint)histogram[256];
+    info[SV_WALL_INFO_OUTCOME] = SV_WALL_EMPTY;
+    info[SV_WALL_INFO_DOUBTFUL] = info[SV_WALL_INFO_FOUND] = 0;
+    info[SV_WALL_INFO_THRESHOLD] = info[SV_WALL_INFO_FLUID] = info[SV_WALL_INFO_BRIGHT] =
+        info[SV_WALL_INFO_WALL_RAYS] = 0;
     if (!find_split(histogram, root, &split)) return;
     uint threshold = 0;
     for (uint i = 0; i < 256; i++) {
@@ -86,10 +87,11 @@ static void store_levels(const sv_wall_layout *l, __local const ulong *histogram
             sum += i * histogram[i];
         }
     }
-    info[INFO_THRESHOLD] = threshold;
-    info[INFO_FLUID] = (quantile(histogram, l->fluid_rank) + SV_WALL_LEVEL_ONE / 2) / SV_WALL_LEVEL_ONE;
-    info[INFO_BRIGHT] = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
-    info[INFO_OUTCOME] = SV_WALL_SURFACE;
+    info[SV_WALL_INFO_THRESHOLD] = threshold;
+    info[SV_WALL_INFO_FLUID] =
+        (quantile(histogram, l->fluid_rank) + SV_WALL_LEVEL_ONE / 2) / SV_WALL_LEVEL_ONE;
+    info[SV_WALL_INFO_BRIGHT] = (uint)(SV_WALL_LEVEL_ONE * sum / counted);
+    info[SV_WALL_INFO_OUTCOME] = SV_WALL_SURFACE;
 }
 
 /* Returns the square root of a level in units of 1 / SV_WALL_LEVEL_ONE, linear between whole levels. */
@@ -108,7 +110,7 @@ static void store_gains(const sv_wall_layout *l, __local const ulong *histogram,
     for (uint i = (uint)get_local_id(0); i < SV_WALL_GAINS; i += (uint)get_local_size(0)) {
         const uint bright = root_of(root, i * (SV_WALL_LEVEL_ONE / SV_WALL_BRIGHT_ONE));
         const uint threshold = ((one - l->threshold) * dark + l->threshold * bright) / one;
-        info[INFO_GAINS + i] =
+        info[SV_WALL_INFO_GAINS + i] =
             ((uint)SV_WALL_TISSUE << (2 * SV_WALL_ROOT_BITS + SV_WALL_GAIN_BITS)) / (threshold * threshold);
     }
 }
@@ -156,13 +158,13 @@ static uint chance_of(const sv_wall_layout *l, __global const uint *tables, uint
 __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict histograms,
                             __global const uint *restrict tables, __global uint *restrict info) {
     __local ulong histogram[257];
-    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), rays = info[INFO_RAYS];
-    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), rays = info[SV_WALL_INFO_RAYS];
+    const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     sum_rows(&l, histograms, HISTOGRAM_WALL_RAYS, histogram);
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); /* until all have read the outcome */
     if (!wanted) return;
     const uint wall_rays = (uint)histogram[256];
-    uint wall = min(info[INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
+    uint wall = min(info[SV_WALL_INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
     int spread = l.assumed_spread;
     const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.wall_share;
     if (!bare) {
@@ -175,26 +177,26 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     for (uint i = item; i < 256; i += items) {
         const uint any = chance_of(&l, tables, i, from, spread, false);
         const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < l.fetus_threshold;
-        info[INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
+        info[SV_WALL_INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
         /* probabilities grow with the brightness, so one work item writes */
-        if (any >= l.fetus_threshold && is_least) info[INFO_FETUS] = i;
-        if (any < l.fetus_threshold && i == 255) info[INFO_FETUS] = 256;
+        if (any >= l.fetus_threshold && is_least) info[SV_WALL_INFO_FETUS] = i;
+        if (any < l.fetus_threshold && i == 255) info[SV_WALL_INFO_FETUS] = 256;
     }
     if (item > 0) return;
-    info[INFO_WALL_RAYS] = wall_rays;
-    info[INFO_BARE] = bare;
+    info[SV_WALL_INFO_WALL_RAYS] = wall_rays;
+    info[SV_WALL_INFO_BARE] = bare;
 }
 
 /* Launched as one work item: decides whether the frame shows the fetus. `fetus`: for each row of cells, the
  * sum over its rays of the probability that the fetus is on them. They are so few that they need no group. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
                           __global uint *restrict info) {
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     ulong sum = 0;
     for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
-    const ulong whole = (ulong)info[INFO_RAYS] * SV_WALL_PROBABILITY_ONE;
-    info[INFO_FOUND] = (uint)(sum * SV_WALL_PER_MILLE / max(whole, (ulong)1));
-    if (sum * SV_WALL_PER_MILLE < whole * l.fetus_share) info[INFO_OUTCOME] = SV_WALL_NO_FETUS;
+    const ulong whole = (ulong)info[SV_WALL_INFO_RAYS] * SV_WALL_PROBABILITY_ONE;
+    info[SV_WALL_INFO_FOUND] = (uint)(sum * SV_WALL_PER_MILLE / max(whole, (ulong)1));
+    if (sum * SV_WALL_PER_MILLE < whole * l.fetus_share) info[SV_WALL_INFO_OUTCOME] = SV_WALL_NO_FETUS;
 }
 
 /* Returns what the gaps tell of a surface. */
@@ -208,18 +210,19 @@ static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps) {
  * the dark blocks of its rays, and those of them in gaps. */
 __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps,
                            __global uint *restrict info, __global uint *restrict record) {
-    if (info[INFO_OUTCOME] == SV_WALL_SURFACE) {
+    if (info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE) {
         ulong dark = 0, in_gaps = 0;
         for (uint y = 0; y < l.cells[1]; y++) {
             dark += gaps[2 * y];
             in_gaps += gaps[2 * y + 1];
         }
         const uint verdict = verdict_of(&l, dark, in_gaps);
-        info[INFO_FOUND] = (uint)(in_gaps * SV_WALL_PER_MILLE / max(dark, (ulong)1));
-        info[INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
-        info[INFO_OUTCOME] = info[INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
+        info[SV_WALL_INFO_FOUND] = (uint)(in_gaps * SV_WALL_PER_MILLE / max(dark, (ulong)1));
+        info[SV_WALL_INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
+        info[SV_WALL_INFO_OUTCOME] =
+            info[SV_WALL_INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
     }
-    const bool clips = info[INFO_OUTCOME] == SV_WALL_SURFACE;
+    const bool clips = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     record[SV_REC_PASSES] = clips;
     record[SV_REC_UNFILLED] = clips ? 0 : record[SV_REC_RAYS];
     record[SV_REC_OUTCOME] = clips ? SV_OUTCOME_OK : SV_OUTCOME_NO_SURFACE;

@@ -137,7 +137,7 @@ __kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const 
                            __global const ushort *restrict fine, __global uint *restrict scratch,
                            __global float *restrict places) {
     const uint row = (uint)get_global_id(0), beside = cell_beside(row, l.cells[1]);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global u16l *costs = (__global u16l *)(scratch + (size_t)row * scratch_words);
     for (uint x = 0; x < vectors_of(&l); x++) {
         for (uint z = 0; z < l.layers; z++)

@@ -61,14 +61,14 @@ static void dilate_columns(const sv_wall_layout *l, __global const uchar *row_ma
 
 /* Walks LANES rays until the first run of the last of them ends. */
 static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
-                        __global const uchar *brightness, uint row, uint x, u8l threshold, i16l end) {
+                        __global const uchar *brightness, uint row, uint x, i16l end) {
     walk_t w = {
         .begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .maximum = (u8l)(0), .last = (u8l)(0)};
     const u8l scanned = bytes_of(end > (i16l)(0));
     for (uint z = 0; z < l->layers && any_byte(scanned & ~w.over); z++) {
         const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
         const u8h cells = ((__global const u8h *)(brightness + cell_row(l, z, row / 2)))[x];
-        walk_step(&w, (short)z, (short)l->skin_line, AS_U8(level > threshold), rays_of_cells(cells));
+        walk_step(&w, (short)z, (short)l->skin_line, tissue_of(level), rays_of_cells(cells));
     }
     return w;
 }
@@ -81,7 +81,7 @@ static void fill_dim_fronts(const sv_wall_layout *l, __global uchar *relative, i
         const i16l at = (i16l)((short)z), scanned = (first <= at) & (end > at);
         __global u8l *here = (__global u8l *)(relative + z * pitch);
         const u8l level = *here;
-        const u8l is_dim = AS_U8(level > (u8l)((uchar)l->dim)) & AS_U8(level <= (u8l)((uchar)SV_WALL_TISSUE));
+        const u8l is_dim = AS_U8(level > (u8l)((uchar)l->dim)) & ~tissue_of(level);
         const i16l fills = words_of(is_dim) & scanned & open;
         if (any_word(fills)) *here = SELECT(level, (u8l)((uchar)SV_WALL_DIM_TISSUE), AS_I8(bytes_of(fills)));
         open &= fills | (first > at);
@@ -96,9 +96,8 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
                               __global uint *restrict histograms, __global ulong *restrict kinds,
                               __global const uint *restrict fronts) {
     const uint row = (uint)get_global_id(0);
-    const u8l threshold = (u8l)((uchar)SV_WALL_TISSUE);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const bool near_field = has_near_field(&l, fronts, info[INFO_RAYS]);
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const bool near_field = has_near_field(&l, fronts, info[SV_WALL_INFO_RAYS]);
     histograms += (size_t)row * HISTOGRAM_WORDS;
     for (uint i = 0; i < 256; i++) histograms[i] = 0;
     histograms[HISTOGRAM_WALL_RAYS] = 0;
@@ -110,13 +109,13 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
             i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
             if (near_field) first = behind_near_field(&l, from, first, end);
             fill_dim_fronts(&l, from, first, end);
-            const walk_t w = walk_rays(&l, levels, brightness, line, x, threshold, end);
+            const walk_t w = walk_rays(&l, levels, brightness, line, x, end);
             ray_row(rays, &l, RAY_FIRST, line)[x] = AS_U16(first);
             ray_row(rays, &l, RAY_RUN, line)[x] = AS_U16(w.begin);
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
             count_walls(&l, &w, first, end, histograms);
         }
-    classify_row(&l, levels, rays, row, threshold, kinds);
+    classify_row(&l, levels, rays, row, kinds);
 }
 
 /* One work item per word of cells of a row and SV_WALL_LAYERS layers. It finds the flags of the cells of its
@@ -125,7 +124,7 @@ __kernel void wall_surroundings(sv_wall_layout l, __global const uint *restrict 
                                 __global const uchar *restrict brightness, __global ulong *restrict kinds) {
     const uint word = (uint)get_global_id(0) % words_of_row(&l),
                z = (uint)get_global_id(0) / words_of_row(&l) * SV_WALL_LAYERS;
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    sweep_columns(&l, brightness, info[INFO_FETUS], word, z, kinds + word_column(&l, 0, word) + z,
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    sweep_columns(&l, brightness, info[SV_WALL_INFO_FETUS], word, z, kinds + word_column(&l, 0, word) + z,
                   word_column(&l, 1, 0));
 }

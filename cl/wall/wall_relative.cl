@@ -30,9 +30,9 @@ __kernel void wall_bright(sv_wall_layout l, uint scratch_words, __global const u
                           __global uint *restrict windows) {
     const uint row = (uint)get_global_id(0), cells = padded_cells_of(&l), pitch = cells + 2 * MARGIN;
     const int reach = (int)l.window[0];
-    const u8l threshold = (u8l)((uchar)info[INFO_THRESHOLD]);
+    const u8l threshold = (u8l)((uchar)info[SV_WALL_INFO_THRESHOLD]);
     const size_t row_pitch = level_row(&l, 0, 1) - level_row(&l, 0, 0);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     /* two lines alternate, for a vector that was just stored is slow to load in parts */
     __global uint *lines = scratch + (size_t)row * scratch_words;
     for (uint x = 0; x < 2 * pitch; x++) lines[x] = 0;
@@ -75,12 +75,13 @@ typedef struct {
 
 /* Looks up what the levels of HALF cells are multiplied by. */
 static u32h gains_of(const sv_wall_layout *l, __global const uint *info, const bright_t *w) {
-    const uint all = l->bright_blocks * info[INFO_BRIGHT] / (SV_WALL_LEVEL_ONE / SV_WALL_BRIGHT_ONE);
+    const uint all = l->bright_blocks * info[SV_WALL_INFO_BRIGHT] / (SV_WALL_LEVEL_ONE / SV_WALL_BRIGHT_ONE);
     const u32h mean = quotient(w->sum * (uint)SV_WALL_BRIGHT_ONE + all, w->count + l->bright_blocks);
-    const u32h bright = MAXIMUM(mean, (u32h)(info[INFO_THRESHOLD] * SV_WALL_BRIGHT_ONE));
+    const u32h bright = MAXIMUM(mean, (u32h)(info[SV_WALL_INFO_THRESHOLD] * SV_WALL_BRIGHT_ONE));
     u32h gains;
     SCALAR_LOADS
-    for (uint i = 0; i < HALF; i++) ((uint *)&gains)[i] = info[INFO_GAINS + ((const uint *)&bright)[i]];
+    for (uint i = 0; i < HALF; i++)
+        ((uint *)&gains)[i] = info[SV_WALL_INFO_GAINS + ((const uint *)&bright)[i]];
     return gains;
 }
 
@@ -136,7 +137,7 @@ __kernel void wall_relative(sv_wall_layout l, uint scratch_words, __global const
                             __global uchar *restrict relative, __global uint *restrict fronts) {
     const uint row = (uint)get_global_id(0);
     uint count = 0;
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint x = 0; x < padded_cells_of(&l); x += HALF)
         relate_cells(&l, info, windows, levels, row, x,
                      (__global u32h *)(scratch + (size_t)row * scratch_words), relative);

@@ -46,7 +46,7 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
                           __global const ushort *restrict costs,
                           __global const uchar *restrict distance_costs, __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
     __global float *near = places + place_row(&l, PLACE_MEDIAN_NEAR, y);
     __global float *far = places + place_row(&l, PLACE_MEDIAN_FAR, y);
@@ -76,7 +76,7 @@ static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __gl
         const u8l level = ((__global const u8l_unaligned *)(levels + z * pitch))->v;
         const u8l related = ((__global const u8l_unaligned *)(relative + z * pitch))->v;
         const i16l here = (i16l)((short)z), scanned = (first <= here) & (end > here);
-        const i16l tissue = words_of(AS_U8(related > (u8l)((uchar)SV_WALL_TISSUE))) & scanned;
+        const i16l tissue = words_of(tissue_of(related)) & scanned;
         const i16l more_than_dim = words_of(AS_U8(related > (u8l)((uchar)SV_WALL_DIM_TISSUE))) & scanned;
         const u16l dark = AS_U16(words_of(AS_U8(level <= fluid_level)) & scanned) & (u16l)(1);
         all += dark;
@@ -97,7 +97,7 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
                         __global ulong *restrict gaps) {
     const uint row = (uint)get_global_id(0);
     ulong sums[2] = {0, 0};
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint y = 2 * row; y < 2 * row + 2; y++)
         for (uint x = 0; x < l.columns; x += LANES) {
             __global const uchar *from = relative + level_row(&l, 0, y) + x;
@@ -110,8 +110,8 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
                 ((short *)&at)[i] = (short)gap_layer(&l, from + i, rays[block_row(&l, RAY_FIRST, y) + x + i],
                                                      places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
             }
-            add_gaps(&l, levels + level_row(&l, 0, y) + x, from, first, end & is_ray, info[INFO_FLUID], at,
-                     sums);
+            add_gaps(&l, levels + level_row(&l, 0, y) + x, from, first, end & is_ray,
+                     info[SV_WALL_INFO_FLUID], at, sums);
         }
     gaps[2 * row] = sums[0];
     gaps[2 * row + 1] = sums[1];
@@ -121,7 +121,7 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
 __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict info,
                               __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         float16 n[9];
         neighbours(&l, l.smoothing_step, places + place_row(&l, PLACE_OWN_COST, 0), x, y, n);
@@ -135,7 +135,7 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const ushort *restrict rays,
                         __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
-    if (info[INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f);
     __global const float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
     __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y);
@@ -173,8 +173,8 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
                             __global const float *restrict places, __global float *restrict confidence,
                             uint padded_width, __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
-    const bool wanted = info[INFO_OUTCOME] == SV_WALL_SURFACE;
-    const float limit = info[INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
+    const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
+    const float limit = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
     __global const float *surface = places + place_row(&l, PLACE_SURFACE, 0);

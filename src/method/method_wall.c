@@ -11,15 +11,6 @@
 #include <stdlib.h>
 
 enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
-enum {
-    INFO_OUTCOME,
-    INFO_THRESHOLD,
-    INFO_RAYS = 3,
-    INFO_WALL_RAYS,
-    INFO_DOUBTFUL = 6,
-    INFO_FOUND = 265,
-    INFO_WORDS = INFO_FOUND + 1 + SV_WALL_GAINS
-};
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -89,7 +80,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
         [SV_WALL_HISTOGRAMS] = (size_t)l.cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint),
         [SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),
-        [SV_WALL_INFO] = INFO_WORDS * sizeof(cl_uint),
+        [SV_WALL_INFO] = SV_WALL_INFO_WORDS * sizeof(cl_uint),
         [SV_WALL_SCRATCH] = l.rows * scratch_words(m, &l) * sizeof(cl_uint),
         [SV_WALL_COSTS] = cells * sizeof(cl_ushort),
         [SV_WALL_DISTANCE_COSTS] = cells,
@@ -155,24 +146,24 @@ static void give_reason(const sv_map *m, const cl_uint *info, sv_confidence_repo
                                         [SV_WALL_NO_FETUS] = SV_REASON_NO_FETUS,
                                         [SV_WALL_DOUBTFUL] = SV_REASON_DOUBTFUL};
     const sv_wall_layout l = layout_of(m);
-    out->reason = reasons[info[INFO_DOUBTFUL] ? SV_WALL_DOUBTFUL : info[INFO_OUTCOME]];
+    out->reason = reasons[info[SV_WALL_INFO_DOUBTFUL] ? SV_WALL_DOUBTFUL : info[SV_WALL_INFO_OUTCOME]];
     if (out->reason == SV_REASON_NONE || out->reason == SV_REASON_EMPTY) return;
-    out->found = (float)info[INFO_FOUND] / SV_WALL_PER_MILLE;
+    out->found = (float)info[SV_WALL_INFO_FOUND] / SV_WALL_PER_MILLE;
     out->wanted =
         (float)(out->reason == SV_REASON_NO_FETUS ? l.fetus_share : l.gap_share) / SV_WALL_PER_MILLE;
-    if (out->reason != SV_REASON_DOUBTFUL || info[INFO_OUTCOME] == SV_WALL_SURFACE) return;
+    if (out->reason != SV_REASON_DOUBTFUL || info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE) return;
     out->try_id = SV_PARAM_UNSURE;
     out->try_value = SV_UNSURE_CLIP;
 }
 
 static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv_confidence_report *out) {
-    cl_uint info[INFO_FOUND + 1];
+    cl_uint info[SV_WALL_INFO_FOUND + 1];
     const sv_status status = sv_buffer_read(m->queue, s->buffer[SV_WALL_INFO], sizeof info, info,
                                             "confidence: clEnqueueReadBuffer");
     if (status != SV_OK) return status;
-    out->fluid_threshold = (float)info[INFO_THRESHOLD] / 255.0f;
-    out->rays = info[INFO_RAYS];
-    out->open_rays = info[INFO_WALL_RAYS];
+    out->fluid_threshold = (float)info[SV_WALL_INFO_THRESHOLD] / 255.0f;
+    out->rays = info[SV_WALL_INFO_RAYS];
+    out->open_rays = info[SV_WALL_INFO_WALL_RAYS];
     give_reason(m, info, out);
     return SV_OK;
 }
