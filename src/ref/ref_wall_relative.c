@@ -10,7 +10,10 @@ static uint32_t root_of(const uint32_t *root, uint32_t level) {
     return root[whole] + (root[whole + 1] - root[whole]) * part / SV_WALL_LEVEL_ONE;
 }
 
-void sv_wall_gains_of(const sv_wall_layout *l, const sv_wall_levels *levels, uint32_t gains[SV_WALL_GAINS]) {
+/* For each brightness around a block, in units of 1 / SV_WALL_BRIGHT_ONE, what its level is multiplied by:
+ * SV_WALL_TISSUE over the threshold there, with SV_WALL_GAIN_BITS of fraction. The threshold's root is
+ * `threshold` of the way from the dark level's to the brightness'. */
+static void find_gains(const sv_wall_layout *l, const sv_wall_levels *levels, uint32_t gains[SV_WALL_GAINS]) {
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const uint32_t *const root = tables + SV_WALL_ROOTS;
     sv_wall_tables(tables);
@@ -74,7 +77,7 @@ bool sv_wall_relate_levels(const sv_wall_layout *l, const sv_wall_levels *levels
     uint32_t gains[SV_WALL_GAINS];
     const bool made = one && other;
     if (made) {
-        sv_wall_gains_of(l, levels, gains);
+        find_gains(l, levels, gains);
         find_bright(l, b, levels->threshold, one);
         sum_along(one, other, l->layers * (size_t)l->cells[1], l->cells[0], 1, l->window[0]);
         sum_along(other, one, l->layers, l->cells[1], l->cells[0], l->window[1]);

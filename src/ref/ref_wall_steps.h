@@ -55,12 +55,6 @@ uint32_t sv_wall_quantile(const uint64_t histogram[256], uint32_t rank);
 
 /* ---- levels relative to the threshold around them (ref_wall_relative.c) */
 
-/* For each brightness around a block, in units of 1 / SV_WALL_BRIGHT_ONE, what its level is multiplied by:
- * SV_WALL_TISSUE over the threshold there, with SV_WALL_GAIN_BITS of fraction. The threshold's root is
- * layout->threshold of the way from the dark level's to the brightness'. */
-void sv_wall_gains_of(const sv_wall_layout *layout, const sv_wall_levels *levels,
-                      uint32_t gains[SV_WALL_GAINS]);
-
 /* Fills blocks->relative. The brightness around a block is the mean of the blocks above levels->threshold
  * within layout->window of its cell. False: no memory. */
 bool sv_wall_relate_levels(const sv_wall_layout *layout, const sv_wall_levels *levels,
