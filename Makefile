@@ -24,6 +24,7 @@ PYTHON_PACKAGES := scripts/packages-python.txt
 DEB_PACKAGES := scripts/packages-deb.txt
 OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
+AARCH64_PACKAGES := scripts/packages-aarch64.txt
 LOOKS_PACKAGES := scripts/packages-looks.txt
 
 # $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
@@ -33,8 +34,11 @@ build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) |
 # Other builds' tests need the same kernels as those of build: what PoCL compiled for one is there for all.
 KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 
+# What a frame computes, against the definitions.
+INTEL_TESTS := ^check/test_(cost|formats|mean|method_hard|methods|reduction|scanned|wall|wall_answer)$$
+
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb demo looks console report test test-night test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help
 
 all: ## build/smartvis.so and build/host_sim (installs nothing)
@@ -57,9 +61,28 @@ deb: ## Debian packages of the committed sources, looked over by lintian: out/de
 try-deb: ## install out/deb on this machine (needs root), then the template's three commands, from its README to a picture
 	@scripts/try_deb.sh $(OUT)/deb
 
-demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
+wheel: ## the Python package as a wheel for other machines, with the OpenCL loader in it: out/wheel
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build) --target host_sim smartvis
-	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA))
+	@bash tests/python/environment.sh . build python3
+	@scripts/wheel.sh build $(OUT)/wheel
+
+try-wheel: ## install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene
+	@scripts/try_wheel.sh $(OUT)/wheel
+
+aarch64: ## plugin, validator and template for 64-bit ARM, and what the validator finds there under qemu: out/aarch64
+	@$(SETUP) $(PACKAGES) $(AARCH64_PACKAGES)
+	@$(call build,build) --target smartvis
+	@SV_WERROR=$(SV_WERROR) scripts/aarch64.sh build $(OUT)/aarch64
+
+spdx: all ## what the project is built with and runs with, with versions, as SPDX 2.3: out/smartvis.spdx
+	@scripts/spdx.sh build $(OUT)/smartvis.spdx
+
+demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
+	@start=$$(date +%s.%N); { $(call build,build) --target host_sim smartvis; } && \
+	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA)) && \
+	find $(OUT)/demo -name '*.png' -newermt "@$$start" -printf '%T@\n' | sort -n | \
+	awk -v start=$$start -v now=$$(date +%s) 'NR == 1 { printf "demo: %.0f s to the first picture, %.0f s in all, the packages not counted\n", $$1 - start, now - start }'
 
 looks: ## both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
 	@$(SETUP) $(PACKAGES) $(LOOKS_PACKAGES)
@@ -83,6 +106,14 @@ test-night: ## what takes long and proves little more than `make test` does
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build)
 	@scripts/run_tests.sh build $(JOBS) night
+
+test-intel: ## the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: an hour, most of it compiling
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
+	@$(call build,build)
+	@mkdir -p build/intel && scripts/python_env.sh build/intel python/requirements-intel.txt
+	@readlink -f build/intel/lib/libintelocl.so > build/intel/intel.icd
+	@bash tests/check/second_runtime.sh build build/intel/intel.icd
+	@OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
 
 test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
@@ -111,13 +142,14 @@ lint: ## format, house rules, links, include rule, clang warnings, clang-tidy, k
 
 format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
-	@scripts/list_sources.sh c h cl clh | xargs clang-format -i
+	@scripts/list_sources.sh c h hpp cpp cl clh | xargs clang-format -i
 	@mkdir -p build-clang && scripts/python_env.sh build-clang/lint python/requirements-lint.txt
 	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build) --target sv_bench sv_surfaces_bench test_lit_shapes smartvis
 	build/sv_bench
+	build/sv_bench --only growth
 	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
 	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg

@@ -25,22 +25,27 @@ file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/smartvis)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/data/scenes ${CMAKE_BINARY_DIR}/share/smartvis/scenes SYMBOLIC)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/include ${CMAKE_BINARY_DIR}/include SYMBOLIC)
 
-set(SV_PROGRAMS host_sim)
-if(TARGET sv_validate)
-  list(APPEND SV_PROGRAMS sv_validate)
+set(SV_PROGRAMS host_sim sv_validate sv_replay)
+if(SV_BENCH)
+  list(APPEND SV_PROGRAMS sv_bench)
 endif()
 install(TARGETS ${SV_PROGRAMS} RUNTIME DESTINATION bin COMPONENT smartvis)
 install(TARGETS smartvis LIBRARY DESTINATION ${SV_PLUGIN_FOLDER} COMPONENT smartvis)
+# Not where hosts look: it would be a second plugin of the same id.
+install(TARGETS smartvis_check LIBRARY DESTINATION ${SV_PLUGIN_FOLDER}/check COMPONENT smartvis)
 install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.json")
 install(FILES LICENSE DESTINATION share/doc/smartvis COMPONENT smartvis)
 
-install(DIRECTORY include/ DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY include/ DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(DIRECTORY ${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/ DESTINATION ${SV_PACKAGE_FOLDER} COMPONENT dev
   FILES_MATCHING PATTERN "*.cmake")
 install(FILES ${CMAKE_BINARY_DIR}/${SV_PC_FOLDER}/smartvis-plugin.pc DESTINATION ${SV_PC_FOLDER} COMPONENT dev)
 install(DIRECTORY examples DESTINATION share/smartvis COMPONENT dev
   PATTERN build EXCLUDE
   PATTERN examples/CMakeLists.txt EXCLUDE)
+install(DIRECTORY bindings DESTINATION share/smartvis COMPONENT dev
+  PATTERN target EXCLUDE
+  PATTERN Cargo.lock EXCLUDE)
 
 # Manual pages are made from what the programs say of themselves, so they cannot differ from it.
 if(NOT CMAKE_CROSSCOMPILING)

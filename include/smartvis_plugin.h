@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SmartVis plugin ABI, version 1.0: occlusion removal for 3D ultrasound.
+ * SmartVis plugin ABI, version 1.1: occlusion removal for 3D ultrasound.
  *
  * This header is all a host or a plugin author needs. It includes <stdint.h> and <stddef.h> only, and
  * compiles as C99 to C23 and C++11 to C++20. Extensions have a header each in include/smartvis/, and so have
- * two optional helpers: author.h for plugins, lookup.h for hosts.
+ * three optional helpers: author.h for plugins, lookup.h for hosts, probe.h for both.
  *
  *   host                                                        plugin
  *   ----                                                        ------
@@ -15,7 +15,7 @@
  *       begin(frame)                              ------------>  \
  *       slab(slab 0) .. slab(slab n-1)            ------------>   > one volume: enqueues work, nothing else
  *       end(result)                               ------------>  /
- *       adjust(values, result)  (optional)        ------------>  the same volume with the knob turned
+ *       adjust(values, result)  (optional)        ------------>  the same volume, another surface position
  *     deactivate                                  ------------>  frees what activate made
  *   destroy                                       ------------>  gone
  *
@@ -68,6 +68,20 @@
  *
  * LENGTHS. spacing_mm gives the distance between voxels, so that a method can measure in millimetres: the
  * same anatomy then gives the same surface at any resolution. Depths in results stay in slices.
+ *
+ * WHERE THE PROBE IS. The camera may look from elsewhere than the probe. sv_frame.probe_rotation (since 1.1)
+ * tells how the two stand to each other, and probe_side on which side of the volume the probe is:
+ *
+ *     the probe's axes: x along its array, y across it, z away from it, into the body
+ *
+ *          probe        camera        probe_rotation       probe_side
+ *            |            |              1  0  0
+ *            v            v              0  1  0            0  0 -1      the camera looks along the beams
+ *        :.......:    :.......:          0  0  1
+ *
+ *            |                           0  0 -1
+ *            v        --->:.......:      0  1  0            1  0  0      it looks from the probe's left (-x)
+ *        :.......:                       1  0  0
  *
  * DEPTH, AND "CLIPS NOTHING":
  *
@@ -140,7 +154,7 @@ extern "C" {
 #endif
 
 #define SV_ABI_MAJOR 1u /* differs: the host must not call anything */
-#define SV_ABI_MINOR 0u /* adds only: any pair of minors works together */
+#define SV_ABI_MINOR 1u /* adds only: any pair of minors works together */
 
 /* True if the struct at p is long enough to hold `field`. For every field added after 1.0. */
 #define SV_HAS(p, field)                                                                                     \
@@ -231,7 +245,7 @@ struct sv_host {
 enum { SV_PARAM_FLOAT = 0, SV_PARAM_INT = 1, SV_PARAM_BOOL = 2, SV_PARAM_ENUM = 3 };
 
 enum {
-    SV_PARAM_PRIMARY = 1u << 0,    /* the one knob a user sees; at most one parameter has it */
+    SV_PARAM_PRIMARY = 1u << 0,    /* the one that every user sees; at most one parameter has it */
     SV_PARAM_EXPERT = 1u << 1,     /* hide behind "advanced" */
     SV_PARAM_REACTIVATE = 1u << 2, /* read by activate only */
     SV_PARAM_ADJUST = 1u << 3      /* adjust accepts it: no new volume is needed when it changes */
@@ -374,7 +388,17 @@ typedef struct sv_frame {
     const sv_scanned *scanned;
     struct _cl_mem *scanned_object;
     uint64_t scanned_offset; /* bytes from the buffer's start, a multiple of 4 */
+
+    /* Since 1.1. How this volume's axes stand to the probe's: row by row a rotation that turns a direction
+     * along the probe's axes into the same direction along the volume's, in millimetres. All 0: unknown. */
+    float probe_rotation[9];
+    /* The unit vector along the volume's axes to the side where the probe is. All 0: unknown. A host that
+     * knows the rotation gives both: the side is then the opposite of the rotation's third column. All of it
+     * to within 0.001. */
+    float probe_side[3];
 } sv_frame;
+
+#define SV_FRAME_SIZE_1_0 ((uint32_t)offsetof(sv_frame, probe_rotation)) /* the least that begin takes */
 
 /*
  * One slab. Exactly one carrier, the one named in the format. The contents must not change until the
@@ -444,7 +468,9 @@ enum {
 enum {
     SV_FEATURE_SCANNED = 1u << 0, /* takes SV_FORMAT_SCANNED; without the bit it refuses the flag */
     SV_FEATURE_PADDING = 1u << 1, /* heeds padding_value; without the bit it ignores the field */
-    SV_FEATURE_ADJUST = 1u << 2   /* has parameters flagged SV_PARAM_ADJUST */
+    SV_FEATURE_ADJUST = 1u << 2,  /* has parameters flagged SV_PARAM_ADJUST */
+    SV_FEATURE_PROBE = 1u << 3 /* takes probe_rotation and probe_side, and refuses what is no rotation and no
+                                  unit vector with SV_ERR_ARGUMENT; without the bit it ignores both */
 };
 
 /* The bit of a carrier or a voxel type in sv_descriptor. */

@@ -30,16 +30,16 @@ TURN = """
     };
     step();"""
 
-# Moves the knob as a hand would, the next time when the picture of the last is there.
+# Moves the surface as a hand would, the next time when the picture of the last is there.
 MOVE = """
-    const [moves] = arguments, done = arguments[arguments.length - 1], took = [], knob = document.getElementById('knob0');
+    const [moves] = arguments, done = arguments[arguments.length - 1], took = [], slider = document.getElementById('primary0');
     const show = window.showFigures;
     let begun = 0, wanted = 0;
     const move = () => {
         if (took.length === moves) { window.showFigures = show; done(took.sort((a, b) => a - b)); return; }
-        knob.value = 0.3 + 0.4 * ((took.length * 7) % 10) / 10;
+        slider.value = 0.3 + 0.4 * ((took.length * 7) % 10) / 10;
         begun = performance.now();
-        knob.dispatchEvent(new Event('input'));
+        slider.dispatchEvent(new Event('input'));
         wanted = state.serial + 1;
     };
     window.showFigures = (text) => {
@@ -85,7 +85,7 @@ def main():
                 browser.wait_for(SETTLED, "the camera at rest", 60)
             took = wait_and_run(browser, MOVE, MOVES)
             print(f"slider to picture: median {took[MOVES // 2]:.1f} ms, 95th percentile {took[MOVES * 95 // 100]:.1f} ms of {MOVES} moves")
-            browser.wait_for(SETTLED, "the knob at rest", 60)
+            browser.wait_for(SETTLED, "the surface at rest", 60)
             browser.close()
         finally:
             console.end()

@@ -19,6 +19,7 @@ include/smartvis_plugin.h  |                                                    
 include/smartvis/author.h  | abi                                                        | fixed libc
 include/smartvis/author_*.h| abi                                                        | fixed libc opencl
 include/smartvis/lookup.h  | abi                                                        | fixed libc
+include/smartvis/probe.h   | abi                                                        | fixed libc
 include/smartvis           | abi                                                        | fixed
 cl/common                  | .                                                          |
 cl/*                       | cl/common .                                                |
@@ -48,12 +49,17 @@ tools/console              | abi HOST host_sim/commands kernels .               
 tools/bench                | abi HOST shared src src/ref tools/eval kernels .           | libc opencl json futex
 tools/bench/cl             | .                                                          |
 tools/judge                | abi HOST shared src src/ref tools/page tools/eval .                   | libc opencl json
+tools/layer                | abi tools/rules tools/record .                             | libc opencl
+tools/record               | abi tools/rules .                                          | libc opencl zlib
+tools/replay               | abi HOST tools/rules tools/record .                         | libc opencl
 tools/validate/spy         | .                                                          | libc opencl elf
-tools/validate/drive       | abi host_sim/base host_sim/plugin tools/validate/spy .     | libc opencl
-tools/validate/checks      | abi host_sim/base host_sim/plugin tools/validate/spy tools/validate/drive . | libc opencl elf
+tools/rules                | abi .                                                      | libc
+tools/validate/drive       | abi host_sim/base host_sim/plugin tools/rules tools/validate/spy . | libc opencl
+tools/validate/checks      | abi host_sim/base host_sim/plugin tools/rules tools/validate/spy tools/validate/drive . | libc opencl elf
 tools/validate             | abi host_sim/base host_sim/guard tools/validate/drive tools/validate/checks . | libc json
 tools                      | abi HOST host_sim/commands tools/report tools/console .    | libc
 examples/*                 | abi kernels .                                              | libc opencl
+bindings/rust/src          | abi                                                        |
 python/bench               | abi .                                                      | libc
 tests/*                    | any kernels                                                | any
 tests/*/*                  | any kernels                                                | any
@@ -74,7 +80,7 @@ elf     elf.h link.h
 futex   linux/futex.h
 zlib    zlib.h
 json    jansson.h
-web     civetweb.h arpa/*
+web     civetweb.h arpa/* netdb.h
 drawing png.h turbojpeg.h cairo.h fontconfig/*
 TABLE
 }
@@ -86,6 +92,7 @@ src      include src cl
 host_sim include host_sim
 tools    include tools host_sim src cl
 examples include
+bindings include
 python   include
 tests    include tests tools host_sim src cl
 TABLE

@@ -9,8 +9,8 @@ complain() {
     failed=1
 }
 
-mapfile -t sources < <(scripts/list_sources.sh c h cl clh)
-mapfile -t texts < <(scripts/list_sources.sh c h cl clh sh cmake txt md json map)
+mapfile -t sources < <(scripts/list_sources.sh c h hpp cpp rs cl clh)
+mapfile -t texts < <(scripts/list_sources.sh c h hpp cpp rs cl clh toml sh cmake txt md json map)
 texts+=(.ci/run)
 
 # One idea a file: 450 lines at most. The ABI header is one document on purpose, half of it comments: 600.
@@ -30,8 +30,14 @@ while read -r line; do complain "unfinished: $line"; done < <(grep -nHwE 'TO''DO
 # A path of somebody's machine in a source works on that machine only.
 while read -r line; do complain "machine path: $line"; done < <(grep -nHE '(^|[^a-z.])/(home|work|root|Users)/' "${sources[@]}" | cut -c 1-120)
 
+# What a user moves has one name, "surface position"; a plugin in general has a "primary parameter".
+read_by_people=(README.md docs/*.md include/*.h include/smartvis/*.h python/smartvis/*.py examples/*/* tools/console/*.{html,js,css})
+while read -r line; do complain "say surface position, or primary parameter: $line"; done < <(
+    grep -nHwiE -d skip 'kno''bs?|surface off''set' "${read_by_people[@]}" | cut -c 1-120
+    grep -nHiE '"[^"]*\b(kno''bs?|surface off''set)\b[^"]*"' "${sources[@]}" | grep -vE '(^|/)tests/' | cut -c 1-120)
+
 # Every source says its licence.
-for file in "${sources[@]}" $(scripts/list_sources.sh sh cmake py); do
+for file in "${sources[@]}" $(scripts/list_sources.sh sh cmake py toml); do
     head -n 2 "$file" | grep -q 'SPDX-License-Identifier: MIT' || complain "$file: no SPDX-License-Identifier"
 done
 

@@ -22,7 +22,7 @@ check() { # check NAME COMMAND...: runs it, says how it went
 # Of the documents: every link to a file or a heading leads there.
 links() { scripts/list_sources.sh md | xargs -r python3 scripts/check_links.py; }
 
-format() { scripts/list_sources.sh c h cl clh | xargs -r clang-format --dry-run -Werror; }
+format() { scripts/list_sources.sh c h hpp cpp cl clh | xargs -r clang-format --dry-run -Werror; }
 
 # Every file that the build compiles, with clang's own warnings. One file a process: clang-tidy's own script would need Python.
 tidy() {

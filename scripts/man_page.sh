@@ -21,6 +21,8 @@ body() {
         if (at > 1 && substr(text, at, 1) != "" && substr(text, at - 1, 1) == " ") return at
         return 0
     }
+    # A line that begins so would be a request to troff.
+    function shown(text) { return (text ~ /^[.\047]/ ? "\\&" : "") text }
     /^Usage: / { print ".B " substr($0, 8); print ".br"; used = 1; next }
     used && /^       / { print ".B " substr($0, 8); print ".br"; next }
     { used = 0 }
@@ -34,13 +36,13 @@ body() {
             tag = substr($0, 3, at - 3)
             sub(/ +$/, "", tag)
             print ".B " tag
-            print substr($0, at)
+            print shown(substr($0, at))
         } else {
             print ".B " substr($0, 3)
         }
         next
     }
-    { sub(/^ +/, ""); print }'
+    { sub(/^ +/, ""); print shown($0) }'
 }
 
 help=$("$program" --help)

@@ -240,6 +240,24 @@ sv_wall_span sv_wall_span_of(uint32_t ray, uint32_t voxels, uint32_t rays) {
     return s;
 }
 
+sv_wall_taps sv_wall_taps_of(const sv_wall_span *spans, uint32_t x, uint32_t rays) {
+    const uint32_t count = rays - x < SV_WALL_TOGETHER ? rays - x : SV_WALL_TOGETHER;
+    int32_t low = INT32_MAX, end = INT32_MIN;
+    sv_wall_taps t = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        const int32_t first = (int32_t)spans[x + i].first - (int32_t)i;
+        if (first < low) low = first;
+        if (first + (int32_t)spans[x + i].count > end) end = first + (int32_t)spans[x + i].count;
+    }
+    if (end - low > SV_WALL_TAPS) return t;
+    t.shift = low;
+    t.count = (uint32_t)(end - low);
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < spans[x + i].count; k++)
+            t.weight[(int32_t)(spans[x + i].first + k) - (int32_t)i - low][i] = spans[x + i].weight[k];
+    return t;
+}
+
 void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {
     const double odds_one = 1 << SV_WALL_ODDS_BITS;
     const double step = (double)(1 << SV_WALL_LOGISTIC_BITS) / odds_one;

@@ -73,6 +73,9 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
  * number of rays; ray i and ray rays - 1 - i are mirrored. */
 sv_wall_span sv_wall_span_of(uint32_t ray, uint32_t voxels, uint32_t rays);
 
+/* Arranges the spans of the rays x .. x + SV_WALL_TOGETHER - 1, as far as there are so many, for vectors. */
+sv_wall_taps sv_wall_taps_of(const sv_wall_span *spans, uint32_t x, uint32_t rays);
+
 /* Square roots, ln of odds and the logistic function in fixed-point: the kernels get the same numbers. Signed
  * values in two's complement. */
 void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]);

@@ -85,6 +85,17 @@ typedef struct {
     unsigned char weight[SV_WALL_SPAN];
 } sv_wall_span;
 
+/* The same of SV_WALL_TOGETHER neighbouring rays, so that all of them take neighbouring voxels at a time:
+ * weight [k][i] of ray i is that of voxel shift + i + k. Behind the spans in their buffer; count 0: they lie
+ * too far apart. */
+#define SV_WALL_TAPS     8
+#define SV_WALL_TOGETHER 16
+typedef struct {
+    int shift;
+    unsigned int count;
+    unsigned char weight[SV_WALL_TAPS][SV_WALL_TOGETHER];
+} sv_wall_taps;
+
 /* The settings in voxels, blocks and layers of one volume. It is passed by value and has 32-bit members
  * only, so both compilers lay it out alike. */
 typedef struct {

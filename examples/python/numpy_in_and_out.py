@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""numpy in, numpy out: clips a synthetic volume, turns the knob, and says how much was in the way."""
+"""numpy in, numpy out: clips a synthetic volume, moves the surface, and says how much was in the way."""
 
 import numpy as np
 
@@ -23,4 +23,4 @@ with smartvis.Clipper(volume.shape, spacing=(0.8, 0.8, 0.8)) as clipper:
     for shift in range(0, 12, 4):
         depth = clipper(np.roll(volume, shift, axis=2)).depth
         print(f"ball moved by {shift:2} voxels: mean depth {depth.mean():.2f} slices")
-    print(f"knob at 0: {clipper.adjust(q=0).depth.mean():.2f} slices")
+    print(f"surface position 0: {clipper.adjust(q=0).depth.mean():.2f} slices")

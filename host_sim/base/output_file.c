@@ -124,3 +124,10 @@ void hs_output_discard(hs_output_file *output) {
     free(output->path);
     memset(output, 0, sizeof *output);
 }
+
+bool hs_output_try(const char *path, hs_error *err) {
+    hs_output_file output = {0};
+    if (path && !hs_output_open(&output, path, err)) return false;
+    hs_output_discard(&output);
+    return true;
+}

@@ -30,4 +30,7 @@ bool hs_output_commit(hs_output_file *output, hs_error *err);
 /* Closes and removes the temporary file, then zeroes the struct. Safe on a zeroed struct. */
 void hs_output_discard(hs_output_file *output);
 
+/* Finds out now, not after minutes, whether a file can be written. NULL: none is wanted. HS_ERR_OUTPUT. */
+bool hs_output_try(const char *path, hs_error *err);
+
 #endif

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "commands/info_timing.h"
 #include "commands/run.h"
+#include "volume/metaimage_write.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -97,19 +98,44 @@ static void print_beams(const hs_beams *b) {
                  hs_beams_side_name(b));
 }
 
-/* All volumes are read, as of MetaImage. */
-static bool print_kretz(const char *path, const hs_kretz_options *options, hs_error *err) {
-    hs_kretz *kretz = hs_kretz_open(path, options, err);
+typedef struct {
+    hs_kretz_options kretz;
+    const char *cartesian; /* file to write, or NULL */
+    uint32_t number; /* of the volume that is asked for, from 1 on; 0: all are read, the first is told */
+    bool timing, help;
+} request;
+
+static bool write_cartesian(const char *path, const hs_volume *v, hs_error *err) {
+    const hs_metaimage_format format = {.type = HS_MET_UCHAR,
+                                        .dims = 3,
+                                        .size = {v->nx, v->ny, v->nz},
+                                        .spacing = {v->spacing[0], v->spacing[1], v->spacing[2]},
+                                        .pose = &v->pose};
+    return hs_metaimage_write(path, &format, v->voxels, err);
+}
+
+static void print_kretz_volume(const char *path, const hs_volume *volume, uint32_t number, uint32_t volumes) {
+    hs_print(stdout, "%s\n", path);
+    if (volumes > 1 && number == 0) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
+    if (volumes > 1 && number > 0) (void)printf("  a sequence of %u volumes; number %u:\n", volumes, number);
+    if (volume->beams) print_beams(volume->beams);
+    print_volume(volume);
+}
+
+/* All volumes are read, as of MetaImage, unless one is asked for. */
+static bool print_kretz(const char *path, const request *r, hs_error *err) {
+    hs_kretz *kretz = hs_kretz_open(path, &r->kretz, err);
     hs_volume volume = {0};
     const uint32_t volumes = kretz ? hs_kretz_count(kretz) : 0;
     bool ok = volumes > 0; /* none: it could not be opened */
-    for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
-    if (ok && volume.voxels) {
-        hs_print(stdout, "%s\n", path);
-        if (volumes > 1) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
-        if (volume.beams) print_beams(volume.beams);
-        print_volume(&volume);
-    }
+    if (ok && r->number > volumes)
+        ok = hs_fail(err, HS_ERR_USAGE, "--number %u: %s has %u", r->number, path, volumes);
+    if (r->number > 0)
+        ok = ok && hs_kretz_read(kretz, r->number - 1, &volume, err);
+    else
+        for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
+    if (ok && r->cartesian) ok = write_cartesian(r->cartesian, &volume, err);
+    if (ok) print_kretz_volume(path, &volume, r->number, volumes);
     hs_volume_free(&volume);
     hs_kretz_close(kretz);
     return ok;
@@ -152,11 +178,6 @@ static bool print_metaimage(const char *path, hs_error *err) {
     return ok;
 }
 
-typedef struct {
-    hs_kretz_options kretz;
-    bool timing, help;
-} request;
-
 #define AT(field) offsetof(request, field)
 static const hs_option options[] = {
     {"mirror", NULL, "Kretz files: positive sweep angles lie at +y (default: at -y)\n", HS_OPTION_FLAG,
@@ -165,6 +186,11 @@ static const hs_option options[] = {
      "Kretz files: voxels of the Cartesian copy\n"
      "(default: the samples' pitch, or a 400th of the longest side)\n",
      HS_OPTION_NUMBER, AT(kretz.spacing), 0.01, 100, NULL},
+    {"number", "N",
+     "Kretz files: volume N of a sequence, 1 is the first (default: all are read, the first is told)\n",
+     HS_OPTION_COUNT, AT(number), 1, 65536, NULL},
+    {"cartesian", "FILE.mha", "Kretz files: writes the Cartesian copy of that volume; of one FILE only\n",
+     HS_OPTION_TEXT, AT(cartesian), 0, 0, NULL},
     {"timing", NULL,
      "print how long reading takes, beside reading (of compressed files: inflating) its bytes\n"
      "alone; of a probe's volume how long sampling takes, in its own grid and in the\n"
@@ -176,11 +202,10 @@ static const hs_option options[] = {
 static void print_help(void) {
     (void)printf(
         "Usage: host_sim info [options] FILE...\n"
-        "Prints what MetaImage and Kretz volumes are: size, spacing, how they lie in the patient, the "
-        "share of unscanned\n"
-        "voxels, a histogram; of a sequence, how many volumes there are, and this of the first one; "
-        "of a probe\n"
-        "its geometry. Nothing that names a person is printed.\n"
+        "Prints what MetaImage and Kretz volumes (also in DICOM) are: size, spacing, how they lie in\n"
+        "the patient, the share of unscanned voxels, a histogram; of a sequence, how many volumes\n"
+        "there are, and this of the first one; of a probe its geometry. Nothing that names a person\n"
+        "is printed.\n"
         "\n");
     hs_options_print(options);
     (void)printf("\n%s", hs_exit_codes_help);
@@ -199,10 +224,13 @@ int hs_cmd_info(int argc, char **argv) {
         (void)hs_fail(&err, HS_ERR_USAGE, "no FILE given");
         return hs_cli_fail("info", &err);
     }
+    if (r.cartesian && (argc - first > 1 || !hs_kretz_is_file(argv[first]))) {
+        (void)hs_fail(&err, HS_ERR_USAGE, "--cartesian %s: is for one Kretz file", r.cartesian);
+        return hs_cli_fail("info", &err);
+    }
     for (int i = first; i < argc; i++) {
         const char *path = argv[i];
-        const bool ok =
-            hs_kretz_is_file(path) ? print_kretz(path, &r.kretz, &err) : print_metaimage(path, &err);
+        const bool ok = hs_kretz_is_file(path) ? print_kretz(path, &r, &err) : print_metaimage(path, &err);
         if (!ok || (r.timing && !hs_info_timing(path, &r.kretz, &err))) return hs_cli_fail("info", &err);
     }
     return HS_OK;

@@ -122,15 +122,62 @@ static void print_capabilities(const sv_descriptor *d) {
     static const char *const carriers[] = {"host memory", "OpenCL buffer", "OpenCL image"};
     static const char *const voxels[] = {"8 bits", "16 bits"};
     static const char *const queues[] = {"its own", "the host's"};
-    static const char *const features[] = {"scanned ranges", "padding value", "adjust"};
+    static const char *const features[] = {"scanned ranges", "padding value", "adjust", "the probe's place"};
     print_names("slabs in", d->carriers, SV_CARRIER_HOST, carriers, 3);
     print_names("voxels of", d->voxel_types, SV_VOXEL_U8, voxels, 2);
     print_names("on a queue of", d->queues, 0, queues, 2);
-    print_names("makes use of", d->features, 0, features, 3);
+    print_names("makes use of", d->features, 0, features, 4);
     hs_print(stdout, "  %-14s", "extensions");
     for (uint32_t i = 0; d->extensions && d->extensions[i]; i++)
         hs_print(stdout, "%s%s", i ? ", " : " ", d->extensions[i]);
     hs_print(stdout, "%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
+}
+
+/* What a cube of so many voxels in slabs of 16 slices takes, with these values. False if the plugin refuses.
+ */
+static bool ask_needs(const sv_plugin *p, const sv_param_value *values, uint32_t count, uint32_t side,
+                      const sv_needs_device *device, sv_needs *out) {
+    sv_param_value fixed[MAX_SETS], own[MAX_SETS];
+    uint32_t fixed_count = 0, own_count = 0;
+    sv_param_info info;
+    for (uint32_t i = 0; i < count; i++)
+        if (sv_lookup_id(p, values[i].id, &info) && (info.flags & SV_PARAM_REACTIVATE))
+            fixed[fixed_count++] = values[i];
+        else
+            own[own_count++] = values[i];
+    const sv_format format = {.size = sizeof format,
+                              .width = side,
+                              .height = side,
+                              .slices = side,
+                              .max_slab_slices = 16,
+                              .voxel_type = SV_VOXEL_U8,
+                              .carrier = SV_CARRIER_HOST,
+                              .padding_value = SV_NO_PADDING,
+                              .tiles_x = 4,
+                              .tile_w = side,
+                              .tile_h = side,
+                              .row_pitch = 4 * side,
+                              .values = fixed,
+                              .value_count = fixed_count};
+    *out = (sv_needs){.size = sizeof *out};
+    return hs_plugin_needs(p)->of(p, &format, own, own_count, device, out) == SV_OK;
+}
+
+/* What the plugin takes on two kinds of machines, of which neither need be here. */
+static void print_needs(const sv_plugin *p, const sv_param_value *values, uint32_t count) {
+    static const struct {
+        const char *name;
+        sv_needs_device facts;
+    } devices[] = {{"a CPU of 8 cores",
+                    {sizeof(sv_needs_device), SV_NEEDS_CPU | SV_NEEDS_UNIFIED | SV_NEEDS_DOUBLES, 8, 0}},
+                   {"a GPU of 32 units", {sizeof(sv_needs_device), SV_NEEDS_DOUBLES, 32, 0}}};
+    sv_needs needs;
+    for (size_t i = 0; hs_plugin_needs(p) && i < sizeof devices / sizeof *devices; i++)
+        for (uint32_t side = 128; side <= 256; side *= 2)
+            if (ask_needs(p, values, count, side, &devices[i].facts, &needs))
+                hs_print(stdout, "  %-14s %u^3 on %s: %.1f MiB of buffers, %u commands a frame\n",
+                         i == 0 && side == 128 ? "takes for" : "", side, devices[i].name,
+                         (double)needs.device_bytes / (1 << 20), needs.commands);
 }
 
 static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error *err) {
@@ -146,6 +193,8 @@ static bool print_plugin(const list_line *line, const sv_descriptor *d, hs_error
         hs_print(stdout, "%s %s: %s\n  %s\n  vendor %s; %u parameters\n", d->id, d->version, d->name,
                  d->summary, d->vendor, count);
         print_capabilities(d);
+        print_needs(p, values, line->set_count);
+        hs_print(stdout, "%s", hs_plugin_needs(p) ? "\n" : "");
     }
     uint32_t left_out = 0;
     for (uint32_t i = 0; ok && i < count; i++) {
@@ -193,7 +242,7 @@ static void print_help(void) {
                  "\n");
     hs_options_print(options);
     (void)printf("\n"
-                 "Flags: primary = the one knob a user sees; expert = for advanced users;\n"
+                 "Flags: primary = the one that every user sees; expert = for advanced users;\n"
                  "       reactivate = read at activation only; adjust = may change without a new volume\n"
                  "\n%s",
                  hs_exit_codes_help);

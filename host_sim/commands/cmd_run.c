@@ -130,6 +130,12 @@ static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err
     put(root, "settings", settings, &ok);
     const hs_error *failure = hs_run_plugin_error(run);
     if (run->has_written) put(root, "written", written_part(&run->written, &ok), &ok);
+    const hs_result_difference *d = &run->difference;
+    if (d->rays > 0)
+        put(root, "reference",
+            json_pack("{s:I, s:I, s:f, s:f}", "rays", (json_int_t)d->rays, "different",
+                      (json_int_t)d->different, "tolerance_mm", d->tolerance, "largest_mm", d->largest),
+            &ok);
     put(root, "plugin_error", failure->code == HS_OK ? json_null() : hs_json_text(failure->text), &ok);
     char *dump = !ok ? NULL : json_dumps(root, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(9));
     json_decref(root);
@@ -148,12 +154,7 @@ static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err
 
 /* Before the work starts: all of it would be lost. */
 static bool can_write(const hs_run_line *line, hs_error *err) {
-    if (!hs_path_make_folder(line->out, err)) return false;
-    hs_output_file probe;
-    if (!line->json) return true;
-    if (!hs_output_open(&probe, line->json, err)) return false;
-    hs_output_discard(&probe);
-    return true;
+    return hs_path_make_folder(line->out, err) && hs_output_try(line->json, err);
 }
 
 /* Said early, since nothing after it looks as the user expects. */
@@ -172,10 +173,12 @@ static void report_confidence_error(const hs_run *run) {
                  failure->text);
 }
 
-static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *err) {
+static bool run_loop(const hs_run_line *line, hs_code *code, hs_error *err) {
     hs_run run;
     bool reported = false;
-    if (!hs_run_open(&run, &line->request, err)) return false;
+    hs_run_request request = line->request;
+    request.alone = true;
+    if (!hs_run_open(&run, &request, err)) return false;
     report_plugin_error(&run, &reported);
     bool ok = hs_run_measure(&run, err) && hs_run_pictures(&run, line->out, err) &&
               hs_run_write(&run, line->out, err);
@@ -185,11 +188,12 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
         hs_run_print(&run, stdout);
         ok = !line->json || hs_run_write_json(&run, line->json, err);
     }
-    *plugin_code = hs_run_plugin_error(&run)->code;
+    *code = hs_run_plugin_error(&run)->code;
+    if (*code == HS_OK && run.difference.different > 0) *code = HS_ERR_FAILED;
     hs_error ended = {0};
-    if (!hs_run_close(&run, &ended) && *plugin_code == HS_OK) {
+    if (!hs_run_close(&run, &ended) && *code == HS_OK) {
         hs_print(stderr, "host_sim run: %s\n", ended.text);
-        *plugin_code = ended.code;
+        *code = ended.code;
     }
     return ok;
 }
@@ -197,13 +201,13 @@ static bool run_loop(const hs_run_line *line, hs_code *plugin_code, hs_error *er
 int hs_cmd_run(int argc, char **argv) {
     hs_run_line line;
     hs_error err = {0};
-    hs_code plugin_code = HS_OK;
+    hs_code code = HS_OK;
     if (!hs_run_line_parse(argc, argv, &line, &err)) return hs_cli_fail("run", &err);
     if (line.help) {
         hs_run_line_help();
         return HS_OK;
     }
-    if (!can_write(&line, &err) || !run_loop(&line, &plugin_code, &err)) return hs_cli_fail("run", &err);
+    if (!can_write(&line, &err) || !run_loop(&line, &code, &err)) return hs_cli_fail("run", &err);
     hs_print(stdout, "Pictures are in %s\n", line.out);
-    return (int)plugin_code;
+    return (int)code;
 }

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands/run.h"
 
+#include "base/progress.h"
+#include "guard/child.h"
 #include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "render/camera.h"
 #include "show/loop_pictures.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,9 +21,32 @@ void hs_run_defaults(hs_run_request *request) {
     for (int s = 0; s < HS_SETTING_COUNT; s++) request->settings[s] = true;
 }
 
+/* What was made elsewhere instead of a plugin. */
+static bool open_map(hs_run *run, const char *path, hs_error *err) {
+    const uint32_t n = run->request.loop.lowres;
+    const size_t pixels = (size_t)n * n;
+    double *values = calloc(pixels, sizeof *values);
+    run->depths = calloc(pixels, sizeof *run->depths);
+    bool ok =
+        (values && run->depths) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, pixels);
+    ok = ok && hs_metaimage_read_map(path, n, n, values, err);
+    for (size_t i = 0; ok && i < pixels; i++) {
+        run->depths[i] = (float)values[i];
+        if (!isfinite(run->depths[i]))
+            ok = hs_fail(err, HS_ERR_INPUT, "%s: value %zu is %g, expected a finite number of mm", path, i,
+                         values[i]);
+    }
+    free(values);
+    run->given = (hs_given_map){.mm = run->depths, .width = n, .height = n};
+    (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", path);
+    run->has_plugin = ok && hs_plugin_open_map(&run->plugin, &run->given, err);
+    return run->has_plugin;
+}
+
 /* Loads the plugin; if that fails, the run goes on without. Wrong parameters are the user's and stop it. */
 static bool open_plugin(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
+    if (r->map) return open_map(run, r->map, err);
     if (r->plugin_path)
         (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", r->plugin_path);
     else
@@ -50,13 +76,60 @@ static bool open_source(hs_run *run, hs_error *err) {
     return first != NULL;
 }
 
+/* PoCL compiles one kernel at a time in a process, whatever its threads. So where it has compiled nothing
+ * yet, two processes do it side by side, and find each other's work in its cache. */
+#define COLD_S    0.4   /* building the host's program takes longer: the driver does not have it */
+#define LONGEST_S 120.0 /* then the plugin's kernels are compiled here */
+
+static bool create_loop(hs_run *run, hs_error *err) {
+    run->loop = hs_loop_create(&run->cl, &run->source, run->has_plugin ? &run->plugin : NULL,
+                               &run->request.loop, err);
+    return run->loop != NULL;
+}
+
+/* The child's side: activates the plugin, without a word, for nothing but its kernels. */
+static int compile_plugin(int channel, void *context) {
+    hs_run *const run = context;
+    hs_error ignored = {0}; /* the parent meets it again, and tells */
+    (void)channel;
+    if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) return HS_ERR_OUTPUT;
+    return hs_cl_open(&run->cl, &ignored) && create_loop(run, &ignored) ? HS_OK : HS_ERR_DEVICE;
+}
+
+/* The parent's side: a frame without the plugin, and where its rays end, which the pictures ask for. */
+static bool compile_host(hs_run *run, hs_error *err) {
+    hs_loop_options options = run->request.loop;
+    hs_frame frame;
+    if (options.fan == HS_FAN_BEST) options.fan = HS_FAN_RANGES;
+    float *ends = calloc((size_t)options.dvr.width * options.dvr.height + 1u, sizeof *ends);
+    hs_loop *loop = hs_loop_create(&run->cl, &run->source, NULL, &options, err);
+    const bool ok = ends && loop && hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, err) &&
+                    hs_loop_ray_ends(loop, 0, NULL, ends, err);
+    hs_loop_destroy(loop);
+    free(ends);
+    return ok || err->code != HS_OK || hs_fail(err, HS_ERR_MEMORY, "ends of rays: no memory");
+}
+
+/* A guarded plugin has a process of its own anyway. */
+static bool open_loop(hs_run *run, hs_error *err) {
+    const hs_child_limits none = {0};
+    hs_child child = {0};
+    hs_error ignored = {0}; /* without a child it only takes longer */
+    if (run->request.alone && run->has_plugin && !hs_is_guarded(&run->plugin))
+        (void)hs_child_fork(&child, &none, compile_plugin, run, &ignored);
+    const double begin = hs_now();
+    bool ok = hs_cl_open(&run->cl, err);
+    if (ok && child.pid && hs_now() - begin > COLD_S) {
+        ok = compile_host(run, err);
+        hs_child_wait_end(&child, LONGEST_S);
+    }
+    hs_child_close(&child);
+    return ok && create_loop(run, err);
+}
+
 bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {
     *run = (hs_run){.request = *request};
-    if (open_plugin(run, err) && open_source(run, err) && hs_cl_open(&run->cl, err)) {
-        run->loop = hs_loop_create(&run->cl, &run->source, run->has_plugin ? &run->plugin : NULL,
-                                   &run->request.loop, err);
-        if (run->loop) return true;
-    }
+    if (open_plugin(run, err) && open_source(run, err) && open_loop(run, err)) return true;
     hs_error ignored = {0}; /* the first failure is told */
     (void)hs_run_close(run, &ignored);
     return false;
@@ -77,6 +150,7 @@ bool hs_run_close(hs_run *run, hs_error *err) {
     hs_cl_close(&run->cl);
     hs_source_close(&run->source);
     free(run->values);
+    free(run->depths);
     *run = (hs_run){0};
     return ok;
 }
@@ -165,10 +239,16 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
 
 bool hs_run_write(hs_run *run, const char *folder, hs_error *err) {
     const hs_run_request *r = &run->request;
-    if (!(r->write | r->write_if)) return true;
+    const uint32_t wanted = r->write | (r->reference ? HS_RESULT_DEPTHMAP : 0u);
+    const hs_slab_layout *l = hs_loop_layout(run->loop);
+    if (!(wanted | r->write_if)) return true;
+    if (r->reference && run->source.count > 1)
+        return hs_fail(err, HS_ERR_USAGE, "--reference %s: is one map, and the source has %u volumes",
+                       r->reference, run->source.count);
     run->has_written =
-        hs_results_write(run->loop, &run->source, r->write, r->write_if, folder, &run->written, err);
-    return run->has_written;
+        hs_results_write(run->loop, &run->source, wanted, r->write_if, folder, &run->written, err);
+    return run->has_written && (!r->reference || hs_result_compare(folder, r->reference, l->width, l->height,
+                                                                   r->tolerance, &run->difference, err));
 }
 
 double hs_unscanned_share(const hs_volume *volume) {

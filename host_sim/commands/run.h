@@ -10,8 +10,9 @@
 
 /* What to run. Strings and arrays are borrowed and must outlive the run. */
 typedef struct {
-    const char *plugin_path;    /* NULL: smartvis.so beside the executable */
-    const char *plugin_id;      /* NULL: the library's first */
+    const char *plugin_path; /* NULL: smartvis.so beside the executable */
+    const char *plugin_id;   /* NULL: the library's first */
+    const char *map; /* NULL, or instead of a plugin a file of loop.lowres * loop.lowres depths in mm */
     hs_guard_options guard;     /* whether the plugin has a process of its own */
     int32_t log_level;          /* SV_LOG_*: less severe lines of the plugin are not printed */
     const char *const *volumes; /* files, or ... */
@@ -22,11 +23,14 @@ typedef struct {
     hs_kretz_options kretz;
     const char *const *sets; /* key=value for the plugin's parameters */
     uint32_t set_count;
-    hs_loop_options loop;            /* values are filled in from sets */
-    bool few_pictures;               /* result.png and full.png alone */
-    uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
+    hs_loop_options loop; /* values are filled in from sets */
+    bool alone;           /* the process has one thread and has not touched OpenCL: hs_run_open may fork it */
+    bool few_pictures;    /* result.png and full.png alone */
+    uint32_t panel_cell;  /* width of a picture in panel.png, pixels; 0: 512 */
     bool settings[HS_SETTING_COUNT]; /* which to measure */
     uint32_t write, write_if; /* HS_RESULT_* to be written: these, and these if the plugin gives them */
+    const char *reference;    /* a depthmap that the one found is compared with; NULL: none */
+    double tolerance;         /* mm that the two may be apart */
 } hs_run_request;
 
 /* A run under way. Must not move in memory while open (the plugin holds a pointer into it). */
@@ -39,6 +43,8 @@ typedef struct {
     hs_plugin plugin;
     bool has_plugin;
     sv_param_value *values;
+    float *depths; /* of request.map */
+    hs_given_map given;
     hs_loop *loop;
     hs_error earlier_sure;  /* the same of its confidence */
     hs_error earlier_error; /* the plugin's failure while loading, or in a loop that was replaced */
@@ -46,6 +52,7 @@ typedef struct {
     uint32_t result_count;
     bool has_written;
     hs_result_report written;
+    hs_result_difference difference; /* rays is 0 if nothing was compared */
 } hs_run;
 
 /* Zeros, defaults of the loop, all settings, scene size 256, warnings of the plugin. */
@@ -64,7 +71,8 @@ bool hs_run_measure(hs_run *run, hs_error *err);
 /* Writes the pictures of the middle frame into the folder, and orbit.png if the camera orbits. */
 bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err);
 
-/* Writes the files that the request names into the folder; HS_ERR_USAGE if the camera orbits. */
+/* Writes the files that the request names into the folder, and compares the depthmap with the reference;
+ * HS_ERR_USAGE if the camera orbits, or a reference is given and the source has several volumes. */
 bool hs_run_write(hs_run *run, const char *folder, hs_error *err);
 
 /* Writes orbit.png alone. */

@@ -6,8 +6,10 @@
 #include "base/options.h"
 #include "commands/look_line.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static bool take_volume(void *target, const char *text, hs_error *err) {
     hs_run_line *const line = target;
@@ -146,6 +148,10 @@ static const hs_option options[] = {
     {"plugin", "PATH", "library to load, a path or a name [smartvis]\n", HS_OPTION_TEXT, AT(plugin_path), 0,
      0, NULL},
     {"id", "ID", "which of its plugins [the first]\n", HS_OPTION_TEXT, AT(plugin_id), 0, 0, NULL},
+    {"map", "FILE",
+     "no plugin, but depths from a file (MetaImage, N x N values of --lowres N): mm from the\n"
+     "volume's front; 0 or less clips nothing\n",
+     HS_OPTION_TEXT, AT(map), 0, 0, NULL},
     {"set", "KEY=VALUE", "a plugin parameter; repeatable; see 'host_sim list'\n", HS_OPTION_TAKEN, 0, 0, 0,
      take_set},
     {"carrier", "KIND", "how slabs are handed over: host, buffer, image [buffer; host with --own-queue]\n",
@@ -216,6 +222,12 @@ static const hs_option options[] = {
      "writes data for other programs to DIR: depthmap, confidence, status, clipped,\n"
      "mask (MetaImage), surface (PLY), or all [nothing]\n",
      HS_OPTION_TAKEN, LINE(request), 0, 0, take_write},
+    {"reference", "MAP",
+     "compares the depthmap with one that was kept (a depthmap.mha of --write), writes the\n"
+     "rays that differ to differences.csv in DIR, and ends with 1 if there are any\n",
+     HS_OPTION_TEXT, AT(reference), 0, 0, NULL},
+    {"tolerance", "MM", "with --reference: as much may a depth differ [0]\n", HS_OPTION_NUMBER, AT(tolerance),
+     0, 1000, NULL},
     {"json", "FILE", "writes the results as JSON, too\n", HS_OPTION_TEXT, LINE(json), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
@@ -236,14 +248,23 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
     if ((r->kretz.mirrored || r->kretz.spacing > 0.0) && !kretz)
         return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files (--volume FILE.vol)",
                        r->kretz.mirrored ? "--mirror" : "--spacing");
+    if (r->map && (r->plugin_path || r->plugin_id || r->set_count > 0))
+        return hs_fail(err, HS_ERR_USAGE, "--map %s: takes the place of --plugin, --id and --set", r->map);
+    if (r->map && r->loop.lowres == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--map %s: needs --lowres N, the map's pixels across", r->map);
     if (r->scanned.first && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
     if (r->read.has_probe && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
                        hs_probe_name(r->read.probe));
-    if ((r->write | r->write_if) && r->loop.orbit != 0)
-        return hs_fail(err, HS_ERR_USAGE, "--write: needs a camera that stands still, --orbit is %g degrees",
-                       r->loop.orbit);
+    if ((r->write || r->write_if || r->reference) && r->loop.orbit != 0)
+        return hs_fail(err, HS_ERR_USAGE, "--%s: needs a camera that stands still, --orbit is %g degrees",
+                       r->reference ? "reference" : "write", r->loop.orbit);
+    if (r->tolerance > 0.0 && !r->reference)
+        return hs_fail(err, HS_ERR_USAGE, "--tolerance %g: is for --reference MAP", r->tolerance);
+    if (r->reference && access(r->reference, R_OK) != 0)
+        return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", r->reference,
+                       strerror(errno));
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);

@@ -2,6 +2,8 @@
 #include "commands/run_print.h"
 
 #include "base/text.h"
+#include "plugin/capabilities.h"
+#include "plugin/loader_param.h"
 #include "render/camera.h"
 
 #include <unistd.h>
@@ -93,7 +95,24 @@ static void print_times(const hs_run *run, FILE *out) {
     (void)fprintf(out, "\n\n");
 }
 
-static void print_plugin(const hs_loop_result *r, FILE *out) {
+/* Which of the plugin's rules removed nothing, and the setting that does all the same, if there is one. */
+static void print_reason(const hs_run *run, FILE *out) {
+    char words[HS_REASON_BYTES];
+    sv_confidence_report report;
+    sv_param_info info;
+    if (!hs_plugin_reason(run->plugin.instance, &report, words)) return;
+    hs_print(out, "Why: %s\n", words);
+    for (uint32_t i = 0; report.try_id != 0 && i < hs_plugin_param_count(&run->plugin); i++) {
+        const sv_plugin *p = run->plugin.instance;
+        char value[64];
+        info = (sv_param_info){.size = sizeof info};
+        if (p->param_info(p, i, &info) == SV_OK && info.id == report.try_id &&
+            p->param_text(p, info.id, (double)report.try_value, value, sizeof value) == SV_OK)
+            hs_print(out, "Try: --set %s=%s\n", info.key, value);
+    }
+}
+
+static void print_plugin(const hs_run *run, const hs_loop_result *r, FILE *out) {
     const sv_stage_times *t = &r->plugin_stages;
     if (r->has_plugin_stages)
         (void)fprintf(out,
@@ -105,7 +124,10 @@ static void print_plugin(const hs_loop_result *r, FILE *out) {
     (void)fprintf(out, "; rendered unclipped: %u by the plugin's note, %u by its failure\n", r->note_frames,
                   r->failed_frames);
     const sv_stats *s = &r->stats;
-    (void)fprintf(out, "Last frame: %s", hs_status_name(r->outcome));
+    /* A plugin that could not be made has no status of its own to tell: its reason says more. */
+    const hs_error *failure = hs_run_plugin_error(run);
+    hs_print(out, "Last frame: %s",
+             r->outcome < 0 && failure->code != HS_OK ? failure->text : hs_status_name(r->outcome));
     const sv_points_report *p = &r->points;
     if (s->points > 0)
         (void)fprintf(out, "; %u rays gave a point (%.1f %% of %u)", s->points, 100.0 * s->points / s->rays,
@@ -118,6 +140,7 @@ static void print_plugin(const hs_loop_result *r, FILE *out) {
                       p->empty_points, p->sure_points, (double)p->bone_threshold, (double)p->volume_max,
                       p->passes);
     (void)fprintf(out, "\n");
+    if (r->outcome == SV_NO_SURFACE) print_reason(run, out);
 }
 
 static void print_written(const hs_result_report *w, FILE *out) {
@@ -135,6 +158,15 @@ static void print_written(const hs_result_report *w, FILE *out) {
     (void)fprintf(out, "\n");
 }
 
+static void print_difference(const hs_run *run, FILE *out) {
+    const hs_result_difference *d = &run->difference;
+    hs_print(out, "Reference %s: %u of %u rays differ by more than %g mm", run->request.reference,
+             d->different, d->rays, d->tolerance);
+    if (d->different > 0)
+        (void)fprintf(out, ", the most by %g mm at (%u, %u): differences.csv", d->largest, d->x, d->y);
+    (void)fprintf(out, "\n");
+}
+
 void hs_run_print(const hs_run *run, FILE *out) {
     const bool colour = hs_use_colour(fileno(out));
     bool other_settings = false;
@@ -143,11 +175,12 @@ void hs_run_print(const hs_run *run, FILE *out) {
     print_times(run, out);
     for (uint32_t i = 0; i < run->result_count; i++) {
         if (run->results[i].setting == HS_SETTING_SMARTVIS)
-            print_plugin(&run->results[i], out);
+            print_plugin(run, &run->results[i], out);
         else
             other_settings = true;
     }
     if (run->has_written) print_written(&run->written, out);
+    if (run->difference.rays > 0) print_difference(run, out);
     if (other_settings)
         (void)fprintf(
             out,

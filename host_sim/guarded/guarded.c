@@ -63,7 +63,9 @@ static sv_status guarded_begin(const sv_plugin *plugin, const sv_frame *frame) {
     hs_guard_block *block = guard->block;
     if (frame->value_count > HS_GUARD_MAX_VALUES)
         return hs_guard_refuse(guard, SV_ERR_ARGUMENT, "begin", "more values than the guard takes");
-    block->frame = *frame;
+    block->frame = (sv_frame){0}; /* what an older host does not say */
+    memcpy(&block->frame, frame, frame->size < sizeof *frame ? frame->size : sizeof *frame);
+    block->frame.size = sizeof block->frame;
     block->frame.values = NULL;
     block->frame.scanned = NULL;
     if (guard->lost_frame) block->frame.flags |= SV_FRAME_DISCONTINUITY;

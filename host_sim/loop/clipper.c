@@ -189,6 +189,8 @@ static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **
                       .time_ns = moment.time_ns,
                       .values = clipper->value_count ? clipper->values : NULL,
                       .value_count = clipper->value_count};
+    memcpy(frame.probe_rotation, moment.probe_rotation, sizeof frame.probe_rotation);
+    memcpy(frame.probe_side, moment.probe_side, sizeof frame.probe_side);
     hs_slabs_describe_frame(clipper->slabs, clipper->own_queue, &frame);
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);

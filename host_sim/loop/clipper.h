@@ -54,8 +54,9 @@ bool hs_clipper_wants_confidence(const hs_clipper *clipper);
 /* Which volume a frame is about. */
 typedef struct {
     uint64_t index;
-    uint64_t time_ns; /* when it was acquired; 0: unknown */
-    bool continues;   /* the volume before, seen by the same camera */
+    uint64_t time_ns;                       /* when it was acquired; 0: unknown */
+    bool continues;                         /* the volume before, seen by the same camera */
+    float probe_rotation[9], probe_side[3]; /* as in sv_frame */
 } hs_moment;
 
 /* One frame: begin, every slab, end; waits for the queue. The slabs must be converted, and the queue have

@@ -179,8 +179,8 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
     if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
     return (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
                                           gaps, memory, err)) &&
-           hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err) &&
-           (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err));
+           (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err)) &&
+           hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err);
 }
 
 static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
@@ -191,8 +191,8 @@ static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) 
            (loop->screen = hs_screen_create(loop->cl, &loop->options.dvr, err)) &&
            (first = hs_source_bring(loop->source, 0, err)) &&
            (loop->volume = hs_device_volume_create(loop->cl, first, err)) &&
-           hs_screen_prepare(loop->screen, loop->volume, err) &&
-           create_clipper(loop, plugin, first->beams != NULL, err);
+           create_clipper(loop, plugin, first->beams != NULL, err) &&
+           hs_screen_prepare(loop->screen, loop->volume, err);
 }
 
 bool hs_loop_reactivate(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *asked, hs_error *err) {
@@ -320,15 +320,24 @@ bool hs_loop_draw(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_fra
 
 #define FRAME_NS UINT64_C(50000000) /* the simulated machine scans 20 volumes a second */
 
+hs_moment hs_loop_alone(const hs_loop *loop, uint32_t index) {
+    hs_moment moment = {.index = index};
+    hs_camera camera;
+    hs_loop_camera(loop, index, &camera);
+    hs_camera_probe(&camera, hs_source_shape(loop->source), moment.probe_rotation, moment.probe_side);
+    return moment;
+}
+
 static hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
     const hs_loop_options *o = &loop->options;
-    /* A sequence that starts again jumps back in time; an orbit moves the camera with every frame. */
+    /* What starts again jumps back in time; an orbit moves the camera with every frame. */
     const bool next = loop->has_before && index == loop->before + 1 && index % loop->source->count != 0;
-    const bool same = loop->has_before && loop->source->count == 1;
+    const bool same = loop->has_before && index >= loop->before && loop->source->count == 1;
     const bool still = (o->orbit == 0 || o->frames < 2) && !loop->turned;
     loop->turned = false;
-    const hs_moment moment = {
-        .index = index, .time_ns = (index + UINT64_C(1)) * FRAME_NS, .continues = still && (next || same)};
+    hs_moment moment = hs_loop_alone(loop, index);
+    moment.time_ns = (index + UINT64_C(1)) * FRAME_NS;
+    moment.continues = still && (next || same);
     loop->has_before = true;
     loop->before = index;
     return moment;

@@ -27,8 +27,8 @@ static bool take_clip(hs_loop *loop, const hs_clip *clip, hs_frame *frame, float
 
 bool hs_loop_clip(hs_loop *loop, uint32_t index, hs_frame *frame, float *map, hs_error *err) {
     hs_clip clip;
-    const hs_moment alone = {.index = index}; /* it continues nothing: what it comes to is its own */
-    return hs_clipper_frame(loop->clipper, alone, &clip, err) && take_clip(loop, &clip, frame, map, err);
+    return hs_clipper_frame(loop->clipper, hs_loop_alone(loop, index), &clip, err) &&
+           take_clip(loop, &clip, frame, map, err);
 }
 
 bool hs_loop_adjust(hs_loop *loop, sv_param_value value, hs_frame *frame, float *map, hs_error *err) {

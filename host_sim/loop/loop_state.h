@@ -24,6 +24,9 @@ struct hs_loop {
     bool turned; /* the camera, since that frame */
 };
 
+/* Frame `index` on its own: it continues nothing. */
+hs_moment hs_loop_alone(const hs_loop *loop, uint32_t index);
+
 /* What a call of the plugin came to, as part of a frame. */
 void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame);
 

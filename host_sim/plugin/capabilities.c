@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "plugin/capabilities.h"
 
+#include <stdio.h>
+
 bool hs_plugin_takes(const sv_descriptor *d, hs_handover how) {
     const uint32_t queue = how.own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST;
     return (d->voxel_types & SV_BIT(SV_VOXEL_U8)) && (d->carriers & SV_BIT(how.carrier)) &&
@@ -63,8 +65,46 @@ const sv_ext_spline *hs_plugin_spline(const sv_plugin *instance) {
     return ext && SV_HAS(ext, report) && ext->report ? ext : NULL;
 }
 
+const sv_ext_needs *hs_plugin_needs(const sv_plugin *instance) {
+    const sv_ext_needs *ext = instance->get_extension(instance, SV_EXT_NEEDS);
+    return ext && SV_HAS(ext, of) && ext->of ? ext : NULL;
+}
+
 void hs_plugin_points(const sv_plugin *instance, sv_points_report *out) {
     const sv_ext_points *ext = instance->get_extension(instance, SV_EXT_POINTS);
     *out = (sv_points_report){.size = sizeof *out};
     if (!ext || !SV_HAS(ext, write) || !ext->write || ext->write(instance, out) != SV_OK) out->size = 0;
+}
+
+static bool reason_words(const sv_confidence_report *r, char words[HS_REASON_BYTES]) {
+    const double found = 100.0 * (double)r->found, wanted = 100.0 * (double)r->wanted;
+    switch (r->reason) {
+    case SV_REASON_EMPTY:
+        (void)snprintf(words, HS_REASON_BYTES,
+                       "Too little was scanned, or all of it has one grey level. Scan more of it.");
+        return true;
+    case SV_REASON_NO_FETUS:
+        (void)snprintf(words, HS_REASON_BYTES,
+                       "Only %.0f %% of the view shows tissue brighter than the wall behind it; %.0f %% are "
+                       "needed. Turn the view, or move the probe, until the fetus lies behind the wall.",
+                       found, wanted);
+        return true;
+    case SV_REASON_NO_FLUID:
+    case SV_REASON_DOUBTFUL:
+        (void)snprintf(
+            words, HS_REASON_BYTES,
+            "%.0f %% of what is as dark as fluid lies between wall and fetus; from %.0f %% on it is "
+            "sure. Turn the view, or move the probe, until fluid lies between them.",
+            found, wanted);
+        return true;
+    default:
+        return false; /* of a later version */
+    }
+}
+
+bool hs_plugin_reason(const sv_plugin *instance, sv_confidence_report *out, char words[HS_REASON_BYTES]) {
+    const sv_ext_confidence *ext = hs_plugin_confidence(instance);
+    *out = (sv_confidence_report){.size = sizeof *out};
+    return ext && ext->offered(instance) && ext->read(instance, NULL, out) == SV_OK &&
+           reason_words(out, words);
 }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "smartvis/confidence.h"
+#include "smartvis/needs.h"
 #include "smartvis/points.h"
 #include "smartvis/spline.h"
 #include "smartvis/timing.h"
@@ -47,6 +48,13 @@ const char *hs_fan_name(hs_fan fan);
 const sv_ext_timing *hs_plugin_timing(const sv_plugin *instance);
 const sv_ext_confidence *hs_plugin_confidence(const sv_plugin *instance);
 const sv_ext_spline *hs_plugin_spline(const sv_plugin *instance);
+const sv_ext_needs *hs_plugin_needs(const sv_plugin *instance);
+
+enum { HS_REASON_BYTES = 320 };
+
+/* [control & active] Which rule of the plugin's found no surface in the last frame, or a doubtful one, in
+ * words for who holds the probe. False: the plugin does not tell. Waits for the queue. */
+bool hs_plugin_reason(const sv_plugin *instance, sv_confidence_report *out, char words[HS_REASON_BYTES]);
 
 /* [frame & active, after end or adjust] Asks for the report on the last frame's points. With the host's queue
  * it is valid, and its memory must stay, until the queue has run. out->size is 0 if the plugin does not tell:

@@ -3,6 +3,7 @@
 
 #include "base/paths.h"
 #include "base/text.h"
+#include "smartvis/lookup.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -95,48 +96,13 @@ void hs_plugin_default_path(char *out, size_t bytes) {
 /* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the
  * library is trusted unchecked. */
 
-/* The name of a status of the header, or NULL. */
-static const char *find_status(sv_status status) {
-#define NAME(code)                                                                                           \
-    { code, #code }
-    static const struct {
-        sv_status code;
-        const char *name;
-    } names[] = {
-        NAME(SV_OK),
-        NAME(SV_NO_SURFACE),
-        NAME(SV_PARTIAL),
-        NAME(SV_ERR_INTERNAL),
-        NAME(SV_ERR_ARGUMENT),
-        NAME(SV_ERR_SIZE),
-        NAME(SV_ERR_FORMAT),
-        NAME(SV_ERR_PARAM_ID),
-        NAME(SV_ERR_PARAM_RANGE),
-        NAME(SV_ERR_PARAM_FIXED),
-        NAME(SV_ERR_UNKNOWN_ID),
-        NAME(SV_ERR_STATE),
-        NAME(SV_ERR_SLAB_ORDER),
-        NAME(SV_ERR_SLAB_MISSING),
-        NAME(SV_ERR_SLAB_SHAPE),
-        NAME(SV_ERR_NO_DEVICE),
-        NAME(SV_ERR_BUILD),
-        NAME(SV_ERR_OPENCL),
-        NAME(SV_ERR_SELF_TEST),
-        NAME(SV_ERR_NO_MEMORY),
-    };
-#undef NAME
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (names[i].code == status) return names[i].name;
-    return NULL;
-}
-
 const char *hs_status_name(sv_status status) {
-    const char *name = find_status(status);
+    const char *name = sv_lookup_status(status);
     return name ? name : "unknown status";
 }
 
 bool hs_status_is_known(sv_status status) {
-    return find_status(status) != NULL;
+    return sv_lookup_status(status) != NULL;
 }
 
 bool hs_status_is_success(sv_status status) {
@@ -152,9 +118,11 @@ static const char *severity_name(int32_t severity) {
 
 /* sv_host.log: one fprintf a line, so that lines of two threads do not mix. */
 static void print_log(const sv_host *host, int32_t severity, const char *text) {
-    const hs_plugin *plugin = host->host_data;
-    if (severity < plugin->log_level) return;
+    hs_plugin *plugin = host->host_data;
     char line[2048]; /* one line, whatever the plugin has put into it */
+    if (!plugin->instance) (void)hs_text_escape(plugin->line, sizeof plugin->line, text ? text : "", 0);
+    if (plugin->hears) plugin->hears(plugin->ear, severity, text ? text : "(null)");
+    if (severity < plugin->log_level) return;
     (void)fprintf(stderr, "plugin: %s: %s\n", severity_name(severity),
                   hs_text_escape(line, sizeof line, text ? text : "(null)", 0));
 }
@@ -283,8 +251,8 @@ static bool create_instance(hs_plugin *plugin, const sv_entry *entry, const char
     sv_status status = entry->create(&plugin->host, descriptor->id, &plugin->instance);
     if (status != SV_OK) {
         plugin->instance = NULL; /* by the header it is; a defect there must not become a call through it */
-        return hs_fail(err, HS_ERR_PLUGIN, "%s: create '%s': %s (%d)", plugin->path, descriptor->id,
-                       hs_status_name(status), status);
+        return hs_fail(err, HS_ERR_PLUGIN, "%s: create '%s': %s (%d)%s%s", plugin->path, descriptor->id,
+                       hs_status_name(status), status, plugin->line[0] ? ": " : "", plugin->line);
     }
     if (!plugin->instance)
         return hs_fail(err, HS_ERR_PLUGIN, "%s: create '%s': SV_OK, but no instance", plugin->path,

@@ -29,6 +29,9 @@ typedef struct {
     const sv_plugin *instance;
     sv_host host;
     int32_t log_level; /* lines of lower severity are not printed (SV_LOG_*) */
+    void (*hears)(void *ear, int32_t severity, const char *text); /* every line behind create; or NULL */
+    void *ear;
+    char line[256]; /* the last one of create: a plugin without an instance has no last_error */
     char path[1024];
 } hs_plugin;
 
@@ -48,6 +51,17 @@ typedef struct {
 bool hs_plugin_open_watched(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
                             const hs_call_watch *watch, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);
+
+/* Depths that were made elsewhere: mm from the front of the low-resolution volume's box, row by row; 0 or
+ * less clips nothing. Borrowed. */
+typedef struct {
+    const float *mm;
+    uint32_t width, height;
+} hs_given_map;
+
+/* Instead of a library, a plugin that gives out this map, which must outlive it. It refuses frames of another
+ * size. HS_ERR_MEMORY. */
+bool hs_plugin_open_map(hs_plugin *plugin, const hs_given_map *map, hs_error *err);
 
 /* True for a status that the header names. */
 bool hs_status_is_known(sv_status status);

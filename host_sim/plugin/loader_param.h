@@ -17,7 +17,7 @@ void hs_plugin_value_text(const hs_plugin *plugin, const sv_param_info *info, do
 /* Finds a parameter by key. False if there is none. */
 bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info);
 
-/* Finds the one knob a user sees (SV_PARAM_PRIMARY). False if the plugin has none. */
+/* Finds the one parameter that every user sees (SV_PARAM_PRIMARY). False if the plugin has none. */
 bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info);
 
 #define HS_ENUM_NAME 64u /* bytes that hold the name of an enum's value; a longer one is no name */

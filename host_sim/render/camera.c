@@ -98,6 +98,17 @@ void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, 
     hs_camera_look_from(camera, volume, HS_FROM_PROBE, yaw_deg, pitch_deg);
 }
 
+void hs_camera_probe(const hs_camera *camera, const hs_volume *volume, float rotation[9], float side[3]) {
+    const double *c = camera->rotation;
+    const double to_camera[9] = {c[0], c[3], c[6], c[1], c[4], c[7], c[2], c[5], c[8]};
+    double from_probe[9], seen[9], turned[9];
+    probe_axes(volume, from_probe);
+    multiply(to_camera, from_probe, seen);
+    multiply(seen, volume->probe_turn, turned);
+    for (int k = 0; k < 9; k++) rotation[k] = (float)(turned[k] + 0.0); /* no -0 */
+    for (int k = 0; k < 3; k++) side[k] = (float)(0.0 - turned[k * 3 + 2]);
+}
+
 void hs_camera_merge_box(hs_camera *camera, const hs_camera *other) {
     camera->extent = fmax(camera->extent, other->extent);
     camera->depth_extent = fmax(camera->depth_extent, other->depth_extent);
@@ -121,14 +132,20 @@ void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_
     }
 }
 
+bool hs_camera_in_patient(const hs_camera *camera, const hs_volume *volume, double out[9]) {
+    if (volume->beams || !volume->pose.stated) return false;
+    multiply(volume->pose.direction, camera->rotation, out);
+    return true;
+}
+
 void hs_camera_mark(const hs_camera *camera, const hs_volume *volume, char *out, size_t bytes) {
-    const double *r = camera->rotation;
+    double r[9];
     const char *ends[2];
     if (volume->beams) {
         (void)snprintf(out, bytes, "%s", hs_beams_side_name(volume->beams));
-    } else if (volume->pose.stated) {
+    } else if (hs_camera_in_patient(camera, volume, r)) {
         const double right[3] = {r[0], r[3], r[6]}, up[3] = {-r[1], -r[4], -r[7]};
-        hs_pose_ends(&volume->pose, right, up, ends);
+        hs_pose_ends(right, up, ends);
         (void)snprintf(out, bytes, "patient's %s at the right, %s at the top", ends[0], ends[1]);
     } else if (bytes > 0) {
         out[0] = '\0';

@@ -50,6 +50,10 @@ void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from fro
 /* The same from the probe. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 
+/* How the camera's axes stand to the probe's: sv_frame.probe_rotation and probe_side, zeros if `volume` does
+ * not say where the probe was. */
+void hs_camera_probe(const hs_camera *camera, const hs_volume *volume, float rotation[9], float side[3]);
+
 /* Enlarges the box of `camera` so that it holds the box of `other` (an orbit uses one box for all views). */
 void hs_camera_merge_box(hs_camera *camera, const hs_camera *other);
 
@@ -63,6 +67,11 @@ typedef struct {
     double origin[3], du[3], dv[3], dw[3];
 } hs_box_map;
 void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_map *map);
+
+/* Where the picture's axes run in the patient: row-major, columns are the picture's right, down and away,
+ * rows the patient's left, back and head. False, and nothing set, if the file does not say how the patient
+ * lies. */
+bool hs_camera_in_patient(const hs_camera *camera, const hs_volume *volume, double out[9]);
 
 /* What is known about left and right in a picture that `camera` takes of `volume`: "patient's left at the
  * right, head at the top", by the closest directions, if the file says how the patient lies; of a probe's

@@ -65,4 +65,17 @@ typedef struct {
 bool hs_results_write(hs_loop *loop, const hs_source *source, uint32_t wanted, uint32_t welcome,
                       const char *folder, hs_result_report *report, hs_error *err);
 
+/* How a depthmap differs from one that was kept. */
+typedef struct {
+    uint32_t rays, different;  /* of them: those whose depths are more than `tolerance` apart */
+    double tolerance, largest; /* mm */
+    uint32_t x, y;             /* where the largest difference is, if any ray differs */
+} hs_result_difference;
+
+/* Compares the folder's depthmap.mha with the map `reference`, both of one volume and width x height rays.
+ * Writes a row for each ray that differs to the folder's differences.csv. HS_ERR_INPUT: a map cannot be read,
+ * or has another size; HS_ERR_OUTPUT, HS_ERR_MEMORY. */
+bool hs_result_compare(const char *folder, const char *reference, uint32_t width, uint32_t height,
+                       double tolerance, hs_result_difference *out, hs_error *err);
+
 #endif

@@ -140,6 +140,13 @@ bool hs_scene_camera_turned(const hs_scene_spec *spec) {
     return spec->camera_deg[0] != 0.0f || spec->camera_deg[1] != 0.0f || spec->camera_deg[2] != 0.0f;
 }
 
+void hs_scene_camera_turn(const hs_scene_spec *spec, double turn[9]) {
+    float rows[9];
+    if (!hs_scene_camera_turned(spec)) return;
+    hs_rotation(spec->camera_deg, rows);
+    for (int k = 0; k < 9; k++) turn[k] = (double)rows[k];
+}
+
 void hs_scene_camera_point(const hs_scene_spec *spec, const float p[3], float out[3]) {
     float turn[9];
     const float m = 0.5f * spec->extent_mm;

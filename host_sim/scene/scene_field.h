@@ -125,6 +125,9 @@ void hs_scene_fan(hs_field *field, const hs_scene_spec *spec);           /* grey
 
 /* Whether the camera does not look along the beams. */
 bool hs_scene_camera_turned(const hs_scene_spec *spec);
+/* The scene's axes, which are the probe's, in those of the camera: as hs_volume.probe_turn. Not changed if
+ * the camera looks along the beams. */
+void hs_scene_camera_turn(const hs_scene_spec *spec, double turn[9]);
 /* Where the scene has point p of the camera's cube, in mm; p itself if the camera looks along the beams. */
 void hs_scene_camera_point(const hs_scene_spec *spec, const float p[3], float out[3]);
 /* Samples the grey values again on the camera's voxels, and makes the field's tissue that of the solids

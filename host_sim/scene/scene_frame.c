@@ -167,6 +167,8 @@ static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     if (!hs_volume_init(&out->truth, n[0], n[1], n[2], m->err)) return false;
     for (int a = 0; a < 3; a++)
         out->full.spacing[a] = out->truth.spacing[a] = m->given ? m->given->spacing[a] : (double)h[a];
+    hs_volume_scanned_from(&out->full, HS_PROBE_LOW_Z);
+    hs_scene_camera_turn(&m->spec, out->full.probe_turn);
     if (m->given) out->full.pose = out->truth.pose = m->given->pose;
     snprintf(out->full.name, sizeof out->full.name, "%s", name);
     snprintf(out->truth.name, sizeof out->truth.name, "%s truth", name);

@@ -9,10 +9,12 @@
 #include "show/picture_map.h"
 #include "show/picture_slices.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define POSITIONS 6u
 #define CELL      256u /* pixels */
@@ -28,7 +30,7 @@ static double knob_value(const sv_param_info *info, uint32_t position) {
     return info->display_min + (info->display_max - info->display_min) * position / (POSITIONS - 1);
 }
 
-/* One frame, then the knob at every position. */
+/* One frame, then the primary parameter at every position. */
 static bool make_turns(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
                        const sv_param_info *info, uint32_t index, turns *t, hs_error *err) {
     hs_frame frame = {0};
@@ -40,7 +42,7 @@ static bool make_turns(hs_loop *loop, const hs_plugin *plugin, const hs_loop_opt
         hs_plugin_value_text(plugin, info, value, text, sizeof text);
         (void)snprintf(t->captions[i], sizeof t->captions[i], "%.24s = %s", info->key, text);
         t->rgba[i] = malloc(bytes);
-        if (!t->rgba[i]) return hs_fail(err, HS_ERR_MEMORY, "knob.png: no memory for %zu bytes", bytes);
+        if (!t->rgba[i]) return hs_fail(err, HS_ERR_MEMORY, "positions.png: no memory for %zu bytes", bytes);
         if (!hs_loop_turn(loop, index, info, value, t->rgba[i], err)) return false;
     }
     return true;
@@ -68,7 +70,7 @@ bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
     sv_param_info info;
     char path[PATH_MAX];
     if (!plugin || !hs_plugin_find_primary(plugin, &info)) return true;
-    if (!hs_path_join(folder, "knob.png", path, sizeof path, err)) return false;
+    if (!hs_path_join(folder, "positions.png", path, sizeof path, err)) return false;
     turns t = {0};
     const bool ok = make_turns(loop, plugin, options, &info, index, &t, err) &&
                     draw(&t, options, &info, title, path, err);
@@ -179,8 +181,24 @@ static bool write_depthmap(const hs_view *view, const float *mm, const char *fol
     return save(made, &picture, folder, "depthmap.png", err);
 }
 
+/* What an earlier run left under a name that this one has no picture for, is not this one's. */
+static bool leave_out(const char *folder, const char *name, hs_error *err) {
+    char path[PATH_MAX];
+    if (!hs_path_join(folder, name, path, sizeof path, err)) return false;
+    return unlink(path) == 0 || errno == ENOENT ||
+           hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be removed: %s", path, strerror(errno));
+}
+
+static bool has_points(const hs_view *view) {
+    for (size_t i = 0; i < (size_t)view->map_width * view->map_height; i++)
+        if (view->status[i] != SV_POINT_NONE) return true;
+    return false;
+}
+
+/* Not every method looks for points. */
 static bool write_points(const hs_view *view, const float *mm, const char *folder, const char *title,
                          const char *note, hs_error *err) {
+    if (!has_points(view)) return leave_out(folder, "points.png", err);
     const hs_image mip = {.data = view->mip, .width = view->width, .height = view->height, .channels = 1};
     char facts[1400];
     char threshold[32] = "";
@@ -214,7 +232,7 @@ static bool write_confidence(const hs_view *view, const char *folder, const char
         .title = title,
         .footer = "how sure the plugin is of its depthmap; where it is not, ghosting begins sooner"};
     hs_picture picture;
-    if (!view->sure) return true;
+    if (!view->sure) return leave_out(folder, "confidence.png", err);
     const bool made =
         hs_picture_share(&picture, view->sure, view->map_width, view->map_height, &words, &caption, err);
     return save(made, &picture, folder, "confidence.png", err);

@@ -7,8 +7,8 @@
 #include "loop/view.h"
 
 /*
- * Writes knob.png: the result of frame `index` for six positions of the plugin's primary parameter, from one
- * end of its display range to the other. Writes nothing if the plugin has no such parameter.
+ * Writes positions.png: the result of frame `index` for six positions of the plugin's primary parameter, from
+ * one end of its display range to the other. Writes nothing if the plugin has no such parameter.
  */
 bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
                         uint32_t index, const char *folder, const char *title, hs_error *err);
@@ -19,7 +19,7 @@ bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
  *   panel.png                         the same side by side
  *   slices.png                        the result beside three slices with the clipping surface drawn in
  *   depthmap.png                      the clipping depthmap in false colour, with a legend
- *   points.png                        initial points over the maximum intensity projection
+ *   points.png                        initial points over the maximum intensity projection, if there are any
  *   confidence.png                    the plugin's confidence, if it gave one
  * `title` names source and plugin. `note` (may be NULL) is what hs_frame_note says; `cell` is the width
  * of a picture in panel.png in pixels, 0: 512.

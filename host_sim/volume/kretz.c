@@ -16,16 +16,15 @@ struct hs_kretz {
     char path[4096];
 };
 
-static bool has_magic(const char *path) {
-    uint8_t head[HS_KRETZ_MAGIC_BYTES];
+static bool is_content(const char *path) {
+    uint8_t head[HS_KRETZ_HEAD_BYTES] = {0};
     uint64_t bytes = 0;
     hs_error unused = {0};
     FILE *file = hs_input_open(path, path, &bytes, &unused);
     if (!file) return false;
-    const bool ours =
-        fread(head, 1, sizeof head, file) == sizeof head && memcmp(head, HS_KRETZ_MAGIC, sizeof head) == 0;
+    const size_t read = fread(head, 1, sizeof head, file);
     (void)fclose(file);
-    return ours;
+    return memcmp(head, HS_KRETZ_MAGIC, HS_KRETZ_MAGIC_BYTES) == 0 || hs_kretz_is_dicom(head, read);
 }
 
 bool hs_kretz_is_name(const char *name) {
@@ -37,7 +36,7 @@ bool hs_kretz_is_name(const char *name) {
 }
 
 bool hs_kretz_is_file(const char *path) {
-    return hs_kretz_is_name(path) || has_magic(path);
+    return hs_kretz_is_name(path) || is_content(path);
 }
 
 hs_kretz *hs_kretz_open(const char *path, const hs_kretz_options *options, hs_error *err) {
@@ -94,6 +93,7 @@ static bool make(const hs_kretz *kretz, hs_volume *volume, hs_error *err) {
             return false;
         }
     }
+    hs_volume_scanned_from(volume, HS_PROBE_LOW_Z);
     const char *slash = strrchr(kretz->path, '/');
     (void)snprintf(volume->name, sizeof volume->name, "%.255s", slash ? slash + 1 : kretz->path);
     return true;

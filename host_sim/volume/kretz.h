@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads and writes GE Kretz volumes (.vol): single ones and sequences, in probe geometry or Cartesian.
- * docs/kretz.md. */
+/* Reads and writes GE Kretz volumes (.vol): single ones and sequences, in probe geometry or Cartesian. Reads
+ * them out of DICOM files, too. docs/kretz.md. */
 #ifndef HS_KRETZ_H
 #define HS_KRETZ_H
 
@@ -18,7 +18,7 @@ typedef struct hs_kretz hs_kretz;
 /* True if the name ends in .vol or .v00 .. .v05. */
 bool hs_kretz_is_name(const char *name);
 
-/* The same, or the file begins as a KRETZFILE does: read it here. */
+/* The same, or the file begins as a KRETZFILE or a DICOM file does: read it here. */
 bool hs_kretz_is_file(const char *path);
 
 /*

@@ -4,15 +4,12 @@
 #include "volume/kretz_parts.h"
 #include "volume/volume.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define HEADER_BYTES 8u
-#define DICOM_MAGIC  128 /* "DICM" stands here in a DICOM file */
 
 static uint32_t u16_at(const uint8_t *bytes) {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8;
@@ -23,29 +20,6 @@ bool hs_kretz_items_read(const hs_kretz_items *items, uint64_t offset, void *out
     const char *reason = hs_input_read_at(items->file, &offset, out, bytes);
     return !reason || hs_fail(err, HS_ERR_INPUT, "%s: byte %" PRIu64 ": cannot be read: %s", items->path,
                               offset, reason);
-}
-
-static bool check_magic(const hs_kretz_items *items, hs_error *err) {
-    uint8_t head[DICOM_MAGIC + 4] = {0};
-    const size_t bytes = items->end < sizeof head ? (size_t)items->end : sizeof head;
-    if (!hs_kretz_items_read(items, 0, head, bytes, err)) return false;
-    if (bytes >= HS_KRETZ_MAGIC_BYTES && memcmp(head, HS_KRETZ_MAGIC, HS_KRETZ_MAGIC_BYTES) == 0) return true;
-    if (memcmp(head + DICOM_MAGIC, "DICM", 4) == 0)
-        return hs_fail(err, HS_ERR_INPUT,
-                       "%s: a DICOM file, expected KRETZFILE 1.0; export the volume as .vol from 4D View",
-                       items->path);
-    return hs_fail(err, HS_ERR_INPUT,
-                   "%s: the first %u bytes are not 'KRETZFILE 1.0' with three spaces behind it", items->path,
-                   HS_KRETZ_MAGIC_BYTES);
-}
-
-bool hs_kretz_items_open(hs_kretz_items *items, const char *path, hs_error *err) {
-    *items = (hs_kretz_items){.path = path, .at = HS_KRETZ_MAGIC_BYTES};
-    items->file = hs_input_open(path, path, &items->end, err);
-    if (!items->file) return false;
-    if (check_magic(items, err)) return true;
-    hs_kretz_items_close(items);
-    return false;
 }
 
 /* True for the first item of a geometry or of voxels that was written with the high byte first. */
@@ -59,7 +33,7 @@ bool hs_kretz_items_next(hs_kretz_items *items, hs_kretz_item *item, bool *more,
     uint8_t header[HEADER_BYTES];
     const uint64_t left = items->end - items->at;
     *more = false;
-    if (left == 0) return true;
+    if (left == 0 || (left == 1 && items->padded)) return true;
     if (left < HEADER_BYTES)
         return hs_fail(err, HS_ERR_INPUT,
                        "%s: byte %" PRIu64 ": %" PRIu64 " bytes are left, an item's header needs %u",
@@ -227,7 +201,7 @@ static bool check_size(const found *f, hs_kretz_header *h, hs_error *err) {
 static bool no_voxels(const found *f, hs_error *err) {
     if (f->there[COMPRESSED])
         return hs_fail(err, HS_ERR_INPUT,
-                       CONTEXT " are all there is; save the volume again in 4D View with compression None",
+                       CONTEXT " are all there is; in 4D View, re-save with wavelet compression off",
                        ARGS(f, COMPRESSED));
     return hs_fail(err, HS_ERR_INPUT, CONTEXT " are missing%s", ARGS(f, VOXELS),
                    f->other_bank ? "; the file has Doppler only" : "");

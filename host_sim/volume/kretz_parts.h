@@ -14,6 +14,7 @@
 #define HS_KRETZ_MAGIC_BYTES 16u
 #define HS_KRETZ_MAGIC       "KRETZFILE 1.0   " /* the first bytes of every file */
 #define HS_KRETZ_MAX_ITEMS   65536u             /* real files have some hundred */
+#define HS_KRETZ_HEAD_BYTES  132u               /* tell a KRETZFILE, and a DICOM file that may hold one */
 
 typedef struct {
     uint16_t group, element;
@@ -27,9 +28,18 @@ typedef struct {
     const char *path; /* for messages; must outlive this */
     uint64_t at, end; /* bytes from the file's start: the next item, and the end of the stream */
     uint32_t count;   /* items so far */
+    bool padded;      /* a last byte that belongs to no item makes the length even, as DICOM wants it */
 } hs_kretz_items;
 
-/* Opens the file and checks the magic. HS_ERR_INPUT names the file. Any thread. */
+/* True if these first bytes of a file are those of a DICOM file. */
+bool hs_kretz_is_dicom(const uint8_t *head, size_t bytes);
+
+/*
+ * Opens a file that begins with the magic, or a DICOM file of implicit or explicit little endian that holds
+ * one such stream in its private group 7FE1. HS_ERR_INPUT names file, element and value: no stream or two of
+ * them, another transfer syntax, an element that does not fit in the file, more than 65536 elements. Any
+ * thread.
+ */
 bool hs_kretz_items_open(hs_kretz_items *items, const char *path, hs_error *err);
 
 /* The next item. At the end of the stream, which is the item (FFFF,FFFF) or the end of the file, *more is

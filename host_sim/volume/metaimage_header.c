@@ -269,7 +269,7 @@ static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
 }
 
 /* UltrasoundImageOrientation: the axis that runs "far" from the probe, or "near" to it. */
-static bool check_probe(const hs_met_text *text, hs_probe *probe) {
+static bool check_probe(const hs_met_text *text, hs_probe *probe, bool *stated) {
     static const char *const kinds[3] = {"MU", "NF", "AD"};
     static const hs_probe low[3] = {HS_PROBE_LOW_X, HS_PROBE_LOW_Y, HS_PROBE_LOW_Z};
     static const hs_probe high[3] = {HS_PROBE_HIGH_X, HS_PROBE_HIGH_Y, HS_PROBE_HIGH_Z};
@@ -287,6 +287,7 @@ static bool check_probe(const hs_met_text *text, hs_probe *probe) {
         if (ok) seen[kind] = true;
         if (kind == 1) *probe = value[axis] == 'F' ? low[axis] : high[axis];
     }
+    *stated = ok;
     return ok || hs_met_bad_value(text, HS_MET_F_ULTRASOUND,
                                   "three letters, one of M U, one of N F and one of A D, or XX");
 }
@@ -298,7 +299,8 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
     header->local_start = text.bytes;
     ok = ok && check_dims(&text, header) && check_spacing(&text, header) && check_type(&text, header) &&
          check_encoding(&text, header) && check_data_file(&text, header) &&
-         check_pose(&text, header->dims, &header->pose) && check_probe(&text, &header->probe);
+         check_pose(&text, header->dims, &header->pose) &&
+         check_probe(&text, &header->probe, &header->probe_stated);
     ok = ok &&
          hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
          hs_met_frames(&text, header->dims, header->frames, &header->fields);

@@ -108,6 +108,7 @@ typedef struct {
     double spacing[3];       /* mm */
     hs_pose pose;
     hs_probe probe;
+    bool probe_stated; /* else it is a guess */
     hs_met_type type;
     const char *type_name; /* static, "MET_UCHAR" */
     uint32_t element_bytes;

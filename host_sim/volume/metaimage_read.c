@@ -222,7 +222,8 @@ void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape) {
     const hs_met_header *h = m->header;
     *shape = (hs_volume){.nx = h->size[0], .ny = h->size[1], .nz = h->size[2], .pose = h->pose};
     memcpy(shape->spacing, h->spacing, sizeof h->spacing);
-    shape->probe = m->options.has_probe ? m->options.probe : h->probe;
+    if (m->options.has_probe || h->probe_stated)
+        hs_volume_scanned_from(shape, m->options.has_probe ? m->options.probe : h->probe);
     const char *slash = strrchr(m->path, '/');
     (void)snprintf(shape->name, sizeof shape->name, "%s", slash ? slash + 1 : m->path);
 }

@@ -90,14 +90,13 @@ void hs_pose_words(const hs_pose *pose, char *out, size_t bytes) {
     }
 }
 
-void hs_pose_ends(const hs_pose *pose, const double first[3], const double second[3], const char *out[2]) {
+void hs_pose_ends(const double first[3], const double second[3], const char *out[2]) {
     const double *const directions[2] = {first, second};
     int taken = -1;
     for (int i = 0; i < 2; i++) {
         double best = -1.0;
         for (int k = 0, not_this = taken; k < 3; k++) {
-            double along = 0.0;
-            for (int axis = 0; axis < 3; axis++) along += pose->direction[k * 3 + axis] * directions[i][axis];
+            const double along = directions[i][k];
             if (k == not_this || fabs(along) <= best) continue;
             best = fabs(along);
             taken = k;

@@ -34,6 +34,11 @@ bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs
     return true;
 }
 
+void hs_volume_scanned_from(hs_volume *volume, hs_probe probe) {
+    volume->probe = probe;
+    for (int k = 0; k < 9; k++) volume->probe_turn[k] = k % 4 == 0 ? 1.0 : 0.0;
+}
+
 void hs_volume_free(hs_volume *volume) {
     free(volume->voxels);
     hs_beams_free(volume->beams);

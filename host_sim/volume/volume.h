@@ -54,9 +54,9 @@ bool hs_pose_from_letters(hs_pose *pose, const char *letters);
  * much: "x to the left (12 degrees off)". */
 void hs_pose_words(const hs_pose *pose, char *out, size_t bytes);
 
-/* The ends of the patient's axes ("left", "front", "head", ...; static) that two directions at right angles
- * are closest to, and never one axis for both. They are given along the volume's axes. */
-void hs_pose_ends(const hs_pose *pose, const double first[3], const double second[3], const char *out[2]);
+/* The ends of the patient's axes ("left", "front", "head", ...; static) that two directions of the world, at
+ * right angles, are closest to, and never one axis for both. */
+void hs_pose_ends(const double first[3], const double second[3], const char *out[2]);
 
 /* "-z", "+z", ..: the name of a face on command lines. */
 const char *hs_probe_name(hs_probe probe);
@@ -77,9 +77,12 @@ typedef struct {
     double spacing[3]; /* mm, > 0 */
     hs_pose pose;      /* of zeros: unknown, and seen from the probe as the default one is */
     hs_probe probe;
-    uint8_t *voxels; /* nx * ny * nz bytes, owned */
-    hs_beams *beams; /* in probe geometry, what this is the Cartesian copy of; owned; NULL: there is none */
-    char name[256];  /* for messages and captions: a file's name or a scene's */
+    double
+        probe_turn[9]; /* row-major: the probe's axes (x along its array, z along the beams) in those of who
+                          looks from `probe`. Identity but for a scene's turned camera; zeros: unknown */
+    uint8_t *voxels;   /* nx * ny * nz bytes, owned */
+    hs_beams *beams;   /* in probe geometry, what this is the Cartesian copy of; owned; NULL: there is none */
+    char name[256];    /* for messages and captions: a file's name or a scene's */
 } hs_volume;
 
 /* Allocates zeroed voxels, spacing 1 mm, the default pose, the probe at slice 0, empty name. What the struct
@@ -87,6 +90,9 @@ typedef struct {
  * or above HS_VOLUME_MAX_AXIS or if there are more than HS_VOLUME_MAX_VOXELS in all, HS_ERR_MEMORY if the
  * memory runs out. */
 bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs_error *err);
+
+/* Says that the probe was at this face: `probe`, and a `probe_turn` of identity. */
+void hs_volume_scanned_from(hs_volume *volume, hs_probe probe);
 
 /* Frees the voxels and the beams, and zeroes the struct. Safe on a zeroed struct. */
 void hs_volume_free(hs_volume *volume);

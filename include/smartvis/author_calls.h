@@ -129,7 +129,8 @@ static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_fram
     status = sva_take_values(a, "begin", frame->values, frame->value_count, 0);
     if (status != SV_OK) return status;
     memcpy(a->framed, a->values, a->method->param_count * sizeof *a->values);
-    a->frame = *frame;
+    memset(&a->frame, 0, sizeof a->frame); /* what an older host does not say */
+    memcpy(&a->frame, frame, frame->size < sizeof a->frame ? frame->size : sizeof a->frame);
     a->frame.values = NULL;
     a->frame.value_count = 0;
     a->scanned = frame->scanned;
@@ -303,18 +304,24 @@ static inline const void *SV_CALL sva_get_extension(const sv_plugin *plugin, con
 
 /* ---------------------------------------------------------------------------------------- creation -- */
 
-/* What is wrong with the author's own tables, or NULL. */
-static inline const char *sva_fault(const sva_method *m) {
-    for (uint32_t i = 0; i < m->param_count; i++) {
+/* What is wrong with the author's own tables as a text for the log; "" if nothing is. */
+static inline void sva_fault(const sva_method *m, char *out, size_t bytes) {
+    const char *fault = m->finish ? "" : "finish is NULL";
+    for (uint32_t i = 0; i < m->param_count && !fault[0]; i++) {
         const sva_param *p = &m->params[i];
-        if (p->id == 0 || !p->key || !p->label || !p->unit || !p->help) return "a parameter is incomplete";
-        if (!sva_value_fits(p, p->default_value)) return "a parameter's default is outside its range";
+        const int whole = p->id != 0 && p->key && p->label && p->unit && p->help;
+        if (whole && !sva_value_fits(p, p->default_value)) {
+            (void)snprintf(out, bytes, "parameter '%s': the default is %g, expected %g to %g in steps of %g",
+                           p->key, p->default_value, p->min_value, p->max_value, sva_step(p));
+            return;
+        }
+        if (!whole) fault = "a parameter is incomplete";
         if ((p->flags & SV_PARAM_ADJUST) && (!m->adjust || !(m->descriptor->features & SV_FEATURE_ADJUST)))
-            return "SV_PARAM_ADJUST needs the function adjust and SV_FEATURE_ADJUST";
+            fault = "SV_PARAM_ADJUST needs the function adjust and SV_FEATURE_ADJUST";
         for (uint32_t n = 0; n < i; n++)
-            if (m->params[n].id == p->id) return "two parameters have the same id";
+            if (m->params[n].id == p->id) fault = "two parameters have the same id";
     }
-    return m->finish ? NULL : "finish is NULL";
+    (void)snprintf(out, bytes, "%s", fault);
 }
 
 static inline void sva_fill_api(sva *a) {
@@ -343,11 +350,12 @@ static inline sv_status sva_create(const sva_method *method, const sv_host *host
     *out = NULL;
     if (!host || !id) return SV_ERR_ARGUMENT;
     if (host->size < sizeof *host) return SV_ERR_SIZE;
-    const char *fault = sva_fault(method);
+    char fault[256];
+    sva_fault(method, fault, sizeof fault);
     const int known = strcmp(id, method->descriptor->id) == 0;
-    if (fault && host->log) host->log(host, SV_LOG_PLUGIN_MISBEHAVING, fault);
+    if (fault[0] && host->log) host->log(host, SV_LOG_PLUGIN_MISBEHAVING, fault);
     if (!known && host->log) host->log(host, SV_LOG_HOST_MISBEHAVING, "create: no plugin with that id here");
-    if (fault || !known) return fault ? SV_ERR_INTERNAL : SV_ERR_UNKNOWN_ID;
+    if (fault[0] || !known) return fault[0] ? SV_ERR_INTERNAL : SV_ERR_UNKNOWN_ID;
     sva *a = (sva *)calloc(1, sizeof *a);
     double *values = (double *)calloc(3 * (size_t)method->param_count + 1, sizeof *values);
     void *own = calloc(1, method->own_bytes + 1);

@@ -7,6 +7,7 @@
 #define SMARTVIS_AUTHOR_CHECKS_H
 
 #include "smartvis/author_method.h"
+#include "smartvis/probe.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -154,7 +155,8 @@ static inline sv_status sva_check_format(sva *a, const sv_format *f) {
 
 static inline sv_status sva_check_frame(sva *a, const sv_frame *f) {
     if (!f) return sva_blame(a, SV_ERR_ARGUMENT, "begin: frame is NULL");
-    const sv_status s = sva_check_size(a, "begin: frame", f->size, sizeof *f);
+    const sv_status s = sva_check_size(a, "begin: frame", f->size, SV_FRAME_SIZE_1_0);
+    char wrong[200];
     if (s != SV_OK) return s;
     if (f->flags & ~(uint32_t)SV_FRAME_DISCONTINUITY)
         return sva_blame(a, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only 0x1 is known", (unsigned)f->flags);
@@ -170,6 +172,8 @@ static inline sv_status sva_check_frame(sva *a, const sv_frame *f) {
                          "begin: scanned_object at offset %llu: expected a multiple of 4, "
                          "and the host's queue",
                          (unsigned long long)f->scanned_offset);
+    if ((a->method->descriptor->features & SV_FEATURE_PROBE) && !sv_probe_holds(f, wrong, sizeof wrong))
+        return sva_blame(a, SV_ERR_ARGUMENT, "begin: %s", wrong);
     return SV_OK;
 }
 

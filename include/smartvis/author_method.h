@@ -105,7 +105,7 @@ struct sva {
     void *rays;       /* without `output`: ray_bytes for every ray, row by row, until the next begin */
     sv_format format; /* since activate, its values left out; the spacing is never 0 */
     int32_t padding;  /* the voxel value that was not scanned, or SV_NO_PADDING */
-    sv_frame frame;   /* since begin, its values left out */
+    sv_frame frame;   /* since begin, its values left out; zeros for what an older host does not say */
     const sv_scanned *scanned; /* the ranges in host memory, or NULL */
     const uint8_t **slice;     /* SV_CARRIER_HOST: voxel (0, 0) of every slice that has come, until end */
     float *depth;              /* without `output`: width * height */

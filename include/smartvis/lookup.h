@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A helper for hosts, header-only and optional: parameters by key, values by name, and which parameters
- * matter now. It calls the plugin's [any] functions only and keeps nothing.
+ * A helper for hosts, header-only and optional: parameters by key, values by name, which parameters matter
+ * now, and the names of statuses. It calls the plugin's [any] functions only and keeps nothing.
  */
 #ifndef SMARTVIS_LOOKUP_H
 #define SMARTVIS_LOOKUP_H
@@ -89,6 +89,38 @@ static inline int sv_lookup_matters(const sv_plugin *plugin, const sv_param_info
         wanted = on.depends_values;
     }
     return 1;
+}
+
+/* The name of a status of the header, "SV_ERR_STATE", or NULL. */
+static inline const char *sv_lookup_status(sv_status status) {
+#define SV_LOOKUP_NAME(code)                                                                                 \
+    case code:                                                                                               \
+        return #code
+    switch (status) {
+        SV_LOOKUP_NAME(SV_OK);
+        SV_LOOKUP_NAME(SV_NO_SURFACE);
+        SV_LOOKUP_NAME(SV_PARTIAL);
+        SV_LOOKUP_NAME(SV_ERR_INTERNAL);
+        SV_LOOKUP_NAME(SV_ERR_ARGUMENT);
+        SV_LOOKUP_NAME(SV_ERR_SIZE);
+        SV_LOOKUP_NAME(SV_ERR_FORMAT);
+        SV_LOOKUP_NAME(SV_ERR_PARAM_ID);
+        SV_LOOKUP_NAME(SV_ERR_PARAM_RANGE);
+        SV_LOOKUP_NAME(SV_ERR_PARAM_FIXED);
+        SV_LOOKUP_NAME(SV_ERR_UNKNOWN_ID);
+        SV_LOOKUP_NAME(SV_ERR_STATE);
+        SV_LOOKUP_NAME(SV_ERR_SLAB_ORDER);
+        SV_LOOKUP_NAME(SV_ERR_SLAB_MISSING);
+        SV_LOOKUP_NAME(SV_ERR_SLAB_SHAPE);
+        SV_LOOKUP_NAME(SV_ERR_NO_DEVICE);
+        SV_LOOKUP_NAME(SV_ERR_BUILD);
+        SV_LOOKUP_NAME(SV_ERR_OPENCL);
+        SV_LOOKUP_NAME(SV_ERR_SELF_TEST);
+        SV_LOOKUP_NAME(SV_ERR_NO_MEMORY);
+    default:
+        return NULL;
+    }
+#undef SV_LOOKUP_NAME
 }
 
 #ifdef __cplusplus

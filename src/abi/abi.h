@@ -25,7 +25,8 @@ sv_status sv_params_apply(sv_diag *diag, const char *call, const sv_param_value 
 
 /* ---- what the host hands over: SV_OK, or an error that names the field and its value (validate.c) */
 
-sv_status sv_validate_format(sv_diag *diag, const sv_format *format);
+/* `planned`: the format is one to be, and its OpenCL objects may still be missing. */
+sv_status sv_validate_format(sv_diag *diag, const sv_format *format, bool planned);
 sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *pipeline, const sv_frame *frame);
 /* Refuses values that do not go together in a frame of this pipeline. */
 sv_status sv_validate_values(sv_diag *diag, const sv_pipeline *pipeline, const sv_values *values);

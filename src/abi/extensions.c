@@ -5,6 +5,7 @@
 #include "frame/instance.h"
 #include "frame/pipeline.h"
 #include "smartvis/confidence.h"
+#include "smartvis/needs.h"
 #include "smartvis/points.h"
 #include "smartvis/spline.h"
 #include "smartvis/timing.h"
@@ -108,11 +109,56 @@ static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
                                                  .offered = confidence_offered,
                                                  .write = confidence_write};
 
-const char *const sv_extension_ids[] = {SV_EXT_TIMING, SV_EXT_POINTS, SV_EXT_SPLINE, SV_EXT_CONFIDENCE, NULL};
+static sv_status check_needs(sv_diag *diag, const sv_needs_device *device, const sv_needs *out) {
+    const uint32_t known = SV_NEEDS_CPU | SV_NEEDS_UNIFIED | SV_NEEDS_DOUBLES;
+    if (!device || !out)
+        return sv_blame_host(diag, SV_ERR_ARGUMENT, "needs: %s is NULL", device ? "out" : "device");
+    if (device->size < sizeof *device || out->size < sizeof *out)
+        return sv_blame_host(diag, SV_ERR_SIZE, "needs: size is %u, expected at least %zu",
+                             device->size < sizeof *device ? device->size : out->size,
+                             device->size < sizeof *device ? sizeof *device : sizeof *out);
+    if ((device->flags & ~known) || device->compute_units == 0)
+        return sv_blame_host(diag, SV_ERR_ARGUMENT,
+                             "needs: flags is 0x%x, known are 0x%x; compute_units is %u, expected 1 or more",
+                             device->flags, known, device->compute_units);
+    return SV_OK;
+}
+
+/* Makes no OpenCL call: pipeline and methods only count. */
+static sv_status needs_of(const sv_plugin *plugin, const sv_format *format, const sv_param_value *values,
+                          uint32_t value_count, const sv_needs_device *device, sv_needs *out) {
+    sv_diag *diag = &sv_instance_enter(plugin)->diag;
+    sv_values activated;
+    sv_params_defaults(&activated);
+    sv_status status = check_needs(diag, device, out);
+    if (status == SV_OK) status = sv_validate_format(diag, format, true);
+    if (status == SV_OK)
+        status = sv_params_apply(diag, "activate", format->values, format->value_count, SV_PARAM_REACTIVATE,
+                                 true, &activated);
+    sv_values frame = activated;
+    if (status == SV_OK) status = sv_params_apply(diag, "begin", values, value_count, 0, false, &frame);
+    if (status != SV_OK) return status;
+    const bool cpu = device->flags & SV_NEEDS_CPU;
+    const sv_device planned = {.is_cpu = cpu,
+                               .shares_memory = cpu && (device->flags & SV_NEEDS_UNIFIED),
+                               .has_doubles = device->flags & SV_NEEDS_DOUBLES,
+                               .compute_units = device->compute_units};
+    sv_needs all;
+    status = sv_instance_needs(diag, &planned, format, &activated, &frame, &all);
+    if (status != SV_OK) return status;
+    all.size = out->size;
+    *out = all;
+    return SV_OK;
+}
+
+static const sv_ext_needs ext_needs = {.size = sizeof ext_needs, .of = needs_of};
+
+const char *const sv_extension_ids[] = {SV_EXT_TIMING,     SV_EXT_POINTS, SV_EXT_SPLINE,
+                                        SV_EXT_CONFIDENCE, SV_EXT_NEEDS,  NULL};
 
 const void *sv_extension(const char *id) {
     /* The tables, in the order of sv_extension_ids. */
-    static const void *const tables[] = {&ext_timing, &ext_points, &ext_spline, &ext_confidence};
+    static const void *const tables[] = {&ext_timing, &ext_points, &ext_spline, &ext_confidence, &ext_needs};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         if (strcmp(id, sv_extension_ids[i]) == 0) return tables[i];
     return NULL;

@@ -37,9 +37,9 @@ static const struct {
     uint32_t depends_on; /* a parameter's id; 0: it always matters */
     uint64_t depends_values;
 } table[] = {
-    {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface offset", "",
-     "0 puts the surface at the fetus, 1 at the tissue in front of it. Above 1 less is removed. "
-     "With cost and wall 0.5 is the best guess. Stay between 0 and 1.",
+    {SV_PARAM_Q, SV_PARAM_FLOAT, SV_PARAM_PRIMARY | SV_PARAM_ADJUST, "q", "Surface position", "",
+     "0.5 is the best guess. Stay between 0 and 1. 0 is at the fetus, 1 at the tissue in front of it; above "
+     "1 less is removed.",
      0.0, 1.5, 0.0, 1.5, 0.5, 0.05, NULL, GROUP_SURFACE, 0, 0},
     {SV_PARAM_UNSURE, SV_PARAM_ENUM, 0, "unsure", "If fluid is doubtful", "",
      "What happens where it is doubtful whether there is fluid in front of the fetus: keep removes "
@@ -62,11 +62,11 @@ static const struct {
      0.01, 0.1, 0.03, 0.01, NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_FRACTION)},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
      "wall and cost find the surface in every ray's own fluid. The others spread depths from initial "
-     "points to all pixels. Turning q costs next to nothing, but with minimum.",
+     "points to all pixels. Moving the surface costs next to nothing, but with minimum.",
      0.0, SV_METHOD_END - 1.0, 0.0, SV_METHOD_END - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0, 0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",
-     "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", 3.0, 63.0, 3.0, 63.0,
-     23.0, 2.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
+     "Window of the mean filter (larger is smoother) and of the minimum filter, odd.", SV_MIN_KERNEL, 63.0,
+     3.0, 63.0, 23.0, 2.0, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
      1.0, 0.0, 1.0, 0.5, 0.25, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
@@ -85,8 +85,8 @@ static const struct {
      "that lie too deep. Every turn of q then reconstructs again.",
      0.0, 1.0, 0.0, 1.0, SV_PREFILTER_NONE, 1.0, prefilters, GROUP_PREFILTER, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PREFILTER_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_passes", "Pre-filter passes", "",
-     "Passes of the pre-filter.", 0.0, 16.0, 0.0, 8.0, 1.0, 1.0, NULL, GROUP_PREFILTER, SV_PARAM_PREFILTER,
-     SV_BIT(SV_PREFILTER_MINIMUM)},
+     "Passes of the pre-filter.", 0.0, SV_MAX_PREFILTER_PASSES, 0.0, 8.0, 1.0, 1.0, NULL, GROUP_PREFILTER,
+     SV_PARAM_PREFILTER, SV_BIT(SV_PREFILTER_MINIMUM)},
     {SV_PARAM_PREFILTER_KERNEL, SV_PARAM_INT, SV_PARAM_EXPERT, "prefilter_kernel", "Pre-filter size",
      "pixels", "Window of the pre-filter, odd.", 3.0, 63.0, 3.0, 63.0, 5.0, 2.0, NULL, GROUP_PREFILTER,
      SV_PARAM_PREFILTER, SV_BIT(SV_PREFILTER_MINIMUM)},

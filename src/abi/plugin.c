@@ -3,6 +3,7 @@
 #include "abi/abi.h"
 #include "frame/instance.h"
 #include "frame/pipeline.h"
+#include "smartvis/probe.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@ static const sv_descriptor descriptor = {
     .carriers = SV_BIT(SV_CARRIER_HOST) | SV_BIT(SV_CARRIER_BUFFER) | SV_BIT(SV_CARRIER_IMAGE),
     .voxel_types = SV_BIT(SV_VOXEL_U8),
     .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
-    .features = SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST,
+    .features = SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST | SV_FEATURE_PROBE,
     .extensions = sv_extension_ids,
     .summary = "Clipping depthmap: removes the tissue in front of the fetus (docs/surface.md).",
 };
@@ -45,7 +46,7 @@ static sv_status plugin_activate(const sv_plugin *plugin, const sv_format *forma
         return sv_blame_host(&in->diag, SV_ERR_STATE, "activate: already active");
     sv_values values;
     sv_params_defaults(&values);
-    sv_status status = sv_validate_format(&in->diag, format);
+    sv_status status = sv_validate_format(&in->diag, format, false);
     if (status == SV_OK)
         status = sv_params_apply(&in->diag, "activate", format->values, format->value_count,
                                  SV_PARAM_REACTIVATE, true, &values);
@@ -73,6 +74,7 @@ static sv_status plugin_begin(const sv_plugin *plugin, const sv_frame *frame) {
     in->frame = values;
     sv_pipeline_begin(&in->pipeline, &in->frame);
     in->pipeline.map.continues = !(frame->flags & SV_FRAME_DISCONTINUITY);
+    sv_probe_of(frame, in->pipeline.map.probe_rotation, in->pipeline.map.probe_side);
     if (in->pipeline.config.ranged) {
         status =
             sv_pipeline_scanned(&in->pipeline, frame->scanned, frame->scanned_object, frame->scanned_offset);

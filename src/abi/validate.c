@@ -2,6 +2,7 @@
 #include "abi/abi.h"
 
 #include "quantise.h"
+#include "smartvis/probe.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,14 +42,14 @@ static sv_status check_spacing(sv_diag *diag, const sv_format *f) {
           (double)mm[0], (double)mm[1], (double)mm[2]);
 }
 
-static sv_status check_objects(sv_diag *diag, const sv_format *f) {
+static sv_status check_objects(sv_diag *diag, const sv_format *f, bool planned) {
     const int given = (f->context != NULL) + (f->device != NULL) + (f->queue != NULL);
     if (given != 0 && given != 3)
         BLAME(diag, SV_ERR_ARGUMENT, "activate: %d of context, device and queue given, expected all or none",
               given);
     if (f->carrier < SV_CARRIER_HOST || f->carrier > SV_CARRIER_IMAGE)
         BLAME(diag, SV_ERR_ARGUMENT, "activate: carrier is %u, expected 1, 2 or 3", f->carrier);
-    if (f->carrier != SV_CARRIER_HOST && given == 0)
+    if (f->carrier != SV_CARRIER_HOST && given == 0 && !planned)
         BLAME(diag, SV_ERR_FORMAT, "activate: carrier %u needs the host's context, device and queue",
               f->carrier);
     if ((f->host_memory != NULL) != (f->host_memory_bytes > 0))
@@ -57,7 +58,7 @@ static sv_status check_objects(sv_diag *diag, const sv_format *f) {
     return SV_OK;
 }
 
-sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
+sv_status sv_validate_format(sv_diag *diag, const sv_format *f, bool planned) {
     if (!f) BLAME(diag, SV_ERR_ARGUMENT, "activate: format is NULL");
     if (f->size < sizeof *f)
         BLAME(diag, SV_ERR_SIZE, "activate: format.size is %u, expected at least %zu", f->size, sizeof *f);
@@ -76,7 +77,7 @@ sv_status sv_validate_format(sv_diag *diag, const sv_format *f) {
         BLAME(diag, SV_ERR_ARGUMENT, "activate: flags is 0x%x, only 0x%x (SV_FORMAT_SCANNED) is known",
               f->flags, (unsigned)SV_FORMAT_SCANNED);
     status = check_spacing(diag, f);
-    if (status == SV_OK) status = check_objects(diag, f);
+    if (status == SV_OK) status = check_objects(diag, f, planned);
     return status == SV_OK ? check_texture(diag, f) : status;
 }
 
@@ -130,11 +131,13 @@ static sv_status check_ranges(sv_diag *diag, const sv_pipeline *p, const sv_fram
 
 sv_status sv_validate_frame(sv_diag *diag, const sv_pipeline *p, const sv_frame *f) {
     if (!f) BLAME(diag, SV_ERR_ARGUMENT, "begin: frame is NULL");
-    if (f->size < sizeof *f)
-        BLAME(diag, SV_ERR_SIZE, "begin: size is %u, expected at least %zu", f->size, sizeof *f);
+    char wrong[200];
+    if (f->size < SV_FRAME_SIZE_1_0)
+        BLAME(diag, SV_ERR_SIZE, "begin: size is %u, expected at least %u", f->size, SV_FRAME_SIZE_1_0);
     if (f->flags & ~(uint32_t)SV_FRAME_DISCONTINUITY)
         BLAME(diag, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only 0x%x (SV_FRAME_DISCONTINUITY) is known",
               f->flags, (unsigned)SV_FRAME_DISCONTINUITY);
+    if (!sv_probe_holds(f, wrong, sizeof wrong)) BLAME(diag, SV_ERR_ARGUMENT, "begin: %s", wrong);
     return check_ranges(diag, p, f);
 }
 

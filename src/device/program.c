@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "device/program.h"
 
+#include "device/timing.h"
 #include "kernels_frame.h"
 #include "kernels_profile.h"
 
@@ -77,7 +78,13 @@ static bool keep_build(sv_builds *builds, const unsigned char *source, const cha
 
 void sv_builds_release(sv_builds *builds) {
     for (uint32_t i = 0; i < builds->count; i++) (void)clReleaseProgram(builds->of[i].program);
-    builds->count = 0;
+    *builds = (sv_builds){0};
+}
+
+static void note_build(sv_builds *builds, double seconds) {
+    if (!builds) return;
+    builds->compiled++;
+    builds->seconds += seconds;
 }
 
 /* Compiles one source with the options every program has, then `own`; or takes what was compiled so before.
@@ -99,7 +106,9 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
     cl_int code = CL_SUCCESS;
     *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
     if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
+    const double begun = sv_seconds();
     code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
+    note_build(device->builds, sv_seconds() - begun);
     if (code != CL_SUCCESS) return report_build(diag, device, *out, code);
     *kept = keep_build(device->builds, source, options, *out);
     return SV_OK;
@@ -125,8 +134,10 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
                    "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_FETCH_AHEAD=%d",
                    structure->substeps, structure->strip, structure->padded, structure->ranged,
                    structure->fetch_ahead);
-    sv_status status = build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
-                                  create_profile_kernels, out);
+    sv_status status = !structure->surveyed
+                           ? SV_OK
+                           : build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
+                                        create_profile_kernels, out);
     (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_WIDE_SUMS=%d -DSV_HALF_SUMS=%d",
                    structure->substeps, structure->wide_sums, structure->half_sums);
     if (status == SV_OK)

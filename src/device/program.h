@@ -17,6 +17,8 @@ typedef struct {
 struct sv_builds {
     sv_build of[SV_MOST_BUILDS];
     uint32_t count;
+    uint32_t compiled; /* programs, */
+    double seconds;    /* which took so long by the wall clock */
 };
 
 /* Releases the programs; their kernels stay. A zeroed struct may be passed. */
@@ -24,8 +26,9 @@ void sv_builds_release(sv_builds *builds);
 
 /* Every kernel by its name in cl/: the ray profiles, a program of their own, and what every frame does with
  * them. */
-#define SV_PROFILE_KERNELS(X) X(scanned_planes) X(profile_strip) X(profile_rays)
+#define SV_PROFILE_KERNELS(X) X(profile_strip) X(profile_rays)
 #define SV_FRAME_KERNELS(X)                                                                                  \
+    X(scanned_planes)                                                                                        \
     X(frame_end)                                                                                             \
     X(band_survey)                                                                                           \
     X(band_level)                                                                                            \
@@ -69,6 +72,7 @@ typedef struct {
     bool wide_sums;    /* SV_WIDE_SUMS */
     bool half_sums;    /* SV_HALF_SUMS */
     bool fetch_ahead;  /* SV_FETCH_AHEAD */
+    bool surveyed;     /* the method takes points: the ray profiles are built, too */
 } sv_structure;
 
 /* Builds the program. SV_ERR_BUILD: the build log is in the host's log. */

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "device/queue.h"
 
-static void count(sv_tally *tally, size_t bytes) {
+/* Stands for a buffer that is only counted: some commands depend on whether there is one. */
+static cl_mem count(sv_tally *tally, size_t bytes) {
     tally->bytes += bytes;
     if (bytes > tally->largest) tally->largest = bytes;
+    return (cl_mem)(void *)tally;
 }
 
 static cl_mem create(const sv_queue *queue, cl_mem_flags flags, size_t bytes, void *memory,
@@ -19,10 +21,7 @@ static cl_mem create(const sv_queue *queue, cl_mem_flags flags, size_t bytes, vo
 cl_mem sv_buffer_make(const sv_queue *queue, size_t bytes, sv_status *status) {
     if (*status != SV_OK) return NULL;
     if (bytes == 0) bytes = 1;
-    if (queue->tally) {
-        count(queue->tally, bytes);
-        return NULL;
-    }
+    if (queue->tally) return count(queue->tally, bytes);
     const cl_mem buffer = create(queue, CL_MEM_READ_WRITE, bytes, NULL, status);
     if (!buffer) return NULL;
     const cl_uchar zero = 0;
@@ -45,7 +44,8 @@ sv_status sv_buffer_read(const sv_queue *queue, cl_mem buffer, size_t bytes, voi
 }
 
 cl_mem sv_buffer_wrap(const sv_queue *queue, const void *memory, size_t bytes, sv_status *status) {
-    if (*status != SV_OK || queue->tally) return NULL;
+    if (*status != SV_OK) return NULL;
+    if (queue->tally) return count(queue->tally, 0);
     return create(queue, CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, bytes, (void *)(uintptr_t)memory, status);
 }
 
@@ -65,7 +65,7 @@ sv_launch sv_launch_job(const sv_queue *queue, cl_kernel kernel, const char *nam
 }
 
 void sv_launch_arg(sv_launch *launch, size_t bytes, const void *value) {
-    if (launch->code == CL_SUCCESS)
+    if (launch->code == CL_SUCCESS && !launch->queue->tally)
         launch->code = clSetKernelArg(launch->kernel, launch->next++, bytes, value);
 }
 
@@ -80,6 +80,7 @@ void sv_launch_uint(sv_launch *launch, uint32_t value) {
 static sv_status launch(sv_launch *l, cl_uint dimensions, const size_t *global, const size_t *local,
                         sv_stage stage) {
     const sv_queue *q = l->queue;
+    if (sv_counted(q)) return SV_OK;
     if (l->code == CL_SUCCESS)
         l->code = clEnqueueNDRangeKernel(q->device->queue, l->kernel, dimensions, NULL, global, local, 0,
                                          NULL, sv_timing_slot(q->timing, stage));

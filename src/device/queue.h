@@ -7,16 +7,17 @@
 #include "device/device.h"
 #include "device/timing.h"
 
-/* Bytes of the buffers that were asked for: all together, and the largest one. */
+/* What was asked of a queue that only counts: bytes of buffers, all together and of the largest; commands. */
 typedef struct {
     uint64_t bytes, largest;
+    uint32_t commands;
 } sv_tally;
 
 typedef struct {
     sv_diag *diag;
     const sv_device *device;
     sv_timing *timing; /* NULL: no times are taken */
-    sv_tally *tally;   /* not NULL: buffers are counted here, and none is made */
+    sv_tally *tally;   /* not NULL: buffers and commands are counted here, and OpenCL is not called */
 } sv_queue;
 
 /* ---- buffers: a queue with a tally counts them instead of making them, which tells how much code will want
@@ -35,6 +36,12 @@ sv_status sv_buffer_read(const sv_queue *queue, cl_mem buffer, size_t bytes, voi
 /* Wraps a buffer that the device only reads around `memory` of the host, which must outlive it. It is not
  * counted. */
 cl_mem sv_buffer_wrap(const sv_queue *queue, const void *memory, size_t bytes, sv_status *status);
+
+/* Before a command that is enqueued directly: true if the queue has counted it and none must be. */
+static inline bool sv_counted(const sv_queue *queue) {
+    if (queue->tally) queue->tally->commands++;
+    return queue->tally != NULL;
+}
 
 /* Releases the buffer, which may be NULL, and sets it to NULL. */
 void sv_buffer_release(cl_mem *buffer);

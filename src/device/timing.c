@@ -2,6 +2,17 @@
 #include "device/timing.h"
 
 #include <stdlib.h>
+#include <time.h>
+
+double sv_seconds(void) {
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+size_t sv_timing_bytes(uint32_t capacity) {
+    return capacity * sizeof *((sv_timing *)NULL)->commands;
+}
 
 sv_status sv_timing_create(sv_timing *timing, sv_diag *diag, uint32_t capacity) {
     *timing = (sv_timing){.capacity = capacity, .commands = calloc(capacity, sizeof *timing->commands)};

@@ -27,6 +27,11 @@ typedef struct {
     } * commands; /* allocated by sv_timing_create */
 } sv_timing;
 
+/* Seconds of a clock that only goes forward. */
+double sv_seconds(void);
+
+/* Bytes of memory that such a timing takes. */
+size_t sv_timing_bytes(uint32_t capacity);
 sv_status sv_timing_create(sv_timing *timing, sv_diag *diag, uint32_t capacity);
 void sv_timing_destroy(sv_timing *timing);
 

@@ -50,23 +50,26 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
     return c;
 }
 
-/* Builds the kernel sets for vectors of `strip` rays and lets the device prove itself. */
+/* Builds the kernel sets for vectors of `strip` rays and lets the device prove itself. What the method does
+ * not launch is not compiled: a method that takes no points needs no ray profiles, no sums and no test of
+ * them. */
 static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32_t strip) {
     sv_structure structure = {.substeps = config->substeps,
                               .strip = strip,
                               .padded = config->padding >= 0,
                               .ranged = config->ranged,
                               .half_sums = config->half_sums,
+                              .surveyed = sv_chain_is_surveyed(config),
                               .fetch_ahead =
                                   strip > 16 && (uint64_t)config->width * config->height * config->slices >
                                                     FETCH_AHEAD_BYTES};
-    const bool needs_wide = sv_map_needs_wide(config);
+    const bool needs_wide = sv_chain_needs_wide(config);
     sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
         status = sv_program_build(&in->diag, &in->device, &structure, &in->wide);
     }
-    if (status == SV_OK)
+    if (status == SV_OK && structure.surveyed)
         status = sv_selftest(&in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config,
                              &in->activated);
     if (status != SV_OK) {
@@ -79,7 +82,8 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
 /* The widest vectors first: they need more than OpenCL C promises, so a failure only costs speed. A work item
  * a ray has none: its programs are the same for all widths. */
 static sv_status build_kernels(sv_instance *in, const sv_config *config) {
-    const bool strips = in->device.is_cpu && config->strategy != SV_STRATEGY_RAYS;
+    const bool strips =
+        sv_chain_is_surveyed(config) && in->device.is_cpu && config->strategy != SV_STRATEGY_RAYS;
     const uint32_t widest = !strips || config->width < 32 ? 16 : config->width < 64 ? 32 : 64;
     if (widest > 16) {
         if (build_and_test(in, config, widest) == SV_OK) return SV_OK;
@@ -91,26 +95,75 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config) {
     return build_and_test(in, config, 16);
 }
 
-sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
-    in->activated = in->frame = *values;
-    const sv_config config = config_of(format, values);
-    /* Every command of a frame: slabs (copy and kernel), passes (two kernels), and a dozen more. */
-    const uint32_t longest = config.width > config.height ? config.width : config.height;
-    sv_status status = sv_timing_create(
-        &in->timing, &in->diag, 2 * config.slices + 2 * (longest + 3) + 16 + sv_chain_commands(&config));
+/* For who waits: a driver that keeps what it compiled needs a hundredth of the time the next time. */
+static void tell_times(const sv_instance *in, double seconds) {
+    char text[160];
+    (void)snprintf(
+        text, sizeof text,
+        "activate: %.2f s; of it %.2f s for building %u programs, the rest for the first run of their "
+        "kernels",
+        seconds, in->builds.seconds, in->builds.compiled);
+    sv_log(&in->diag, SV_LOG_INFO, text);
+}
+
+/* Kernels, self-tests and buffers, on an open device. */
+static sv_status prepare(sv_instance *in, const sv_config *config, const sv_values *values) {
+    const sv_program *const wide = sv_chain_needs_wide(config) ? &in->wide : NULL;
+    sv_status status = sv_pipeline_check_memory(&in->diag, &in->device, config);
+    if (status == SV_OK) status = build_kernels(in, config);
     if (status == SV_OK)
-        status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
-    in->device.builds = &in->builds;
-    if (status == SV_OK) status = sv_pipeline_check_memory(&in->diag, &in->device, &config);
-    if (status == SV_OK) status = build_kernels(in, &config);
+        status = sv_selftest_method(&in->diag, &in->device, &in->narrow, wide, config, values);
     if (status == SV_OK)
-        status = sv_selftest_method(&in->diag, &in->device, &in->narrow,
-                                    sv_map_needs_wide(&config) ? &in->wide : NULL, &config, values);
-    if (status == SV_OK)
-        status = sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow,
-                                    sv_map_needs_wide(&config) ? &in->wide : NULL, &in->timing, &config);
+        status =
+            sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow, wide, &in->timing, config);
     if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline, values);
-    if (status == SV_OK) status = sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish");
+    return status == SV_OK ? sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish")
+                           : status;
+}
+
+/* The most that any frame enqueues: slabs of one slice, and values that ask for most passes. */
+static sv_status most_commands(sv_diag *diag, const sv_device *device, const sv_config *config,
+                               const sv_values *activated, uint32_t *out) {
+    sv_values values = *activated;
+    sv_cost cost;
+    values.of[SV_PARAM_KERNEL] = SV_MIN_KERNEL;
+    values.of[SV_PARAM_PREFILTER_PASSES] = SV_MAX_PREFILTER_PASSES;
+    const sv_status status = sv_pipeline_cost(diag, device, config, &values, 1, &cost);
+    *out = cost.commands;
+    return status;
+}
+
+sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_format *format,
+                            const sv_values *activated, const sv_values *frame, sv_needs *out) {
+    const sv_config config = config_of(format, activated);
+    uint32_t most = 0;
+    sv_cost cost;
+    sv_status status = most_commands(diag, device, &config, activated, &most);
+    if (status == SV_OK)
+        status = sv_pipeline_cost(diag, device, &config, frame, config.max_slab_slices, &cost);
+    if (status != SV_OK) return status;
+    *out = (sv_needs){.commands = cost.commands,
+                      .adjust_commands = cost.adjust_commands,
+                      .device_bytes = cost.bytes,
+                      .largest_buffer = cost.largest_buffer,
+                      .host_bytes = sv_timing_bytes(most)};
+    return SV_OK;
+}
+
+sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
+    const double begun = sv_seconds();
+    in->activated = in->frame = *values;
+    sv_config config = config_of(format, values);
+    uint32_t commands = 0;
+    sv_status status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
+    if (status == SV_OK) status = most_commands(&in->diag, &in->device, &config, values, &commands);
+    if (status == SV_OK) status = sv_timing_create(&in->timing, &in->diag, commands);
+    in->device.builds = &in->builds;
+    if (status == SV_OK) {
+        config.strategy = sv_pipeline_strategy(&in->device, &config); /* the self-tests run what frames run */
+        status = prepare(in, &config, values);
+    }
+    if (status == SV_OK) tell_times(in, sv_seconds() - begun);
     sv_builds_release(&in->builds);
     in->device.builds = NULL;
     if (status != SV_OK)

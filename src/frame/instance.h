@@ -4,6 +4,7 @@
 #define SV_INSTANCE_H
 
 #include "frame/pipeline.h"
+#include "smartvis/needs.h"
 
 typedef enum {
     SV_STATE_INACTIVE,
@@ -32,6 +33,10 @@ sv_instance *sv_instance_enter(const sv_plugin *plugin);
 /* Everything of activate once the format has been found valid; all or nothing. `values`: the defaults with
  * what the format sets. */
 sv_status sv_instance_activate(sv_instance *instance, const sv_format *format, const sv_values *values);
+/* What that would take on such a device, and a frame with these values; without OpenCL and without a change.
+ * `out` is as long as this header's. */
+sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_format *format,
+                            const sv_values *activated, const sv_values *frame, sv_needs *out);
 void sv_instance_deactivate(sv_instance *instance);
 
 #endif

@@ -6,6 +6,7 @@
 #include "quantise.h"
 
 #include <assert.h>
+#include <stdio.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
  * as a pass (docs/performance.md, "bands or one launch"). */
@@ -30,7 +31,7 @@ static uint64_t slab_rows(const sv_config *c, uint32_t slices) {
     return (uint64_t)((slices + c->tiles_x - 1) / c->tiles_x - 1) * c->tile_h + c->height;
 }
 
-static uint32_t resolve_strategy(const sv_device *device, const sv_config *c) {
+uint32_t sv_pipeline_strategy(const sv_device *device, const sv_config *c) {
     if (c->strategy != SV_STRATEGY_AUTO) return c->strategy;
     if (!device->is_cpu) return SV_STRATEGY_RAYS;
     return (uint64_t)c->width * c->height <= SINGLE_MAX_PIXELS ? SV_STRATEGY_SINGLE : SV_STRATEGY_BANDS;
@@ -74,7 +75,7 @@ static uint32_t batch_slots(const sv_config *c) {
 /* Sets everything but the buffers and the kernels. */
 static void plan(sv_pipeline *p, const sv_queue *queue, const sv_config *config, bool wide_sums) {
     *p = (sv_pipeline){.queue = *queue, .config = *config};
-    p->config.strategy = resolve_strategy(queue->device, config);
+    p->config.strategy = sv_pipeline_strategy(queue->device, config);
     sv_map_init(&p->map, &p->queue, &p->config, 1, wide_sums);
     p->pass_capacity = sv_pass_limit(config->width, config->height, 3);
     p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
@@ -83,13 +84,60 @@ static void plan(sv_pipeline *p, const sv_queue *queue, const sv_config *config,
     p->batch_slots = batch_slots(config);
 }
 
+/* A pipeline that makes nothing: its queue counts. */
+static sv_status pretend(sv_pipeline *p, sv_diag *diag, const sv_device *device, const sv_config *config,
+                         sv_tally *tally) {
+    static const sv_program no_kernels;
+    const sv_queue counting = {.diag = diag, .device = device, .tally = tally};
+    plan(p, &counting, config, sv_map_needs_wide(config));
+    p->map.narrow = p->map.wide = &no_kernels;
+    sv_chain_init(&p->chain, &p->map);
+    return make_buffers(p);
+}
+
+static sv_status pretend_output(sv_pipeline *p, float q) {
+    sv_stats stats;
+    float depth;
+    uint8_t points;
+    const sv_result result = {.depth = &depth, .status = &points, .stats = &stats};
+    return sv_pipeline_output(p, q, &result);
+}
+
+static sv_status pretend_frame(sv_pipeline *p, const sv_values *values, uint32_t slab_slices) {
+    const sv_config *c = &p->config;
+    const float q = (float)values->of[SV_PARAM_Q];
+    sv_pipeline_begin(p, values);
+    sv_status status = c->ranged ? sv_pipeline_scanned(p, NULL, NULL, 0) : SV_OK;
+    while (status == SV_OK && p->next_slice < c->slices) {
+        const uint32_t left = c->slices - p->next_slice;
+        const sv_slab slab = {.first_slice = p->next_slice,
+                              .slice_count = left < slab_slices ? left : slab_slices,
+                              .memory = c->host_memory,
+                              .object = (cl_mem)((uintptr_t)p->next_slice + 1)};
+        status = sv_pipeline_slab(p, &slab);
+    }
+    if (status == SV_OK) status = sv_pipeline_end(p, q);
+    return status == SV_OK ? pretend_output(p, q) : status;
+}
+
+sv_status sv_pipeline_cost(sv_diag *diag, const sv_device *device, const sv_config *config,
+                           const sv_values *values, uint32_t slab_slices, sv_cost *out) {
+    sv_pipeline p;
+    sv_tally tally = {0};
+    sv_status status = pretend(&p, diag, device, config, &tally);
+    if (status == SV_OK) status = pretend_frame(&p, values, slab_slices);
+    *out = (sv_cost){.bytes = tally.bytes, .largest_buffer = tally.largest, .commands = tally.commands};
+    const float q = (float)values->of[SV_PARAM_Q];
+    if (status == SV_OK) status = sv_pipeline_adjust(&p, q);
+    if (status == SV_OK) status = pretend_output(&p, q);
+    out->adjust_commands = tally.commands - out->commands;
+    return status;
+}
+
 sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const sv_config *config) {
     sv_tally tally = {0};
-    const sv_queue counting = {.diag = diag, .device = device, .tally = &tally};
     sv_pipeline p;
-    plan(&p, &counting, config, sv_map_needs_wide(config));
-    sv_chain_init(&p.chain, &p.map);
-    const sv_status status = make_buffers(&p);
+    const sv_status status = pretend(&p, diag, device, config, &tally);
     if (status != SV_OK) return status;
     if (tally.bytes > device->memory)
         return sv_fail(diag, SV_ERR_FORMAT,
@@ -102,6 +150,12 @@ sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const
             "activate: a format of %u x %u x %u needs a buffer of %llu bytes, the device allows %llu",
             config->width, config->height, config->slices, (unsigned long long)tally.largest,
             (unsigned long long)device->largest_buffer);
+    char text[160];
+    (void)snprintf(text, sizeof text,
+                   "activate: %u x %u x %u needs %llu bytes on the device, the largest buffer %llu",
+                   config->width, config->height, config->slices, (unsigned long long)tally.bytes,
+                   (unsigned long long)tally.largest);
+    sv_log(diag, SV_LOG_INFO, text);
     return SV_OK;
 }
 
@@ -167,8 +221,10 @@ sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem o
     const size_t bytes = (size_t)c->width * c->height * sizeof *ranges;
     if (!object) {
         const cl_int code =
-            clEnqueueWriteBuffer(p->queue.device->queue, p->buffers.ranges, CL_FALSE, 0, bytes, ranges, 0,
-                                 NULL, sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER));
+            sv_counted(&p->queue)
+                ? CL_SUCCESS
+                : clEnqueueWriteBuffer(p->queue.device->queue, p->buffers.ranges, CL_FALSE, 0, bytes, ranges,
+                                       0, NULL, sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER));
         const sv_status status = sv_clx_check(p->queue.diag, code, "begin: clEnqueueWriteBuffer of scanned");
         if (status != SV_OK) return status;
     }
@@ -202,6 +258,7 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, sv_placed_slab 
         to->offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
         return SV_OK;
     }
+    if (sv_counted(&p->queue)) return SV_OK;
     cl_event *slot = sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER);
     const cl_command_queue queue = p->queue.device->queue;
     if (c->carrier == SV_CARRIER_HOST) {

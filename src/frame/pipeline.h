@@ -43,9 +43,23 @@ typedef struct {
 /* Bytes of a slab texture up to its last voxel; 64-bit, so no format can overflow it. */
 uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
 
+/* What a pipeline takes: buffers, and commands of a frame and of an adjust behind it. */
+typedef struct {
+    uint64_t bytes, largest_buffer;
+    uint32_t commands, adjust_commands;
+} sv_cost;
+
+/* What such a pipeline would take on such a device, without a call of OpenCL. A frame has these values and
+ * slabs of `slab_slices`, each in an object of its own. */
+sv_status sv_pipeline_cost(sv_diag *diag, const sv_device *device, const sv_config *config,
+                           const sv_values *values, uint32_t slab_slices, sv_cost *out);
+
 /* SV_OK if the device has room for the buffers of such a pipeline, else SV_ERR_FORMAT with both
- * numbers. Makes none. */
+ * numbers. Makes none. The host's log is told both. */
 sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const sv_config *config);
+
+/* The strategy that such a pipeline takes: the configuration's own, or what suits device and size. */
+uint32_t sv_pipeline_strategy(const sv_device *device, const sv_config *config);
 
 /* Makes the pipeline. `narrow`: kernels with 32-bit sums; `wide`: with 64-bit sums, NULL if no setting needs
  * them. The pointed-to objects must outlive the pipeline. On failure nothing is left behind. */

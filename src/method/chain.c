@@ -21,14 +21,18 @@ static bool is_reduced(const sv_config *c) {
     return c->reduction > 1 && !sv_method_of(c->method)->slab;
 }
 
-uint32_t sv_chain_commands(const sv_config *c) {
-    return sv_method_of(c->method)->commands(c) + (is_filtered(c) ? sv_method_minimum.commands(c) : 0) + 5;
+bool sv_chain_is_surveyed(const sv_config *c) {
+    return sv_method_uses(sv_method_of(c->method), SV_PARAM_EVIDENCE);
+}
+
+bool sv_chain_needs_wide(const sv_config *c) {
+    return sv_chain_is_surveyed(c) && sv_map_needs_wide(c);
 }
 
 void sv_chain_init(sv_chain *chain, sv_map *frame) {
     const sv_config *c = frame->config;
     *chain = (sv_chain){.method = sv_method_of(c->method),
-                        .surveyed = sv_method_uses(sv_method_of(c->method), SV_PARAM_EVIDENCE),
+                        .surveyed = sv_chain_is_surveyed(c),
                         .filtered = is_filtered(c),
                         .reduced = is_reduced(c),
                         .frame = frame};

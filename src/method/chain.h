@@ -26,8 +26,11 @@ typedef struct {
     sv_kernel_set gather;
 } sv_chain;
 
-/* Most commands that one frame enqueues between points and surfaces. */
-uint32_t sv_chain_commands(const sv_config *config);
+/* True if initial points say whether there is a surface at all: the frame needs ray profiles. */
+bool sv_chain_is_surveyed(const sv_config *config);
+
+/* True if some frame with this format can need 64-bit sums. */
+bool sv_chain_needs_wide(const sv_config *config);
 
 /* Decides what the chain consists of. `frame` was initialised and must outlive the chain. Makes nothing. */
 void sv_chain_init(sv_chain *chain, sv_map *frame);

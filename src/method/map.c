@@ -70,7 +70,7 @@ static void choose_format(sv_map *m) {
     j->pass_limit = sv_pass_limit(m->width, m->height, j->k);
     const sv_fixed format = format_of(m->config, m->width, m->height, j->k, j->weight_initial);
     j->fraction = format.fraction;
-    m->program = format.wide ? m->wide : m->narrow;
+    m->program = format.wide && m->wide ? m->wide : m->narrow;
 }
 
 void sv_map_begin(sv_map *m, const sv_job *job, const sv_values *values) {

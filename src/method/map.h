@@ -39,8 +39,9 @@ typedef struct {
 
 typedef struct {
     const sv_queue *queue;
-    const sv_program *narrow, *wide; /* kernels with 32-bit sums, with 64-bit sums (NULL: never needed) */
-    const sv_config *config;         /* of the frame; its sizes are not the map's */
+    const sv_program *narrow,
+        *wide;               /* kernels with 32-bit sums, with 64-bit sums (NULL: nothing needs them) */
+    const sv_config *config; /* of the frame; its sizes are not the map's */
     uint32_t width, height;
     uint32_t padded_width; /* of the rows of every buffer: a multiple of SV_LANES */
     uint32_t bands;        /* bands of rows that work items share, strategy bands */
@@ -64,12 +65,13 @@ typedef struct {
 
     /* the frame under way, or the last one */
     bool continues; /* the volume before is of the same scene: what it taught still holds */
+    float probe_rotation[9], probe_side[3]; /* as in sv_frame; zeros: unknown */
     sv_values values;
     sv_job job;
     const sv_program *program; /* narrow or wide */
 } sv_map;
 
-/* True if some frame with this format can need 64-bit sums. */
+/* True if some frame of a method that takes sums can need 64-bit ones. */
 bool sv_map_needs_wide(const sv_config *config);
 
 /* Sizes of a map whose pixels lie `spacing` pixels of the frame apart. Makes no buffer. `wide_sums`: planes

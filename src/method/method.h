@@ -62,7 +62,6 @@ typedef struct {
     /* Others for strategy rays, where a work item a ray needs kernels of its own; or NULL. */
     const char *const *ray_kernels;
     sv_source (*ray_source)(void);
-    uint32_t (*commands)(const sv_config *config); /* most that one run enqueues; sizes the timing */
 
     /* Makes its buffers, and nothing but buffers: the queue may be counting (device/queue.h). */
     sv_status (*buffers)(const sv_map *map, sv_method_state *state);

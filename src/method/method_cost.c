@@ -53,10 +53,6 @@ static sv_source source(void) {
     return (sv_source){sv_kernels_cost, sv_kernels_cost_size};
 }
 
-static uint32_t commands(const sv_config *c) {
-    return c->slices + K_UPSAMPLE;
-}
-
 static sv_cost_layout layout_of(const sv_map *m) {
     return sv_cost_layout_of(m->width, m->height, m->config->slices, m->config->spacing[2]);
 }
@@ -200,7 +196,6 @@ const sv_method sv_method_cost = {.definition = &sv_ref_method_cost,
                                   .linear = true,
                                   .kernels = kernels,
                                   .source = source,
-                                  .commands = commands,
                                   .buffers = buffers,
                                   .slab = slab,
                                   .run = run,

@@ -16,11 +16,6 @@ static sv_source source(void) {
     return (sv_source){sv_kernels_mean_maps, sv_kernels_mean_maps_size};
 }
 
-static uint32_t commands(const sv_config *c) {
-    (void)c;
-    return 4; /* its passes are counted for every instance */
-}
-
 /* The second planes that passes alternate with, and the bands' scratch rows. */
 enum { SUMS_B, SCRATCH };
 
@@ -112,7 +107,6 @@ const sv_method sv_method_mean = {.definition = &sv_ref_method_mean,
                                   .takes_sums = true,
                                   .kernels = kernels,
                                   .source = source,
-                                  .commands = commands,
                                   .buffers = buffers,
                                   .run = run,
                                   .single = single};

@@ -17,10 +17,6 @@ static sv_source source(void) {
     return (sv_source){sv_kernels_minimum, sv_kernels_minimum_size};
 }
 
-static uint32_t commands(const sv_config *c) {
-    return 2 * (c->width > c->height ? c->width : c->height) + 32;
-}
-
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
     sv_status status = SV_OK;
     const size_t bytes = (m->padded_width + (size_t)2 * SV_MIN_MARGIN) * m->height * sizeof(cl_float);
@@ -94,7 +90,6 @@ const sv_method sv_method_minimum = {.definition = &sv_ref_method_minimum,
                                      .linear = false,
                                      .kernels = kernels,
                                      .source = source,
-                                     .commands = commands,
                                      .buffers = buffers,
                                      .prepare = prepare,
                                      .run = run};

@@ -40,11 +40,6 @@ static sv_source source(void) {
     return (sv_source){sv_kernels_spline, sv_kernels_spline_size};
 }
 
-static uint32_t commands(const sv_config *c) {
-    (void)c;
-    return 3 * (SV_SPLINE_MAX_POINTS / SV_SPLINE_PANEL + 1) + 16;
-}
-
 static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
@@ -239,7 +234,6 @@ const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
                                     .linear = true,
                                     .kernels = kernels,
                                     .source = source,
-                                    .commands = commands,
                                     .buffers = make_buffers,
                                     .run = run,
                                     .passes = passes,

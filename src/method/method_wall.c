@@ -21,16 +21,16 @@ static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
 }
 
-/* A slab takes at most two commands. */
-static uint32_t commands(const sv_config *c) {
-    return 2 * c->slices + sv_wall_items.count;
-}
-
 static sv_wall_layout layout_of(const sv_map *m) {
     const float *mm = m->config->spacing;
     const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
     const sv_wall_settings settings = sv_wall_settings_default();
     return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
+}
+
+/* Vectors of SV_WALL_TOGETHER rays in a row. */
+static size_t vectors_of(const sv_wall_layout *l) {
+    return (l->columns + SV_WALL_TOGETHER - 1u) / SV_WALL_TOGETHER;
 }
 
 static size_t padded_columns(const sv_wall_layout *l) {
@@ -66,7 +66,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     const size_t levels =
         margin + level_row * l.rows * (l.layers + 1); /* zeros lie behind the last layer of each row */
     const size_t bytes[SV_WALL_BUFFERS] = {
-        [SV_WALL_SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span),
+        [SV_WALL_SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps),
         [SV_WALL_SUMS] = sum_bytes(m, &l),
         [SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
         [SV_WALL_LEVELS] = levels,
@@ -99,16 +99,19 @@ static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, 
 static sv_status prepare(const sv_map *m, sv_method_state *s) {
     const sv_wall_layout l = layout_of(m);
     uint32_t tables[SV_WALL_TABLE_WORDS];
-    sv_wall_span *const spans = calloc((size_t)l.columns + l.rows, sizeof *spans);
+    const size_t count = (size_t)l.columns + l.rows;
+    const size_t bytes = count * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps);
+    sv_wall_span *const spans = calloc(1, bytes);
     if (!spans)
         return sv_fail(m->queue->diag, SV_ERR_NO_MEMORY, "method wall: no memory for %u spans", l.columns);
     for (uint32_t x = 0; x < l.columns; x++) spans[x] = sv_wall_span_of(x, l.width, l.columns);
     for (uint32_t y = 0; y < l.rows; y++) spans[l.columns + y] = sv_wall_span_of(y, l.height, l.rows);
+    sv_wall_taps *const taps = (sv_wall_taps *)(spans + count);
+    for (uint32_t i = 0; i < vectors_of(&l); i++)
+        taps[i] = sv_wall_taps_of(spans, i * SV_WALL_TOGETHER, l.columns);
     sv_wall_tables(tables);
     sv_status status = write_buffer(m, s->buffer[SV_WALL_TABLES], tables, sizeof tables);
-    if (status == SV_OK)
-        status =
-            write_buffer(m, s->buffer[SV_WALL_SPANS], spans, ((size_t)l.columns + l.rows) * sizeof *spans);
+    if (status == SV_OK) status = write_buffer(m, s->buffer[SV_WALL_SPANS], spans, bytes);
     free(spans);
     return status;
 }
@@ -175,7 +178,6 @@ const sv_method sv_method_wall = {.parameters = SV_USES(UNSURE),
                                   .source = sv_wall_rows_source,
                                   .ray_kernels = sv_wall_items_kernels,
                                   .ray_source = sv_wall_items_source,
-                                  .commands = commands,
                                   .buffers = buffers,
                                   .prepare = prepare,
                                   .slab = slab,

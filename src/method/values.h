@@ -38,6 +38,9 @@ enum {
 /* Strategies: how the work is laid out on the device. All give the same bits. */
 enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
 
+/* Ends of ranges: with these a frame enqueues most. */
+enum { SV_MIN_KERNEL = 3, SV_MAX_PREFILTER_PASSES = 16 };
+
 /* Numbers that the spline's solver computes with, or that the mean filter keeps. */
 enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For test_evolution.sh: a host that uses every struct that grew in the 1.1 header, if it was compiled
- * against it. Each struct lies in an allocation of exactly its size, so that AddressSanitizer sees one byte
- * read or written too far. evolution_host PLUGIN [STRUCT]: prints what it got; with STRUCT it shortens that
- * struct below version 1.0 and prints the status.
+ * For test_evolution.sh: a host that uses every struct that grew in the next minor's header, if it was
+ * compiled against it (GROWN). Each struct lies in an allocation of exactly its size, so that
+ * AddressSanitizer sees one byte read or written too far. evolution_host PLUGIN [STRUCT]: prints what it got;
+ * with STRUCT it shortens that struct below its first version and prints the status.
  */
 #include "smartvis_plugin.h"
 
@@ -24,7 +24,7 @@ static void *make(const char *name, size_t bytes, size_t first_version) {
     return object;
 }
 
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
 #define MAKE(type, first_added) make(#type, sizeof(type), offsetof(type, first_added))
 static uint32_t added_service(const sv_host *host) {
     (void)host;
@@ -36,11 +36,11 @@ static uint32_t added_service(const sv_host *host) {
 
 static void use(const sv_entry *entry) {
     sv_host *host = MAKE(sv_host, added_service);
-    sv_frame *frame = MAKE(sv_frame, added_gain);
+    sv_frame *frame = make("sv_frame", sizeof *frame, SV_FRAME_SIZE_1_0);
     sv_stats *stats = MAKE(sv_stats, added_count);
     sv_param_info *info = MAKE(sv_param_info, added_group);
     const sv_plugin *plugin = NULL;
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
     if (SV_HAS(host, added_service)) host->added_service = added_service;
     if (SV_HAS(frame, added_gain)) frame->added_gain = 3.0f;
 #endif
@@ -55,7 +55,7 @@ static void use(const sv_entry *entry) {
         printf("status %d %d %d", (int)begun, (int)ended, (int)described);
         if (begun == SV_OK && ended == SV_OK && described == SV_OK) {
             printf(" gain %u rays %u id %u service %.0f", stats->points, stats->rays, info->id, info->step);
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
             printf(" count %u group %s call %u", stats->added_count,
                    info->added_group ? info->added_group : "none",
                    SV_HAS(plugin, added_call) ? plugin->added_call(plugin) : 0);

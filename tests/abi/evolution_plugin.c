@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * For test_evolution.sh: a plugin that follows the header's rules on growing structs, and computes nothing.
- * Compiled against the header as it is (1.0) and against one with fields appended (1.1), where SV_ABI_MINOR
- * is 1. With NAIVE it reads an appended field without asking SV_HAS: the mistake that the test must be able
- * to see.
+ * Compiled against the header as it is and against one of the next minor with fields appended (GROWN). With
+ * NAIVE it reads an appended field without asking SV_HAS: the mistake that the test must be able to see.
  */
 #include "smartvis_plugin.h"
 
 #include <string.h>
 
 /* What a struct of version 1.0 must have at least: everything before the first field that came later. */
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
 #define FIRST_VERSION(type, first_added) ((uint32_t)offsetof(type, first_added))
 #else
 #define FIRST_VERSION(type, first_added) ((uint32_t)sizeof(type))
@@ -28,9 +27,9 @@ static void fill(void *to, uint32_t to_size, const void *from, uint32_t from_siz
 
 static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
     (void)plugin;
-    if (frame->size < FIRST_VERSION(sv_frame, added_gain)) return SV_ERR_SIZE;
+    if (frame->size < SV_FRAME_SIZE_1_0) return SV_ERR_SIZE;
     gain = 2.0f; /* the default of a host that does not know the field */
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
 #ifdef NAIVE
     gain = frame->added_gain;
 #else
@@ -44,7 +43,7 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     (void)plugin;
     if (result->stats->size < FIRST_VERSION(sv_stats, added_count)) return SV_ERR_SIZE;
     sv_stats stats = {.size = sizeof(stats), .outcome = SV_OK, .rays = 7, .points = (uint32_t)gain};
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
     stats.added_count = 11;
 #endif
     fill(result->stats, result->stats->size, &stats, sizeof(stats));
@@ -57,14 +56,14 @@ static sv_status param_info(const sv_plugin *plugin, uint32_t index, sv_param_in
     if (out->size < FIRST_VERSION(sv_param_info, added_group)) return SV_ERR_SIZE;
     sv_param_info info = {
         .size = sizeof(info), .id = 5, .key = "key", .label = "", .unit = "", .help = "", .step = service};
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
     info.added_group = "group";
 #endif
     fill(out, out->size, &info, sizeof(info));
     return SV_OK;
 }
 
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
 static uint32_t added_call(const sv_plugin *plugin) {
     (void)plugin;
     return 13;
@@ -81,7 +80,7 @@ static const sv_plugin instance = {
     .begin = begin,
     .end = end,
     .param_info = param_info,
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
     .added_call = added_call,
 #endif
 };
@@ -96,7 +95,7 @@ static sv_status create(const sv_host *host, const char *id, const sv_plugin **o
     *out = NULL;
     if (host->size < FIRST_VERSION(sv_host, added_service)) return SV_ERR_SIZE;
     service = 0;
-#if SV_ABI_MINOR >= 1
+#ifdef GROWN
     if (SV_HAS(host, added_service)) service = host->added_service(host);
 #endif
     *out = &instance;

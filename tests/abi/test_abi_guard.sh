@@ -73,12 +73,13 @@ refused 'SV_ENTRY_SYMBOL text smartvis_plugin_entry' $h 's/"smartvis_plugin_entr
 refused 'SV_ASSUMED_EXTENT_MM' $h 's/120\.0f/121.0f/'
 refused 'SV_ABI_MAJOR' $h 's/SV_ABI_MAJOR 1u/SV_ABI_MAJOR 2u/'
 
-# --- what 1.1 may bring
+# --- what the next minor may bring
 allowed $h 's/(    uint32_t unfilled;.*?\n)/$1    uint32_t more;\n/'
 allowed $h 's/(    sv_stats \*stats;.*?\n)/$1    void *more;\n    uint64_t bytes;\n/'
 allowed $h 's/(    const void \*\(SV_CALL \*get_extension\)\(const sv_plugin.*?;\n)/$1    void(SV_CALL *more)(const sv_plugin *plugin);\n/'
+refused 'SV_FEATURE_PADDING whole 2: now gone' $h 's/SV_FEATURE_PADDING = 1u << 1,/SV_FEATURE_PADDED = 1u << 1,/'
 allowed $h 's/SV_POINT_EMPTY = 2/$&, SV_POINT_MORE = 3/'
-allowed $h 's/SV_ABI_MINOR 0u/SV_ABI_MINOR 1u/'
+allowed $h 's/SV_ABI_MINOR 1u/SV_ABI_MINOR 2u/'
 allowed $h 's/    uint32_t size;\n    uint32_t flags; /\/* moved *\/\n$&/'
 cp -r "$source_dir/include" "$work/new"
 sed -e 's/sv_ext_points/sv_ext_novel/g; s/sv_points_report/sv_novel_report/g; s/SV_EXT_POINTS/SV_EXT_NOVEL/g; s/POINTS_H/NOVEL_H/g' \

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Old and new hosts and plugins work together: all four pairs of a host and a plugin of ABI 1.0 (the header as it is) and of
-# a made-up 1.1 (the same with fields appended to five structs). Under AddressSanitizer, with every struct in an allocation of
+# Old and new hosts and plugins work together: all four pairs of a host and a plugin of this ABI (the header as it is) and of
+# a made-up next minor (the same with fields appended to five structs). Under AddressSanitizer, with every struct in an allocation of
 # its exact size. A struct shorter than its version 1.0 is refused with SV_ERR_SIZE.
 set -eu
 source_dir=$1
@@ -27,11 +27,12 @@ append sv_frame 'float added_gain; uint32_t added_reserved;'
 append sv_stats 'uint32_t added_count; uint32_t added_reserved;'
 append sv_param_info 'const char *added_group;'
 append sv_plugin 'uint32_t (*added_call)(const sv_plugin *plugin);'
-sed -i 's/^#define SV_ABI_MINOR 0u/#define SV_ABI_MINOR 1u/' new/smartvis_plugin.h
-grep -q '^#define SV_ABI_MINOR 1u' new/smartvis_plugin.h
+sed -i 's/^#define SV_ABI_MINOR 1u/#define SV_ABI_MINOR 2u/' new/smartvis_plugin.h
+grep -q '^#define SV_ABI_MINOR 2u' new/smartvis_plugin.h
 
 flags=(-std=c11 -Wall -Wextra -Wpedantic -Werror -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined)
 for version in old new; do
+    [ $version = old ] || flags+=(-DGROWN)
     gcc "${flags[@]}" -I $version -fPIC -shared "$source_dir/tests/abi/evolution_plugin.c" -o $version.so
     gcc "${flags[@]}" -I $version "$source_dir/tests/abi/evolution_host.c" -o ${version}_host -ldl
 done

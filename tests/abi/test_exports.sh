@@ -59,5 +59,17 @@ if [ -f "$build_dir/host_sim" ]; then
     [ -z "$linked" ] || fail "host_sim has code of the plugin in it: $linked"
 fi
 
+# The static library: the entry is all that is visible of it, and a host that links it needs no other library than the plugin.
+visible=$(readelf -sW "$build_dir/libsmartvis.a" | awk '$5 == "GLOBAL" && $6 == "DEFAULT" && $7 != "UND" { print $8 }' | sort -u)
+[ "$visible" = smartvis_plugin_entry ] || fail "libsmartvis.a shows '$visible'"
+if [ -z "${SV_SANITIZE:-}" ]; then
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    printf '#include "smartvis_plugin.h"\n#include <stdio.h>\nextern const sv_entry smartvis_plugin_entry;\n%s\n' \
+        'int main(void) { return puts(smartvis_plugin_entry.descriptor(0)->id) < 0; }' > "$work/host.c"
+    cc -I "$1/include" "$work/host.c" "$build_dir/libsmartvis.a" -lOpenCL -lm -o "$work/host" || fail "nothing can be linked with libsmartvis.a"
+    [ "$("$work/host")" = org.smartvis.clip ] || fail "the linked host finds no plugin"
+fi
+
 echo "exports: ${exported}needs: $(tr '\n' ' ' <<< "$needed")"
 [ $failures = 0 ]

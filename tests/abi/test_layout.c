@@ -7,6 +7,7 @@
 #include <CL/cl.h> /* before the header on purpose: its tags must be OpenCL's own types */
 
 #include "smartvis/confidence.h"
+#include "smartvis/needs.h"
 #include "smartvis/points.h"
 #include "smartvis/spline.h"
 #include "smartvis/timing.h"
@@ -95,7 +96,10 @@ AT(sv_frame, reserved, 36);
 AT(sv_frame, scanned, 40);
 AT(sv_frame, scanned_object, 48);
 AT(sv_frame, scanned_offset, 56);
-SIZE(sv_frame, 64);
+AT(sv_frame, probe_rotation, 64);
+AT(sv_frame, probe_side, 100);
+SIZE(sv_frame, 112);
+_Static_assert(SV_FRAME_SIZE_1_0 == 64, "what a host of 1.0 hands over");
 
 AT(sv_slab, size, 0);
 AT(sv_slab, first_slice, 4);
@@ -223,6 +227,18 @@ AT(sv_entry, count, 12);
 AT(sv_entry, descriptor, 16);
 AT(sv_entry, create, 24);
 SIZE(sv_entry, 32);
+
+AT(sv_needs_device, flags, 4);
+AT(sv_needs_device, compute_units, 8);
+SIZE(sv_needs_device, 16);
+AT(sv_needs, commands, 4);
+AT(sv_needs, adjust_commands, 8);
+AT(sv_needs, device_bytes, 16);
+AT(sv_needs, largest_buffer, 24);
+AT(sv_needs, host_bytes, 32);
+SIZE(sv_needs, 40);
+AT(sv_ext_needs, of, 8);
+SIZE(sv_ext_needs, 16);
 #endif
 
 /* A status travels in log files and other people's tables: the numbers are pinned, on every machine. */
@@ -276,6 +292,10 @@ NUMBER(SV_QUEUE_HOST, 2);
 NUMBER(SV_FEATURE_SCANNED, 1);
 NUMBER(SV_FEATURE_PADDING, 2);
 NUMBER(SV_FEATURE_ADJUST, 4);
+NUMBER(SV_FEATURE_PROBE, 8);
+NUMBER(SV_NEEDS_CPU, 1);
+NUMBER(SV_NEEDS_UNIFIED, 2);
+NUMBER(SV_NEEDS_DOUBLES, 4);
 NUMBER(SV_BIT(SV_CARRIER_IMAGE), 8);
 NUMBER(SV_POINT_NONE, 0);
 NUMBER(SV_POINT_INITIAL, 1);
@@ -328,6 +348,7 @@ static void test_names(void **state) {
     assert_string_equal(SV_EXT_POINTS, "smartvis.points/1");
     assert_string_equal(SV_EXT_SPLINE, "smartvis.spline/1");
     assert_string_equal(SV_EXT_CONFIDENCE, "smartvis.confidence/1");
+    assert_string_equal(SV_EXT_NEEDS, "smartvis.needs/1");
 }
 
 int main(void) {

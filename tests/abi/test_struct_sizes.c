@@ -213,8 +213,19 @@ static void test_grown_frame(void **state) {
 static void test_short_frame(void **state) {
     fixture *f = *state;
     sv_frame frame = one_frame();
-    frame.size = sizeof(frame) - 1;
+    frame.size = SV_FRAME_SIZE_1_0 - 1;
     assert_int_equal(f->plugin->begin(f->plugin, &frame), SV_ERR_SIZE);
+    /* A host of 1.0, and one with half a rotation, which says nothing: what lies behind is not the plugin's.
+     */
+    for (uint32_t more = 0; more <= EXTRA; more += EXTRA) {
+        unsigned char *old = malloc(SV_FRAME_SIZE_1_0 + more);
+        assert_non_null(old);
+        memset(old, MARK, SV_FRAME_SIZE_1_0 + more);
+        frame.size = SV_FRAME_SIZE_1_0 + more;
+        memcpy(old, &frame, SV_FRAME_SIZE_1_0);
+        assert_int_equal(f->plugin->begin(f->plugin, (const sv_frame *)(const void *)old), SV_OK);
+        free(old);
+    }
 
     frame.size = sizeof(frame);
     sv_slab slab = whole_slab(f);

@@ -2,6 +2,7 @@
 /* How a volume lies in the patient, held to hand-made directions: words, letters, world coordinates, and what
  * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
 #include "render/camera.h"
+#include "smartvis/probe.h"
 #include "volume/volume.h"
 
 #include <math.h>
@@ -136,6 +137,38 @@ static void probes_look_into_the_volume(void **state) {
         }
 }
 
+/* Looked at from the probe, its axes are the camera's. From elsewhere, beams that run into the volume run so
+ * in the camera's axes, too, and the probe is where they come from. */
+static void the_probe_is_where_the_beams_come_from(void **state) {
+    (void)state;
+    static const hs_from places[] = {HS_FROM_PROBE, HS_FROM_ANTERIOR, HS_FROM_LEFT};
+    for (int mirrored = 0; mirrored < 2; mirrored++)
+        for (int probe = 0; probe < HS_PROBE_COUNT; probe++)
+            for (int n = 0; n < 9; n++) {
+                hs_volume volume = {.nx = 10, .ny = 20, .nz = 30, .spacing = {1, 2, 3}};
+                hs_camera camera, from_probe;
+                sv_frame frame = {.size = sizeof frame};
+                char wrong[200];
+                assert_true(hs_pose_from_letters(&volume.pose, mirrored ? "LAI" : "RAI"));
+                hs_camera_look_from(&camera, &volume, places[n % 3], n / 3 * 40.0, n / 3 * -25.0);
+                hs_camera_probe(&camera, &volume, frame.probe_rotation, frame.probe_side);
+                for (int k = 0; k < 9; k++) assert_true(frame.probe_rotation[k] == 0.0f);
+                hs_volume_scanned_from(&volume, (hs_probe)probe);
+                hs_camera_look(&from_probe, &volume, 0, 0);
+                hs_camera_look_from(&camera, &volume, places[n % 3], n / 3 * 40.0, n / 3 * -25.0);
+                hs_camera_probe(&camera, &volume, frame.probe_rotation, frame.probe_side);
+                if (!sv_probe_holds(&frame, wrong, sizeof wrong)) fail_msg("%s", wrong);
+                for (int row = 0; row < 3; row++)
+                    for (int column = 0; column < 3; column++) {
+                        double along = 0; /* of the camera's axis and the probe's, both in the volume */
+                        for (int k = 0; k < 3; k++)
+                            along += camera.rotation[k * 3 + row] * from_probe.rotation[k * 3 + column];
+                        assert_true(fabs((double)frame.probe_rotation[row * 3 + column] - along) < 1e-6);
+                        if (n == 0) assert_true(frame.probe_rotation[row * 3 + column] == (row == column));
+                    }
+            }
+}
+
 /* yaw turns to the picture's right and pitch up, also in a left-handed volume. */
 static void turns_are_the_pictures(void **state) {
     (void)state;
@@ -210,6 +243,7 @@ int main(void) {
         cmocka_unit_test(indices_lie_where_the_pose_says),
         cmocka_unit_test(named_places_show_the_patient_however_the_volume_lies),
         cmocka_unit_test(probes_look_into_the_volume),
+        cmocka_unit_test(the_probe_is_where_the_beams_come_from),
         cmocka_unit_test(turns_are_the_pictures),
         cmocka_unit_test(marks_tell_what_is_at_the_right),
         cmocka_unit_test(marks_are_there_only_if_something_is_known),

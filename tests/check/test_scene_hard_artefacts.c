@@ -204,6 +204,11 @@ static void a_turned_camera_sees_the_same_scan(void **state) {
                 assert_int_equal(side.full.voxels[of_side], straight.full.voxels[of_straight]);
                 tissues += side.tissue[of_side] != straight.tissue[of_straight];
             }
+    static const double turn[9] = {0, 0, -1, 0, 1, 0, 1, 0, 0};
+    for (int k = 0; k < 9; k++) {
+        assert_near(side.full.probe_turn[k], turn[k], 1e-6);
+        assert_near(straight.full.probe_turn[k], k % 4 == 0, 0.0);
+    }
     assert_true(tissues < 5); /* a point on a border may fall to either side */
     for (size_t i = 0; i < (size_t)SIDE * SIDE; i++) check_scene_pixel(&side, i);
     hs_scene_free(&side);
@@ -241,6 +246,8 @@ static void a_turned_camera_stands_where_it_says(void **state) {
     }
     assert_near(count, 4.0 / 3.0 * 3.14159265 * 512.0, 30.0);
     for (int a = 0; a < 3; a++) assert_near(sum[a] / count, middle[a], 0.05);
+    /* It lies 10 mm along the beams from the middle. */
+    for (int a = 0; a < 3; a++) assert_near(10.0 * d.full.probe_turn[a * 3 + 2], middle[a] - 60.0, 1e-5);
     hs_scene_free(&d);
 }
 

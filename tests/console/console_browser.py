@@ -4,14 +4,12 @@
 import json
 import os
 import shlex
-import struct
 import subprocess
 import sys
-import tempfile
-import zlib
 
-from console_client import Console
-from webdriver import KEYS, Browser
+from console_look import RESULT, a_page, all_pixels, choose, holds, pixels, read_png, settle, snapshot
+from page_looks import looks, tab_order
+from webdriver import KEYS
 
 BUILD = sys.argv[1]
 HOST_SIM = os.path.join(BUILD, "host_sim")
@@ -19,73 +17,6 @@ PLUGINS = [os.path.join(BUILD, name) for name in ("smartvis.so", "tests/plugins/
 START = "#scene=D01,96,3"
 # The sanitizers' own handlers would turn the plugin's crash into an exit.
 os.environ["ASAN_OPTIONS"] = os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"
-RESULT = ".screen[data-view=result]"
-SETTLED = ("document.body.dataset.serial === String(state.serial) && !state.hurried && !link.waiting "
-           "&& document.body.dataset.draft === 'false'")
-
-
-def holds(condition, what):
-    if not condition:
-        raise AssertionError(what)
-
-
-def settle(b, what):
-    b.wait_for(SETTLED, what)
-
-
-def pixels(b, view):
-    """A number that changes with the view's picture."""
-    return b.run("""
-        const c = canvases[arguments[0]].canvas, copy = new OffscreenCanvas(c.width, c.height);
-        const g = copy.getContext('2d', { willReadFrequently: true });
-        g.drawImage(c, 0, 0);
-        const d = g.getImageData(0, 0, c.width, c.height).data;
-        let sum = 0; for (let i = 0; i < d.length; i += 4) sum = (sum * 31 + d[i] * 65536 + d[i + 1] * 256 + d[i + 2]) % 4294967291;
-        return c.width + ':' + sum;""", view)
-
-
-def all_pixels(b):
-    return {view: pixels(b, view) for view in ("result", "full", "truth", "across", "along", "deep")}
-
-
-def read_png(data):
-    """Width and rows of RGB bytes of a PNG of 8 bits without interlacing."""
-    at, packed, size = 8, b"", None
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
-        if kind == b"IHDR":
-            size = struct.unpack(">II", data[at + 8:at + 16])
-        elif kind == b"IDAT":
-            packed += data[at + 8:at + 8 + length]
-        at += 12 + length
-    raw, row, out = zlib.decompress(packed), bytearray(size[0] * 3), []
-    for y in range(size[1]):
-        kind, line = raw[y * (len(row) + 1)], bytearray(raw[y * (len(row) + 1) + 1:(y + 1) * (len(row) + 1)])
-        for x, value in enumerate(line):
-            left = line[x - 3] if x > 2 else 0
-            up, corner = row[x], (row[x - 3] if x > 2 else 0)
-            guess = left + up - corner
-            near = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
-            line[x] = (value + (0, left, up, (left + up) // 2, near)[kind]) & 255
-        row = line
-        out.append(bytes(row))
-    return size[0], out
-
-
-def snapshot(b, work):
-    """The result as the page saves it."""
-    path = os.path.join(work, "smartvis_D01_result.png")
-    if os.path.exists(path):
-        os.remove(path)
-    b.run("at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
-    b.click("#snapshot")
-    size = b.wait_for("document.body.dataset.snapshot", "the snapshot")
-    for _ in range(200):
-        if os.path.exists(path) and os.path.getsize(path) == int(size):
-            break
-        b.run("return 0")
-    with open(path, "rb") as file:
-        return read_png(file.read())
 
 
 def run_of(b, work):
@@ -116,6 +47,12 @@ def it_loads(b):
                 "canvases.across.screen.getBoundingClientRect().width * lastFigures.source.window_mm]")
     holds(abs(float(bar[0].split()[0]) - bar[1]) < 0.5, f"a bar of {bar[0]} is {bar[1]} mm wide")
     b.wait_for("at('fps').textContent === 'at rest'", "a page at rest")
+    holds(b.run("return document.querySelector('#primary label').textContent").startswith("Surface position"), "another name for the surface position")
+    holds("0.5 is the best guess. Stay between 0 and 1." in b.run("return at('primary').innerText"), "no sentence at the surface position")
+    digits = b.run("return [[0.5, 0.05], [0.5, 0.25], [30, 2.5], [7, 1], [0.1588, 0.01], [1e-3, 1e-4]].map(([v, s]) => inSteps(v, s))")
+    holds(digits == ["0.50", "0.50", "30.0", "7", "0.16", "0.0010"], f"values in the digits of their steps: {digits}")
+    shown = b.run("return ['#primary', '#renderer'].map(id => [...document.querySelectorAll(id + ' output')].map(o => o.textContent))")
+    holds(shown[0] == ["0.50"] and "1.00" in shown[1], f"surface position and exposure 1 are shown as {shown}")
     holds("Points" not in b.run("return document.body.innerText") and b.run("return at('numbers').textContent.includes('Points')"),
           "point counts stand before who did not ask for expert figures")
     drawn = all_pixels(b)
@@ -125,44 +62,76 @@ def it_loads(b):
     holds(names == [], f"without a name for a screen reader: {names}")
 
 
+def it_can_be_read(b):
+    """With everything open, light, dark and printed; and by the tab key alone."""
+    b.run("document.querySelectorAll('details').forEach((fold) => { fold.open = true; }); notice('What went wrong', false)")
+    looks(b, "the console")
+    tab_order(b, "the console")
+    b.run("document.querySelectorAll('details').forEach((fold) => { fold.open = false; }); notice('', true); document.activeElement.blur(); scrollTo(0, 0)")
+
+
+# Controls and captions that stand in each other's way; what belongs to a label may touch it.
+OVERPRINTED = """
+    const shown = [...document.querySelectorAll('input, select, button, output, figcaption, summary, h1, h2, #shown')].filter(e => e.checkVisibility()
+        && !e.closest('#primary, .screen')).map(e => [e, e.getBoundingClientRect()]);
+    const over = [];
+    shown.forEach(([a, p], i) => shown.slice(i + 1).forEach(([b, q]) => {
+        if (p.left < q.right - 1 && q.left < p.right - 1 && p.top < q.bottom - 1 && q.top < p.bottom - 1) over.push((a.id || a.outerHTML) + ' / ' + (b.id || b.outerHTML));
+    }));
+    return [document.documentElement.scrollWidth, over];"""
+
+
 def on_a_phone(b):
-    """The whole result and the knob are on the screen together, and neither covers the other."""
+    """The whole result and the surface position are on the screen together, and neither covers the other, from the start."""
     b.devtools("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=False)
-    top, result, knob, end = b.run("canvases.result.screen.scrollIntoView(); const r = canvases.result.screen.getBoundingClientRect(), "
-                                   "k = at('knob0').getBoundingClientRect(); return [r.top, r.bottom, k.top, k.bottom]")
-    holds(-1 <= top and result <= knob and end <= 844, f"the result from {top} to {result}, the knob from {knob} to {end}")
+    top, result, slider, end = b.run("scrollTo(0, 0); const r = canvases.result.screen.getBoundingClientRect(), "
+                                   "k = at('primary').getBoundingClientRect(); return [r.top, r.bottom, k.top, k.bottom]")
+    holds("Stay between 0 and 1." in b.run("return at('primary').innerText"), "no sentence beside the surface position")
+    holds(-1 <= top and result <= slider and end <= 844, f"the result from {top} to {result}, the slider from {slider} to {end}")
+    for how in ("side", "wipe", "off"):
+        choose(b, "compare", how)
+        settle(b, f"compare: {how}")
+        wide, over = b.run(OVERPRINTED)
+        holds(wide <= 390 and over == [], f"compare {how}: {wide} pixels wide, over each other: {over}")
     b.devtools("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
-    b.run("scrollTo(0, 0)")
+    wide, over = b.run(OVERPRINTED)
+    holds(wide <= 1280 and over == [], f"{wide} pixels wide, over each other: {over}")
 
 
-def the_knob(b, work):
+def the_surface_position(b, work):
     before = all_pixels(b)
-    wide = b.run("return document.querySelector('#knob0').getBoundingClientRect().width")
-    b.drag("#knob0", (-wide / 6, 0), (wide / 4, 0))
-    settle(b, "the knob, dragged")
+    wide = b.run("return document.querySelector('#primary0').getBoundingClientRect().width")
+    b.drag("#primary0", (-wide / 6, 0), (wide / 4, 0))
+    settle(b, "the surface position, dragged")
     by_mouse = b.run("return state.lanes[0].values.q")
-    holds(by_mouse and by_mouse != 0.5, f"the knob stands at {by_mouse}")
+    holds(by_mouse and by_mouse != 0.5, f"the surface position stands at {by_mouse}")
     after = all_pixels(b)
-    holds(after["result"] != before["result"] and after["full"] == before["full"], "the knob changed the wrong pictures")
+    holds(after["result"] != before["result"] and after["full"] == before["full"], "the surface position changed the wrong pictures")
     figures = b.run("return lastFigures.lanes[0]")
-    holds(figures["adjusted"] and figures["clipped"] and figures["activations"] == 1, f"the knob did not adjust: {figures}")
-    as_run_draws_it(b, work, "the knob by mouse")
-    b.run("at('knob0').focus()")
-    b.keys("#knob0", KEYS["left"] * 7)
-    settle(b, "the knob, by keys")
+    holds(figures["adjusted"] and figures["clipped"] and figures["activations"] == 1, f"the surface position did not adjust: {figures}")
+    as_run_draws_it(b, work, "the surface position by mouse")
+    b.run("at('primary0').focus()")
+    b.keys("#primary0", KEYS["left"] * 7)
+    settle(b, "the surface position, by keys")
     step = b.run("return sliderStep(lanes[0].params.find(p => p.primary))")
     by_keys = b.run("return state.lanes[0].values.q")
     holds(abs(by_mouse - by_keys - 7 * step) < 1e-6, f"seven steps of {step} lead from {by_mouse} to {by_keys}")
-    holds(pixels(b, "result") != after["result"], "keys move the knob, and the picture stays")
-    as_run_draws_it(b, work, "the knob by keys")
+    holds(pixels(b, "result") != after["result"], "keys move the surface position, and the picture stays")
+    as_run_draws_it(b, work, "the surface position by keys")
     b.run("document.activeElement.blur()")
     b.keys("body", "]")
-    settle(b, "the knob by its own key")
+    settle(b, "the surface position by its own key")
     holds(b.run("return valueOf(0, lanes[0].params.find(p => p.primary))") > by_keys, "] does not turn it up")
 
 
 def turning(b, work):
     before = all_pixels(b)
+    written = b.run("""const replace = history.replaceState; window.written = 0;
+        history.replaceState = (...all) => { window.written++; replace.apply(history, all); };
+        return new Promise((done) => { let left = 60; const step = () => { turn(left % 2 ? 1 : -1, 0); if (--left) requestAnimationFrame(step);
+            else { history.replaceState = replace; done(window.written); } }; step(); });""")
+    holds(written < 20, f"the address was written {written} times in 60 moves")
+    settle(b, "the camera, there and back")
     b.drag(RESULT, (0, 0), (70, 25))
     settle(b, "the camera, dragged")
     camera = b.run("return state.camera")
@@ -206,12 +175,14 @@ def playing(b):
     b.click("#play")
     settle(b, "the pause")
     holds(indices == {0, 1, 2}, f"played volumes {indices}")
+    for _ in range(3):  # it freezes at the volume that is seen, not at a later one that is under way
+        b.click("#play")
+        b.wait_for("at('play').textContent === 'Freeze' && lastFigures.serial === state.serial", "it plays")
+        seen = b.run("at('play').click(); return lastFigures.index")
+        settle(b, "it is frozen")
+        holds(b.run("return [lastFigures.index, at('play').textContent]") == [seen, "Play"], f"volume {seen} was seen when it was frozen")
     holds(int(b.run("return document.body.dataset.frame")) >= start + 2, "few frames")
     holds(b.run("return at('play').getAttribute('aria-pressed')") == "false", "it still plays")
-
-
-def choose(b, control, value):
-    b.run("at(arguments[0]).value = arguments[1]; at(arguments[0]).dispatchEvent(new Event('change'))", control, value)
 
 
 def shown_as(b):
@@ -296,11 +267,11 @@ def a_plugin_nobody_wrote_controls_for(b, work):
     settle(b, "the plane plugin")
     names = b.run("return [...lanes[0].controls.keys()]")
     holds(names == ["depth", "fail", "every", "note", "shape"], f"controls: {names}")
-    holds(b.run("return document.querySelector('#knob label').textContent").startswith("Depth"), "no knob for the depth")
+    holds(b.run("return document.querySelector('#primary label').textContent").startswith("Depth"), "no primary parameter")
     before = pixels(b, "result")
-    wide = b.run("return at('knob0').getBoundingClientRect().width")
-    b.drag("#knob0", (-wide / 2 + 8, 0), (0.45 * wide, 0))
-    settle(b, "the plane's knob")
+    wide = b.run("return at('primary0').getBoundingClientRect().width")
+    b.drag("#primary0", (-wide / 2 + 8, 0), (0.45 * wide, 0))
+    settle(b, "the plane's depth")
     holds(pixels(b, "result") != before, "the plane does not move")
     as_run_draws_it(b, work, "the plane")
     link = b.run("return location.hash")
@@ -311,7 +282,7 @@ def a_crash(b):
     b.run("at('plugin0').value = '2'; at('plugin0').dispatchEvent(new Event('change'))")
     settle(b, "the plugin that will crash")
     b.run("setValue(0, lanes[0].params.find(p => p.primary), 60, false)")
-    settle(b, "its knob")
+    settle(b, "its position")
     holds(b.run("return lastFigures.lanes[0].clipped"), "it does not clip before it crashes")
     clipped = pixels(b, "result")
     b.run("setValue(0, lanes[0].params.find(p => p.key === 'fail'), 4, false)")
@@ -337,7 +308,7 @@ def comparing(b):
     settle(b, "side by side")
     holds(pixels(b, "result") == pixels(b, "other"), "the same settings give two pictures")
     b.run("setValue(1, lanes[1].params.find(p => p.primary), 1.2, false)")
-    settle(b, "the other knob")
+    settle(b, "the other position")
     other = pixels(b, "other")
     holds(pixels(b, "result") != other, "other settings give one picture")
     b.run("at('compare').value = 'wipe'; at('compare').dispatchEvent(new Event('change'))")
@@ -350,6 +321,7 @@ def comparing(b):
 
 
 def an_address_opens_what_it_says(b, console):
+    b.wait_for("addressDue === 0", "the address")
     link = b.run("return location.hash")
     wanted = b.run("return [state.camera, state.lanes, state.source, look.compare, look.wipe]")
     b.open("about:blank")
@@ -369,36 +341,22 @@ def results(b, work):
 
 
 def main():
-    with tempfile.TemporaryDirectory() as work, open(os.path.join(work, "said"), "w+") as said:
-        plugins = [word for path in PLUGINS for word in ("--plugin", path)]
-        console = Console(BUILD, [*plugins, "--out", os.path.join(work, "out")], said)
-        b = None
-        try:
-            b = Browser(work)
-            b.open(console.address + START)
-            it_loads(b)
-            on_a_phone(b)
-            the_knob(b, work)
-            turning(b, work)
-            playing(b)
-            a_slow_host(b)
-            what_is_doubtful_can_be_tried(b)
-            a_view_comes_back(b)
-            a_reactivation(b)
-            a_plugin_nobody_wrote_controls_for(b, work)
-            a_crash(b)
-            comparing(b)
-            an_address_opens_what_it_says(b, console)
-            results(b, work)
-            lines = b.console()
-            holds(lines == [], f"the browser's console is not empty: {lines}")
-            b.close()
-            b = None
-            holds(console.wait(60) == 0, "the page is closed, and the console does not end with 0")
-        finally:
-            if b:
-                b.close()
-            console.end()
+    with a_page(BUILD, START, [word for path in PLUGINS for word in ("--plugin", path)]) as (b, console, work):
+        it_loads(b)
+        it_can_be_read(b)
+        on_a_phone(b)
+        the_surface_position(b, work)
+        turning(b, work)
+        playing(b)
+        a_slow_host(b)
+        what_is_doubtful_can_be_tried(b)
+        a_view_comes_back(b)
+        a_reactivation(b)
+        a_plugin_nobody_wrote_controls_for(b, work)
+        a_crash(b)
+        comparing(b)
+        an_address_opens_what_it_says(b, console)
+        results(b, work)
     print("ok")
 
 

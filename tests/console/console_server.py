@@ -42,16 +42,33 @@ def what_the_library_refuses(console):
 
 
 def slow_sockets(console):
-    """A hundred that never say all of it: one that does is answered, and they are not waited for long."""
-    slow = []
-    for i in range(100):
-        slow.append(socket.create_connection((console.host, console.port), timeout=30))
-        slow[i].sendall(b"GET / HT"[:i % 9])
-    holds(console.request("/?t=" + console.token)[0] == 200, "slow sockets lock everybody out")
-    for one in slow:
-        while one.recv(4096):
-            pass
-        one.close()
+    """Connections that never say all of it, or never take their answer, and a page meanwhile: others need not wait until they are
+    given up, which takes 3 s. The first to come are given up when 64 have come after them."""
+    page = let_in(console, "a page before slow sockets")
+    for count, text in ((50, "GET / HT"), (200, "GET / HT"), (500, "GET / HT"), (500, f"GET /console.js HTTP/1.1\r\nHost: {console.place}\r\n\r\n")):
+        slow = []
+        start = time.monotonic()
+        for i in range(count):
+            slow.append(socket.socket())
+            slow[i].setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+            slow[i].settimeout(30)
+            slow[i].connect((console.host, console.port))
+            slow[i].sendall(text[: i % 9 if count < 500 else None].encode())
+        holds(console.request("/?t=" + console.token)[0] == 200, f"{count} slow sockets lock everybody out")
+        seconds = time.monotonic() - start
+        holds(seconds < 2, f"{count} slow sockets: a request is answered after {seconds:.1f} s")
+        slow[0].settimeout(0.5)
+        try:
+            slow[0].recv(1)
+            holds(count > 64, "one of 50 slow sockets is given up at once")
+        except ConnectionError:
+            holds(count > 64, "one of 50 slow sockets is given up at once")
+        except TimeoutError:
+            holds(count <= 64, f"the first of {count} slow sockets is kept")
+        holds(page.show()["type"] == "frame", f"{count} slow sockets: a page stands still")
+        for one in slow:
+            one.close()
+    page.close()
 
 
 def pages_and_files(console):
@@ -116,8 +133,8 @@ def a_picture(page):
     holds(again["pictures"] == 0, "pictures that have not changed are sent again")
     turned = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1})
     holds(turned["pictures"] == 1 and turned["ms"]["convert"] > 0, "turning draws nothing")
-    knob = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1}, lanes=[{"plugin": 0, "values": {"q": 1.1}}])
-    holds(knob["pictures"] == 1 and knob["lanes"][0]["adjusted"] == knob["lanes"][0]["clipped"], "the knob asks for a new volume")
+    moved = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1}, lanes=[{"plugin": 0, "values": {"q": 1.1}}])
+    holds(moved["pictures"] == 1 and moved["lanes"][0]["adjusted"] == moved["lanes"][0]["clipped"], "the surface position asks for a new volume")
     page.say({"type": "do", "what": "snapshot", "view": "result"})
     page.show(picture=48)
     holds(page.pictures[0][1] == 0 and page.pictures[0][2] == 48, "no picture of 48 pixels")
@@ -150,6 +167,8 @@ def pictures_name_their_state(page):
         heard = page.hear()
         if heard[0] == 2:
             page._take(heard[1])
+        else:
+            holds(json.loads(heard[1])["type"] not in ("refused", "skipped"), f"before the snapshot: {heard[1]}")
     holds(page.pictures[0][4] == page.serial, f"the snapshot is of state {page.pictures[0][4]}, asked for in {page.serial}")
 
 
@@ -338,7 +357,7 @@ def a_sequence_plays(work):
     folder = os.path.join(work, "scans")
     subprocess.run([os.path.join(BUILD, "host_sim"), "scenes", "D01", "--size", "64", "--frames", "3", "--export", "--format", "vol",
                     "--out", folder], check=True, stdout=subprocess.DEVNULL, timeout=900)
-    console = Console(BUILD, [folder, *PLUGINS])
+    console = Console(BUILD, [folder, *PLUGINS, "--lowres", "40"])
     try:
         page = Page(console)
         names = [one["path"] for one in page.text("hello")["files"]]
@@ -346,6 +365,7 @@ def a_sequence_plays(work):
         source = {"folder": 0, "path": "D01_full.vol", "from": "probe"}
         first = page.show(source=source)
         holds(first["type"] == "frame" and first["source"]["volumes"] == 3 and not first["source"]["truth"], f"the sequence: {first}")
+        holds(first["source"]["slabs"] == [40, 40, 40] and "--lowres 40" in first["lanes"][0]["line"], f"not 40 pixels across: {first}")
         holds("--volume " + os.path.join(os.path.realpath(folder), "D01_full.vol") in first["lanes"][0]["line"], "the line has no file")
         page.say(page.state(source=source, play={"on": True, "speed": 50, "index": 1}))
         indices = []
@@ -359,7 +379,7 @@ def a_sequence_plays(work):
         holds(stopped["index"] == 2, "it does not stop where it is told")
         page.socket.settimeout(2)
         holds(page.text("frame") is None, "it goes on after it was stopped")
-        page.close()
+        console.interrupt()
         holds(console.wait(60) == 0, "it does not end")
     finally:
         console.end()
@@ -389,25 +409,26 @@ def who_comes_early():
 
 
 def how_it_ends():
-    console = Console(BUILD, PLUGINS)
+    """It outlives its last page by 30 s, in which a page may come back; with --stay it goes on."""
+    ends, stays = Console(BUILD, PLUGINS), Console(BUILD, [*PLUGINS, "--stay"])
     try:
-        page = Page(console)
+        for console in (ends, stays):
+            page = Page(console)
+            page.text("hello")
+            page.close()
+        time.sleep(3)
+        page = Page(ends)
         page.text("hello")
+        closed = time.monotonic()
         page.close()
-        holds(console.wait(30) == 0, "the last page has closed, and it goes on")
+        holds(ends.wait(60) == 0, "the last page has closed, and it goes on")
+        holds(30 <= time.monotonic() - closed < 45, f"it ends {time.monotonic() - closed} s after its last page")
+        holds(stays.process.poll() is None, "--stay does not keep it")
+        stays.process.send_signal(signal.SIGTERM)
+        holds(stays.wait(30) == 0, "SIGTERM does not end it with 0")
     finally:
-        console.end()
-    console = Console(BUILD, [*PLUGINS, "--stay"])
-    try:
-        page = Page(console)
-        page.text("hello")
-        page.close()
-        time.sleep(4)
-        holds(console.process.poll() is None, "--stay does not keep it")
-        console.process.send_signal(signal.SIGTERM)
-        holds(console.wait(30) == 0, "SIGTERM does not end it with 0")
-    finally:
-        console.end()
+        ends.end()
+        stays.end()
 
 
 def command_lines():

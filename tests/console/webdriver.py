@@ -85,14 +85,19 @@ class Browser:
             if value:
                 return value
             time.sleep(0.05)
-        raise AssertionError(f"{what}: did not come within {seconds} s; notice: {self.run('return notice_text()')}"
-                             if self.run("return typeof notice_text === 'function'") else f"{what}: did not come within {seconds} s")
+        notice = self.run("return document.getElementById('notice')?.textContent || ''")
+        raise AssertionError(f"{what}: did not come within {seconds} s; notice: '{notice}'")
 
     def element(self, css):
         return self.call("POST", "/element", {"using": "css selector", "value": css})[ELEMENT]
 
     def keys(self, css, text):
         self.call("POST", f"/element/{self.element(css)}/value", {"text": text})
+
+    def press(self, key):
+        """A key for whatever has the focus."""
+        self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": [
+            {"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]}]})
 
     def click(self, css):
         self.call("POST", f"/element/{self.element(css)}/click", {})

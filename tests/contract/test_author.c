@@ -157,7 +157,7 @@ static void short_structs(void **state) {
     refused(s, s->p->activate(s->p, &format), SV_ERR_SIZE, "format.size is ");
     refused(s, s->p->activate(s->p, NULL), SV_ERR_ARGUMENT, "format is NULL");
     activate(s);
-    const sv_frame frame = {.size = sizeof frame - 1};
+    const sv_frame frame = {.size = SV_FRAME_SIZE_1_0 - 1};
     refused(s, s->p->begin(s->p, &frame), SV_ERR_SIZE, "frame.size is ");
     refused(s, s->p->begin(s->p, NULL), SV_ERR_ARGUMENT, "frame is NULL");
     assert_int_equal(begin(s), SV_OK);

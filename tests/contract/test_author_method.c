@@ -259,6 +259,54 @@ static void voxels_and_ranges(void **state) {
     p->destroy(p);
 }
 
+/* A frame of 1.0 says nothing of the probe, and what lies behind it is not read as if it did. With the
+ * feature a wrong rotation is refused; without it the fields are ignored. */
+static void where_the_probe_is(void **state) {
+    (void)state;
+    static const struct {
+        float rotation[9], side[3];
+        const char *wrong; /* NULL: it may be */
+    } told[] = {
+        {{0}, {0}, NULL},
+        {{0}, {0, -1, 0}, NULL},
+        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, NULL},
+        {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {1, 0, 0}, NULL},
+        {{0, 0, 1, 0, 1, 0, -1, 0, 0},
+         {1, 0, 0},
+         "probe_side is 1 0 0, expected the opposite of the rotation's"},
+        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, "probe_side is 0 0 0, expected the opposite"},
+        {{1, 0, 0, 0, 1, 0, 0, 0, -1},
+         {0, 0, 1},
+         "probe_rotation is 1 0 0, 0 1 0, 0 0 -1, expected a rotation"},
+        {{2, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, "probe_rotation is 2 0 0"},
+        {{NAN, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, "probe_rotation is nan 0 0"},
+        {{0}, {0, 0, INFINITY}, "probe_side is 0 0 inf, expected a unit vector or zeros"},
+        {{0}, {0, 0.5f, 0}, "probe_side is 0 0.5 0, expected a unit vector or zeros"},
+    };
+    for (uint32_t features = 0; features <= SV_FEATURE_PROBE; features += SV_FEATURE_PROBE) {
+        const sv_descriptor descriptor = SVA_DESCRIPTOR("test.own", "Own", "Test", "1", "Reads.", features);
+        sva_method method = own_method;
+        method.descriptor = &descriptor;
+        const sv_plugin *p = make(&method);
+        const sva *a = p->plugin_data;
+        const sv_format format = small_format();
+        assert_int_equal(p->activate(p, &format), SV_OK);
+        for (size_t n = 0; n < sizeof told / sizeof *told; n++) {
+            sv_frame frame = {.size = sizeof frame};
+            memcpy(frame.probe_rotation, told[n].rotation, sizeof told[n].rotation);
+            memcpy(frame.probe_side, told[n].side, sizeof told[n].side);
+            const int refused = features && told[n].wrong;
+            assert_int_equal(p->begin(p, &frame), refused ? SV_ERR_ARGUMENT : SV_OK);
+            if (refused && !strstr(p->last_error(p), told[n].wrong)) fail_msg("'%s'", p->last_error(p));
+            frame.size = SV_FRAME_SIZE_1_0;
+            assert_int_equal(p->begin(p, &frame), SV_OK);
+            for (int k = 0; k < 9; k++) assert_true(a->frame.probe_rotation[k] == 0.0f);
+        }
+        p->deactivate(p);
+        p->destroy(p);
+    }
+}
+
 /* A defect of the author's tables is found when the first instance is made. */
 static void wrong_tables(void **state) {
     (void)state;
@@ -274,6 +322,9 @@ static void wrong_tables(void **state) {
         if (n == 4) bad[1].flags = SV_PARAM_ADJUST;
         const sv_status expected = n == 0 ? SV_OK : SV_ERR_INTERNAL;
         assert_int_equal(sva_create(&method, &host, "test.own", &p), expected);
+        if (n == 1)
+            assert_string_equal(last_log,
+                                "parameter 'shade': the default is 32, expected 1 to 31 in steps of 2");
         if (p) p->destroy(p);
     }
     method = own_method;
@@ -285,9 +336,8 @@ static void wrong_tables(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_method_that_fails),
-        cmocka_unit_test(parameters),
-        cmocka_unit_test(voxels_and_ranges),
+        cmocka_unit_test(a_method_that_fails), cmocka_unit_test(parameters),
+        cmocka_unit_test(voxels_and_ranges),   cmocka_unit_test(where_the_probe_is),
         cmocka_unit_test(wrong_tables),
     };
     return cmocka_run_group_tests_name("author's methods", tests, NULL, NULL);

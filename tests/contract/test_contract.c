@@ -234,6 +234,9 @@ static void unknown_ids_and_flags(void **state) {
     assert_null(p->get_extension(p, ""));
     const sv_frame frame = {.size = sizeof frame, .flags = 0x80000000u};
     fixture_refused(f, p->begin(p, &frame), SV_ERR_ARGUMENT, "flags is 0x80000000");
+    const sv_frame sideways = {.size = sizeof sideways, .probe_side = {0, 2, 0}};
+    fixture_refused(f, p->begin(p, &sideways), SV_ERR_ARGUMENT,
+                    "probe_side is 0 2 0, expected a unit vector");
     fixture_frame_is_good(f);
 }
 

@@ -32,7 +32,7 @@ beside_method first_edge/first_edge.c 40
 most kernel_edge/kernel_edge.c 65
 
 # --- copies build alone
-for name in first_edge kernel_edge template small_host queue_host; do
+for name in first_edge kernel_edge template small_host queue_host deadline_host; do
     cp -r "$source_dir/examples/$name" "$work/$name"
     if ! { cmake -S "$work/$name" -B "$work/$name/build" -D CMAKE_PREFIX_PATH="$build_dir" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror' &&
         cmake --build "$work/$name/build"; } > "$work/log" 2>&1; then
@@ -76,6 +76,18 @@ done
 "$build_dir/examples/queue_host" "$build_dir/examples/first_edge.so" > /dev/null 2> "$work/err"
 [ $? = 4 ] || fail "queue_host, a plugin without the host's queue: exit code"
 grep -q 'takes no queue' "$work/err" || fail "queue_host: $(cat "$work/err")"
+
+# --- the host with a deadline: in time, all are drawn with the map; with none, unclipped, and what cannot be handed over is skipped
+for plugin in smartvis.so examples/first_edge.so; do
+    "$build_dir/examples/deadline_host" "$build_dir/$plugin" 600000 > "$work/out" 2>&1 || fail "deadline_host $plugin: exit code $?"
+    grep -qx '20 volumes: 20 drawn with the map, 0 unclipped; 0 of these were skipped' "$work/out" ||
+        fail "deadline_host $plugin, in time: $(cat "$work/out")"
+done
+"$build_dir/examples/deadline_host" "$build_dir/smartvis.so" 0.001 > "$work/out" 2>&1 || fail "deadline_host: exit code $?"
+grep -qE '^20 volumes: 0 drawn with the map, 20 unclipped; [1-9][0-9]* of these were skipped$' "$work/out" ||
+    fail "deadline_host, too late: $(cat "$work/out")"
+"$build_dir/examples/deadline_host" "$build_dir/tests/plugins/plane.so" > /dev/null 2>&1
+[ $? = 2 ] || fail "deadline_host without a time: exit code"
 
 # --- the host simulator
 simulate() { # simulate OPTION...

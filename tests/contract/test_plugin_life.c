@@ -218,7 +218,7 @@ static void kernels_that_do_not_build(void **state) {
                     "the kernels do not build: CL_BUILD_PROGRAM_FAILURE (-11)");
     assert_int_equal(f->r.last_severity, SV_LOG_ERROR);
     /* The build log names file and line; on a GPU it may be NVIDIA's, which calls every file <kernel>. */
-    const bool named = strstr(f->r.all_logs, "cl/profile/scanned.cl:") != NULL;
+    const bool named = strstr(f->r.all_logs, "cl/profile/profile_rays.cl:") != NULL;
     if (!named && (rig_is_cpu(&f->r) || !strstr(f->r.all_logs, "<kernel>:")))
         fail_msg("the build log is '%s'", f->r.all_logs);
     assert_non_null(strstr(f->r.all_logs, "banana"));

@@ -35,6 +35,7 @@ static uint64_t number_behind(const fixture *f, const char *word) {
 
 static void the_sum_is_that_of_the_buffers(void **state) {
     fixture *f = *state;
+    char line[80];
     spy_watch(f->r.entry);
     for (int method = surface_next(-1); method >= 0; method = surface_next(method))
         for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++)
@@ -51,6 +52,10 @@ static void the_sum_is_that_of_the_buffers(void **state) {
                 spy_device_memory(needed, 0);
                 assert_int_equal(fixture_activate(f), SV_OK);
                 assert_int_equal(spy_live_bytes(), needed);
+                (void)snprintf(line, sizeof line, " needs %" PRIu64 " bytes on the device, the largest",
+                               needed);
+                assert_non_null(strstr(f->r.all_logs, line));
+                f->r.all_logs[0] = '\0';
                 f->r.plugin->deactivate(f->r.plugin);
                 assert_int_equal(spy_live_bytes(), 0);
             }

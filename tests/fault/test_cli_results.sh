@@ -36,6 +36,27 @@ make_volume mirror.mha 'AnatomicalOrientation = LAI\n'
 
 run=(run --frames 1 --setting smartvis --picture 32 --panel 64 --lowres 48 --out out --plugin "$build/tests/plugins/plane.so" --set depth=2)
 
+# ------------------------------------------------------------------------------------------ a reference
+expect 0 "Results: depthmap.mha" "${run[@]}" --volume plain.mha --write depthmap
+holds mv out/depthmap.mha kept.mha
+expect 0 "Reference kept.mha: 0 of 2304 rays differ by more than 0 mm" "${run[@]}" --volume plain.mha --reference kept.mha
+holds [ "$(cat out/differences.csv)" = x,y,reference_mm,depth_mm,difference_mm ]
+# One slice is 0.5 mm; the tilted plane goes one slice deeper a pixel.
+expect 0 "0 of 2304 rays differ by more than 0.5 mm" "${run[@]}" --volume plain.mha --reference kept.mha --tolerance 0.5 --set depth=3
+expect 1 "2304 of 2304 rays differ by more than 0.4 mm, the most by 0.5 mm at (0, 0): differences.csv" \
+    "${run[@]}" --volume plain.mha --reference kept.mha --tolerance 0.4 --set depth=3
+expect 1 "2256 of 2304 rays differ by more than 0 mm, the most by 23.5 mm at (47, 0): differences.csv" \
+    "${run[@]}" --volume plain.mha --reference kept.mha --set shape=tilted --json run.json
+holds [ "$(wc -l < out/differences.csv)" = 2257 ]
+holds grep -qx '5,0,1,3.5,2.5' out/differences.csv
+holds grep -q '"different": 2256' run.json
+expect 2 "--tolerance 1: is for --reference" "${run[@]}" --volume plain.mha --tolerance 1
+expect 2 "--reference: needs a camera that stands still" "${run[@]}" --volume plain.mha --reference kept.mha --orbit 10
+expect 2 "is one map, and the source has 2 volumes" "${run[@]}" --volume plain.mha --volume plain.mha --reference kept.mha
+expect 3 "--reference none.mha: cannot be read: No such file" "${run[@]}" --volume plain.mha --reference none.mha
+expect 3 "plain.mha:3: DimSize is 24 24 24, expected 48 48 1" "${run[@]}" --volume plain.mha --reference plain.mha
+expect 4 "2304 of 2304 rays differ" "${run[@]}" --volume plain.mha --reference kept.mha --set fail=end
+
 # ------------------------------------------------------------------------------------------ orientation
 expect 0 "in the patient: not said" info plain.mha
 expect 0 "first voxel at (0, 0, 0) mm; probe at -z" info plain.mha

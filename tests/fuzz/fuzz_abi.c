@@ -89,6 +89,7 @@ static void call_begin(machine *m, fuzz_bytes *b) {
     frame.value_count = take_values(m, b);
     fuzz_take(b, m->scanned, fuzz_u8(b) % (sizeof m->scanned + 1));
     fuzz_words(b, &frame, offsetof(sv_frame, values), fuzz_u8(b) % 3);
+    fuzz_words(b, frame.probe_rotation, sizeof frame - offsetof(sv_frame, probe_rotation), fuzz_u8(b) % 3);
     if (fuzz_u8(b) & 1) frame.scanned = NULL;
     if (fuzz_u8(b) & 1) frame.values = NULL;
     if (checked(m->plugin, m->plugin->begin(m->plugin, &frame)) == SV_OK) m->next_slice = 0;

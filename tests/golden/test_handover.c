@@ -141,6 +141,27 @@ static void millimetres_and_time(void **state) {
     hs_plugin_close(&plugin);
 }
 
+/* What the camera knows reaches the plugin; a volume that does not say where its probe was gives zeros. */
+static void where_the_probe_is(void **state) {
+    fixture f = *(const fixture *)*state;
+    hs_volume scanned = f.layers;
+    const hs_volume *volumes[] = {&scanned};
+    f.source = (hs_source){.volumes = volumes, .count = 1};
+    hs_volume_scanned_from(&scanned, HS_PROBE_LOW_Z);
+    for (int known = 1; known >= 0; known--) {
+        hs_plugin plugin;
+        open_plugin(&plugin, "recorder");
+        hs_loop_options o = options_with(NULL, 0);
+        o.yaw = 90; /* it looks along the volume's x: the beams run to the picture's left */
+        if (!known) memset(scanned.probe_turn, 0, sizeof scanned.probe_turn);
+        static const float turned[9] = {0, 0, -1, 0, 1, 0, 1, 0, 0};
+        const record *seen = one_frame(&f, &plugin, &o, 0);
+        for (int k = 0; k < 9; k++) assert_true(seen->frame.probe_rotation[k] == (known ? turned[k] : 0.0f));
+        for (int k = 0; k < 3; k++) assert_true(seen->frame.probe_side[k] == (float)(known && k == 0));
+        hs_plugin_close(&plugin);
+    }
+}
+
 /* A still volume continues; a sequence does until it starts again; a camera that turns does not. */
 static void what_continues(void **state) {
     fixture f = *(const fixture *)*state;
@@ -170,6 +191,7 @@ int main(void) {
         cmocka_unit_test(slabs_go_as_the_plugin_takes_them),
         cmocka_unit_test(what_it_does_not_take_is_said),
         cmocka_unit_test(millimetres_and_time),
+        cmocka_unit_test(where_the_probe_is),
         cmocka_unit_test(what_continues),
     };
     return cmocka_run_group_tests_name("handover", tests, set_up, tear_down);

@@ -19,7 +19,7 @@ code 0 "${small[@]}" --out "$work/whole" --check 20
 holds grep -q '^20 settings measured the direct way, too: .* differ by 0.000' "$work/stdout"
 page=$work/whole/index.html
 for case in E04 D01; do
-    # 11 thresholds x 4 kernels x 7 knob positions, an identity and the names of the columns.
+    # 11 thresholds x 4 kernels x 7 positions, an identity and the names of the columns.
     holds [ "$(wc -l < "$work/whole/space_$case.csv")" -eq $((11 * 4 * 7 + 2)) ]
     for picture in full truth result error error_rays depthmap slices; do holds [ -s "$work/whole/$case/$picture.png" ]; done
 done

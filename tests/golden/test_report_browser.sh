@@ -68,3 +68,7 @@ for width in 390 1280; do
     shows "$work/seen.html" $width 1 'true true rgb(255, 255, 255)'
     shows "$work/seen.html" $width 0 'true true rgb(22, 24, 27)'
 done
+
+# Contrast, dark, print and the tab key, by the browser's own driver.
+command -v chromedriver > /dev/null || exit 0
+python3 -B "$1/tests/console/page_looks.py" "$work/report/index.html" "$work/demo/index.html"

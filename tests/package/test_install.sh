@@ -32,23 +32,23 @@ DESTDIR=$work/stage holds works cmake --install "$build_dir" --prefix /opt/somew
 mv "$work/stage/opt/somewhere" "$prefix" || exit 1
 holds test -z "$(ls "$work/stage/opt")"
 host_sim=$prefix/bin/host_sim
-for file in bin/host_sim lib/smartvis/smartvis.so include/smartvis_plugin.h include/smartvis/author.h \
+for file in bin/host_sim bin/sv_validate bin/sv_bench share/man/man1/sv_bench.1 lib/smartvis/smartvis.so include/smartvis_plugin.h include/smartvis/author.h \
     share/smartvis/scenes/D01.json share/man/man1/host_sim.1 share/doc/smartvis/LICENSE \
     share/pkgconfig/smartvis-plugin.pc share/cmake/SmartVisPlugin/SmartVisPluginConfig.cmake \
     share/smartvis/examples/template/README.md; do
     holds test -s "$prefix/$file"
 done
 holds test "$(find "$prefix/share/smartvis/scenes" -name '*.json' | wc -l)" = "$(find "$source_dir/data/scenes" -name '*.json' | wc -l)"
-holds test "$(cd "$prefix/include" && find . -name '*.h' | sort)" = "$(cd "$source_dir/include" && find . -name '*.h' | sort)"
+holds test "$(cd "$prefix/include" && find . -type f | sort)" = "$(cd "$source_dir/include" && find . -type f | sort)"
 
-holds test "$(ls "$prefix/lib/smartvis")" = smartvis.so
+holds test "$(cd "$prefix/lib/smartvis" && echo ./* */*)" = "./check ./smartvis.so check/smartvis_check.so"
 
 # --- no path of the build in it, neither in texts nor in programs
 # A checkout in /smartvis is none of the /smartvis in "lib/smartvis".
 for path in "$source_dir" "$build_dir" /opt/somewhere; do
     holds test -z "$(LC_ALL=C grep -rlP -- "(?<![\w.}/-])\Q$path\E(?![\w-])" "$prefix")"
 done
-for file in "$prefix/bin/"* "$prefix/lib/smartvis/smartvis.so"; do
+for file in "$prefix/bin/"* "$prefix/lib/smartvis/smartvis.so" "$prefix/lib/smartvis/check/smartvis_check.so"; do
     holds test -z "$(readelf -d "$file" | grep -E 'R(UN)?PATH')"
 done
 
@@ -63,7 +63,9 @@ for program in "$prefix"/bin/*; do
 done
 for option in carrier ghost-width panel; do holds grep -q -- "^.B .*${option//-/.-}" "$prefix/share/man/man1/host_sim.1"; done
 if command -v man > /dev/null; then
-    holds test "$(LC_ALL=C MANROFFSEQ='' MANWIDTH=80 man --warnings -E UTF-8 -l -Tutf8 -Z "$prefix/share/man/man1/host_sim.1" 2>&1 > /dev/null)" = ""
+    for page in "$prefix"/share/man/man1/*; do
+        holds test "$(LC_ALL=C MANROFFSEQ='' MANWIDTH=80 man --warnings -E UTF-8 -l -Tutf8 -Z "$page" 2>&1 > /dev/null)" = ""
+    done
 fi
 
 # --- programs find plugin and scenes from where they are, in whatever folder they are called
@@ -78,9 +80,10 @@ holds test -s "$work/run/panel.png"
 holds works "$host_sim" scenes E01 --size 32 --times
 
 # --- CMake: every example as a copy; the wrong version is refused
-for name in first_edge kernel_edge small_host queue_host; do
+for name in first_edge kernel_edge small_host queue_host deadline_host cpp; do
     cp -r "$prefix/share/smartvis/examples/$name" "$work/$name"
-    holds works cmake -S "$work/$name" -B "$work/$name/build" -D CMAKE_PREFIX_PATH="$prefix" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror'
+    holds works cmake -S "$work/$name" -B "$work/$name/build" -D CMAKE_PREFIX_PATH="$prefix" -D CMAKE_C_FLAGS='-Wall -Wextra -Werror' \
+        -D CMAKE_CXX_FLAGS='-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror'
     holds works cmake --build "$work/$name/build"
 done
 cp -r "$work/first_edge" "$work/later"
@@ -99,11 +102,22 @@ holds said 'Frames: 2 clipped'
 holds refuses 'my_plugin: cannot read the plugin file' "$host_sim" list --plugin my_plugin
 SMARTVIS_PLUGIN_PATH=/nowhere::$work/my-plugin/build holds works "$host_sim" list --plugin my_plugin
 holds said "$work/my-plugin/build/my_plugin.so"
+# Its workflow for a public CI, as its steps stand there, with what is installed: all hold, and a changed plugin is noticed.
+workflow=$work/my-plugin/.github/workflows/plugin.yml
+steps() { awk '/^      - / { on = /name: (Build|Validate|Acceptance)$/ } on && /^          / { print substr($0, 11) }' "$workflow"; }
+ci() { (cd "$work/my-plugin" && PATH=$prefix/bin:$PATH CMAKE_PREFIX_PATH=$prefix bash -e -c "$(steps)"); }
+holds test "$(steps | wc -l)" = 6
+holds works ci
+holds said '0 of 4096 rays differ by more than 0 mm'
+holds grep -q 'testsuite name="sv_validate .*my_plugin.so" tests="[0-9]*" failures="0" errors="0"' "$work/my-plugin/validate.xml"
+sed -i 's/(float)end - 0.5f/(float)end - 1.5f/' "$work/my-plugin/my_surface.c"
+holds refuses 'rays differ by more than 0 mm, the most by 1.875 mm' ci
+holds test "$(wc -l < "$work/my-plugin/out/acceptance/D01/differences.csv")" -gt 1000
 holds works cmake --install "$work/my-plugin/build" --prefix "$prefix"
 holds works "$host_sim" list --plugin my_plugin.so
 holds said "$prefix/lib/smartvis/my_plugin.so"
 
-# --- pkg-config: version and paths; C without CMake, C++17
+# --- pkg-config: version and paths; C without CMake
 export PKG_CONFIG_PATH=$prefix/share/pkgconfig
 abi=$(awk '/^#define SV_ABI_(MAJOR|MINOR) / { printf "%s%d", dot, $3; dot = "." }' "$source_dir/include/smartvis_plugin.h")
 holds test "$(pkg-config --modversion smartvis-plugin)" = "$abi"
@@ -113,23 +127,50 @@ eval "flags=($(pkg-config --cflags smartvis-plugin))" # a prefix with blanks is 
 strict=(-O2 -Wall -Wextra -Wpedantic -Werror)
 holds works cc -std=c99 "${strict[@]}" -fPIC -shared '-DPLUGIN_NAME="mine"' '-DPLUGIN_VERSION="0.1.0"' "${flags[@]}" "$work/my-plugin/my_surface.c" -o "$work/mine.so"
 holds works "$host_sim" list --plugin "$work/mine.so"
-holds works c++ -std=c++17 "${strict[@]}" -fPIC -shared -fvisibility=hidden "${flags[@]}" "$source_dir/tests/package/fluid_plugin.cpp" -o "$work/fluid.so"
-holds test "$(nm -D --defined-only "$work/fluid.so" | awk '$2 != "W" { print $3 }')" = smartvis_plugin_entry
-holds works "${run[@]}" --plugin "$work/fluid.so"
-holds said 'Frames: 2 clipped'
 
-# --- hosts: C on the plugin's queue, C on its own queue, Rust; all print the same
+# --- Rust: the crate, copied, finds the headers by pkg-config and is what they say
+plugins=("$work/cpp/build/fluid_plugin.so") hosts=("$work/queue_host/build/queue_host" "$work/cpp/build/small_host")
+if command -v cargo > /dev/null; then
+    cp -r "$prefix/share/smartvis/bindings/rust" "$work/my crate"
+    export RUSTFLAGS='-D warnings'
+    holds works cargo test --offline --manifest-path "$work/my crate/Cargo.toml"
+    holds works cargo build --offline --release --examples --manifest-path "$work/my crate/Cargo.toml"
+    holds works cargo build --offline --manifest-path "$prefix/share/smartvis/bindings/rust/Cargo.toml" --target-dir "$work/in_place"
+    plugins+=("$work/my crate/target/release/examples/libfirst_fluid.so") hosts+=("$work/my crate/target/release/examples/small_host")
+else
+    echo "no cargo: without the crate in Rust"
+fi
+
+# --- plugins in C++ and Rust: one symbol, nothing for the validator to say, a picture
+for plugin in "${plugins[@]}"; do
+    holds test "$(nm -D --defined-only "$plugin" | awk '$2 != "W" { print $3 }')" = smartvis_plugin_entry
+    holds works "$prefix/bin/sv_validate" "$plugin"
+    holds works "${run[@]}" --plugin "$plugin"
+    holds said 'Frames: 2 clipped'
+done
+
+# --- hosts: on the host's queue, in C++, in Rust. All print what the one in C does; the checking layer has nothing to say; what is
+# no plugin is refused; and after a failed call the instance is given back in order.
 "$work/small_host/build/small_host" "$prefix/lib/smartvis/smartvis.so" > "$work/expected" 2>&1
 holds grep -q 'rendered with the map' "$work/expected"
-"$work/queue_host/build/queue_host" "$prefix/lib/smartvis/smartvis.so" > "$work/got" 2>&1
-holds cmp "$work/expected" "$work/got"
-if command -v rustc > /dev/null; then
-    holds works rustc -D warnings -A dead_code --edition 2021 -O "$source_dir/tests/package/small_host.rs" -o "$work/rust_host"
-    "$work/rust_host" "$prefix/lib/smartvis/smartvis.so" > "$work/got" 2>&1
+layer=$prefix/lib/smartvis/check/smartvis_check.so
+for host in "${hosts[@]}"; do
+    "$host" "$prefix/lib/smartvis/smartvis.so" > "$work/got" 2>&1
     holds cmp "$work/expected" "$work/got"
-else
-    echo "no rustc: without the host in Rust"
-fi
+    SMARTVIS_CHECK=stop SMARTVIS_CHECK_PLUGIN=$prefix/lib/smartvis/smartvis.so "$host" "$layer" > "$work/got" 2>&1
+    holds cmp "$work/expected" "$work/got"
+    for wrong in no_symbol other_major; do
+        "$host" "$build_dir/tests/plugins/$wrong.so" > "$work/got" 2>&1
+        holds test $? -ne 0
+    done
+done
+for host in "${hosts[@]:1}"; do
+    SMARTVIS_CHECK=stop SMARTVIS_CHECK_PLUGIN=$build_dir/tests/plugins/begin_77.so "$host" "$layer" > "$work/log" 2>&1
+    holds test $? = 4
+    holds said 'rendered unclipped'
+    holds test "$(grep -c 'check: host-' "$work/log")" = 0
+    holds said 'rules that were broken' # destroy tells
+done
 
 echo "$checked checked, $failed failed"
 [ "$failed" = 0 ]

@@ -24,7 +24,7 @@ expect() {
 }
 
 expect 0 '^Usage: sv_validate' --help
-expect 0 '^sv_validate [0-9.]+, plugin ABI 1\.0' --version
+expect 0 '^sv_validate [0-9.]+, plugin ABI 1\.1' --version
 expect 0 '^state-walk +[A-Z]' --list
 expect 2 'no library given'
 expect 2 'more than one library' "$right" "$right"
@@ -83,6 +83,32 @@ for seed in 1 1 2; do
 done
 [ "$(sort -u "$work/seed1" | wc -l)" -eq 2 ] || { echo "the same seed, other findings"; cat "$work/seed1"; failed=1; }
 [ -s "$work/seed2" ] || { echo "nothing with seed 2"; failed=1; }
+
+# JUnit's XML is well-formed, counts as the lines do, and has the texts; a place where it cannot be is found first. Of a path,
+# too, XML's own characters are escaped, and those that XML does not know.
+odd="$work/a<b>&\"c"$'\x01\xff'.so
+cp "$right" "$odd"
+expect 6 'no/junit.xml: cannot be created' --junit "$work/no/junit.xml" "$right"
+expect 0 '1 pass' --only library-loads --junit "$work/odd.xml" "$odd"
+expect 1 '^crash' --junit "$work/junit.xml" "$build/wrong/crash_in_slab.so"
+if command -v python3 > /dev/null; then
+    python3 - "$work/junit.xml" "$work/out" "$work/odd.xml" << 'END' || { echo "JUnit's XML is not what the lines say"; failed=1; }
+import re, sys, xml.etree.ElementTree as tree
+suite, lines = tree.parse(sys.argv[1]).getroot(), open(sys.argv[2]).read()
+cases = {case.get("name"): case for case in suite.findall("testcase")}
+count = {v: len(re.findall(f"^{v} +[a-z-]+ +[0-9.]+ s", lines, re.M)) for v in ("fail", "crash", "timeout", "skip")}
+assert [int(suite.get(k)) for k in ("tests", "failures", "errors", "skipped")] == [
+    len(cases), count["fail"], count["crash"] + count["timeout"], count["skip"]], (suite.attrib, count)
+error = cases["first-frame"].find("error")
+assert error.get("type") == "crash" and error.get("message") in lines, error.attrib
+assert "Three frames come out" in error.text
+assert cases["state-walk"].find("skipped").get("message") == "first-frame did not pass"
+assert len(cases["library-loads"]) == 0
+assert 'a<b>&"c\\x01\\xff.so' in tree.parse(sys.argv[3]).getroot().get("name")
+END
+else
+    echo "no python3: JUnit's XML is not read"
+fi
 
 # A full disk is no success.
 "$validate" --list > /dev/full 2> /dev/null

@@ -86,7 +86,7 @@ static inline sv_status wrong_find(sva *a, float *depth) {
     return wrong_place(a, depth);
 }
 
-#define WRONG_FEATURES (SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST)
+#define WRONG_FEATURES (SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST | SV_FEATURE_PROBE)
 static const sv_descriptor wrong_descriptor =
     SVA_DESCRIPTOR("org.smartvis.test.wrong", "Wrong", "SmartVis tests", "1.0.0",
                    "A plugin for tests that is wrong in one way at most.", WRONG_FEATURES);

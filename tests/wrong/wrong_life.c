@@ -124,8 +124,10 @@ static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
     sva *a = wrong_self(plugin);
     sv_frame f;
     if (WRONG_IS(null_frame_crashes)) (void)*(const volatile uint32_t *)&frame->size;
-    if (!frame || (frame->size < sizeof *frame && !WRONG_IS(ignores_sizes))) return sva_begin(plugin, frame);
-    f = *frame;
+    if (!frame || (frame->size < SV_FRAME_SIZE_1_0 && !WRONG_IS(ignores_sizes)))
+        return sva_begin(plugin, frame);
+    memset(&f, 0, sizeof f);
+    memcpy(&f, frame, frame->size > SV_FRAME_SIZE_1_0 && frame->size < sizeof f ? frame->size : sizeof f);
     if (WRONG_IS(ignores_sizes)) f.size = sizeof f;
     if (WRONG_IS(refuses_longer_structs) && f.size > sizeof f)
         return sva_blame(a, SV_ERR_SIZE, "begin: frame.size is %u", (unsigned)f.size);

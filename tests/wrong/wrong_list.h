@@ -49,7 +49,7 @@
     WRONG(range_nan, params, param-ranges, "the least value is NaN") \
     WRONG(step_zero, params, param-ranges, "an int's step is 0") \
     WRONG(depends_on_itself, params, param-dependencies, "a parameter depends on itself") \
-    WRONG(two_primaries, params, param-flags, "two parameters are the one knob a user sees") \
+    WRONG(two_primaries, params, param-flags, "two parameters are the one that every user sees") \
     WRONG(info_overruns, params, param-info-calls, "param_info writes behind the struct's size") \
     WRONG(info_any_index, params, param-info-calls, "param_info describes parameters that do not exist") \
     WRONG(text_without_nul, params, param-text, "param_text leaves the NUL away") \
@@ -99,6 +99,8 @@
     WRONG(reads_padding, results, padding-ignored, "hatched bytes of the texture count") \
     WRONG(ignores_ranges, results, scanned-ranges, "the scanned ranges are ignored, and the feature is announced") \
     WRONG(ignores_padding_value, results, padding-value, "padding_value is ignored, and the feature is announced") \
+    WRONG(takes_any_probe, results, probe, "the probe's rotation is taken as it comes") \
+    WRONG(reads_past_frame, results, probe, "begin reads the probe behind the frame of a host of 1.0") \
     WRONG(another_map_every_time, results, same-frame-same-bits, "the same frame gives another map every time") \
     WRONG(remembers_frames, results, frames-independent, "the frame before shows in the map, even after a discontinuity") \
     WRONG(depends_on_slabs, results, slab-splits, "the map depends on how the volume is cut into slabs") \
@@ -167,5 +169,6 @@
     WRONG(writes_past_object, opencl, guard-bands, "end writes in front of the map through the queue") \
     WRONG(refuses_buffers, opencl, carriers, "activate refuses a carrier that the descriptor offers") \
     WRONG(carriers_differ, opencl, carriers, "a volume in buffers gives another map than in memory") \
+    WRONG(needs_nothing, opencl, needs, "smartvis.needs/1 tells zeros for all that is taken") \
     WRONG(takes_foreign_objects, opencl, foreign-objects, "begin takes ranges in a buffer of another context")
 #endif

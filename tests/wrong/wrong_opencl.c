@@ -6,6 +6,7 @@
 
 #include "kernels_wrong.h"
 #include "smartvis/author_cl.h"
+#include "smartvis/needs.h"
 #include "wrong_base.h"
 
 enum { FIND, PLACE, KERNELS };
@@ -106,6 +107,20 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     return status;
 }
 
+static sv_status nothing_is_needed(const sv_plugin *plugin, const sv_format *format,
+                                   const sv_param_value *values, uint32_t count,
+                                   const sv_needs_device *device, sv_needs *out) {
+    const sv_needs nothing = {out->size, 0, 0, 0, 0, 0, 0};
+    (void)plugin, (void)format, (void)values, (void)count, (void)device;
+    *out = nothing;
+    return SV_OK;
+}
+
+static const void *extension(const sv_plugin *plugin, const char *id) {
+    static const sv_ext_needs needs = {sizeof needs, 0, nothing_is_needed};
+    return strcmp(id, SV_EXT_NEEDS) == 0 ? &needs : sva_get_extension(plugin, id);
+}
+
 static void misbehave(sv_plugin *api) {
     cl_uint platforms = 0;
     if (WRONG_IS(create_calls_opencl)) (void)clGetPlatformIDs(0, NULL, &platforms);
@@ -113,6 +128,7 @@ static void misbehave(sv_plugin *api) {
     api->begin = begin;
     api->slab = slab;
     api->end = end;
+    if (WRONG_IS(needs_nothing)) api->get_extension = extension;
 }
 
 static const sv_descriptor descriptor =

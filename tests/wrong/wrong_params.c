@@ -57,7 +57,7 @@ static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
     sva *a = wrong_self(plugin);
     sv_param_value kept[64];
     uint32_t n = 0;
-    if (!frame || frame->size < sizeof *frame || !frame->values || frame->value_count > 64)
+    if (!frame || frame->size < SV_FRAME_SIZE_1_0 || !frame->values || frame->value_count > 64)
         return sva_begin(plugin, frame);
     for (uint32_t i = 0; i < frame->value_count; i++) {
         const sv_param_value v = frame->values[i];
@@ -77,7 +77,9 @@ static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
             return sva_blame(a, SV_ERR_PARAM_RANGE, "begin: %s is %g", p->key, v.value);
         kept[n++] = v;
     }
-    sv_frame changed = *frame;
+    sv_frame changed;
+    memset(&changed, 0, sizeof changed);
+    memcpy(&changed, frame, frame->size < sizeof changed ? frame->size : sizeof changed);
     changed.values = kept;
     changed.value_count = n;
     return sva_begin(plugin, &changed);

@@ -5,7 +5,15 @@
 #include <math.h>
 
 static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
-    const sv_status status = sva_begin(plugin, frame);
+    sv_frame f;
+    const int whole = frame && frame->size >= SV_FRAME_SIZE_1_0;
+    if (whole) memcpy(&f, frame, frame->size < sizeof f ? frame->size : sizeof f);
+    if (whole && WRONG_IS(takes_any_probe)) f.size = SV_FRAME_SIZE_1_0;
+    if (whole && WRONG_IS(reads_past_frame) && frame->size == SV_FRAME_SIZE_1_0) {
+        f = *frame;
+        f.size = sizeof f;
+    }
+    const sv_status status = sva_begin(plugin, whole ? &f : frame);
     if (status != SV_OK) return status;
     if (WRONG_IS(begin_77)) return 77;
     if (WRONG_IS(begin_partial)) return SV_PARTIAL;

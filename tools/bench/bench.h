@@ -26,19 +26,8 @@ bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err)
 /* What was not chosen is all chosen. Returns how many were. */
 int bench_choose_all_if_none(bool *chosen, int count);
 
-/* Finds out now, not after minutes, that a file cannot be written. NULL: none is wanted. HS_ERR_OUTPUT. */
-bool bench_try_output(const char *path, hs_error *err);
-
 /* Says on stderr what went wrong; returns the exit code. */
 int bench_fail(const char *program, const hs_error *err);
-
-/* work(context), in a process of its own if the plugin is one to be guarded; this process must have one
- * thread then and must not have touched OpenCL. Returns the exit code; HS_ERR_PLUGIN with an error if the
- * process crashed, left, took too much memory, or took no step for guard->setup_s. */
-int bench_in_child(const hs_guard_options *guard, const char *plugin, int (*work)(void *context),
-                   void *context, hs_error *err);
-/* In that process: a step was taken. */
-void bench_goes_on(void);
 
 /* --------------------------------------------------------------------------------------------- machine -- */
 /* What the numbers were measured on. */
@@ -75,7 +64,7 @@ void bench_samples_destroy(bench_samples *samples);
 
 /* Milliseconds; zeros without samples. */
 typedef struct {
-    double min, median, p95; /* p95: nearest rank */
+    double min, median, p95, p99, max; /* p95, p99: nearest rank */
 } bench_times;
 
 /* Sorts the samples. */

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const part_keys[BENCH_PARTS] = {"read",  "plain_c", "frame", "begin",
-                                                   "slabs", "end",     "adjust"};
+static const char *const part_keys[BENCH_PARTS] = {"read",  "plain_c", "frame",  "begin",
+                                                   "slabs", "end",     "adjust", "dropped"};
 static const struct {
     const char *key;
     hs_stage stage;

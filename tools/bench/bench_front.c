@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "bench/bench.h"
 
+#include "guarded/in_child.h"
+
 #include "base/output_file.h"
 
 #include <stdio.h>
@@ -27,13 +29,6 @@ int bench_choose_all_if_none(bool *chosen, int count) {
     for (int i = 0; i < count; i++) found += chosen[i];
     for (int i = 0; i < count; i++) chosen[i] = chosen[i] || found == 0;
     return found;
-}
-
-bool bench_try_output(const char *path, hs_error *err) {
-    hs_output_file output = {0};
-    if (path && !hs_output_open(&output, path, err)) return false;
-    hs_output_discard(&output);
-    return true;
 }
 
 int bench_fail(const char *program, const hs_error *err) {
@@ -77,7 +72,8 @@ void bench_machine_print(const bench_machine *m) {
     printf("CPU       %s, %ld processors, load %.1f when the run began\n", m->cpu, m->processors, m->load);
     printf("device    %s; %s; driver %s; %s\n", m->device, m->version, m->driver, m->platform);
     printf("plugin    %s\n", m->plugin);
-    printf("plain C   %s, %d threads\n", __VERSION__, BENCH_THREADS);
+    printf("plain C   %s, %d threads, compiled for %s\n", __VERSION__, BENCH_THREADS,
+           BENCH_NATIVE ? "this processor" : "any processor");
 }
 
 /* ----------------------------------------------------------------------------------------------- times -- */
@@ -94,7 +90,7 @@ bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *e
 }
 
 void bench_samples_add(bench_samples *samples, double ms) {
-    bench_goes_on();
+    hs_child_goes_on();
     if (samples->count < samples->capacity) samples->ms[samples->count++] = ms;
 }
 
@@ -113,5 +109,6 @@ bench_times bench_samples_times(bench_samples *samples) {
     if (n == 0) return (bench_times){0};
     qsort(samples->ms, n, sizeof(double), compare);
     const double median = (samples->ms[(n - 1) / 2] + samples->ms[n / 2]) / 2.0;
-    return (bench_times){samples->ms[0], median, samples->ms[(n * 95 + 99) / 100 - 1]};
+    return (bench_times){samples->ms[0], median, samples->ms[(n * 95 + 99) / 100 - 1],
+                         samples->ms[(n * 99 + 99) / 100 - 1], samples->ms[n - 1]};
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the guard costs a frame: the same frames with the plugin in this process and in one of its own, in
- * turns. */
+/* What guard and checking layer cost a frame: the same frames with the plugin in this process, in one of its
+ * own, and behind the layer, in turns. */
+#include "base/paths.h"
 #include "bench/bench_results.h"
 
 #include "guarded/guarded.h"
@@ -9,9 +10,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { WARM_UP = 5 };
-static const double target_ms = 0.3; /* of the difference, at 128^3 */
+
+/* Of the difference to the plugin alone, at 128^3. */
+static const struct {
+    const char *name;
+    double target_ms;
+} ways_beside[BENCH_GUARD_WAYS] = {{"", 0.0}, {"the guard", 0.3}, {"the layer", 0.2}};
 
 /* One way under way. */
 typedef struct {
@@ -21,18 +28,34 @@ typedef struct {
     float *map;
 } way;
 
-static bool open_way(way *w, const bench_guard_setup *setup, bool guarded, const hs_source *source,
-                     uint32_t n, hs_error *err) {
+/* The library to open: for the layer that of the build folder or of the installation, around the plugin. */
+static bool find_library(const bench_guard_setup *setup, int which, char *path, size_t bytes, hs_error *err) {
+    static const char *const layers[] = {"smartvis_check.so", "../lib/smartvis/check/smartvis_check.so"};
+    char found[1024];
+    hs_plugin_find(setup->path, found, sizeof found);
+    (void)snprintf(path, bytes, "%s", found);
+    if (which != BENCH_CHECKED) return true;
+    (void)setenv("SMARTVIS_CHECK_PLUGIN", found, 1);
+    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++)
+        if (hs_path_beside_program(layers[i], path, bytes) && access(path, R_OK) == 0) return true;
+    return hs_fail(err, HS_ERR_PLUGIN, "benchmark: %s: no checking layer", path);
+}
+
+static bool open_way(way *w, const bench_guard_setup *setup, int which, const hs_source *source, uint32_t n,
+                     hs_error *err) {
+    char path[1024];
     hs_guard_options guard;
     hs_loop_options options;
     hs_guard_defaults(&guard);
-    guard.choice = guarded ? HS_GUARD_ON : HS_GUARD_OFF;
+    guard.choice = which == BENCH_GUARDED ? HS_GUARD_ON : HS_GUARD_OFF;
     hs_loop_defaults(&options);
     options.lowres = n;
     options.values = setup->values;
     options.value_count = setup->value_count;
     options.dvr.width = options.dvr.height = n;
-    if (!hs_guarded_open(&w->plugin, setup->path, setup->id, SV_LOG_WARNING, &guard, err)) return false;
+    if (!find_library(setup, which, path, sizeof path, err) ||
+        !hs_guarded_open(&w->plugin, path, setup->id, SV_LOG_WARNING, &guard, err))
+        return false;
     w->loop = hs_loop_create(setup->cl, source, &w->plugin, &options, err);
     w->map = calloc((size_t)n * n, sizeof *w->map);
     if (!w->map) return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u x %u depths", n, n);
@@ -65,8 +88,11 @@ static bool same_maps(way ways[BENCH_GUARD_WAYS], uint32_t n, hs_error *err) {
     double ms[2];
     for (int i = 0; i < BENCH_GUARD_WAYS; i++)
         if (!run_frame(&ways[i], 0, ways[i].map, ms, err)) return false;
-    return memcmp(ways[0].map, ways[1].map, (size_t)n * n * sizeof(float)) == 0 ||
-           hs_fail(err, HS_ERR_FAILED, "%u^3: the guarded plugin's map is another", n);
+    for (int i = 1; i < BENCH_GUARD_WAYS; i++)
+        if (memcmp(ways[0].map, ways[i].map, (size_t)n * n * sizeof(float)) != 0)
+            return hs_fail(err, HS_ERR_FAILED, "%u^3: behind %s the plugin's map is another", n,
+                           ways_beside[i].name);
+    return true;
 }
 
 bool bench_guard_run(const bench_guard_setup *setup, uint32_t n, bench_guard_result *result, hs_error *err) {
@@ -76,8 +102,7 @@ bool bench_guard_run(const bench_guard_setup *setup, uint32_t n, bench_guard_res
     const hs_volume *list[1];
     *result = (bench_guard_result){.n = n};
     bool ok = bench_layered_source(&source, &volume, list, n, err);
-    for (int i = 0; ok && i < BENCH_GUARD_WAYS; i++)
-        ok = open_way(&ways[i], setup, i == BENCH_GUARDED, &source, n, err);
+    for (int i = 0; ok && i < BENCH_GUARD_WAYS; i++) ok = open_way(&ways[i], setup, i, &source, n, err);
     ok = ok && same_maps(ways, n, err);
     /* In turns, so that whatever else the machine does hits both alike. */
     for (uint32_t i = 0; ok && i < WARM_UP + setup->frames; i++)
@@ -98,25 +123,30 @@ bool bench_guard_run(const bench_guard_setup *setup, uint32_t n, bench_guard_res
 }
 
 void bench_guard_print_head(void) {
-    printf("\nThe guard: a frame with the plugin in this process and in one of its own, in turns; median "
-           "(least), "
-           "milliseconds\n");
-    printf("%6s | %-16s %-16s | %-16s %-16s | %s\n", "size", "convert", "guarded", "plugin", "guarded",
-           "the guard costs");
+    printf("\nGuard and checking layer: a frame with the plugin in this process, in one of its own, and "
+           "behind the "
+           "layer, in turns; median (least), milliseconds\n");
+    printf("%6s | %-16s %-16s %-16s | %-16s %-16s %-16s | %s\n", "size", "convert", "guarded", "checked",
+           "plugin", "guarded", "checked", "guard and layer cost");
 }
 
 void bench_guard_print(const bench_guard_result *r) {
-    const double median = r->plugin[BENCH_GUARDED].median - r->plugin[BENCH_DIRECT].median;
-    const double least = r->plugin[BENCH_GUARDED].min - r->plugin[BENCH_DIRECT].min;
-    printf("%4u^3 |", r->n);
     const bench_times *const times[] = {r->convert, r->plugin};
-    for (int t = 0; t < 2; t++)
-        printf(" %7.3f (%6.3f) %7.3f (%6.3f) |", times[t][BENCH_DIRECT].median, times[t][BENCH_DIRECT].min,
-               times[t][BENCH_GUARDED].median, times[t][BENCH_GUARDED].min);
-    printf(" %+6.3f (%+6.3f)", median, least);
-    /* A busy machine can hide it in the medians: the target holds if it does for one of the two. */
-    if (r->n == 128)
-        printf("; at most %.1f: %s", target_ms,
-               median <= target_ms || least <= target_ms ? "holds" : "does not hold");
+    printf("%4u^3 |", r->n);
+    for (int t = 0; t < 2; t++) {
+        for (int w = 0; w < BENCH_GUARD_WAYS; w++)
+            printf(" %7.3f (%6.3f)", times[t][w].median, times[t][w].min);
+        printf(" |");
+    }
+    for (int w = 1; w < BENCH_GUARD_WAYS; w++) {
+        const double median = r->plugin[w].median - r->plugin[BENCH_DIRECT].median;
+        const double least = r->plugin[w].min - r->plugin[BENCH_DIRECT].min;
+        const double target_ms = ways_beside[w].target_ms;
+        printf("%s %+.3f (%+.3f)", w > 1 ? ";" : "", median, least);
+        /* A busy machine can hide it in the medians: the target holds if it does for one of the two. */
+        if (r->n == 128)
+            printf(", at most %.1f: %s", target_ms,
+                   median <= target_ms || least <= target_ms ? "holds" : "does not hold");
+    }
     printf("\n");
 }

@@ -50,10 +50,10 @@ static void print_line(const bench_report *report, const bench_plugin_result *r)
     const bench_profile_ratio ratio = bench_per_profile(report, r);
     const double limit = limit_of(r->method, r->variant.n);
     const double n = r->variant.n;
-    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.2f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ", r->variant.n,
-           bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min, t->p95,
-           t->median * 1e6 / (n * n * n), r->stages.profile_ms, r->stages.threshold_ms,
-           r->stages.reconstruct_ms, ratio.mean, ratio.own);
+    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.3f %8.2f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ",
+           r->variant.n, bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min,
+           t->p95, r->times[BENCH_DROPPED].median, t->median * 1e6 / (n * n * n), r->stages.profile_ms,
+           r->stages.threshold_ms, r->stages.reconstruct_ms, ratio.mean, ratio.own);
     if (limit > 0.0) printf("%4.1f ms", limit);
     printf("%s\n", r->stats.outcome == SV_OK ? "" : "  (no surface)");
 }
@@ -63,15 +63,29 @@ void bench_print_method(const bench_report *report, const char *method) {
     for (uint32_t i = 0; i < report->plugin_count; i++) {
         if (strcmp(report->plugin[i].method, method) != 0) continue;
         if (!any) {
-            printf("\nFrame with method %s, milliseconds (medians unless named); as multiples of the profile "
-                   "stage of the mean filter and of its own\n",
+            printf("\nFrame with method %s, milliseconds (medians unless named); given up behind its last "
+                   "slab; as "
+                   "multiples of the profile stage of the mean filter and of its own\n",
                    method);
-            printf("%4s %-34s %4s | %7s %7s %7s %8s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of",
-                   "frame", "min", "p95", "ns/voxel", "profile", "threshold", "reconstruct", "/mean's",
-                   "/own", "limit");
+            printf("%4s %-34s %4s | %7s %7s %7s %8s %8s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of",
+                   "frame", "min", "p95", "given up", "ns/voxel", "profile", "threshold", "reconstruct",
+                   "/mean's", "/own", "limit");
         }
         any = true;
         print_line(report, &report->plugin[i]);
+    }
+    (void)fflush(stdout);
+}
+
+void bench_print_worst(const bench_report *report) {
+    printf("\nFrames with the plugin's defaults, milliseconds\n%4s %-34s %4s %7s | %7s %7s %7s %7s\n", "n",
+           "slabs", "of", "frames", "min", "p50", "p99", "max");
+    for (uint32_t i = 0; i < report->plugin_count; i++) {
+        const bench_plugin_result *r = &report->plugin[i];
+        const bench_times *t = &r->times[BENCH_FRAME];
+        printf("%4u %-34s %4u %7u | %7.2f %7.2f %7.2f %7.2f\n", r->variant.n,
+               bench_route_label(r->variant.route), r->variant.slab_slices, r->frames, t->min, t->median,
+               t->p99, t->max);
     }
     (void)fflush(stdout);
 }

@@ -43,7 +43,8 @@ typedef enum {
     BENCH_BEGIN, /* its parts */
     BENCH_SLABS,
     BENCH_END,
-    BENCH_ADJUST, /* another q on the same volume */
+    BENCH_ADJUST,  /* another q on the same volume */
+    BENCH_DROPPED, /* a frame that is given up behind its last slab: until its commands have run */
     BENCH_PARTS
 } bench_part;
 
@@ -52,6 +53,7 @@ typedef struct {
     const char *method; /* "mean" is what plain C computes; others are timed without it (BENCH_PLAIN is 0) */
     uint32_t frames;
     bench_times times[BENCH_PARTS];
+    bench_times processor; /* of a frame, all threads */
     sv_stats stats;
     sv_points_report points; /* size 0: the plugin does not tell */
     double difference;       /* largest of the plugin's depths from plain C's, slices */
@@ -186,7 +188,7 @@ typedef struct {
     uint32_t value_count;
 } bench_guard_setup;
 
-enum { BENCH_DIRECT, BENCH_GUARDED, BENCH_GUARD_WAYS };
+enum { BENCH_DIRECT, BENCH_GUARDED, BENCH_CHECKED, BENCH_GUARD_WAYS };
 
 typedef struct {
     uint32_t n;                            /* voxels an axis of the low-resolution volume */
@@ -267,6 +269,29 @@ bool bench_loop_run(const bench_host_setup *setup, bench_team *team, const hs_so
                     bench_loop_result *out, hs_error *err);
 void bench_print_loop(const bench_loop_result *result);
 
+/* --------------------------------------------------------------------------------------------- frame -- */
+/* Why the plugin's frame costs more in the loop than in a benchmark of its own, cause by cause. */
+
+enum { BENCH_FRAME_WAYS = 8, BENCH_FRAME_CAMERAS = 2 };
+
+/* By camera and way; each way has one thing more than the one before. Milliseconds of frames in turns. */
+typedef struct {
+    hs_slab_layout layout[BENCH_FRAME_CAMERAS]; /* of all ways but the first */
+    bench_times wall[BENCH_FRAME_CAMERAS][BENCH_FRAME_WAYS];
+    bench_times processor[BENCH_FRAME_CAMERAS][BENCH_FRAME_WAYS]; /* of all threads */
+    bench_times command[BENCH_FRAME_CAMERAS];                     /* one that does nothing */
+} bench_frame_result;
+
+/* HS_ERR_*. */
+bool bench_frame_run(const bench_host_setup *setup, bench_team *team, bench_frame_result *out, hs_error *err);
+void bench_print_frame(const bench_frame_result *result);
+
+/* ------------------------------------------------------------------------------------------- growth -- */
+/* How time grows with voxels and with pixels. */
+
+/* HS_ERR_*. Prints as it goes. `setup` as for bench_plugin_run. */
+bool bench_growth_run(const bench_plugin_setup *setup, hs_error *err);
+
 /* --------------------------------------------------------------------------------------------- results -- */
 /* All results of a run. */
 
@@ -298,6 +323,9 @@ typedef struct {
     double mean, own;
 } bench_profile_ratio;
 bench_profile_ratio bench_per_profile(const bench_report *report, const bench_plugin_result *result);
+
+/* What frames with the plugin's own defaults cost: half of them, all but one in a hundred, all. */
+void bench_print_worst(const bench_report *report);
 
 /* Prints all results of a method other than the mean filter. */
 void bench_print_method(const bench_report *report, const char *method);

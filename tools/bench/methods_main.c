@@ -216,7 +216,7 @@ static bool run_truth(bench_run *run, hs_error *err) {
 static bool measure(bench_run *run, hs_error *err) {
     const options *o = &run->o;
     const size_t largest = (size_t)bench_sizes[BENCH_SIZES - 1] * bench_sizes[BENCH_SIZES - 1];
-    if (!bench_try_output(o->csv, err) || !bench_try_output(o->svg, err)) return false;
+    if (!hs_output_try(o->csv, err) || !hs_output_try(o->svg, err)) return false;
     run->depth = malloc(largest * sizeof *run->depth);
     if (!run->depth) return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu pixels", largest);
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);

@@ -4,6 +4,7 @@
 #include "base/options.h"
 #include "bench/bench.h"
 #include "bench/bench_results.h"
+#include "guarded/in_child.h"
 #include "plugin/loader_param.h"
 
 #include <stdio.h>
@@ -21,13 +22,29 @@ enum {
 
 static const uint32_t kernels[BENCH_SIZES] = {23, 23, 55}; /* k, by size */
 
+typedef enum {
+    PART_PLUGIN,
+    PART_WORST,
+    PART_FRAME,
+    PART_GROWTH,
+    PART_GUARD,
+    PART_CONVERT,
+    PART_LOOP,
+    PART_GRIDS,
+    PARTS
+} part;
+
+static const char *const part_names[PARTS] = {
+    [PART_PLUGIN] = "plugin", [PART_WORST] = "worst",     [PART_FRAME] = "frame", [PART_GROWTH] = "growth",
+    [PART_GUARD] = "guard",   [PART_CONVERT] = "convert", [PART_LOOP] = "loop",   [PART_GRIDS] = "grids"};
+
 typedef struct {
     char usual[1024]; /* where the plugin lies by default */
     const char *plugin, *id, *scene, *scan, *csv, *json;
     uint32_t frames, host_frames, host_size;
     bool size[BENCH_SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
-    bool plugin_part, guard_part, convert_part, host_part, grids_part;
+    bool part[PARTS], version;
     const char *value_texts[MAX_VALUES];
     uint32_t value_count;
     hs_guard_options guard;
@@ -35,14 +52,16 @@ typedef struct {
 
 static const char intro[] =
     "Usage: sv_bench [options]\n"
-    "Times a plugin's frame in turns with (a) reading the volume's bytes once and (b) the same work in plain "
-    "C,\n"
-    "both on two threads; then its methods cost and wall, if it has them; then the host's scan loop around "
-    "the plugin.\n"
+    "Times a plugin's frames beside plain C, and the host's renderer and scan loop around them.\n"
+    "\n"
+    "A frame is timed in turns with (a) reading the volume's bytes once and (b) the same work in plain C, "
+    "both\n"
+    "on two threads; then its methods cost and wall, if it has them; then the host's scan loop around the "
+    "plugin.\n"
     "Last, the renderer of a probe's volume in the Cartesian copy and in the probe's own grid.\n"
-    "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters q "
-    "and\n"
-    "kernel is timed as it is.\n\n";
+    "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters "
+    "q\n"
+    "and kernel is timed as it is. '--only worst' prints what a frame costs at worst.\n\n";
 
 static bool take_route(void *all, const char *text, hs_error *err) {
     options *const o = all;
@@ -60,14 +79,14 @@ static bool take_slab(void *all, const char *text, hs_error *err) {
 
 static bool take_part(void *all, const char *text, hs_error *err) {
     options *const o = all;
-    o->plugin_part = strcmp(text, "plugin") == 0;
-    o->guard_part = strcmp(text, "guard") == 0;
-    o->convert_part = strcmp(text, "convert") == 0;
-    o->host_part = strcmp(text, "loop") == 0;
-    o->grids_part = strcmp(text, "grids") == 0;
-    return o->plugin_part || o->guard_part || o->convert_part || o->host_part || o->grids_part ||
-           hs_fail(err, HS_ERR_USAGE,
-                   "--only: '%s' is none of 'plugin', 'guard', 'convert', 'loop' and 'grids'", text);
+    bool found = false;
+    for (int i = 0; i < PARTS; i++) found |= o->part[i] = strcmp(text, part_names[i]) == 0;
+    return found ||
+           hs_fail(
+               err, HS_ERR_USAGE,
+               "--only: '%s' is none of 'plugin', 'worst', 'frame', 'growth', 'guard', 'convert', 'loop' and "
+               "'grids'",
+               text);
 }
 
 static bool take_quick(void *all, const char *text, hs_error *err) {
@@ -83,6 +102,7 @@ static bool take_quick(void *all, const char *text, hs_error *err) {
 
 /* What was not chosen takes its default. */
 static void fill_defaults(options *o) {
+    if (o->frames == 0) o->frames = o->part[PART_WORST] ? 10000 : 100;
     (void)bench_choose_all_if_none(o->size, BENCH_SIZES);
     (void)bench_choose_all_if_none(o->route, BENCH_ROUTES);
     if (o->slab_count > 0) return;
@@ -110,8 +130,11 @@ static const hs_option known[] = {
      "a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
      "change the result make the comparison with plain C fail\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_param},
-    {"only", "PART", "'plugin', 'guard', 'convert', 'loop' or 'grids' (default: all)\n", HS_OPTION_TAKEN, 0,
-     0, 0, take_part},
+    {"only", "PART",
+     "'plugin', 'frame', 'guard', 'convert', 'loop' or 'grids' (default: all of these); or\n"
+     "'worst': 10000 frames of each combination, as the plugin stands; or 'growth': time\n"
+     "by voxels and by pixels\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_part},
     {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", HS_OPTION_TAKEN, 0,
      0, 0, take_size},
     {"slab", "N", "slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, 0)\n",
@@ -124,8 +147,8 @@ static const hs_option known[] = {
      "  copy-host    host memory, copied; the host's queue\n"
      "  buffer-host  OpenCL buffer; the host's queue\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_route},
-    {"frames", "N", "timed frames of each combination (default 100)\n", HS_OPTION_COUNT, AT(frames), 1,
-     100000, NULL},
+    {"frames", "N", "timed frames of each combination (default 100; of 'worst' 10000)\n", HS_OPTION_COUNT,
+     AT(frames), 1, 100000, NULL},
     {"loop-frames", "N", "timed frames of each camera and setting of the scan loop (default 20)\n",
      HS_OPTION_COUNT, AT(host_frames), 1, 100000, NULL},
     {"loop-size", "N", "voxels an axis of the scan loop's volume (default 400)\n", HS_OPTION_COUNT,
@@ -141,6 +164,7 @@ static const hs_option known[] = {
     HS_GUARD_ROWS(AT(guard)),
     {"csv", "FILE", "all numbers as CSV\n", HS_OPTION_TEXT, AT(csv), 0, 0, NULL},
     {"json", "FILE", "all numbers as JSON\n", HS_OPTION_TEXT, AT(json), 0, 0, NULL},
+    {"version", NULL, "versions of this program and of the ABI\n", HS_OPTION_FLAG, AT(version), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
@@ -152,14 +176,8 @@ static void print_help(void) {
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
-    *o = (options){.frames = 100,
-                   .host_frames = 20,
-                   .host_size = 400,
-                   .plugin_part = true,
-                   .guard_part = true,
-                   .convert_part = true,
-                   .host_part = true,
-                   .grids_part = true};
+    *o = (options){.host_frames = 20, .host_size = 400};
+    for (int i = 0; i < PARTS; i++) o->part[i] = i != PART_GROWTH && i != PART_WORST;
     hs_guard_defaults(&o->guard);
     hs_plugin_default_path(o->usual, sizeof o->usual);
     o->plugin = o->usual;
@@ -250,6 +268,17 @@ static bool run_plugin_part(bench_run *run, hs_error *err) {
     return true;
 }
 
+/* The plugin with its own defaults, in as many frames as it takes to meet the rare ones. */
+static bool run_worst_part(bench_run *run, hs_error *err) {
+    for (int size = 0; size < BENCH_SIZES; size++)
+        for (uint32_t s = 0; run->o.size[size] && s < run->o.slab_count; s++) {
+            const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : bench_sizes[size];
+            if (!run_routes(run, size, slab, BENCH_OWN, err)) return false;
+        }
+    bench_print_worst(&run->report);
+    return true;
+}
+
 /* Both ways of every size; a plugin of the user's is started both ways, too. */
 static bool run_guard_part(bench_run *run, hs_error *err) {
     const bench_guard_setup setup = {.path = run->o.plugin,
@@ -295,18 +324,40 @@ static bool run_live_part(bench_run *run, const bench_host_setup *setup, hs_erro
     return ok;
 }
 
+static bench_host_setup host_setup(const bench_run *run) {
+    return (bench_host_setup){.plugin = &run->plugin,
+                              .cl = &run->cl,
+                              .frames = run->o.host_frames,
+                              .scene = run->o.scene,
+                              .size = run->o.host_size,
+                              .values = run->values,
+                              .value_count = run->o.value_count};
+}
+
 static bool run_host_part(bench_run *run, hs_error *err) {
-    const bench_host_setup setup = {.plugin = &run->plugin,
-                                    .cl = &run->cl,
-                                    .frames = run->o.host_frames,
-                                    .scene = run->o.scene,
-                                    .size = run->o.host_size,
-                                    .values = run->values,
-                                    .value_count = run->o.value_count};
+    const bench_host_setup setup = host_setup(run);
     if (!bench_host_run(&setup, &run->host, err)) return false;
     bench_print_host(&run->host);
     run->report.host = &run->host;
     return run_live_part(run, &setup, err);
+}
+
+static bool run_frame_part(bench_run *run, hs_error *err) {
+    const bench_host_setup setup = host_setup(run);
+    bench_frame_result result;
+    if (!bench_frame_run(&setup, run->team, &result, err)) return false;
+    bench_print_frame(&result);
+    return true;
+}
+
+static bool run_growth_part(bench_run *run, hs_error *err) {
+    const bench_plugin_setup setup = {.plugin = &run->plugin,
+                                      .cl = &run->cl,
+                                      .team = run->team,
+                                      .frames = run->o.frames,
+                                      .values = run->values,
+                                      .value_count = run->o.value_count};
+    return bench_growth_run(&setup, err);
 }
 
 /* A scene, since the layered volume fills no fan. */
@@ -318,20 +369,23 @@ static bool run_grids_part(bench_run *run, hs_error *err) {
     return true;
 }
 
+static bool (*const part_runs[PARTS])(bench_run *run, hs_error *err) = {
+    [PART_PLUGIN] = run_plugin_part, [PART_WORST] = run_worst_part, [PART_FRAME] = run_frame_part,
+    [PART_GROWTH] = run_growth_part, [PART_GUARD] = run_guard_part, [PART_CONVERT] = run_convert_part,
+    [PART_LOOP] = run_host_part,     [PART_GRIDS] = run_grids_part};
+
 static bool measure(bench_run *run, hs_error *err) {
-    if (!bench_try_output(run->o.csv, err) || !bench_try_output(run->o.json, err)) return false;
+    if (!hs_output_try(run->o.csv, err) || !hs_output_try(run->o.json, err)) return false;
     for (uint32_t i = 0; i < run->o.value_count; i++)
         if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
     bench_machine_print(&run->report.machine);
     run->team = bench_team_create(err);
     run->report.plugin = run->results;
-    if (!run->team || (run->o.plugin_part && !run_plugin_part(run, err)) ||
-        (run->o.guard_part && !run_guard_part(run, err)) ||
-        (run->o.convert_part && !run_convert_part(run, err)) ||
-        (run->o.host_part && !run_host_part(run, err)) || (run->o.grids_part && !run_grids_part(run, err)))
-        return false;
-    bench_print_targets(&run->report);
+    if (!run->team) return false;
+    for (int i = 0; i < PARTS; i++)
+        if (run->o.part[i] && !part_runs[i](run, err)) return false;
+    if (!run->o.part[PART_WORST]) bench_print_targets(&run->report);
     return (!run->o.csv || bench_write_csv(&run->report, run->o.csv, err)) &&
            (!run->o.json || bench_write_json(&run->report, run->o.json, err));
 }
@@ -360,8 +414,12 @@ int main(int argc, char **argv) {
         return bench_fail("sv_bench", &err);
     }
     const bool ok = parse_options(argc, argv, &run->o, &wants_help, &err);
-    if (wants_help) print_help();
-    if (ok && !wants_help) code = bench_in_child(&run->o.guard, run->o.plugin, open_and_measure, run, &err);
+    if (wants_help)
+        print_help();
+    else if (ok && run->o.version)
+        printf("sv_bench " HS_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
+    else if (ok)
+        code = hs_work_in_child(&run->o.guard, run->o.plugin, "it was timed", open_and_measure, run, &err);
     free(run);
     return err.code == HS_OK ? code : bench_fail("sv_bench", &err);
 }

@@ -14,7 +14,7 @@
 #include <time.h>
 
 #define MOST_LIBRARIES 16u
-#define GRACE_S        2.0 /* after the last page: it may be one that loads again */
+#define GRACE_S        30.0 /* after the last page: it may load again, or its network be back */
 
 typedef struct {
     hs_console_shared shared;
@@ -31,8 +31,10 @@ static bool take_plugin(void *target, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(console_line, field)
 static const hs_option options[] = {
-    {"plugin", "PATH", "library to offer, a path or a name; repeatable [smartvis]\n", HS_OPTION_TAKEN, 0, 0,
-     0, take_plugin},
+    {"plugin", "PATH",
+     "library to offer before SmartVis, a path or a name; repeatable. One that is built anew is loaded "
+     "again\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_plugin},
     {"out", "DIR", "folder for results that the page writes [out/console]\n", HS_OPTION_TEXT, AT(shared.out),
      0, 0, NULL},
     {"port", "N", "port to listen on; 0 is any that is free [0]\n", HS_OPTION_COUNT, AT(address.port), 0,
@@ -41,6 +43,10 @@ static const hs_option options[] = {
      "address to listen on; others than this machine can then reach the console, if they know the\n"
      "token, and everything goes over the net as it is [127.0.0.1]\n",
      HS_OPTION_TEXT, AT(address.listen), 0, 0, NULL},
+    {"lowres", "N",
+     "pixels across the plugin's volume: fewer of them are quicker and cost quality [a pixel is 1 mm wide,\n"
+     "no finer than the source and no coarser than three of its voxels]\n",
+     HS_OPTION_COUNT, AT(shared.lowres), 1, 8192, NULL},
     {"stay", NULL, "goes on when the last page is closed\n", HS_OPTION_FLAG, AT(stay), 0, 0, NULL},
     HS_GUARD_ROWS(AT(shared.offers.guard)),
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
@@ -56,7 +62,7 @@ static void print_help(void) {
         "outside of them\n");
     hs_options_print(options);
     (void)printf("\n"
-                 "Ends at Ctrl-C, and when the last page is closed.\n"
+                 "Ends at Ctrl-C, and 30 s after the last page was closed.\n"
                  "\n%s",
                  hs_exit_codes_help);
 }
@@ -73,9 +79,10 @@ static bool parse(int argc, char **argv, console_line *line, hs_error *err) {
 
 static bool offer_plugins(console_line *line, hs_error *err) {
     hs_console_offers *offers = &line->shared.offers;
-    bool ok = line->library_count > 0 || hs_console_offer_library(offers, NULL, err);
+    bool ok = true;
     for (uint32_t i = 0; ok && i < line->library_count; i++)
         ok = hs_console_offer_library(offers, line->libraries[i], err);
+    ok = ok && hs_console_offer_ours(offers, err);
     for (uint32_t i = 0; ok && i < offers->count; i++)
         if (offers->offer[i].failure.code != HS_OK)
             hs_print(stderr, "host_sim console: %s\n", offers->offer[i].failure.text);
@@ -100,9 +107,10 @@ static void watch_signals(void) {
 static void wait_for_end(hs_console_server *server, bool stay) {
     static const struct timespec pause = {.tv_nsec = 50000000};
     double last = hs_now();
+    uint32_t before = 0, ever;
     while (!stopped) {
-        uint32_t ever;
-        if (hs_console_server_pages(server, &ever) > 0 || ever == 0) last = hs_now();
+        if (hs_console_server_pages(server, &ever) > 0 || ever == 0 || ever != before) last = hs_now();
+        before = ever;
         if (!stay && hs_now() - last > GRACE_S) return;
         (void)nanosleep(&pause, NULL);
     }

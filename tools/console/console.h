@@ -73,7 +73,7 @@ typedef struct {
     double yaw, pitch, zoom; /* degrees; hs_loop_options.zoom */
     uint32_t views;          /* bits 1 << HS_CONSOLE_* */
     uint32_t picture, draft; /* pixels of a picture's side, at rest and under way */
-    bool hurried;            /* a hand is on a knob: drafts */
+    bool hurried;            /* a hand is on a control: drafts */
     bool playing;
     double speed;        /* volumes a second */
     uint32_t index;      /* the volume while it does not play */
@@ -123,6 +123,7 @@ typedef struct {
     char id[128];        /* "": the library could not be read, `failure` says why */
     char name[128], version[64];
     bool first; /* of its library: needs no --id */
+    bool ours;  /* the default library's first: what others are compared with */
     hs_error failure;
 } hs_console_offer;
 
@@ -133,8 +134,13 @@ typedef struct {
 } hs_console_offers;
 
 /* Adds the plugins of a library (NULL: the default one). A library that cannot be read is offered with its
- * reason, so that a page can say it. HS_ERR_USAGE beyond HS_CONSOLE_OFFERS. */
+ * reason, so that a page can say it, and is tried again when it is chosen. HS_ERR_USAGE beyond
+ * HS_CONSOLE_OFFERS. */
 bool hs_console_offer_library(hs_console_offers *offers, const char *library, hs_error *err);
+
+/* Adds the default library behind others, unless it is among them or cannot be read. The errors are the
+ * same. */
+bool hs_console_offer_ours(hs_console_offers *offers, hs_error *err);
 
 /* ----------------------------------------------------------------------------------------------- files -- */
 /* The volumes in the folders of the command line, and nothing outside them. */
@@ -171,6 +177,7 @@ typedef struct {
     hs_console_offers offers;
     hs_console_files files;
     const char *out; /* folder for what is written */
+    uint32_t lowres; /* hs_loop_options.lowres */
 } hs_console_shared;
 
 /* How to send to a page; may block. False: it is gone. Called from the page's thread and that of
@@ -188,8 +195,15 @@ typedef enum {
     HS_LANE_CONVERT /* and the slabs before */
 } hs_lane_need;
 
+/* What tells one build of a library from the next. Zeros: there is no file. */
+typedef struct {
+    uint64_t device, inode, bytes;
+    int64_t written_ns;
+} hs_library_stamp;
+
 typedef struct {
     const hs_console_offer *offer; /* NULL: no plugin was chosen yet */
+    hs_library_stamp stamp;        /* of its library when it was opened */
     hs_plugin plugin;
     bool has_plugin;
     hs_error failure; /* of opening it */
@@ -205,14 +219,38 @@ typedef struct {
     double ms[HS_STAGE_COUNT]; /* of the last frame's stages; 0 for those it did not need */
 } hs_lane;
 
+/* Opens the offered plugin, or another one; its values are the defaults then. The loop must be built anew by
+ * hs_lane_build. A plugin that cannot be opened is no failure: `failure` tells. */
+void hs_lane_choose(hs_lane *lane, const hs_console_offer *offer, const hs_guard_options *guard);
+
+/* True if the lane's library was built anew since, and nobody has written to it for half a second. */
+bool hs_lane_is_rebuilt(const hs_lane *lane);
+
+/* Takes out of `wanted` what the plugin does not take: a build may have lost a parameter. */
+void hs_lane_leave_out(const hs_lane *lane, hs_console_lane *wanted);
+
+/* Ends loop and plugin, and zeroes the lane. Safe on a zeroed one. */
+void hs_lane_close(hs_lane *lane);
+
+/* Builds the loop on a source. HS_ERR_INPUT, HS_ERR_DEVICE, HS_ERR_MEMORY: there is no loop then. */
+bool hs_lane_build(hs_lane *lane, const hs_cl *cl, const hs_source *source, const hs_loop_options *options,
+                   hs_error *err);
+
+/* Takes the values of a state, and activates the plugin anew if one of them needs it. HS_ERR_INPUT names a
+ * parameter that the plugin does not have, or a value out of its range: the values are then as they were.
+ * HS_ERR_DEVICE or HS_ERR_MEMORY. */
+bool hs_lane_set(hs_lane *lane, const hs_console_lane *wanted, const hs_loop_options *options, hs_error *err);
+
+/* Does what the lane needs for volume `index`, which is brought first. HS_ERR_DEVICE, or the source's
+ * errors. */
+bool hs_lane_run(hs_lane *lane, uint32_t index, hs_error *err);
+
 /* At least this is needed at the next run. */
 void hs_lane_needs(hs_lane *lane, hs_lane_need need);
 
-enum { HS_CONSOLE_REASON = 320 }; /* bytes */
-
 /* Which rule of the plugin's found no surface in the last frame, or a doubtful one, in words for who holds
  * the probe. False: the plugin does not tell. Waits for the lane's queue. */
-bool hs_lane_reason(const hs_lane *lane, sv_confidence_report *out, char words[HS_CONSOLE_REASON]);
+bool hs_lane_reason(const hs_lane *lane, sv_confidence_report *out, char words[HS_REASON_BYTES]);
 
 /* Why the last frame is not clipped, if the plugin failed; code HS_OK if it did not. */
 const hs_error *hs_lane_error(const hs_lane *lane);
@@ -224,6 +262,7 @@ const hs_error *hs_lane_error(const hs_lane *lane);
 typedef struct {
     const hs_console_offers *offers;
     const hs_console_files *files;
+    uint32_t lowres; /* hs_loop_options.lowres: the caller sets it */
     hs_cl cl;
     hs_source source;
     bool has_source;
@@ -256,9 +295,17 @@ bool hs_console_stage_changes_source(const hs_console_stage *stage, const hs_con
 bool hs_console_stage_show(hs_console_stage *stage, const hs_console_state *state, uint32_t index,
                            hs_error *err);
 
+/* True if the library of one of its lanes was built anew: the next hs_console_stage_show opens it again, with
+ * the values it had. */
+bool hs_console_stage_is_rebuilt(const hs_console_stage *stage);
+
 /* The loop of lane 0 as a run has it, for what is written to files; its options are those of the command
  * line. */
 hs_loop *hs_console_stage_loop(hs_console_stage *stage);
+
+/* "host_sim run --scene D01 ...", for a shell; the caller frees it. NULL without memory. Its result.png has
+ * the pixels of the view "result" of lane `lane` at rest. */
+char *hs_console_line(const hs_console_stage *stage, uint32_t lane);
 
 /* --------------------------------------------------------------------------------------------- replies -- */
 /* What the console tells a page, as JSON: docs/console.md has the fields. Every function returns a text that
@@ -301,6 +348,9 @@ void hs_console_show_close(hs_console_show *show);
  * be shown is answered with "refused". */
 bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state, uint32_t index,
                            uint64_t frame);
+
+/* True if a plugin that is shown was built anew: a frame would show it. */
+bool hs_console_show_is_rebuilt(const hs_console_show *show);
 
 /* A snapshot, or results on the disk. False: the page is gone. */
 bool hs_console_show_deed(hs_console_show *show, const hs_console_message *deed);

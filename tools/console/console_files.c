@@ -134,6 +134,12 @@ static hs_console_offer *add(hs_console_offers *offers, const char *library, con
     return offer;
 }
 
+static bool is_default(const char *path) {
+    char ours[1024], real[2][PATH_MAX];
+    hs_plugin_default_path(ours, sizeof ours);
+    return realpath(ours, real[0]) && realpath(path, real[1]) && strcmp(real[0], real[1]) == 0;
+}
+
 static bool add_plugins(hs_console_offers *offers, const char *library, const char *path,
                         const hs_plugin *plugin, hs_error *err) {
     for (uint32_t i = 0; i < plugin->count; i++) {
@@ -144,6 +150,7 @@ static bool add_plugins(hs_console_offers *offers, const char *library, const ch
         (void)snprintf(offer->name, sizeof offer->name, "%s", d->name);
         (void)snprintf(offer->version, sizeof offer->version, "%s", d->version);
         offer->first = i == 0;
+        offer->ours = i == 0 && is_default(path);
     }
     return true;
 }
@@ -153,7 +160,7 @@ bool hs_console_offer_library(hs_console_offers *offers, const char *library, hs
     hs_plugin plugin;
     hs_error failure = {0}, closed = {0};
     if (library)
-        (void)snprintf(path, sizeof path, "%s", library);
+        hs_plugin_find(library, path, sizeof path);
     else
         hs_plugin_default_path(path, sizeof path);
     if (hs_guarded_open(&plugin, path, NULL, SV_LOG_WARNING, &offers->guard, &failure)) {
@@ -165,5 +172,14 @@ bool hs_console_offer_library(hs_console_offers *offers, const char *library, hs
     if (!offer) return false;
     offer->failure = failure;
     (void)snprintf(offer->name, sizeof offer->name, "%.120s", path);
+    return true;
+}
+
+bool hs_console_offer_ours(hs_console_offers *offers, hs_error *err) {
+    const uint32_t others = offers->count;
+    for (uint32_t i = 0; i < others; i++)
+        if (offers->offer[i].ours) return true;
+    if (!hs_console_offer_library(offers, NULL, err)) return false;
+    if (others > 0 && offers->offer[others].failure.code != HS_OK) offers->count = others;
     return true;
 }

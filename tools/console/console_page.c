@@ -14,6 +14,7 @@
 #include <string.h>
 #include <time.h>
 
+#define LOOK_S 0.5 /* between two looks at the libraries of a page at rest */
 enum { UNDER_WAY = 2, MOST_REFUSED = 64 };
 
 struct hs_console_page {
@@ -34,7 +35,7 @@ struct hs_console_page {
 };
 
 /* What the thread has to do next. */
-typedef enum { WORK_END, WORK_STATE, WORK_NEXT, WORK_DEED } work;
+typedef enum { WORK_END, WORK_STATE, WORK_NEXT, WORK_DEED, WORK_LOOK } work;
 
 static struct timespec at_second(double when) {
     const double left = when > hs_now() ? when - hs_now() : 0.0;
@@ -53,6 +54,7 @@ static struct timespec at_second(double when) {
  * mailbox. */
 static work wait_for_work(hs_console_page *page, double due, hs_console_message *deed) {
     work found = WORK_END;
+    const double look = hs_now() + LOOK_S;
     (void)pthread_mutex_lock(&page->lock);
     while (!page->closed) {
         const bool keeps_up = page->frame - page->seen < UNDER_WAY;
@@ -68,16 +70,16 @@ static work wait_for_work(hs_console_page *page, double due, hs_console_message 
             found = WORK_DEED;
             break;
         }
-        if (!keeps_up || !page->now.playing) {
-            (void)pthread_cond_wait(&page->changed, &page->lock);
-            continue;
-        }
-        if (hs_now() >= due) {
-            found = WORK_NEXT;
+        const double next = page->now.playing ? due : look;
+        if (keeps_up && hs_now() >= next) {
+            found = page->now.playing ? WORK_NEXT : WORK_LOOK;
             break;
         }
-        const struct timespec until = at_second(due);
-        (void)pthread_cond_timedwait(&page->changed, &page->lock, &until);
+        const struct timespec until = at_second(next);
+        if (keeps_up)
+            (void)pthread_cond_timedwait(&page->changed, &page->lock, &until);
+        else
+            (void)pthread_cond_wait(&page->changed, &page->lock);
     }
     (void)pthread_mutex_unlock(&page->lock);
     return found;
@@ -108,6 +110,7 @@ static void follow(hs_console_page *page, hs_console_show *show) {
             alive = hs_console_show_deed(show, &deed);
             continue;
         }
+        if (what == WORK_LOOK && !hs_console_show_is_rebuilt(show)) continue;
         if (what == WORK_NEXT) index++;
         if (!page->now.playing || !plays) index = page->now.index;
         if (what == WORK_NEXT || !plays) due = next_due(due, page->now.speed);

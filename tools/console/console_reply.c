@@ -9,158 +9,8 @@
 
 #include <jansson.h>
 #include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---------------------------------------------------------------------------------------- command line -- */
-/* The command line that reproduces what a stage shows. */
-
-/* A word for a shell: in single quotes unless it is harmless. */
-static void put_word(FILE *out, const char *word) {
-    static const char harmless[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,+-";
-    if (word[0] != '\0' && strspn(word, harmless) == strlen(word)) {
-        (void)fputs(word, out);
-        return;
-    }
-    (void)fputc('\'', out);
-    for (const char *c = word; *c; c++) {
-        if (*c == '\'')
-            (void)fputs("'\\''", out);
-        else
-            (void)fputc(*c, out);
-    }
-    (void)fputc('\'', out);
-}
-
-static void put_source(FILE *out, const hs_console_stage *stage) {
-    const hs_console_source *s = &stage->state.source;
-    if (s->scene[0] != '\0') {
-        (void)fprintf(out, " --scene %s --size %u", s->scene, s->size);
-        if (s->volumes > 1) (void)fprintf(out, " --moving %u", s->volumes);
-    } else {
-        (void)fputs(" --volume ", out);
-        put_word(out, stage->path[stage->path_used]);
-    }
-    if (s->from != HS_FROM_PROBE) (void)fprintf(out, " --view %s", hs_from_name(s->from));
-}
-
-/* As few digits as read back to the same number. */
-static void number_text(double value, char *out, size_t bytes) {
-    for (int digits = 6; digits <= 17; digits++) {
-        (void)snprintf(out, bytes, "%.*g", digits, value);
-        if (strtod(out, NULL) == value) return;
-    }
-}
-
-static void float_text(float value, char *out, size_t bytes) {
-    for (int digits = 4; digits <= 9; digits++) {
-        (void)snprintf(out, bytes, "%.*g", digits, (double)value);
-        if ((float)strtod(out, NULL) == value) return;
-    }
-}
-
-static void put_values(FILE *out, const hs_lane *lane) {
-    for (uint32_t i = 0; i < lane->count; i++) {
-        const sv_plugin *instance = lane->plugin.instance;
-        const uint32_t params = hs_plugin_param_count(&lane->plugin);
-        for (uint32_t k = 0; k < params; k++) {
-            char value[HS_ENUM_NAME], word[2 * HS_CONSOLE_KEY + 8];
-            sv_param_info info = {.size = sizeof info};
-            if (instance->param_info(instance, k, &info) != SV_OK || info.id != lane->values[i].id) continue;
-            if (lane->values[i].value == info.default_value) break;
-            if (info.type == SV_PARAM_ENUM)
-                hs_plugin_value_text(&lane->plugin, &info, lane->values[i].value, value, sizeof value);
-            else
-                number_text(lane->values[i].value, value, sizeof value);
-            (void)snprintf(word, sizeof word, "%.63s=%.64s", info.key, value);
-            (void)fputs(" --set ", out);
-            put_word(out, word);
-            break;
-        }
-    }
-}
-
-static void put_plugin(FILE *out, const hs_console_stage *stage, const hs_lane *lane) {
-    static const char *const guards[] = {"", " --guard", " --no-guard"};
-    if (lane->offer->library) {
-        (void)fputs(" --plugin ", out);
-        put_word(out, lane->offer->library);
-    }
-    if (!lane->offer->first && lane->offer->id[0] != '\0') {
-        (void)fputs(" --id ", out);
-        put_word(out, lane->offer->id);
-    }
-    (void)fputs(guards[stage->offers->guard.choice], out);
-    if (lane->has_plugin) put_values(out, lane);
-}
-
-static void put_renderer(FILE *out, const hs_console_state *s) {
-    hs_dvr_settings usual;
-    hs_loop_options pictures;
-    hs_dvr_defaults(&usual);
-    pictures.dvr = usual;
-    hs_loop_for_pictures(&pictures, s->dvr.look);
-    const struct {
-        const char *option;
-        float value, usual;
-    } floats[] = {{"t-low", s->dvr.threshold_low, usual.threshold_low},
-                  {"t-high", s->dvr.threshold_high, usual.threshold_high},
-                  {"ghost-offset", s->dvr.ghost_offset, usual.ghost_offset},
-                  {"ghost-width", s->dvr.ghost_width, usual.ghost_width},
-                  {"ghost-doubt", s->dvr.ghost_doubt, usual.ghost_doubt},
-                  {"exposure", s->dvr.exposure, pictures.dvr.exposure}};
-    char text[32], other[32];
-    if (s->dvr.look != HS_LOOK_LIT) (void)fprintf(out, " --look %s", hs_look_key(s->dvr.look));
-    if (s->dvr.light[0] != usual.light[0] || s->dvr.light[1] != usual.light[1]) {
-        float_text(s->dvr.light[0], text, sizeof text);
-        float_text(s->dvr.light[1], other, sizeof other);
-        (void)fprintf(out, " --light %s,%s", text, other);
-    }
-    for (size_t i = 0; i < sizeof floats / sizeof *floats; i++) {
-        if (floats[i].value == floats[i].usual) continue;
-        float_text(floats[i].value, text, sizeof text);
-        (void)fprintf(out, " --%s %s", floats[i].option, text);
-    }
-}
-
-static void put_camera(FILE *out, const hs_console_state *s) {
-    const double values[3] = {s->yaw, s->pitch, s->zoom};
-    static const char *const names[3] = {"yaw", "pitch", "zoom"};
-    (void)fputs(" --turnable", out);
-    for (int i = 0; i < 3; i++) {
-        char text[32];
-        if (values[i] == (i == 2 ? 1.0 : 0.0)) continue;
-        number_text(values[i], text, sizeof text);
-        (void)fprintf(out, " --%s %s", names[i], text);
-    }
-}
-
-/* A run's pictures are of its middle frame. */
-static void put_frames(FILE *out, const hs_console_stage *stage) {
-    const uint32_t index = stage->index % stage->source.count;
-    (void)fprintf(out, " --picture %u --setting smartvis --frames %u", stage->state.picture, 2 * index + 1);
-}
-
-/* "host_sim run --scene D01 ...", for a shell; the caller frees it. NULL without memory. Its result.png has
- * the pixels of the view "result" of lane `lane` at rest. */
-static char *hs_console_line(const hs_console_stage *stage, uint32_t lane) {
-    char *text = NULL;
-    size_t bytes = 0;
-    FILE *out = open_memstream(&text, &bytes);
-    if (!out) return NULL;
-    (void)fputs("host_sim run", out);
-    put_source(out, stage);
-    put_plugin(out, stage, &stage->lane[lane]);
-    put_camera(out, &stage->state);
-    put_renderer(out, &stage->state);
-    put_frames(out, stage);
-    if (fclose(out) == 0) return text;
-    free(text);
-    return NULL;
-}
-
-/* --------------------------------------------------------------------------------------------- replies -- */
 
 static void put(json_t *object, const char *key, json_t *value) {
     (void)json_object_set_new(object, key, value);
@@ -224,6 +74,7 @@ static json_t *plugins(const hs_console_offers *offers) {
         put(one, "name", hs_json_text(o->name));
         put(one, "version", hs_json_text(o->version));
         put(one, "failure", hs_json_text(o->failure.text));
+        put(one, "ours", json_boolean(o->ours));
         (void)json_array_append_new(list, one);
     }
     return list;
@@ -307,6 +158,10 @@ char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
     put(root, "lane", json_integer(lane));
     put(root, "plugin", json_integer(l->offer ? l->offer - stage->offers->offer : 0));
     put(root, "failure", hs_json_text(l->failure.text));
+    if (l->has_plugin) { /* a build may have changed them */
+        put(root, "name", hs_json_text(l->plugin.instance->descriptor->name));
+        put(root, "version", hs_json_text(l->plugin.instance->descriptor->version));
+    }
     const uint32_t count = l->has_plugin ? hs_plugin_param_count(&l->plugin) : 0;
     for (uint32_t i = 0; i < count; i++) {
         sv_param_info info = {.size = sizeof info};
@@ -323,7 +178,7 @@ char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
 static void put_reason(json_t *one, const hs_lane *lane) {
     sv_confidence_report r;
     sv_param_info info = {.size = sizeof info};
-    char words[HS_CONSOLE_REASON];
+    char words[HS_REASON_BYTES];
     if (!hs_lane_reason(lane, &r, words)) return;
     put(one, "why", hs_json_text(words));
     const sv_plugin *instance = lane->plugin.instance;
@@ -362,17 +217,33 @@ static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
     return one;
 }
 
+/* Where the probe is, seen from the picture's middle, and where the picture's axes run in the patient, if the
+ * file says so. */
+static void put_directions(json_t *source, const hs_camera *camera, const hs_volume *volume) {
+    float rotation[9], probe[3];
+    double axes[9];
+    hs_camera_probe(camera, volume, rotation, probe);
+    if (probe[0] != 0.0f || probe[1] != 0.0f || probe[2] != 0.0f)
+        put(source, "probe", json_pack("[f, f, f]", (double)probe[0], (double)probe[1], (double)probe[2]));
+    if (!hs_camera_in_patient(camera, volume, axes)) return;
+    put(source, "patient",
+        json_pack("[[f, f, f], [f, f, f], [f, f, f]]", axes[0], axes[3], axes[6], axes[1], axes[4], axes[7],
+                  axes[2], axes[5], axes[8]));
+}
+
 static json_t *source_part(const hs_console_stage *stage) {
     const hs_volume *v = hs_source_shape(&stage->source);
     const hs_slab_layout *l = hs_loop_layout(stage->lane[0].loop);
     hs_camera window;
     float share;
     hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
-    return json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:b, s:f}", "name",
-                     hs_json_text(v->name), "title", hs_json_text(stage->source.title), "volumes",
-                     (int)stage->source.count, "voxels", (int)v->nx, (int)v->ny, (int)v->nz, "slabs",
-                     (int)l->width, (int)l->height, (int)l->slices, "window_mm", window.extent, "truth",
-                     stage->truth != NULL, "opened_ms", stage->source_ms);
+    json_t *one =
+        json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:b, s:f}", "name", hs_json_text(v->name),
+                  "title", hs_json_text(stage->source.title), "volumes", (int)stage->source.count, "voxels",
+                  (int)v->nx, (int)v->ny, (int)v->nz, "slabs", (int)l->width, (int)l->height, (int)l->slices,
+                  "window_mm", window.extent, "truth", stage->truth != NULL, "opened_ms", stage->source_ms);
+    put_directions(one, &window, v);
+    return one;
 }
 
 /* The part of the page's state that says whose pictures these are, in the page's own words. */

@@ -8,11 +8,13 @@
 
 #include <arpa/inet.h>
 #include <civetweb.h>
+#include <netdb.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
+#include <sys/socket.h>
 
 /* ---------------------------------------------------------------------------------------------- access -- */
 
@@ -87,8 +89,16 @@ bool hs_console_origin_is_ours(const char *origin, const char *host) {
 
 /* ---------------------------------------------------------------------------------------------- server -- */
 
-#define SERVED "128" /* connections at a time: a thread each, which costs 16 KiB */
-enum { MOST_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
+#define SERVED          128 /* connections at a time: a thread each, which costs 16 KiB */
+#define TEXT_OF(number) #number
+#define AS_TEXT(number) TEXT_OF(number)
+enum { MOST_IDLE = 64, MOST_FILES = 1024, MOST_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
+
+/* A connection that is no page. */
+typedef struct guest {
+    const struct mg_connection *connection; /* NULL: a free place */
+    uint64_t turn;
+} guest;
 
 struct hs_console_server {
     const hs_console_shared *shared;
@@ -99,7 +109,68 @@ struct hs_console_server {
     pthread_mutex_t lock; /* of what follows, and held until the server has started */
     uint32_t port;
     uint32_t pages, ever;
+    uint64_t turns; /* connections so far */
+    guest guests[SERVED];
 };
+
+/* ------------------------------------------------------------------------------------------- guests -- */
+
+/* The place of a connection; NULL: it has none. */
+static guest *guest_of(hs_console_server *server, const struct mg_connection *c) {
+    for (uint32_t i = 0; i < SERVED; i++)
+        if (server->guests[i].connection == c) return &server->guests[i];
+    return NULL;
+}
+
+/* Whether this is the socket of the request's connection; the library does not tell. */
+static bool is_socket_of(int socket, const struct mg_request_info *request) {
+    struct sockaddr_storage peer = {0};
+    socklen_t bytes = sizeof peer;
+    char host[NI_MAXHOST], port[NI_MAXSERV];
+    return getpeername(socket, (struct sockaddr *)&peer, &bytes) == 0 &&
+           (peer.ss_family == AF_INET || peer.ss_family == AF_INET6) &&
+           getnameinfo((struct sockaddr *)&peer, bytes, host, sizeof host, port, sizeof port,
+                       NI_NUMERICHOST | NI_NUMERICSERV) == 0 &&
+           atoi(port) == request->remote_port && strcmp(host, request->remote_addr) == 0;
+}
+
+/* Ends the wait of the thread that serves it. The lock is held, and end_guest waits for it before the library
+ * closes the socket: so no other file can have its number. */
+static void give_up(guest *one) {
+    const struct mg_request_info *request = mg_get_request_info(one->connection);
+    int socket = 0;
+    while (request && socket < MOST_FILES && !is_socket_of(socket, request)) socket++;
+    if (request && socket < MOST_FILES) (void)shutdown(socket, SHUT_RDWR);
+    one->connection = NULL;
+}
+
+/* Gives the place a turn. Who still waits for its client when MOST_IDLE turns were given after its own is
+ * given up: however many slow clients there are, threads are left for others. */
+static void take_turn(hs_console_server *server, guest *place, const struct mg_connection *c) {
+    if (!place) return;
+    *place = (guest){c, ++server->turns};
+    for (uint32_t i = 0; i < SERVED; i++)
+        if (server->guests[i].connection && server->guests[i].turn + MOST_IDLE <= server->turns)
+            give_up(&server->guests[i]);
+}
+
+/* Every connection, before it has said anything. */
+static int begin_guest(const struct mg_connection *c, void **data) {
+    (void)data;
+    hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    (void)pthread_mutex_lock(&server->lock);
+    take_turn(server, guest_of(server, NULL), c);
+    (void)pthread_mutex_unlock(&server->lock);
+    return 0;
+}
+
+static void end_guest(const struct mg_connection *c) {
+    hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    (void)pthread_mutex_lock(&server->lock);
+    guest *one = guest_of(server, c);
+    if (one) one->connection = NULL;
+    (void)pthread_mutex_unlock(&server->lock);
+}
 
 /* ------------------------------------------------------------------------------------------- files -- */
 
@@ -135,10 +206,11 @@ static int answer_error(struct mg_connection *c, int status, const char *message
     return 0;
 }
 
-/* Whether the request names this server; a request that comes while it starts waits for its port. */
+/* Whether the request, which is whole, names this server. */
 static bool is_for_us(hs_console_server *server, const struct mg_connection *c) {
     (void)pthread_mutex_lock(&server->lock);
     const uint32_t port = server->port;
+    take_turn(server, guest_of(server, c), c);
     (void)pthread_mutex_unlock(&server->lock);
     return hs_console_host_is_ours(mg_get_header(c, "Host"), port, server->loopback);
 }
@@ -185,6 +257,8 @@ static int connect_page(const struct mg_connection *c, void *context) {
     if (!full) {
         server->pages++;
         server->ever++;
+        guest *one = guest_of(server, c); /* a page may be silent */
+        if (one) one->connection = NULL;
     }
     (void)pthread_mutex_unlock(&server->lock);
     return full;
@@ -244,9 +318,11 @@ static bool start(hs_console_server *server, const hs_console_address *address, 
     const char *options[] = {"listening_ports",
                              where,
                              "num_threads",
-                             SERVED,
+                             AS_TEXT(SERVED),
                              "connection_queue",
-                             SERVED,
+                             AS_TEXT(SERVED),
+                             "listen_backlog", /* many at once need not knock twice */
+                             "1024",
                              "max_request_size",
                              "8192",
                              "request_timeout_ms", /* for a request to be whole, and for a write to go on */
@@ -262,8 +338,11 @@ static bool start(hs_console_server *server, const hs_console_address *address, 
                              "tcp_nodelay",
                              "1",
                              NULL};
-    const struct mg_callbacks callbacks = {
-        .begin_request = begin_request, .log_message = note_message, .http_error = answer_error};
+    const struct mg_callbacks callbacks = {.init_connection = begin_guest,
+                                           .connection_close = end_guest,
+                                           .begin_request = begin_request,
+                                           .log_message = note_message,
+                                           .http_error = answer_error};
     struct mg_server_port port;
     (void)mg_init_library(0);
     server->web = mg_start(&callbacks, server, options);

@@ -271,6 +271,7 @@ static bool send_plugins(hs_console_show *show) {
 static bool open_stage(hs_console_show *show, hs_error *err) {
     show->open =
         show->open || hs_console_stage_open(&show->stage, &show->shared->offers, &show->shared->files, err);
+    show->stage.lowres = show->shared->lowres;
     return show->open;
 }
 
@@ -296,6 +297,10 @@ static bool refuse(const hs_console_show *show, const hs_error *err) {
     return say(show, hs_console_reply_text("refused", told.text));
 }
 
+bool hs_console_show_is_rebuilt(const hs_console_show *show) {
+    return show->open && hs_console_stage_is_rebuilt(&show->stage);
+}
+
 bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state, uint32_t index,
                            uint64_t frame) {
     hs_error err = {0};
@@ -305,6 +310,9 @@ bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state,
     if (hs_console_stage_changes_source(&show->stage, state) &&
         !say(show, hs_console_reply_text("busy", state->source.scene[0] ? "Generating the scene"
                                                                         : "Reading the file")))
+        return false;
+    if (hs_console_show_is_rebuilt(show) &&
+        !say(show, hs_console_reply_text("busy", "The plugin was built anew: loading it")))
         return false;
     const bool followed = hs_console_stage_show(&show->stage, state, index, &err);
     if (!send_plugins(show)) return false;

@@ -3,237 +3,8 @@
 
 #include "base/progress.h"
 #include "loop/loop_run.h"
-#include "plugin/capabilities.h"
-#include "plugin/loader_param.h"
 
-#include <stdio.h>
 #include <string.h>
-
-/* ------------------------------------------------------------------------------------------------ lane -- */
-
-static void close_plugin(hs_lane *lane) {
-    hs_error ended = {0};
-    if (lane->has_plugin) (void)hs_guarded_close(&lane->plugin, &ended); /* it is not asked any more */
-    lane->has_plugin = false;
-}
-
-static void end_loop(hs_lane *lane) {
-    hs_loop_destroy(lane->loop);
-    lane->loop = NULL;
-}
-
-static void hs_lane_close(hs_lane *lane) {
-    end_loop(lane);
-    close_plugin(lane);
-    *lane = (hs_lane){0};
-}
-
-void hs_lane_needs(hs_lane *lane, hs_lane_need need) {
-    if (lane->need < need) lane->need = need;
-}
-
-/* Opens the offered plugin, or another one; its values are the defaults then. The loop must be built anew by
- * hs_lane_build. A plugin that cannot be opened is no failure: `failure` tells. */
-static void hs_lane_choose(hs_lane *lane, const hs_console_offer *offer, const hs_guard_options *guard) {
-    hs_lane_close(lane);
-    lane->offer = offer;
-    lane->failure = offer->failure;
-    if (offer->id[0] != '\0')
-        lane->has_plugin =
-            hs_guarded_open(&lane->plugin, offer->path, offer->id, SV_LOG_ERROR, guard, &lane->failure);
-}
-
-static const hs_plugin *plugin_of(const hs_lane *lane) {
-    return lane->has_plugin ? &lane->plugin : NULL;
-}
-
-static hs_loop_options with_values(const hs_lane *lane, const hs_loop_options *options) {
-    hs_loop_options out = *options;
-    out.values = lane->values;
-    out.value_count = lane->count;
-    return out;
-}
-
-/* Builds the loop on a source. HS_ERR_INPUT, HS_ERR_DEVICE, HS_ERR_MEMORY: there is no loop then. */
-static bool hs_lane_build(hs_lane *lane, const hs_cl *cl, const hs_source *source,
-                          const hs_loop_options *options, hs_error *err) {
-    const hs_loop_options all = with_values(lane, options);
-    const double start = hs_now();
-    end_loop(lane);
-    lane->loop = hs_loop_create(cl, source, plugin_of(lane), &all, err);
-    lane->activation_ms = (hs_now() - start) * 1e3;
-    lane->activations++;
-    lane->need = HS_LANE_CONVERT;
-    return lane->loop != NULL;
-}
-
-/* -------------------------------------------------------------------------------------------- values -- */
-
-/* Whether a value may be sent to the plugin. */
-static bool check_value(const hs_lane *lane, const hs_console_value *wanted, sv_param_info *info,
-                        hs_error *err) {
-    if (!hs_plugin_find_param(&lane->plugin, wanted->key, info))
-        return hs_fail(err, HS_ERR_INPUT, "parameter '%s': %s has none of that name", wanted->key,
-                       lane->offer->id);
-    return (wanted->value >= info->min_value && wanted->value <= info->max_value) ||
-           hs_fail(err, HS_ERR_INPUT, "parameter %s: %g is outside %g .. %g", wanted->key, wanted->value,
-                   info->min_value, info->max_value);
-}
-
-static double value_before(const hs_lane *lane, const sv_param_info *info) {
-    for (uint32_t i = 0; i < lane->count; i++)
-        if (lane->values[i].id == info->id) return lane->values[i].value;
-    return info->default_value;
-}
-
-/* What changed. */
-typedef struct {
-    sv_param_value values[HS_CONSOLE_VALUES];
-    uint32_t count, changes, adjusted;
-    bool adjustable, reactivates;
-} change;
-
-/* A parameter that is not named any more goes back to its default: that is a change, too. */
-static bool find_dropped(const hs_lane *lane, const hs_console_lane *wanted, change *c, hs_error *err) {
-    const sv_plugin *instance = lane->plugin.instance;
-    const uint32_t params = hs_plugin_param_count(&lane->plugin);
-    for (uint32_t i = 0; i < params; i++) {
-        sv_param_info info = {.size = sizeof info};
-        bool named = false;
-        if (instance->param_info(instance, i, &info) != SV_OK || !info.key) continue;
-        for (uint32_t k = 0; k < wanted->count && !named; k++)
-            named = strcmp(wanted->values[k].key, info.key) == 0;
-        if (named || value_before(lane, &info) == info.default_value) continue;
-        if (c->count == HS_CONSOLE_VALUES)
-            return hs_fail(err, HS_ERR_INPUT, "values: more than %d", HS_CONSOLE_VALUES);
-        c->reactivates |= (info.flags & SV_PARAM_REACTIVATE) != 0;
-        c->adjustable = (info.flags & SV_PARAM_ADJUST) != 0;
-        c->adjusted = c->count;
-        c->changes++;
-        c->values[c->count++] = (sv_param_value){.id = info.id, .value = info.default_value};
-    }
-    return true;
-}
-
-static bool find_change(const hs_lane *lane, const hs_console_lane *wanted, change *c, hs_error *err) {
-    *c = (change){0};
-    for (uint32_t i = 0; i < wanted->count; i++) {
-        sv_param_info info;
-        if (!check_value(lane, &wanted->values[i], &info, err)) return false;
-        c->values[c->count] = (sv_param_value){.id = info.id, .value = wanted->values[i].value};
-        if (value_before(lane, &info) != wanted->values[i].value) {
-            c->changes++;
-            c->reactivates |= (info.flags & SV_PARAM_REACTIVATE) != 0;
-            c->adjustable = (info.flags & SV_PARAM_ADJUST) != 0;
-            c->adjusted = c->count;
-        }
-        c->count++;
-    }
-    return find_dropped(lane, wanted, c, err);
-}
-
-/* The plugin's own time, with the slabs it is given; the volume stays. */
-static bool reactivate(hs_lane *lane, const hs_loop_options *options, hs_error *err) {
-    const hs_loop_options all = with_values(lane, options);
-    const double start = hs_now();
-    const bool ok = hs_loop_reactivate(lane->loop, plugin_of(lane), &all, err);
-    lane->activation_ms = (hs_now() - start) * 1e3;
-    lane->activations++;
-    lane->need = HS_LANE_CONVERT;
-    if (!ok) end_loop(lane);
-    return ok;
-}
-
-/* Takes the values of a state, and activates the plugin anew if one of them needs it. HS_ERR_INPUT names a
- * parameter that the plugin does not have, or a value out of its range: the values are then as they were.
- * HS_ERR_DEVICE or HS_ERR_MEMORY. */
-static bool hs_lane_set(hs_lane *lane, const hs_console_lane *wanted, const hs_loop_options *options,
-                        hs_error *err) {
-    change c;
-    if (!lane->has_plugin) return true;
-    if (!find_change(lane, wanted, &c, err)) return false;
-    if (c.changes == 0) return true;
-    memcpy(lane->values, c.values, sizeof lane->values);
-    lane->count = c.count;
-    if (!lane->loop) return true; /* it is built with them */
-    if (c.reactivates) return reactivate(lane, options, err);
-    hs_loop_set_values(lane->loop, lane->values, lane->count);
-    const bool adjust =
-        c.changes == 1 && c.adjustable && lane->need == HS_LANE_NOTHING && lane->frame.clipped;
-    lane->adjusted = c.adjusted;
-    hs_lane_needs(lane, adjust ? HS_LANE_ADJUST : HS_LANE_ASK);
-    return true;
-}
-
-/* ---------------------------------------------------------------------------------------------- frame -- */
-
-/* Does what the lane needs for volume `index`, which is brought first.
- * HS_ERR_DEVICE, or the source's errors. */
-static bool hs_lane_run(hs_lane *lane, uint32_t index, hs_error *err) {
-    const double start = hs_now();
-    memset(lane->ms, 0, sizeof lane->ms);
-    if (!hs_loop_bring(lane->loop, index, err)) return false;
-    const double brought = hs_now();
-    if (lane->need >= HS_LANE_CONVERT && !hs_loop_convert(lane->loop, index, err)) return false;
-    const double converted = hs_now();
-    if (lane->need == HS_LANE_ADJUST) {
-        if (!hs_loop_adjust(lane->loop, lane->values[lane->adjusted], &lane->frame, NULL, err)) return false;
-        lane->was_adjusted = lane->frame.outcome >= SV_OK;
-        if (!lane->was_adjusted) lane->need = HS_LANE_ASK; /* a plugin that cannot is asked as ever */
-    }
-    if (lane->need >= HS_LANE_ASK) {
-        lane->was_adjusted = false;
-        if (!hs_loop_ask(lane->loop, index, &lane->frame, err)) return false;
-    }
-    const double end = hs_now();
-    lane->ms[HS_STAGE_UPLOAD] = (brought - start) * 1e3;
-    lane->ms[HS_STAGE_CONVERT] = (converted - brought) * 1e3;
-    lane->ms[HS_STAGE_PLUGIN] = (end - converted) * 1e3;
-    lane->need = HS_LANE_NOTHING;
-    return true;
-}
-
-static bool reason_words(const sv_confidence_report *r, char words[HS_CONSOLE_REASON]) {
-    const double found = 100.0 * (double)r->found, wanted = 100.0 * (double)r->wanted;
-    switch (r->reason) {
-    case SV_REASON_EMPTY:
-        (void)snprintf(words, HS_CONSOLE_REASON,
-                       "Too little was scanned, or all of it has one grey level. Scan more of it.");
-        return true;
-    case SV_REASON_NO_FETUS:
-        (void)snprintf(words, HS_CONSOLE_REASON,
-                       "Only %.0f %% of the view shows tissue brighter than the wall behind it; %.0f %% are "
-                       "needed. Turn the view, or move the probe, until the fetus lies behind the wall.",
-                       found, wanted);
-        return true;
-    case SV_REASON_NO_FLUID:
-    case SV_REASON_DOUBTFUL:
-        (void)snprintf(
-            words, HS_CONSOLE_REASON,
-            "%.0f %% of what is as dark as fluid lies between wall and fetus; from %.0f %% on it is "
-            "sure. Turn the view, or move the probe, until fluid lies between them.",
-            found, wanted);
-        return true;
-    default:
-        return false; /* of a later version */
-    }
-}
-
-bool hs_lane_reason(const hs_lane *lane, sv_confidence_report *out, char words[HS_CONSOLE_REASON]) {
-    const sv_plugin *instance = lane->has_plugin && lane->loop ? lane->plugin.instance : NULL;
-    const sv_ext_confidence *ext = instance ? hs_plugin_confidence(instance) : NULL;
-    *out = (sv_confidence_report){.size = sizeof *out};
-    return ext && lane->frame.outcome >= SV_OK && ext->offered(instance) &&
-           ext->read(instance, NULL, out) == SV_OK && reason_words(out, words);
-}
-
-const hs_error *hs_lane_error(const hs_lane *lane) {
-    static const hs_error none;
-    if (lane->frame.clipped || lane->frame.outcome > SV_OK) return &none;
-    return lane->failure.code != HS_OK || !lane->loop ? &lane->failure : hs_loop_plugin_error(lane->loop);
-}
-
-/* ----------------------------------------------------------------------------------------------- stage -- */
 
 bool hs_console_stage_open(hs_console_stage *stage, const hs_console_offers *offers,
                            const hs_console_files *files, hs_error *err) {
@@ -304,9 +75,10 @@ static bool change_source(hs_console_stage *stage, const hs_console_state *state
 /* ------------------------------------------------------------------------------------------- lanes -- */
 
 /* The loop draws no picture of its own: the stage's screen does. */
-static hs_loop_options loop_options(const hs_console_state *state) {
+static hs_loop_options loop_options(const hs_console_stage *stage, const hs_console_state *state) {
     hs_loop_options o;
     hs_loop_defaults(&o);
+    o.lowres = stage->lowres;
     o.from = state->source.from;
     o.turnable = true;
     o.yaw = state->yaw;
@@ -332,10 +104,12 @@ static bool is_given_up(const hs_console_stage *stage, const hs_lane *lane, cons
            !same_values(before, wanted);
 }
 
-static bool follow_lane(hs_console_stage *stage, const hs_console_state *state, uint32_t i, hs_error *err) {
+static bool follow_lane(hs_console_stage *stage, const hs_console_state *state, uint32_t i, bool rebuilt,
+                        hs_error *err) {
     hs_lane *lane = &stage->lane[i];
-    const hs_console_lane *wanted = &state->lane[i];
-    const hs_loop_options options = loop_options(state);
+    hs_console_lane kept = state->lane[i];
+    const hs_console_lane *wanted = &kept;
+    const hs_loop_options options = loop_options(stage, state);
     if (!wanted->used) {
         hs_lane_close(lane);
         return true;
@@ -348,14 +122,22 @@ static bool follow_lane(hs_console_stage *stage, const hs_console_state *state, 
         if (i == 0) end_truth(stage);
         hs_lane_choose(lane, offer, &stage->offers->guard);
         stage->told[i] = false;
+        if (rebuilt) hs_lane_leave_out(lane, &kept);
     }
     return hs_lane_set(lane, wanted, &options, err) &&
            (lane->loop || hs_lane_build(lane, &stage->cl, &stage->source, &options, err));
 }
 
 static bool follow_lanes(hs_console_stage *stage, const hs_console_state *state, hs_error *err) {
+    bool rebuilt[HS_CONSOLE_LANES];
+    for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++) rebuilt[i] = hs_lane_is_rebuilt(&stage->lane[i]);
+    for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++) { /* all first: dlopen takes what is still loaded */
+        if (!rebuilt[i]) continue;
+        if (i == 0) end_truth(stage);
+        hs_lane_close(&stage->lane[i]);
+    }
     for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++)
-        if (!follow_lane(stage, state, i, err)) return false;
+        if (!follow_lane(stage, state, i, rebuilt[i], err)) return false;
     if (stage->truth || !hs_source_truth(&stage->source, 0)) return true;
     stage->truth = hs_truth_picture_create(stage->lane[0].loop, err);
     return stage->truth != NULL;
@@ -441,6 +223,10 @@ bool hs_console_stage_show(hs_console_stage *stage, const hs_console_state *stat
     stage->state = *state;
     stage->index = index;
     return run_lanes(stage, index, err) || give_up(stage);
+}
+
+bool hs_console_stage_is_rebuilt(const hs_console_stage *stage) {
+    return hs_lane_is_rebuilt(&stage->lane[0]) || hs_lane_is_rebuilt(&stage->lane[1]);
 }
 
 hs_loop *hs_console_stage_loop(hs_console_stage *stage) {

@@ -2,7 +2,7 @@
 /* Controls drawn from a plugin's own description of its parameters. */
 "use strict";
 
-const lanes = [{ params: [], controls: new Map() }, { params: [], controls: new Map() }];
+const lanes = [0, 1].map(() => ({ params: [], controls: new Map(), presets: [] }));
 let plugins = [];
 
 function valueOf(lane, param) {
@@ -28,11 +28,15 @@ function matters(lane, param, seen) {
   return param.depends_values.includes(n) && matters(lane, on, (seen || []).concat(on.id));
 }
 
-/* As many digits as the step has. */
+/* A value with as many digits behind the point as its step has, nine at most. */
+function inSteps(value, step) {
+  let digits = 0;
+  while (digits < 9 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) digits++;
+  return value.toFixed(digits);
+}
+
 function shown(param, value) {
-  const digits = param.step > 0 && param.step < 1 ? Math.min(6, Math.ceil(-Math.log10(param.step) - 1e-9)) : 0;
-  if (param.type !== "float") return short(value);
-  return value.toFixed(param.step > 0 ? digits : 3);
+  return inSteps(value, sliderStep(param));
 }
 
 function nameOf(param, value) {
@@ -43,7 +47,7 @@ function nameOf(param, value) {
 
 function sliderStep(param) {
   if (param.type !== "float") return param.step || 1;
-  return param.step > 0 ? param.step : (param.high - param.low) / 200;
+  return param.step > 0 ? param.step : Number(((param.high - param.low) / 200).toPrecision(1));
 }
 
 function slider(lane, param, id) {
@@ -98,9 +102,9 @@ function control(lane, param) {
   return row;
 }
 
-/* The one knob that a user sees, large. */
+/* The one parameter that every user sees, large. */
 function primaryControl(lane, param) {
-  const id = "knob" + lane;
+  const id = "primary" + lane;
   const main = slider(lane, param, id);
   const output = make("output", { for: id });
   const note = make("p", { class: "hint", id: id + "-note", text: param.help });
@@ -137,11 +141,51 @@ function pluginPicker(lane) {
   return select;
 }
 
+/* What one may start from, by keys of SmartVis; other plugins that have them all may, too. */
+const PRESETS = [
+  ["Careful", "More stays in front of the fetus; nothing is removed where fluid is doubtful", { q: 0.75, unsure: "keep" }],
+  ["Clear view", "Removes all it can, also where fluid is doubtful", { q: 0.25, unsure: "clip" }],
+];
+
+/* The values of a preset that are no defaults; null if the plugin does not have all of them. */
+function presetValues(lane, preset) {
+  const values = {};
+  for (const [key, wanted] of Object.entries(preset)) {
+    const param = lanes[lane].params.find((p) => p.key === key);
+    const value = typeof wanted === "string" ? param?.names?.find((n) => n.name === wanted)?.value : wanted;
+    if (!param || value === undefined) return null;
+    if (value !== param.default) values[key] = value;
+  }
+  return values;
+}
+
+function presetButtons(lane) {
+  const box = make("p", { class: "presets", role: "group", "aria-label": "Start from" });
+  for (const [text, title, preset] of PRESETS) {
+    const values = presetValues(lane, preset);
+    if (!values) return [];
+    const button = make("button", { type: "button", text, title });
+    button.addEventListener("click", () => {
+      state.lanes[lane].values = { ...values };
+      refreshControls(lane);
+      changed(false);
+    });
+    lanes[lane].presets.push([button, values]);
+    box.append(button);
+  }
+  box.prepend(make("span", { text: "Start from" }));
+  return [box];
+}
+
+function sameValues(a, b) {
+  return Object.keys(a).length === Object.keys(b).length && Object.keys(a).every((key) => a[key] === b[key]);
+}
+
 function laneBox(lane) {
   const own = lanes[lane].params.filter((p) => !p.primary);
   const box = make("div", { class: "lane" });
   if (state.lanes.length > 1) box.append(make("h2", { text: "Settings " + "AB"[lane] }));
-  box.append(make("label", {}, make("span", { text: "Plugin" }), pluginPicker(lane)));
+  box.append(make("label", {}, make("span", { text: "Plugin" }), pluginPicker(lane)), ...presetButtons(lane));
   box.append(groupsOf(lane, own.filter((p) => !p.expert)));
   const expert = own.filter((p) => p.expert);
   if (expert.length) box.append(make("details", {}, make("summary", { text: "Advanced" }), groupsOf(lane, expert)));
@@ -150,16 +194,18 @@ function laneBox(lane) {
 
 /* Builds the controls of all lanes anew. */
 function buildControls() {
-  const knob = document.getElementById("knob"), list = document.getElementById("lanes");
-  knob.replaceChildren();
+  const first = document.getElementById("primary"), list = document.getElementById("lanes");
+  first.replaceChildren();
   list.replaceChildren();
   state.lanes.forEach((_, lane) => {
     lanes[lane].controls.clear();
+    lanes[lane].presets = [];
     const primary = lanes[lane].params.find((p) => p.primary);
-    if (primary) knob.append(primaryControl(lane, primary));
+    if (primary) first.append(primaryControl(lane, primary));
     list.append(laneBox(lane));
     refreshControls(lane);
   });
+  showOurs();
 }
 
 function hideEmpty(lane) {
@@ -179,6 +225,8 @@ function refreshControls(lane) {
     if (field && document.activeElement !== field) field.value = shown(param, value);
     if (output) output.textContent = nameOf(param, value);
   }
+  for (const [button, values] of lanes[lane].presets)
+    button.setAttribute("aria-pressed", String(sameValues(values, state.lanes[lane].values)));
   hideEmpty(lane);
 }
 
@@ -186,8 +234,15 @@ function takePlugin(text) {
   if (state.lanes[text.lane]?.plugin !== text.plugin) return; /* another one was chosen since */
   lanes[text.lane].params = text.params;
   lanes[text.lane].activations = undefined;
-  for (const key of Object.keys(state.lanes[text.lane]?.values || {}))
-    if (!text.params.some((p) => p.key === key)) delete state.lanes[text.lane].values[key];
+  const plugin = plugins[text.plugin], values = state.lanes[text.lane].values;
+  plugin.failure = text.failure;
+  if (text.name) Object.assign(plugin, { name: text.name, version: text.version });
+  for (const [key, value] of Object.entries(values)) {
+    const param = text.params.find((p) => p.key === key);
+    if (text.failure || (param && value >= param.min && value <= param.max)) continue; /* else a build has lost it */
+    delete values[key];
+    changed(false);
+  }
   buildControls();
 }
 
@@ -204,8 +259,8 @@ function noteActivation(lane, figures) {
   }
 }
 
-/* The knob by a key: a step of a fiftieth of what the slider spans. */
-function nudgeKnob(direction) {
+/* The primary parameter by a key: a step of a fiftieth of what the slider spans. */
+function nudgePrimary(direction) {
   const primary = lanes[0].params.find((p) => p.primary);
   if (!primary) return;
   const step = Math.max(sliderStep(primary), (primary.high - primary.low) / 50);

@@ -16,6 +16,7 @@ function drawChart() {
   const most = Math.max(8, ...history_.map((f) => STAGES.reduce((sum, [key]) => sum + f[key], 0)));
   const top = 2 ** Math.ceil(Math.log2(most));
   const width = canvas.width / HISTORY;
+  canvas.hidden = !history_.length;
   const text = getComputedStyle(document.body).color;
   g.clearRect(0, 0, canvas.width, canvas.height);
   history_.forEach((f, i) => {
@@ -51,6 +52,7 @@ function rate() {
   const resting = painted.length === 0; /* nothing to draw is no rate */
   at("fps").textContent = resting ? "at rest" : painted.length;
   at("fps").nextElementSibling.hidden = resting;
+  at("fps").nextElementSibling.textContent = painted.length === 1 ? "picture a second" : "pictures a second";
 }
 
 function laneNumbers(lane, mark) {
@@ -92,6 +94,8 @@ function showSource(source, index) {
   const slider = document.getElementById("index");
   if (hasTruth !== source.truth) {
     hasTruth = source.truth;
+    at("third").disabled = !hasTruth;
+    at("third").value = hasTruth ? look.third : "depthmap";
     layOut();
     changed(false);
   }
@@ -124,6 +128,8 @@ function showFigures(text) {
   showOutcome(text);
   showSource(text.source, text.index);
   placeScales(text.source.window_mm);
+  placeDirections(text.source);
+  drawMeasured();
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], text.ms[key].toFixed(2), colour]).concat([["all", text.ms.all.toFixed(2)]]));
   const source = text.source;
   const two = text.lanes.length > 1;

@@ -59,13 +59,13 @@ function takeSource() {
 
 function showPlaying() {
   at("play").setAttribute("aria-pressed", String(state.play.on));
-  at("play").textContent = state.play.on ? "Pause" : "Play";
+  at("play").textContent = state.play.on ? "Freeze" : "Play";
   at("speed").value = String(state.play.speed);
   at("speed-text").textContent = short(state.play.speed) + " /s";
 }
 
 function play(on) {
-  state.play.on = on;
+  state.play.on = on && !at("player").hidden; /* one volume stands still */
   showPlaying();
   changed(false);
 }
@@ -90,6 +90,20 @@ function compare(how) {
   changed(false);
 }
 
+/* Another plugin beside SmartVis at its defaults, and back. */
+function compareWithOurs() {
+  const ours = plugins.findIndex((plugin) => plugin.ours);
+  if (state.lanes[1]?.plugin === ours) return compare("off");
+  state.lanes[1] = { plugin: ours, values: {} };
+  compare("side");
+}
+
+function showOurs() {
+  const ours = plugins.findIndex((plugin) => plugin.ours);
+  at("ours").hidden = ours < 0 || state.lanes[0].plugin === ours;
+  at("ours").setAttribute("aria-pressed", String(state.lanes[1]?.plugin === ours));
+}
+
 /* ----------------------------------------------------------------------------------------- renderer -- */
 
 const RENDER_FIELDS = [
@@ -100,11 +114,11 @@ const RENDER_FIELDS = [
 
 function renderField(label, value, low, high, step, take) {
   const input = make("input", { type: "range", min: String(low), max: String(high), step: String(step) });
-  const output = make("output", { text: short(value) });
+  const output = make("output", { text: inSteps(value, step) });
   input.value = String(value);
   input.addEventListener("input", () => {
     take(Number(input.value));
-    output.textContent = input.value;
+    output.textContent = inSteps(Number(input.value), step);
     changed(true);
   });
   return make("div", { class: "param plain" }, make("label", {}, make("span", { text: label }), input, output));
@@ -179,7 +193,8 @@ function onKey(event) {
   if (where.matches("input[type=number], textarea, select")) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    "[": () => nudgeKnob(-1), "]": () => nudgeKnob(1), ",": () => stepBy(-1), ".": () => stepBy(1),
+    m: () => measure(!measured.on), f: () => play(!state.play.on),
+    "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), s: () => at("slices-on").click(),
   };
   if (event.key === " " && !where.matches("button, input, summary, a")) keys[" "] = () => play(!state.play.on);
@@ -197,6 +212,8 @@ function listen() {
   at("speed").addEventListener("input", () => { state.play.speed = Number(at("speed").value); showPlaying(); changed(false); });
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
+  at("measure").addEventListener("click", () => measure(!measured.on));
+  at("ours").addEventListener("click", compareWithOurs);
   at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
   at("slices-on").addEventListener("change", () => { look.slices = at("slices-on").checked; layOut(); changed(false); });
   at("reset-view").addEventListener("click", resetCamera);

@@ -55,7 +55,15 @@ function laneFrom(text) {
 /* The renderer's usual settings, as the console told them. */
 let usualRender = {};
 
+/* Once a while at most: browsers refuse a page that writes it with every picture. */
+let addressDue = 0;
+
 function writeAddress() {
+  addressDue = addressDue || setTimeout(writeAddressNow, 300);
+}
+
+function writeAddressNow() {
+  addressDue = 0;
   const at = new URLSearchParams();
   const s = state.source;
   if (s.scene) at.set("scene", [s.scene, s.size, s.volumes].join(","));

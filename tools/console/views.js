@@ -7,8 +7,15 @@ const TITLES = {
   across: "A plane (across)", along: "B plane (along)", deep: "C plane (at depth)",
 };
 const DEGREES_A_PIXEL = 0.4;
-/* Which axes of the crosshair run right and down in a slice. */
+/* Which axes of the crosshair run right and down in a slice; in every other view they are 0 and 1. */
 const AXES = { across: [0, 2], along: [2, 1], deep: [0, 1] };
+/* Into a slice, as its right and down make it. */
+const INTO = { across: [0, -1, 0], along: [-1, 0, 0], deep: [0, 0, 1] };
+/* The ends of the patient's axes (to his left, back and head), and the planes that stand on them. */
+const ENDS = [["R", "L"], ["A", "P"], ["F", "H"]];
+const PLANES = ["sagittal", "coronal", "transverse"];
+const WORTH_A_LETTER = 0.38; /* 22 degrees off a plane */
+const SQUARE = 0.94; /* at most 20 degrees off */
 
 const canvases = {}; /* what is on the page */
 const made = {}; /* and what was: a picture that has not changed does not come again */
@@ -112,9 +119,11 @@ function moveCross(view, right, down) {
 }
 
 function crossByHand(view, screen) {
-  dragWith(screen, (event) => {
+  dragWith(screen, (event, first) => {
     const box = screen.getBoundingClientRect();
-    moveCross(view, (event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+    const right = (event.clientX - box.left) / box.width, down = (event.clientY - box.top) / box.height;
+    if (measured.on) setPoint(view, right, down, first);
+    else moveCross(view, right, down);
   });
   screen.addEventListener("dblclick", () => {
     state.cross = [0.5, 0.5, 0.5];
@@ -123,10 +132,11 @@ function crossByHand(view, screen) {
   });
   screen.addEventListener("keydown", (event) => {
     const step = event.shiftKey ? 0.004 : 0.02;
+    const [right, down] = AXES[view];
+    if (event.key === "Enter" && measured.on) setPoint(view, state.cross[right], state.cross[down], true);
     const by = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
     if (!by) return;
     event.preventDefault();
-    const [right, down] = AXES[view];
     moveCross(view, state.cross[right] + by[0], state.cross[down] + by[1]);
   });
 }
@@ -136,18 +146,26 @@ function crossByHand(view, screen) {
 function figureOf(view) {
   const slice = view in AXES;
   const canvas = make("canvas", { width: 16, height: 16 });
-  const help = slice ? "a click or the arrows move the crosshair" : "drag or the arrows turn, wheel or + and - zoom";
+  const help = slice ? "a click or the arrows move the crosshair, Enter sets a point to measure from" : "drag or the arrows turn, wheel or + and - zoom";
   const screen = make("div", {
     class: "screen", tabindex: "0", role: "application", "aria-label": TITLES[view] + ": " + help, "data-view": view,
   }, canvas);
   const caption = make("figcaption", { text: TITLES[view] + (view === "depthmap" ? ": violet near, yellow far, hatched: nothing removed" : "") });
   const figure = make("figure", slice ? { class: "slice" } : {}, screen, caption);
-  const one = { figure, screen, canvas, caption };
+  const one = { figure, screen, canvas, caption, ends: {} };
+  for (const side of ["left", "right", "up", "down"]) {
+    one.ends[side] = make("span", { class: "end", "data-side": side });
+    screen.append(one.ends[side]);
+  }
   if (slice) {
     one.down = make("div", { class: "cross down" });
     one.right = make("div", { class: "cross right" });
     one.scale = make("div", { class: "scale" });
-    screen.append(one.down, one.right, one.scale);
+    one.probe = make("span", { class: "probe" });
+    one.lines = document.createElementNS(SVG, "svg");
+    one.lines.setAttribute("viewBox", "0 0 1 1");
+    one.distance = make("output", { class: "distance" });
+    screen.append(one.down, one.right, one.scale, one.probe, one.lines, one.distance);
     crossByHand(view, screen);
   } else {
     turnByHand(screen);
@@ -162,6 +180,46 @@ function placeScales(window_mm) {
     const { scale } = viewOf(view);
     scale.style.width = (100 * mm) / window_mm + "%";
     scale.textContent = mm + " mm";
+  }
+}
+
+/* "L", "HA": to which ends of the patient a direction runs, the closest one first. */
+function letters(direction) {
+  const size = direction.map(Math.abs);
+  return [0, 1, 2].filter((k) => size[k] > WORTH_A_LETTER).sort((a, b) => size[b] - size[a])
+    .map((k) => ENDS[k][direction[k] > 0 ? 1 : 0]).join("");
+}
+
+/* What the plane is called in the patient, of whom `patient` has the directions of the picture's axes. */
+function planeOf(view, patient) {
+  const stands = patient[[0, 1, 2].find((axis) => !AXES[view].includes(axis))].map(Math.abs);
+  const k = stands.indexOf(Math.max(...stands));
+  return stands[k] > SQUARE ? PLANES[k] : "oblique";
+}
+
+/* An arrow at the side where the probe is; words where it lies before or behind the plane. */
+function placeProbe(mark, right, down, into) {
+  const tilt = Math.hypot(right, down);
+  const side = tilt < Math.abs(into) ? "off" : Math.abs(down) >= Math.abs(right) ? (down < 0 ? "up" : "down") : right < 0 ? "left" : "right";
+  mark.dataset.side = side;
+  mark.textContent = side === "off" ? "probe " + (into < 0 ? "in front" : "behind") : "probe";
+  if (side === "off") return;
+  const arrow = make("span", { text: "➤", "aria-hidden": "true" });
+  arrow.style.transform = "rotate(" + (Math.atan2(down, right) * 180) / Math.PI + "deg)";
+  mark.prepend(arrow);
+}
+
+/* How every view lies to the probe, and in the patient, where the file says so. */
+function placeDirections({ probe, patient }) {
+  for (const view of Object.keys(TITLES)) {
+    const { ends, probe: mark, caption } = viewOf(view), [right, down] = AXES[view] || [0, 1];
+    const at_ = patient ? [patient[right], patient[down]] : [];
+    for (const [end, sign, axis] of [["left", -1, 0], ["right", 1, 0], ["up", -1, 1], ["down", 1, 1]])
+      ends[end].textContent = at_.length ? letters(at_[axis].map((x) => sign * x)) : "";
+    if (!(view in AXES)) continue;
+    mark.hidden = !probe;
+    if (probe) placeProbe(mark, probe[right], probe[down], INTO[view].reduce((sum, x, k) => sum + x * probe[k], 0));
+    caption.textContent = TITLES[view] + (patient ? ", " + planeOf(view, patient) : "");
   }
 }
 

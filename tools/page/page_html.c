@@ -16,7 +16,7 @@ static const char head[] =
     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>\n"
     ":root{color-scheme:light dark;--ink:#1c2024;--quiet:#4a5058;--ground:#fff;--line:#d5d9de;"
     "--shade:#f4f5f7;--link:#0b5cad}\n"
-    "@media(prefers-color-scheme:dark){:root{--ink:#e6e8eb;--quiet:#aab2bb;--ground:#16181b;"
+    "@media screen and (prefers-color-scheme:dark){:root{--ink:#e6e8eb;--quiet:#aab2bb;--ground:#16181b;"
     "--line:#3b4048;--shade:#22252a;--link:#7ab8f5}}\n"
     "body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--ground);max-width:70rem;"
     "margin:0 auto;padding:1rem}\n"
@@ -49,7 +49,8 @@ static const char head[] =
     "background:#fff;border-radius:4px;box-sizing:border-box;padding:.4rem}\n"
     ".slider{flex:1 1 13rem;max-width:22rem}.slider input{display:block;width:100%;margin:.4rem 0}"
     ".slider figure[hidden]{display:none}\n"
-    "@media print{nav,.slider input{display:none}h2,h3,figure,svg,tr{break-inside:avoid;"
+    "@media print{:root{color-scheme:light}table{font-size:.75rem}nav,.slider "
+    "input{display:none}h2,h3,figure,svg,tr{break-inside:avoid;"
     "break-after:auto}h2,h3{break-after:avoid}.wide{overflow:visible}.row.wide figure{"
     "min-width:0!important}details::details-content{content-visibility:visible;height:auto}}\n"
     "</style>\n<title>";

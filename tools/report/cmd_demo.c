@@ -128,8 +128,8 @@ static void keep_results(hs_demo_case *c, const hs_run *run) {
         (void)snprintf(c->row[1 + s], HS_DEMO_CELL, "%.1f", run->results[s].volumes_per_second);
     (void)snprintf(c->row[4], HS_DEMO_CELL, "%.2f", c->plugin_ms);
     (void)snprintf(c->row[5], HS_DEMO_CELL, "%.1f %%", 100 * r->plugin_share);
-    (void)snprintf(c->row[6], HS_DEMO_CELL, "%.1f %%",
-                   r->stats.rays ? 100.0 * r->stats.points / r->stats.rays : 0.0);
+    if (r->stats.points > 0)
+        (void)snprintf(c->row[6], HS_DEMO_CELL, "%.1f %%", 100.0 * r->stats.points / r->stats.rays);
     (void)snprintf(c->row[7], HS_DEMO_CELL, "%s", hs_status_name(r->outcome));
     (void)snprintf(
         c->what, sizeof c->what, "%.290s",

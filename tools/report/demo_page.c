@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #define WHOLE 0.01 /* shares up to which nothing is cut, or left, to the eye */
 #define A_BIT 0.05
@@ -21,7 +22,7 @@ static void show(hs_page *page, const char *out, const hs_demo_case *c, put_figu
     char folder[PATH_MAX], path[PATH_MAX], whole[256];
     (void)snprintf(whole, sizeof whole, "%s: %s", c->name, alt);
     if (hs_path_join(out, c->folder, folder, sizeof folder, &page->error) &&
-        hs_path_join(folder, file, path, sizeof path, &page->error))
+        hs_path_join(folder, file, path, sizeof path, &page->error) && access(path, F_OK) == 0)
         put(page, path, whole, caption);
 }
 
@@ -108,6 +109,8 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
          "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
     show(page, out, c, hs_page_photo, "points.png", "initial points over the maximum intensity projection",
          "Initial points over the maximum intensity projection");
+    show(page, out, c, hs_page_picture, "confidence.png", "the plugin's confidence in its depthmap",
+         "Confidence: how sure the plugin is of the depthmap");
     hs_page_row_end(page);
     const struct {
         const char *file, *alt, *caption;
@@ -115,8 +118,8 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
         {"slices.png", "three slices with the clipping surface",
          "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
          "dimmed"},
-        {"knob.png", "the result for six positions of the knob",
-         "The knob: the result for six positions of the plugin's primary parameter"},
+        {"positions.png", "the result for six surface positions",
+         "Surface positions: the result for six values of the plugin's primary parameter"},
         {"orbit.png", "six views of an orbit, the full volume above and the result below",
          "Six views of an orbit: full volume above, result below"},
     };
@@ -141,6 +144,19 @@ static void put_case(hs_page *page, const char *out, const hs_demo_case *c) {
     put_details(page, out, c);
 }
 
+/* The heads, or the row of a case, without the columns that no case has anything for. */
+static void put_speeds(hs_page *page, const char *const *names, const hs_demo_case *c,
+                       const hs_demo_case *cases, uint32_t count) {
+    const char *cells[HS_DEMO_CELLS] = {c ? c->name : names[0]};
+    uint32_t n = 1;
+    for (uint32_t k = 1; k < HS_DEMO_CELLS; k++) {
+        bool any = false;
+        for (uint32_t i = 0; i < count; i++) any = any || cases[i].row[k][0];
+        if (any) cells[n++] = c ? c->row[k] : names[k];
+    }
+    hs_page_table_row(page, cells, n);
+}
+
 static void put_speed(hs_page *page, const hs_demo_case *cases, uint32_t count) {
     static const char *const names[HS_DEMO_CELLS] = {
         "Case",        "DVR [1/s]",      "+ scan conversion [1/s]", "+ plugin [1/s]",
@@ -153,12 +169,8 @@ static void put_speed(hs_page *page, const hs_demo_case *cases, uint32_t count) 
         "unclipped; with the plugin the rays start at its depthmap. The plugin's share is that of a "
         "whole frame.");
     hs_page_table_begin(page);
-    hs_page_table_row(page, names, HS_DEMO_CELLS);
-    for (uint32_t i = 0; i < count; i++) {
-        const char *cells[HS_DEMO_CELLS] = {cases[i].name};
-        for (uint32_t k = 1; k < HS_DEMO_CELLS; k++) cells[k] = cases[i].row[k];
-        hs_page_table_row(page, cells, HS_DEMO_CELLS);
-    }
+    put_speeds(page, names, NULL, cases, count);
+    for (uint32_t i = 0; i < count; i++) put_speeds(page, NULL, &cases[i], cases, count);
     hs_page_table_end(page);
 }
 

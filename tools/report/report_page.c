@@ -184,14 +184,14 @@ static void put_terms(hs_page *report, const hs_eval_study *study) {
     if (plan->kernel.exists)
         hs_page_text(report, "k is the width of the filter's kernel in pixels of the depthmap.");
     if (plan->knob.exists) {
-        (void)snprintf(text, sizeof text, "The knob is %.60s (%.30s), the parameter that a user turns.",
+        (void)snprintf(text, sizeof text, "The parameter that every user sees is %.60s (%.30s).",
                        plan->knob.info.label, plan->knob.info.key);
         hs_page_text(report, text);
     }
     (void)snprintf(
         text, sizeof text,
-        "Measured were %u thresholds x %u kernels x %u positions of the knob for every case. The common "
-        "setting is one for all cases, but for the knob; e_pos is the mean of the errors above 0, e_neg "
+        "Measured were %u thresholds x %u kernels x %u positions for every case. The common "
+        "setting is one for all cases, but for the position; e_pos is the mean of the errors above 0, e_neg "
         "that of the size of those below.",
         plan->threshold.count, plan->kernel.count, plan->knob.count);
     hs_page_text(report, text);
@@ -228,7 +228,7 @@ static void put_slider(hs_page *report, const hs_eval_study *study, uint32_t ind
     hs_page_slider_begin(report, label, r->turns, r->turned);
     for (uint32_t i = 0; i < r->turns; i++) {
         char name[32], caption[64];
-        (void)snprintf(name, sizeof name, "knob_%u.png", i);
+        (void)snprintf(name, sizeof name, "position_%u.png", i);
         (void)snprintf(caption, sizeof caption, "%.32s = %.4g", info->key, r->turn[i]);
         hs_eval_page_show(report, study, index, name, caption, caption);
     }
@@ -305,7 +305,7 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
 
 static void put_ranking(hs_page *report, const hs_eval_comparison *x) {
     static const char *const head[] = {
-        "rank", "method", "e_abs", "best knob", "fetus cut [%]", "occluder left [%]", "without surface"};
+        "rank", "method", "e_abs", "best position", "fetus cut [%]", "occluder left [%]", "without surface"};
     hs_page_table_begin(report);
     hs_page_table_row(report, head, 7);
     for (uint32_t r = 0; r < x->count; r++) {
@@ -411,8 +411,9 @@ bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err) {
     (void)snprintf(
         text, sizeof text,
         "%u methods on %u cases with %u seeds each, ranked by e_abs at the given setting: the mean "
-        "size of the error of a ray, in steps of one slice of the volume. \"Best knob\" is the lowest e_abs "
-        "that the knob alone reaches on each volume.",
+        "size of the error of a ray, in steps of one slice of the volume. \"Best position\" is the lowest "
+        "e_abs "
+        "that the primary parameter alone reaches on each volume.",
         x->count, x->options->case_count, x->seeds);
     hs_page_text(&report, text);
     hs_page_text(&report,

@@ -250,10 +250,10 @@ static bool save_turns(const hs_eval_study *study, hs_loop *loop, hs_eval_result
     const double shown = study->plan.knob.value[r->common.knob];
     if (!hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, err)) return false;
     uint8_t *rgba = malloc((size_t)TURNED * TURNED * 4);
-    bool ok = rgba || hs_fail(err, HS_ERR_MEMORY, "knob: no memory for a picture");
+    bool ok = rgba || hs_fail(err, HS_ERR_MEMORY, "positions: no memory for a picture");
     for (uint32_t i = 0; ok && i < knob.count; i++) {
         char name[32];
-        (void)snprintf(name, sizeof name, "knob_%u.png", i);
+        (void)snprintf(name, sizeof name, "position_%u.png", i);
         ok = hs_loop_turn(loop, 0, &knob.info, knob.value[i], rgba, err) &&
              hs_eval_save_rgba(rgba, TURNED, folder, name, err);
         r->turn[i] = knob.value[i];

@@ -113,9 +113,9 @@ bool hs_eval_beside_has(const hs_eval_study *study, uint32_t column) {
 static void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
     char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
     if (!study->beside.exists) return;
-    (void)fprintf(out,
-                  "Beside each other, one setting for all cases; ratio: %s to %s at its best single knob\n",
-                  study->beside.other_name, study->beside.first_name);
+    (void)fprintf(
+        out, "Beside each other, one setting for all cases; ratio: %s to %s at its best single position\n",
+        study->beside.other_name, study->beside.first_name);
     hs_eval_beside_row(study, 0, cell);
     bool has[HS_BESIDE_CELLS];
     for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) has[i] = hs_eval_beside_has(study, i);
@@ -154,8 +154,9 @@ static bool hs_eval_beside_table(const hs_eval_study *study, hs_error *err) {
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
     hs_output_file output = {0};
     if (!open_csv(x->options->out, "compare.csv", &output, err)) return false;
-    (void)fprintf(output.file,
-                  "rank,method,case,seed,e_abs,e_abs_best_knob,fetus_cut,occluder_left,e_abs_unclipped\n");
+    (void)fprintf(
+        output.file,
+        "rank,method,case,seed,e_abs,e_abs_best_position,fetus_cut,occluder_left,e_abs_unclipped\n");
     for (uint32_t r = 0; r < x->count; r++) {
         const hs_eval_method *m = &x->method[x->rank[r]];
         for (uint32_t i = 0; i < x->options->case_count; i++)
@@ -169,11 +170,11 @@ bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
 }
 
 void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out) {
-    hs_print(out, "%4s %8s %10s %14s %18s  method\n", "rank", "e_abs", "best knob", "fetus cut [%]",
+    hs_print(out, "%4s %8s %13s %14s %18s  method\n", "rank", "e_abs", "best position", "fetus cut [%]",
              "occluder left [%]");
     for (uint32_t r = 0; r < x->count; r++) {
         const uint32_t m = x->rank[r];
-        hs_print(out, "%4u %8.2f %10.2f %14.2f %18.2f  %s\n", r + 1, hs_eval_method_mean(x, m, HS_METHOD_ABS),
+        hs_print(out, "%4u %8.2f %13.2f %14.2f %18.2f  %s\n", r + 1, hs_eval_method_mean(x, m, HS_METHOD_ABS),
                  hs_eval_method_mean(x, m, HS_METHOD_BEST), 100 * hs_eval_method_mean(x, m, HS_METHOD_CUT),
                  100 * hs_eval_method_mean(x, m, HS_METHOD_LEFT), x->method[m].label);
     }
@@ -200,7 +201,7 @@ enum {
 const char *const *hs_eval_row_head(const hs_eval_study *study) {
     (void)study;
     static const char *const head[HS_EVAL_CELLS] = {
-        "case",  "T_B",     "Delta_MI", "k",         "knob",     "e_abs",       "e_pos",
+        "case",  "T_B",     "Delta_MI", "k",         "position", "e_abs",       "e_pos",
         "e_neg", "cut [%]", "left [%]", "unclipped", "thesis q", "thesis e_abs"};
     return head;
 }
@@ -295,14 +296,14 @@ void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, ch
     if (kind == HS_TABLE_BEST)
         (void)snprintf(out, bytes, "Each case's setting with the lowest e_abs (thesis, Table 5.2)");
     else if (!plan->threshold.exists || !plan->kernel.exists)
-        (void)snprintf(out, bytes, "Each case's best position of the knob");
+        (void)snprintf(out, bytes, "Each case's best surface position");
     else if (mean->deltas == 0)
         (void)snprintf(out, bytes, "The cases have no Delta_MI in common: each case's own best setting");
     else
         (void)snprintf(
             out, bytes,
-            "Delta_MI = %.2f and k = %.0f for all cases, each case's best knob (thesis, Table "
-            "5.3); with one knob position for all, %.4g, the mean e_abs is %.2f",
+            "Delta_MI = %.2f and k = %.0f for all cases, each case's best position (thesis, Table "
+            "5.3); with one position for all, %.4g, the mean e_abs is %.2f",
             mean->delta[mean->best], plan->kernel.value[mean->best_kernel],
             plan->knob.exists ? plan->knob.value[mean->best_knob] : NAN,
             (double)mean->e_abs[((size_t)mean->best * mean->kernels + mean->best_kernel) * mean->knobs +

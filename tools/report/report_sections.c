@@ -53,7 +53,7 @@ void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t 
     char title[160];
     if (!plan->threshold.exists || !plan->kernel.exists) return;
     (void)snprintf(title, sizeof title, "%s: lowest e_abs over %s (as the thesis' Figure 5.7)", space->name,
-                   plan->knob.exists ? plan->knob.info.key : "the knob");
+                   plan->knob.exists ? plan->knob.info.key : "the primary parameter");
     hs_plot_heat plot = {.title = title,
                          .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
                          .y_label = "kernel size k (pixels)",
@@ -85,18 +85,18 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
         for (uint32_t q = 0; q < mean->knobs; q++)
             value[i] = fminf(value[i], mean->e_abs[(size_t)i * mean->knobs + q]);
     }
-    const hs_plot_heat plot = {.title =
-                                   "All cases: lowest mean e_abs over the knob (as the thesis' Figure 5.8)",
-                               .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
-                               .y_label = "kernel size k (pixels)",
-                               .value_label = "mean e_abs (steps)",
-                               .columns = mean->deltas,
-                               .rows = mean->kernels,
-                               .x = mean->delta,
-                               .y = plan->kernel.value,
-                               .value = value,
-                               .mark_column = (int32_t)mean->best,
-                               .mark_row = (int32_t)mean->best_kernel};
+    const hs_plot_heat plot = {
+        .title = "All cases: lowest mean e_abs over the surface position (as the thesis' Figure 5.8)",
+        .x_label = "Delta_MI = maximum of the volume - T_B (0 .. 1)",
+        .y_label = "kernel size k (pixels)",
+        .value_label = "mean e_abs (steps)",
+        .columns = mean->deltas,
+        .rows = mean->kernels,
+        .x = mean->delta,
+        .y = plan->kernel.value,
+        .value = value,
+        .mark_column = (int32_t)mean->best,
+        .mark_row = (int32_t)mean->best_kernel};
     hs_eval_figure_put(report, write_heat, &plot);
 }
 
@@ -380,10 +380,10 @@ void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
     hs_page_heading(report, 2, text);
     (void)snprintf(
         text, sizeof text,
-        "%s%.60s is measured with its knob, the parameter that a user turns, where the mean e_abs over these "
+        "%s%.60s is measured with its primary parameter where the mean e_abs over these "
         "cases is lowest; \"tuned\" is the best of all its settings, found on these very volumes. %.60s has "
         "its "
-        "defaults. The ratio is e_abs of %.60s to that of %.60s at its best knob.",
+        "defaults. The ratio is e_abs of %.60s to that of %.60s at its best position.",
         strcmp(b->first_name, "mean") == 0 ? "mean is the thesis' method. " : "", b->first_name,
         b->other_name, b->other_name, b->first_name);
     hs_page_text(report, text);

@@ -18,7 +18,7 @@ enum { T_B, DELTA, KERNEL, KNOB, OUTCOME, FIRST_MEASURE, FIELDS = FIRST_MEASURE 
 
 static void write_head(const hs_eval_space *space, FILE *file) {
     (void)fprintf(file, "# %s\nt_b,delta_mi,k,%s,outcome", space->identity,
-                  space->plan->knob.exists ? space->plan->knob.info.key : "knob");
+                  space->plan->knob.exists ? space->plan->knob.info.key : "position");
     for (int m = 0; m < HS_MEASURE_COUNT; m++) (void)fprintf(file, ",%s", hs_measure_key((hs_measure)m));
     (void)fprintf(file, "\n");
 }

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_validate: tries whether a plugin keeps the promises of smartvis_plugin.h. It runs checks, each in a
- * process of its own, and says what they found in lines for a person or as JSON. */
+ * process of its own. */
 #include "base/cli.h"
 #include "base/error.h"
 #include "base/options.h"
+#include "base/output_file.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "guard/child.h"
 #include "smartvis_plugin.h"
-#include "validate/checks/check.h"
+#include "validate/findings.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <jansson.h>
 #include <limits.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -26,36 +25,9 @@
 /* -------------------------------------------------------------------------------------- running checks -- */
 /* Runs checks, each in a process of its own, and keeps what they found. */
 
-typedef struct {
-    const char *path; /* of the library, absolute */
-    const char *id;   /* of the plugin; NULL: the first */
-    uint64_t seed;
-    uint32_t level;
-    double
-        timeout_s; /* of a check before the first frame is known to come; five times that of one after it */
-    bool verbose, in_process;
-} v_options;
-
-typedef struct {
-    const v_check *check;
-    v_verdict verdict;
-    char text[1000]; /* printable */
-    double seconds;
-} v_finding;
-
 /* Less than a machine has, more than a compiler needs. */
 #define MEMORY_BYTES (1536ull << 20)
 #define PATIENCE     5.0
-
-static const char *v_verdict_name(v_verdict verdict) {
-    static const char *const names[] = {"pass", "warn", "skip", "fail", "crash", "timeout"};
-    return names[verdict];
-}
-
-/* True for what makes the validation fail. */
-static bool v_is_bad(v_verdict verdict) {
-    return verdict == V_FAIL || verdict == V_CRASH || verdict == V_TIMEOUT;
-}
 
 /* The text of a finding quotes the plugin: a terminal must not obey it. */
 static void keep_text(v_finding *out, const char *format, const char *first, const char *second) {
@@ -156,81 +128,6 @@ static void v_skip_check(const v_check *check, const v_check *because, v_finding
     keep_text(out, "%s did not pass%s", because->id, "");
 }
 
-/* ---------------------------------------------------------------------------------------- what is said -- */
-/* What the validator says: lines for a person, or JSON. */
-
-static const char *colour_of(v_verdict verdict) {
-    static const char *const codes[] = {"\x1b[32m", "\x1b[33m", "\x1b[2m",
-                                        "\x1b[31m", "\x1b[31m", "\x1b[31m"};
-    return codes[verdict];
-}
-
-/* One line of a finding. */
-static void v_print_finding(const v_finding *f, bool colour) {
-    (void)printf("%s%-7s%s %-22s %6.1f s", colour ? colour_of(f->verdict) : "", v_verdict_name(f->verdict),
-                 colour ? "\x1b[0m" : "", f->check->id, f->seconds);
-    (void)printf(f->text[0] ? "  %s\n" : "\n", f->text);
-    (void)fflush(stdout);
-}
-
-static size_t count_of(const v_finding *findings, size_t count, v_verdict verdict) {
-    size_t n = 0;
-    for (size_t i = 0; i < count; i++) n += findings[i].verdict == verdict;
-    return n;
-}
-
-/* How many passed, and what to mend. */
-static void v_print_summary(const v_options *options, const v_finding *findings, size_t count, bool colour) {
-    double seconds = 0.0;
-    size_t bad = 0;
-    for (size_t i = 0; i < count; i++) {
-        seconds += findings[i].seconds;
-        bad += v_is_bad(findings[i].verdict);
-    }
-    (void)printf("\n%zu checks in %.0f s with level %u and seed %" PRIu64 ":", count, seconds,
-                 (unsigned)options->level, options->seed);
-    for (int v = V_PASS; v <= V_TIMEOUT; v++) {
-        const size_t n = count_of(findings, count, (v_verdict)v);
-        if (n > 0 || v == V_PASS) (void)printf(" %zu %s", n, v_verdict_name((v_verdict)v));
-    }
-    (void)printf("\n");
-    if (bad > 0) (void)printf("\nWhat to mend (docs/validator.md says why):\n");
-    for (size_t i = 0; i < count; i++) {
-        const v_finding *f = &findings[i];
-        if (!v_is_bad(f->verdict)) continue;
-        (void)printf("  %s%s%s: %s\n      %s\n      %s\n", colour ? "\x1b[1m" : "", f->check->id,
-                     colour ? "\x1b[0m" : "", f->check->what, f->text, f->check->mend);
-    }
-}
-
-/* Everything as one JSON object. False if it cannot be written. */
-static bool v_print_json(const v_options *options, const v_finding *findings, size_t count) {
-    json_t *checks = json_array(), *counts = json_object();
-    bool bad = false;
-    for (size_t i = 0; i < count; i++) {
-        const v_finding *f = &findings[i];
-        bad |= v_is_bad(f->verdict);
-        (void)json_array_append_new(checks,
-                                    json_pack("{s:s, s:s, s:s, s:f, s:s, s:s}", "id", f->check->id, "verdict",
-                                              v_verdict_name(f->verdict), "text", f->text, "seconds",
-                                              f->seconds, "what", f->check->what, "mend", f->check->mend));
-    }
-    for (int v = V_PASS; v <= V_TIMEOUT; v++)
-        (void)json_object_set_new(counts, v_verdict_name((v_verdict)v),
-                                  json_integer((json_int_t)count_of(findings, count, (v_verdict)v)));
-    json_t *all = json_pack("{s:s, s:s?, s:I, s:I, s:b, s:o, s:o}", "library", options->path, "plugin",
-                            options->id, "seed", (json_int_t)options->seed, "level",
-                            (json_int_t)options->level, "passed", !bad, "counts", counts, "checks", checks);
-    const bool ok = all && json_dumpf(all, stdout, JSON_INDENT(2)) == 0 && printf("\n") > 0;
-    json_decref(all);
-    return ok;
-}
-
-/* Ids and sentences of all checks. */
-static void v_print_list(void) {
-    for (size_t i = 0; i < v_check_count; i++) (void)printf("%-22s %s\n", v_checks[i].id, v_checks[i].what);
-}
-
 /* ---------------------------------------------------------------------------------------- command line -- */
 /* sv_validate: tries whether a plugin keeps the promises of smartvis_plugin.h. */
 
@@ -241,6 +138,7 @@ typedef struct {
     const v_check *only[MOST_CHECKS];
     size_t only_count;
     bool json, list, version;
+    const char *junit;
     char path[PATH_MAX];
 } command;
 
@@ -290,6 +188,8 @@ static const hs_option options[] = {
     {"timeout", "S", "seconds for a check up to first-frame, a later one has five times as many [60]\n",
      HS_OPTION_NUMBER, AT(run.timeout_s), 0.1, 86400, NULL},
     {"json", NULL, "one JSON object instead of lines\n", HS_OPTION_FLAG, AT(json), 0, 0, NULL},
+    {"junit", "FILE", "everything as JUnit's XML, too, for CI systems\n", HS_OPTION_TEXT, AT(junit), 0, 0,
+     NULL},
     {"verbose", NULL, "what the plugin logs and prints goes to standard error\n", HS_OPTION_FLAG,
      AT(run.verbose), 0, 0, NULL},
     {"in-process", NULL, "no processes: for a debugger. A crash ends the validator.\n", HS_OPTION_FLAG,
@@ -334,7 +234,7 @@ static bool parse(command *c, int argc, char **argv, bool *done, hs_error *err) 
     if (*done) return false;
     if (argc - next != 1)
         return hs_fail(err, HS_ERR_USAGE, argc == next ? "no library given" : "more than one library given");
-    return find_library(c, argv[next], err);
+    return hs_output_try(c->junit, err) && find_library(c, argv[next], err);
 }
 
 /* Runs what was asked for. Returns the exit code. */
@@ -360,6 +260,7 @@ static int validate(const command *c, hs_error *err) {
         hs_progress_begin(&progress, "sv_validate", count);
     }
     hs_progress_end(&progress);
+    if (c->junit && !v_write_junit(c->junit, &c->run, findings, count, err)) return (int)err->code;
     if (!c->json) v_print_summary(&c->run, findings, count, colour);
     if ((c->json && !v_print_json(&c->run, findings, count)) || fflush(stdout) != 0 || ferror(stdout)) {
         (void)hs_fail(err, HS_ERR_OUTPUT, "standard output: cannot be written");

@@ -220,7 +220,8 @@ INLINE void mean_opacities_at(const lit_scene *s, const lit_place *p, int count,
 INLINE void opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
     mean_opacities_at(s, p, count, value);
     if (s->map_dims.x == 0) return;
-    for (int i = 0; i < count; i++) value[i] = select(value[i], (vf)(0.0f), removed(s, p[i]));
+    for (int i = 0; i < count; i++)
+        if (lanes_max(value[i]) > 0.0f) value[i] = select(value[i], (vf)(0.0f), removed(s, p[i]));
 }
 
 #define LIGHT_TOGETHER 3 /* samples of light */

@@ -24,9 +24,10 @@ typedef struct {
     uint32_t entry_size;
     sv_status create, begin; /* what they return: of begin, a note changes nothing */
     int no_slab;
-    int partial; /* the right half of the map has no surface: SV_PARTIAL */
-    int outcome; /* if not the one that is true */
-    float lie;   /* a depth that no host may believe */
+    int far_default; /* a default beyond its range */
+    int partial;     /* the right half of the map has no surface: SV_PARTIAL */
+    int outcome;     /* if not the one that is true */
+    float lie;       /* a depth that no host may believe */
     int writes_nothing;
     int map_once; /* only the first frame's map is written; later frames are said to be whole, too */
     int fails_by; /* how it fails where it is told to; all but an error only a process of its own survives */
@@ -42,6 +43,7 @@ static const variant variants[] = {
     {"short_entry", .entry_size = 16},
     {"create_fails", .create = SV_ERR_NO_MEMORY},
     {"no_slab", .no_slab = 1},
+    {"far_default", .far_default = 1},
     {"partial", .partial = 1},
     {"depth_nan", .lie = NAN},
     {"depth_far", .lie = 1e30f},
@@ -292,7 +294,13 @@ static const sv_descriptor *descriptor_at(uint32_t index) {
 static sv_status create(const sv_host *host, const char *id, const sv_plugin **out) {
     *out = NULL;
     if (self()->create != SV_OK) return self()->create;
-    const sv_status status = sva_create(&method, host, id, out);
+    static sva_param spoilt[PARAM_COUNT];
+    memcpy(spoilt, params, sizeof spoilt);
+    if (self()->far_default) spoilt[0].default_value = 1e5;
+    static sva_method own;
+    own = method;
+    own.params = spoilt;
+    const sv_status status = sva_create(&own, host, id, out);
     if (status == SV_OK && self()->no_slab) ((sva *)(*out)->plugin_data)->api.slab = NULL;
     return status;
 }

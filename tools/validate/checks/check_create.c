@@ -147,7 +147,7 @@ void check_host_callbacks(v_run *run) {
     V_EXPECT(run, r.s.host.bytes <= MOST_LOGGED,
              "%u lines and %" PRIu64 " bytes went to the log in few calls", r.s.host.lines, r.s.host.bytes);
     if (r.s.host.lines == 0) v_warn(run, "calls were refused, and no line went to the host's log");
-    if (!v_is_text(r.s.host.line, sizeof r.s.host.line))
+    if (!rule_is_text(r.s.host.line, sizeof r.s.host.line))
         v_warn(run, "a line of the log has control characters or is no UTF-8");
     v_rig_close(&r);
 }

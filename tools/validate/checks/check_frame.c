@@ -20,18 +20,6 @@ void check_first_frame(v_run *run) {
     v_rig_close(&r);
 }
 
-/* Every depth was written, is finite, and lies within twice the volume. */
-static void inspect_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
-    for (uint32_t i = 0; i < map->width * map->height; i++) {
-        const float d = map->depth[i];
-        V_EXPECT(run, !isnan(d), "%s: the depth of ray (%u, %u) is NaN, or was not written", what,
-                 i % map->width, i / map->width);
-        V_EXPECT(run, fabsf(d) <= 2.0f * (float)slices,
-                 "%s: the depth of ray (%u, %u) is %g in a volume of %u slices", what, i % map->width,
-                 i / map->width, (double)d, slices);
-    }
-}
-
 /* A frame of a volume of this kind, from activation to deactivation. */
 static void frame_of(v_rig *r, const v_way *way, v_kind kind, v_map *map) {
     v_rig_set(r, way, kind);
@@ -47,7 +35,7 @@ void check_depth_values(v_run *run) {
         char what[64];
         (void)snprintf(what, sizeof what, "a %s volume", v_kind_name((v_kind)kind));
         frame_of(&r, &way, (v_kind)kind, &map);
-        inspect_depths(run, &map, way.slices, what);
+        v_map_judge_depths(run, &map, way.slices, what);
         v_map_free(&map);
         v_rig_drop(&r);
     }
@@ -55,28 +43,13 @@ void check_depth_values(v_run *run) {
 }
 
 /* ---- outcome and statistics */
-static bool is_outcome(sv_status status) {
-    return status == SV_OK || status == SV_NO_SURFACE || status == SV_PARTIAL;
-}
-
-static void inspect_outcome(v_run *run, const v_map *map, bool own_queue, const char *what) {
-    const sv_stats *s = &map->stats;
-    uint32_t zeros = 0;
-    for (uint32_t i = 0; i < map->width * map->height; i++) zeros += map->depth[i] == 0.0f;
-    V_EXPECT(run, own_queue ? is_outcome(map->returned) : map->returned == SV_OK,
-             "%s: end returns %s, expected %s", what, v_status(map->returned),
-             own_queue ? "an outcome" : "SV_OK, the outcome is in the statistics");
-    V_EXPECT(run, is_outcome(s->outcome), "%s: the outcome in the statistics is %s", what,
-             v_status(s->outcome));
-    V_EXPECT(run, !own_queue || s->outcome == map->returned, "%s: end returns %s, and the statistics say %s",
-             what, v_status(map->returned), v_status(s->outcome));
-    V_EXPECT(run, s->outcome != SV_NO_SURFACE || zeros == map->width * map->height,
-             "%s: the outcome is SV_NO_SURFACE, and the map is not all zeros", what);
-    V_EXPECT(run, s->outcome != SV_PARTIAL || zeros > 0, "%s: the outcome is SV_PARTIAL, and no depth is 0",
-             what);
+static rule_map judged_map(const v_map *map, const v_way *way) {
+    return (rule_map){map->width,  map->height, way->slices,   map->depth,
+                      map->status, &map->stats, map->returned, way->own_queue};
 }
 
 void check_frame_outcome(v_run *run) {
+    const rule_sink to = v_sink(run);
     v_rig r;
     v_rig_open(run, &r);
     const v_way way = v_standard_way(&r.s);
@@ -95,45 +68,24 @@ void check_frame_outcome(v_run *run) {
         V_EXPECT(run, status >= 0, "end of a %s volume: %s: %s", v_kind_name((v_kind)kind), v_status(status),
                  p->last_error(p));
         v_collect(&r.stage, status, &map);
-        inspect_outcome(run, &map, way.own_queue, v_kind_name((v_kind)kind));
+        const rule_map judged = judged_map(&map, &way);
+        judge_outcome(&to, &judged, v_kind_name((v_kind)kind));
         v_map_free(&map);
         v_rig_drop(&r);
     }
     v_rig_close(&r);
 }
 
-static void inspect_statistics(v_run *run, const v_map *map) {
-    const sv_stats *s = &map->stats;
-    const uint32_t rays = map->width * map->height;
-    V_EXPECT(run, s->size == sizeof *s, "end changes stats.size to %u", s->size);
-    V_EXPECT(run, s->rays == rays, "stats.rays is %u, expected %u", s->rays, rays);
-    V_EXPECT(run, s->points <= rays, "stats.points is %u of %u rays", s->points, rays);
-    V_EXPECT(run, s->unfilled <= rays, "stats.unfilled is %u of %u rays", s->unfilled, rays);
-    V_EXPECT(run, s->outcome != SV_OK || s->unfilled == 0, "the outcome is SV_OK, and stats.unfilled is %u",
-             s->unfilled);
-    V_EXPECT(run, s->outcome != SV_NO_SURFACE || s->unfilled == rays,
-             "the outcome is SV_NO_SURFACE, and stats.unfilled is %u of %u", s->unfilled, rays);
-    V_EXPECT(run, s->outcome != SV_PARTIAL || (s->unfilled > 0 && s->unfilled < rays),
-             "the outcome is SV_PARTIAL, and stats.unfilled is %u of %u", s->unfilled, rays);
-    uint32_t marked = 0;
-    for (uint32_t i = 0; i < rays; i++) {
-        V_EXPECT(run, map->status[i] <= SV_POINT_EMPTY,
-                 "the status of ray (%u, %u) is %u, or was not written", i % map->width, i / map->width,
-                 map->status[i]);
-        marked += map->status[i] != SV_POINT_NONE;
-    }
-    V_EXPECT(run, s->points == 0 || s->points == marked,
-             "stats.points is %u, and the status map marks %u rays", s->points, marked);
-}
-
 void check_frame_statistics(v_run *run) {
+    const rule_sink to = v_sink(run);
     v_rig r;
     v_rig_open(run, &r);
     const v_way way = v_standard_way(&r.s);
     for (int kind = 0; kind < V_KINDS; kind++) {
         v_map map;
         frame_of(&r, &way, (v_kind)kind, &map);
-        inspect_statistics(run, &map);
+        const rule_map judged = judged_map(&map, &way);
+        judge_statistics(&to, &judged);
         v_map_free(&map);
         v_rig_drop(&r);
     }
@@ -160,8 +112,8 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     v_collect(st, status, &map);
     const char *place = v_stage_trespass(st, byte);
     V_EXPECT(run, !place, "end writes %s", place);
-    inspect_depths(run, &map, st->format.slices,
-                   st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
+    v_map_judge_depths(run, &map, st->format.slices,
+                       st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
     for (uint32_t i = 0; !all && i < map.width * map.height; i++)
         V_EXPECT(run, map.status[i] == byte, "end writes a status map where none was asked for");
     v_map_free(&map);
@@ -206,7 +158,7 @@ void check_frame_shapes(v_run *run) {
         if (i % 2) way.extra_w = way.extra_h = way.extra_pitch = 0;
         (void)snprintf(what, sizeof what, "%u x %u x %u", way.width, way.height, way.slices);
         frame_of(&r, &way, V_LAYERS, &map);
-        inspect_depths(run, &map, way.slices, what);
+        v_map_judge_depths(run, &map, way.slices, what);
         v_map_free(&map);
         v_rig_drop(&r);
     }
@@ -265,6 +217,7 @@ static bool find_offer(v_rig *r, const sv_ext_confidence *ext, const v_params *p
 static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) {
     enum { GUARD = 16 };
     v_run *run = r->s.run;
+    const rule_sink to = v_sink(run);
     const sv_plugin *p = r->s.plugin;
     const size_t rays = (size_t)r->stage.format.width * r->stage.format.height;
     float *room = v_memory(run, (rays + 2 * GUARD) * sizeof *room), *map = room + GUARD;
@@ -280,10 +233,7 @@ static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) 
     sv_status status = ext->write(p, map, NULL, 0);
     V_EXPECT(run, status == SV_OK, "confidence write: %s: %s", v_status(status), p->last_error(p));
     if (r->stage.device) (void)clFinish(r->stage.device->queue);
-    for (size_t i = 0; i < rays; i++)
-        V_EXPECT(run, map[i] >= 0.0f && map[i] <= 1.0f,
-                 "the confidence of ray (%zu, %zu) is %.9g, expected 0 .. 1", i % r->stage.format.width,
-                 i / r->stage.format.width, (double)map[i]);
+    judge_confidence(&to, map, r->stage.format.width, r->stage.format.height, "confidence write");
     for (size_t i = 0; i < GUARD; i++)
         V_EXPECT(run, room[i] == -7.0f && map[rays + i] == -7.0f, "confidence write writes beside its map");
     v_where(run, "confidence read");

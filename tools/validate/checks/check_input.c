@@ -2,6 +2,7 @@
 /* Checks of what a plugin does with the memory that it is given. */
 #include "validate/checks/check.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -171,6 +172,70 @@ void check_padding_value(v_run *run) {
         v_note(run, "the plugin takes no ranges to compare padding_value with");
     }
     v_map_free(&known);
+    v_rig_close(&r);
+}
+
+/* ---- the probe */
+/* A frame that says this of the probe: NULL is that it says nothing. */
+static void probe_frame(v_rig *r, const float *rotation, const float *side, v_map *map) {
+    memset(r->stage.probe_rotation, 0, sizeof r->stage.probe_rotation);
+    memset(r->stage.probe_side, 0, sizeof r->stage.probe_side);
+    if (rotation) memcpy(r->stage.probe_rotation, rotation, sizeof r->stage.probe_rotation);
+    if (side) memcpy(r->stage.probe_side, side, sizeof r->stage.probe_side);
+    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
+}
+
+/* The frames of hosts of 1.0 end before the fields. */
+static void old_frame_says_nothing(v_rig *r, const v_map *plain) {
+    v_map map;
+    const float nothing[9] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    r->stage.frame_size = SV_FRAME_SIZE_1_0;
+    probe_frame(r, nothing, nothing, &map);
+    r->stage.frame_size = 0;
+    v_map_expect(r->s.run, plain, &map, "what lies behind the sv_frame of a host of 1.0 counts");
+}
+
+void check_probe(v_run *run) {
+    static const struct {
+        float rotation[9], side[3];
+        bool holds;
+    } told[] = {{{0}, {0, -1, 0}, true},
+                {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, true},
+                {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {1, 0, 0}, true},
+                {{0, 0, 1, 0, 1, 0, -1, 0, 0}, {1, 0, 0}, false}, /* transposed */
+                {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, false},
+                {{1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 1}, false},
+                {{NAN, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, false},
+                {{0}, {0, 2, 0}, false}};
+    v_rig r;
+    v_map plain, map;
+    v_rig_standard(run, &r);
+    const bool heeds = (r.s.descriptor->features & SV_FEATURE_PROBE) != 0;
+    probe_frame(&r, NULL, NULL, &plain);
+    old_frame_says_nothing(&r, &plain);
+    for (size_t n = 0; n < sizeof told / sizeof *told; n++) {
+        if (told[n].holds || !heeds) {
+            probe_frame(&r, told[n].rotation, told[n].side, &map);
+            if (!heeds)
+                v_map_expect(run, &plain, &map,
+                             "the probe shows, and the descriptor has no SV_FEATURE_PROBE");
+            else
+                v_map_free(&map);
+            continue;
+        }
+        memcpy(r.stage.probe_rotation, told[n].rotation, sizeof told[n].rotation);
+        memcpy(r.stage.probe_side, told[n].side, sizeof told[n].side);
+        const sv_status status = v_begin(r.s.plugin, &r.stage, NULL, 0);
+        V_EXPECT(
+            run, status == SV_ERR_ARGUMENT,
+            "begin with probe_rotation %g %g %g, ... and probe_side %g %g %g: %s, expected SV_ERR_ARGUMENT",
+            (double)told[n].rotation[0], (double)told[n].rotation[1], (double)told[n].rotation[2],
+            (double)told[n].side[0], (double)told[n].side[1], (double)told[n].side[2], v_status(status));
+    }
+    probe_frame(&r, NULL, NULL, &map);
+    v_map_expect(run, &plain, &map,
+                 "where an earlier frame's probe was shows in a frame that does not say it");
+    v_map_free(&plain);
     v_rig_close(&r);
 }
 

@@ -2,6 +2,7 @@
 /* Checks of a plugin's OpenCL calls and allocations, seen through the spies. */
 #include "validate/checks/check.h"
 
+#include "smartvis/needs.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 
@@ -94,6 +95,65 @@ static void inspect_launches(v_rig *r, const char *call) {
     if (spy_cold() > 0)
         v_warn(r->s.run, "%s launches %u kernels for the first time; activate should have done that", call,
                spy_cold());
+}
+
+/* ---- what it says that it will take */
+static sv_needs_device facts_of(const v_rig *r) {
+    sv_needs_device facts = {.size = sizeof facts, .compute_units = 1};
+    cl_device_type type = 0;
+    cl_bool unified = CL_FALSE;
+    char extensions[8192] = "";
+    const cl_device_id device = r->device.device;
+    (void)clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    (void)clGetDeviceInfo(device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof unified, &unified, NULL);
+    (void)clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, sizeof extensions - 1, extensions, NULL);
+    (void)clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof facts.compute_units,
+                          &facts.compute_units, NULL);
+    facts.flags = (type & CL_DEVICE_TYPE_CPU ? SV_NEEDS_CPU : 0u) | (unified ? SV_NEEDS_UNIFIED : 0u) |
+                  (strstr(extensions, "cl_khr_fp64") ? SV_NEEDS_DOUBLES : 0u);
+    return facts;
+}
+
+static uint32_t commands; /* of the frame under way */
+static void add_commands(v_rig *r, const char *call) {
+    (void)r;
+    if (strcmp(call, "adjust") != 0) commands += spy_count(SPY_ENQUEUE);
+}
+
+void check_needs(v_run *run) {
+    v_rig r;
+    v_rig_open(run, &r);
+    const sv_plugin *p = r.s.plugin;
+    const sv_ext_needs *ext = p->get_extension(p, SV_EXT_NEEDS);
+    if (!ext) v_skip(run, "the plugin has no " SV_EXT_NEEDS);
+    V_EXPECT(run, SV_HAS(ext, of) && ext->of, "the table of " SV_EXT_NEEDS " is not whole");
+    v_way way = v_standard_way(&r.s);
+    if (way.own_queue) v_skip(run, "the plugin works on a device that the validator does not know");
+    watch(&r.s);
+    for (uint32_t n = 0; n < 3; n++) {
+        const v_way sized = v_sized(way, 40 + 70 * n, 30 + 90 * n, 20 + 11 * n);
+        v_rig_set(&r, &sized, V_LAYERS);
+        const uint64_t taken = spy_live_bytes();
+        const sv_needs_device facts = facts_of(&r);
+        sv_format format = r.stage.format;
+        sv_needs needs = {.size = sizeof needs};
+        format.context = NULL;
+        format.device = NULL;
+        format.queue = NULL;
+        spy_reset();
+        v_where(run, "needs of %u x %u x %u", format.width, format.height, format.slices);
+        const sv_status status = ext->of(p, &format, NULL, 0, &facts, &needs);
+        V_EXPECT(run, status == SV_OK, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
+        V_EXPECT(run, all_calls() == 0, "%s calls OpenCL", run->report->where);
+        V_EXPECT(run, needs.device_bytes == taken, "%s: %llu bytes of buffers, activate takes %llu",
+                 run->report->where, (unsigned long long)needs.device_bytes, (unsigned long long)taken);
+        commands = 0;
+        frame_with(&r, add_commands);
+        V_EXPECT(run, needs.commands >= commands, "%s: %u commands a frame, one enqueues %u",
+                 run->report->where, needs.commands, commands);
+        v_rig_drop(&r);
+    }
+    v_rig_close(&r);
 }
 
 void check_first_launches(v_run *run) {

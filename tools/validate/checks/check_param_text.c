@@ -31,7 +31,7 @@ static void try_room(v_subject *s, const sv_param_info *p, double value, uint32_
     if (status != SV_OK) return;
     V_EXPECT(s->run, memchr(room, '\0', bytes), "param_text of %s = %g: no NUL within %u bytes", p->key,
              value, bytes);
-    V_EXPECT(s->run, bytes < NAME || v_is_text(room, ROOM),
+    V_EXPECT(s->run, bytes < NAME || rule_is_text(room, ROOM),
              "param_text of %s = %g is not UTF-8 text without control characters", p->key, value);
 }
 
@@ -109,7 +109,7 @@ static void try_names(v_subject *s, const sv_param_info *p) {
         if (value != p->min_value && value != p->max_value && !v_param_has(s, p, value)) continue;
         const sv_status status = ask(s, p, value, names[n], NAME);
         V_EXPECT(s->run, status == SV_OK, "param_text of %s = %g: %s", p->key, value, v_status(status));
-        V_EXPECT(s->run, names[n][0] && v_is_text(names[n], NAME), "the value %g of %s has no name", value,
+        V_EXPECT(s->run, names[n][0] && rule_is_text(names[n], NAME), "the value %g of %s has no name", value,
                  p->key);
         for (uint32_t k = 0; k < n; k++)
             V_EXPECT(s->run, strcmp(names[k], names[n]) != 0, "two values of %s have the name '%s'", p->key,

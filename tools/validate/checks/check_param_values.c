@@ -180,13 +180,6 @@ void check_adjust_equals_frame(v_run *run) {
 }
 
 /* ---- any values together */
-static void inspect_depths(v_run *run, const v_map *map, uint32_t slices, uint32_t turn) {
-    for (uint32_t i = 0; i < map->width * map->height; i++)
-        V_EXPECT(run, fabsf(map->depth[i]) <= 2.0f * (float)slices,
-                 "random values, frame %u: the depth of ray (%u, %u) is %g in a volume of %u slices", turn,
-                 i % map->width, i / map->width, (double)map->depth[i], slices);
-}
-
 void check_param_fuzz(v_run *run) {
     v_rig r;
     uint32_t done = 0, turns = 12 * run->level;
@@ -206,7 +199,9 @@ void check_param_fuzz(v_run *run) {
         V_EXPECT(run, status >= 0 || status == SV_ERR_PARAM_RANGE, "random values, frame %u: %s: %s", turn,
                  v_status(status), r.s.plugin->last_error(r.s.plugin));
         if (status < 0) continue; /* values that are fine alone may exclude each other */
-        inspect_depths(run, &map, r.stage.format.slices, turn);
+        char what[48];
+        (void)snprintf(what, sizeof what, "random values, frame %u", turn);
+        v_map_judge_depths(run, &map, r.stage.format.slices, what);
         v_map_free(&map);
         done++;
     }

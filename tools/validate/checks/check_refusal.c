@@ -224,7 +224,7 @@ static void too_short(place *at, uint32_t size) {
     sv_slab slab = v_stage_slab(&at->r.stage, 0);
     sv_result result = v_stage_result(&at->r.stage);
     v_where(at->r.s.run, "structs of %u bytes", size);
-    frame.size = size < sizeof frame ? size : (uint32_t)sizeof frame - 1;
+    frame.size = size < SV_FRAME_SIZE_1_0 ? size : SV_FRAME_SIZE_1_0 - 1;
     refused(at, "begin with a short sv_frame", p->begin(p, &frame), SV_ERR_SIZE);
     (void)v_begin(p, &at->r.stage, NULL, 0);
     slab.size = size < sizeof slab ? size : (uint32_t)sizeof slab - 1;
@@ -309,7 +309,7 @@ void check_struct_sizes(v_run *run) {
 static void has_reason(place *at, const char *what, sv_status status) {
     const char *reason = at->r.s.plugin->last_error(at->r.s.plugin);
     V_EXPECT(at->r.s.run, reason, "last_error is NULL after %s", what);
-    V_EXPECT(at->r.s.run, v_is_text(reason, 4096),
+    V_EXPECT(at->r.s.run, rule_is_text(reason, 4096),
              "last_error after %s is not UTF-8 without control characters", what);
     V_EXPECT(at->r.s.run, (status != SV_OK) == (reason[0] != '\0'), "last_error after %s (%s) is '%s'", what,
              v_status(status), reason);

@@ -182,10 +182,7 @@ static uint32_t choose_values(const v_subject *s, const sv_param_info *p, double
 }
 
 static void inspect_map(v_run *run, const v_map *map, uint32_t slices, const char *what) {
-    for (uint32_t i = 0; i < map->width * map->height; i++)
-        V_EXPECT(run, fabsf(map->depth[i]) <= 2.0f * (float)slices,
-                 "%s: the depth of ray (%u, %u) is %g in a volume of %u slices", what, i % map->width,
-                 i / map->width, (double)map->depth[i], slices);
+    v_map_judge_depths(run, map, slices, what);
     V_EXPECT(run, map->outcome == SV_OK || map->outcome == SV_PARTIAL || map->outcome == SV_NO_SURFACE,
              "%s: the outcome is %s", what, v_status(map->outcome));
     V_EXPECT(run, map->stats.rays == map->width * map->height && map->stats.unfilled <= map->stats.rays,

@@ -3,6 +3,7 @@
 #ifndef V_DRIVE_H
 #define V_DRIVE_H
 
+#include "rules/rules.h"
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>
@@ -51,6 +52,9 @@ typedef struct {
 /* Notes the finding and ends the check. */
 _Noreturn void v_fail(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
 _Noreturn void v_skip(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* A judge tells the check: it fails by what is wrong. */
+rule_sink v_sink(v_run *run);
 
 /* Notes the finding, the first one only, and goes on. */
 void v_warn(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -118,9 +122,6 @@ const sv_plugin *v_another(v_subject *s);
 
 /* destroy and dlclose. */
 void v_close(v_subject *s);
-
-/* 1 if `text` is UTF-8 of at most `most` bytes without control characters. */
-bool v_is_text(const char *text, size_t most);
 
 /* A status with its name, "SV_ERR_STATE (-20)", in one of a few buffers that are used in turn. */
 const char *v_status(sv_status status);
@@ -244,7 +245,9 @@ typedef struct {
     uint8_t *pages, *memory[V_MAX_SLABS]; /* the slabs' textures, in one mapping */
     size_t page_bytes;
     cl_mem objects[V_MAX_SLABS];
-    sv_scanned *ranges; /* as they are handed over */
+    float probe_rotation[9], probe_side[3]; /* of every frame; zeros at first */
+    uint32_t frame_size;                    /* of its struct; 0: all of it */
+    sv_scanned *ranges;                     /* as they are handed over */
     cl_mem ranges_object;
 
     uint8_t *results; /* one block: guard, map, guard, status map, guard, statistics, guard */
@@ -287,6 +290,9 @@ typedef struct {
 } v_map;
 
 void v_map_free(v_map *map);
+
+/* The depths, as judge_depths judges them. */
+void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const char *what);
 
 /* Says where two maps differ, in one of a few texts that are used in turn, or NULL if depths (to the bit),
  * status maps and outcome are the same. */

@@ -13,6 +13,13 @@ void v_map_free(v_map *map) {
     *map = (v_map){0};
 }
 
+void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
+    const rule_sink to = v_sink(run);
+    const rule_map judged = {
+        .width = map->width, .height = map->height, .slices = slices, .depth = map->depth};
+    judge_depths(&to, &judged, what);
+}
+
 const char *v_map_difference(const v_map *a, const v_map *b) {
     static _Thread_local char texts[2][160];
     static _Thread_local uint32_t turn;

@@ -19,6 +19,15 @@ void v_fail(v_run *run, const char *format, ...) {
     longjmp(run->escape, 1);
 }
 
+static void broken(void *context, rule_name name, const char *text) {
+    (void)name;
+    v_fail(context, "%s", text);
+}
+
+rule_sink v_sink(v_run *run) {
+    return (rule_sink){broken, run};
+}
+
 void v_skip(v_run *run, const char *format, ...) {
     va_list args;
     va_start(args, format);

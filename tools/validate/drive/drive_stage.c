@@ -323,7 +323,7 @@ sv_slab v_stage_slab(const v_stage *st, uint32_t n) {
 }
 
 sv_frame v_stage_frame(const v_stage *st, const sv_param_value *values, uint32_t count) {
-    return (sv_frame){.size = sizeof(sv_frame),
+    sv_frame frame = {.size = st->frame_size ? st->frame_size : sizeof frame,
                       .flags = SV_FRAME_DISCONTINUITY,
                       .index = 1,
                       .values = values,
@@ -331,6 +331,9 @@ sv_frame v_stage_frame(const v_stage *st, const sv_param_value *values, uint32_t
                       .scanned = st->ranges_object ? NULL : st->ranges,
                       .scanned_object = st->ranges_object,
                       .scanned_offset = st->ranges_object ? RANGES_OFFSET : 0};
+    memcpy(frame.probe_rotation, st->probe_rotation, sizeof frame.probe_rotation);
+    memcpy(frame.probe_side, st->probe_side, sizeof frame.probe_side);
+    return frame;
 }
 
 sv_result v_stage_result(v_stage *st) {

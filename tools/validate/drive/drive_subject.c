@@ -13,29 +13,6 @@
 
 enum { MOST_PLUGINS = 4096, LONGEST_LINE = 65536 };
 
-/* Bytes of the UTF-8 character at `c`, 0 if there is none. */
-static size_t character(const unsigned char *c) {
-    const size_t bytes = c[0] < 0x80                   ? 1
-                         : c[0] >= 0xc2 && c[0] < 0xe0 ? 2
-                         : c[0] >= 0xe0 && c[0] < 0xf0 ? 3
-                         : c[0] >= 0xf0 && c[0] < 0xf5 ? 4
-                                                       : 0;
-    for (size_t i = 1; i < bytes; i++)
-        if ((c[i] & 0xc0) != 0x80) return 0;
-    return bytes;
-}
-
-bool v_is_text(const char *text, size_t most) {
-    const unsigned char *c = (const unsigned char *)text;
-    for (size_t used = 0; c[used];) {
-        const size_t bytes = character(c + used);
-        if (bytes == 0 || (bytes == 1 && (c[used] < 0x20 || c[used] == 0x7f))) return false;
-        used += bytes;
-        if (used > most) return false;
-    }
-    return true;
-}
-
 const char *v_status(sv_status status) {
     static _Thread_local char texts[4][64];
     static _Thread_local uint32_t turn;

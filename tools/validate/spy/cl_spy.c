@@ -25,6 +25,7 @@ static struct {
     struct {
         cl_kernel kernel;
         size_t local[3];
+        bool used;            /* since the last reset */
     } launched[SPY_LAUNCHED]; /* those of live kernels; the first `warm` ones before the last reset */
     size_t launched_count, warm;
     uint32_t cold;
@@ -41,6 +42,7 @@ void spy_reset(void) {
     spy.failed = NULL;
     spy.spoiled = false;
     spy.warm = spy.launched_count;
+    for (size_t i = 0; i < spy.launched_count; i++) spy.launched[i].used = false;
 }
 
 uint32_t spy_count(spy_kind kind) {
@@ -74,6 +76,11 @@ void spy_device_memory(uint64_t memory, uint64_t largest_buffer) {
 }
 uint32_t spy_cold(void) {
     return spy.cold;
+}
+uint32_t spy_idle(void) {
+    uint32_t idle = 0;
+    for (size_t i = 0; i < spy.launched_count; i++) idle += !spy.launched[i].used;
+    return idle;
 }
 bool spy_spoiled(void) {
     return spy.spoiled;
@@ -155,11 +162,13 @@ void spy_launches(cl_kernel kernel, cl_uint dims, const size_t *local) {
         if (spy.launched[i].kernel != kernel || memcmp(spy.launched[i].local, size, sizeof size) != 0)
             continue;
         spy.cold += i >= spy.warm;
+        spy.launched[i].used = true;
         return;
     }
     if (spy.launched_count == SPY_LAUNCHED)
         return; /* of more launches it is not known whether they are new */
     spy.launched[spy.launched_count].kernel = kernel;
+    spy.launched[spy.launched_count].used = true;
     memcpy(spy.launched[spy.launched_count++].local, size, sizeof size);
     spy.cold++;
 }

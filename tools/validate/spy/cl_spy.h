@@ -50,6 +50,10 @@ const char *spy_unknown_import(void *handle);
  * compiles those at launch. */
 uint32_t spy_cold(void);
 
+/* Such launches before it that have not been made again since: compiled, and nobody needed it. Kernels that
+ * are gone do not count. */
+uint32_t spy_idle(void);
+
 /* The nth read from now on (1, 2, ...) brings other bytes than the device has; 0: none. spy_spoiled: it came
  * to that. */
 void spy_spoil(uint32_t nth);

@@ -45,6 +45,13 @@ uint32_t heap_spy_count(void) {
 uint32_t heap_spy_live(void) {
     return spy.live;
 }
+extern size_t malloc_usable_size(void *block); /* of glibc */
+uint64_t heap_spy_bytes(void) {
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < PLACES; i++)
+        if (spy.blocks[i]) bytes += malloc_usable_size(spy.blocks[i]);
+    return bytes;
+}
 bool heap_spy_failed(void) {
     return spy.failed;
 }

@@ -15,6 +15,7 @@ void heap_spy_watch(const void *address);
 void heap_spy_reset(void);      /* counts start again at 0, nothing fails; live blocks are kept */
 uint32_t heap_spy_count(void);  /* allocations of the library since the reset */
 uint32_t heap_spy_live(void);   /* its allocations that nobody has freed */
+uint64_t heap_spy_bytes(void);  /* of these, as far as they may be used: malloc rounds up */
 void heap_spy_fail(uint32_t n); /* its nth allocation from now on (1, 2, ...) returns NULL; 0: none */
 bool heap_spy_failed(void);     /* that has happened */
 

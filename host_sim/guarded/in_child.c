@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A benchmark in a process of its own, for a plugin that may do anything. The guard proper would stand
- * between what is timed; so the whole benchmark is the child here, and says now and then that it goes on. */
+#include "guarded/in_child.h"
+
 #include "base/progress.h"
-#include "bench/bench.h"
 #include "guard/child.h"
 #include "plugin/loader.h"
 
@@ -34,7 +33,7 @@ static void tell(const char *label) {
     (void)hs_child_send(channel, &n, sizeof n);
 }
 
-void bench_goes_on(void) {
+void hs_child_goes_on(void) {
     tell(NULL);
 }
 
@@ -49,8 +48,8 @@ static int perform(int to_parent, void *context) {
     return code;
 }
 
-int bench_in_child(const hs_guard_options *guard, const char *plugin, int (*work)(void *context),
-                   void *context, hs_error *err) {
+int hs_work_in_child(const hs_guard_options *guard, const char *plugin, const char *doing,
+                     int (*work)(void *context), void *context, hs_error *err) {
     const hs_child_limits limits = {.memory_bytes = guard->memory_bytes};
     char found[1024], how[128];
     job j = {work, context};
@@ -71,7 +70,7 @@ int bench_in_child(const hs_guard_options *guard, const char *plugin, int (*work
     if (end.fate == HS_CHILD_LEFT && last.done) return end.number;
     hs_child_tell(&end, how, sizeof how);
     last.label[sizeof last.label - 1] = '\0';
-    (void)hs_fail(err, HS_ERR_PLUGIN, "%s: %s while it was timed (%s)", found, how,
+    (void)hs_fail(err, HS_ERR_PLUGIN, "%s: %s while %s (%s)", found, how, doing,
                   last.label[0] ? last.label : "its first frames");
     return HS_ERR_PLUGIN;
 }

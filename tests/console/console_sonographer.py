@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""The console's page for who holds the probe: how the planes lie in the patient, and what can be done with a picture."""
+
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+from console_look import a_page, choose, holds, pixels, settle
+from webdriver import KEYS
+
+BUILD = sys.argv[1]
+ENTER = "\ue007"
+
+
+def make_scans(folder):
+    """A scene as a file that does not say how the patient lies, and as one that does: x to the front, y to the left, z to the
+    feet, and away from the probe. These axes are left-handed, so pictures have x reversed."""
+    subprocess.run([os.path.join(BUILD, "host_sim"), "scenes", "D01", "--size", "64", "--export", "--out", folder], check=True,
+                   stdout=subprocess.DEVNULL, timeout=900)
+    with open(os.path.join(folder, "D01_full.mha"), "rb") as file:
+        unsaid = file.read()
+    matrix = b"TransformMatrix = 1 0 0 0 1 0 0 0 1"
+    letters = b"AnatomicalOrientation = ???"
+    holds(matrix in unsaid and letters in unsaid, "another header")
+    with open(os.path.join(folder, "lying.mha"), "wb") as file:
+        file.write(unsaid.replace(matrix, b"TransformMatrix = 0 -1 0 1 0 0 0 0 -1")
+                   .replace(letters, b"AnatomicalOrientation = PRS\nUltrasoundImageOrientation = MAF"))
+
+
+def directions(b, view):
+    """Caption, letters at the left, right, upper and lower side, and where the probe is said to be."""
+    return b.run("""const one = canvases[arguments[0]];
+        return [one.caption.textContent, ['left', 'right', 'up', 'down'].map((side) => one.ends[side].innerText).join(' '),
+            one.probe && !one.probe.hidden ? one.probe.dataset.side + ' ' + one.probe.innerText.replace('➤', '') : '']""", view)
+
+
+def planes_lie_in_the_patient(b):
+    """Names, letters at the sides and the probe's side, straight from the probe, then turned; nothing that the file does not say."""
+    straight = {"across": ["A plane (across), sagittal", "A P H F", "up probe"], "along": ["B plane (along), coronal", "H F R L", "left probe"],
+                "deep": ["C plane (at depth), transverse", "A P R L", "off probe in front"], "result": ["Result", "A P R L", ""]}
+    # A quarter turn to the right: what was right is depth now, and what was before the eye is at the right. Then half of that.
+    turned = {"across": ["A plane (across), sagittal", "F H A P", "right probe"], "along": ["B plane (along), transverse", "A P R L", "off probe in front"],
+              "deep": ["C plane (at depth), coronal", "F H R L", "right probe"], "result": ["Result", "F H R L", ""]}
+    between = ["C plane (at depth), oblique", "AF PH R L", "off probe in front"]
+    settle(b, "the first frame")
+    holds(b.run("return [at('third').value, at('third').disabled]") == ["depthmap", True], "a file's ground truth is offered")
+    for yaw, expected in ((0, straight), (90, turned)):
+        b.run("state.camera.yaw = arguments[0]; changed(false)", yaw)
+        settle(b, f"yaw {yaw}")
+        found = {view: directions(b, view) for view in expected}
+        holds(found == expected, f"yaw {yaw}: {found}")
+    b.run("state.camera.yaw = 44; changed(false)")
+    settle(b, "between")
+    found = directions(b, "deep")
+    holds(found == between, f"yaw 44: {found}")
+    b.run("resetCamera()")
+    choose(b, "source", "file 0 D01_full.mha")
+    settle(b, "a file that does not say how the patient lies")
+    found = {view: directions(b, view) for view in straight}
+    unsaid = {view: [name.split(",")[0], "   ", ""] for view, (name, _, _) in straight.items()}
+    holds(found == unsaid, f"not said: {found}")
+
+
+def distances(b):
+    """Two clicks, a drag and the keyboard; millimetres stay when the picture zooms, and go with the tissue."""
+    wide = b.run("return canvases.across.screen.getBoundingClientRect().width")
+    mm = b.run("return lastFigures.source.window_mm")
+    across = ".screen[data-view=across]"
+    cross = b.run("return state.cross")
+    b.click("#measure")
+    for x, y in ((-30, -40), (60, 30)):
+        b.drag(across, (x, y), (x, y))
+    expected = math.hypot(90, 70) * mm / wide
+    said = b.run("return [canvases.across.distance.textContent, at('distance').textContent, state.cross]")
+    holds(abs(float(said[0].split()[0]) - expected) < 0.06 and said[0].endswith(" mm"), f"{expected} mm are {said}")
+    holds(said[1] == "A plane (across): " + said[0] and said[2] == cross, f"it is said as {said}")
+    b.run("zoom(2)")
+    settle(b, "zoomed")
+    holds(b.run("return canvases.across.distance.textContent") == said[0], "zooming changes a distance")
+    ends = b.run("return [...canvases.across.lines.querySelectorAll('circle')].map(c => Number(c.getAttribute('cx')))")
+    holds(abs((ends[1] - ends[0]) * wide - 180) < 2, f"the points do not zoom with the picture: {ends}")
+    b.run("resetCamera()")
+    settle(b, "unzoomed")
+    b.drag(across, (0, 0), (0, 45))
+    b.drag(across, (40, 0), (0, 0))
+    expected = 45 * mm / wide
+    said = b.run("return canvases.across.distance.textContent")
+    holds(abs(float(said.split()[0]) - expected) < 0.06, f"dragged points are {said} apart, not {expected}")
+    b.run("turn(5, 0)")
+    settle(b, "turned")
+    holds(b.run("return canvases.across.distance.textContent + canvases.across.lines.childElementCount") == "0", "points stay when the tissue goes")
+    b.run("resetCamera(); canvases.deep.screen.focus()")
+    settle(b, "straight")
+    b.keys(".screen[data-view=deep]", ENTER + KEYS["right"] * 5 + ENTER)
+    settle(b, "by keys")
+    said = b.run("return canvases.deep.distance.textContent")
+    holds(abs(float(said.split()[0]) - 0.1 * mm) < 0.06, f"five steps by keys are {said}, not {0.1 * mm}")
+    b.run("document.activeElement.blur()")
+    b.keys("body", "m")
+    holds(b.run("return [at('distance').textContent, at('measure').getAttribute('aria-pressed')]") == ["", "false"], "it still measures")
+    b.drag(across, (0, 0), (20, 20))
+    settle(b, "the crosshair")
+    holds(b.run("return state.cross[0]") > 0.5, "the crosshair does not move any more")
+
+
+def one_volume_stands_still(b):
+    b.run("document.activeElement.blur()")
+    for key in " f":
+        b.keys("body", key)
+        holds(b.run("return [state.play.on, at('player').hidden]") == [False, True], f"'{key}' plays the one volume")
+
+
+def presets(b):
+    """Either sets all that it names, from wherever one is."""
+    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 1, false)")
+    settle(b, "another method")
+    found = []
+    for i in (1, 2):
+        b.click(f".presets button:nth-of-type({i})")
+        settle(b, "a preset")
+        found.append((b.run("return state.lanes[0].values"), b.run("return [...document.querySelectorAll('.presets button')].map(b => b.ariaPressed)"),
+                      pixels(b, "result")))
+    holds([one[:2] for one in found] == [({"q": 0.75}, ["true", "false"]), ({"q": 0.25, "unsure": 1}, ["false", "true"])], f"presets: {found}")
+    holds(found[0][2] != found[1][2], "both presets give one picture")
+
+
+def taken_away(b, work):
+    b.click("#write")
+    b.wait_for("at('written').textContent", "what was written")
+    folder = os.path.join(work, "out", "0001")
+    with open(os.path.join(folder, "surface.ply"), "rb") as file:
+        vertices = int(next(line for line in file if line.startswith(b"element vertex")).split()[2])
+    holds(vertices > 1000 and os.path.getsize(os.path.join(folder, "clipped.mha")) > 10000, f"{vertices} vertices, {os.listdir(folder)}")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as scans:
+        make_scans(scans)
+        with a_page(BUILD, "#file=0:lying.mha", [scans]) as (b, _console, work):
+            planes_lie_in_the_patient(b)
+            distances(b)
+            one_volume_stands_still(b)
+            presets(b)
+            taken_away(b, work)
+    print("ok")
+
+
+main()

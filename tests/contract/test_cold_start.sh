@@ -1,0 +1,42 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# A run whose kernels were never compiled: nothing is compiled that no frame and no picture launches, no process is left, and the
+# pictures are those of a run whose kernels were there. PoCL's cache has a folder for each kernel that it compiled, so this asks
+# PoCL alone.
+set -u
+build_dir=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export POCL_CACHE_DIR=$work/cache SMARTVIS_DEVICE=cpu
+mkdir "$POCL_CACHE_DIR"
+failures=0
+fail() {
+    echo "failed: $*"
+    failures=$((failures + 1))
+}
+run() { # run FOLDER: one frame
+    "$build_dir/host_sim" run --scene E01 --size 100 --frames 1 --setting smartvis --verbose --out "$work/$1" > "$work/$1.txt" 2>&1 ||
+        fail "$1: exit code $?: $(tail -n 3 "$work/$1.txt")"
+    grep -q 'info: activate: [0-9.]* s; of it [0-9.]* s for building 3 programs' "$work/$1.txt" || fail "$1: activate does not tell its time"
+}
+run cold
+compiled=$(find "$POCL_CACHE_DIR" -name '*.so' -printf '%f\n' | sed 's/\.so$//' | sort -u)
+if [ -z "$compiled" ]; then
+    echo "skipped: the driver keeps no kernels in POCL_CACHE_DIR"
+    exit 77
+fi
+for kernel in wall_costs render_lit; do
+    grep -qx "$kernel" <<< "$compiled" || fail "$kernel was not compiled"
+done
+for kernel in profile_strip profile_rays frame_end band_mean band_points convert_beams; do
+    if grep -qx "$kernel" <<< "$compiled"; then fail "$kernel was compiled in vain"; fi
+done
+[ "$(wc -l <<< "$compiled")" -le 36 ] || fail "$(wc -l <<< "$compiled") kernels were compiled, at most 36 are needed"
+run warm
+again=$(find "$POCL_CACHE_DIR" -name '*.so' -printf '%f\n' | sed 's/\.so$//' | sort -u)
+[ "$again" = "$compiled" ] || fail "the second run compiled more: $(comm -13 <(echo "$compiled") <(echo "$again"))"
+for picture in result depthmap slices; do
+    cmp -s "$work/cold/$picture.png" "$work/warm/$picture.png" || fail "$picture.png is another in a cold start"
+done
+[ "$failures" = 0 ] && echo "cold start: $(wc -l <<< "$compiled") kernels"
+exit "$failures"

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The checking layer beside its rules: plugins that are right, under a host that is, give it nothing to say.
+ * SMARTVIS_CHECK and its file do what docs/check.md says, and that page has the layer's rules.
+ */
+#include "record/rec_item.h"
+#include "rules/rules.h"
+#include "support/layer_fixture.h"
+
+#include <dlfcn.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define CPU "wrong/right/results"
+#define CL  "wrong/right/opencl"
+
+static void what_is_right_gives_nothing_to_say(void **state) {
+    static const char *const right[] = {"wrong/right/library",
+                                        "wrong/right/params",
+                                        "wrong/right/results",
+                                        "wrong/right/life",
+                                        CL,
+                                        "examples/first_edge",
+                                        "examples/kernel_edge",
+                                        "smartvis"};
+    (void)state;
+    for (size_t n = 0; n < sizeof right / sizeof *right; n++)
+        for (int queue = 0; queue < 3; queue++) { /* its own; the host's with buffers; with host memory */
+            layer_subject *s = layer_open(right[n]);
+            const uint32_t queues = s->entry->descriptor(0)->queues;
+            if (queues & (queue ? SV_QUEUE_HOST : SV_QUEUE_OWN)) {
+                if (queue) layer_take_queue(s);
+                if (queue == 2) s->format.carrier = SV_CARRIER_HOST;
+                layer_create(s);
+                layer_use(s);
+                if (strstr(s->log, "\n4 ") || strstr(s->log, "\n5 ") || !strstr(s->log, "check: 3 frames"))
+                    fail_msg("%s: %s", right[n], s->log);
+            }
+            layer_close(s);
+        }
+}
+
+/* ---- settings */
+static void stop_makes_errors(void **state) {
+    (void)state;
+    (void)setenv("SMARTVIS_CHECK", "stop", 1);
+    layer_subject *s = layer_open(CPU);
+    layer_create(s);
+    layer_start(s, 1);
+    assert_int_equal(layer_slab(s, 2), SV_ERR_SLAB_ORDER);
+    assert_string_equal(s->p->last_error(s->p), "host-slabs: slab: first_slice is 16, expected 8");
+    assert_null(strstr(s->log, "4 slab:")); /* the plugin was not asked */
+    assert_int_equal(layer_frame(s), SV_OK);
+    assert_string_equal(s->p->last_error(s->p), "");
+    s->p->deactivate(s->p);
+    layer_close(s);
+    s = layer_open("wrong/depth_nan");
+    layer_create(s);
+    assert_int_equal(layer_activate(s), SV_OK);
+    assert_int_equal(layer_frame(s), SV_ERR_INTERNAL);
+    assert_non_null(strstr(s->p->last_error(s->p), "depth-values: end: frame 7: the depth of ray"));
+    for (int i = 0; i < RAYS; i++) assert_true(s->depth[i] == s->depth[i]); /* NaN does not get through */
+    s->p->deactivate(s->p);
+    layer_close(s);
+    s = layer_open("wrong/default_out_of_range");
+    layer_create(s);
+    assert_int_equal(s->created, SV_ERR_INTERNAL);
+    layer_close(s);
+    (void)unsetenv("SMARTVIS_CHECK");
+}
+
+static void off_is_the_plugin_itself(void **state) {
+    Dl_info where;
+    (void)state;
+    (void)setenv("SMARTVIS_CHECK", "off", 1);
+    layer_subject *s = layer_open(CPU);
+    layer_create(s);
+    assert_int_not_equal(dladdr(*(void *const *)&s->p->slab, &where), 0);
+    assert_non_null(strstr(where.dli_fname, CPU));
+    (void)layer_activate(s);
+    (void)layer_slab(s, 0);
+    assert_null(strstr(s->log, "check:"));
+    s->p->deactivate(s->p);
+    layer_close(s);
+    (void)unsetenv("SMARTVIS_CHECK");
+}
+
+static void repeated_breaches_are_told_less_and_less(void **state) {
+    unsigned lines = 0;
+    (void)state;
+    layer_subject *s = layer_open(CPU);
+    layer_create(s);
+    (void)layer_activate(s);
+    for (int n = 0; n < 1000; n++) (void)layer_slab(s, 0);
+    for (const char *at = s->log; (at = strstr(at, "check: host-states: slab")); at++) lines++;
+    assert_int_equal(lines, 6); /* 1, 2, 3, 10, 100, 1000 */
+    s->p->deactivate(s->p);
+    layer_close(s);
+}
+
+static void a_file_beside_it_names_the_plugin(void **state) {
+    char folder[] = "/tmp/layer_XXXXXX", command[4096];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(
+        command, sizeof command,
+        "cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/inner.so && "
+        "printf 'SMARTVIS_CHECK=stop\\nSMARTVIS_CHECK_PLUGIN=inner.so\\n' > %s/smartvis_check.conf",
+        layer_build(), folder, layer_build(), folder, folder);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    (void)unsetenv("SMARTVIS_CHECK_PLUGIN");
+    layer_subject *s = layer_load(folder);
+    layer_create(s);
+    assert_int_equal(s->created, SV_OK);
+    assert_int_equal(layer_slab(s, 0), SV_ERR_STATE);
+    layer_close(s);
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+}
+
+static void what_cannot_be_used_is_told(void **state) {
+    static const struct {
+        const char *plugin, *check, *text;
+    } wrong[] = {{"no_such", "on", "no_such.so: cannot open"},
+                 {"smartvis_check", "on", "is the layer itself"},
+                 {"wrong/no_symbol", "on", "has no symbol smartvis_plugin_entry"},
+                 {CPU, "maybe", "SMARTVIS_CHECK is 'maybe', expected off, on or stop"}};
+    (void)state;
+    for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
+        (void)setenv("SMARTVIS_CHECK", wrong[n].check, 1);
+        layer_subject *s = layer_open(wrong[n].plugin);
+        layer_create(s);
+        assert_int_equal(s->created, SV_ERR_INTERNAL);
+        assert_null(s->p);
+        if (!strstr(s->log, wrong[n].text)) fail_msg("expected '%s' in %s", wrong[n].text, s->log);
+        layer_close(s);
+    }
+    (void)unsetenv("SMARTVIS_CHECK");
+}
+
+/* ---- recordings */
+/* Frames whose end returned SV_OK in a recording that is whole; 0 if it is not. */
+static uint32_t recorded_frames(const char *path) {
+    static rec_item item;
+    char error[300];
+    uint32_t frames = 0;
+    int more;
+    rec_reader *r = rec_reader_open(path, error, sizeof error);
+    if (!r) fail_msg("%s", error);
+    while ((more = rec_reader_next(r, &item, error, sizeof error)) == 1)
+        frames += item.type == REC_RETURN && item.kind == RC_END && item.returned == SV_OK && item.maps;
+    rec_reader_close(r);
+    if (more < 0) fail_msg("%s", error);
+    return frames;
+}
+
+static void what_passes_is_recorded(void **state) {
+    static const char *const modes[] = {"on", "off"};
+    char path[] = "/tmp/layer_XXXXXX";
+    (void)state;
+    const int file = mkstemp(path);
+    assert_true(file >= 0);
+    (void)close(file);
+    (void)setenv("SMARTVIS_RECORD", path, 1);
+    for (int n = 0; n < 4; n++) {
+        (void)setenv("SMARTVIS_CHECK", modes[n % 2], 1);
+        layer_subject *s = layer_open(n < 2 ? CPU : CL);
+        if (n >= 2) layer_take_queue(s);
+        layer_create(s);
+        layer_use(s);
+        assert_int_equal(strstr(s->log, "check:") == NULL, n % 2);
+        layer_close(s);
+        assert_int_equal(recorded_frames(path), 3);
+    }
+    (void)unlink(path);
+    (void)setenv("SMARTVIS_RECORD", "/no/such/folder/file", 1);
+    layer_subject *s = layer_open(CPU);
+    layer_create(s);
+    layer_use(s);
+    assert_non_null(strstr(s->log, "/no/such/folder/file"));
+    layer_close(s);
+    (void)unsetenv("SMARTVIS_RECORD");
+    (void)unsetenv("SMARTVIS_CHECK");
+}
+
+/* ---- the page */
+static void the_page_has_the_rules(void **state) {
+    static char page[1 << 16];
+    char path[1024], row[512];
+    (void)state;
+    (void)snprintf(path, sizeof path, "%s/docs/check.md", getenv("SV_SOURCE_DIR"));
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    page[fread(page, 1, sizeof page - 1, file)] = '\0';
+    (void)fclose(file);
+    for (int n = 0; n < RULE_COUNT; n++) {
+        (void)snprintf(row, sizeof row, "\n| `%s` | %s |", rules[n].id, rules[n].what);
+        if (rules[n].seen != (strstr(page, row) != NULL))
+            fail_msg("docs/check.md: %s%s", rules[n].seen ? "no row" : "a row", row);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_right_gives_nothing_to_say),
+        cmocka_unit_test(stop_makes_errors),
+        cmocka_unit_test(off_is_the_plugin_itself),
+        cmocka_unit_test(repeated_breaches_are_told_less_and_less),
+        cmocka_unit_test(a_file_beside_it_names_the_plugin),
+        cmocka_unit_test(what_cannot_be_used_is_told),
+        cmocka_unit_test(what_passes_is_recorded),
+        cmocka_unit_test(the_page_has_the_rules),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,70 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# test_layer_hosts.sh SOURCE_FOLDER BUILD_FOLDER: hosts run with the checking layer in the plugin's place as they run without, and it
+# has nothing to say: the examples' hosts, host_sim in its ways, the report, the console, and the validator, which breaks every rule
+# on purpose and finds that the layer passes all of it on. With SMARTVIS_CHECK=stop, a word of the layer's would be an error.
+set -u
+source_dir=$1 build=$2 layer=$2/smartvis_check.so
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+. "$source_dir/tests/support/holds.sh"
+export SMARTVIS_CHECK=stop
+
+# quiet COMMAND...: it ends well, and the layer logs that it was there and nothing else.
+quiet() {
+    ends 0 "$@"
+    cat "$work/stdout" "$work/stderr" > "$work/said"
+    ! grep -E 'misbehaving: check:|^plugin: check:' "$work/said" || holds false "$@"
+}
+
+# --- examples: the same output to the byte
+export SMARTVIS_CHECK_PLUGIN
+for pair in small_host:first_edge small_host:kernel_edge small_host:smartvis queue_host:kernel_edge queue_host:smartvis; do
+    host=$build/examples/${pair%:*} plugin=$build/examples/${pair#*:}.so
+    [ -e "$plugin" ] || plugin=$build/${pair#*:}.so
+    ends 0 "$host" "$plugin"
+    mv "$work/stdout" "$work/direct"
+    SMARTVIS_CHECK_PLUGIN=$plugin quiet "$host" "$layer"
+    holds cmp "$work/direct" "$work/stdout"
+done
+
+# --- the simulated machine
+SMARTVIS_CHECK_PLUGIN=$build/smartvis.so
+run=("$build/host_sim" run --scene E01 --size 64 --frames 4 --plugin "$layer" --verbose --guard-time 300,300 --out "$work/out")
+for way in "--carrier buffer --no-guard" "--carrier host --no-guard" "--carrier image --no-guard" "--own-queue --no-guard" \
+    "--orbit 40 --live --no-guard" "--guard"; do
+    # shellcheck disable=SC2086
+    quiet "${run[@]}" $way
+    holds grep -qE 'check: [0-9]+ frames; milliseconds of a call' "$work/said"
+done
+quiet "$build/host_sim" report --quick --size 64 --lowres 24 --case E01 --plugin "$layer" --guard-time 300,300 --out "$work/report"
+
+# --- the console: a few settings of a page
+PYTHONPATH=$source_dir/tests/console ends 0 python3 -B - "$build" "$layer" << 'PAGE'
+import sys
+from console_client import Console, Page
+
+console = Console(sys.argv[1], ["--plugin", sys.argv[2], "--no-guard"])
+try:
+    page = Page(console)
+    for changes in ({}, {"camera": {"yaw": 30, "pitch": 10, "zoom": 1}}, {"lanes": [{"plugin": 0, "values": {"q": 0.5}}]},
+                    {"play": {"on": False, "speed": 20, "index": 0}}):
+        frame = page.show(**changes)
+        assert frame["type"] == "frame" and not frame["lanes"][0]["failed"], frame
+    page.close()
+    assert console.wait(60) == 0
+finally:
+    console.end()
+PAGE
+! grep 'misbehaving: check:' "$work/stderr" || holds false console
+
+# --- the validator
+export SMARTVIS_CHECK=on
+for right in params results life opencl; do
+    only=()
+    [ $right != opencl ] || only=(--only opencl-balance --only opencl-faults --only frame-path-opencl --only foreign-objects)
+    SMARTVIS_CHECK_PLUGIN=$build/wrong/right/$right.so ends 0 "$build/sv_validate" --level 1 "${only[@]}" "$layer"
+done
+
+echo "$checked checks, $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * smartvis.needs/1 tells what activate really takes and what a frame really enqueues: buffers, heap and
+ * commands as the spies count them, over methods, layouts, sizes, carriers and settings; and it asks OpenCL
+ * nothing.
+ */
+#include "smartvis/needs.h"
+#include "smartvis/timing.h"
+#include "support/rig.h"
+#include "validate/spy/cl_spy.h"
+#include "validate/spy/heap_spy.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* As the header asks for it. */
+static sv_needs_device facts_of(const rig *r) {
+    cl_uint units = 0;
+    cl_bool unified = CL_FALSE;
+    char extensions[8192] = "";
+    assert_int_equal(clGetDeviceInfo(r->device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL), 0);
+    assert_int_equal(
+        clGetDeviceInfo(r->device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof unified, &unified, NULL), 0);
+    assert_int_equal(clGetDeviceInfo(r->device, CL_DEVICE_EXTENSIONS, sizeof extensions, extensions, NULL),
+                     0);
+    return (sv_needs_device){.size = sizeof(sv_needs_device),
+                             .flags = (rig_is_cpu(r) ? SV_NEEDS_CPU : 0u) |
+                                      (unified ? SV_NEEDS_UNIFIED : 0u) |
+                                      (strstr(extensions, "cl_khr_fp64") ? SV_NEEDS_DOUBLES : 0u),
+                             .compute_units = units};
+}
+
+static const sv_ext_needs *needs_of(const rig *r) {
+    const sv_ext_needs *needs = r->plugin->get_extension(r->plugin, SV_EXT_NEEDS);
+    assert_non_null(needs);
+    return needs;
+}
+
+/* The answer; no call of OpenCL and no allocation is made for it. The format's objects are left out. */
+static sv_needs ask(const rig *r, const sv_format *format, const sv_param_value *values, uint32_t count) {
+    const sv_needs_device device = facts_of(r);
+    sv_format planned = *format;
+    sv_needs needs = {.size = sizeof needs};
+    planned.context = NULL;
+    planned.device = NULL;
+    planned.queue = NULL;
+    spy_reset();
+    heap_spy_reset();
+    const sv_status status = needs_of(r)->of(r->plugin, &planned, values, count, &device, &needs);
+    if (status != SV_OK) fail_msg("needs: %d: %s", (int)status, r->plugin->last_error(r->plugin));
+    for (int kind = 0; kind < SPY_KINDS; kind++) assert_int_equal(spy_count((spy_kind)kind), 0);
+    assert_int_equal(heap_spy_count(), 0);
+    return needs;
+}
+
+static void same(const char *what, const char *of, uint64_t told, uint64_t seen) {
+    if (told != seen)
+        fail_msg("%s: %s: %llu told, %llu seen", of, what, (unsigned long long)told,
+                 (unsigned long long)seen);
+}
+
+/* One setting: keys and names or numbers, "" for none. */
+typedef struct {
+    const char *method, *strategy;
+    uint32_t width, height, slices, slab_slices, carrier;
+    bool in_place, own_queue, ranged, timed;
+    struct {
+        const char *key;
+        double value;
+        bool fixed;
+    } with[3];
+} setting;
+
+static void holds(rig *r, const setting *s) {
+    static const sv_scanned ranges[256 * 256];
+    char name[160];
+    sv_param_value frame_values[4];
+    uint32_t count = 0;
+    rig_format how = {.width = s->width,
+                      .height = s->height,
+                      .slices = s->slices,
+                      .slab_slices = s->slab_slices,
+                      .carrier = s->carrier,
+                      .in_place = s->in_place,
+                      .own_queue = s->own_queue,
+                      .padding = SV_NO_PADDING,
+                      .scanned = s->ranged ? ranges : NULL};
+    how.fixed[how.fixed_count++] =
+        (sv_param_value){rig_param(r, "method"), 0, rig_enum(r, "method", s->method)};
+    how.fixed[how.fixed_count++] =
+        (sv_param_value){rig_param(r, "strategy"), 0, rig_enum(r, "strategy", s->strategy)};
+    for (size_t i = 0; i < 3 && s->with[i].key; i++) {
+        const sv_param_value v = {rig_param(r, s->with[i].key), 0, s->with[i].value};
+        if (s->with[i].fixed)
+            how.fixed[how.fixed_count++] = v;
+        else
+            frame_values[count++] = v;
+    }
+    (void)snprintf(name, sizeof name, "%s, %s, %u x %u x %u in slabs of %u", s->method, s->strategy, s->width,
+                   s->height, s->slices, s->slab_slices);
+    uint8_t *volume = calloc((size_t)s->width * s->height, s->slices);
+    assert_non_null(volume);
+    rig_textures *t = rig_textures_make(r, &how, volume);
+    rig_result out = rig_result_make(s->width, s->height);
+    const sv_plugin *p = r->plugin;
+    const sv_needs told = ask(r, &t->format, frame_values, count);
+    assert_int_equal(p->activate(p, &t->format), SV_OK);
+    same("bytes of buffers", name, told.device_bytes, spy_live_bytes());
+    assert_true(told.largest_buffer > 0 && told.largest_buffer <= told.device_bytes);
+    if (heap_spy_works()) {
+        const uint64_t seen = heap_spy_bytes(), slack = 32u * heap_spy_live();
+        if (seen < told.host_bytes || seen > told.host_bytes + slack)
+            same("bytes of heap memory", name, told.host_bytes, seen);
+    }
+    const sv_needs active = ask(r, &t->format, frame_values, count);
+    assert_memory_equal(&active, &told, sizeof told);
+    const sv_ext_timing *timing = p->get_extension(p, SV_EXT_TIMING);
+    if (s->timed) assert_int_equal(timing->enable(p, 1), SV_OK);
+    const int32_t before = spy_live();
+    spy_reset();
+    sv_frame frame = rig_begin(t, frame_values, count);
+    assert_int_equal(p->begin(p, &frame), SV_OK);
+    for (uint32_t n = 0; n < t->slab_count; n++) {
+        const sv_slab slab = rig_slab(t, n);
+        assert_int_equal(p->slab(p, &slab), SV_OK);
+    }
+    const sv_result result = {
+        .size = sizeof result, .depth = out.depth, .status = out.status, .stats = &out.stats};
+    assert_true(p->end(p, &result) >= SV_OK);
+    same("commands of a frame", name, told.commands, spy_count(SPY_ENQUEUE));
+    if (s->timed) same("events of a timed frame", name, told.commands, (uint64_t)(spy_live() - before));
+    spy_reset();
+    assert_true(p->adjust(p, NULL, 0, &result) >= SV_OK);
+    same("commands of an adjust", name, told.adjust_commands, spy_count(SPY_ENQUEUE));
+    assert_int_equal(clFinish(r->queue), CL_SUCCESS);
+    p->deactivate(p);
+    assert_int_equal(spy_live(), 0);
+    rig_result_free(&out);
+    rig_textures_free(t);
+    free(volume);
+}
+
+static void told_is_taken(void **state) {
+    rig *r = *state;
+    static const setting settings[] = {
+        {"wall", "single", 21, 18, 14, 6, .ranged = true},
+        {"wall", "rays", 37, 50, 41, 9, .carrier = SV_CARRIER_BUFFER},
+        {"wall", "auto", 128, 128, 128, 16, SV_CARRIER_BUFFER, .ranged = true, .timed = true},
+        {"wall", "bands", 64, 33, 20, 1, SV_CARRIER_IMAGE, .with = {{"unsure", 1, false}}},
+        {"wall", "auto", 1, 1, 1, 1, .own_queue = true},
+        {"mean", "single", 21, 18, 14, 6, .in_place = true},
+        {"mean", "auto", 220, 210, 24, 8, .carrier = SV_CARRIER_BUFFER},
+        {"mean", "rays", 90, 70, 40, 1, .timed = true, .with = {{"kernel", 3, false}}},
+        {"mean", "bands", 90, 250, 24, 5, SV_CARRIER_IMAGE, .ranged = true, .with = {{"kernel", 63, false}}},
+        {"mean", "rays", 64, 64, 32, 8, .with = {{"precision", 2, true}, {"substeps", 4, true}}},
+        {"mean", "auto", 100, 60, 16, 16, .with = {{"reduction", 3, true}, {"kernel", 3, false}},
+         .own_queue = true},
+        {"mean", "bands", 64, 64, 32, 1, SV_CARRIER_BUFFER, .timed = true,
+         .with = {{"prefilter", 1, true}, {"prefilter_passes", 16, false}, {"kernel", 3, false}}},
+        {"minimum", "auto", 50, 40, 20, 7, .carrier = SV_CARRIER_HOST},
+        {"minimum", "rays", 130, 20, 20, 20, .timed = true,
+         .with = {{"kernel", 3, false}, {"reduction", 2, true}}},
+        {"spline", "auto", 40, 60, 24, 6, .carrier = SV_CARRIER_IMAGE},
+        {"spline", "rays", 40, 60, 24, 24, .with = {{"precision", 1, true}, {"merge_grid", 7, true}}},
+        {"spline", "single", 33, 65, 24, 1, .timed = true,
+         .with = {{"spline_grid", 16, true}, {"prefilter", 1, true}, {"prefilter_passes", 16, false}}},
+        {"cost", "auto", 77, 66, 55, 11, .in_place = true},
+        {"cost", "rays", 77, 66, 55, 1, SV_CARRIER_IMAGE, .ranged = true, .timed = true,
+         .with = {{"memory", 0.5, false}}},
+    };
+    spy_watch(r->entry);
+    heap_spy_watch(r->entry);
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) holds(r, &settings[i]);
+}
+
+/* Another device takes something else, and the number of its units counts where work is by bands. */
+static void the_device_counts(void **state) {
+    rig *r = *state;
+    const sv_param_value mean = {rig_param(r, "method"), 0, rig_enum(r, "method", "mean")};
+    const sv_format format = {.size = sizeof format,
+                              .width = 300,
+                              .height = 300,
+                              .slices = 64,
+                              .max_slab_slices = 16,
+                              .voxel_type = SV_VOXEL_U8,
+                              .carrier = SV_CARRIER_BUFFER,
+                              .padding_value = SV_NO_PADDING,
+                              .tiles_x = 4,
+                              .tile_w = 300,
+                              .tile_h = 300,
+                              .row_pitch = 1200,
+                              .values = &mean,
+                              .value_count = 1};
+    const uint32_t cpu = SV_NEEDS_CPU | SV_NEEDS_UNIFIED | SV_NEEDS_DOUBLES;
+    const sv_needs_device devices[] = {{sizeof *devices, cpu, 2, 0},
+                                       {sizeof *devices, cpu, 64, 0},
+                                       {sizeof *devices, SV_NEEDS_DOUBLES, 64, 0}};
+    sv_needs needs[3];
+    for (int i = 0; i < 3; i++) {
+        needs[i].size = sizeof *needs;
+        assert_int_equal(needs_of(r)->of(r->plugin, &format, NULL, 0, &devices[i], &needs[i]), SV_OK);
+    }
+    assert_true(needs[0].device_bytes < needs[1].device_bytes); /* more bands */
+    assert_int_equal(needs[0].commands, needs[1].commands);
+    assert_true(needs[2].commands > needs[1].commands); /* two launches a pass */
+    /* A parameter of the frame counts, too. */
+    const sv_param_value k = {rig_param(r, "kernel"), 0, 3};
+    assert_int_equal(needs_of(r)->of(r->plugin, &format, &k, 1, &devices[0], &needs[1]), SV_OK);
+    assert_true(needs[1].commands > needs[0].commands);
+}
+
+static void what_cannot_be_is_refused(void **state) {
+    rig *r = *state;
+    const sv_plugin *p = r->plugin;
+    const sv_ext_needs *ext = needs_of(r);
+    sv_format format = {.size = sizeof format,
+                        .width = 8,
+                        .height = 8,
+                        .slices = 8,
+                        .max_slab_slices = 8,
+                        .voxel_type = SV_VOXEL_U8,
+                        .carrier = SV_CARRIER_IMAGE,
+                        .padding_value = SV_NO_PADDING,
+                        .tiles_x = 4,
+                        .tile_w = 8,
+                        .tile_h = 8};
+    sv_needs_device device = {sizeof device, SV_NEEDS_CPU, 1, 0};
+    sv_needs needs = {.size = sizeof needs};
+    const sv_param_value unknown = {.id = 999}, fixed = {rig_param(r, "method"), 0, 0};
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_OK);
+    assert_string_equal(p->last_error(p), "");
+    assert_int_equal(ext->of(p, NULL, NULL, 0, &device, &needs), SV_ERR_ARGUMENT);
+    assert_int_equal(ext->of(p, &format, NULL, 1, &device, &needs), SV_ERR_ARGUMENT);
+    assert_int_equal(ext->of(p, &format, NULL, 0, NULL, &needs), SV_ERR_ARGUMENT);
+    assert_string_equal(p->last_error(p), "needs: device is NULL");
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, NULL), SV_ERR_ARGUMENT);
+    assert_int_equal(ext->of(p, &format, &unknown, 1, &device, &needs), SV_ERR_PARAM_ID);
+    assert_int_equal(ext->of(p, &format, &fixed, 1, &device, &needs), SV_ERR_PARAM_FIXED);
+    needs.size--;
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_SIZE);
+    needs.size++;
+    device.size--;
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_SIZE);
+    device.size++;
+    device.flags = 8;
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_ARGUMENT);
+    device.flags = device.compute_units = 0;
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_ARGUMENT);
+    assert_string_equal(p->last_error(p),
+                        "needs: flags is 0x0, known are 0x7; compute_units is 0, expected 1 or more");
+    device.compute_units = 1;
+    format.tile_w = 7;
+    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_FORMAT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        RIG_TEST(told_is_taken),
+        RIG_TEST(the_device_counts),
+        RIG_TEST(what_cannot_be_is_refused),
+    };
+    return cmocka_run_group_tests_name("needs", tests, NULL, NULL);
+}

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Recordings (tools/record/): what passes between host and plugin comes back as it was, from every carrier; a
+ * ring keeps the last frames; without voxels nothing of them is in the file; and what is cut off or damaged
+ * at any byte is told, and never read as if it were whole.
+ */
+#include "record/rec.h"
+#include "record/rec_item.h"
+#include "support/rig.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 21, HEIGHT = 17, SLICES = 14, RAYS = WIDTH * HEIGHT };
+
+typedef struct {
+    char path[64];
+    rec *recording;
+    rig *r;
+    uint8_t *volume;
+    bool varies;
+    sv_scanned ranges[RAYS];
+    float depth[RAYS]; /* of the last frame */
+    uint8_t status[RAYS];
+} scene;
+
+/* A call of the plugin, recorded as a host's layer does it. */
+#define CALL(s, what, expression, ...)                                                                       \
+    do {                                                                                                     \
+        rc_call call = {.kind = (what), .plugin = (s)->r->plugin, .sound = true, __VA_ARGS__};               \
+        rec_before((s)->recording, &call);                                                                   \
+        call.status = (expression);                                                                          \
+        rec_after((s)->recording, &call);                                                                    \
+    } while (0)
+
+static void open_scene(scene *s, rig *r, const char *options) {
+    char error[300] = "";
+    memset(s, 0, sizeof *s);
+    (void)snprintf(s->path, sizeof s->path, "/tmp/test_recording_%d", (int)getpid());
+    s->r = r;
+    s->volume = rig_volume(RIG_LAYERS, WIDTH, HEIGHT, SLICES, 5);
+    for (uint32_t i = 0; i < RAYS; i++)
+        s->ranges[i] = (sv_scanned){(uint16_t)(i % 3), (uint16_t)(SLICES - i % 4)};
+    s->recording = rec_open(s->path, options, error, sizeof error);
+    if (!s->recording) fail_msg("%s", error);
+    CALL(s, RC_CREATE, SV_OK, .start_ns = 7);
+}
+
+static void close_scene(scene *s) {
+    assert_string_equal(rec_why(s->recording), "");
+    rec_close(s->recording);
+    s->recording = NULL;
+    free(s->volume);
+}
+
+/* `frames` frames of the volume, handed over this way; in host memory the first voxel tells which. */
+static void record_frames(scene *s, rig_format how, uint32_t frames) {
+    const sv_plugin *p = s->r->plugin;
+    how.width = WIDTH;
+    how.height = HEIGHT;
+    how.slices = SLICES;
+    how.slab_slices = 6;
+    how.extra_w = how.extra_h = how.extra_pitch = 3;
+    how.padding = SV_NO_PADDING;
+    how.scanned = s->ranges;
+    const sv_param_value k = {rig_param(s->r, "kernel"), 0, 11};
+    rig_textures *t = rig_textures_make(s->r, &how, s->volume);
+    s->varies = t->format.carrier == SV_CARRIER_HOST;
+    CALL(s, RC_ACTIVATE, p->activate(p, &t->format), .format = &t->format);
+    for (uint32_t n = 0; n < frames; n++) {
+        if (s->varies) t->memory[0] = (uint8_t)(100 + n);
+        sv_frame frame = rig_begin(t, &k, 1);
+        frame.index = n;
+        frame.probe_side[2] = -1.0f;
+        CALL(s, RC_BEGIN, p->begin(p, &frame), .frame = &frame);
+        rec_log(s->recording, SV_LOG_INFO, "a line");
+        for (uint32_t i = 0; i < t->slab_count; i++) {
+            const sv_slab slab = rig_slab(t, i);
+            CALL(s, RC_SLAB, p->slab(p, &slab), .slab = &slab);
+        }
+        sv_stats stats = {.size = sizeof stats};
+        const sv_result result = {
+            .size = sizeof result, .depth = s->depth, .status = s->status, .stats = &stats};
+        CALL(s, RC_END, p->end(p, &result), .result = &result);
+    }
+    CALL(s, RC_DEACTIVATE, (p->deactivate(p), SV_OK), );
+    rig_textures_free(t);
+}
+
+/* What a recording holds. */
+typedef struct {
+    uint32_t kinds[RC_CALLS], logs, plugins, first_index, frames;
+    bool whole;
+    char error[400];
+} census;
+
+/* Reads all of it, and holds every frame to the volume, the last one to the maps. */
+static census read_all(const char *path, const scene *s) {
+    static rec_item item;
+    census c = {0};
+    rec_reader *r = rec_reader_open(path, c.error, sizeof c.error);
+    int there = r ? 1 : -1;
+    while (r && (there = rec_reader_next(r, &item, c.error, sizeof c.error)) == 1) {
+        c.logs += item.type == REC_LOG;
+        c.plugins += item.type == REC_PLUGIN;
+        if (item.type == REC_CALL) c.kinds[item.kind]++;
+        if (item.type == REC_CALL && item.kind == RC_BEGIN && s) {
+            if (c.frames++ == 0) c.first_index = (uint32_t)item.frame.index;
+            assert_int_equal(item.value_count, 1);
+            assert_true(item.values[0].value == 11 && item.frame.probe_side[2] == -1.0f);
+            assert_int_equal(item.bytes, sizeof s->ranges);
+            assert_memory_equal(item.data, s->ranges, sizeof s->ranges);
+            if (s->varies) s->volume[0] = (uint8_t)(100 + item.frame.index);
+        }
+        if (item.type == REC_CALL && item.kind == RC_SLAB && item.voxels && s) {
+            assert_int_equal(item.bytes, item.slab.slice_count * RAYS);
+            assert_memory_equal(item.data, s->volume + item.slab.first_slice * RAYS, item.bytes);
+        }
+        if (item.type == REC_RETURN && item.kind == RC_END && item.maps && s) {
+            assert_int_equal(item.bytes, RAYS * 5);
+            assert_int_equal(item.found.rays, RAYS);
+        }
+        if (item.type == REC_RETURN && item.kind == RC_DEACTIVATE && s && c.frames) break;
+    }
+    c.whole = there >= 0;
+    rec_reader_close(r);
+    return c;
+}
+
+static void carriers_come_back(void **state) {
+    rig *r = *state;
+    static const rig_format ways[] = {{.carrier = SV_CARRIER_HOST},
+                                      {.carrier = SV_CARRIER_HOST, .in_place = true, .own_queue = true},
+                                      {.carrier = SV_CARRIER_BUFFER, .scanned_in_buffer = true},
+                                      {.carrier = SV_CARRIER_IMAGE}};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        scene s;
+        static rec_item item;
+        char error[400];
+        open_scene(&s, r, NULL);
+        record_frames(&s, ways[i], 2);
+        assert_string_equal(rec_why(s.recording), "");
+        rec_close(s.recording);
+        const census c = read_all(s.path, &s);
+        if (!c.whole) fail_msg("%s", c.error);
+        assert_int_equal(c.plugins, 1);
+        assert_int_equal(c.kinds[RC_BEGIN], 2);
+        assert_int_equal(c.kinds[RC_SLAB], 6);
+        assert_int_equal(c.kinds[RC_END], 2);
+        assert_int_equal(c.logs, 2);
+        /* The maps of the last end are those that the host has. */
+        rec_reader *reader = rec_reader_open(s.path, error, sizeof error);
+        uint32_t ends = 0;
+        while (rec_reader_next(reader, &item, error, sizeof error) == 1)
+            if (item.type == REC_RETURN && item.kind == RC_END && ++ends == 2) {
+                assert_int_equal(item.maps, 2);
+                assert_memory_equal(item.data, s.depth, sizeof s.depth);
+                assert_memory_equal(item.data + sizeof s.depth, s.status, sizeof s.status);
+            }
+        assert_int_equal(ends, 2);
+        rec_reader_close(reader);
+        free(s.volume);
+        (void)remove(s.path);
+    }
+}
+
+/* At least the last N while it runs, exactly these at the end; the activation stays before them. */
+static void a_ring_keeps_the_last(void **state) {
+    rig *r = *state;
+    static const uint32_t frames[] = {1, 3, 4, 6, 11};
+    for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
+        scene s;
+        open_scene(&s, r, "frames=3");
+        record_frames(&s, (rig_format){0}, frames[i]);
+        const census running = read_all(s.path, &s);
+        assert_true(running.whole);
+        const uint32_t most = frames[i] < 3 ? frames[i] : 3;
+        assert_true(running.frames >= most && running.frames < 7);
+        rec_close(s.recording);
+        const census c = read_all(s.path, &s);
+        if (!c.whole) fail_msg("%s", c.error);
+        assert_int_equal(c.frames, most);
+        assert_int_equal(c.first_index, frames[i] - most);
+        assert_int_equal(c.kinds[RC_ACTIVATE], 1);
+        assert_int_equal(c.plugins, 1);
+        free(s.volume);
+        (void)remove(s.path);
+    }
+}
+
+static size_t read_file(const char *path, uint8_t **bytes) {
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    assert_int_equal(fseek(f, 0, SEEK_END), 0);
+    const size_t size = (size_t)ftell(f);
+    rewind(f);
+    *bytes = malloc(size);
+    assert_int_equal(fread(*bytes, 1, size, f), size);
+    (void)fclose(f);
+    return size;
+}
+
+static void write_file(const char *path, const uint8_t *bytes, size_t size) {
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, size, f), size);
+    assert_int_equal(fclose(f), 0);
+}
+
+static void without_voxels_nothing_of_them_is_there(void **state) {
+    rig *r = *state;
+    scene s;
+    uint8_t *with, *without;
+    open_scene(&s, r, "");
+    record_frames(&s, (rig_format){0}, 2);
+    close_scene(&s);
+    const size_t large = read_file(s.path, &with);
+    open_scene(&s, r, "voxels=no, frames=9");
+    record_frames(&s, (rig_format){0}, 2);
+    rec_close(s.recording);
+    const census c = read_all(s.path, &s);
+    if (!c.whole) fail_msg("%s", c.error);
+    assert_int_equal(c.kinds[RC_SLAB], 6);
+    const size_t small = read_file(s.path, &without);
+    assert_true(small + 1000 < large && small < 12000);
+    free(with);
+    free(without);
+    free(s.volume);
+    (void)remove(s.path);
+}
+
+/* Up to behind its first frame the file is cut at every byte, and every byte of it is damaged. */
+static void what_is_not_whole_is_told(void **state) {
+    rig *r = *state;
+    scene s;
+    uint8_t *bytes;
+    char error[400] = "";
+    open_scene(&s, r, NULL);
+    record_frames(&s, (rig_format){0}, 2);
+    close_scene(&s);
+    const size_t size = read_file(s.path, &bytes);
+    for (size_t cut = 0; cut < size; cut += cut < size / 2 + 200 ? 1 : 97) {
+        write_file(s.path, bytes, cut);
+        const census c = read_all(s.path, NULL);
+        if (c.whole) fail_msg("cut at byte %zu of %zu it is read as whole", cut, size);
+        if (!strstr(c.error, s.path)) fail_msg("'%s' does not name the file", c.error);
+    }
+    for (size_t at = 0; at < size; at += 7) {
+        bytes[at] ^= (uint8_t)(1u << at % 8);
+        write_file(s.path, bytes, size);
+        const census c = read_all(s.path, NULL);
+        const bool reserved = at >= 12 && at < 16;
+        if (c.whole && !reserved) fail_msg("with another byte %zu it is read as whole", at);
+        bytes[at] ^= (uint8_t)(1u << at % 8);
+    }
+    /* More behind its end, and no file at all. */
+    write_file(s.path, bytes, size);
+    assert_true(read_all(s.path, NULL).whole);
+    assert_int_equal(truncate(s.path, (off_t)size + 4), 0);
+    assert_false(read_all(s.path, NULL).whole);
+    (void)remove(s.path);
+    assert_null(rec_reader_open(s.path, error, sizeof error));
+    assert_non_null(strstr(error, "No such file"));
+    free(bytes);
+}
+
+/* As host_sim does to compile a plugin's kernels beside its own. */
+static void a_fork_adds_nothing(void **state) {
+    rig *r = *state;
+    scene s;
+    uint8_t *before, *after;
+    open_scene(&s, r, "frames=3");
+    record_frames(&s, (rig_format){0}, 1);
+    const size_t size = read_file(s.path, &before);
+    const pid_t child = fork();
+    if (child == 0) {
+        CALL(&s, RC_DEACTIVATE, SV_OK, );
+        rec_log(s.recording, SV_LOG_INFO, "from elsewhere");
+        rec_close(s.recording);
+        _exit(0);
+    }
+    int status = -1;
+    assert_true(child > 0 && waitpid(child, &status, 0) == child && status == 0);
+    assert_int_equal(read_file(s.path, &after), size);
+    assert_memory_equal(after, before, size);
+    close_scene(&s);
+    const census c = read_all(s.path, NULL);
+    if (!c.whole) fail_msg("%s", c.error);
+    free(before);
+    free(after);
+    (void)remove(s.path);
+}
+
+static void options_are_checked(void **state) {
+    static const char *const bad[] = {"frames=0", "frames=x", "frames=3x", "voxels=maybe", "all"};
+    (void)state;
+    char error[300];
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_null(rec_open("/tmp/never", bad[i], error, sizeof error));
+        if (!strstr(error, bad[i])) fail_msg("'%s' in '%s'", bad[i], error);
+    }
+    assert_null(rec_open("/nowhere/x", NULL, error, sizeof error));
+    assert_non_null(strstr(error, "/nowhere/x: No such file"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        RIG_TEST(carriers_come_back),
+        RIG_TEST(a_ring_keeps_the_last),
+        RIG_TEST(without_voxels_nothing_of_them_is_there),
+        RIG_TEST(what_is_not_whole_is_told),
+        RIG_TEST(a_fork_adds_nothing),
+        cmocka_unit_test(options_are_checked),
+    };
+    return cmocka_run_group_tests_name("recording", tests, NULL, NULL);
+}

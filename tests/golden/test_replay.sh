@@ -1,0 +1,79 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Twenty frames of a turning camera are recorded in the simulated machine by the checking layer, and played again: bit for bit
+# in another process, in other layouts of the work, from other carriers, under the guard. What is changed is told, with the
+# frame; a plugin that crashes in a recording, and one that crashes on it, are; a recording that is cut off ends with 3.
+# Called with the source and the build folder.
+set -u
+build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checked=0 failed=0
+# shellcheck source=tests/support/holds.sh
+. "$1/tests/support/holds.sh"
+record() { # record FILE OPTIONS PLUGIN ARGUMENTS...: of host_sim run
+    local file=$1 options=$2 plugin=$3
+    shift 3
+    SMARTVIS_CHECK_PLUGIN=$plugin SMARTVIS_RECORD=$file SMARTVIS_RECORD_OPTIONS=$options "$build/host_sim" run --scene E02 --size 64 \
+        --setting smartvis --no-guard --plugin "$build/smartvis_check.so" --out "$work/run" "$@" > "$work/host" 2>&1
+}
+replay() { "$build/sv_replay" "$@" > "$work/said" 2>&1; }
+code() { local wanted=$1; shift; "$@"; [ $? = "$wanted" ] || { cat "$work/said"; false; }; }
+says() { grep -qE -- "$1" "$work/said" || { cat "$work/said"; false; }; }
+
+holds record "$work/turn" "" "$build/smartvis.so" --orbit 60 --frames 20
+for options in "" "--set strategy=rays" "--guard" "--own-queue" "--carrier image"; do
+    # shellcheck disable=SC2086 # options are words
+    holds code 0 replay "$work/turn" $options
+    holds says '^the same$'
+    holds says '[2-9][0-9] frames, '
+    holds says '[2-9][0-9] maps and '
+done
+
+# --- what is not the same, and where
+holds code 1 replay "$work/turn" --set q=0.75
+holds says '^frame 0 .*: end: [0-9]+ of [0-9]+ depths are others, by up to [0-9.]+ slices; the first is ray'
+holds says '^NOT THE SAME$'
+holds code 1 replay "$work/turn" --plugin "$build/examples/first_edge.so"
+holds says 'SV_PARTIAL'
+
+# --- of the layer's rules none was broken on the way
+holds test "$(grep -c 'check: ' "$work/host")" = 0
+
+# --- a ring, no voxels, host memory
+holds record "$work/ring" "frames=4" "$build/smartvis.so" --orbit 60 --frames 20 --carrier host
+holds code 0 replay "$work/ring"
+holds says ' 4 frames, '
+holds record "$work/empty" "voxels=no" "$build/smartvis.so" --frames 5
+holds code 0 replay "$work/empty"
+holds says 'holds no voxels and no maps'
+holds test "$(($(stat -c %s "$work/empty") * 5))" -lt "$(stat -c %s "$work/turn")"
+holds test "$(stat -c %a "$work/turn")" = 600
+
+# --- pictures
+holds code 0 replay "$work/ring" --out "$work/pictures" --frame 2
+holds test -s "$work/pictures/panel.png" -a -s "$work/pictures/slices.png"
+holds code 3 replay "$work/empty" --out "$work/pictures"
+
+# --- a plugin that crashes: in the recording, and on it
+{ record "$work/crash" "" "$build/wrong/crash_in_slab.so" --frames 3; } 2> /dev/null
+holds code 3 replay "$work/crash"
+holds says 'without its last part: whoever wrote it ended first'
+holds code 4 replay "$work/crash" --plugin "$build/wrong/crash_in_slab.so"
+holds says 'crashed: SIGSEGV'
+holds code 4 replay "$work/turn" --guard --plugin "$build/wrong/crash_in_slab.so"
+
+# --- cut off, no recording, wrong words
+head -c 100000 "$work/turn" > "$work/cut"
+holds code 3 replay "$work/cut"
+holds says 'the recording is cut off here'
+holds code 3 replay "$work/cut" --list
+holds code 3 replay "$0"
+holds code 3 replay "$work/nothing"
+holds code 2 replay "$work/turn" --set nothing=1
+holds code 2 replay
+holds code 0 replay "$work/ring" --list
+holds says '^begin [0-9]+, time [0-9]+ ns, .*probe towards \('
+
+echo "$checked checked, $failed failed"
+[ "$failed" = 0 ]

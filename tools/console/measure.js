@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/* The distance between two points of a slice, in mm. */
+"use strict";
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/* Points are in mm right of and below the middle of the slice, so they stay on their tissue when it zooms. */
+const measured = { on: false, view: "", points: [], tissue: "" };
+
+/* What a slice shows: with another volume, direction or depth the points are of nothing. */
+function tissueOf(view) {
+  const stands = [0, 1, 2].find((axis) => !AXES[view].includes(axis));
+  const { yaw, pitch, zoom } = state.camera;
+  return JSON.stringify([state.source, state.play.index, yaw, pitch, (state.cross[stands] - 0.5) / zoom]);
+}
+
+/* A press sets a point, a drag moves it; the third begins anew. */
+function setPoint(view, right, down, pressed) {
+  if (!lastFigures) return;
+  const mm = lastFigures.source.window_mm;
+  if (measured.view !== view || measured.tissue !== tissueOf(view)) measured.points = [];
+  if (!pressed) measured.points.pop();
+  else if (measured.points.length === 2) measured.points = [];
+  measured.points.push([(clamp(right, 0, 1) - 0.5) * mm, (clamp(down, 0, 1) - 0.5) * mm]);
+  measured.view = view;
+  measured.tissue = tissueOf(view);
+  drawMeasured();
+}
+
+function drawIn(view, shares, text) {
+  const { lines, distance } = viewOf(view);
+  const of = (name, attributes) => {
+    const element = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    return element;
+  };
+  lines.replaceChildren(...shares.map(([x, y]) => of("circle", { cx: x, cy: y, r: 0.012 })));
+  distance.textContent = text;
+  if (shares.length < 2) return;
+  const [[x1, y1], [x2, y2]] = shares;
+  lines.append(of("line", { x1, y1, x2, y2 }));
+  distance.style.left = 100 * clamp((x1 + x2) / 2, 0.05, 0.75) + "%";
+  distance.style.top = 100 * clamp((y1 + y2) / 2, 0.02, 0.9) + "%";
+}
+
+function drawMeasured() {
+  if (measured.view && measured.tissue !== tissueOf(measured.view)) measured.points = [];
+  const { view, points } = measured;
+  const mm = lastFigures ? lastFigures.source.window_mm : 1;
+  const text = points.length < 2 ? "" : Math.hypot(points[0][0] - points[1][0], points[0][1] - points[1][1]).toFixed(1) + " mm";
+  for (const one of Object.keys(AXES))
+    drawIn(one, one === view ? points.map((p) => p.map((x) => x / mm + 0.5)) : [], one === view ? text : "");
+  const next = ["Set two points in a slice.", "Now the other point.", TITLES[view] + ": " + text][points.length];
+  at("distance").textContent = measured.on ? next : "";
+}
+
+function measure(on) {
+  measured.on = on;
+  measured.points = [];
+  at("measure").setAttribute("aria-pressed", String(on));
+  if (on && !look.slices) at("slices-on").click();
+  drawMeasured();
+}

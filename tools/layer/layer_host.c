@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+/* What the host does: the shadow of an instance, held to the header by the checks that authors of plugins
+ * use. */
+#define CL_TARGET_OPENCL_VERSION 120
+#include "layer/layer.h"
+
+#include <CL/cl.h>
+
+/* What an error means: the host's rule that was broken, and the plugin's rule that makes it an error. */
+typedef struct {
+    sv_status status;
+    rule_name host, plugin;
+} meaning;
+
+static meaning mean(const rc_call *c, sv_status due) {
+    static const meaning by_status[] = {
+        {SV_ERR_STATE, RULE_host_states, RULE_call_states},
+        {SV_ERR_SIZE, RULE_host_sizes, RULE_struct_sizes},
+        {SV_ERR_PARAM_ID, RULE_host_values, RULE_param_out_of_range},
+        {SV_ERR_PARAM_RANGE, RULE_host_values, RULE_param_out_of_range},
+        {SV_ERR_PARAM_FIXED, RULE_host_values, RULE_param_fixed},
+        {SV_ERR_SLAB_ORDER, RULE_host_slabs, RULE_slab_refusals},
+        {SV_ERR_SLAB_MISSING, RULE_host_slabs, RULE_slab_refusals},
+        {SV_ERR_SLAB_SHAPE, RULE_host_slabs, RULE_slab_refusals},
+    };
+    static const meaning by_call[RC_CALLS] = {
+        [RC_ACTIVATE] = {0, RULE_host_format, RULE_format_refusals},
+        [RC_BEGIN] = {0, RULE_host_frame, RULE_null_arguments},
+        [RC_SLAB] = {0, RULE_host_slabs, RULE_null_arguments},
+        [RC_END] = {0, RULE_host_result, RULE_null_arguments},
+        [RC_ADJUST] = {0, RULE_host_result, RULE_null_arguments},
+    };
+    for (size_t i = 0; i < sizeof by_status / sizeof *by_status; i++)
+        if (by_status[i].status == due) return by_status[i];
+    return by_call[c->kind];
+}
+
+rule_name ly_rule_of_refusal(const ly_instance *i, const rc_call *c, sv_status due) {
+    if (i->owed != RULE_COUNT) return i->owed;
+    return mean(c, due).plugin;
+}
+
+/* ---- what author.h checks */
+static bool is_allowed(const sva *a, rc_kind kind) {
+    switch (kind) {
+    case RC_ACTIVATE:
+    case RC_DESTROY:
+        return a->state == SVA_INACTIVE;
+    case RC_DEACTIVATE:
+    case RC_BEGIN:
+        return a->state != SVA_INACTIVE;
+    case RC_ADJUST:
+        return a->state == SVA_FINISHED;
+    default:
+        return a->state == SVA_SLABS;
+    }
+}
+
+static void start_from(sva *a, const double *values) {
+    memcpy(a->values, values, a->method->param_count * sizeof *a->values);
+}
+
+static sv_status check(ly_instance *i, const rc_call *c) {
+    sva *a = &i->shadow;
+    const char *call = ly_call_names[c->kind];
+    sv_status due = SV_OK;
+    char probe[200];
+    if (!is_allowed(a, c->kind)) return sva_wrong_state(a, call);
+    switch (c->kind) {
+    case RC_ACTIVATE:
+        due = sva_check_format(a, c->format);
+        for (uint32_t n = 0; n < a->method->param_count; n++)
+            a->values[n] = a->method->params[n].default_value;
+        return due ? due
+                   : sva_take_values(a, call, c->format->values, c->format->value_count, SV_PARAM_REACTIVATE);
+    case RC_BEGIN:
+        due = sva_check_frame(a, c->frame);
+        if (due == SV_ERR_ARGUMENT && c->frame && !sv_probe_holds(c->frame, probe, sizeof probe))
+            i->owed = RULE_probe;
+        start_from(a, a->fixed);
+        return due ? due : sva_take_values(a, call, c->frame->values, c->frame->value_count, 0);
+    case RC_SLAB:
+        return sva_check_slab(a, c->slab);
+    case RC_ADJUST:
+        start_from(a, a->framed);
+        due = sva_take_values(a, call, c->values, c->value_count, SV_PARAM_ADJUST);
+        return due ? due : sva_check_result(a, call, c->result);
+    case RC_END:
+        if (a->next_slice < a->format.slices)
+            return sva_blame(a, SV_ERR_SLAB_MISSING, "end: %u of %u slices came", (unsigned)a->next_slice,
+                             (unsigned)a->format.slices);
+        return sva_check_result(a, call, c->result);
+    default:
+        return SV_OK;
+    }
+}
+
+/* ---- OpenCL objects */
+/* The error that is due for an object of the host's. */
+static sv_status check_object(ly_instance *i, const char *field, cl_mem object, uint32_t carrier,
+                              uint64_t offset, uint64_t bytes, sv_status due) {
+    cl_mem_object_type type = 0,
+                       wanted = carrier == SV_CARRIER_IMAGE ? CL_MEM_OBJECT_IMAGE2D : CL_MEM_OBJECT_BUFFER;
+    cl_context context = NULL;
+    size_t size = 0;
+    cl_int code = clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL);
+    if (code == CL_SUCCESS) code = clGetMemObjectInfo(object, CL_MEM_CONTEXT, sizeof context, &context, NULL);
+    if (code == CL_SUCCESS) code = clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof size, &size, NULL);
+    sva *a = &i->shadow;
+    if (code != CL_SUCCESS) return sva_blame(a, due, "%s is no OpenCL object: error %d", field, (int)code);
+    if (context != a->format.context) i->owed = RULE_foreign_objects;
+    if (context != a->format.context)
+        return sva_blame(a, due, "%s is of another context than the format's", field);
+    if (type != wanted)
+        return sva_blame(a, due, "%s has the type 0x%x, expected 0x%x", field, (unsigned)type,
+                         (unsigned)wanted);
+    if (carrier != SV_CARRIER_IMAGE && (offset > size || bytes > size - offset))
+        return sva_blame(a, due, "%s has %zu bytes, and %llu are needed from %llu on", field, size,
+                         (unsigned long long)bytes, (unsigned long long)offset);
+    return SV_OK;
+}
+
+/* Images have no bytes: sides and format say what fits. */
+static sv_status check_image(ly_instance *i, const sv_slab *slab) {
+    sva *a = &i->shadow;
+    const sv_format *f = &a->format;
+    size_t width = 0, height = 0;
+    cl_image_format format = {0, 0};
+    const size_t rows = (size_t)((slab->slice_count - 1) / f->tiles_x) * f->tile_h + f->height;
+    (void)clGetImageInfo(slab->object, CL_IMAGE_WIDTH, sizeof width, &width, NULL);
+    (void)clGetImageInfo(slab->object, CL_IMAGE_HEIGHT, sizeof height, &height, NULL);
+    (void)clGetImageInfo(slab->object, CL_IMAGE_FORMAT, sizeof format, &format, NULL);
+    if (width < (size_t)f->tiles_x * f->tile_w || height < rows)
+        return sva_blame(a, SV_ERR_SLAB_SHAPE, "slab: object is an image of %zu x %zu, expected %zu x %zu",
+                         width, height, (size_t)f->tiles_x * f->tile_w, rows);
+    if (format.image_channel_order == CL_R && (format.image_channel_data_type == CL_UNORM_INT8 ||
+                                               format.image_channel_data_type == CL_UNSIGNED_INT8))
+        return SV_OK;
+    return sva_blame(a, SV_ERR_SLAB_SHAPE,
+                     "slab: object is an image of the format 0x%x, 0x%x, expected CL_R of 8 bits",
+                     (unsigned)format.image_channel_order, (unsigned)format.image_channel_data_type);
+}
+
+static sv_status check_objects(ly_instance *i, const rc_call *c) {
+    const sv_format *f = &i->shadow.format;
+    const uint64_t rays = (uint64_t)f->width * f->height;
+    if (c->kind == RC_BEGIN && c->frame->scanned_object)
+        return check_object(i, "begin: scanned_object", c->frame->scanned_object, SV_CARRIER_BUFFER,
+                            c->frame->scanned_offset, rays * sizeof(sv_scanned), SV_ERR_ARGUMENT);
+    if (c->kind == RC_SLAB && c->slab->object) {
+        const sv_status due = check_object(i, "slab: object", c->slab->object, f->carrier, c->slab->offset,
+                                           c->slab->bytes, SV_ERR_SLAB_SHAPE);
+        return due == SV_OK && f->carrier == SV_CARRIER_IMAGE ? check_image(i, c->slab) : due;
+    }
+    if (c->result && c->result->depth_object)
+        return check_object(i, c->kind == RC_END ? "end: depth_object" : "adjust: depth_object",
+                            c->result->depth_object, SV_CARRIER_BUFFER, c->result->depth_offset,
+                            rays * sizeof(float), SV_ERR_ARGUMENT);
+    return SV_OK;
+}
+
+/* ---- what no plugin has to refuse */
+static void judge_reserved(const rule_sink *to, const char *call, uint32_t reserved,
+                           const sv_param_value *values, uint32_t count) {
+    RULE_EXPECT(to, RULE_host_reserved, reserved == 0, "%s: reserved is %u", call, reserved);
+    for (uint32_t n = 0; n < count; n++)
+        RULE_EXPECT(to, RULE_host_reserved, values[n].reserved == 0, "%s: values[%u].reserved is %u", call, n,
+                    values[n].reserved);
+}
+
+static void judge_slab(ly_instance *i, const sv_slab *slab) {
+    const rule_sink *to = &i->called;
+    const sv_format *f = &i->shadow.format;
+    const char *start = f->host_memory, *memory = slab->memory;
+    judge_reserved(to, "slab", slab->reserved, NULL, 0);
+    RULE_EXPECT(to, RULE_host_slabs,
+                !start || !memory ||
+                    (memory >= start && memory <= start + f->host_memory_bytes &&
+                     slab->bytes <= (uint64_t)(start + f->host_memory_bytes - memory)),
+                "slab: memory lies outside of the format's host_memory, which has %llu bytes",
+                (unsigned long long)f->host_memory_bytes);
+}
+
+static void judge_frame(ly_instance *i, const sv_frame *f) {
+    const rule_sink *to = &i->called;
+    char probe[200];
+    judge_reserved(to, "begin", f->reserved, f->values, f->value_count);
+    RULE_EXPECT(to, RULE_host_frame, sv_probe_holds(f, probe, sizeof probe), "begin: %s", probe);
+    RULE_EXPECT(to, RULE_host_clock,
+                f->time_ns == 0 || f->time_ns >= i->last_time_ns || (f->flags & SV_FRAME_DISCONTINUITY),
+                "begin: time_ns is %llu, the frame before had %llu", (unsigned long long)f->time_ns,
+                (unsigned long long)i->last_time_ns);
+}
+
+static void judge_rest(ly_instance *i, const rc_call *c) {
+    const rule_sink *to = &i->called;
+    if (c->kind == RC_ACTIVATE)
+        judge_reserved(to, "activate", c->format->reserved, c->format->values, c->format->value_count);
+    if (c->kind == RC_BEGIN) judge_frame(i, c->frame);
+    if (c->kind == RC_SLAB) judge_slab(i, c->slab);
+    if (c->kind == RC_ADJUST) judge_reserved(to, "adjust", 0, c->values, c->value_count);
+}
+
+sv_status ly_judge_host(ly_instance *i, const rc_call *c) {
+    sva *a = &i->shadow;
+    a->reason[0] = '\0';
+    i->owed = RULE_COUNT;
+    sv_status due = check(i, c);
+    if (due != SV_OK) {
+        rule_tell(&i->called, mean(c, due).host, "%s", a->reason);
+        return due;
+    }
+    due = check_objects(i, c);
+    if (due != SV_OK)
+        rule_tell(&i->called, RULE_host_objects, "%s", a->reason);
+    else
+        judge_rest(i, c);
+    return due;
+}
+
+/* ---- the shadow */
+static void keep_format(ly_instance *i, const rc_call *c) {
+    sva *a = &i->shadow;
+    if (!c->sound) { /* taken all the same, whatever it means */
+        atomic_store(&i->lost, true);
+        return;
+    }
+    a->state = SVA_IDLE;
+    a->format = *c->format;
+    a->format.values = NULL;
+    a->format.value_count = 0;
+    memcpy(a->fixed, a->values, a->method->param_count * sizeof *a->values);
+    i->last_time_ns = 0;
+}
+
+void ly_follow(ly_instance *i, const rc_call *c) {
+    sva *a = &i->shadow;
+    const bool well = c->status >= SV_OK;
+    if (c->kind == RC_DEACTIVATE) {
+        a->state = SVA_INACTIVE;
+        atomic_store(&i->lost, false);
+    }
+    if (c->kind == RC_ACTIVATE && well) keep_format(i, c);
+    if (c->status == SV_ERR_STATE || a->state == SVA_INACTIVE) return; /* such a call changes nothing */
+    if (c->kind == RC_BEGIN || c->kind == RC_SLAB) a->state = well ? SVA_SLABS : SVA_IDLE;
+    if (c->kind == RC_END) a->state = well ? SVA_FINISHED : SVA_IDLE;
+    if (c->kind == RC_BEGIN) a->next_slice = 0;
+    if (c->kind == RC_SLAB && well && c->slab) a->next_slice = c->slab->first_slice + c->slab->slice_count;
+    if (c->kind != RC_BEGIN || !c->sound) return;
+    memcpy(a->framed, a->values, a->method->param_count * sizeof *a->values);
+    i->frame_index = c->frame->index;
+    if (c->frame->time_ns) i->last_time_ns = c->frame->time_ns;
+}

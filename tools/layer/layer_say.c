@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+/* What the layer is told, and what it tells: settings, and the log with its rules. */
+#include "layer/layer.h"
+
+#include <dlfcn.h>
+
+const char *const ly_call_names[RC_CALLS] = {"create", "destroy", "activate", "deactivate",
+                                             "begin",  "slab",    "end",      "adjust"};
+
+/* ---- settings */
+char ly_folder[PATH_MAX];
+static char settings[4096]; /* the file, a NUL for every end of a line, two at its end */
+
+void ly_read_settings(void) {
+    Dl_info own;
+    char path[PATH_MAX + 32];
+    if (!dladdr(ly_folder, &own) || !own.dli_fname) return;
+    const char *slash = strrchr(own.dli_fname, '/');
+    if (slash)
+        (void)snprintf(ly_folder, sizeof ly_folder, "%.*s", (int)(slash - own.dli_fname + 1), own.dli_fname);
+    (void)snprintf(path, sizeof path, "%ssmartvis_check.conf", ly_folder);
+    FILE *file = fopen(path, "re");
+    if (!file) return;
+    const size_t bytes = fread(settings, 1, sizeof settings - 2, file);
+    (void)fclose(file);
+    for (size_t i = 0; i < bytes; i++)
+        if (settings[i] == '\n' || settings[i] == '\r') settings[i] = '\0';
+}
+
+const char *ly_setting(const char *name) {
+    const size_t length = strlen(name);
+    const char *value = getenv(name);
+    if (value) return value;
+    for (const char *line = settings; line < settings + sizeof settings - 2; line += strlen(line) + 1)
+        if (strncmp(line, name, length) == 0 && line[length] == '=') return line + length + 1;
+    return NULL;
+}
+
+/* ---- the log */
+void ly_log(const ly_instance *i, int32_t severity, const char *format, ...) {
+    char text[1200];
+    va_list args;
+    const int used = snprintf(text, sizeof text, "check: ");
+    va_start(args, format);
+    (void)vsnprintf(text + used, sizeof text - (size_t)used, format, args);
+    va_end(args);
+    if (i->record) rec_log(i->record, REC_NOTE, text);
+    if (i->silent) return;
+    if (i->outer->log)
+        i->outer->log(i->outer, severity, text);
+    else if (severity >= SV_LOG_WARNING)
+        (void)fprintf(stderr, "%s\n", text);
+}
+
+/* ---- broken rules */
+/* The first three times, then the 10th, the 100th and so on. */
+static bool is_told(uint32_t time) {
+    if (time <= 3) return true;
+    while (time % 10 == 0) time /= 10;
+    return time == 1;
+}
+
+void ly_broken_asking(void *instance, rule_name name, const char *text) {
+    ly_instance *i = instance;
+    const rule *r = &rules[name];
+    const int32_t severity = rule_is_hosts(name) ? SV_LOG_HOST_MISBEHAVING : SV_LOG_PLUGIN_MISBEHAVING;
+    const uint32_t time = atomic_fetch_add(&i->seen[name], 1) + 1;
+    if (i->silent) return;
+    if (time == 1)
+        ly_log(i, severity, "%s: %s. %s %s", r->id, text, r->what, r->mend);
+    else if (is_told(time))
+        ly_log(i, severity, "%s: %s (%u times)", r->id, text, time);
+}
+
+void ly_broken(void *instance, rule_name name, const char *text) {
+    ly_instance *i = instance;
+    ly_broken_asking(i, name, text);
+    if (i->stops && !i->found) {
+        (void)snprintf(i->reason, sizeof i->reason, "%s: %s", rules[name].id, text);
+        i->stopped = rule_is_hosts(name) ? SV_ERR_ARGUMENT : SV_ERR_INTERNAL;
+    }
+    i->found = true;
+}

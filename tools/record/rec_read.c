@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+#include "record/rec_item.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct rec_reader {
+    FILE *file;
+    char path[1024];
+    uint64_t at, size; /* bytes read, bytes of the file */
+    sv_format format;  /* that is active; width 0: none */
+    sv_format asked;   /* of the activate under way */
+    uint8_t *chunk;
+    uint8_t *data; /* of the last item */
+};
+
+/* The last word of a C expression: the field. */
+static const char *field_of(const char *expression) {
+    const char *last = expression;
+    for (const char *c = expression; *c; c++)
+        if (*c == '.' || *c == '>') last = c + 1;
+    return last;
+}
+
+static bool take(rec_reader *r, void *to, size_t bytes) {
+    if (bytes > r->size - r->at || fread(to, 1, bytes, r->file) != bytes) return false;
+    r->at += bytes;
+    return true;
+}
+
+rec_reader *rec_reader_open(const char *path, char *error, size_t bytes) {
+    struct {
+        char magic[8];
+        uint32_t version, reserved;
+    } header;
+    rec_reader *r = calloc(1, sizeof *r);
+    if (!r) {
+        (void)snprintf(error, bytes, "%s: no memory", path);
+        return NULL;
+    }
+    (void)snprintf(r->path, sizeof r->path, "%s", path);
+    r->file = fopen(path, "rb");
+    long size = -1;
+    if (r->file && fseek(r->file, 0, SEEK_END) == 0) size = ftell(r->file);
+    if (size < 0 || fseek(r->file, 0, SEEK_SET) != 0) {
+        (void)snprintf(error, bytes, "%s: cannot be read: %s", path, strerror(errno));
+    } else {
+        r->size = (uint64_t)size;
+        if (!take(r, &header, sizeof header) || memcmp(header.magic, REC_MAGIC, sizeof header.magic) != 0)
+            (void)snprintf(error, bytes, "%s: is no recording: it does not begin with %s", path, REC_MAGIC);
+        else if (header.version != REC_VERSION)
+            (void)snprintf(error, bytes, "%s: version is %u, this program reads %u", path, header.version,
+                           REC_VERSION);
+        else
+            return r;
+    }
+    rec_reader_close(r);
+    return NULL;
+}
+
+static int broken(const rec_reader *r, uint64_t at, char *error, size_t bytes, const char *what,
+                  const char *of) {
+    (void)snprintf(error, bytes, "%s: byte %llu: %s%s", r->path, (unsigned long long)at, what, of);
+    return -1;
+}
+
+/* The format that what follows is read by. */
+static void follow(rec_reader *r, const rec_item *item) {
+    const bool call = item->type == REC_CALL;
+    if (!call && item->type != REC_RETURN) return;
+    if (item->kind == RC_ACTIVATE && call) r->asked = item->sound ? item->format : (sv_format){0};
+    if (item->kind == RC_ACTIVATE && !call && item->returned >= SV_OK) r->format = r->asked;
+    if (item->kind == RC_DEACTIVATE && !call) r->format = (sv_format){0};
+}
+
+int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes) {
+    const uint64_t start = r->at;
+    uint32_t head[2], sum;
+    free(r->data);
+    r->data = NULL;
+    if (r->at == r->size)
+        return broken(r, start, error, bytes,
+                      "the recording ends without its last part: whoever wrote it ended first", "");
+    if (!take(r, head, sizeof head) || head[1] > REC_MOST_BYTES || head[1] + sizeof sum > r->size - r->at)
+        return broken(r, start, error, bytes, "the recording is cut off here", "");
+    uint8_t *chunk = realloc(r->chunk, head[1] + 1u);
+    if (!chunk) return broken(r, start, error, bytes, "no memory for this part", "");
+    r->chunk = chunk;
+    if (!take(r, chunk, head[1]) || !take(r, &sum, sizeof sum))
+        return broken(r, start, error, bytes, "the recording is cut off here", "");
+    if (sum != rec_sum(head[0], chunk, head[1]))
+        return broken(r, start, error, bytes, "this part is damaged: its checksum is another one", "");
+    rec_cursor c = {.bytes = chunk, .size = head[1], .format = &r->format};
+    item->type = (rec_type)head[0];
+    rec_item_pass(&c, item);
+    r->data = item->data;
+    if (c.bad) return broken(r, start, error, bytes, "this part cannot be: ", field_of(c.bad));
+    follow(r, item);
+    if (item->type != REC_END) return 1;
+    return r->at == r->size ? 0 : broken(r, r->at, error, bytes, "something follows the last part", "");
+}
+
+void rec_reader_close(rec_reader *r) {
+    if (!r) return;
+    if (r->file) (void)fclose(r->file);
+    free(r->chunk);
+    free(r->data);
+    free(r);
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/* Plays a recording (tools/record/) into a plugin, and tells where the two part. */
+#ifndef REPLAY_H
+#define REPLAY_H
+
+#include "guarded/guarded.h"
+#include "record/rec_item.h"
+#include "render/host_cl.h"
+
+enum { RP_MOST_SETS = 32, RP_MOST_TOLD = 12 };
+#define RP_LAST UINT32_MAX
+
+typedef struct {
+    const char *file, *plugin, *id;
+    const char *sets[RP_MOST_SETS]; /* KEY=VALUE instead of what was recorded */
+    uint32_t set_count;
+    uint32_t carrier; /* SV_CARRIER_*; 0: as it was recorded */
+    bool own_queue, verbose, list;
+    const char *out; /* folder for pictures of `frame`, or NULL */
+    uint32_t frame;  /* from 0; RP_LAST */
+    hs_guard_options guard;
+} rp_options;
+
+/* ------------------------------------------------------------------------------- replay_hand: the host -- */
+/* What a plugin is handed: the slabs as they were recorded, in memory or objects, and room for its results.
+ */
+
+typedef struct {
+    const hs_plugin *plugin;
+    hs_handover way;
+    hs_cl cl;         /* queue NULL: not needed so far */
+    sv_format format; /* as the plugin was given it; width 0: inactive */
+    uint8_t *memory;  /* of all slabs of a frame */
+    size_t bytes, used;
+    bool guards;     /* the memory is the guard's */
+    cl_mem *objects; /* of the frame: slabs, ranges, depths */
+    uint32_t object_count;
+    sv_scanned *ranges;
+    float *depth; /* rows `row` bytes apart */
+    size_t row;
+    uint8_t *status;
+    cl_mem depth_object;
+    sv_stats stats;
+} rp_hand;
+
+/* Chooses the way and makes the format and its memory. The recorded one is `item`'s. */
+bool rp_hand_format(rp_hand *h, const rp_options *o, const rec_item *item, hs_error *err);
+bool rp_hand_frame(rp_hand *h, const rec_item *item, sv_frame *frame, hs_error *err);
+bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err);
+bool rp_hand_result(rp_hand *h, const rec_item *item, sv_result *result, hs_error *err);
+/* Behind end or adjust: the queue has run, and the depths are in h->depth. */
+bool rp_hand_collect(rp_hand *h, hs_error *err);
+/* What lasts from activate to deactivate, and all of it. */
+void rp_hand_release(rp_hand *h);
+void rp_hand_close(rp_hand *h);
+
+/* -------------------------------------------------------------------------------------- replay_play -- */
+
+/* One frame, for its picture. */
+typedef struct {
+    uint32_t number;
+    sv_format format;
+    uint8_t *voxels; /* NULL: none was kept */
+    sv_scanned *ranges;
+    float *depth; /* what the plugin made of it here */
+    uint8_t *status;
+    sv_status outcome;
+} rp_frame;
+void rp_frame_free(rp_frame *frame);
+
+typedef struct {
+    char id[256], version[64]; /* of the recorded plugin */
+    uint32_t frames, calls,
+        left_out;                 /* left out: calls that broke a rule, of which only the status was kept */
+    uint32_t maps, lines;         /* that were compared */
+    uint32_t parted;              /* what was not the same */
+    char told[RP_MOST_TOLD][400]; /* the first of it */
+    uint64_t voxel_bytes;         /* of all slabs, unpacked */
+    double recorded_ms, ms;       /* of all begins, slabs and ends */
+    bool maps_kept;
+    bool fresh; /* the first frame continues none that is not there */
+    rp_frame drawn;
+} rp_report;
+
+/* Plays all of it. HS_ERR_INPUT if the recording is cut off or damaged (what came before was played),
+ * HS_ERR_PLUGIN if the plugin cannot be made or its process ended, HS_ERR_DEVICE, HS_ERR_MEMORY. */
+bool rp_play(const rp_options *o, rp_report *report, hs_error *err);
+
+/* Prints every call of a recording and plays none. */
+bool rp_list(const char *file, hs_error *err);
+
+/* The name of a call: "begin". */
+extern const char *const rp_calls[RC_CALLS];
+
+/* ------------------------------------------------------------------------------------- replay_draw -- */
+
+/* Draws the frame into the folder as host_sim draws its own (hs_loop_write_pictures). */
+bool rp_draw(const rp_options *o, const rp_report *report, hs_error *err);
+
+#endif

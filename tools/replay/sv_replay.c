@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT */
+/* sv_replay: plays a recording into a plugin, and says whether it does the same (docs/recording.md). */
+#include "base/cli.h"
+#include "base/options.h"
+#include "base/text.h"
+#include "guarded/in_child.h"
+#include "replay/replay.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool take_set(void *target, const char *text, hs_error *err) {
+    rp_options *const o = target;
+    return hs_cli_append("--set", text, o->sets, &o->set_count, RP_MOST_SETS, err);
+}
+
+static bool take_carrier(void *target, const char *text, hs_error *err) {
+    static const char *const names[] = {"host", "buffer", "image"};
+    rp_options *const o = target;
+    uint32_t index;
+    if (!hs_cli_pick("--carrier", text, names, 3, &index, err)) return false;
+    o->carrier = SV_CARRIER_HOST + index;
+    return true;
+}
+
+#define AT(field) offsetof(rp_options, field)
+static const hs_option options[] = {
+    {"plugin", "PATH", "library to play it into, a path or a name [smartvis]\n", HS_OPTION_TEXT, AT(plugin),
+     0, 0, NULL},
+    {"id", "ID", "the library's plugin of that id [its first]\n", HS_OPTION_TEXT, AT(id), 0, 0, NULL},
+    {"set", "KEY=VALUE", "a parameter's value instead of what was recorded; repeatable\n", HS_OPTION_TAKEN, 0,
+     0, 0, take_set},
+    {"carrier", "NAME", "slabs in host memory, OpenCL buffers or images: host, buffer, image [as recorded]\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_carrier},
+    {"own-queue", NULL, "slabs in host memory, on the plugin's own queue\n", HS_OPTION_FLAG, AT(own_queue), 0,
+     0, NULL},
+    {"out", "FOLDER", "pictures of a frame, as host_sim run draws them\n", HS_OPTION_TEXT, AT(out), 0, 0,
+     NULL},
+    {"frame", "N", "which frame is drawn, 0 the first [the last]\n", HS_OPTION_COUNT, AT(frame), 0,
+     4294967294.0, NULL},
+    {"list", NULL, "print every call of the recording, and play none\n", HS_OPTION_FLAG, AT(list), 0, 0,
+     NULL},
+    {"verbose", NULL, "print what the plugin logs, and what it logged\n", HS_OPTION_FLAG, AT(verbose), 0, 0,
+     NULL},
+    HS_GUARD_ROWS(AT(guard)),
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
+static void print_help(void) {
+    printf("Usage: sv_replay FILE [options]\n"
+           "Plays a recording of smartvis_check.so into a plugin, and says whether its maps, statuses and "
+           "logs are the "
+           "same bits,\nelse where they part.\n\n");
+    hs_options_print(options);
+    printf("\nA library that is not the host's own is played in a process of its own; --guard plays it as "
+           "host_sim "
+           "runs it, and\nthen neither its log nor what begin and slab return can be compared.\n"
+           "\n%s1: something is not the same. A recording that is cut off is played as far as it goes, and "
+           "ends with "
+           "3.\n",
+           hs_exit_codes_help);
+}
+
+static void print_report(const rp_options *o, const rp_report *r, bool whole) {
+    hs_print(stdout, "%s: %s %s: %u frames, %u calls", o->file, r->id, r->version, r->frames, r->calls);
+    if (r->left_out) hs_print(stdout, "; %u calls broke a rule of the header and are left out", r->left_out);
+    hs_print(stdout, "\n%u maps and %u lines of the log compared", r->maps, r->lines);
+    if (!r->maps_kept && r->frames) hs_print(stdout, "; the recording holds no voxels and no maps");
+    if (!r->fresh && r->frames)
+        hs_print(stdout, "; the first frame continues one that is not there, which a plugin may remember");
+    struct stat file;
+    if (r->voxel_bytes > 0 && stat(o->file, &file) == 0)
+        hs_print(stdout, "\n%.1f MB for %.1f MB of voxels", (double)file.st_size * 1e-6,
+                 (double)r->voxel_bytes * 1e-6);
+    hs_print(stdout, "\n%.1f ms in begin, slab and end, recorded %.1f ms\n", r->ms, r->recorded_ms);
+    for (uint32_t i = 0; i < r->parted && i < RP_MOST_TOLD; i++) hs_print(stdout, "%s\n", r->told[i]);
+    if (r->parted > RP_MOST_TOLD) hs_print(stdout, "and %u more\n", r->parted - RP_MOST_TOLD);
+    hs_print(stdout, "%s\n", r->parted ? "NOT THE SAME" : whole ? "the same" : "the same so far");
+}
+
+static int play(void *context) {
+    const rp_options *o = context;
+    hs_error err = {0};
+    rp_report *report = calloc(1, sizeof *report);
+    bool ok = report || hs_fail(&err, HS_ERR_MEMORY, "no memory");
+    ok = ok && rp_play(o, report, &err);
+    if (report && (ok || err.code == HS_ERR_INPUT) && report->calls > 0) print_report(o, report, ok);
+    if (ok && o->out) ok = rp_draw(o, report, &err);
+    const bool same = report && report->parted == 0;
+    if (report) rp_frame_free(&report->drawn);
+    free(report);
+    if (ok) return same ? HS_OK : HS_ERR_FAILED;
+    hs_print(stderr, "sv_replay: %s\n", err.text);
+    return (int)err.code;
+}
+
+int main(int argc, char **argv) {
+    char path[1024];
+    hs_error err = {0};
+    bool help = false;
+    int next = argc, code = HS_OK;
+    hs_plugin_default_path(path, sizeof path);
+    rp_options o = {.plugin = path, .frame = RP_LAST};
+    hs_guard_defaults(&o.guard);
+    if (argc == 2 && strcmp(argv[1], "--version") == 0) {
+        printf("sv_replay %s, recordings of version %u\n", HS_VERSION, REC_VERSION);
+        return HS_OK;
+    }
+    bool ok = hs_options_read(argc, argv, options, &o, &next, &help, &err);
+    if (ok && help) {
+        print_help();
+        return HS_OK;
+    }
+    if (ok && next + 1 != argc)
+        ok = hs_fail(&err, HS_ERR_USAGE, "expected one recording, %d given", argc - next);
+    if (ok) o.file = argv[next];
+    if (ok && o.list) ok = rp_list(o.file, &err);
+    /* With --guard the plugin alone has a process of its own. */
+    hs_guard_options whole = o.guard;
+    if (o.guard.choice == HS_GUARD_ON) whole.choice = HS_GUARD_OFF;
+    if (ok && !o.list) code = hs_work_in_child(&whole, o.plugin, "it was played to", play, &o, &err);
+    if (err.code == HS_OK) return code;
+    hs_print(stderr, "sv_replay: %s\n", err.text);
+    if (err.code == HS_ERR_USAGE) hs_print(stderr, "sv_replay --help tells what there is.\n");
+    return (int)err.code;
+}
