@@ -22,7 +22,7 @@ from ctypes import (
 from typing import TypeVar
 
 SV_ABI_MAJOR = 1
-SV_ABI_MINOR = 0
+SV_ABI_MINOR = 1
 SV_ENTRY_SYMBOL = "smartvis_plugin_entry"
 
 SV_OK = 0
@@ -75,6 +75,7 @@ SV_QUEUE_HOST = 1 << 1
 SV_FEATURE_SCANNED = 1 << 0
 SV_FEATURE_PADDING = 1 << 1
 SV_FEATURE_ADJUST = 1 << 2
+SV_FEATURE_PROBE = 1 << 3
 
 SV_EXT_CONFIDENCE = "smartvis.confidence/1"
 SV_EXT_POINTS = "smartvis.points/1"
@@ -172,6 +173,8 @@ class sv_frame(Structure):
         ("scanned", c_void_p),
         ("scanned_object", c_void_p),
         ("scanned_offset", c_uint64),
+        ("probe_rotation", c_float * 9),
+        ("probe_side", c_float * 3),
     ]
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _abi, _images
-from ._clipper import Clipper, _checked_spacing
+from ._clipper import Clipper, _checked_probe, _checked_spacing
 from ._plugin import Plugin, load
 from ._result import Result
 from ._view import Camera, look
@@ -39,6 +39,7 @@ class ClipperCache:
         parameters: dict[str, object],
         *,
         discontinuity: bool = True,
+        probe: Any = None,
     ) -> Result:
         """Clips `volume`; the result is the caller's."""
         known = plugin.parameters
@@ -53,7 +54,7 @@ class ClipperCache:
                 clipper = Clipper(volume.shape, spacing, scanned=scanned is not None, plugin=plugin, **fixed_values)
             self._clippers[key] = clipper
             clipper.reset(**parameters)
-            return clipper(volume, scanned, discontinuity=discontinuity).copy()
+            return clipper(volume, scanned, discontinuity=discontinuity, probe=probe).copy()
 
     def close(self) -> None:
         """Ends all instances."""
@@ -72,6 +73,7 @@ def clip(
     *,
     view: Any = None,
     scanned: Any = None,
+    probe: Any = None,
     method: str | None = None,
     window: tuple[float, float] | None = None,
     resample: str | None = None,
@@ -94,6 +96,9 @@ def clip(
         what the probe scanned: None: everything; "auto": all but the zeros that touch the border (needs SciPy);
         "rays": on every ray all from the first voxel that is not 0 to the last, which is faster; a mask [z, y, x];
         or a pair of maps (first, end) [y, x] of slices.
+    `probe`
+        where the probe was: the rotation [3, 3] from its axes (z away from it) to the volume's x, y, z, so that the
+        identity is a probe at slice 0; or three numbers, the unit vector to the probe alone. None: unknown.
     `method`, `parameters`
         those of the plugin, see `parameters()`.
     `window`
@@ -113,19 +118,22 @@ def clip(
     plugin = plugin or load()
     if method is not None:
         parameters["method"] = method
+    source, directions = volume, None
     if _images.is_image(volume):
         spacing = volume.GetSpacing() if spacing is None else spacing
+        directions = volume.GetDirection()
         volume = _images.array(volume)
     volume = np.asarray(volume)
     if volume.ndim != 3 or 0 in volume.shape:
         raise ValueError(f"the volume has shape {volume.shape}, expected [z, y, x]")
     mm = None if spacing is None else _checked_spacing(spacing)
     voxels, mask = _what_was_scanned(to_uint8(volume, window), scanned)
-    camera = look(voxels.shape, mm or (1.0, 1.0, 1.0), view)
+    camera = look(voxels.shape, mm or (1.0, 1.0, 1.0), view, directions)
     seen, found = _seen(camera, voxels, mask, resample, plugin)
     known = None if mm is None else camera.spacing
-    result = (cache or _cache).run(seen, known, found, plugin, parameters)
-    return replace(result, camera=camera, spacing_known=mm is not None)
+    turned = None if probe is None else camera.rotation @ _checked_probe(probe)
+    result = (cache or _cache).run(seen, known, found, plugin, parameters, probe=turned)
+    return replace(result, camera=camera, spacing_known=mm is not None, source=source, window=window)
 
 
 def _what_was_scanned(voxels: NDArray[np.uint8], scanned: Any) -> tuple[NDArray[np.uint8], NDArray[np.bool_] | None]:

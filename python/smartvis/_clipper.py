@@ -141,6 +141,7 @@ class Clipper:
         """The structs and functions of a frame, made once; a call only changes fields."""
         self._begin, self._take, self._end = self._calls.begin, self._calls.slab, self._calls.end
         self._frame = _abi.sized(_abi.sv_frame, values=self._values, value_count=len(self._values))
+        self._probe_told = False
         self._slab = _abi.sized(_abi.sv_slab, slice_count=self._shape[0], bytes=self._bytes)
         self._out = _abi.sized(
             _abi.sv_result,
@@ -158,13 +159,17 @@ class Clipper:
         *,
         time_ns: int = 0,
         discontinuity: bool = False,
+        probe: Any = None,
     ) -> Result:
         """Clips one volume. `scanned`: [y, x, 2], first scanned slice and the first behind the scan, uint16; for
         clippers made with ``scanned=True``. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: it does
-        not continue the volume before."""
+        not continue the volume before. `probe`: the rotation [3, 3] from the probe's axes (z away from it) to the
+        volume's x, y, z; or three numbers, the unit vector to the probe alone; None: unknown."""
         address = self._address(volume)
         ranges = self._ranges(scanned)
         frame, slab, instance = self._frame, self._slab, self._active()
+        self._tell_probe(probe)
+        self.result.source = volume
         frame.index = self._frame_index
         frame.time_ns = time_ns
         frame.flags = _abi.SV_FRAME_DISCONTINUITY if discontinuity else 0
@@ -177,7 +182,7 @@ class Clipper:
         return self._finish("end", self._end(instance, ctypes.byref(self._out)))
 
     def adjust(self, **parameters: object) -> Result:
-        """The last volume again with other values of adjustable parameters, such as the knob."""
+        """The last volume again with other values of adjustable parameters, such as the surface position."""
         values = _value_list(self._plugin.encode(parameters))
         self.result.depth.fill(np.nan)
         instance = self._active()
@@ -264,6 +269,16 @@ class Clipper:
         self._scanned = np.ascontiguousarray(scanned)
         return self._scanned
 
+    def _tell_probe(self, probe: Any) -> None:
+        """What the frame says of it; the plugin checks the numbers."""
+        if probe is None and not self._probe_told:
+            return
+        told = np.zeros(3) if probe is None else _checked_probe(probe)
+        whole = told.ndim == 2
+        self._frame.probe_rotation[:] = told.ravel().tolist() if whole else [0.0] * 9
+        self._frame.probe_side[:] = (-told[:, 2] if whole else told).tolist()
+        self._probe_told = probe is not None
+
     def _check(self, call: str, status: int, plain: bool = False) -> None:
         """`plain`: the call knows no success but SV_OK."""
         if status < 0:
@@ -330,6 +345,13 @@ def _checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
     if len(spacing) != 3 or not all(1e-6 <= s <= 1e6 for s in spacing):
         raise ValueError(f"spacing={tuple(spacing)}: expected millimetres along x, y and z, each 1e-6 .. 1e6")
     return float(spacing[0]), float(spacing[1]), float(spacing[2])
+
+
+def _checked_probe(probe: Any) -> NDArray[np.float64]:
+    told = np.asarray(probe, np.float64)
+    if told.shape not in ((3, 3), (3,)):
+        raise ValueError(f"probe has shape {told.shape}, expected a rotation (3, 3) or a direction (3,)")
+    return told
 
 
 def _checked_buffer(buffer: NDArray[np.uint8] | bool) -> NDArray[np.uint8] | None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Exceptions. Every one carries the plugin's own reason, word for word, where there is one."""
 
-from . import _abi
+from . import _abi, _runtime
 
 _NAMES = {value: name for name, value in vars(_abi).items() if name.startswith("SV_ERR_") and isinstance(value, int)}
 
@@ -17,7 +17,8 @@ class LoadError(SmartVisError):
 class PluginError(SmartVisError):
     """A call of the plugin failed.
 
-    ``status`` is the number of smartvis_plugin.h, ``name`` its name there, ``reason`` what the plugin says.
+    ``status`` is the number of smartvis_plugin.h, ``name`` its name there, ``reason`` what the plugin says. Where
+    OpenCL is missing, the message names a command that brings it.
     """
 
     def __init__(self, call: str, status: int, reason: str) -> None:
@@ -25,7 +26,8 @@ class PluginError(SmartVisError):
         self.status = status
         self.name = _NAMES.get(status, f"status {status}")
         self.reason = reason
-        super().__init__(f"{reason or 'the plugin gives no reason'} ({call}: {self.name})")
+        said = (reason or "the plugin gives no reason") + _runtime.mend(status, reason)
+        super().__init__(f"{said} ({call}: {self.name})")
 
     def __reduce__(self) -> tuple[type, tuple[str, int, str]]:
         return type(self), (self.call, self.status, self.reason)

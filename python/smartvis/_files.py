@@ -19,16 +19,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _host, _images
+from . import _host, _images, _kretz
 from ._clipper import _checked_spacing
 from ._errors import HostError, SmartVisError
 
-SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk", ".tif", ".tiff")
+SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk", ".tif", ".tiff", *_kretz.SUFFIXES)
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
 _MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
 _FAR = 1e9  # of any number of a geometry: ITK squares them
 _POSITION = "0020|0032"  # DICOM's tag: where a slice lies, in mm
+_PATIENT = re.compile(r"left|right|[LR][AP]S", re.IGNORECASE)  # of a NRRD's spaces
 _UNEVEN = 0.05  # of the distance between slices
 _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # DICOM's classes of ultrasound over time
 
@@ -42,14 +43,18 @@ class OutputError(FileError):
 
 
 class Source:
-    """The volumes of one file, or of a folder of DICOM: each series is one."""
+    """The volumes of one file, or of a folder of DICOM: each series is one. Kretz volumes in it are files
+    of their own."""
 
-    def __init__(self, path: str | os.PathLike[str], ask_first: bool = False) -> None:
+    def __init__(self, path: str | os.PathLike[str], ask_first: bool = False, mirror: bool = False) -> None:
         """FileError: not readable, or no volume. `ask_first`: the host reads all of a MetaImage now, and not with the
-        first volume."""
+        first volume. `mirror`: as of host_sim, for Kretz volumes."""
         self.path = Path(path)
+        self._mirror = mirror
+        self._kretz: tuple[int, Any] | None = None  # the volume that was read last, and its number
         self._reader: Any = None
         self._unchecked = self.path.suffix.lower() in (".mha", ".mhd")
+        self._host_says_patient = False
         self._whole: Any = None
         self._series: list[tuple[str, ...]] = []
         self.count = 1
@@ -66,17 +71,13 @@ class Source:
         if not self.path.exists():
             raise FileError(f"{self.path}: no such file or folder")
         if self.path.is_dir():
-            for inside in self.path.iterdir():
-                if inside.exists() and not inside.is_file() and not inside.is_dir():
-                    raise FileError(f"{inside}: not a regular file")
-            finder, folder = sitk.ImageSeriesReader, str(self.path)
-            self._series = [finder.GetGDCMSeriesFileNames(folder, s) for s in finder.GetGDCMSeriesIDs(folder)]
-            if not self._series:
-                raise FileError(f"{self.path}: the folder has no DICOM series")
-            self.count = len(self._series)
+            self._open_folder()
             return
         if not self.path.is_file():
             raise FileError(f"{self.path}: not a regular file")
+        if _kretz.is_one(self.path):
+            self._kretz = (0, self._read_kretz(0))
+            return
         self._fields = _header(self.path)
         reader = self._reader = sitk.ImageFileReader()
         reader.SetFileName(str(self.path))
@@ -96,6 +97,26 @@ class Source:
             raise FileError(f"{self.path}: {len(size)} dimensions and {values} values a voxel, expected a volume")
         if self.count > 1:
             self._ask_host()
+
+    def _open_folder(self) -> None:
+        for inside in self.path.iterdir():
+            if inside.exists() and not inside.is_file() and not inside.is_dir():
+                raise FileError(f"{inside}: not a regular file")
+        finder, folder = _images.sitk().ImageSeriesReader, str(self.path)
+        for name in finder.GetGDCMSeriesIDs(folder):
+            files = finder.GetGDCMSeriesFileNames(folder, name)
+            slices = tuple(file for file in files if not _kretz.is_one(Path(file)))
+            self._series += [slices] if slices else []
+        if not self._series:
+            raise FileError(f"{self.path}: the folder has no DICOM series")
+        self.count = len(self._series)
+
+    def _read_kretz(self, number: int) -> Any:
+        try:
+            image, self.count = _kretz.read(self.path, number, self._mirror)
+        except HostError as error:
+            raise _of_host(error) from None
+        return image
 
     def _believable(self, reader: Any) -> None:
         """FileError for geometries that ITK takes without a word, and for more voxels than the file can hold."""
@@ -143,11 +164,24 @@ class Source:
         if not self._unchecked:
             return
         try:
-            _host.run(["info", "--", str(self.path)])
+            self._host_says_patient = "\n  in the patient: not said" not in _host.run(["info", "--", str(self.path)])
         except HostError as error:
             if "give a window" not in str(error):  # said of values that were all read; clip says so, too
-                raise FileError(str(error).removeprefix("host_sim info: ")) from None
+                raise _of_host(error) from None
         self._unchecked = False
+
+    @property
+    def knows_patient(self) -> bool:
+        """True if the file says how the volume lies in the patient: the directions of its images are his then. Known
+        once a volume was read."""
+        if self._series:
+            return True
+        if self._kretz is not None or self.path.suffix.lower() in (".mha", ".mhd"):
+            return self._host_says_patient
+        codes = [
+            self._reader.GetMetaData(code) for code in ("qform_code", "sform_code") if self._reader.HasMetaDataKey(code)
+        ]
+        return any(code.strip() != "0" for code in codes) or bool(_PATIENT.match(self._fields.get("space", "")))
 
     def _not_only_pictures(self, reader: Any) -> None:
         """FileError for what is DICOM, but no volume."""
@@ -171,6 +205,10 @@ class Source:
 
     def _read(self, number: int) -> Any:
         sitk = _images.sitk()
+        if self._kretz is not None:
+            if self._kretz[0] != number:
+                self._kretz = (number, self._read_kretz(number))
+            return self._kretz[1]
         if self._series:
             return self._read_series(self._series[number])
         if self._whole is None and self.count == 1:
@@ -219,6 +257,10 @@ class Source:
         self._reader.SetExtractSize(part)
         self._reader.SetExtractIndex(first)
         return self._reader.Execute()
+
+
+def _of_host(error: HostError) -> FileError:
+    return FileError(str(error).removeprefix("host_sim info: "))
 
 
 def _header(path: Path) -> dict[str, str]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from . import _abi
+from . import _abi, _runtime
 from ._errors import LoadError, PluginError
 
 log = logging.getLogger("smartvis.plugin")
@@ -59,7 +59,7 @@ class Parameter:
     step: float
     choices: tuple[str, ...]  #: the names of an enum's values, else empty
     numbers: tuple[float, ...] = field(repr=False)  #: the values themselves, which need not follow one another
-    primary: bool  #: the one knob that a user sees
+    primary: bool  #: the one that every user sees
     expert: bool
     fixed: bool  #: read at activation only: a Clipper takes it when it is made
     adjustable: bool  #: Clipper.adjust takes it
@@ -220,11 +220,13 @@ def load(path: str | os.PathLike[str] | None = None, id: str | None = None) -> P
 def _open(path: str) -> tuple[Plugin, ...]:
     if not os.path.exists(path):
         raise LoadError(f"{path}: no such file")
+    _runtime.use_one()
     try:
         library = ctypes.CDLL(path, mode=os.RTLD_NOW | os.RTLD_LOCAL)
         entry = _abi.sv_entry.in_dll(library, _abi.SV_ENTRY_SYMBOL)
     except (OSError, ValueError) as error:
-        raise LoadError(f"{path}: {error}") from None
+        loader = " (sudo apt-get install ocl-icd-libopencl1)" if "libOpenCL.so" in str(error) else ""
+        raise LoadError(f"{path}: {error}{loader}") from None
     if entry.abi_major != _abi.SV_ABI_MAJOR:
         raise LoadError(f"{path}: made for ABI {entry.abi_major}, this package knows {_abi.SV_ABI_MAJOR}")
     if entry.size < ctypes.sizeof(_abi.sv_entry) or entry.count < 1 or not (entry.descriptor and entry.create):
@@ -235,8 +237,8 @@ def _open(path: str) -> tuple[Plugin, ...]:
 def parameters(plugin: Plugin | None = None) -> Mapping[str, Parameter]:
     """A plugin's parameters by key, in the order of importance.
 
-    >>> knob = next(p for p in parameters().values() if p.primary)
-    >>> knob.key, knob.type
+    >>> first = next(p for p in parameters().values() if p.primary)
+    >>> first.key, first.type
     ('q', 'float')
     """
     return (plugin or load()).parameters

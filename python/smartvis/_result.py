@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._picture import Picture, render
 from ._view import Camera
 
 
@@ -35,7 +36,7 @@ class Statistics:
     passes: int | None = None  #: of the reconstruction, methods that start from points
 
 
-@dataclass
+@dataclass(repr=False)
 class Result:
     """The clipping depthmap of one volume.
 
@@ -49,6 +50,15 @@ class Result:
     statistics: Statistics
     camera: Camera = field(repr=False)  #: how map and volume lie to one another
     spacing_known: bool = True  #: False: no spacing was given, and millimetres are voxels
+    source: Any = None  #: the volume that was clipped: the caller's own, not a copy
+    window: tuple[float, float] | None = None  #: of its values, as given to `clip`
+
+    def __repr__(self) -> str:
+        slices, height, width = self.camera.shape
+        cut = self.depth > 0
+        mean = f", {self.depth_mm[cut].mean():.1f} {'mm' if self.spacing_known else 'voxels'} deep" if cut.any() else ""
+        what = f"{width} x {height} rays of {slices} slices, {100 * cut.mean():.0f} % clipped{mean}"
+        return f"<Result {self.outcome.name}: {what}>"
 
     @property
     def clips(self) -> bool:
@@ -94,6 +104,19 @@ class Result:
         if fill is None:
             fill = 0 if volume.dtype == np.uint8 else volume.min()
         return np.where(self.mask(), volume, volume.dtype.type(fill))
+
+    def picture(self, volume: Any = None, kind: str = "panel", size: int = 512) -> Picture:
+        """A picture by the host's renderer, as PNG, seen along the rays of the surface. `volume`: what to draw, of the
+        shape that was clipped; None: that volume. `kind`: "panel" (full volume and result), "slices", "result", "full"
+        or "depthmap"; `size`: pixels of a square in it.
+
+        HostError: host_sim is not there, or cannot draw it. `quick_look` needs no host.
+        """
+        return render(self, self.source if volume is None else volume, kind, size, self.window)
+
+    def show(self, volume: Any = None, kind: str = "panel", size: int = 512) -> Picture:
+        """Opens `picture`."""
+        return self.picture(volume, kind, size).show()
 
     def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """The clipping surface as triangles: vertices in mm (x, y, z of the volume) and faces.

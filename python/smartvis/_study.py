@@ -22,7 +22,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from . import _host
+from . import _host, _kretz
 from ._clip import ClipperCache
 from ._errors import HostError, MissingExtraError
 from ._files import PARTS, FileError, Source, stem, whole
@@ -84,8 +84,8 @@ def _configured() -> Any:
 
 
 def find_files(paths: Sequence[str]) -> list[Path]:
-    """The files named, and of folders all below them with a suffix of a volume. A folder whose files are DICOM is
-    one volume. FileError: a path is not there."""
+    """The files named, and of folders all below them with a suffix of a volume. A folder's DICOM slices are one
+    volume. FileError: a path is not there."""
     found: list[Path] = []
     for path in map(Path, paths):
         if not path.exists():
@@ -95,7 +95,8 @@ def find_files(paths: Sequence[str]) -> list[Path]:
             continue
         inside = sorted(p for p in path.rglob("*") if not p.is_dir() and p.name.lower().endswith(SUFFIXES))
         slices = {p.parent for p in inside if p.suffix.lower() == ".dcm"}
-        found += [p for p in inside if p.parent not in slices] + sorted(slices)
+        found += [p for p in inside if p.suffix.lower() != ".dcm"]
+        found += [part for folder in sorted(slices) for part in _kretz.split(folder)]
     return found
 
 
@@ -130,7 +131,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
     signal.alarm(seconds)
     try:
         if _worker_source is None or _worker_source.path != file:
-            _worker_source = Source(file)
+            _worker_source = Source(file, mirror=settings.mirror)
         row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache)
     except FileError as error:
         row = Row(path, frame, "input", str(error))

@@ -64,7 +64,7 @@ class Camera:
         plane = x[..., None] * matrix[:, 0] + y[..., None] * matrix[:, 1] + offset
         for z in range(self.source_shape[0]):
             at = plane + z * matrix[:, 2]
-            out[z] = at[..., 2] >= _between(depth, at[..., 0], at[..., 1])
+            out[z] = at[..., 2] >= between(depth, at[..., 0], at[..., 1])
         return out
 
     def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -84,7 +84,7 @@ def _middle(shape: Shape) -> NDArray[np.float64]:
     return np.asarray((np.array(shape[::-1], float) - 1.0) / 2.0)
 
 
-def _between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     """The map at any place, bilinear, as the renderer reads it; beyond its edge it continues."""
     height, width = depth.shape
     x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
@@ -96,17 +96,43 @@ def _between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.f
     return np.asarray(above * (1 - down) + below * down)
 
 
-def rotation_of(view: Any) -> NDArray[np.float64]:
-    """A direction, a rotation matrix or a SciPy Rotation as the camera's axes.
+#: The camera's right, down and forward for places around the patient, along his left, back and head: as in host_sim.
+_PLACES = {
+    "anterior": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "posterior": ((-1, 0, 0), (0, 0, -1), (0, -1, 0)),
+    "left": ((0, 1, 0), (0, 0, -1), (-1, 0, 0)),
+    "right": ((0, -1, 0), (0, 0, -1), (1, 0, 0)),
+    "superior": ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    "inferior": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+}
+PLACES = ("probe", *_PLACES)
+
+
+def _from_place(view: str, directions: Any) -> NDArray[np.float64]:
+    if view not in PLACES:
+        raise ValueError(f"view='{view}' is none of {', '.join(PLACES)}")
+    if view == "probe":
+        return np.eye(3)
+    if directions is None:
+        raise ValueError(f"view='{view}': an array does not say how the patient lies; give a SimpleITK image")
+    return _snapped(np.array(_PLACES[view], float) @ np.asarray(directions, float).reshape(3, 3))
+
+
+def rotation_of(view: Any, directions: Any = None) -> NDArray[np.float64]:
+    """A direction, a rotation matrix, a SciPy Rotation or a place around the patient as the camera's axes.
 
     A direction (x, y, z) is where the camera looks; from +z it is the smallest turn that leads there. The rows
-    of a matrix are the picture's right, its down, and where the camera looks.
+    of a matrix are the picture's right, its down, and where the camera looks. `directions` are an image's: where its
+    x, y and z lead in the patient (left, back, head), for the places (`PLACES`). Of left-handed ones a place is seen
+    as it is, and not as a mirror image.
 
     >>> rotation_of((0, 0, 2)).tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     if view is None:
         return np.eye(3)
+    if isinstance(view, str):
+        return _from_place(view, directions)
     if hasattr(view, "as_matrix"):
         view = np.asarray(view.as_matrix()).T
     view = np.asarray(view, float)
@@ -136,10 +162,10 @@ def _towards(direction: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray((np.eye(3) + skew + skew @ skew / (1 + to[2])).T)
 
 
-def look(shape: Shape, spacing: Vector, view: Any = None) -> Camera:
-    """The camera for a volume. Of a turned view the voxels are cubes of the volume's smallest spacing, and the
-    box is the smallest that holds the volume."""
-    rotation = rotation_of(view)
+def look(shape: Shape, spacing: Vector, view: Any = None, directions: Any = None) -> Camera:
+    """The camera for a volume; `directions` are those of a SimpleITK image. Of a turned view the voxels are cubes of
+    the volume's smallest spacing, and the box is the smallest that holds the volume."""
+    rotation = rotation_of(view, directions)
     camera = Camera(shape, spacing, rotation, shape, spacing)
     if camera.aligned:
         order, _ = camera._axes()

@@ -27,13 +27,14 @@ class Settings:
     """How volumes are clipped; it travels to workers."""
 
     parameters: dict[str, Any] = field(default_factory=dict)
-    view: tuple[float, float, float] | None = None
+    view: tuple[float, float, float] | str | None = None
     scanned: str | None = "auto"
     window: tuple[float, float] | None = None
     plugin: str | None = None
     products: tuple[str, ...] = PRODUCTS
     suffix: str = ".nrrd"
     level: float | None = None
+    mirror: bool = False  #: of Kretz volumes, as of host_sim
 
     def load(self) -> Plugin:
         """The plugin that clips."""
@@ -88,6 +89,10 @@ def clip_one(source: Source, frame: int, settings: Settings, out: Path, cache: C
     try:
         start = time.perf_counter()
         image = source.read(frame)
+        if isinstance(settings.view, str) and settings.view != "probe" and not source.knows_patient:
+            raise FileError(
+                f"{source.path}: does not say how it lies in the patient, so there is no view {settings.view}"
+            )
         row.read_ms = 1e3 * (time.perf_counter() - start)
         row.width, row.height, row.slices = image.GetSize()
         start = time.perf_counter()

@@ -15,10 +15,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from . import __version__
+from . import __version__, _kretz
 from ._errors import HostError, LoadError, PluginError, SmartVisError
 from ._files import FileError, OutputError, Source
 from ._plugin import Parameter, load
+from ._view import PLACES
 from ._work import PRODUCTS, Row, Settings, clip_one, name_of
 
 OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
@@ -40,12 +41,28 @@ def numbers(count: int) -> Any:
     return parse
 
 
+def view_of(text: str) -> tuple[float, ...] | str:
+    """An argparse type: a place around the patient, or a direction."""
+    if text in PLACES:
+        return text
+    try:
+        direction: tuple[float, ...] = numbers(3)(text)
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(f"{error}, or one of {', '.join(PLACES)}") from None
+    return direction
+
+
 def add_clip_options(parser: argparse.ArgumentParser, scanned: str = "auto") -> None:
     """The options of everything that clips."""
     parser.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
     parser.add_argument("--method", metavar="NAME", help="short for --set method=NAME")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter; repeatable")
-    parser.add_argument("--view", metavar="X,Y,Z", type=numbers(3), help="where the camera looks [0,0,1]")
+    parser.add_argument(
+        "--view",
+        metavar="PLACE",
+        type=view_of,
+        help=f"where the camera is, {', '.join(PLACES)}, or looks, X,Y,Z [probe]",
+    )
     parser.add_argument("--window", metavar="LOW,HIGH", type=numbers(2), help="values that become 0 and 255")
     parser.add_argument(
         "--scanned",
@@ -61,6 +78,7 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     parser.add_argument("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
     parser.add_argument("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
     parser.add_argument("--level", type=float, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
+    parser.add_argument("--mirror", action="store_true", help="Kretz volumes: the other side, as of host_sim")
 
 
 def settings_of(args: argparse.Namespace) -> Settings:
@@ -83,6 +101,7 @@ def settings_of(args: argparse.Namespace) -> Settings:
         products=products,
         suffix=getattr(args, "format", ".nrrd"),
         level=getattr(args, "level", None),
+        mirror=getattr(args, "mirror", False),
     )
 
 
@@ -119,7 +138,8 @@ def make_folder(path: str) -> Path:
 def command_clip(args: argparse.Namespace) -> int:
     """Clips files."""
     settings = settings_of(args)
-    sources = [Source(path, ask_first=True) for path in args.file]
+    files = [part for path in map(Path, args.file) for part in (_kretz.split(path) if path.is_dir() else [path])]
+    sources = [Source(path, ask_first=True, mirror=settings.mirror) for path in files]
     taken: dict[str, Path] = {}
     for source in sources:
         for frame in range(source.count):
@@ -255,7 +275,7 @@ def parser_of() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     one = commands.add_parser("clip", help="clip files: volume, depthmap, mesh, picture")
-    one.add_argument("file", nargs="+", help="NRRD, NIfTI, MetaImage, DICOM (also a folder), sequences of them")
+    one.add_argument("file", nargs="+", help="NRRD, NIfTI, MetaImage, Kretz, DICOM (also a folder), sequences of them")
     one.add_argument("--out", default="out", help="folder for the results [out]")
     add_clip_options(one)
     add_product_options(one, ",".join(PRODUCTS))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import SimpleITK as sitk
 
 import smartvis
 
@@ -33,6 +34,26 @@ def layers(shape: tuple[int, int, int], near: float = 0.2, far: float = 0.6) -> 
 def host_sim(*arguments: object) -> None:
     """Runs host_sim, which must succeed."""
     subprocess.run([str(BUILD / "host_sim"), *map(str, arguments)], check=True, capture_output=True, timeout=LONG)
+
+
+def write_dicom(folder: Path, image: sitk.Image, series: str = "1.2.3.4") -> list[Path]:
+    """A DICOM series of the image's slices in its place; file names run against their order."""
+    folder.mkdir(exist_ok=True)
+    writer = sitk.ImageFileWriter()
+    writer.KeepOriginalImageUIDOn()
+    direction = np.array(image.GetDirection()).reshape(3, 3)
+    files = []
+    for z in range(image.GetSize()[2]):
+        tags = {"0008|0060": "OT", "0020|000e": series, "0008|0018": f"{series}.{z}", "0020|0013": str(z),
+                "0020|0032": "\\".join(f"{p:.8g}" for p in image.TransformIndexToPhysicalPoint((0, 0, z))),
+                "0020|0037": "\\".join(f"{d:g}" for d in (*direction[:, 0], *direction[:, 1]))}  # fmt: skip
+        slice_ = image[:, :, z]
+        for tag, value in tags.items():
+            slice_.SetMetaData(tag, value)
+        files.append(folder / f"{series}_{999 - z}.dcm")
+        writer.SetFileName(str(files[-1]))
+        writer.Execute(slice_)
+    return files
 
 
 @pytest.fixture

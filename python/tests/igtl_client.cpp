@@ -27,7 +27,10 @@ static igtl::ImageMessage::Pointer make_volume(int side) {
     image->AllocateScalars();
     auto *voxels = static_cast<unsigned char *>(image->GetScalarPointer());
     for (int z = 0; z < side; z++)
-        std::memset(voxels + z * side * side, z < side / 5 ? 100 : z < 3 * side / 5 ? 10 : 200,
+        std::memset(voxels + z * side * side,
+                    z < side / 5       ? 100
+                    : z < 3 * side / 5 ? 10
+                                       : 200,
                     static_cast<size_t>(side) * side);
     igtl::Matrix4x4 matrix;
     igtl::IdentityMatrix(matrix);
@@ -43,12 +46,14 @@ static bool receive(igtl::ClientSocket *socket, igtl::MessageHeader::Pointer &he
     header = igtl::MessageHeader::New();
     header->InitPack();
     bool timed_out = false;
-    if (socket->Receive(header->GetPackPointer(), header->GetPackSize(), timed_out) != header->GetPackSize()) return false;
+    if (socket->Receive(header->GetPackPointer(), header->GetPackSize(), timed_out) != header->GetPackSize())
+        return false;
     header->Unpack();
     return true;
 }
 
-template <class Message> static typename Message::Pointer body(igtl::ClientSocket *socket, igtl::MessageHeader *header) {
+template <class Message>
+static typename Message::Pointer body(igtl::ClientSocket *socket, igtl::MessageHeader *header) {
     typename Message::Pointer message = Message::New();
     message->SetMessageHeader(header);
     message->AllocatePack();
@@ -65,9 +70,12 @@ static int check_clipped(igtl::ImageMessage *image, int side) {
     image->GetDimensions(size);
     image->GetSpacing(spacing);
     image->GetMatrix(matrix);
-    if (size[0] != side || size[1] != side || size[2] != side) return fail("the clipped volume has another size");
-    if (std::fabs(spacing[0] - 0.5f) > 1e-5f || std::fabs(spacing[2] - 0.75f) > 1e-5f) return fail("another spacing");
-    if (std::fabs(matrix[0][3] - 11.0f) > 1e-3f || std::fabs(matrix[2][3] - 33.0f) > 1e-3f) return fail("another place");
+    if (size[0] != side || size[1] != side || size[2] != side)
+        return fail("the clipped volume has another size");
+    if (std::fabs(spacing[0] - 0.5f) > 1e-5f || std::fabs(spacing[2] - 0.75f) > 1e-5f)
+        return fail("another spacing");
+    if (std::fabs(matrix[0][3] - 11.0f) > 1e-3f || std::fabs(matrix[2][3] - 33.0f) > 1e-3f)
+        return fail("another place");
     const auto *voxels = static_cast<unsigned char *>(image->GetScalarPointer());
     const size_t middle = static_cast<size_t>(side) * side / 2 + static_cast<size_t>(side) / 2;
     if (voxels[middle] != 0) return fail("the skin is still there");

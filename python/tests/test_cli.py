@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import LONG
+from conftest import LONG, host_sim, write_dicom
 
 import smartvis
 from smartvis.cli import main
@@ -77,26 +77,6 @@ def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) 
     assert main(["clip", str(tmp_path / "list.seq.nrrd"), "--out", str(tmp_path), "--write", "clipped"]) == 0
     other = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "list.seq_f0001_clipped.nrrd")))
     assert np.array_equal(other, smartvis.clip(frames[1], (1, 1, 1)).apply(frames[1]))
-
-
-def write_dicom(folder: Path, image, series: str = "1.2.3.4") -> list[Path]:
-    """A DICOM series of the image's slices in its place; file names run against their order."""
-    folder.mkdir(exist_ok=True)
-    writer = sitk.ImageFileWriter()
-    writer.KeepOriginalImageUIDOn()
-    direction = np.array(image.GetDirection()).reshape(3, 3)
-    files = []
-    for z in range(image.GetSize()[2]):
-        tags = {"0008|0060": "OT", "0020|000e": series, "0008|0018": f"{series}.{z}", "0020|0013": str(z),
-                "0020|0032": "\\".join(f"{p:.8g}" for p in image.TransformIndexToPhysicalPoint((0, 0, z))),
-                "0020|0037": "\\".join(f"{d:g}" for d in (*direction[:, 0], *direction[:, 1]))}  # fmt: skip
-        slice_ = image[:, :, z]
-        for tag, value in tags.items():
-            slice_.SetMetaData(tag, value)
-        files.append(folder / f"{series}_{999 - z}.dcm")
-        writer.SetFileName(str(files[-1]))
-        writer.Execute(slice_)
-    return files
 
 
 def test_a_dicom_folder_gives_what_other_files_give(tmp_path: Path, image, capsys) -> None:
@@ -219,3 +199,28 @@ def test_files_that_would_have_one_name_are_refused(tmp_path: Path, image, other
 def test_the_program_is_installed() -> None:
     said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True, timeout=LONG).stdout
     assert said.startswith("smartvis 0.")
+
+
+def test_a_view_by_its_place_needs_a_file_that_knows_the_patient(tmp_path: Path, image, capsys) -> None:
+    """As with host_sim: of MetaImage it decides; of the others the fields do that say so."""
+    sitk.WriteImage(image, str(tmp_path / "knows.nrrd"))
+    sitk.WriteImage(image, str(tmp_path / "knows.mha"))
+    sitk.WriteImage(image, str(tmp_path / "knows.nii"))
+    write_dicom(tmp_path / "series", image)
+    raw = (tmp_path / "knows.nrrd").read_bytes()
+    (tmp_path / "not.nrrd").write_bytes(raw.replace(b"space: left-posterior-superior", b"space dimension: 3"))
+    host_sim("scenes", "D01", "--size", 48, "--export", "--out", tmp_path)
+    host_sim("scenes", "D01", "--size", 48, "--export", "--format", "vol", "--out", tmp_path)
+    sitk.WriteImage(image, str(tmp_path / "not.vtk"))
+    clip = ["--view", "left", "--method", "cost", "--write", "depth", "--out", str(tmp_path / "out")]
+    for name in ("knows.nrrd", "knows.mha", "knows.nii", "series"):
+        assert main(["clip", str(tmp_path / name), *clip]) == 0, capsys.readouterr().err
+        made = sitk.ReadImage(str(tmp_path / "out" / f"{name.split('.')[0]}_depth.nrrd"))
+        assert np.allclose(made.GetDirection()[2::3], (-1, 0, 0), atol=1e-6)  # from the left, that is where it looks
+        capsys.readouterr()
+    for name in ("not.nrrd", "D01_full.mha", "D01_full.vol", "not.vtk"):
+        assert main(["clip", str(tmp_path / name), *clip]) == 3
+        assert f"{name}: does not say how it lies in the patient, so there is no view left" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as ended:
+        main(["clip", "x.nrrd", "--view", "above"])
+    assert ended.value.code == 2 and "'above', expected 3 numbers" in capsys.readouterr().err

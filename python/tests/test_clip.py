@@ -5,7 +5,8 @@ import re
 
 import numpy as np
 import pytest
-from conftest import FETUS, FLUID, SKIN, layers
+import SimpleITK as sitk
+from conftest import FETUS, FLUID, SKIN, host_sim, layers
 
 import smartvis
 from smartvis import Outcome, PluginError
@@ -213,3 +214,33 @@ def test_the_plugin_s_own_reason_is_the_exception_s(volume: np.ndarray) -> None:
         smartvis.clip(volume, spacing=(1, 1, 1), q=99.0)
     assert caught.value.name == "SV_ERR_PARAM_RANGE" and caught.value.status == -14
     assert "99" in caught.value.reason and caught.value.reason in str(caught.value)
+
+
+# Where x, y and z of the array lead in the patient: as scanned from the front, with the head at the top.
+FROM_THE_FRONT = (1, 0, 0, 0, 0, 1, 0, -1, 0)
+OBLIQUE = (0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6)  # left-handed it is not; its axes lie between those of the patient
+
+
+@pytest.mark.parametrize("place", ["probe", "anterior", "posterior", "left", "right", "superior", "inferior"])
+@pytest.mark.parametrize("directions", [FROM_THE_FRONT, OBLIQUE, (-1, 0, 0, 0, 0, 1, 0, -1, 0)])
+def test_places_around_the_patient_are_those_of_the_host(tmp_path, volume, place: str, directions: tuple) -> None:
+    """The host's maps lie in the patient with the axes of its camera."""
+    image = sitk.GetImageFromArray(volume)
+    image.SetDirection(directions)
+    image.SetSpacing((1, 1, 1))
+    sitk.WriteImage(image, str(tmp_path / "v.mha"))
+    result = smartvis.clip(image, view=place, method="cost")
+    in_patient = np.array(directions, float).reshape(3, 3) @ result.camera.rotation.T
+    few = ["--frames", 1, "--setting", "smartvis", "--picture", 64, "--few-pictures", "--out", tmp_path]
+    host_sim("run", "--volume", tmp_path / "v.mha", "--view", place, "--write", "depthmap", *few)
+    theirs = np.array(sitk.ReadImage(str(tmp_path / "depthmap.mha")).GetDirection()).reshape(3, 3)
+    if place == "probe" and np.linalg.det(np.reshape(directions, (3, 3))) < 0:
+        theirs[:, 0] *= -1  # the host turns a left-handed picture round; an array is seen as it lies
+    assert np.allclose(in_patient, theirs, atol=1e-6)
+
+
+def test_a_place_needs_an_image_and_a_name() -> None:
+    with pytest.raises(ValueError, match="view='anterior': an array does not say how the patient lies"):
+        smartvis.clip(np.zeros((32, 32, 32), np.uint8), view="anterior")
+    with pytest.raises(ValueError, match="view='above' is none of probe, anterior"):
+        smartvis.clip(np.zeros((32, 32, 32), np.uint8), view="above")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Clipper: activated once, no allocation a volume, nothing copied that need not be; other plugins."""
 
+import ctypes
 import gc
 import logging
 import pickle
@@ -13,7 +14,7 @@ import pytest
 from conftest import BUILD
 
 import smartvis
-from smartvis import Clipper, LoadError, Outcome, PluginError
+from smartvis import Clipper, LoadError, Outcome, PluginError, _abi
 
 SHAPE = (64, 48, 56)
 
@@ -49,6 +50,44 @@ def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
         assert maps == [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
     assert after - before < 1024  # over 400 volumes
     assert most - before < 8192 < clipper.result.depth.nbytes  # nowhere a copy, not even of a map
+
+
+class _Record(ctypes.Structure):  # tests/support/record.h
+    _fields_ = (
+        ("size", ctypes.c_uint32),
+        ("frames", ctypes.c_uint32),
+        ("format", _abi.sv_format),
+        ("frame", _abi.sv_frame),
+    )
+
+
+def test_where_the_probe_is(volume: np.ndarray) -> None:
+    recorder = smartvis.load(BUILD / "tests" / "plugins" / "recorder.so")
+    turned = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]])  # probe's z along -x
+    told = {"none": None, "whole": turned, "side": [0, 0.6, -0.8]}
+    with Clipper(SHAPE, plugin=recorder, confidence=False) as clipper:
+        for name in ("whole", "side", "none"):
+            clipper(volume, probe=told[name])
+            address = clipper._calls.get_extension(clipper._instance, b"test.record/1")
+            frame = ctypes.cast(address, ctypes.POINTER(_Record)).contents.frame
+            assert list(frame.probe_rotation) == (turned.ravel().tolist() if name == "whole" else [0] * 9)
+            sides: dict[str, list[float]] = {"none": [0, 0, 0], "whole": [1, 0, 0], "side": [0, 0.6, -0.8]}
+            assert np.allclose(list(frame.probe_side), sides[name])
+        with pytest.raises(ValueError, match=r"probe has shape \(4,\)"):
+            clipper(volume, probe=[1, 0, 0, 0])
+    # clip() is told in the volume's axes; the plugin refuses what is no rotation. A view along +x of a probe at slice 0
+    # sees it at its own left or right.
+    with pytest.raises(PluginError, match="probe_rotation is 2 0 0"):
+        smartvis.clip(volume, probe=2 * np.eye(3))
+    side_on = smartvis.clip(
+        volume, (1, 1, 1), view=(1, 0, 0), plugin=recorder, cache=(cache := smartvis.ClipperCache()), probe=np.eye(3)
+    )
+    (clipper,) = cache._clippers.values()
+    address = clipper._calls.get_extension(clipper._instance, b"test.record/1")
+    frame = ctypes.cast(address, ctypes.POINTER(_Record)).contents.frame
+    assert np.allclose(np.reshape(frame.probe_rotation, (3, 3)), side_on.camera.rotation)
+    assert abs(frame.probe_side[2]) < 1e-6
+    cache.close()
 
 
 def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of a result, drawn by the host's renderer."""
+
+from __future__ import annotations
+
+import math
+import struct
+import tempfile
+import webbrowser
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _host, _images, _metaimage
+from ._view import Camera, between
+from ._volume import to_uint8
+
+if TYPE_CHECKING:
+    from ._result import Result
+
+KINDS = ("panel", "slices", "result", "full", "depthmap")
+_MOST = 1024  # pixels across a map, for the host
+
+
+class Picture:
+    """A picture as PNG: a notebook shows it, `save` writes it."""
+
+    def __init__(self, png: bytes) -> None:
+        self.png = png
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def __repr__(self) -> str:
+        width, height = struct.unpack(">II", self.png[16:24])
+        return f"<Picture of {width} x {height} pixels>"
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the PNG file."""
+        path = Path(path)
+        path.write_bytes(self.png)
+        return path
+
+    def show(self) -> Picture:
+        """Opens it: in a notebook below the cell, else in what this machine opens pictures with."""
+        try:
+            from IPython import get_ipython
+            from IPython.display import display
+        except ImportError:
+            notebook = None
+        else:
+            notebook = get_ipython()
+        if notebook is not None and hasattr(notebook, "kernel"):
+            display(self)
+        else:
+            with tempfile.NamedTemporaryFile(suffix=".png", delete=False) as file:
+                file.write(self.png)
+            if not webbrowser.open(Path(file.name).as_uri()):
+                print(f"nothing here opens pictures; it is {file.name}")
+        return self
+
+
+def encode(rgb: NDArray[np.uint8]) -> bytes:
+    """An array [y, x, rgb] as PNG."""
+
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    height, width, _ = rgb.shape
+    rows = np.concatenate([np.zeros((height, 1), np.uint8), rgb.reshape(height, -1)], axis=1)
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    parts = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + parts
+
+
+def render(result: Result, volume: Any, kind: str, size: int, window: tuple[float, float] | None) -> Picture:
+    """The volume with the result's surface as `host_sim run` draws it, seen along the result's rays."""
+    if kind not in KINDS:
+        raise ValueError(f"kind='{kind}' is none of {', '.join(KINDS)}")
+    if volume is None:
+        raise ValueError("the result does not know its volume: give it, picture(volume)")
+    voxels = to_uint8(_images.array(volume) if _images.is_image(volume) else np.asarray(volume), window)
+    camera = result.camera
+    if voxels.shape != camera.source_shape:
+        raise ValueError(f"volume has shape {voxels.shape}, what was clipped had {camera.source_shape}")
+    depths = _for_the_host(camera, result.depth if result.clips else np.zeros_like(result.depth))
+    with tempfile.TemporaryDirectory() as folder:
+        _metaimage.write(Path(folder) / "volume.mha", camera.see(voxels), camera.spacing)
+        _metaimage.write(Path(folder) / "map.mha", depths)
+        what = ["--volume", "volume.mha", "--map", "map.mha", "--lowres", str(len(depths))]
+        how = ["--frames", "1", "--setting", "smartvis", "--picture", str(size), "--panel", str(size)]
+        few = ["--few-pictures"] if kind in ("result", "full") else []
+        _host.run(["run", *what, *how, *few, "--out", "."], folder)
+        return Picture((Path(folder) / f"{kind}.png").read_bytes())
+
+
+def _for_the_host(camera: Camera, depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Depths in mm from the volume's front, on the square of the host's low-resolution volume."""
+    size = np.array(camera.spacing) * camera.shape[::-1]
+    side = float(max(size[:2]))
+    count = min(max(math.ceil(side / min(camera.spacing[:2]) - 1e-6), 8), _MOST)
+    mm = ((np.arange(count) + 0.5) / count - 0.5) * side
+    x, y = (mm / camera.spacing[axis] + (camera.shape[2 - axis] - 1) / 2 for axis in (0, 1))
+    across, down = np.meshgrid(x, y)
+    found = between(depth, across, down)
+    beside = (np.abs(mm) > size[0] / 2)[None, :] | (np.abs(mm) > size[1] / 2)[:, None]
+    return np.where(beside | (found <= 0), 0, (found + 0.5) * camera.spacing[2]).astype(np.float32)

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""OpenCL runtimes that come from PyPI, for machines without one of their own."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from importlib import metadata
+from pathlib import Path
+
+from . import _abi
+
+_VENDORS = Path("/etc/OpenCL/vendors")  #: where the system's runtimes are listed
+#: Of the loaders of Debian and of Khronos, in this order. Whoever sets one of them has chosen.
+_VARIABLES = ("OCL_ICD_VENDORS", "OCL_ICD_FILENAMES")
+#: Packages with a runtime for the processor, and its library. The second is free software and small.
+_PACKAGES = (("intel-opencl-rt", r"libintelocl\.so[.\d]*"), ("pocl-binary-distribution", r"libpocl.*\.so[.\d]*"))
+_POCL = "pip install pocl-binary-distribution"
+_INTEL = "pip install intel-opencl-rt intel-cmplr-lib-rt"
+
+
+def use_one() -> None:
+    """Tells the loader of a runtime from PyPI, if the system has none and nobody has chosen. To be called before the
+    process' first use of OpenCL."""
+    found = find()
+    if (
+        found
+        and not _lacks_linker(found)
+        and not any(_VENDORS.glob("*.icd"))
+        and not any(name in os.environ for name in _VARIABLES)
+    ):
+        os.environ.update(dict.fromkeys(_VARIABLES, found))
+
+
+def find() -> str | None:
+    """The library of an installed runtime from PyPI."""
+    for package, library in _PACKAGES:
+        try:
+            files = metadata.files(package) or []
+        except metadata.PackageNotFoundError:
+            continue
+        for file in files:
+            if re.fullmatch(library, file.name):
+                return os.path.abspath(str(file.locate()))
+    return None
+
+
+def _lacks_linker(library: str) -> bool:
+    """True if that is PoCL on a machine without a linker, which it calls for every kernel: it would end the process."""
+    return "libpocl" in library and shutil.which("ld") is None
+
+
+def mend(status: int, reason: str) -> str:
+    """What to do where OpenCL is what is missing: " (...)" for the end of a message, else nothing."""
+    found = find()
+    if status == _abi.SV_ERR_BUILD and "unknown target CPU" in reason:
+        return f" (this PoCL is older than the processor: {_INTEL})"
+    if status != _abi.SV_ERR_NO_DEVICE:
+        return ""
+    if found is None:
+        return f" (a runtime for the processor: {_POCL if shutil.which('ld') else _INTEL})"
+    if _lacks_linker(found):
+        return f" (PoCL needs a linker, which is missing: {_INTEL})"
+    return f" (the one from PyPI: export {_VARIABLES[0]}={found})" if os.environ.get(_VARIABLES[0]) != found else ""

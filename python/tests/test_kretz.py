@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: MIT
+"""Kretz volumes, bare and in DICOM, through `smartvis clip` and `host_sim info`: the host reads them, and Python has
+what it read. The DICOM files are made here."""
+
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from conftest import BUILD, host_sim, write_dicom
+
+from smartvis._study import find_files
+from smartvis.cli import main
+
+COST = ("--method", "cost")
+EXPLICIT, IMPLICIT = "1.2.840.10008.1.2.1", "1.2.840.10008.1.2"
+
+
+def element(tag: int, kind: str, value: bytes, implicit: bool) -> bytes:
+    value += b"\0" * (len(value) % 2)
+    head = struct.pack("<HH", tag >> 16, tag & 0xFFFF)
+    if implicit:
+        return head + struct.pack("<I", len(value)) + value
+    size = struct.pack("<HI", 0, len(value)) if kind == "OB" else struct.pack("<H", len(value))
+    return head + kind.encode() + size + value
+
+
+def wrap(stream: bytes, syntax: str = EXPLICIT, series: str = "1.2.3") -> bytes:
+    """A DICOM file as scanners write it: pictures over time, and behind them the volume in a private element."""
+    meta = element(0x00020010, "UI", syntax.encode(), False)
+    rows = [
+        (0x00080016, "UI", b"1.2.840.10008.5.1.4.1.1.3.1"),
+        (0x00080018, "UI", series.encode() + b".1"),
+        (0x00100010, "PN", b"MUSTERFRAU^A"),
+        (0x0020000D, "UI", b"1.2"),
+        (0x0020000E, "UI", series.encode()),
+        (0x7FE00010, "OB", bytes(64)),
+        (0x7FE10011, "LO", b"KRETZ_US"),
+        (0x7FE11101, "OB", stream),
+    ]
+    group = element(0x00020000, "UL", struct.pack("<I", len(meta)), False)
+    return bytes(128) + b"DICM" + group + meta + b"".join(element(*row, syntax == IMPLICIT) for row in rows)
+
+
+@pytest.fixture(scope="module")
+def scans(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("kretz")
+    host_sim("scenes", "D01", "--size", 96, "--export", "--format", "vol", "--out", folder)
+    host_sim("scenes", "E02", "--size", 48, "--frames", 2, "--export", "--format", "vol", "--out", folder)
+    return folder
+
+
+def test_a_wrapped_volume_is_the_bare_one_and_the_hosts(scans: Path, tmp_path: Path, capsys) -> None:
+    raw = (scans / "D01_full.vol").read_bytes()
+    (tmp_path / "explicit.dcm").write_bytes(wrap(raw))
+    (tmp_path / "implicit").write_bytes(wrap(raw, IMPLICIT))
+    files = [scans / "D01_full.vol", tmp_path / "explicit.dcm", tmp_path / "implicit"]
+    assert main(["clip", *map(str, files), "--out", str(tmp_path), "--write", "clipped", *COST]) == 0
+    assert capsys.readouterr().out.count(", OK,") == 3
+    clipped = [sitk.ReadImage(str(tmp_path / f"{name}_clipped.nrrd")) for name in ("D01_full", "explicit", "implicit")]
+    ours = [sitk.GetArrayFromImage(image) for image in clipped]
+    assert np.array_equal(ours[0], ours[1]) and np.array_equal(ours[0], ours[2]) and (ours[0] > 0).mean() > 0.05
+
+    few = ["--frames", 1, "--setting", "smartvis", "--picture", 64, "--out", tmp_path / "host"]
+    host_sim("run", "--volume", files[1], "--write", "clipped", "--set", "method=cost", *few)
+    theirs = sitk.ReadImage(str(tmp_path / "host" / "clipped.mha"))
+    assert clipped[0].GetSpacing() == pytest.approx(theirs.GetSpacing())
+    assert clipped[0].GetOrigin() == pytest.approx(theirs.GetOrigin())
+    both = (ours[0] > 0) & (sitk.GetArrayFromImage(theirs) > 0)
+    assert both.mean() > 0.05 and np.array_equal(ours[0][both], sitk.GetArrayFromImage(theirs)[both])
+
+
+def test_a_wrapped_sequence_is_clipped_volume_by_volume(scans: Path, tmp_path: Path) -> None:
+    raw = (scans / "E02_full.vol").read_bytes()
+    (tmp_path / "beat.dcm").write_bytes(wrap(raw))
+    assert main(["clip", str(tmp_path / "beat.dcm"), "--out", str(tmp_path), "--write", "clipped", *COST]) == 0
+    frames = [sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / f"beat_f000{n}_clipped.nrrd"))) for n in range(2)]
+    assert not np.array_equal(*frames)
+    copy = tmp_path / "second.mha"
+    host_sim("info", "--number", 2, "--cartesian", copy, tmp_path / "beat.dcm")
+    second = sitk.GetArrayFromImage(sitk.ReadImage(str(copy)))
+    assert (frames[1] > 0).any() and np.array_equal(frames[1][frames[1] > 0], second[frames[1] > 0])
+
+
+def test_the_other_side_is_a_choice(scans: Path, tmp_path: Path) -> None:
+    clip = ["clip", str(scans / "D01_full.vol"), "--write", "clipped", *COST]
+    assert main([*clip, "--out", str(tmp_path / "one")]) == 0
+    assert main([*clip, "--mirror", "--out", str(tmp_path / "other")]) == 0
+    one, other = (sitk.ReadImage(str(tmp_path / side / "D01_full_clipped.nrrd")) for side in ("one", "other"))
+    one, other = (sitk.GetArrayFromImage(image) > 0 for image in (one, other))
+    assert not np.array_equal(one, other)
+    assert np.mean(one == other[:, ::-1]) > 0.99
+
+
+def test_a_folder_has_slices_and_wrapped_volumes(scans: Path, tmp_path: Path, volume, capsys) -> None:
+    """Kretz volumes beside the slices of a series are volumes of their own, and not slices; so is another file."""
+    folder = tmp_path / "scans"
+    write_dicom(folder, sitk.GetImageFromArray(volume))
+    (folder / "a.dcm").write_bytes(wrap((scans / "D01_full.vol").read_bytes()))
+    (folder / "b.dcm").write_bytes(wrap((scans / "E02_full.vol").read_bytes()))
+    assert main(["clip", str(folder), "--out", str(tmp_path), "--write", "depth"]) == 0
+    names = ["a_depth.nrrd", "b_f0000_depth.nrrd", "b_f0001_depth.nrrd", "scans_depth.nrrd"]
+    assert sorted(p.name for p in tmp_path.glob("*.nrrd")) == names
+    (folder / "other.nrrd").write_bytes((tmp_path / "a_depth.nrrd").read_bytes())
+    found = find_files([str(folder)])
+    assert found == [folder / "other.nrrd", folder / "a.dcm", folder / "b.dcm", folder]
+    for slice_ in folder.glob("1.2*"):
+        slice_.unlink()
+    assert find_files([str(folder)]) == found[:-1]
+
+
+def compressed(raw: bytes) -> bytes:
+    """The voxels under the name of compressed ones."""
+    voxels = struct.pack("<HH", 0xD000, 0x0001)
+    assert raw.count(voxels) >= 1
+    at = raw.index(voxels, 16)
+    return raw[:at] + struct.pack("<HH", 0x0002, 0x1000) + raw[at + 4 :]
+
+
+@pytest.mark.parametrize("door", ["info", "clip", "batch"])
+def test_what_is_wrong_is_told_at_every_door(scans: Path, tmp_path: Path, door: str, capfd) -> None:
+    raw = (scans / "D01_full.vol").read_bytes()
+    bad = {
+        "packed.dcm": (wrap(compressed(raw)), "re-save with wavelet compression off"),
+        "packed.vol": (compressed(raw), "re-save with wavelet compression off"),
+        "cut.dcm": (wrap(raw)[:-1000], "element (7FE1,1101) has"),
+        "deflated.dcm": (wrap(raw, "1.2.840.10008.1.2.1.99"), "transfer syntax is '1.2.840.10008.1.2.1.99'"),
+        "twice.dcm": (wrap(raw) + wrap(raw)[-len(raw) - 12 :], "(7FE1,1101) holds a Kretz volume, and so does"),
+        "cut.vol": (raw[:-1000], "item (D000,0001) has"),
+    }
+    for name, (content, words) in bad.items():
+        (tmp_path / name).write_bytes(content)
+        if door == "info":
+            assert subprocess.run([str(BUILD / "host_sim"), "info", str(tmp_path / name)], check=False).returncode == 3
+        else:
+            command = [door, str(tmp_path / name), "--out", str(tmp_path / door / name)]
+            assert main([*command, "--workers", "1"] if door == "batch" else command) == (1 if door == "batch" else 3)
+        told = "".join(capfd.readouterr())
+        assert words in told and str(tmp_path / name) in told and "MUSTER" not in told, told
+        shutil.rmtree(tmp_path / door, ignore_errors=True)
