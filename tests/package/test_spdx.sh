@@ -1,0 +1,35 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# The list of dependencies (scripts/spdx.sh): it has what the plugin and the programs load, what every list of packages names, and
+# what is pinned of PyPI, with versions; every relation is between packages of the list. Called with the source and the build folder.
+set -u
+source_dir=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+# shellcheck source=tests/support/holds.sh
+. "$source_dir/tests/support/holds.sh"
+command -v dpkg-query > /dev/null || {
+    echo "skipped: no Debian"
+    exit 77
+}
+
+holds bash "$source_dir/scripts/spdx.sh" "$2" "$work/list"
+holds [ "$(head -n 1 "$work/list")" = "SPDXVersion: SPDX-2.3" ]
+sed -n 's/^SPDXID: //p' "$work/list" | sort > "$work/ids"
+holds [ -z "$(uniq -d "$work/ids")" ]
+sed -n 's/^Relationship: \([^ ]*\) [A-Z_]* \([^ ]*\)$/\1\n\2/p' "$work/list" | sort -u > "$work/named"
+holds [ -z "$(comm -13 "$work/ids" "$work/named")" ]
+# The plugin needs OpenCL and libc only.
+holds [ "$(sed -n 's/^Relationship: SPDXRef-smartvis.so DEPENDS_ON SPDXRef-//p' "$work/list" | paste -sd ' ')" = "libc6 ocl-icd-libopencl1" ]
+holds grep -qx 'Relationship: SPDXRef-host-sim DEPENDS_ON SPDXRef-libcivetweb1' "$work/list"
+# What is needed to build is installed where this runs: it has the version that dpkg tells.
+for name in $(sed 's/#.*//' "$source_dir/scripts/packages.txt"); do
+    installed=$(dpkg-query -W -f '${Version}' "$name" 2> /dev/null)
+    holds grep -qxF "PackageVersion: $installed" <(grep -xF -A 2 "PackageName: $name" "$work/list")
+    holds grep -qxF "Relationship: SPDXRef-$(sed 's/[^A-Za-z0-9.-]/-/g' <<< "$name") BUILD_DEPENDENCY_OF SPDXRef-smartvis" "$work/list"
+done
+for line in $(sed -n 's/^\([A-Za-z0-9_.-]*==[^ ;]*\).*/\1/p' "$source_dir"/python/requirements*.txt); do
+    holds grep -qxF "PackageVersion: ${line#*==}" <(grep -xF -A 2 "PackageName: pypi-${line%%=*}" "$work/list")
+done
+echo "$checked checks, $failed failed"
+[ "$failed" -eq 0 ]
