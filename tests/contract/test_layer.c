@@ -8,6 +8,7 @@
 #include "support/layer_fixture.h"
 
 #include <dlfcn.h>
+#include <inttypes.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -104,14 +105,15 @@ static void repeated_breaches_are_told_less_and_less(void **state) {
     layer_close(s);
 }
 
-static void a_file_beside_it_names_the_plugin(void **state) {
-    char folder[] = "/tmp/layer_XXXXXX", command[4096];
+static void a_file_beside_it_has_the_settings(void **state) {
+    char folder[] = "/tmp/layer_XXXXXX", command[4096], recording[64];
     (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(
         command, sizeof command,
-        "cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/inner.so && "
-        "printf 'SMARTVIS_CHECK=stop\\nSMARTVIS_CHECK_PLUGIN=inner.so\\n' > %s/smartvis_check.conf",
+        "cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/inner.so && printf "
+        "'# a comment\\nSMARTVIS_CHECK=stop\\nSMARTVIS_CHECK_PLUGIN=inner.so\\nSMARTVIS_RECORD=own.svr\\n' "
+        "> %s/smartvis_check.conf",
         layer_build(), folder, layer_build(), folder, folder);
     assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
     (void)unsetenv("SMARTVIS_CHECK_PLUGIN");
@@ -119,6 +121,15 @@ static void a_file_beside_it_names_the_plugin(void **state) {
     layer_create(s);
     assert_int_equal(s->created, SV_OK);
     assert_int_equal(layer_slab(s, 0), SV_ERR_STATE);
+    layer_close(s);
+    (void)snprintf(recording, sizeof recording, "%s/own.svr", folder);
+    assert_int_equal(access(recording, R_OK), 0);
+    (void)snprintf(command, sizeof command, "echo SMARTVIS_CHEK=stop >> %s/smartvis_check.conf", folder);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    s = layer_load(folder);
+    layer_create(s);
+    assert_int_equal(s->created, SV_ERR_INTERNAL);
+    assert_non_null(strstr(s->log, "smartvis_check.conf: 'SMARTVIS_CHEK=stop' is no setting"));
     layer_close(s);
     (void)snprintf(command, sizeof command, "rm -r %s", folder);
     assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
@@ -145,19 +156,24 @@ static void what_cannot_be_used_is_told(void **state) {
 }
 
 /* ---- recordings */
-/* Frames whose end returned SV_OK in a recording that is whole; 0 if it is not. */
-static uint32_t recorded_frames(const char *path) {
+/* Calls of a kind that returned SV_OK, in a recording that is whole. Every call has its time. */
+static uint32_t recorded(const char *path, rc_kind kind) {
     static rec_item item;
     char error[300];
-    uint32_t frames = 0;
+    uint32_t calls = 0;
+    uint64_t last = 1;
     int more;
     rec_reader *r = rec_reader_open(path, error, sizeof error);
     if (!r) fail_msg("%s", error);
-    while ((more = rec_reader_next(r, &item, error, sizeof error)) == 1)
-        frames += item.type == REC_RETURN && item.kind == RC_END && item.returned == SV_OK && item.maps;
+    while ((more = rec_reader_next(r, &item, error, sizeof error)) == 1) {
+        calls += item.type == REC_RETURN && item.kind == kind && item.returned == SV_OK;
+        if (item.type != REC_CALL) continue;
+        if (item.ns < last) fail_msg("%u starts at %" PRIu64 ", behind %" PRIu64, item.kind, item.ns, last);
+        last = item.ns;
+    }
     rec_reader_close(r);
     if (more < 0) fail_msg("%s", error);
-    return frames;
+    return calls;
 }
 
 static void what_passes_is_recorded(void **state) {
@@ -176,7 +192,7 @@ static void what_passes_is_recorded(void **state) {
         layer_use(s);
         assert_int_equal(strstr(s->log, "check:") == NULL, n % 2);
         layer_close(s);
-        assert_int_equal(recorded_frames(path), 3);
+        assert_int_equal(recorded(path, RC_END), 3);
     }
     (void)unlink(path);
     (void)setenv("SMARTVIS_RECORD", "/no/such/folder/file", 1);
@@ -185,6 +201,29 @@ static void what_passes_is_recorded(void **state) {
     layer_use(s);
     assert_non_null(strstr(s->log, "/no/such/folder/file"));
     layer_close(s);
+    (void)unsetenv("SMARTVIS_RECORD");
+    (void)unsetenv("SMARTVIS_CHECK");
+}
+
+/* What the layer refuses of activate's return, it gives back: the plugin is inactive, as the host has it. */
+static void an_activation_that_is_stopped_is_undone(void **state) {
+    char path[] = "/tmp/layer_XXXXXX";
+    (void)state;
+    const int file = mkstemp(path);
+    assert_true(file >= 0);
+    (void)close(file);
+    (void)setenv("SMARTVIS_RECORD", path, 1);
+    (void)setenv("SMARTVIS_CHECK", "stop", 1);
+    layer_subject *s = layer_open("wrong/activate_partial");
+    layer_create(s);
+    for (int n = 0; n < 2; n++) {
+        assert_int_equal(layer_activate(s), SV_ERR_INTERNAL);
+        assert_non_null(strstr(s->p->last_error(s->p), "frame-outcome: activate: returns SV_PARTIAL"));
+    }
+    assert_int_equal(layer_begin(s), SV_ERR_STATE);
+    layer_close(s);
+    assert_int_equal(recorded(path, RC_DEACTIVATE), 2);
+    (void)unlink(path);
     (void)unsetenv("SMARTVIS_RECORD");
     (void)unsetenv("SMARTVIS_CHECK");
 }
@@ -212,9 +251,10 @@ int main(void) {
         cmocka_unit_test(stop_makes_errors),
         cmocka_unit_test(off_is_the_plugin_itself),
         cmocka_unit_test(repeated_breaches_are_told_less_and_less),
-        cmocka_unit_test(a_file_beside_it_names_the_plugin),
+        cmocka_unit_test(a_file_beside_it_has_the_settings),
         cmocka_unit_test(what_cannot_be_used_is_told),
         cmocka_unit_test(what_passes_is_recorded),
+        cmocka_unit_test(an_activation_that_is_stopped_is_undone),
         cmocka_unit_test(the_page_has_the_rules),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

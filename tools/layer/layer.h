@@ -92,6 +92,13 @@ void ly_read_settings(void);
  */
 const char *ly_setting(const char *name);
 
+/* A setting that is a file: a relative path starts from the working folder, in the settings' file from the
+ * layer's own. False if there is none. */
+bool ly_path(const char *name, char *path, size_t bytes);
+
+/* The first line of the settings' file that is neither a setting nor a comment (#), or NULL. */
+const char *ly_wrong_line(void);
+
 /* A line to the host's log, or to standard error if the host has none. Any thread. */
 void ly_log(const ly_instance *i, int32_t severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -29,7 +29,9 @@ static void note_trouble(void *context, rule_name name, const char *text) {
 
 static void read_mode(void) {
     const char *said = ly_setting("SMARTVIS_CHECK"), *ms = ly_setting("SMARTVIS_CHECK_MS");
+    const char *wrong = ly_wrong_line();
     char *end = NULL;
+    if (wrong) refuse("check: smartvis_check.conf: '%.100s' is no setting", wrong, NULL);
     if (said && strcmp(said, "off") == 0)
         mode = OFF;
     else if (said && strcmp(said, "stop") == 0)
@@ -48,10 +50,8 @@ static void load(void) {
     const rule_sink to = {note_trouble, unusable};
     char path[2 * PATH_MAX];
     ly_read_settings();
-    const char *named = getenv("SMARTVIS_CHECK_PLUGIN"), *base = named ? "./" : ly_folder;
-    if (!named) named = ly_setting("SMARTVIS_CHECK_PLUGIN");
-    if (!named) named = "smartvis.so";
-    (void)snprintf(path, sizeof path, "%s%s", named[0] == '/' ? "" : base, named);
+    if (!ly_path("SMARTVIS_CHECK_PLUGIN", path, sizeof path))
+        (void)snprintf(path, sizeof path, "%ssmartvis.so", ly_folder);
     library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     inner = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
     if (!library)
@@ -168,7 +168,7 @@ static void SV_CALL ly_destroy(const sv_plugin *plugin) {
                   "destroy: comes while another call of this instance is under way");
     (void)ly_judge_host(i, &(rc_call){.kind = RC_DESTROY});
     ly_watch_close(i->watch);
-    if (i->record)
+    if (i->record && alone)
         rec_before(i->record, &(rc_call){.kind = RC_DESTROY, .plugin = i->inner, .start_ns = ly_now()});
     i->inner->destroy(i->inner);
     for (int n = 0; n < RULE_COUNT && used < sizeof text - 60; n++) {
@@ -193,11 +193,10 @@ static void judge_host(const rule_sink *to, const sv_host *h) {
 /* The recording that is asked for: of the first instance FILE, of the others FILE.2 and so on. */
 static rec *open_record(const sv_host *host) {
     static atomic_uint instances;
-    const char *name = ly_setting("SMARTVIS_RECORD");
-    char path[PATH_MAX], error[PATH_MAX + 200];
-    if (!name) return NULL;
+    char path[2 * PATH_MAX], error[2 * PATH_MAX + 200];
+    if (!ly_path("SMARTVIS_RECORD", path, sizeof path - 16)) return NULL;
     const uint32_t number = atomic_fetch_add(&instances, 1) + 1;
-    (void)snprintf(path, sizeof path, number > 1 ? "%s.%u" : "%s", name, number);
+    if (number > 1) (void)snprintf(path + strlen(path), 16, ".%u", number);
     rec *record = rec_open(path, ly_setting("SMARTVIS_RECORD_OPTIONS"), error, sizeof error);
     if (!record && host->log) host->log(host, SV_LOG_WARNING, error);
     return record;

@@ -92,11 +92,12 @@ static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     const int rounding = fegetround();
     (void)snprintf(why, sizeof why, "%s", i->shadow.reason);
     if (control) (void)snprintf(locale, sizeof locale, "%s", setlocale(LC_ALL, NULL));
+    c->start_ns = ly_now();
     if (i->record) rec_before(i->record, c);
     ly_watch_before(i, c);
-    c->start_ns = ly_now();
+    const uint64_t handed_on = ly_now();
     c->status = forward(i->inner, c);
-    c->took_ns = ly_now() - c->start_ns;
+    c->took_ns = ly_now() - handed_on;
     ly_watch_after(i, c);
     if (i->record) rec_after(i->record, c);
     if (i->record && rec_why(i->record)[0] && !i->told_record && i->outer->log)
@@ -140,6 +141,12 @@ static void tell_times(ly_instance *i) {
     memset(i->times, 0, sizeof i->times);
 }
 
+/* What activate took is given back, before the host and in a recording. */
+static void undo_activate(ly_instance *i) {
+    rc_call c = {.kind = RC_DEACTIVATE, .plugin = i->inner, .sound = true};
+    make_call(i, &c, SV_OK);
+}
+
 static sv_status pass(ly_instance *i, rc_call *c) {
     if (!enter(i, ly_call_names[c->kind]))
         return i->stops && c->kind != RC_DEACTIVATE ? SV_ERR_STATE : forward(i->inner, c);
@@ -152,7 +159,7 @@ static sv_status pass(ly_instance *i, rc_call *c) {
     c->sound = due == SV_OK && !lost;
     if (i->stopped == SV_OK || c->kind == RC_DEACTIVATE) make_call(i, c, due);
     if (i->stopped != SV_OK) {
-        if (c->kind == RC_ACTIVATE && c->took_ns > 0 && c->status >= SV_OK) i->inner->deactivate(i->inner);
+        if (c->kind == RC_ACTIVATE && c->start_ns > 0 && c->status >= SV_OK) undo_activate(i);
         c->status = i->stopped = due != SV_OK ? due : i->stopped;
     }
     ly_follow(i, c);

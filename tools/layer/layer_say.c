@@ -27,6 +27,18 @@ void ly_read_settings(void) {
         if (settings[i] == '\n' || settings[i] == '\r') settings[i] = '\0';
 }
 
+const char *ly_wrong_line(void) {
+    static const char *const known[] = {"SMARTVIS_CHECK=", "SMARTVIS_CHECK_PLUGIN=", "SMARTVIS_CHECK_MS=",
+                                        "SMARTVIS_RECORD=", "SMARTVIS_RECORD_OPTIONS="};
+    enum { KNOWN = sizeof known / sizeof *known };
+    for (const char *line = settings; line < settings + sizeof settings - 2; line += strlen(line) + 1) {
+        size_t n = 0;
+        while (n < KNOWN && strncmp(line, known[n], strlen(known[n])) != 0) n++;
+        if (line[0] && line[0] != '#' && n == KNOWN) return line;
+    }
+    return NULL;
+}
+
 const char *ly_setting(const char *name) {
     const size_t length = strlen(name);
     const char *value = getenv(name);
@@ -34,6 +46,14 @@ const char *ly_setting(const char *name) {
     for (const char *line = settings; line < settings + sizeof settings - 2; line += strlen(line) + 1)
         if (strncmp(line, name, length) == 0 && line[length] == '=') return line + length + 1;
     return NULL;
+}
+
+bool ly_path(const char *name, char *path, size_t bytes) {
+    const bool said = getenv(name) != NULL;
+    const char *value = ly_setting(name);
+    if (!value) return false;
+    (void)snprintf(path, bytes, "%s%s", value[0] == '/' ? "" : said ? "./" : ly_folder, value);
+    return true;
 }
 
 /* ---- the log */

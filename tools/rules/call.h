@@ -29,9 +29,10 @@ typedef struct {
     const sv_result *result;      /* end, adjust */
     const sv_param_value *values; /* adjust; activate and begin have theirs in the struct */
     uint32_t value_count;
-    sv_status status; /* what the plugin returned; SV_OK before, and for calls that return nothing */
-    uint64_t start_ns, took_ns; /* CLOCK_MONOTONIC; took_ns is 0 before the call */
-    bool sound; /* nothing was found wrong with the arguments: their sizes, shapes and objects hold */
+    sv_status status;  /* what the plugin returned; SV_OK before, and for calls that return nothing */
+    uint64_t start_ns; /* when the host made it, by CLOCK_MONOTONIC; 0 if it was not passed on */
+    uint64_t took_ns;  /* by the plugin alone; 0 before the call */
+    bool sound;        /* nothing was found wrong with the arguments: their sizes, shapes and objects hold */
 } rc_call;
 
 #endif

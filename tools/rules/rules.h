@@ -301,7 +301,7 @@ void rule_tell(const rule_sink *to, rule_name name, const char *format, ...)
         }                                                                                                    \
     } while (0)
 
-/* 1 if `text` is UTF-8 of at most `most` bytes without control characters. */
+/* True if `text` is UTF-8 of at most `most` bytes without control characters. */
 bool rule_is_text(const char *text, size_t most);
 
 /* ------------------------------------------------------------------------------------------- judges -- */
