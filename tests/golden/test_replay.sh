@@ -63,6 +63,17 @@ holds code 4 replay "$work/crash" --plugin "$build/wrong/crash_in_slab.so"
 holds says 'crashed: SIGSEGV'
 holds code 4 replay "$work/turn" --guard --plugin "$build/wrong/crash_in_slab.so"
 
+# --- what nobody would write: parts in an order or of sizes that cannot be, with checksums that hold
+mkdir "$work/hostile"
+python3 -B "$1/tests/golden/hostile_recordings.py" "$work/hostile"
+holds code 0 replay "$work/hostile/right.svr" --plugin "$build/examples/first_edge.so"
+holds says ' 1 frames, 6 calls'
+rm "$work/hostile/right.svr"
+for file in "$work"/hostile/*.svr; do
+    holds code 3 replay "$file" --plugin "$build/examples/first_edge.so" --out "$work/pictures"
+    holds says "^sv_replay: ($file: byte [0-9]+: this part cannot be|activate: slabs of)"
+done
+
 # --- cut off, no recording, wrong words
 head -c 100000 "$work/turn" > "$work/cut"
 holds code 3 replay "$work/cut"
@@ -73,7 +84,7 @@ holds code 3 replay "$work/nothing"
 holds code 2 replay "$work/turn" --set nothing=1
 holds code 2 replay
 holds code 0 replay "$work/ring" --list
-holds says '^begin [0-9]+, time [0-9]+ ns, .*probe towards \('
+holds says '^begin [0-9]+, time [0-9]+ ns, .*probe towards \(.*; at [1-9][0-9.]* ms$'
 
 echo "$checked checked, $failed failed"
 [ "$failed" = 0 ]

@@ -139,6 +139,18 @@ static void pass_values(rec_cursor *c, rec_item *it) {
     }
 }
 
+/* Of a sound activate: what every plugin refuses cannot be. */
+static const char *judge_format(const sv_format *f) {
+    return f->width == 0             ? "width"
+           : f->height == 0          ? "height"
+           : f->slices == 0          ? "slices"
+           : f->max_slab_slices == 0 ? "max_slab_slices"
+           : f->tiles_x == 0         ? "tiles_x"
+           : f->tile_w < f->width    ? "tile_w"
+           : f->tile_h < f->height   ? "tile_h"
+                                     : NULL;
+}
+
 static void pass_format(rec_cursor *c, rec_item *it) {
     sv_format *f = &it->format;
     f->size = sizeof *f;
@@ -157,6 +169,7 @@ static void pass_format(rec_cursor *c, rec_item *it) {
     PASS(c, f->flags);
     PASS_MOST(c, it->host_queue, 1);
     PASS_MOST(c, it->registered, 1);
+    if (judge_format(f)) fail(c, judge_format(f));
     pass_values(c, it);
 }
 

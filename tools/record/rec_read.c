@@ -6,12 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define NO_FRAME UINT32_MAX /* of no slab that can be read */
+
 struct rec_reader {
     FILE *file;
     char path[1024];
     uint64_t at, size; /* bytes read, bytes of the file */
+    uint32_t open;     /* 1 + the kind of the call under way; 0: none */
     sv_format format;  /* that is active; width 0: none */
     sv_format asked;   /* of the activate under way */
+    uint32_t next;     /* the slice that the next slab begins with; NO_FRAME */
     uint8_t *chunk;
     uint8_t *data; /* of the last item */
 };
@@ -40,6 +44,7 @@ rec_reader *rec_reader_open(const char *path, char *error, size_t bytes) {
         (void)snprintf(error, bytes, "%s: no memory", path);
         return NULL;
     }
+    r->next = NO_FRAME;
     (void)snprintf(r->path, sizeof r->path, "%s", path);
     r->file = fopen(path, "rb");
     long size = -1;
@@ -66,13 +71,33 @@ static int broken(const rec_reader *r, uint64_t at, char *error, size_t bytes, c
     return -1;
 }
 
-/* The format that what follows is read by. */
+/* What cannot be there now, or NULL. Behind it a sound call has the format that the plugin was activated
+ * with, and its slabs come in turn: whoever plays a recording need not ask. */
+static const char *judge_order(const rec_reader *r, const rec_item *item) {
+    const bool active = r->format.width > 0;
+    if (item->type == REC_RETURN && r->open != item->kind + 1) return "a return without its call";
+    if (item->type != REC_CALL) return NULL;
+    if (r->open) return "a call before the return of another one";
+    if (!item->sound) return NULL;
+    if (item->kind == RC_ACTIVATE && active) return "activate, and an activation lasts";
+    if (item->kind >= RC_BEGIN && !active) return "a frame without an activation";
+    if (item->kind == RC_SLAB && (item->slab.first_slice != r->next || item->slab.slice_count < 1 ||
+                                  item->slab.slice_count > r->format.slices - r->next))
+        return "a slab out of turn";
+    return NULL;
+}
+
+/* The state that what follows is read in. */
 static void follow(rec_reader *r, const rec_item *item) {
     const bool call = item->type == REC_CALL;
     if (!call && item->type != REC_RETURN) return;
+    r->open = call ? item->kind + 1 : 0;
     if (item->kind == RC_ACTIVATE && call) r->asked = item->sound ? item->format : (sv_format){0};
     if (item->kind == RC_ACTIVATE && !call && item->returned >= SV_OK) r->format = r->asked;
     if (item->kind == RC_DEACTIVATE && !call) r->format = (sv_format){0};
+    if (item->kind < RC_BEGIN) r->next = NO_FRAME;
+    if (item->kind == RC_BEGIN && call && item->sound) r->next = 0;
+    if (item->kind == RC_SLAB && call && item->sound) r->next += item->slab.slice_count;
 }
 
 int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes) {
@@ -97,6 +122,8 @@ int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes) {
     rec_item_pass(&c, item);
     r->data = item->data;
     if (c.bad) return broken(r, start, error, bytes, "this part cannot be: ", field_of(c.bad));
+    const char *out_of_turn = judge_order(r, item);
+    if (out_of_turn) return broken(r, start, error, bytes, "this part cannot be here: ", out_of_turn);
     follow(r, item);
     if (item->type != REC_END) return 1;
     return r->at == r->size ? 0 : broken(r, r->at, error, bytes, "something follows the last part", "");

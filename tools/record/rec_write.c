@@ -237,8 +237,9 @@ void rec_before(rec *r, const rc_call *call) {
     it->kind = (uint32_t)call->kind;
     it->ns = call->start_ns;
     /* What needs a format that is not there is out of turn: its state says all. */
-    const bool needs_format = call->kind >= RC_BEGIN && call->kind <= RC_ADJUST;
-    it->sound = call->kind <= RC_DESTROY || (call->sound && !(needs_format && r->format.width == 0));
+    const bool active = r->format.width > 0;
+    it->sound = call->kind <= RC_DESTROY || (call->kind == RC_ACTIVATE && call->sound) ||
+                (call->kind == RC_DEACTIVATE && active) || (call->sound && active);
     it->data = NULL;
     if (call->kind == RC_BEGIN) note_frame(r);
     if (call->kind == RC_ACTIVATE) r->activation = r->activated = r->end;

@@ -32,8 +32,8 @@ static bool make_memory(rp_hand *h, hs_error *err) {
     /* Slabs of a slice each need most. */
     const uint64_t bytes = (uint64_t)f->slices * f->tile_h * f->row_pitch;
     if (bytes > MOST_MEMORY)
-        return hs_fail(err, HS_ERR_MEMORY, "slabs of %u x %u x %u in rows of %u bytes: no memory", f->width,
-                       f->height, f->slices, f->row_pitch);
+        return hs_fail(err, HS_ERR_INPUT, "activate: slabs of %u x %u x %u in rows of %u bytes are no scan's",
+                       f->width, f->height, f->slices, f->row_pitch);
     h->bytes = (size_t)bytes;
     h->guards = hs_is_guarded(h->plugin);
     h->memory = h->guards ? hs_guarded_memory(h->plugin, h->bytes, err) : calloc(h->bytes, 1);
@@ -52,7 +52,7 @@ bool rp_hand_format(rp_hand *h, const rp_options *o, const rec_item *item, hs_er
     f->size = sizeof *f;
     /* An image has no pitch; in memory its rows are as long as they must be. */
     if (f->row_pitch < f->tiles_x * f->tile_w) f->row_pitch = f->tiles_x * f->tile_w;
-    if (f->tiles_x == 0 || !make_memory(h, err)) return f->tiles_x > 0; /* impossible: activate will say so */
+    if (!make_memory(h, err)) return false;
     const bool guarded = hs_is_guarded(h->plugin);
     f->carrier = guarded ? SV_CARRIER_HOST : h->way.carrier;
     if (!guarded && !h->way.own_queue) {
@@ -87,7 +87,6 @@ bool rp_hand_frame(rp_hand *h, const rec_item *item, sv_frame *frame, hs_error *
     *frame = item->frame;
     frame->size = sizeof *frame;
     h->used = 0;
-    if (h->format.width == 0) return true;
     forget_objects(h);
     if (item->ranges == REC_ABSENT || !item->data) return true;
     memcpy(h->ranges, item->data, item->bytes);
@@ -103,8 +102,6 @@ static uint8_t *fill_texture(rp_hand *h, const rec_item *item) {
     const sv_format *f = &h->format;
     const size_t slice = (size_t)f->width * f->height;
     const uint64_t bytes = texture_bytes(f, item->slab.slice_count);
-    if (bytes > h->bytes - h->used) h->used = 0; /* out of turn: the plugin will refuse it */
-    if (bytes > h->bytes) return h->memory;
     uint8_t *texture = h->memory + h->used;
     h->used += (size_t)bytes;
     memset(texture, 0, (size_t)bytes);
@@ -118,7 +115,6 @@ bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err
     const sv_format *f = &h->format;
     *slab = (sv_slab){
         .size = sizeof *slab, .first_slice = item->slab.first_slice, .slice_count = item->slab.slice_count};
-    if (f->width == 0 || slab->slice_count == 0) return true;
     uint8_t *texture = fill_texture(h, item);
     if (f->carrier != SV_CARRIER_IMAGE) slab->bytes = sva_slab_bytes(f, slab->slice_count);
     if (f->carrier == SV_CARRIER_HOST) slab->memory = texture;

@@ -36,7 +36,7 @@ typedef struct {
     bool played; /* the call under way was made here, too */
     bool active;
     sv_status status;
-    bool has_voxels, whole; /* the frame has them; and had all of its calls here */
+    bool has_voxels; /* the frame has them */
     lines here, there;
     uint64_t frame_index;
     rp_frame frame; /* under way, if it is to be drawn */
@@ -137,9 +137,7 @@ static uint32_t list_values(player *p, bool activating) {
 static void keep_slab(player *p) {
     const rec_item *it = &p->item;
     const size_t slice = (size_t)p->frame.format.width * p->frame.format.height;
-    if (!p->frame.voxels || !it->voxels || it->slab.first_slice >= p->frame.format.slices ||
-        it->slab.slice_count > p->frame.format.slices - it->slab.first_slice)
-        return;
+    if (!p->frame.voxels || !it->voxels) return;
     memcpy(p->frame.voxels + it->slab.first_slice * slice, it->data, it->bytes);
 }
 
@@ -195,7 +193,7 @@ static bool play_begin(player *p, hs_error *err) {
     sv_frame frame;
     if (p->report->frames++ == 0) p->report->fresh = (p->item.frame.flags & SV_FRAME_DISCONTINUITY) != 0;
     p->frame_index = p->item.frame.index;
-    p->has_voxels = p->whole = true;
+    p->has_voxels = true;
     if (!rp_hand_frame(&p->hand, &p->item, &frame, err)) return false;
     frame.value_count = list_values(p, false);
     frame.values = frame.value_count ? p->values : NULL;
@@ -284,7 +282,6 @@ static void compare_depths(player *p) {
     size_t first = 0;
     float most = 0.0f;
     p->report->maps++;
-    if (p->item.bytes < rays * sizeof(float)) return;
     for (size_t i = rays; i-- > 0;) {
         const void *const here = played_at(p, i), *const there = p->item.data + i * sizeof(float);
         if (memcmp(here, there, sizeof(float)) == 0) continue;
@@ -409,7 +406,7 @@ void rp_frame_free(rp_frame *frame) {
     *frame = (rp_frame){0};
 }
 
-static void print_item(const rec_item *it) {
+static void print_item(const rec_item *it, uint64_t first_ns) {
     if (it->type == REC_PLUGIN)
         hs_print(stdout, "plugin %s %s, %u parameters\n", it->id, it->version, it->param_count);
     if (it->type == REC_LOG) hs_print(stdout, "  log, severity %d: %s\n", (int)it->severity, it->text);
@@ -436,15 +433,19 @@ static void print_item(const rec_item *it) {
                          (it->kind == RC_ACTIVATE || it->kind == RC_BEGIN || it->kind == RC_ADJUST);
          i++)
         hs_print(stdout, "%s %u=%g", i ? "," : ";", it->values[i].id, it->values[i].value);
-    hs_print(stdout, "\n");
+    hs_print(stdout, "; at %.3f ms\n", (double)(it->ns - first_ns) * 1e-6);
 }
 
 bool rp_list(const char *file, hs_error *err) {
     static rec_item item;
     char wrong[1500];
     int there = -1;
+    uint64_t first_ns = 0;
     rec_reader *reader = rec_reader_open(file, wrong, sizeof wrong);
-    while (reader && (there = rec_reader_next(reader, &item, wrong, sizeof wrong)) == 1) print_item(&item);
+    while (reader && (there = rec_reader_next(reader, &item, wrong, sizeof wrong)) == 1) {
+        if (first_ns == 0 && item.type == REC_CALL) first_ns = item.ns;
+        print_item(&item, first_ns);
+    }
     rec_reader_close(reader);
     return there == 0 || hs_fail(err, HS_ERR_INPUT, "%s", wrong);
 }
