@@ -86,6 +86,8 @@ typedef struct {
  * HS_ERR_PLUGIN if the plugin cannot be made or its process ended, HS_ERR_DEVICE, HS_ERR_MEMORY. */
 bool rp_play(const rp_options *o, rp_report *report, hs_error *err);
 
+/* -------------------------------------------------------------------------------------- replay_list -- */
+
 /* Prints every call of a recording and plays none. */
 bool rp_list(const char *file, hs_error *err);
 
