@@ -1,0 +1,52 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# What docs/stability.md promises by name is there: the plugin's parameters and their enums' values, Python's names, the exit codes,
+# versions of files. More may be there. Called with the source and the build folder.
+set -u
+source_dir=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checked=0 failed=0
+# shellcheck source=tests/support/holds.sh
+. "$source_dir/tests/support/holds.sh"
+page=$source_dir/docs/stability.md
+# The names in backticks of the paragraph that begins with a word.
+promised() { awk -v word="$1: " 'index($0, word) == 1 { on = 1 } on && /^$/ { exit } on' "$page" | grep -oE '`[A-Za-z_0-9]+`' | tr -d '`'; }
+
+# --- parameters, and the names of their values, in their order: a number in a stored setting means the same
+"$build/host_sim" list --all > "$work/list"
+awk '/^[A-Z][a-z]/ { on = 1 } on && /^  [a-z]/ { print $1 }' "$work/list" | sort > "$work/keys"
+holds test "$(promised Parameters | wc -l)" -ge 24
+for key in $(promised Parameters); do holds grep -qx "$key" "$work/keys"; done
+while read -r key values; do
+    holds test "$(awk -v key="$key" '$1 == key { getline; sub(/^ *enum, /, ""); sub(/, default .*/, ""); print }' "$work/list")" = "$values"
+done << 'ENUMS'
+method mean | minimum | spline | cost | wall
+unsure keep | clip
+bone_mode absolute | offset | fraction
+prefilter none | minimum
+precision float64 | float32 | int16
+strategy auto | single | bands | rays
+ENUMS
+
+# --- Python: what is offered to all
+sed -n '/^__all__/,/^]/s/^ *"\(.*\)",$/\1/p' "$source_dir/python/smartvis/__init__.py" | sort > "$work/names"
+holds test "$(promised Python | wc -l)" -ge 27
+for name in $(promised Python); do holds grep -qx "$name" "$work/names"; done
+
+# --- exit codes, as they are brought about
+code() { local wanted=$1; shift; "$@" > "$work/said" 2>&1; [ $? = "$wanted" ] || { cat "$work/said"; return 1; }; }
+run=("$build/host_sim" run --scene E01 --size 32 --setting smartvis --frames 1 --few-pictures --picture 64 --out "$work/out")
+holds code 0 "${run[@]}"
+holds code 1 "$build/sv_validate" "$build/wrong/depth_nan.so" --only depth-values
+holds code 2 "${run[@]}" --no-such-option
+holds code 3 "$build/host_sim" info "$0"
+holds code 4 "${run[@]}" --plugin "$0"
+OCL_ICD_VENDORS=$work/nothing holds code 5 "${run[@]}"
+holds code 6 "$build/host_sim" run --scene E01 --size 32 --out "$0/folder"
+
+# --- versions of files
+holds grep -q '^#define REC_VERSION 1u$' "$source_dir/tools/record/rec_item.h"
+
+echo "$checked checked, $failed failed"
+[ "$failed" = 0 ]
