@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SmartVis plugin ABI, version 1.1: occlusion removal for 3D ultrasound.
+ * SmartVis plugin ABI, version 1.1: occlusion removal for 3D ultrasound. Frozen since release 1.0.0 of
+ * SmartVis: what comes later is added, and nothing here changes its meaning, value or place.
  *
  * This header is all a host or a plugin author needs. It includes <stdint.h> and <stddef.h> only, and
  * compiles as C99 to C23 and C++11 to C++20. Extensions have a header each in include/smartvis/, and so have

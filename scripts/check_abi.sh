@@ -1,14 +1,14 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# check_abi.sh [--write] [INCLUDE_FOLDER]: what of the plugin ABI differs from 1.0, as libabigail's abidiff sees it. Additions
-# are fine: a field behind the last one of a struct that may grow, a constant, an extension. Everything else is printed, and
-# the exit code is 1; 3 if a tool is missing. Of the headers of extensions each has a table sv_ext_NAME; the helpers
+# check_abi.sh [--write] [INCLUDE_FOLDER]: what of the plugin ABI differs from the versions before it, as libabigail's abidiff
+# sees it. Additions are fine: a field behind the last one of a struct that may grow, a constant, an extension. Everything else is
+# printed, and the exit code is 1; 3 if a tool is missing. Of the headers of extensions each has a table sv_ext_NAME; the helpers
 # (author*.h, lookup.h, probe.h) are compiled into plugins and hosts, so they are no ABI.
 #
-#   abi/smartvis-1.0.abi    the types, written by abidw
-#   abi/constants-1.0.txt   the constants, of which debug information says nothing
+#   abi/smartvis-VERSION.abi    the types, written by abidw
+#   abi/constants-VERSION.txt   the constants, of which debug information says nothing
 #
-# --write writes both anew. That is for a new minor version alone, whose dump takes the place of the old one.
+# Every version that has a dump is compared with. --write adds that of the version the header names, when it is released.
 set -eu
 export LC_ALL=C
 write=0
@@ -61,17 +61,19 @@ gcc -std=c11 -I "$include" constants.c -o constants
 ./constants > constants.txt
 
 if [ $write = 1 ]; then
-    cp types.abi "$root/abi/smartvis-1.0.abi"
-    cp constants.txt "$root/abi/constants-1.0.txt"
+    version=$(awk '/^#define SV_ABI_(MAJOR|MINOR) / { printf "%s%d", dot, $3; dot = "." }' "$include/smartvis_plugin.h")
+    cp types.abi "$root/abi/smartvis-$version.abi"
+    cp constants.txt "$root/abi/constants-$version.txt"
     exit 0
 fi
 
 # abidiff's own rule for members at the end lets changes of other members pass, so its report is read here: what is known to
 # be an addition is let through, every other line is a breach. The exit code says if there is a report at all.
-code=0
-abidiff --leaf-changes-only --harmless --no-show-locs "$root/abi/smartvis-1.0.abi" types.abi > report || code=$?
-[ $((code & 3)) = 0 ] || { cat report; echo "abi: abidiff failed" >&2; exit 1; }
-awk '
+types() { # types DUMP
+    local code=0
+    abidiff --leaf-changes-only --harmless --no-show-locs "$1" types.abi > report || code=$?
+    [ $((code & 3)) = 0 ] || { cat report; echo "abi: abidiff failed"; return 1; }
+    awk '
 function breach(line) { print "abi: " (type != "" ? type ": " : "") line; failed = 1 }
 /^$/ || /^Leaf changes summary:/ || /^Changed leaf types summary:/ { next }
 /^Removed\/Changed\/Added (functions|variables) summary: 0 Removed, 0 Changed, / { next }
@@ -91,9 +93,10 @@ function breach(line) { print "abi: " (type != "" ? type ": " : "") line; failed
     next
 }
 { sub(/^ +/, ""); breach($0) }
-END { exit failed }' report || failed=1
+END { exit failed }' report
+}
 
-# A field of 1.0 that is called otherwise: the same to a binary, and abidiff says little of it, but sources stop to compile.
+# A field that is called otherwise: the same to a binary, and abidiff says little of it, but sources stop to compile.
 fields() {
     awk -F"'" '
     /<class-decl / { for (i = 1; i < NF; i += 2) if ($i ~ / name=$/) name = $(i + 1) }
@@ -101,18 +104,31 @@ fields() {
     /<var-decl / && name != "" { print name "." $2 }' "$1"
 }
 fields types.abi > fields.txt
-while read -r field; do
-    grep -qxF -- "$field" fields.txt || {
-        echo "abi: $field: gone, or called otherwise"
-        failed=1
-    }
-done < <(fields "$root/abi/smartvis-1.0.abi")
+names() { # names DUMP
+    local code=0
+    while read -r field; do
+        grep -qxF -- "$field" fields.txt || { echo "abi: $field: gone, or called otherwise"; code=1; }
+    done < <(fields "$1")
+    return $code
+}
 
-# A constant of 1.0 that is gone or has another value.
-while read -r line; do
-    grep -qxF -- "$line" constants.txt || {
-        echo "abi: constant $line: now $(grep "^${line%% *} " constants.txt || echo gone)"
-        failed=1
-    }
-done < "$root/abi/constants-1.0.txt"
-exit "${failed:-0}"
+# A constant that is gone or has another value.
+constants() { # constants LIST
+    local code=0
+    while read -r line; do
+        grep -qxF -- "$line" constants.txt || {
+            echo "abi: constant $line: now $(grep "^${line%% *} " constants.txt || echo gone)"
+            code=1
+        }
+    done < "$1"
+    return $code
+}
+
+failed=0
+for dump in "$root"/abi/smartvis-*.abi; do
+    version=${dump##*smartvis-} version=${version%.abi}
+    types "$dump" || failed=1
+    names "$dump" || failed=1
+    constants "$root/abi/constants-$version.txt" || failed=1
+done
+exit $failed

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The headers are ABI 1.0: scripts/check_abi.sh finds nothing but additions against the dump in abi/. And it would notice: the
-# headers are changed here in one way each, and what it says must name the place: every fourth by day, all with SV_NIGHT.
+# scripts/check_abi.sh finds nothing in the headers but additions to 1.0 and to 1.1, whose dumps are in abi/. And it would notice:
+# the headers are changed here in one way each, and what it says must name the place: every fourth by day, all with SV_NIGHT.
 # Called with the source and the build folder.
 # shellcheck disable=SC2016 # what looks like variables is Perl's
 set -u
@@ -72,6 +72,11 @@ refused 'SV_POINT_EMPTY' $h 's/SV_POINT_EMPTY/SV_POINT_NOTHING/'
 refused 'SV_ENTRY_SYMBOL text smartvis_plugin_entry' $h 's/"smartvis_plugin_entry"/"smartvis_entry"/'
 refused 'SV_ASSUMED_EXTENT_MM' $h 's/120\.0f/121.0f/'
 refused 'SV_ABI_MAJOR' $h 's/SV_ABI_MAJOR 1u/SV_ABI_MAJOR 2u/'
+# --- what came with 1.1 is frozen, too
+refused 'sv_frame.probe_side: gone' $h 's/\bprobe_side\b/probe_way/g'
+refused 'sv_needs.host_bytes: gone' smartvis/needs.h 's/\bhost_bytes\b/heap_bytes/g'
+refused 'SV_NEEDS_UNIFIED whole 2' smartvis/needs.h 's/SV_NEEDS_UNIFIED = 1u << 1/SV_NEEDS_UNIFIED = 1u << 3/'
+refused 'SV_FEATURE_PROBE whole 8: now gone' $h 's/SV_FEATURE_PROBE\b/SV_FEATURE_POSE/g'
 
 # --- what the next minor may bring
 allowed $h 's/(    uint32_t unfilled;.*?\n)/$1    uint32_t more;\n/'
