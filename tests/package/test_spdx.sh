@@ -22,6 +22,11 @@ holds [ -z "$(comm -13 "$work/ids" "$work/named")" ]
 # The plugin needs OpenCL and libc only.
 holds [ "$(sed -n 's/^Relationship: SPDXRef-smartvis.so DEPENDS_ON SPDXRef-//p' "$work/list" | paste -sd ' ')" = "libc6 ocl-icd-libopencl1" ]
 holds grep -qx 'Relationship: SPDXRef-host-sim DEPENDS_ON SPDXRef-libcivetweb1' "$work/list"
+# What is the project's own has its version.
+version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' "$source_dir/CMakeLists.txt")
+for part in smartvis smartvis.so smartvis_check.so host_sim sv_validate sv_replay; do
+    holds grep -qxF "PackageVersion: $version" <(grep -xF -A 2 "PackageName: $part" "$work/list")
+done
 # What is needed to build is installed where this runs: it has the version that dpkg tells.
 for name in $(sed 's/#.*//' "$source_dir/scripts/packages.txt"); do
     installed=$(dpkg-query -W -f '${Version}' "$name" 2> /dev/null)

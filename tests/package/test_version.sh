@@ -1,0 +1,40 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# One version everywhere: CMakeLists.txt has it; programs, the plugin's descriptor, Debian packages, wheel and crate say the same, and
+# the changelog has a dated section of it below one for what is not released. The ABI counts for itself: header, packages for plugins
+# and hosts, and the newest dump in abi/ agree. Called with the source and the build folder.
+set -u
+source_dir=$1 build=$2
+checked=0 failed=0
+# shellcheck source=tests/support/holds.sh
+. "$source_dir/tests/support/holds.sh"
+cd "$source_dir" || exit 1
+is() { # is WHAT VERSION
+    [ "$2" = "$version" ] || { echo "$1 says '$2', CMakeLists.txt $version"; return 1; }
+}
+
+version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
+holds grep -qxE '[0-9]+\.[0-9]+\.[0-9]+' <<< "$version"
+holds is debian/changelog "$(sed -n '1s/^smartvis (\([^)]*\)).*/\1/p' debian/changelog)"
+holds is bindings/rust/Cargo.toml "$(sed -n 's/^version = "\(.*\)"$/\1/p' bindings/rust/Cargo.toml)"
+holds is python/smartvis/_version.py "$(sed -n 's/^__version__ = "\(.*\)"$/\1/p' python/smartvis/_version.py)"
+holds grep -qxF 'input = "smartvis/_version.py"' python/pyproject.toml
+for program in host_sim sv_validate sv_replay sv_bench; do
+    [ ! -e "$build/$program" ] || holds is $program "$("$build/$program" --version | sed 's/^[a-z_]* \([0-9.]*\),.*/\1/')"
+done
+holds is org.smartvis.clip "$("$build/host_sim" list | sed -n 's/^org\.smartvis\.clip \([0-9.]*\): .*/\1/p')"
+
+# --- the changelog: what is not released, then this version with its day
+sections=$(grep '^## ' CHANGELOG.md)
+holds test "$(sed -n 1p <<< "$sections")" = '## [Unreleased]'
+holds is CHANGELOG.md "$(sed -n '2s/^## \[\([0-9.]*\)\] - 20[0-9][0-9]-[01][0-9]-[0-3][0-9]$/\1/p' <<< "$sections")"
+
+# --- the ABI
+abi=$(awk '/^#define SV_ABI_(MAJOR|MINOR) / { printf "%s%d", dot, $3; dot = "." }' include/smartvis_plugin.h)
+holds grep -qF "SmartVis plugin ABI, version $abi:" include/smartvis_plugin.h
+holds grep -qxF "Version: $abi" "$build/share/pkgconfig/smartvis-plugin.pc"
+holds grep -qF "set(PACKAGE_VERSION \"$abi\")" "$build/share/cmake/SmartVisPlugin/SmartVisPluginConfigVersion.cmake"
+for program in host_sim sv_validate; do holds grep -qF "plugin ABI $abi" <("$build/$program" --version); done
+
+echo "$checked checked, $failed failed"
+[ "$failed" = 0 ]
