@@ -9,6 +9,7 @@
 
 #include <dlfcn.h>
 #include <inttypes.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -155,6 +156,38 @@ static void what_cannot_be_used_is_told(void **state) {
     (void)unsetenv("SMARTVIS_CHECK");
 }
 
+/* ---- ends */
+static void *open_gate(void *gate) {
+    (void)usleep(50000);
+    (void)clSetUserEventStatus(gate, CL_COMPLETE);
+    return NULL;
+}
+
+/* A host that forgets deactivate while the queue has not run: what the layer enqueued finds its memory. */
+static void destroy_waits_for_what_is_under_way(void **state) {
+    pthread_t thread;
+    (void)state;
+    layer_subject *s = layer_open(CL);
+    layer_take_queue(s);
+    layer_create(s);
+    cl_event gate = clCreateUserEvent(s->cl.context, NULL);
+    assert_int_equal(layer_activate(s), SV_OK);
+    assert_int_equal(clEnqueueBarrierWithWaitList(s->cl.queue, 1, &gate, NULL), CL_SUCCESS);
+    assert_int_equal(layer_begin(s), SV_OK);
+    for (uint32_t n = 0; n < SLABS; n++) assert_int_equal(layer_slab(s, n), SV_OK);
+    const sv_result result = layer_result_of(s);
+    assert_int_equal(s->p->end(s->p, &result), SV_OK);
+    assert_int_equal(pthread_create(&thread, NULL, open_gate, gate), 0);
+    s->p->destroy(s->p);
+    s->p = NULL;
+    cl_int status = CL_QUEUED;
+    (void)clGetEventInfo(gate, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, NULL);
+    assert_int_equal(status, CL_COMPLETE);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    (void)clReleaseEvent(gate);
+    layer_close(s);
+}
+
 /* ---- recordings */
 /* Calls of a kind that returned SV_OK, in a recording that is whole. Every call has its time. */
 static uint32_t recorded(const char *path, rc_kind kind) {
@@ -253,6 +286,7 @@ int main(void) {
         cmocka_unit_test(repeated_breaches_are_told_less_and_less),
         cmocka_unit_test(a_file_beside_it_has_the_settings),
         cmocka_unit_test(what_cannot_be_used_is_told),
+        cmocka_unit_test(destroy_waits_for_what_is_under_way),
         cmocka_unit_test(what_passes_is_recorded),
         cmocka_unit_test(an_activation_that_is_stopped_is_undone),
         cmocka_unit_test(the_page_has_the_rules),

@@ -131,6 +131,7 @@ void ly_follow(ly_instance *i, const rc_call *c);
 /* With the host's queue the samples are taken by commands on it, in order with the plugin's, and judged at a
  * later call. */
 
+/* Waits for what is under way. NULL is fine. */
 void ly_watch_close(ly_watch *w);
 
 /* Around the plugin's call: ranges and slabs are sampled before it, maps made NaN; compared and judged behind

@@ -49,7 +49,10 @@ void ly_watch_close(ly_watch *w) {
     if (!w) return;
     let_go(w->now);
     for (int n = 0; n < LY_SLOTS; n++) {
-        if (w->slots[n].done) (void)clReleaseEvent(w->slots[n].done);
+        if (w->slots[n].done) { /* it reads into the block */
+            (void)clWaitForEvents(1, &w->slots[n].done);
+            (void)clReleaseEvent(w->slots[n].done);
+        }
         if (w->slots[n].device) (void)clReleaseMemObject(w->slots[n].device);
         free(w->slots[n].block);
         free(w->slots[n].kept);
