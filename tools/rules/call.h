@@ -32,7 +32,7 @@ typedef struct {
     sv_status status;  /* what the plugin returned; SV_OK before, and for calls that return nothing */
     uint64_t start_ns; /* when the host made it, by CLOCK_MONOTONIC; 0 if it was not passed on */
     uint64_t took_ns;  /* by the plugin alone; 0 before the call */
-    bool sound;        /* nothing was found wrong with the arguments: their sizes, shapes and objects hold */
+    bool sound;        /* nothing was found wrong: with its state, and with sizes, shapes and objects */
 } rc_call;
 
 #endif
