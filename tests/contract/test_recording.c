@@ -236,7 +236,8 @@ static void without_voxels_nothing_of_them_is_there(void **state) {
     (void)remove(s.path);
 }
 
-/* Up to behind its first frame the file is cut at every byte, and every byte of it is damaged. */
+/* Up to behind its first frame the file is cut at every byte, and behind it at some; every seventh is
+ * damaged. */
 static void what_is_not_whole_is_told(void **state) {
     rig *r = *state;
     scene s;
@@ -246,12 +247,15 @@ static void what_is_not_whole_is_told(void **state) {
     record_frames(&s, (rig_format){0}, 2);
     close_scene(&s);
     const size_t size = read_file(s.path, &bytes);
-    for (size_t cut = 0; cut < size; cut += cut < size / 2 + 200 ? 1 : 97) {
+    size_t step = 1;
+    for (size_t cut = 0; cut < size; cut += step) {
         write_file(s.path, bytes, cut);
         const census c = read_all(s.path, NULL);
         if (c.whole) fail_msg("cut at byte %zu of %zu it is read as whole", cut, size);
         if (!strstr(c.error, s.path)) fail_msg("'%s' does not name the file", c.error);
+        step = c.kinds[RC_BEGIN] < 2 ? 1 : 97;
     }
+    assert_int_equal(step, 97); /* the second frame was reached */
     for (size_t at = 0; at < size; at += 7) {
         bytes[at] ^= (uint8_t)(1u << at % 8);
         write_file(s.path, bytes, size);
@@ -298,6 +302,50 @@ static void a_fork_adds_nothing(void **state) {
     (void)remove(s.path);
 }
 
+/* The last line of a recording's log. */
+static void last_line(const char *path, char *line, size_t bytes) {
+    static rec_item item;
+    char error[400];
+    line[0] = '\0';
+    rec_reader *r = rec_reader_open(path, error, sizeof error);
+    while (r && rec_reader_next(r, &item, error, sizeof error) == 1)
+        if (item.type == REC_LOG) (void)snprintf(line, bytes, "%.*s", (int)bytes - 1, item.text);
+    rec_reader_close(r);
+}
+
+/* A process that ends within a recording, and is started again; and one that ends as it should. */
+static void what_was_not_finished_is_kept(void **state) {
+    static const char *const lines[] = {"crashes", "crashes, too", "ends", "ends, too"};
+    static const char *const kept[] = {"", "crashes", "crashes, too", "crashes, too"};
+    char path[64], before[80], error[300], line[64];
+    (void)state;
+    (void)snprintf(path, sizeof path, "/tmp/test_recording_%d", (int)getpid());
+    (void)snprintf(before, sizeof before, "%s.before", path);
+    for (int n = 0; n < 4; n++) {
+        const pid_t child = fork();
+        if (child == 0) {
+            rec *r = rec_open(path, NULL, error, sizeof error);
+            if (!r) _exit(1);
+            rec_log(r, SV_LOG_INFO, lines[n]);
+            if (n >= 2) rec_close(r);
+            _exit(0);
+        }
+        int status = -1;
+        assert_true(child > 0 && waitpid(child, &status, 0) == child && status == 0);
+        last_line(path, line, sizeof line);
+        assert_string_equal(line, lines[n]);
+        last_line(before, line, sizeof line);
+        assert_string_equal(line, kept[n]);
+    }
+    (void)remove(before);
+    write_file(path, (const uint8_t *)"no recording, but somebody's file", 33);
+    rec *r = rec_open(path, NULL, error, sizeof error);
+    assert_non_null(r);
+    rec_close(r);
+    assert_int_equal(access(before, F_OK), -1);
+    (void)remove(path);
+}
+
 static void options_are_checked(void **state) {
     static const char *const bad[] = {"frames=0", "frames=x", "frames=3x", "voxels=maybe", "all"};
     (void)state;
@@ -317,6 +365,7 @@ int main(void) {
         RIG_TEST(without_voxels_nothing_of_them_is_there),
         RIG_TEST(what_is_not_whole_is_told),
         RIG_TEST(a_fork_adds_nothing),
+        cmocka_unit_test(what_was_not_finished_is_kept),
         cmocka_unit_test(options_are_checked),
     };
     return cmocka_run_group_tests_name("recording", tests, NULL, NULL);

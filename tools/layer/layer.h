@@ -46,7 +46,7 @@ typedef struct {
 
     /* Any thread. */
     atomic_flag busy; /* a [control] or [frame] call is under way */
-    atomic_bool lost; /* calls overlapped: nobody knows the state until the next activate or deactivate */
+    atomic_bool lost; /* calls overlapped: nobody knows the state until the next deactivate */
     atomic_uint seen[RULE_COUNT];
     rule_sink asked; /* of [any] calls */
     sv_ext_confidence

@@ -15,7 +15,8 @@ typedef struct rec rec;
 
 /*
  * Begins a recording of one instance in the file `path`, which is overwritten and may be read by its owner
- * only. A process that the host forks adds nothing to it.
+ * only. A recording there that was not finished becomes `path`.before in place of an earlier one. A process
+ * that the host forks adds nothing to it.
  *
  * `options`: NULL, or words between blanks or commas. With frames=N at least the last N frames are kept, and
  * fewer than 2 N while it runs; else all. With voxels=no neither voxels nor maps are kept, only shapes,

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Where a frame begins in the file, and the activation that it belongs to. */
@@ -359,6 +360,23 @@ static bool read_options(rec *r, const char *options, char *error, size_t bytes)
     return true;
 }
 
+/* A recording without its end is what somebody looks for when the process is there again: it gets another
+ * name. */
+static void keep_unfinished(const char *path) {
+    const uint32_t end[3] = {REC_END, 0, rec_sum(REC_END, NULL, 0)};
+    char magic[8] = "", last[sizeof end] = "", before[PATH_MAX + 8];
+    struct stat found;
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0) return;
+    const bool is_recording =
+        fstat(file, &found) == 0 && S_ISREG(found.st_mode) &&
+        pread(file, magic, sizeof magic, 0) == sizeof magic && memcmp(magic, REC_MAGIC, sizeof magic) == 0 &&
+        pread(file, last, sizeof last, found.st_size - (off_t)sizeof last) == sizeof last;
+    (void)close(file);
+    (void)snprintf(before, sizeof before, "%s.before", path);
+    if (is_recording && memcmp(last, end, sizeof end) != 0) (void)rename(path, before);
+}
+
 rec *rec_open(const char *path, const char *options, char *error, size_t bytes) {
     const struct {
         char magic[8];
@@ -378,6 +396,7 @@ rec *rec_open(const char *path, const char *options, char *error, size_t bytes) 
     bool ok = read_options(r, options, error, bytes);
     if (ok && r->keep) ok = (r->frames = calloc(2 * (size_t)r->keep, sizeof *r->frames)) != NULL;
     if (ok) {
+        keep_unfinished(path);
         r->file = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
         if (r->file >= 0) put(r, &header, sizeof header);
         ok = r->file >= 0 && !r->why[0];
