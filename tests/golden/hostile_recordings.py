@@ -37,9 +37,9 @@ def returned(kind: int, status: int = 0, fields: bytes = b"") -> bytes:
     return part(RETURN, struct.pack("<IIQi", kind, 1, 1, status) + text("") + ends)
 
 
-def form(side: int = 4, slices: int = 4, tiles_x: int = 1, tile: int = 0, pitch: int = 0) -> bytes:
+def form(side: int = 4, slices: int = 4, tiles_x: int = 1, tile: int = 0, pitch: int = 0, carrier: int = 1) -> bytes:
     tile = tile or side
-    volume = struct.pack("<6Ii", side, side, slices, slices, 1, 1, -1)
+    volume = struct.pack("<6Ii", side, side, slices, slices, 1, carrier, -1)
     return volume + struct.pack("<4I", tiles_x, tile, tile, pitch or tiles_x * tile) + bytes(28)
 
 
@@ -95,6 +95,8 @@ files = {
     "slab_beyond": begun + call(SLAB, slab(0, 5)),
     "slab_of_nothing": begun + call(SLAB, slab(0, 0)),
     "slab_of_others": begun + done(SLAB, slab(0, 3)) + call(SLAB, slab(3, 2)),
+    "no_carrier": start + call(ACTIVATE, form(carrier=0)),
+    "unknown_carrier": start + call(ACTIVATE, form(carrier=200)),
     "no_tiles": start + call(ACTIVATE, form(tiles_x=0)),
     "narrow_tiles": start + call(ACTIVATE, form(tile=3)),
     "no_width": start + call(ACTIVATE, form(side=0, tile=1)),

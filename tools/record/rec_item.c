@@ -145,6 +145,8 @@ static const char *judge_format(const sv_format *f) {
            : f->height == 0          ? "height"
            : f->slices == 0          ? "slices"
            : f->max_slab_slices == 0 ? "max_slab_slices"
+           : f->voxel_type == 0      ? "voxel_type"
+           : f->carrier == 0         ? "carrier"
            : f->tiles_x == 0         ? "tiles_x"
            : f->tile_w < f->width    ? "tile_w"
            : f->tile_h < f->height   ? "tile_h"
@@ -158,8 +160,8 @@ static void pass_format(rec_cursor *c, rec_item *it) {
     PASS_MOST(c, f->height, REC_MOST_SIDE);
     PASS_MOST(c, f->slices, REC_MOST_SIDE);
     PASS_MOST(c, f->max_slab_slices, REC_MOST_SIDE);
-    PASS(c, f->voxel_type);
-    PASS(c, f->carrier);
+    PASS_MOST(c, f->voxel_type, SV_VOXEL_U8); /* voxels are packed as bytes */
+    PASS_MOST(c, f->carrier, SV_CARRIER_IMAGE);
     PASS(c, f->padding_value);
     PASS_MOST(c, f->tiles_x, REC_MOST_SIDE);
     PASS_MOST(c, f->tile_w, 2 * REC_MOST_SIDE);
