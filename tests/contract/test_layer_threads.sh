@@ -15,7 +15,7 @@ echo 'int main(void) { return 0; }' > "$work/probe.c"
     echo "skipped: no ThreadSanitizer here: $(head -n 1 "$work/why")"
     exit 77
 }
-cc "${flags[@]}" -fPIC -shared -fvisibility=hidden tools/layer/*.c tools/rules/*.c tools/record/*.c -o "$work/layer.so" \
+cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DLY_VERSION='"test"' tools/layer/*.c tools/rules/*.c tools/record/*.c -o "$work/layer.so" \
     -lOpenCL -lz -lm -lpthread
 cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DPLUGIN tests/programs/layer_threads.c -o "$work/plugin.so"
 cc "${flags[@]}" tests/programs/layer_threads.c -o "$work/host" -ldl -lpthread

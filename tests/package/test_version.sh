@@ -5,6 +5,8 @@
 # and hosts, and the newest dump in abi/ agree. Called with the source and the build folder.
 set -u
 source_dir=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 checked=0 failed=0
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
@@ -22,6 +24,8 @@ holds grep -qxF 'input = "smartvis/_version.py"' python/pyproject.toml
 for program in host_sim sv_validate sv_replay sv_bench; do
     [ ! -e "$build/$program" ] || holds is $program "$("$build/$program" --version | sed 's/^[a-z_]* \([0-9.]*\),.*/\1/')"
 done
+SMARTVIS_CHECK_PLUGIN=$build/smartvis.so SMARTVIS_RECORD=$work/recording holds "$build/host_sim" list --plugin "$build/smartvis_check.so" > "$work/list"
+holds is "the checking layer" "$("$build/sv_replay" --list "$work/recording" | sed -n 's/.*SmartVis checking layer \([0-9.]*\)$/\1/p')"
 holds is org.smartvis.clip "$("$build/host_sim" list | sed -n 's/^org\.smartvis\.clip \([0-9.]*\): .*/\1/p')"
 
 # --- the changelog: what is not released, then this version with its day

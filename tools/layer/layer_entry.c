@@ -281,6 +281,7 @@ static sv_status create_checked(const sv_host *host, const char *id, const sv_pl
     sv_status status = SV_ERR_NO_MEMORY;
     ly_instance *i = prepare(host);
     if (!i) return status;
+    ly_log(i, SV_LOG_INFO, "SmartVis checking layer %s", LY_VERSION);
     judge_host(&i->called, host);
     i->inner = create_inner(i, id, &status);
     if (i->inner && !describe(i)) status = SV_ERR_NO_MEMORY;
@@ -306,7 +307,7 @@ static const sv_descriptor nobody = {sizeof(sv_descriptor),
                                      "org.smartvis.check",
                                      "SmartVis checking layer",
                                      "SmartVis",
-                                     "1",
+                                     LY_VERSION,
                                      trouble,
                                      SV_BIT(SV_VOXEL_U8),
                                      SV_QUEUE_OWN,
