@@ -19,6 +19,8 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .fluid_rank = 0.2,
                               .gap_share = 0.3,
                               .doubtful_share = 0.12,
+                              .hysteresis = 0.02,
+                              .last = SV_WALL_EMPTY,
                               .doubtful_confidence = 0.3,
                               .wall_rank = 0.5,
                               .low_rank = 0.1,
@@ -97,6 +99,8 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->fluid_rank = rounded(s->fluid_rank * SV_WALL_PER_MILLE);
     l->gap_share = rounded(s->gap_share * SV_WALL_PER_MILLE);
     l->doubtful_share = rounded(s->doubtful_share * SV_WALL_PER_MILLE);
+    l->hysteresis = rounded(s->hysteresis * SV_WALL_PER_MILLE);
+    l->last = (unsigned)s->last;
     l->doubtful_confidence = (float)s->doubtful_confidence;
     l->clip_doubtful = s->clip_doubtful;
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);

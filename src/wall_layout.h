@@ -29,6 +29,10 @@ typedef struct {
      * there is fluid in front of the fetus: there is from `gap_share` on, there is none below
      * `doubtful_share`, and between them it is doubtful. */
     double fluid_rank, gap_share, doubtful_share;
+    /* Limits of shares are so far in favour of the outcome of the frame that this one continues, so that an
+     * answer does not flicker. SV_WALL_EMPTY: there was none. */
+    double hysteresis;
+    sv_wall_outcome last;
     double doubtful_confidence; /* a doubtful surface is at most so sure */
     bool clip_doubtful;         /* clip at a doubtful surface, too */
     double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */

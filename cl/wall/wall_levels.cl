@@ -74,7 +74,7 @@ static void store_levels(const sv_wall_layout *l, __local const ulong *histogram
     ulong split = 0, counted = 0, sum = 0;
     info[SV_WALL_INFO_RAYS] = (uint)histogram[256];
     info[SV_WALL_INFO_OUTCOME] = SV_WALL_EMPTY;
-    info[SV_WALL_INFO_DOUBTFUL] = info[SV_WALL_INFO_FOUND] = 0;
+    info[SV_WALL_INFO_DOUBTFUL] = info[SV_WALL_INFO_FOUND] = info[SV_WALL_INFO_WANTED] = 0;
     info[SV_WALL_INFO_THRESHOLD] = info[SV_WALL_INFO_FLUID] = info[SV_WALL_INFO_BRIGHT] =
         info[SV_WALL_INFO_WALL_RAYS] = 0;
     if (!find_split(histogram, root, &split)) return;
@@ -187,6 +187,17 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     info[SV_WALL_INFO_BARE] = bare;
 }
 
+/* Returns the outcome of the frame that this one continues. */
+static uint last_of(const sv_wall_layout *l, __global const uint *info) {
+    return l->last == SV_WALL_REMEMBERED ? info[SV_WALL_INFO_LAST] : l->last;
+}
+
+/* Moves a limit in favour of what was said of the frame before: that the share is above it, or below. */
+static uint limit_after(const sv_wall_layout *l, uint limit, bool above, bool below) {
+    const uint lower = limit - min(limit, l->hysteresis);
+    return above ? lower : below ? limit + l->hysteresis : limit;
+}
+
 /* Launched as one work item: decides whether the frame shows the fetus. `fetus`: for each row of cells, the
  * sum over its rays of the probability that the fetus is on them. They are so few that they need no group. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
@@ -195,33 +206,44 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
     ulong sum = 0;
     for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
     const ulong whole = (ulong)info[SV_WALL_INFO_RAYS] * SV_WALL_PROBABILITY_ONE;
+    const uint last = last_of(&l, info);
+    const bool was = last != SV_WALL_NO_FETUS && last != SV_WALL_EMPTY;
+    const uint limit = limit_after(&l, l.fetus_share, was, last == SV_WALL_NO_FETUS);
     info[SV_WALL_INFO_FOUND] = (uint)(sum * SV_WALL_PER_MILLE / max(whole, (ulong)1));
-    if (sum * SV_WALL_PER_MILLE < whole * l.fetus_share) info[SV_WALL_INFO_OUTCOME] = SV_WALL_NO_FETUS;
+    info[SV_WALL_INFO_WANTED] = limit;
+    if (sum * SV_WALL_PER_MILLE < whole * limit) info[SV_WALL_INFO_OUTCOME] = SV_WALL_NO_FETUS;
 }
 
-/* Returns what the gaps tell of a surface. */
-static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps) {
+/* Returns what the gaps tell of a surface, and stores by which figures. */
+static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps, __global uint *info) {
     const ulong share = in_gaps * SV_WALL_PER_MILLE;
-    if (dark == 0 || share < dark * l->doubtful_share) return SV_WALL_NO_FLUID;
-    return share < dark * l->gap_share ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
+    const uint last = last_of(l, info);
+    const bool no_fluid = last == SV_WALL_NO_FLUID, doubtful = last == SV_WALL_DOUBTFUL;
+    const uint least = limit_after(l, l->doubtful_share, last == SV_WALL_SURFACE || doubtful, no_fluid);
+    const uint limit = limit_after(l, l->gap_share, last == SV_WALL_SURFACE, doubtful || no_fluid);
+    info[SV_WALL_INFO_FOUND] = (uint)(share / max(dark, (ulong)1));
+    info[SV_WALL_INFO_WANTED] = limit;
+    if (dark == 0 || share < dark * least) return SV_WALL_NO_FLUID;
+    return share < dark * limit ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
 /* Launched as one work item: decides whether the frame clips at its surface. `gaps`: for each row of cells,
  * the dark blocks of its rays, and those of them in gaps. */
 __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps,
                            __global uint *restrict info, __global uint *restrict record) {
-    if (info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE) {
+    uint verdict = info[SV_WALL_INFO_OUTCOME];
+    if (verdict == SV_WALL_SURFACE) {
         ulong dark = 0, in_gaps = 0;
         for (uint y = 0; y < l.cells[1]; y++) {
             dark += gaps[2 * y];
             in_gaps += gaps[2 * y + 1];
         }
-        const uint verdict = verdict_of(&l, dark, in_gaps);
-        info[SV_WALL_INFO_FOUND] = (uint)(in_gaps * SV_WALL_PER_MILLE / max(dark, (ulong)1));
+        verdict = verdict_of(&l, dark, in_gaps, info);
         info[SV_WALL_INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
         info[SV_WALL_INFO_OUTCOME] =
             info[SV_WALL_INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
     }
+    info[SV_WALL_INFO_LAST] = verdict;
     const bool clips = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     record[SV_REC_PASSES] = clips;
     record[SV_REC_UNFILLED] = clips ? 0 : record[SV_REC_RAYS];

@@ -65,9 +65,11 @@
 #define SV_WALL_INFO_BARE      7   /* 1: there is no wall */
 #define SV_WALL_INFO_CHANCES   8   /* of 256 brightnesses: p of a later run * 65536 + p of a first run */
 #define SV_WALL_INFO_FETUS     264 /* from this brightness on a cell of a later run is the fetus; 256: none */
-#define SV_WALL_INFO_FOUND     265 /* of 1000: the share that the outcome is about */
-#define SV_WALL_INFO_GAINS     266 /* what levels are multiplied by, for each brightness around them */
-#define SV_WALL_INFO_WORDS     (266 + SV_WALL_GAINS)
+#define SV_WALL_INFO_FOUND     265 /* of 1000: the share that the outcome is about, */
+#define SV_WALL_INFO_WANTED    266 /* and the limit that it was held to */
+#define SV_WALL_INFO_LAST      267 /* the outcome as sv_wall_layout.last has it; the next frame reads it */
+#define SV_WALL_INFO_GAINS     268 /* what levels are multiplied by, for each brightness around them */
+#define SV_WALL_INFO_WORDS     (268 + SV_WALL_GAINS)
 
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
@@ -77,6 +79,9 @@ typedef enum {
     SV_WALL_NO_FETUS = 3, /* nothing behind the wall is brighter than the wall */
     SV_WALL_DOUBTFUL = 4 /* most that is as dark as fluid lies elsewhere; a surface if layout.clip_doubtful */
 } sv_wall_outcome;
+
+/* As sv_wall_layout.last, for kernels: what SV_WALL_INFO_LAST has. */
+#define SV_WALL_REMEMBERED 5
 
 /* The voxels of a block along one axis, first .. first + count - 1. A voxel weighs as much as lies in the
  * block. The weights add up to SV_WALL_SPAN_ONE. */
@@ -122,6 +127,9 @@ typedef struct {
     /* per mille */
     unsigned int threshold, dark_rank, near_field_share, fluid_rank, gap_share, doubtful_share, fetus_share,
         wall_share;
+    unsigned int hysteresis; /* limits of shares are so far in favour of the outcome that was */
+    unsigned int last;       /* sv_wall_outcome of the frame before, SV_WALL_EMPTY if there was none; or */
+                             /* SV_WALL_REMEMBERED */
     unsigned int wall_rank, low_rank, high_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int slope;                        /* of the logistic function, sixteenths */

@@ -109,9 +109,11 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
     sv_wall_taps *const taps = (sv_wall_taps *)(spans + count);
     for (uint32_t i = 0; i < vectors_of(&l); i++)
         taps[i] = sv_wall_taps_of(spans, i * SV_WALL_TOGETHER, l.columns);
+    const cl_uint nothing[SV_WALL_INFO_LAST + 1] = {[SV_WALL_INFO_LAST] = SV_WALL_EMPTY};
     sv_wall_tables(tables);
     sv_status status = write_buffer(m, s->buffer[SV_WALL_TABLES], tables, sizeof tables);
     if (status == SV_OK) status = write_buffer(m, s->buffer[SV_WALL_SPANS], spans, bytes);
+    if (status == SV_OK) status = write_buffer(m, s->buffer[SV_WALL_INFO], nothing, sizeof nothing);
     free(spans);
     return status;
 }
@@ -124,6 +126,7 @@ static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab 
 static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t first, uint32_t end, float q) {
     sv_wall_layout layout = layout_of(m);
     layout.q = q;
+    layout.last = m->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
     layout.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
     return sv_wall_launch_all(m, s, work_of(m), first, end, &layout, (uint32_t)scratch_words(m, &layout));
 }
@@ -142,32 +145,30 @@ static cl_mem confidence(const sv_method_state *s) {
 }
 
 /* Why there is no surface, or only a doubtful one. */
-static void give_reason(const sv_map *m, const cl_uint *info, sv_confidence_report *out) {
+static void give_reason(const cl_uint *info, sv_confidence_report *out) {
     static const sv_reason reasons[] = {[SV_WALL_SURFACE] = SV_REASON_NONE,
                                         [SV_WALL_NO_FLUID] = SV_REASON_NO_FLUID,
                                         [SV_WALL_EMPTY] = SV_REASON_EMPTY,
                                         [SV_WALL_NO_FETUS] = SV_REASON_NO_FETUS,
                                         [SV_WALL_DOUBTFUL] = SV_REASON_DOUBTFUL};
-    const sv_wall_layout l = layout_of(m);
     out->reason = reasons[info[SV_WALL_INFO_DOUBTFUL] ? SV_WALL_DOUBTFUL : info[SV_WALL_INFO_OUTCOME]];
     if (out->reason == SV_REASON_NONE || out->reason == SV_REASON_EMPTY) return;
     out->found = (float)info[SV_WALL_INFO_FOUND] / SV_WALL_PER_MILLE;
-    out->wanted =
-        (float)(out->reason == SV_REASON_NO_FETUS ? l.fetus_share : l.gap_share) / SV_WALL_PER_MILLE;
+    out->wanted = (float)info[SV_WALL_INFO_WANTED] / SV_WALL_PER_MILLE;
     if (out->reason != SV_REASON_DOUBTFUL || info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE) return;
     out->try_id = SV_PARAM_UNSURE;
     out->try_value = SV_UNSURE_CLIP;
 }
 
 static sv_status confidence_report(const sv_map *m, const sv_method_state *s, sv_confidence_report *out) {
-    cl_uint info[SV_WALL_INFO_FOUND + 1];
+    cl_uint info[SV_WALL_INFO_WANTED + 1];
     const sv_status status = sv_buffer_read(m->queue, s->buffer[SV_WALL_INFO], sizeof info, info,
                                             "confidence: clEnqueueReadBuffer");
     if (status != SV_OK) return status;
     out->fluid_threshold = (float)info[SV_WALL_INFO_THRESHOLD] / 255.0f;
     out->rays = info[SV_WALL_INFO_RAYS];
     out->open_rays = info[SV_WALL_INFO_WALL_RAYS];
-    give_reason(m, info, out);
+    give_reason(info, out);
     return SV_OK;
 }
 

@@ -69,7 +69,8 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *leve
     sv_wall_costs costs;
     sv_wall_gaps gaps = {0};
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
-    const uint64_t rays = scan->blocks->rays, needed = rays * SV_WALL_PROBABILITY_ONE * l->fetus_share;
+    const uint64_t rays = scan->blocks->rays,
+                   needed = rays * SV_WALL_PROBABILITY_ONE * sv_wall_fetus_limit(l);
     facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_PROBABILITY_ONE);
     *outcome = SV_WALL_NO_FETUS;
     bool done = true;
@@ -78,6 +79,8 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *leve
         *outcome = sv_wall_verdict(l, &gaps);
         if (done && *outcome == SV_WALL_DOUBTFUL) cap_confidence(l, confidence);
     }
+    facts->wanted = (double)(*outcome == SV_WALL_NO_FETUS ? sv_wall_fetus_limit(l) : sv_wall_gap_limit(l)) /
+                    SV_WALL_PER_MILLE;
     facts->gap_share = gaps.dark ? (double)gaps.in_gaps / (double)gaps.dark : 0.0;
     sv_wall_costs_destroy(&costs);
     return done;

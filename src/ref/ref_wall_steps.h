@@ -151,7 +151,12 @@ typedef struct {
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
                             const sv_wall_costs *costs, float *depth, float *confidence, sv_wall_gaps *gaps);
 
-/* What the gaps tell of the surface: SURFACE, DOUBTFUL or NO_FLUID. */
+/* From this mean probability on a fetus is seen; from this share of dark blocks in gaps on there is a
+ * surface. Per mille, after layout->last. */
+uint32_t sv_wall_fetus_limit(const sv_wall_layout *layout);
+uint32_t sv_wall_gap_limit(const sv_wall_layout *layout);
+
+/* What the gaps tell of the surface after layout->last: SURFACE, DOUBTFUL or NO_FLUID. */
 sv_wall_outcome sv_wall_verdict(const sv_wall_layout *layout, const sv_wall_gaps *gaps);
 
 #endif

@@ -257,10 +257,29 @@ static void count_gaps(const sv_wall_scan *s, uint32_t fluid, const float *place
         if (s->blocks->first[ray] < s->blocks->end[ray]) count_gap(s, fluid, ray, places[ray], gaps);
 }
 
+/* Moves a limit in favour of what was said of the frame before: that the share is above it, or below. */
+static uint32_t limit_after(const sv_wall_layout *l, uint32_t limit, bool above, bool below) {
+    if (above) return limit > l->hysteresis ? limit - l->hysteresis : 0;
+    return below ? limit + l->hysteresis : limit;
+}
+
+uint32_t sv_wall_fetus_limit(const sv_wall_layout *l) {
+    return limit_after(l, l->fetus_share, l->last != SV_WALL_NO_FETUS && l->last != SV_WALL_EMPTY,
+                       l->last == SV_WALL_NO_FETUS);
+}
+
+uint32_t sv_wall_gap_limit(const sv_wall_layout *l) {
+    return limit_after(l, l->gap_share, l->last == SV_WALL_SURFACE,
+                       l->last == SV_WALL_DOUBTFUL || l->last == SV_WALL_NO_FLUID);
+}
+
 sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gaps) {
     const uint64_t share = gaps->in_gaps * SV_WALL_PER_MILLE;
-    if (gaps->dark == 0 || share < gaps->dark * l->doubtful_share) return SV_WALL_NO_FLUID;
-    return share < gaps->dark * l->gap_share ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
+    const uint32_t doubtful =
+        limit_after(l, l->doubtful_share, l->last == SV_WALL_SURFACE || l->last == SV_WALL_DOUBTFUL,
+                    l->last == SV_WALL_NO_FLUID);
+    if (gaps->dark == 0 || share < gaps->dark * doubtful) return SV_WALL_NO_FLUID;
+    return share < gaps->dark * sv_wall_gap_limit(l) ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,

@@ -150,6 +150,39 @@ static void test_surface_lies_in_what_is_dark(void **state) {
     scan_free(&s);
 }
 
+/* Out of 1000 dark blocks, so many lie in gaps: what is said after an outcome of the frame before. */
+static sv_wall_outcome verdict_after(sv_wall_outcome last, uint64_t in_gaps) {
+    sv_wall_settings settings = sv_wall_settings_default();
+    settings.last = last;
+    const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
+    return sv_wall_verdict(&l, &(const sv_wall_gaps){1000, in_gaps});
+}
+
+/* Limits are 0.02 in favour of what was said of the frame before. Behind frames that told nothing of fluid
+ * they are as in a first frame. */
+static void test_last_outcome_is_kept(void **state) {
+    static const struct {
+        sv_wall_outcome last;
+        uint64_t doubtful, surface; /* the least of 1000 */
+        uint32_t fetus;
+    } limits[] = {{SV_WALL_EMPTY, 120, 300, 50},
+                  {SV_WALL_NO_FETUS, 120, 300, 70},
+                  {SV_WALL_NO_FLUID, 140, 320, 30},
+                  {SV_WALL_DOUBTFUL, 100, 320, 30},
+                  {SV_WALL_SURFACE, 100, 280, 30}};
+    (void)state;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        sv_wall_settings settings = sv_wall_settings_default();
+        const sv_wall_outcome last = settings.last = limits[i].last;
+        const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
+        assert_int_equal(sv_wall_fetus_limit(&l), limits[i].fetus);
+        assert_int_equal(verdict_after(last, limits[i].doubtful - 1), SV_WALL_NO_FLUID);
+        assert_int_equal(verdict_after(last, limits[i].doubtful), SV_WALL_DOUBTFUL);
+        assert_int_equal(verdict_after(last, limits[i].surface - 1), SV_WALL_DOUBTFUL);
+        assert_int_equal(verdict_after(last, limits[i].surface), SV_WALL_SURFACE);
+    }
+}
+
 /* The threshold where the bright blocks around have this mean, and where a twentieth of the blocks is as dark
  * as fluid. */
 static double threshold_at(double bright) {
@@ -233,6 +266,7 @@ int main(void) {
         cmocka_unit_test(test_confidence_of_a_doubtful_ray), cmocka_unit_test(test_near_field_is_no_fluid),
         cmocka_unit_test(test_near_field_is_broad),          cmocka_unit_test(test_skin_tells_nothing),
         cmocka_unit_test(test_surface_lies_in_what_is_dark), cmocka_unit_test(test_threshold_is_local),
-        cmocka_unit_test(test_dim_front_is_no_wall),         cmocka_unit_test(test_darkest_fifth)};
+        cmocka_unit_test(test_dim_front_is_no_wall),         cmocka_unit_test(test_darkest_fifth),
+        cmocka_unit_test(test_last_outcome_is_kept)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -29,6 +29,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
         WALL_CONSTANT(gap_share),
         WALL_CONSTANT(doubtful_share),
         WALL_CONSTANT(doubtful_confidence),
+        WALL_CONSTANT(hysteresis),
         WALL_CONSTANT(wall_rank),
         WALL_CONSTANT(low_rank),
         WALL_CONSTANT(high_rank),
