@@ -41,8 +41,8 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .q = 0.5,
                               .median = true,
                               .median_mm = 5.6,
-                              .smoothing_mm = 5.0,
-                              .half_confidence_cost = 5.0,
+                              .half_confidence_cost = 4.5,
+                              .level_cost = 0.5,
                               .wall_share = 0.15,
                               .fetus_share = 0.05,
                               .assumed_wall = 0.6,
@@ -117,6 +117,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->one_side = rounded(s->one_side * SV_WALL_PROBABILITY_ONE);
     l->median = s->median;
     l->half_confidence_cost = (float)s->half_confidence_cost;
+    l->level_cost = (float)s->level_cost;
 }
 
 /* Finds the spacing that counts: one that is not known is assumed, and one out of range is clamped. */
@@ -171,7 +172,6 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
         l.dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
         l.window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
         l.median_step[axis] = at_most(voxels(s->median_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
-        l.smoothing_step[axis] = at_most(voxels(s->smoothing_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
     }
     l.window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
     const double blocks = 4.0 * (2 * l.window[0] + 1) * (2 * l.window[1] + 1) * (2 * l.window[2] + 1);

@@ -33,7 +33,7 @@ typedef struct {
      * answer does not flicker. SV_WALL_EMPTY: there was none. */
     double hysteresis;
     sv_wall_outcome last;
-    double doubtful_confidence; /* a doubtful surface is at most so sure */
+    double doubtful_confidence; /* a doubtful surface is so sure where another has 1 */
     bool clip_doubtful;         /* clip at a doubtful surface, too */
     double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
     double low_rank, high_rank; /* the spread of the wall's brightness lies between these quantiles */
@@ -53,8 +53,8 @@ typedef struct {
     double q;                    /* the knob: 0 far, 0.5 the surface itself, 1 near */
     bool median;                 /* take the median of a ray and its eight neighbours, */
     double median_mm;            /* which lie this far aside */
-    double smoothing_mm;         /* the confidence is smoothed over neighbours this far aside */
-    double half_confidence_cost; /* own cost at which the confidence is one half */
+    double half_confidence_cost; /* cost of the surface at which the confidence is one half */
+    double level_cost;           /* for that, a surface in a layer as bright as the threshold costs more */
     double fetus_share;          /* so many rays must show the fetus, or nothing is clipped */
     double wall_share;           /* so many rays must see a wall, or the next two are assumed */
     double assumed_wall;         /* brightness of the wall in units of the bright class' mean */

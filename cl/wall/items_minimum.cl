@@ -104,8 +104,8 @@ static float far_end(const costs_t *c, uint best, uint limit) {
     return z + 1 < c->layers ? (float)z + crossing(cost_at(c, z), cost_at(c, z + 1), limit) : (float)z;
 }
 
-/* One work item per ray. `places`: the planes of the layers, and of the ends around them, which never pass
- * them. */
+/* One work item per ray. `places`: the planes of the layers, of the ends around them, which never pass them,
+ * and of what the layers cost. */
 __kernel void wall_items_minimum(sv_wall_layout l, __global const uint *restrict info,
                                  __global const ushort *restrict fine, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
@@ -115,6 +115,7 @@ __kernel void wall_items_minimum(sv_wall_layout l, __global const uint *restrict
     const uint best = minimum_layer(&c, &minimum);
     const float mean = mean_around(&c, best, minimum + l.average_margin);
     places[place_row(&l, PLACE_LAYER, row) + x] = mean;
+    places[place_row(&l, PLACE_COST, row) + x] = (float)minimum / SV_WALL_FINE_COST_ONE;
     places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, minimum + l.knob_margin), mean);
     places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, minimum + l.knob_margin), mean);
 }

@@ -14,10 +14,9 @@
 #include "wall/wall_pixels.clh"
 #endif
 
-/* Loads a ray and its eight neighbours, `away` rays apart. */
-static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
-                       float *out) {
-    const int dx = (int)away[0], dy = (int)away[1];
+/* Loads a ray and its eight neighbours. */
+static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float *out) {
+    const int dx = (int)l->median_step[0], dy = (int)l->median_step[1];
     for (int v = -1; v <= 1; v++)
         for (int u = -1; u <= 1; u++)
             *out++ = plane[place_row(l, 0, clamped(y, v * dy, l->rows)) + clamped(x, u * dx, l->columns)];
@@ -25,25 +24,19 @@ static void neighbours(const sv_wall_layout *l, const uint *away, __global const
 
 static float median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
     float near[9];
-    neighbours(l, l->median_step, places + place_row(l, plane, 0), x, y, near);
+    neighbours(l, places + place_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
-/* One work item per ray: the medians of the layers and of the ends around them, and what the ray's own cell
- * pays at the median. The planes it writes are none of those it reads. */
+/* One work item per ray: the medians of the layers and of the ends around them. The planes it writes are none
+ * of those it reads. */
 __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict info,
-                                __global const ushort *restrict costs,
-                                __global const uchar *restrict distance_costs,
                                 __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const float filtered = median_at(&l, places, PLACE_LAYER, x, y);
-    places[place_row(&l, PLACE_MEDIAN, y) + x] = filtered;
+    places[place_row(&l, PLACE_MEDIAN, y) + x] = median_at(&l, places, PLACE_LAYER, x, y);
     places[place_row(&l, PLACE_MEDIAN_NEAR, y) + x] = median_at(&l, places, PLACE_NEAR, x, y);
     places[place_row(&l, PLACE_MEDIAN_FAR, y) + x] = median_at(&l, places, PLACE_FAR, x, y);
-    const size_t at = cell_row(&l, (uint)(filtered + 0.5f), y / 2) + x / 2;
-    const uint own = costs[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1u) * distance_costs[at];
-    places[place_row(&l, PLACE_OWN_COST, y) + x] = (float)own / SV_WALL_COST_ONE;
 }
 
 /* Adds the blocks of a ray that are as dark as `fluid` to `gaps`: all of them, and those in the fluid of
@@ -91,12 +84,13 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
 
 /* One work item per ray: the confidence. */
 __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restrict info,
-                                    __global float *restrict places) {
+                                    __global const uchar *restrict levels, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    float n[9];
-    neighbours(&l, l.smoothing_step, places + place_row(&l, PLACE_OWN_COST, 0), x, y, n);
-    places[place_row(&l, PLACE_LAYER, y) + x] = confidence_of(&l, n);
+    const uint at = (uint)places[place_row(&l, PLACE_MEDIAN, y) + x];
+    const float level = (float)levels[level_row(&l, at, y) + x] / SV_WALL_TISSUE;
+    places[place_row(&l, PLACE_LAYER, y) + x] =
+        confidence_of(&l, places[place_row(&l, PLACE_COST, y) + x], level);
 }
 
 /* One work item per ray: moves the surface in its range, to the far end at q = 0, to the near end at q = 1,
@@ -120,11 +114,11 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
-    const float limit = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
+    const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);
-    const float certainty = fmin(interpolate(&l, places, u, v), limit);
+    const float certainty = most * fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
     surfaces[(size_t)y * padded_width + x] = wanted ? depth : 0.0f;
     confidence[(size_t)y * l.width + x] = wanted ? certainty : 0.0f;
 }

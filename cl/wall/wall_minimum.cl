@@ -119,7 +119,7 @@ static void find_ends(const sv_wall_layout *l, const window_t *w, __global const
     *far = MAXIMUM(end, place);
 }
 
-/* Finds the minima of LANES rays. `places`: where they lie in the first plane. */
+/* Finds the minima of LANES rays, and what they cost. `places`: where they lie in the first plane. */
 static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __global float *places) {
     const size_t plane = place_row(l, 1, 0);
     u16l minimum;
@@ -127,6 +127,7 @@ static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __g
     const window_t w = window_of(l, costs, best, minimum + (ushort)max(l->average_margin, l->knob_margin));
     const f32l mean = mean_around(&w, costs, best, minimum + (ushort)l->average_margin);
     *(__global f32l *)(places + PLACE_LAYER * plane) = mean;
+    *(__global f32l *)(places + PLACE_COST * plane) = TO_F32(minimum) / (float)SV_WALL_FINE_COST_ONE;
     find_ends(l, &w, costs, best, minimum + (ushort)l->knob_margin, mean,
               (__global f32l *)(places + PLACE_NEAR * plane), (__global f32l *)(places + PLACE_FAR * plane));
 }

@@ -29,9 +29,6 @@
 #define SV_WALL_MAX_DISTANCE    254 /* largest distance to the fluid, layers */
 #define SV_WALL_RATE_BITS       7   /* fraction of sv_wall_layout.rate */
 
-/* The weight of the distance to the fluid in a ray's own cost; elsewhere it is 1. */
-#define SV_WALL_OWN_DISTANCE_WEIGHT 4
-
 /* ---- grey levels */
 #define SV_WALL_MAX_ITERATIONS 64  /* of the search for the split; it ended after 12 at most */
 #define SV_WALL_TISSUE         128 /* tissue is brighter, relative to the threshold around it; and it is at */
@@ -108,19 +105,18 @@ typedef struct {
     unsigned int columns, rows, layers; /* rays across, rays down, blocks of a ray */
     unsigned int cells[2];              /* across and down: half as many as rays */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
-    unsigned int smoothed;          /* 1: a layer is one slice, and its levels are smoothed along the rays */
-    unsigned int dilation[2];       /* cells to either side along x, y */
-    unsigned int window[3];         /* cells and layers to either side that tell what is bright */
-    unsigned int bright_blocks;     /* the mean of all that is bright counts as so many blocks there */
-    unsigned int dim;               /* a block is dim if it is brighter, relative to the threshold */
-    unsigned int near_field;        /* layers, */
-    unsigned int skin_line;         /* layers */
-    unsigned int skin;              /* layers */
-    unsigned int full_distance;     /* layers: from this distance to the fluid on the cost is full */
-    unsigned int rate;              /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
-    unsigned int median_step[2];    /* rays between the samples of the median */
-    unsigned int smoothing_step[2]; /* rays between the samples that the confidence is smoothed over */
-    unsigned int reach_x, reach_y;  /* cells to either side that the Gaussian reaches */
+    unsigned int smoothed;         /* 1: a layer is one slice, and its levels are smoothed along the rays */
+    unsigned int dilation[2];      /* cells to either side along x, y */
+    unsigned int window[3];        /* cells and layers to either side that tell what is bright */
+    unsigned int bright_blocks;    /* the mean of all that is bright counts as so many blocks there */
+    unsigned int dim;              /* a block is dim if it is brighter, relative to the threshold */
+    unsigned int near_field;       /* layers, */
+    unsigned int skin_line;        /* layers */
+    unsigned int skin;             /* layers */
+    unsigned int full_distance;    /* layers: from this distance to the fluid on the cost is full */
+    unsigned int rate;             /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
+    unsigned int median_step[2];   /* rays between the samples of the median */
+    unsigned int reach_x, reach_y; /* cells to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
     unsigned int cut_cost, occluder_cost, wrong_fluid_cost; /* in units of 1 / SV_WALL_COST_ONE */
     unsigned int average_margin, knob_margin;               /* in units of 1 / SV_WALL_FINE_COST_ONE */
@@ -140,8 +136,9 @@ typedef struct {
     unsigned int median;              /* 1: take the median of a ray and its eight neighbours */
     float q;                          /* the knob */
     unsigned int clip_doubtful;       /* 1: a doubtful surface clips, too, and is */
-    float doubtful_confidence;        /* at most so sure */
-    float half_confidence_cost;       /* own cost at which the confidence is one half */
+    float doubtful_confidence;        /* so sure where another has 1 */
+    float half_confidence_cost;       /* cost of the surface at which the confidence is one half; */
+    float level_cost;                 /* for that, a layer as bright as the threshold costs so much more */
 } sv_wall_layout;
 
 #endif

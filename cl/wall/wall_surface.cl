@@ -23,10 +23,9 @@ static float16 load_places(__global const float *row, uint x, int step, uint col
     return *(const float16 *)lanes;
 }
 
-/* Loads 16 rays and their eight neighbours, `away` rays apart. */
-static void neighbours(const sv_wall_layout *l, const uint *away, __global const float *plane, uint x, uint y,
-                       float16 *out) {
-    const int dx = (int)away[0], dy = (int)away[1];
+/* Loads 16 rays and their eight neighbours. */
+static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float16 *out) {
+    const int dx = (int)l->median_step[0], dy = (int)l->median_step[1];
     for (int v = -1; v <= 1; v++) {
         __global const float *row = plane + place_row(l, 0, clamped(y, v * dy, l->rows));
         for (int u = -1; u <= 1; u++) *out++ = load_places(row, x, u * dx, l->columns);
@@ -36,15 +35,13 @@ static void neighbours(const sv_wall_layout *l, const uint *away, __global const
 /* Returns the medians of 16 rays of a plane. */
 static float16 median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
     float16 near[9];
-    neighbours(l, l->median_step, places + place_row(l, plane, 0), x, y, near);
+    neighbours(l, places + place_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
-/* One work item per row of rays: the medians of the layers and of the ends around them, and what the ray's
- * own cell pays at the median. */
+/* One work item per row of rays: the medians of the layers and of the ends around them. */
 __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
-                          __global const ushort *restrict costs,
-                          __global const uchar *restrict distance_costs, __global float *restrict places) {
+                          __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
@@ -54,12 +51,6 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
         *(__global float16 *)(filtered + x) = median_at(&l, places, PLACE_LAYER, x, y);
         *(__global float16 *)(near + x) = median_at(&l, places, PLACE_NEAR, x, y);
         *(__global float16 *)(far + x) = median_at(&l, places, PLACE_FAR, x, y);
-    }
-    SCALAR_LOADS
-    for (uint x = 0; x < l.columns; x++) {
-        const size_t at = cell_row(&l, (uint)(filtered[x] + 0.5f), y / 2) + x / 2;
-        const uint own = costs[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1u) * distance_costs[at];
-        places[place_row(&l, PLACE_OWN_COST, y) + x] = (float)own / SV_WALL_COST_ONE;
     }
 }
 
@@ -119,14 +110,20 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
 
 /* One work item per row of rays: the confidence. */
 __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict info,
-                              __global float *restrict places) {
+                              __global const uchar *restrict levels, __global float *restrict places) {
     const uint y = (uint)get_global_id(0);
+    const size_t pitch = level_pitch_of(&l);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint x = 0; x < l.columns; x += SV_LANES) {
-        float16 n[9];
-        neighbours(&l, l.smoothing_step, places + place_row(&l, PLACE_OWN_COST, 0), x, y, n);
-        *(__global float16 *)(places + place_row(&l, PLACE_LAYER, y) + x) = confidence_of(&l, n);
-    }
+    __global const float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
+    __global const float *costs = places + place_row(&l, PLACE_COST, y);
+    __global float *confidence = places + place_row(&l, PLACE_LAYER, y);
+    levels += level_row(&l, 0, y);
+    SCALAR_LOADS
+    for (uint x = 0; x < l.columns; x++)
+        confidence[x] = (float)levels[(uint)filtered[x] * pitch + x] / SV_WALL_TISSUE;
+    for (uint x = 0; x < l.columns; x += SV_LANES)
+        *(__global float16 *)(confidence + x) = confidence_of(&l, *(__global const float16 *)(costs + x),
+                                                              *(__global const float16 *)(confidence + x));
 }
 
 /* One work item per row of rays: moves the surface in its range, to the far end at q = 0, to the near end at
@@ -161,10 +158,10 @@ static void next_pixel(between_t *b, uint pixels, uint rays) {
 
 /* Copies a row in which every pixel is a ray. */
 static void copy_rays(const sv_wall_layout *l, __global const float *surface, __global const float *certainty,
-                      float limit, __global float *depth, __global float *confidence) {
+                      float most, __global float *depth, __global float *confidence) {
     for (uint x = 0; x < l->width; x++) {
         depth[x] = (float)l->depth * surface[x];
-        confidence[x] = fmin(certainty[x], limit);
+        confidence[x] = most * fmin(certainty[x], 1.0f);
     }
 }
 
@@ -174,14 +171,14 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
                             uint padded_width, __global float *restrict surfaces) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
-    const float limit = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f; /* weights are rounded */
+    const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
     __global const float *surface = places + place_row(&l, PLACE_SURFACE, 0);
     surfaces += (size_t)y * padded_width;
     confidence += (size_t)y * l.width;
     if (wanted && l.width == l.columns && l.height == l.rows) {
-        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), limit, surfaces,
+        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), most, surfaces,
                   confidence);
         return;
     }
@@ -189,7 +186,7 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);
         const float depth = (float)l.depth * interpolate(&l, surface, u, v);
-        const float certainty = fmin(interpolate(&l, places, u, v), limit);
+        const float certainty = most * fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
         surfaces[x] = wanted ? depth : 0.0f;
         confidence[x] = wanted ? certainty : 0.0f;
     }

@@ -55,10 +55,9 @@ static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidenc
     memset(confidence, 0, plane * sizeof *confidence);
 }
 
-/* Clips where the surface is doubtful, but never with more confidence than that deserves. */
-static void cap_confidence(const sv_wall_layout *l, float *confidence) {
-    for (size_t i = 0; i < (size_t)l->width * l->height; i++)
-        confidence[i] = fminf(confidence[i], l->doubtful_confidence);
+/* Clips where the surface is doubtful, but with less confidence; rays keep their order. */
+static void lower_confidence(const sv_wall_layout *l, float *confidence) {
+    for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] *= l->doubtful_confidence;
 }
 
 /* Costs the layers and selects the surface, if enough rays show the fetus. */
@@ -77,7 +76,7 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *leve
     if (costs.fetus * SV_WALL_PER_MILLE >= needed) {
         done = sv_wall_select_surface(scan, levels, &costs, depth, confidence, &gaps);
         *outcome = sv_wall_verdict(l, &gaps);
-        if (done && *outcome == SV_WALL_DOUBTFUL) cap_confidence(l, confidence);
+        if (done && *outcome == SV_WALL_DOUBTFUL) lower_confidence(l, confidence);
     }
     facts->wanted = (double)(*outcome == SV_WALL_NO_FETUS ? sv_wall_fetus_limit(l) : sv_wall_gap_limit(l)) /
                     SV_WALL_PER_MILLE;

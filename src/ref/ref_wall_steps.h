@@ -147,6 +147,9 @@ typedef struct {
     uint64_t dark, in_gaps;
 } sv_wall_gaps;
 
+/* How sure a surface is that costs so much, in a layer of that level relative to the threshold, 1. */
+float sv_wall_confidence(const sv_wall_layout *layout, float cost, float level);
+
 /* Writes the maps of depth and confidence. */
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
                             const sv_wall_costs *costs, float *depth, float *confidence, sv_wall_gaps *gaps);

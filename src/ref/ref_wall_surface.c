@@ -52,8 +52,9 @@ static void costs_of_ray(const sv_wall_layout *l, const uint32_t *costs, uint32_
     }
 }
 
-/* Planes of layers: the surface, and the ends of the range that the knob moves it in. */
-enum { NEAR, PLACE, FAR, PLANES };
+/* Planes of rays: the surface and the ends of the range that the knob moves it in, which are filtered, and
+ * what the surface costs. */
+enum { NEAR, PLACE, FAR, FILTERED, COST = FILTERED, PLANES };
 
 /* Returns how far behind `inside`, whose cost is below the limit, the cost crosses the limit, in layers. */
 static float crossing(uint32_t inside, uint32_t outside, uint32_t limit) {
@@ -86,6 +87,7 @@ static void find_minimum(const sv_wall_layout *l, const uint32_t *cost, float to
     to[NEAR] = fminf((float)near - before, place);
     to[PLACE] = place;
     to[FAR] = fmaxf((float)far + behind, place);
+    to[COST] = (float)cost[best] / SV_WALL_FINE_COST_ONE;
 }
 
 static int by_value(const void *a, const void *b) {
@@ -93,29 +95,16 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Reads a ray and its eight neighbours, `away` rays apart. Beyond the border the ray at the border counts. */
-static void neighbours(const sv_wall_layout *l, const uint32_t away[2], const float *map, uint32_t x,
-                       uint32_t y, float out[9]) {
-    const int64_t dx = away[0], dy = away[1];
-    for (int v = -1; v <= 1; v++)
-        for (int u = -1; u <= 1; u++)
-            *out++ = map[inside(y + v * dy, l->rows) * l->columns + inside(x + u * dx, l->columns)];
-}
-
+/* The median of a ray and its eight neighbours. Beyond the border the ray at the border counts. */
 static float median_of(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
+    const int64_t dx = l->median_step[0], dy = l->median_step[1];
     float values[9];
-    neighbours(l, l->median_step, map, x, y, values);
+    for (int i = 0; i < 9; i++) {
+        const size_t row = inside(y + (i / 3 - 1) * dy, l->rows);
+        values[i] = map[row * l->columns + inside(x + (i % 3 - 1) * dx, l->columns)];
+    }
     qsort(values, 9, sizeof *values, by_value);
     return values[4];
-}
-
-/* Weights 1 2 1 along both axes. The sum of opposite neighbours comes first, so a mirrored map gives the
- * mirrored result. */
-static float smooth(const sv_wall_layout *l, const float *map, uint32_t x, uint32_t y) {
-    float n[9];
-    neighbours(l, l->smoothing_step, map, x, y, n);
-    const float corners = (n[0] + n[8]) + (n[2] + n[6]), edges = (n[1] + n[7]) + (n[3] + n[5]);
-    return (corners + 2.0f * edges + 4.0f * n[4]) / 16.0f;
 }
 
 /* Two neighbouring rays and their weights. */
@@ -151,39 +140,33 @@ static void interpolate(const sv_wall_layout *l, const float *rays, float scale,
         }
 }
 
-/* Returns what the ray's own cell pays at the selected layer. */
-static float own_cost(const sv_wall_layout *l, const sv_wall_costs *costs, uint32_t x, uint32_t y,
-                      float layer) {
-    const size_t at = ((size_t)(y / 2) * l->cells[0] + x / 2) * l->layers + (size_t)(layer + 0.5f);
-    return (float)(costs->all[at] + (SV_WALL_OWN_DISTANCE_WEIGHT - 1) * costs->distance[at]) /
-           SV_WALL_COST_ONE;
-}
-
 /* Filters every plane by the median of a ray and its neighbours. */
 static void median_filter(const sv_wall_layout *l, const float *layers, float *filtered) {
     const size_t count = (size_t)l->columns * l->rows;
-    if (!l->median) memcpy(filtered, layers, PLANES * count * sizeof *filtered);
-    for (uint32_t plane = 0; l->median && plane < PLANES; plane++)
+    if (!l->median) memcpy(filtered, layers, FILTERED * count * sizeof *filtered);
+    for (uint32_t plane = 0; l->median && plane < FILTERED; plane++)
         for (uint32_t y = 0; y < l->rows; y++)
             for (uint32_t x = 0; x < l->columns; x++)
                 filtered[plane * count + (size_t)y * l->columns + x] =
                     median_of(l, layers + plane * count, x, y);
 }
 
-/* Computes the confidence from the own costs. `own` and `ray_confidence` have room for a number a ray. */
-static void find_confidence(const sv_wall_layout *l, const sv_wall_costs *costs, const float *layers,
-                            float *own, float *ray_confidence, float *confidence) {
-    for (uint32_t y = 0; y < l->rows; y++)
-        for (uint32_t x = 0; x < l->columns; x++) {
-            const size_t ray = (size_t)y * l->columns + x;
-            own[ray] = own_cost(l, costs, x, y, layers[ray]);
-        }
-    for (uint32_t y = 0; y < l->rows; y++)
-        for (uint32_t x = 0; x < l->columns; x++) {
-            const float ratio = smooth(l, own, x, y) / l->half_confidence_cost;
-            ray_confidence[(size_t)y * l->columns + x] = 1.0f / (1.0f + ratio * ratio);
-        }
-    interpolate(l, ray_confidence, 1.0f, confidence);
+float sv_wall_confidence(const sv_wall_layout *l, float cost, float level) {
+    const float ratio = (cost + l->level_cost * (level * level)) / l->half_confidence_cost;
+    return 1.0f / (1.0f + ratio * ratio);
+}
+
+/* Computes the confidence of the surface at `places`, which costs `costs`. `of_rays` has room for a number a
+ * ray. */
+static void find_confidence(const sv_wall_scan *s, const float *costs, const float *places, float *of_rays,
+                            float *confidence) {
+    const sv_wall_layout *l = s->layout;
+    const size_t count = (size_t)l->columns * l->rows;
+    for (size_t ray = 0; ray < count; ray++) {
+        const uint8_t level = s->blocks->relative[(size_t)places[ray] * count + ray];
+        of_rays[ray] = sv_wall_confidence(l, costs[ray], (float)level / SV_WALL_TISSUE);
+    }
+    interpolate(l, of_rays, 1.0f, confidence);
     /* The four rounded weights of a pixel may add up to a little more than 1. */
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = fminf(confidence[i], 1.0f);
 }
@@ -288,7 +271,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
     float *layers = calloc(PLANES * count, sizeof *layers),
-          *filtered = calloc(PLANES * count, sizeof *filtered);
+          *filtered = calloc(FILTERED * count, sizeof *filtered);
     bool done = costs && rows && layers && filtered;
     if (done) {
         memcpy(costs, given->all, all * sizeof *costs);
@@ -297,7 +280,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
     }
     if (done) {
         median_filter(l, layers, filtered);
-        find_confidence(l, given, filtered + PLACE * count, layers, layers + count, confidence);
+        find_confidence(scan, layers + COST * count, filtered + PLACE * count, layers, confidence);
         count_gaps(scan, levels->fluid, filtered + PLACE * count, gaps);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);

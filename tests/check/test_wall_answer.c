@@ -8,24 +8,31 @@
 
 #include <string.h>
 
-/* Every ray: wall, fluid, tissue that passes for the fetus with probability p, fluid, the fetus. The surface
- * lies in the first fluid; the ray pays 8 (1 - p) there for what it leaves, and 5 halves the confidence. */
-static void test_confidence_of_a_doubtful_ray(void **state) {
-    (void)state;
-    enum {
-        DIM = 90,
-        BRIGHTER = 95,
-        SPREAD_FIFTH = 5
-    }; /* the wall is even, so its spread is the least, 0.2 */
+enum {
+    DIM = 90,
+    BRIGHTER = 95,
+    SPREAD_FIFTH = 5 /* the wall is even, so its spread is the least, 0.2 */
+};
+
+/* Every ray: wall, fluid, tissue that passes for the fetus with probability p, fluid, the fetus. */
+static scan doubtful_rays(int fluid) {
     scan s = scan_make(N, N, N);
     for (uint32_t z = 0; z < N; z++) {
-        const int level = z < 12 ? DIM : z >= 24 && z < 34 ? BRIGHTER : z >= 46 ? BONE : FLUID;
+        const int level = z < 12 ? DIM : z >= 24 && z < 34 ? BRIGHTER : z >= 46 ? BONE : fluid;
         for (uint32_t i = 0; i < PIXELS; i++) s.voxels[z * PIXELS + i] = (uint8_t)level;
     }
     scan_run(&s);
+    return s;
+}
+
+/* The surface lies in the first fluid; the ray pays 8 (1 - p) there for what it leaves, and 4.5 halves the
+ * confidence. */
+static void test_confidence_of_a_doubtful_ray(void **state) {
+    (void)state;
+    scan s = doubtful_rays(FLUID);
     const double brighter = (log(BRIGHTER / (255.5 - BRIGHTER)) - log(DIM / (255.5 - DIM))) * SPREAD_FIFTH;
     const double p = 1.0 / (1.0 + exp(-5.0 * (brighter - 0.4)));
-    const double expected = 1.0 / (1.0 + square(8.0 * (1.0 - p) / 5.0));
+    const double expected = 1.0 / (1.0 + square(8.0 * (1.0 - p) / 4.5));
     assert_true(p > 0.45 && p < 0.6);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     for (uint32_t i = 0; i < PIXELS; i++) {
@@ -34,6 +41,34 @@ static void test_confidence_of_a_doubtful_ray(void **state) {
         assert_true(fabs(s.confidence[i] - expected) < 0.01);
     }
     scan_free(&s);
+}
+
+/* A cost of 4.5 halves the confidence. In a layer as bright as the threshold half as much as 1 is added, in
+ * one twice as bright four times that. */
+static void test_confidence_of_a_cost(void **state) {
+    (void)state;
+    const sv_wall_settings settings = sv_wall_settings_default();
+    const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
+    assert_true(sv_wall_confidence(&l, 0.0f, 0.0f) == 1.0f);
+    assert_true(sv_wall_confidence(&l, 4.5f, 0.0f) == 0.5f);
+    assert_true(sv_wall_confidence(&l, 4.0f, 1.0f) == 0.5f);
+    assert_true(sv_wall_confidence(&l, 2.5f, 2.0f) == 0.5f);
+    assert_true(fabs((double)sv_wall_confidence(&l, 9.0f, 0.0f) - 0.2) < 1e-6);
+}
+
+/* The same rays are less sure where the fluid of their surface is brighter. With about 97 around, a level of
+ * 30 has 0.44 of the threshold, 6 has 0.12: so the cost of about 4 grows by 0.09, which is 0.011 less. */
+static void test_bright_fluid_is_less_sure(void **state) {
+    (void)state;
+    enum { HAZE = 30 };
+    scan dark = doubtful_rays(FLUID), hazy = doubtful_rays(HAZE);
+    assert_int_equal(hazy.outcome, SV_WALL_SURFACE);
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        const double less = (double)(dark.confidence[i] - hazy.confidence[i]);
+        assert_true(less > 0.005 && less < 0.02);
+    }
+    scan_free(&dark);
+    scan_free(&hazy);
 }
 
 /* Layers of 2 mm: two slices each, so that no level is smoothed along the rays. */
@@ -135,13 +170,14 @@ static void test_surface_lies_in_what_is_dark(void **state) {
     run_gap(&s, 5, 11, MUSCLE, false); /* 0.3125 */
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     assert_true(fabs(s.facts.gap_share - 5.0 / 16.0) < 1e-9 && s.depth[0] > 7.0f && s.confidence[0] > 0.9f);
+    const double sure = (double)s.confidence[0];
     run_gap(&s, 5, 12, MUSCLE, false); /* 0.294 */
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
     run_gap(&s, 5, 12, MUSCLE, true);
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
     for (uint32_t i = 0; i < PIXELS; i++)
-        assert_true(s.depth[i] > 7.0f && s.depth[i] <= 18.0f && fabs(s.confidence[i] - 0.3) < 1e-6);
+        assert_true(s.depth[i] > 7.0f && s.depth[i] <= 18.0f && fabs(s.confidence[i] - 0.3 * sure) < 1e-6);
     run_gap(&s, 2, 14, MUSCLE, false); /* 0.125 */
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
     run_gap(&s, 2, 15, MUSCLE, true); /* 0.118 */
@@ -263,7 +299,8 @@ static void test_darkest_fifth(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_confidence_of_a_doubtful_ray), cmocka_unit_test(test_near_field_is_no_fluid),
+        cmocka_unit_test(test_confidence_of_a_doubtful_ray), cmocka_unit_test(test_confidence_of_a_cost),
+        cmocka_unit_test(test_bright_fluid_is_less_sure),    cmocka_unit_test(test_near_field_is_no_fluid),
         cmocka_unit_test(test_near_field_is_broad),          cmocka_unit_test(test_skin_tells_nothing),
         cmocka_unit_test(test_surface_lies_in_what_is_dark), cmocka_unit_test(test_threshold_is_local),
         cmocka_unit_test(test_dim_front_is_no_wall),         cmocka_unit_test(test_darkest_fifth),

@@ -45,11 +45,11 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
         WALL_CONSTANT(wrong_fluid_cost),
         WALL_CONSTANT(sigma_mm),
         WALL_CONSTANT(median_mm),
-        WALL_CONSTANT(smoothing_mm),
         WALL_CONSTANT(average_margin),
         WALL_CONSTANT(knob_margin),
         WALL_CONSTANT(q),
         WALL_CONSTANT(half_confidence_cost),
+        WALL_CONSTANT(level_cost),
         WALL_CONSTANT(wall_share),
         WALL_CONSTANT(fetus_share),
         WALL_CONSTANT(assumed_wall),
@@ -132,8 +132,17 @@ static void print_case(const wall_case *c, const wall_score *s, const answer *a)
            f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0);
 }
 
-/* The case is turned and gets other levels before; it is judged on its own levels. */
-static bool judge_case(wall_case *c, const wall_change *o, site_score *score, hs_error *err) {
+static void add_calibration(wall_calibration *to, const wall_calibration *from) {
+    for (int i = 0; i < WALL_BINS; i++) {
+        to->right[i] += from->right[i];
+        to->wrong[i] += from->wrong[i];
+    }
+}
+
+/* The case is turned and gets other levels before; it is judged on its own levels. `clipped`: of cases that
+ * were not refused. */
+static bool judge_case(wall_case *c, const wall_change *o, site_score *score, wall_calibration *clipped,
+                       hs_error *err) {
     if ((o->tilt[0] != 0.0 || o->tilt[1] != 0.0) && !wall_case_tilt(c, o->tilt, err)) return false;
     const size_t bytes = (size_t)c->nx * c->ny * c->nz;
     uint8_t *const original = malloc(bytes);
@@ -148,10 +157,15 @@ static bool judge_case(wall_case *c, const wall_change *o, site_score *score, hs
         ok = ask(c, o, &a, err);
     }
     if (ok) {
-        const wall_score s = wall_judge(c, original, a.depth, a.confidence, &score->calibration);
+        wall_calibration own = {0};
+        const wall_score s = wall_judge(c, original, a.depth, a.confidence, &own);
+        const bool tried = a.outcome == SV_WALL_DOUBTFUL && o->settings.clip_doubtful;
         site_score_add(score, c->name, &s);
-        const bool clipped = a.outcome == SV_WALL_DOUBTFUL && o->settings.clip_doubtful;
-        score->refused += a.outcome != SV_WALL_SURFACE && !clipped;
+        add_calibration(&score->calibration, &own);
+        if (a.outcome == SV_WALL_SURFACE || tried)
+            add_calibration(clipped, &own);
+        else
+            score->refused++;
         print_case(c, &s, &a);
     }
     free_answer(&a);
@@ -161,12 +175,14 @@ static bool judge_case(wall_case *c, const wall_change *o, site_score *score, hs
 
 static bool judge_set(site_set *set, const wall_change *o, hs_error *err) {
     site_score score = {0};
+    wall_calibration clipped = {0};
     printf("%s (%u cases)\n", set->title, set->count);
     for (uint32_t n = 0; n < set->count; n++)
-        if (!judge_case(&set->cases[n], o, &score, err)) return false;
+        if (!judge_case(&set->cases[n], o, &score, &clipped, err)) return false;
     printf("  all  ");
     site_score_print(&score, true);
     site_score_print_calibration("wall", &score.calibration);
+    if (score.refused) printf("  without the refused: AUC %.3f\n", wall_auc(&clipped));
     return true;
 }
 
