@@ -25,7 +25,7 @@ typedef struct {
 typedef struct {
     __global ushort *begun; /* probability that the fetus has begun */
     __global ushort *costs;
-    __global uchar *distance_cost; /* distance to the fluid in front; later the cost of the distance */
+    __global uchar *near; /* distance to the fluid in front */
     size_t pitch;
 } layers_t;
 
@@ -83,7 +83,7 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         const bool fluid = open_front || (!tissue && z >= r->first && z < r->end);
         near = fluid ? 0 : min(near + 1, l->full_distance);
         s->begun[z * s->pitch] = (ushort)(SV_WALL_PROBABILITY_ONE - now);
-        s->distance_cost[z * s->pitch] = (uchar)near;
+        s->near[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
     r->begun = SV_WALL_PROBABILITY_ONE - now;
@@ -121,16 +121,14 @@ static void backward_pass(const sv_wall_layout *l, const ray_t *r, const layers_
     uint later = 0, run_end = r->begun, near = l->full_distance;
     for (uint z = l->layers; z-- > 0;) {
         const bool tissue = is_tissue(r, z);
-        const uint begun = s->begun[z * s->pitch], before = s->distance_cost[z * s->pitch];
+        const uint begun = s->begun[z * s->pitch], before = s->near[z * s->pitch];
         if (tissue && fluid_behind) later += run_end - begun;
         if (tissue && !behind) run_end = begun;
         fluid_behind = before == 0;
         behind = tissue;
         near = fluid_behind ? 0 : min(near + 1, l->full_distance);
-        const uint distance_cost = distance_cost_at(l, min(near, before));
-        const uint cost = distance_cost + error_cost(l, r, s, z, later);
+        const uint cost = distance_cost_at(l, min(near, before)) + error_cost(l, r, s, z, later);
         s->costs[z * s->pitch] = (ushort)(r->scanned ? cost : 0);
-        s->distance_cost[z * s->pitch] = (uchar)(r->scanned ? distance_cost : 0);
     }
 }
 
@@ -165,11 +163,11 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
 }
 
 /* One work group per row of cells, after wall_items_costs. It stores the means of the cells' rays, rounded
- * half up, the part due to the distance to the fluid, and the sum over the rays of the probability that the
- * fetus is on them. A ray that was not scanned counts as 0. */
+ * half up, and the sum over the rays of the probability that the fetus is on them. A ray that was not scanned
+ * counts as 0. */
 __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict info,
                                __global ushort *restrict scratch, __global ushort *restrict costs,
-                               __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
+                               __global ulong *restrict fetus) {
     __local uint sum;
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), row = (uint)get_group_id(0);
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
@@ -186,11 +184,7 @@ __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict i
         const layers_t above = layers_of(&l, scratch, 2 * row, 2 * x);
         const size_t at = z * above.pitch, below = at + block_row(&l, 0, 1), to = cell_row(&l, z, row) + x;
         __global const ushort *cost = above.costs;
-        __global const uchar *distance_cost = above.distance_cost;
         costs[to] = (ushort)((cost[at] + cost[at + 1] + cost[below] + cost[below + 1] + 2u) / 4u);
-        distance_costs[to] = (uchar)((distance_cost[at] + distance_cost[at + 1] + distance_cost[below] +
-                                      distance_cost[below + 1] + 2u) /
-                                     4u);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item == 0) fetus[row] = sum;

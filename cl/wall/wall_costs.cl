@@ -214,11 +214,9 @@ static void backward_begin(const sv_wall_layout *l, const rays_t *r, backward_t 
     w->wrong_fluid = share_of_cost(l->wrong_fluid_cost, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
 }
 
-/* Returns what LANES rays pay in layer z. `distance_cost`: the part of it that is due to the distance to the
- * fluid.
- * */
+/* Returns what LANES rays pay in layer z. */
 static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z,
-                          backward_t *w, u16l *distance_cost) {
+                          backward_t *w) {
     const u8l tissue = tissue_at(s, r, z), before = r->near_at[z], fluid = AS_U8(before == (u8l)(0));
     u16l wrong = (u16l)((ushort)l->cut_cost); /* where the fetus has begun */
     if (z < s->certain_from) {
@@ -230,24 +228,17 @@ static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const r
     w->fluid_behind = fluid;
     w->behind = tissue;
     w->near = MINIMUM(w->near + (u8l)(1), (u8l)((uchar)l->full_distance)) & ~fluid;
-    const u16l distance = distance_cost_at(l, MINIMUM(w->near, before));
-    *distance_cost = distance & AS_U16(r->scanned);
-    return (distance + wrong) & AS_U16(r->scanned);
+    return (distance_cost_at(l, MINIMUM(w->near, before)) + wrong) & AS_U16(r->scanned);
 }
 
-/* Walks all layers from back to front. It stores the costs of HALF cells, and the part due to the distance
- * to the fluid. */
-static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __global ushort *costs,
-                          __global uchar *distance_costs) {
+/* Walks all layers from back to front. It stores the costs of HALF cells. */
+static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __global ushort *costs) {
     backward_t w[2];
     UNROLL for (uint i = 0; i < 2; i++) backward_begin(l, &s->rays[i], &w[i]);
     for (uint z = l->layers; z-- > 0;) {
-        u16l cost[2], distance_cost[2];
-        UNROLL for (uint i = 0; i < 2; i++) cost[i] =
-            backward_step(l, s, &s->rays[i], z, &w[i], &distance_cost[i]);
+        u16l cost[2];
+        UNROLL for (uint i = 0; i < 2; i++) cost[i] = backward_step(l, s, &s->rays[i], z, &w[i]);
         *(__global u16h *)(costs + z * s->cell_pitch) = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
-        *(__global u8h *)(distance_costs + z * s->cell_pitch) =
-            HALF_TO_U8(mean_of_cells(distance_cost[0] + distance_cost[1]));
     }
 }
 
@@ -267,14 +258,14 @@ static ulong sum_lanes(u16l values) {
     return sum;
 }
 
-/* One work item per row of cells: stores their costs, the part due to the distance to the fluid, and the sum
+/* One work item per row of cells: stores their costs, and the sum
  * over the rays of the probability that the fetus is on them. `scratch`: scratch_words words of 32 bits for
  * each row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict brightness,
                          __global ulong *restrict kinds, __global ushort *restrict rays,
                          __global uint *restrict scratch, __global ushort *restrict costs,
-                         __global uchar *restrict distance_costs, __global ulong *restrict fetus) {
+                         __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     cell_rays_t s = {.level_pitch = level_pitch_of(&l),
@@ -299,7 +290,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
         }
         forward_pass(&l, &s);
         UNROLL for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].begun & AS_U16(s.rays[i].scanned));
-        backward_pass(&l, &s, costs + at, distance_costs + at);
+        backward_pass(&l, &s, costs + at);
     }
     fetus[row] = sum;
 }

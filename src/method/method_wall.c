@@ -83,7 +83,6 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
         [SV_WALL_INFO] = SV_WALL_INFO_WORDS * sizeof(cl_uint),
         [SV_WALL_SCRATCH] = l.rows * scratch_words(m, &l) * sizeof(cl_uint),
         [SV_WALL_COSTS] = cells * sizeof(cl_ushort),
-        [SV_WALL_DISTANCE_COSTS] = cells,
         [SV_WALL_FINE] = fine * sizeof(cl_ushort),
         [SV_WALL_PLACES] = PLACE_PLANES * plane * sizeof(cl_float),
         [SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};

@@ -29,7 +29,6 @@ enum {
     SV_WALL_INFO,
     SV_WALL_SCRATCH,
     SV_WALL_COSTS,
-    SV_WALL_DISTANCE_COSTS,
     SV_WALL_FINE, /* costs after the Gaussian */
     SV_WALL_PLACES,
     SV_WALL_CONFIDENCE,

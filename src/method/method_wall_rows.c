@@ -92,7 +92,7 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_KINDS, SV_WALL_RAYS, SV_WALL_SCRATCH,
-                 SV_WALL_COSTS, SV_WALL_DISTANCE_COSTS, SV_WALL_FETUS, -1}},
+                 SV_WALL_COSTS, SV_WALL_FETUS, -1}},
     {.kernel = K_DECIDE,
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_RECONSTRUCT,

@@ -112,13 +112,11 @@ static uint32_t error_cost(const sv_wall_layout *l, bool bare, const ray_facts *
 }
 
 /* Adds the costs of a ray to those of its cell. */
-static void add_ray(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t *all,
-                    uint32_t *distance) {
+static void add_ray(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t *all) {
     for (uint32_t z = 0; z < l->layers; z++) {
         const uint32_t layers = f->distance[z] < l->full_distance ? f->distance[z] : l->full_distance;
         const uint32_t cost = (layers * l->rate + (1u << (SV_WALL_RATE_BITS - 1))) >> SV_WALL_RATE_BITS;
         const uint32_t capped = cost < SV_WALL_COST_ONE ? cost : SV_WALL_COST_ONE;
-        distance[z] += capped;
         all[z] += capped + error_cost(l, bare, f, z);
     }
 }
@@ -142,9 +140,8 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
     const sv_wall_layout *l = s->layout;
     const size_t rays = (size_t)l->columns * l->rows, count = (size_t)l->cells[0] * l->cells[1] * l->layers;
     ray_facts f;
-    *costs =
-        (sv_wall_costs){.all = calloc(count, sizeof(uint32_t)), .distance = calloc(count, sizeof(uint32_t))};
-    if (!costs->all || !costs->distance || !facts_make(l->layers, &f)) {
+    *costs = (sv_wall_costs){.all = calloc(count, sizeof(uint32_t))};
+    if (!costs->all || !facts_make(l->layers, &f)) {
         sv_wall_costs_destroy(costs);
         return false;
     }
@@ -155,19 +152,15 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
         backward_fluid(s, ray, &f);
         first_fluid(s, ray, &f);
         const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;
-        add_ray(l, e->bare, &f, costs->all + cell * l->layers, costs->distance + cell * l->layers);
+        add_ray(l, e->bare, &f, costs->all + cell * l->layers);
         costs->fetus += f.begun[l->layers - 1];
     }
-    for (size_t i = 0; i < count; i++) {
-        costs->all[i] = (costs->all[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
-        costs->distance[i] = (costs->distance[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
-    }
+    for (size_t i = 0; i < count; i++) costs->all[i] = (costs->all[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
     facts_free(&f);
     return true;
 }
 
 void sv_wall_costs_destroy(sv_wall_costs *costs) {
     free(costs->all);
-    free(costs->distance);
     *costs = (sv_wall_costs){0};
 }
