@@ -24,7 +24,6 @@ typedef struct {
     /* Darkness at the start of a ray's scan that is at most so deep is no fluid, if at least such a share of
      * the rays begin with that. */
     double near_field_mm, near_field_share;
-    double skin_line_mm; /* the brightness of the first run of a ray does not count so far behind its start */
     /* Of the darkest `fluid_rank` of all blocks, the share in the gaps that the surface lies in tells whether
      * there is fluid in front of the fetus: there is from `gap_share` on, there is none below
      * `doubtful_share`, and between them it is doubtful. */
@@ -36,17 +35,17 @@ typedef struct {
     double doubtful_confidence; /* a doubtful surface is so sure where another has 1 */
     bool clip_doubtful;         /* clip at a doubtful surface, too */
     double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
-    double low_rank, high_rank; /* the spread of the wall's brightness lies between these quantiles */
+    double tail_rank;           /* the spread of the wall's brightness leaves such a share on either side */
     double slope;               /* of the logistic function, per spread */
     double fetus_level;         /* spreads above the wall where the probability of the fetus is one half */
     double first_run_extra;     /* spreads more for the first run of a ray, and for enclosed tissue */
-    double fetus_threshold;     /* a cell counts as the fetus if its probability is at least this */
     double one_side; /* weight of the general probability if the fetus is reached from one side only */
-    double skin_mm;  /* bone of a first run lies this far behind its skin */
-    double tau_mm;   /* distance to the fluid that costs 1 */
-    /* The costs of cutting the fetus, of leaving an occluder, and of another fluid than the first. Their sum
-     * is at most 31, or the sums of the Gaussian leave 24 bits. */
-    double cut_cost, occluder_cost, wrong_fluid_cost;
+    /* So deep is skin, which tells nothing of the run that begins with it; bone lies that far behind it. */
+    double skin_mm;
+    double tau_mm; /* distance to the fluid that costs 1 */
+    /* The costs of cutting the fetus and of leaving an occluder. Another fluid than the first costs 1 where
+     * no fetus is seen. The sum of all is at most 31, or the sums of the Gaussian leave 24 bits. */
+    double cut_cost, occluder_cost;
     double sigma_mm;             /* lateral Gaussian over the costs */
     double average_margin;       /* layers that cost at most this much more than the minimum are averaged */
     double knob_margin;          /* the knob moves the surface over layers that cost at most this much more */

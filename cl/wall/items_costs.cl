@@ -56,7 +56,7 @@ static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const uint kind = r->kinds[at], chance = r->chances[r->brightness[at]];
     const uint any = chance >> 16, first = chance & 0xffffu;
     if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
-    if (z < r->run + l->skin_line) return 0; /* the skin tells nothing */
+    if (z < r->run + l->skin) return 0; /* the skin tells nothing */
     if (kind & CELL_FLANKED) return any;
     return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
@@ -106,7 +106,7 @@ static uint error_cost(const sv_wall_layout *l, const ray_t *r, const layers_t *
     uint cost = share_of_cost(l->occluder_cost, later);
     if (z > 0 || !r->bare) cost += share_of_cost(l->cut_cost, s->begun[z * s->pitch]);
     if (z < r->fluid || z >= r->fluid_end)
-        cost += share_of_cost(l->wrong_fluid_cost, SV_WALL_PROBABILITY_ONE - r->begun);
+        cost += share_of_cost(SV_WALL_COST_ONE, SV_WALL_PROBABILITY_ONE - r->begun);
     return cost;
 }
 

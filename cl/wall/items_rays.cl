@@ -33,7 +33,7 @@ static run_t first_run(const sv_wall_layout *l, __global const uchar *levels,
     uint z = 0;
     while (z < l->layers && levels[z * level_pitch] <= SV_WALL_TISSUE) z++;
     run_t run = {z < l->layers ? z : end, end, 0};
-    const uint behind_skin = z + l->skin_line;
+    const uint behind_skin = z + l->skin;
     uint last = 0;
     for (; z < l->layers && levels[z * level_pitch] > SV_WALL_TISSUE; z++) {
         last = brightness[z * pitch];

@@ -96,7 +96,7 @@ static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissu
     const u16l any = REINTERPRET(both >> 16u | (both & 0xffff0000u), u16l);
     const u16l first = REINTERPRET((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
-    const i16l behind_skin = r->run <= (i16l)((short)z - (short)l->skin_line); /* the skin tells nothing */
+    const i16l behind_skin = r->run <= (i16l)((short)z - (short)l->skin); /* the skin tells nothing */
     const u16l chance = SELECT(any, first & AS_U16(behind_skin), in_run);
     w->maximum = MAXIMUM(w->maximum, chance) & tissue;
     w->now = SELECT(w->now, w->before - share(w->before, w->maximum), tissue);
@@ -211,7 +211,7 @@ static void backward_begin(const sv_wall_layout *l, const rays_t *r, backward_t 
     w->near = (u8l)((uchar)l->full_distance);
     w->later = (u16l)(0);
     w->run_end = r->begun;
-    w->wrong_fluid = share_of_cost(l->wrong_fluid_cost, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
+    w->wrong_fluid = share_of_cost(SV_WALL_COST_ONE, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
 }
 
 /* Returns what LANES rays pay in layer z. */

@@ -169,18 +169,18 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.wall_share;
     if (!bare) {
         wall = quantile(histogram, l.wall_rank);
-        spread =
-            odds(tables, quantile(histogram, l.high_rank)) - odds(tables, quantile(histogram, l.low_rank));
+        spread = odds(tables, quantile(histogram, SV_WALL_PER_MILLE - l.tail_rank)) -
+                 odds(tables, quantile(histogram, l.tail_rank));
         spread = max(spread, SV_WALL_MIN_SPREAD);
     }
     const int from = odds(tables, wall);
     for (uint i = item; i < 256; i += items) {
         const uint any = chance_of(&l, tables, i, from, spread, false);
-        const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < l.fetus_threshold;
+        const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < SV_WALL_LIKELY;
         info[SV_WALL_INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
         /* probabilities grow with the brightness, so one work item writes */
-        if (any >= l.fetus_threshold && is_least) info[SV_WALL_INFO_FETUS] = i;
-        if (any < l.fetus_threshold && i == 255) info[SV_WALL_INFO_FETUS] = 256;
+        if (any >= SV_WALL_LIKELY && is_least) info[SV_WALL_INFO_FETUS] = i;
+        if (any < SV_WALL_LIKELY && i == 255) info[SV_WALL_INFO_FETUS] = 256;
     }
     if (item > 0) return;
     info[SV_WALL_INFO_WALL_RAYS] = wall_rays;

@@ -17,7 +17,7 @@ typedef struct {
     u8l maximum, last; /* its maximum brightness behind the skin, and that of its last layer */
 } walk_t;
 
-static void walk_step(walk_t *w, short z, short skin_line, u8l tissue, u8l brightness) {
+static void walk_step(walk_t *w, short z, short skin, u8l tissue, u8l brightness) {
     const u8l begins = tissue & ~w->begun;
     if (any_byte(begins)) w->begin = SELECT(w->begin, (i16l)(z), words_of(begins));
     w->begun |= begins;
@@ -25,7 +25,7 @@ static void walk_step(walk_t *w, short z, short skin_line, u8l tissue, u8l brigh
     if (any_byte(ends)) w->end = SELECT(w->end, (i16l)(z), words_of(ends));
     w->over |= ends;
     const u8l in_run = w->begun & ~w->over, here = brightness & in_run;
-    const u8l behind_skin = here & bytes_of(w->begin <= (i16l)((short)(z - skin_line)));
+    const u8l behind_skin = here & bytes_of(w->begin <= (i16l)((short)(z - skin)));
     w->maximum = MAXIMUM(w->maximum, behind_skin);
     w->last = SELECT(w->last, here, AS_I8(in_run));
 }
@@ -35,7 +35,7 @@ static void count_walls(const sv_wall_layout *l, const walk_t *w, i16l first, i1
                         __global uint *histogram) {
     const i16l is_wall = words_of(w->begun) & (w->begin == first) & (w->end < end);
     if (!any_word(is_wall)) return;
-    const u8l thin = bytes_of(w->end - w->begin <= (i16l)((short)l->skin_line));
+    const u8l thin = bytes_of(w->end - w->begin <= (i16l)((short)l->skin));
     const u8l maxima = SELECT(w->maximum, w->last, AS_I8(thin));
     const uchar *maximum = (const uchar *)&maxima;
     const short *wall = (const short *)&is_wall;
@@ -68,7 +68,7 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
     for (uint z = 0; z < l->layers && any_byte(scanned & ~w.over); z++) {
         const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
         const u8h cells = ((__global const u8h *)(brightness + cell_row(l, z, row / 2)))[x];
-        walk_step(&w, (short)z, (short)l->skin_line, tissue_of(level), rays_of_cells(cells));
+        walk_step(&w, (short)z, (short)l->skin, tissue_of(level), rays_of_cells(cells));
     }
     return w;
 }

@@ -10,6 +10,7 @@
 #define SV_WALL_SHARED_H
 
 #define SV_WALL_PROBABILITY_ONE 32768 /* a probability of 1 */
+#define SV_WALL_LIKELY          16384 /* a cell of tissue counts as the fetus from this probability on */
 #define SV_WALL_COST_ONE        128   /* a cost of 1 */
 #define SV_WALL_FINE_COST_ONE   2048  /* a cost of 1 after the Gaussian */
 #define SV_WALL_PER_MILLE       1000  /* shares and ranks of the settings */
@@ -111,26 +112,24 @@ typedef struct {
     unsigned int bright_blocks;    /* the mean of all that is bright counts as so many blocks there */
     unsigned int dim;              /* a block is dim if it is brighter, relative to the threshold */
     unsigned int near_field;       /* layers, */
-    unsigned int skin_line;        /* layers */
-    unsigned int skin;             /* layers */
+    unsigned int skin;             /* and these, too */
     unsigned int full_distance;    /* layers: from this distance to the fluid on the cost is full */
     unsigned int rate;             /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
     unsigned int median_step[2];   /* rays between the samples of the median */
     unsigned int reach_x, reach_y; /* cells to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
-    unsigned int cut_cost, occluder_cost, wrong_fluid_cost; /* in units of 1 / SV_WALL_COST_ONE */
-    unsigned int average_margin, knob_margin;               /* in units of 1 / SV_WALL_FINE_COST_ONE */
+    unsigned int cut_cost, occluder_cost;     /* in units of 1 / SV_WALL_COST_ONE */
+    unsigned int average_margin, knob_margin; /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
     unsigned int threshold, dark_rank, near_field_share, fluid_rank, gap_share, doubtful_share, fetus_share,
         wall_share;
     unsigned int hysteresis; /* limits of shares are so far in favour of the outcome that was */
     unsigned int last;       /* sv_wall_outcome of the frame before, SV_WALL_EMPTY if there was none; or */
                              /* SV_WALL_REMEMBERED */
-    unsigned int wall_rank, low_rank, high_rank;
+    unsigned int wall_rank, tail_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int slope;                        /* of the logistic function, sixteenths */
-    unsigned int fetus_threshold;     /* in units of 1 / SV_WALL_PROBABILITY_ONE, */
-    unsigned int one_side;            /* and this one, too */
+    unsigned int one_side;            /* in units of 1 / SV_WALL_PROBABILITY_ONE */
     int fetus_level, first_run_extra; /* fixed-point, SV_WALL_ODDS_BITS, */
     int assumed_spread;               /* and this one, too */
     unsigned int median;              /* 1: take the median of a ray and its eight neighbours */

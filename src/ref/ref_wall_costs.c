@@ -34,7 +34,7 @@ static uint32_t fetus_probability(const sv_wall_scan *s, const sv_wall_evidence 
     const uint32_t as_first = e->first_run[brightness], as_later = e->later_run[brightness];
     const uint8_t flags = sv_wall_surroundings_at(s, ray, z);
     if (!first->touches || z >= first->end) return flags & SV_WALL_ENCLOSED ? as_first : as_later;
-    if (z < first->begin + s->layout->skin_line) return 0; /* the skin tells nothing */
+    if (z < first->begin + s->layout->skin) return 0; /* the skin tells nothing */
     if (flags & SV_WALL_FLANKED) return as_later;
     return as_first + (flags & SV_WALL_ONE_SIDE ? share(as_later - as_first, s->layout->one_side) : 0);
 }
@@ -107,7 +107,7 @@ static uint32_t error_cost(const sv_wall_layout *l, bool bare, const ray_facts *
     }
     uint32_t cost = share_of_cost(l->occluder_cost, later);
     if (z > 0 || !bare) cost += share_of_cost(l->cut_cost, f->begun[z]);
-    if (z < f->fluid_begin || z >= f->fluid_end) cost += share_of_cost(l->wrong_fluid_cost, none);
+    if (z < f->fluid_begin || z >= f->fluid_end) cost += share_of_cost(SV_WALL_COST_ONE, none);
     return cost;
 }
 

@@ -40,7 +40,7 @@ static uint32_t wall_histogram(const sv_wall_scan *s, uint64_t histogram[256]) {
         const sv_wall_run run = sv_wall_first_run(s, ray);
         if (!run.touches || !run.fluid || run.begin == run.end) continue;
         uint8_t maximum = 0;
-        const uint32_t behind = run.begin + s->layout->skin_line;
+        const uint32_t behind = run.begin + s->layout->skin;
         for (size_t z = behind < run.end ? behind : run.end - 1; z < run.end; z++)
             if (sv_wall_brightness_at(s, ray, z) > maximum) maximum = sv_wall_brightness_at(s, ray, z);
         histogram[maximum]++;
@@ -84,8 +84,8 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
                 (uint64_t)out->wall_rays * SV_WALL_PER_MILLE < (uint64_t)scan->blocks->rays * l->wall_share;
     if (!out->bare) {
         out->wall = sv_wall_quantile(histogram, l->wall_rank);
-        out->spread = log_odds(tables, sv_wall_quantile(histogram, l->high_rank)) -
-                      log_odds(tables, sv_wall_quantile(histogram, l->low_rank));
+        out->spread = log_odds(tables, sv_wall_quantile(histogram, SV_WALL_PER_MILLE - l->tail_rank)) -
+                      log_odds(tables, sv_wall_quantile(histogram, l->tail_rank));
         if (out->spread < SV_WALL_MIN_SPREAD) out->spread = SV_WALL_MIN_SPREAD;
     } else {
         const uint32_t wall = levels->bright * l->assumed_wall / SV_WALL_PER_MILLE;

@@ -110,7 +110,7 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
  *
  * A cell is tissue, wall, or tissue of a later run, if at least SV_WALL_MAJORITY of its rays are. A ray is
  * wall in its first run, if that touches the start of the scan. The fetus: cells of later runs that are not
- * enclosed, and whose probability is `fetus_threshold` at least.
+ * enclosed, and whose probability is SV_WALL_LIKELY at least.
  *
  * Enclosed: the wall is reached through tissue alone to three sides at least, of left, right, above, below.
  * Flanked: the fetus is reached to the left and to the right, or upwards and downwards. One side: the fetus

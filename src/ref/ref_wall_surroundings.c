@@ -44,7 +44,7 @@ static void classify_fetus(const sv_wall_scan *s, const sv_wall_evidence *e, siz
                            const uint8_t *surroundings, uint8_t *cell_class) {
     const size_t cells = (size_t)s->layout->cells[0] * s->layout->cells[1];
     for (size_t i = 0; i < cells; i++) {
-        const bool is_shown = e->later_run[s->brightness[z * cells + i]] >= s->layout->fetus_threshold;
+        const bool is_shown = e->later_run[s->brightness[z * cells + i]] >= SV_WALL_LIKELY;
         if (cell_class[i] == LATER_RUN && !(surroundings[i] & SV_WALL_ENCLOSED) && is_shown)
             cell_class[i] = FETUS;
     }

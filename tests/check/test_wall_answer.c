@@ -126,18 +126,18 @@ static void test_near_field_is_broad(void **state) {
     scan_free(&s);
 }
 
-/* The first 4 mm of a wall are skin, which may be much brighter: two layers, but not three. */
+/* The first 5.5 mm of a wall are skin, which may be much brighter: three layers, but not four. */
 static void test_skin_tells_nothing(void **state) {
     (void)state;
     uint8_t levels[LAYERS];
     scan s = scan_make(N, N, N);
     put_scene(levels, 12, 8);
-    memset(levels, BONE + 40, 2);
+    memset(levels, BONE + 40, 3);
     run_layers(&s, levels, N, 0, NULL);
     assert_true(fabs(s.facts.wall - MUSCLE) < 1.0);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > 23.0f && s.depth[i] <= 40.0f);
-    memset(levels, BONE + 40, 3);
+    memset(levels, BONE + 40, 4);
     run_layers(&s, levels, N, 0, NULL);
     assert_true(fabs(s.facts.wall - (BONE + 40 + MUSCLE) / 2.0) < 1.0); /* a block and the one behind it */
     /* A wall of skin alone is as bright as its last layer. */

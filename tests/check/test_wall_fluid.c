@@ -69,8 +69,7 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
     enum { CELLS = 5, SIDE = 2 * CELLS, LAYERS = 3, PLANE = SIDE * SIDE, MIDDLE = 2 * CELLS + 2 };
     uint8_t levels[LAYERS * PLANE];
     uint16_t first[PLANE] = {0}, end[PLANE];
-    sv_wall_layout l = {
-        .columns = SIDE, .rows = SIDE, .layers = LAYERS, .cells = {CELLS, CELLS}, .fetus_threshold = 1};
+    sv_wall_layout l = {.columns = SIDE, .rows = SIDE, .layers = LAYERS, .cells = {CELLS, CELLS}};
     const sv_wall_blocks blocks = {
         .columns = SIDE, .rows = SIDE, .layers = LAYERS, .relative = levels, .first = first, .end = end};
     const uint8_t bright[LAYERS * CELLS * CELLS] = {0};
@@ -161,10 +160,8 @@ static uint32_t rays_behind_limb(uint32_t from, uint32_t to, const sv_wall_setti
 static void test_limb(void **state) {
     (void)state;
     const sv_wall_settings all = sv_wall_settings_default();
-    sv_wall_settings none = all, both_sides = all;
-    none.fetus_threshold = 1.1; /* no tissue is the fetus with such a probability */
+    sv_wall_settings both_sides = all;
     both_sides.one_side = 0.0;
-    assert_in_range(rays_behind_limb(24, 40, &none), 48, 64);
     assert_int_equal(rays_behind_limb(24, 40, &both_sides), 0);
     assert_int_equal(rays_behind_limb(24, 40, &all), 0);
     assert_in_range(rays_behind_limb(24, 56, &both_sides), 48, 64);
