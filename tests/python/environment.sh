@@ -4,8 +4,8 @@
 # python/requirements-test.txt, and in it the wheel, built from SOURCE. The environment is made anew when the versions
 # change, the wheel every time. Where no index of Python packages can be reached, these tests are skipped.
 set -eu
-source=$1
-folder=$2/python
+source=$(realpath "$1")
+folder=$(realpath -m "$2")/python
 venv=$folder/venv
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1
 
