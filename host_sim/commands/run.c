@@ -190,6 +190,11 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {
         (void)snprintf(out, bytes, "no plugin");
         return;
     }
+    if (run->request.map) {
+        const char *const slash = strrchr(run->request.map, '/');
+        (void)snprintf(out, bytes, "%s", slash ? slash + 1 : run->request.map);
+        return;
+    }
     const sv_descriptor *d = run->plugin.instance->descriptor;
     (void)snprintf(out, bytes, "%s %s", d->id, d->version);
 }

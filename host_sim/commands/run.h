@@ -95,7 +95,7 @@ const hs_error *hs_run_confidence_error(const hs_run *run);
 /* True if frames of the setting have the stage at all. */
 bool hs_run_has_stage(const hs_run *run, hs_setting setting, hs_stage stage);
 
-/* "org.smartvis.clip 1.0.0", or "no plugin". */
+/* "org.smartvis.clip 1.0.0", the file of a map that was given, or "no plugin". */
 void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes);
 
 /* Share of voxels of a volume that were not scanned, 0 .. 1. */

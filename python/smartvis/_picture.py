@@ -44,7 +44,7 @@ class Picture:
         path.write_bytes(self.png)
         return path
 
-    def show(self) -> Picture:
+    def show(self) -> None:
         """Opens it: in a notebook below the cell, else in what this machine opens pictures with."""
         try:
             from IPython import get_ipython
@@ -60,7 +60,6 @@ class Picture:
                 file.write(self.png)
             if not webbrowser.open(Path(file.name).as_uri()):
                 print(f"nothing here opens pictures; it is {file.name}")
-        return self
 
 
 def encode(rgb: NDArray[np.uint8]) -> bytes:
@@ -89,8 +88,8 @@ def render(result: Result, volume: Any, kind: str, size: int, window: tuple[floa
     depths = _for_the_host(camera, result.depth if result.clips else np.zeros_like(result.depth))
     with tempfile.TemporaryDirectory() as folder:
         _metaimage.write(Path(folder) / "volume.mha", camera.see(voxels), camera.spacing)
-        _metaimage.write(Path(folder) / "map.mha", depths)
-        what = ["--volume", "volume.mha", "--map", "map.mha", "--lowres", str(len(depths))]
+        _metaimage.write(Path(folder) / "surface.mha", depths)
+        what = ["--volume", "volume.mha", "--map", "surface.mha", "--lowres", str(len(depths))]
         how = ["--frames", "1", "--setting", "smartvis", "--picture", str(size), "--panel", str(size)]
         few = ["--few-pictures"] if kind in ("result", "full") else []
         _host.run(["run", *what, *how, *few, "--out", "."], folder)

@@ -114,9 +114,9 @@ class Result:
         """
         return render(self, self.source if volume is None else volume, kind, size, self.window)
 
-    def show(self, volume: Any = None, kind: str = "panel", size: int = 512) -> Picture:
+    def show(self, volume: Any = None, kind: str = "panel", size: int = 512) -> None:
         """Opens `picture`."""
-        return self.picture(volume, kind, size).show()
+        self.picture(volume, kind, size).show()
 
     def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """The clipping surface as triangles: vertices in mm (x, y, z of the volume) and faces.

@@ -132,6 +132,14 @@ holds cmp out/result.png full.png
 expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set depth=30
 holds [ "$(cmp -s out/result.png full.png; echo $?)" = 1 ]
 
+# A map that was made elsewhere is drawn as the plugin's would be, and named after its file.
+expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set depth=30 --write depthmap
+holds cp out/depthmap.mha given.mha
+holds cp out/result.png plane.png
+expect 0 "" "${good[@]}" --map ./given.mha --lowres 24
+holds grep -q '^Plugin   given.mha (./given.mha)$' stdout
+holds cmp out/result.png plane.png
+
 # A map with holes is drawn, and the summary tells how many: of a test plugin, and of the mean filter that fills nothing.
 rm -rf out
 expect 0 "" "${good[@]}" --plugin "$plugins/partial.so" --set depth=30
