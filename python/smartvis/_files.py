@@ -59,6 +59,10 @@ class Source:
         self._series: list[tuple[str, ...]] = []
         self.count = 1
         try:
+            str(self.path).encode()
+        except UnicodeEncodeError:  # SimpleITK would end the process
+            raise FileError(f"{str(self.path)!r}: the name is not UTF-8; rename the file") from None
+        try:
             if ask_first and self.path.is_file():
                 self._ask_host()
             self._open()

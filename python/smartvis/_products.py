@@ -12,6 +12,8 @@ from . import _images
 from ._errors import MissingExtraError
 from ._result import Result
 
+_WIDEST = 4  # times its height, of a panel
+
 
 def depth_image(image: Any, result: Result) -> Any:
     """The depthmap in mm as an image of one slice that lies on the front of the volume, in its world; as host_sim
@@ -56,7 +58,22 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
 
 def quick_look(volume: NDArray[np.uint8], result: Result) -> NDArray[np.uint8]:
     """Three panels [y, x, rgb] as the camera sees them: the volume's brightest voxels, what is left shaded by its
-    first tissue, and a cut down the middle with the surface on it."""
+    first tissue, and a cut down the middle with the surface on it. A voxel is a pixel."""
+    panels = _panels(volume, result)
+    return np.concatenate([_to_height(panel, len(panels[0])) for panel in panels], axis=1)
+
+
+def small_look(volume: NDArray[np.uint8], result: Result, height: int = 128) -> NDArray[np.uint8]:
+    """`quick_look` with so many rows, in which millimetres are as long across as down."""
+    x, y, z = result.camera.spacing
+    small = []
+    for panel, across in zip(_panels(volume, result), (x, x, z), strict=True):
+        width = round(height * panel.shape[1] * across / (panel.shape[0] * y))
+        small.append(_resized(panel, height, min(max(width, 1), _WIDEST * height)))
+    return np.concatenate([_to_height(panel, height) for panel in small], axis=1)
+
+
+def _panels(volume: NDArray[np.uint8], result: Result) -> list[NDArray[np.uint8]]:
     seen = result.camera.see(volume)
     tissue = int(seen.mean() + seen.std()) + 1
     z = np.arange(seen.shape[0], dtype=np.float32)[:, None, None]
@@ -66,9 +83,20 @@ def quick_look(volume: NDArray[np.uint8], result: Result) -> NDArray[np.uint8]:
     slope_y, slope_x = np.gradient(first)
     light = (1.0 + 0.4 * slope_x + 0.4 * slope_y) / np.sqrt(1.0 + slope_x**2 + slope_y**2)
     shaded = np.where(first < seen.shape[0], np.clip(60 + 150 * light, 20, 255), 0)
-    height = seen.shape[1]
-    panels = [_grey(seen.max(axis=0)), _grey(shaded), _cut(seen, result, height)]
-    return np.concatenate([_to_height(p, height) for p in panels], axis=1)
+    return [_grey(seen.max(axis=0)), _grey(shaded), _cut(seen, result, seen.shape[1])]
+
+
+def _resized(picture: NDArray[np.uint8], height: int, width: int) -> NDArray[np.uint8]:
+    """The mean over the area that a pixel covers."""
+    values = picture.astype(np.float64)
+    for axis, count in ((0, height), (1, width)):
+        old = values.shape[axis]
+        sums = np.insert(np.cumsum(values, axis), 0, 0, axis)
+        at = np.linspace(0, old, count + 1)
+        whole = np.minimum(at.astype(int), old - 1)
+        part = np.expand_dims(at - whole, [a for a in range(3) if a != axis])
+        values = np.diff(sums.take(whole, axis) + part * values.take(whole, axis), axis=axis) * (count / old)
+    return np.round(values).astype(np.uint8)
 
 
 def _cut(seen: NDArray[np.uint8], result: Result, height: int) -> NDArray[np.uint8]:

@@ -27,6 +27,7 @@ from ._clip import ClipperCache
 from ._errors import HostError, MissingExtraError
 from ._files import PARTS, FileError, Source, stem, whole
 from ._files import SUFFIXES as SUFFIXES
+from ._page import write_page
 from ._work import COLUMNS, Row, Settings, clip_one
 
 ROWS = "rows"  #: folder of the rows beside the results
@@ -102,14 +103,14 @@ def find_files(paths: Sequence[str]) -> list[Path]:
 
 def row_path(out: Path, file: Path, frame: int) -> Path:
     """Where a volume's row lies: one name for one file, wherever it was started from."""
-    key = hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:16]
+    key = hashlib.sha256(os.fsencode(file.resolve())).hexdigest()[:16]
     return out / ROWS / f"{key}_{frame:05d}.json"
 
 
 def folder_of(out: Path, file: Path) -> Path:
     """A folder for each file, named after it, so that files of one name do not overwrite one another."""
     whole_name = file.resolve()
-    key = hashlib.sha256(str(whole_name).encode()).hexdigest()[:8]
+    key = hashlib.sha256(os.fsencode(whole_name)).hexdigest()[:8]
     return out / f"{whole_name.parent.name[:60]}-{stem(whole_name)[:60]}-{key}"
 
 
@@ -132,7 +133,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
     try:
         if _worker_source is None or _worker_source.path != file:
             _worker_source = Source(file, mirror=settings.mirror)
-        row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache)
+        row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache, True)
     except FileError as error:
         row = Row(path, frame, "input", str(error))
     finally:
@@ -191,13 +192,16 @@ def batch(
     client: Any,
     step: Callable[[], Any],
     seconds: int = 600,
+    total: Callable[[int], Any] = lambda count: None,
 ) -> list[dict[str, Any]]:
-    """Clips what is not done yet, and returns the rows of all; table.csv has them, too, however the batch ends. Failed
-    volumes are tried anew by the next batch; `seconds` is what one may take. One batch at a time may write to `out`.
+    """Clips what is not done yet, and returns the rows of all; table.csv and index.html have them, too, however the
+    batch ends. Failed volumes are tried anew by the next batch; `seconds` is what one may take. `total` is told how
+    many volumes there are, `step` is called for each. One batch at a time may write to `out`.
     HostError: the workers died and none came back."""
     same_settings(out, settings)
     _remove_leftovers(out)
     todo, rows = frames_of(files, out)
+    total(len(todo) + len(rows))
     for _ in rows:
         step()
     try:
@@ -208,6 +212,7 @@ def batch(
         _remove_leftovers(out)
         rows.sort(key=lambda row: (row["file"], row["frame"]))
         write_table(out / "table.csv", rows)
+        write_page(out / "index.html", [(Row(**row), folder_of(out, Path(row["file"]))) for row in rows])
     return rows
 
 
@@ -305,7 +310,7 @@ def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
     """The rows as CSV."""
 
     def write(part: Path) -> None:
-        with open(part, "w", newline="") as file:
+        with open(part, "w", newline="", encoding="utf-8", errors="backslashreplace") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)

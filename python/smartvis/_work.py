@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from . import _images
+from . import _images, _picture
 from ._clip import ClipperCache, clip
 from ._errors import PluginError, SmartVisError
-from ._files import FileError, Source, stem, write_image, write_ply
+from ._files import FileError, Source, stem, whole, write_image, write_ply
 from ._plugin import Plugin, load
-from ._products import depth_image, mesh, quick_look
+from ._products import depth_image, mesh, quick_look, small_look
 from ._result import Result
 from ._volume import to_uint8
 
@@ -73,6 +73,7 @@ class Row:
     clip_ms: float = 0.0
     write_ms: float = 0.0
     files: str = ""
+    picture: str = ""  #: a small one beside the files, for the page
 
 
 COLUMNS = tuple(asdict(Row("", 0)))
@@ -83,8 +84,11 @@ def name_of(source: Source, frame: int) -> str:
     return stem(source.path) + (f"_f{frame:04d}" if source.count > 1 else "")
 
 
-def clip_one(source: Source, frame: int, settings: Settings, out: Path, cache: ClipperCache | None = None) -> Row:
-    """Reads, clips and writes one volume. What is wrong with it is in the row, not an exception."""
+def clip_one(
+    source: Source, frame: int, settings: Settings, out: Path, cache: ClipperCache | None = None, small: bool = False
+) -> Row:
+    """Reads, clips and writes one volume, with a small picture if that is wanted. What is wrong with it is in the row,
+    not an exception."""
     row = Row(str(source.path), frame)
     try:
         start = time.perf_counter()
@@ -109,6 +113,7 @@ def clip_one(source: Source, frame: int, settings: Settings, out: Path, cache: C
         start = time.perf_counter()
         prefix = out / name_of(source, frame)
         row.files = " ".join(p.name for p in _write(image, result, settings, prefix))
+        row.picture = _write_small(image, result, settings, prefix).name if small else ""
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except FileError as error:
         row.state, row.reason = "output", str(error)
@@ -121,6 +126,11 @@ def _describe(row: Row, result: Result) -> None:
     clips = result.depth > 0
     row.clipped_share = float(clips.mean())
     row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
+
+
+def _write_small(image: Any, result: Result, settings: Settings, prefix: Path) -> Path:
+    look = small_look(to_uint8(_images.array(image), settings.window), result)
+    return whole(prefix.with_name(f"{prefix.name}_small.png"), lambda part: part.write_bytes(_picture.encode(look)))
 
 
 def _write(image: Any, result: Result, settings: Settings, prefix: Path) -> list[Path]:

@@ -113,16 +113,40 @@ def split(pair: str) -> tuple[str, str]:
     return key, value
 
 
-@contextlib.contextmanager
-def progress(total: int | None, what: str) -> Iterator[Any]:
+class Progress:
     """A progress bar on stderr, if that is a terminal and tqdm is there."""
+
+    def __init__(self, bar: Any = None) -> None:
+        self._bar = bar
+
+    def step(self) -> None:
+        """One more is done."""
+        if self._bar is not None:
+            self._bar.update()
+
+    def total(self, count: int) -> None:
+        """So many there are."""
+        if self._bar is not None:
+            self._bar.reset(count)
+
+    def say(self, line: str) -> None:
+        """Prints a line, and the bar below it."""
+        if self._bar is None:
+            print(line)
+        else:
+            self._bar.write(line, sys.stdout)
+
+
+@contextlib.contextmanager
+def progress(total: int | None, what: str) -> Iterator[Progress]:
+    """While something is done for so many volumes; None: not known yet."""
     try:
         from tqdm import tqdm
     except ImportError:
-        yield lambda *_: None
+        yield Progress()
         return
     with tqdm(total=total, desc=what, unit="volume", disable=None, file=sys.stderr) as bar:
-        yield bar.update
+        yield Progress(bar)
 
 
 def make_folder(path: str) -> Path:
@@ -149,14 +173,14 @@ def command_clip(args: argparse.Namespace) -> int:
             taken[name] = source.path
     out = make_folder(args.out)
     code, written, last = OK, False, ""
-    with progress(len(taken), "clip") as step:
+    with progress(len(taken), "clip") as bar:
         for source in sources:
             for frame in range(source.count):
                 row = clip_one(source, frame, settings, out)
                 if row.state == "ok" or row.reason != last:  # what is wrong with all of a sequence is said once
-                    print(line_of(row, source.count > 1))
+                    bar.say(line_of(row, source.count > 1))
                 code, written, last = code or CODES[row.state], written or row.state == "ok", row.reason
-                step()
+                bar.step()
     if written:
         print(f"Files are in {out}")
     return code
@@ -199,16 +223,17 @@ def command_batch(args: argparse.Namespace) -> int:
     out = make_folder(args.out)
     with (
         _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
-        progress(None, "batch") as step,
+        progress(None, "batch") as bar,
     ):
-        rows = _study.batch(files, settings, out, client, step, args.seconds)
+        rows = _study.batch(files, settings, out, client, bar.step, args.seconds, bar.total)
     failed = [row for row in rows if row["state"] != "ok"]
     of_file = Counter(row["file"] for row in failed)
     for row in failed:
         if count := of_file.pop(row["file"], 0):  # the first of a file; the table has all
             more = f"; {count} of its volumes failed" if count > 1 else ""
             print(line_of(Row(**row), True) + more, file=sys.stderr)
-    print(f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not; the table is {out / 'table.csv'}")
+    done = f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not"
+    print(f"{done}; the page is {out / 'index.html'}, the table {out / 'table.csv'}")
     return FAILED if failed else OK
 
 
@@ -221,9 +246,9 @@ def command_study(args: argparse.Namespace) -> int:
     report = [a for a in args.report if a != "--"]
     with (
         _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
-        progress(shards, "study") as step,
+        progress(shards, "study") as bar,
     ):
-        print(_study.study(report, out, shards, client, step), end="")
+        print(_study.study(report, out, shards, client, bar.step), end="")
     return OK
 
 
@@ -293,7 +318,7 @@ def parser_of() -> argparse.ArgumentParser:
 
     batch = commands.add_parser("batch", help="clip every volume of a study, on many workers")
     batch.add_argument("folder", nargs="+", help="folders and files; folders with all below them")
-    batch.add_argument("--out", default="out", help="folder for results and table.csv [out]")
+    batch.add_argument("--out", default="out", help="folder for results, index.html and table.csv [out]")
     add_cluster_options(batch)
     batch.add_argument("--seconds", type=positive, default=600, help="that a volume may take [600]")
     add_clip_options(batch)

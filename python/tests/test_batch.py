@@ -3,13 +3,20 @@
 the whole batch is killed in the middle."""
 
 import csv
+import fcntl
 import os
+import pty
+import re
 import signal
+import struct
 import subprocess
 import sys
+import termios
 import threading
 import time
+from html import unescape
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -19,6 +26,7 @@ from conftest import LONG, SOURCE, host_sim, layers
 import smartvis
 from smartvis import _study
 from smartvis._files import PARTS
+from smartvis._products import quick_look, small_look
 from smartvis._work import Settings
 from smartvis.cli import main
 
@@ -218,13 +226,61 @@ def test_one_line_a_file_and_nothing_is_overwritten(tmp_path: Path, capsys) -> N
     assert capsys.readouterr().out.count("empty.nrrd") == 1
 
 
+def test_the_page_has_a_picture_of_every_volume(tmp_path: Path, client) -> None:
+    folder = tmp_path / "study" / "<b>anna #1?"
+    folder.mkdir(parents=True)
+    scan = sitk.GetImageFromArray(shifted(1))
+    scan.SetSpacing((0.5, 1.0, 2.0))  # 18 x 32 x 80 mm
+    sitk.WriteImage(scan, str(folder / "a&b.nrrd"))
+    sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, 150, np.uint8)), str(folder / "bare.nrrd"))
+    sitk.WriteImage(sitk.JoinSeries([scan, scan]), str(folder / "beat.nii.gz"))
+    (folder / "bad.nrrd").write_text("no volume")
+    (folder / os.fsdecode(b"lat\xe9in.nrrd")).write_bytes((folder / "bare.nrrd").read_bytes())
+    out = tmp_path / "out"
+    rows = _study.batch(_study.find_files([str(folder)]), SETTINGS, out, client, lambda: None)
+    page = (out / "index.html").read_text()
+    assert "<b>" not in page and "<h1>6 volumes</h1>" in page and "3 were clipped. In 1 the plugin found" in page
+    pictures = {unescape(alt): unquote(src) for src, alt in re.findall(r'<img src="([^"]*)" alt="([^"]*)"', page)}
+    names = [f"<b>anna #1?/{name}" for name in ("a&b.nrrd", "beat.nii.gz [0]", "beat.nii.gz [1]", "bare.nrrd")]
+    said = dict.fromkeys(names[:3], "clipped") | {names[3]: "nothing was clipped"}
+    assert set(pictures) == {f"{name}, {what}" for name, what in said.items()}
+    sizes = {alt: sitk.ReadImage(str(out / src)).GetSize() for alt, src in pictures.items()}
+    wide = round(128 * 18 / 32) * 2 + round(128 * 80 / 32) + 6
+    assert sizes[f"{names[0]}, clipped"] == (wide, 128)
+    failed = [unescape(line) for line in re.findall("<li>(.*)</li>", page)]
+    assert len(failed) == 2 and any("lat\\udce9in.nrrd': the name is not UTF-8" in line for line in failed)
+    assert len(table(out)) == len(rows) == 6
+
+
+def test_a_small_look_is_the_quick_look(volume: np.ndarray) -> None:
+    result = smartvis.clip(volume, (1, 1, 1), method="cost")
+    look = quick_look(volume, result)
+    assert np.array_equal(small_look(volume, result, len(look)), look)
+    half = small_look(volume, result, len(look) // 2)
+    panel = look[:, : volume.shape[2]].astype(float)
+    mean = (panel[::2, ::2] + panel[1::2, ::2] + panel[::2, 1::2] + panel[1::2, 1::2]) / 4
+    assert np.abs(half[:, : volume.shape[2] // 2] - mean).max() <= 0.5
+
+
+def test_a_terminal_sees_how_many_are_done(tmp_path: Path) -> None:
+    write_study(tmp_path / "study", 3)
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    command = [sys.executable, "-P", "-m", "smartvis", "batch", str(tmp_path / "study"), "--out", str(tmp_path / "out")]
+    command += ["--workers", "1", "--write", "depth", "--method", "cost"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=theirs, timeout=LONG)
+    os.set_blocking(ours, False)
+    said = os.read(ours, 1 << 16).decode()
+    assert "batch: 100%" in said and " 3/3 " in said, said
+
+
 def test_the_table_is_written_however_a_batch_ends(tmp_path: Path, client) -> None:
     def stop() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         _study.batch(write_study(tmp_path / "study", 2), SETTINGS, tmp_path / "out", client, stop)
-    assert len(table(tmp_path / "out")) == 1
+    assert len(table(tmp_path / "out")) == 1 and "<h1>1 volume<" in (tmp_path / "out" / "index.html").read_text()
 
 
 def test_a_batch_that_is_killed_goes_on(tmp_path: Path, trouble: str, monkeypatch) -> None:

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""A batch as one page: of every volume a small picture, what came of it, and where its files are."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from urllib.parse import quote
+
+from ._files import whole
+from ._work import Row
+
+_HEAD = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>SmartVis batch</title>
+<style>
+:root{color-scheme:light dark;--ink:#1c2024;--quiet:#4a5058;--ground:#fff;--link:#0b5cad}
+@media screen and (prefers-color-scheme:dark){:root{--ink:#e6e8eb;--quiet:#aab2bb;--ground:#16181b;--link:#7ab8f5}}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--ground);max-width:80rem;margin:0 auto;
+padding:1rem}
+h1{font-size:1.7rem;line-height:1.2}p,ul{max-width:46rem}a{color:var(--link)}
+main{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(22rem,100%),1fr));gap:1.5rem 1rem}
+figure{margin:0;min-width:0;break-inside:avoid}
+img{width:100%;height:auto;max-height:12rem;object-fit:contain;background:#000;border-radius:4px;display:block}
+figcaption,li{overflow-wrap:anywhere}figcaption span{display:block;font-size:.9rem;color:var(--quiet)}
+</style>
+</head>
+<body>
+"""
+_ABOUT = """<a href="table.csv">The table</a> has all figures. Three pictures of each volume: its brightest voxels along
+every ray; what is left, shaded by its first tissue; a cut from the side, in which what was clipped is dark and the
+surface orange."""
+_OUTCOMES = {"OK": "clipped", "PARTIAL": "clipped, but for some rays", "NO_SURFACE": "nothing was clipped"}
+
+
+def write_page(path: Path, rows: Sequence[tuple[Row, Path]]) -> Path:
+    """The rows, each with the folder of its results, as `path` in their parent folder."""
+    often = Counter(row.file for row, _ in rows)
+    failed = [row for row, _ in rows if row.state != "ok"]
+    clipped = sum(row.outcome in ("OK", "PARTIAL") for row, _ in rows)
+    text = f"{_HEAD}<h1>{len(rows)} volume{'s' * (len(rows) != 1)}</h1>\n<p>{clipped} were clipped. In "
+    text += (
+        f"{len(rows) - clipped - len(failed)} the plugin found nothing to clip. {len(failed)} failed. {_ABOUT}</p>\n"
+    )
+    if failed:
+        told = "".join(f"<li>{escape(_of_failure(row, often[row.file] > 1))}</li>\n" for row in failed)
+        text += f"<h2>Failed</h2>\n<ul>\n{told}</ul>\n<h2>Done</h2>\n"
+    figures = "".join(_figure(row, folder, often[row.file] > 1) for row, folder in rows if row.state == "ok")
+    text += f"<main>\n{figures}</main>\n</body>\n</html>\n"
+    return whole(path, lambda part: part.write_text(text, encoding="utf-8", errors="backslashreplace"))
+
+
+def _name(row: Row, numbered: bool) -> str:
+    path = Path(row.file)
+    return f"{path.parent.name}/{path.name}" + (f" [{row.frame}]" if numbered else "")
+
+
+def _of_failure(row: Row, numbered: bool) -> str:
+    return row.reason if row.reason.startswith(row.file) else f"{_name(row, numbered)}: {row.reason}"
+
+
+def _figure(row: Row, folder: Path, numbered: bool) -> str:
+    link = quote(os.fsencode(folder.name))
+    name, outcome = escape(_name(row, numbered)), _OUTCOMES[row.outcome]
+    found = f"; {100 * row.clipped_share:.0f} % of the rays, {row.depth_mm:.1f} mm on average"
+    picture = f'<img src="{link}/{quote(os.fsencode(row.picture))}" alt="{name}, {outcome}" loading="lazy">'
+    facts = f"{row.width} x {row.height} x {row.slices}, {outcome}{found if row.clipped_share else ''}"
+    return f'<figure><a href="{link}/">{picture}</a>\n<figcaption>{name}<span>{facts}</span></figcaption></figure>\n'
