@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 import struct
 import tempfile
 import webbrowser
@@ -15,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _host, _images, _metaimage
-from ._view import Camera, between
+from ._view import on_square
 from ._volume import to_uint8
 
 if TYPE_CHECKING:
     from ._result import Result
 
 KINDS = ("panel", "slices", "result", "full", "depthmap")
-_MOST = 1024  # pixels across a map, for the host
 
 
 class Picture:
@@ -85,7 +83,7 @@ def render(result: Result, volume: Any, kind: str, size: int, window: tuple[floa
     camera = result.camera
     if voxels.shape != camera.source_shape:
         raise ValueError(f"volume has shape {voxels.shape}, what was clipped had {camera.source_shape}")
-    depths = _for_the_host(camera, result.depth if result.clips else np.zeros_like(result.depth))
+    depths = on_square(camera, result.depth if result.clips else np.zeros_like(result.depth))
     with tempfile.TemporaryDirectory() as folder:
         _metaimage.write(Path(folder) / "volume.mha", camera.see(voxels), camera.spacing)
         _metaimage.write(Path(folder) / "surface.mha", depths)
@@ -94,16 +92,3 @@ def render(result: Result, volume: Any, kind: str, size: int, window: tuple[floa
         few = ["--few-pictures"] if kind in ("result", "full") else []
         _host.run(["run", *what, *how, *few, "--out", "."], folder)
         return Picture((Path(folder) / f"{kind}.png").read_bytes())
-
-
-def _for_the_host(camera: Camera, depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Depths in mm from the volume's front, on the square of the host's low-resolution volume."""
-    size = np.array(camera.spacing) * camera.shape[::-1]
-    side = float(max(size[:2]))
-    count = min(max(math.ceil(side / min(camera.spacing[:2]) - 1e-6), 8), _MOST)
-    mm = ((np.arange(count) + 0.5) / count - 0.5) * side
-    x, y = (mm / camera.spacing[axis] + (camera.shape[2 - axis] - 1) / 2 for axis in (0, 1))
-    across, down = np.meshgrid(x, y)
-    found = between(depth, across, down)
-    beside = (np.abs(mm) > size[0] / 2)[None, :] | (np.abs(mm) > size[1] / 2)[:, None]
-    return np.where(beside | (found <= 0), 0, (found + 0.5) * camera.spacing[2]).astype(np.float32)

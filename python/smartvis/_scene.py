@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from . import _host, _metaimage
 from ._result import Result
+from ._view import look, on_square
 
 CASES = ("E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02")
 
@@ -89,7 +91,8 @@ def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> 
 
 def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
     """The quality of a depthmap on the volumes and labels of a scene, by the measures of the report. `depth`: a result
-    of `clip`, or slices [y, x]; None: unclipped.
+    of `clip`, or slices [y, x] of the volume; None: unclipped. A map of fewer pixels is square, and its slices are as
+    thick as its pixels are wide.
 
     >>> e01 = scene("E01", size=64)
     >>> measure(e01, e01.clip()).e_abs < measure(e01, None).e_abs
@@ -100,7 +103,8 @@ def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
 
 def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) -> dict[str, Measures]:
     """`measure` for several maps of one scene, which costs little more than for one."""
-    sizes = {_depth(d).shape[0] for d in maps.values() if d is not None}
+    hosts = {name: None if depth is None else _of_the_host(of, _depth(of, depth)) for name, depth in maps.items()}
+    sizes = {depth.shape[0] for depth in hosts.values() if depth is not None}
     if len(sizes) > 1:
         raise ValueError(f"the maps have {sorted(sizes)} pixels a side: measure one size at a time")
     with tempfile.TemporaryDirectory() as folder:
@@ -112,28 +116,42 @@ def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) ->
                 )
             _metaimage.write(Path(folder) / f"{name}.mha", values, of.spacing)
         files = []
-        for number, depth in enumerate(maps.values()):
+        for number, depth in enumerate(hosts.values()):
             if depth is not None:
-                _metaimage.write(Path(folder) / f"{number}.mha", _depth(depth))
+                _metaimage.write(Path(folder) / f"{number}.mha", depth)
             files.append("-" if depth is None else f"{number}.mha")
-        lowres = sizes.pop() if sizes else of.full.shape[2]
+        lowres = sizes.pop() if sizes else max(of.full.shape[1:])
         case = ["--case", "full.mha,truth.mha,label.mha", "--lowres", str(lowres)]
         out = _host.run(["measure", *case, *files], folder)
     rows = [{k: v for k, v in row.items() if k != "map"} for row in json.loads(out)]
     return {name: Measures(**row) for name, row in zip(maps, rows, strict=True)}
 
 
-def _depth(depth: Result | NDArray[Any]) -> NDArray[np.float32]:
+def _depth(of: Scene, depth: Result | NDArray[Any]) -> NDArray[np.float32]:
     if isinstance(depth, Result):
         if depth.camera.rotation.tolist() != np.eye(3).tolist():
             raise ValueError("the depthmap is of a turned view; scenes are measured from the probe")
         return depth.depth if depth.clips else np.zeros_like(depth.depth)
     values = np.asarray(depth, np.float32)
-    if values.ndim != 2 or values.shape[0] != values.shape[1]:
-        raise ValueError(f"the depthmap has shape {values.shape}, expected as many rows as columns")
+    own = np.shape(of.full)[1:]
+    if values.ndim != 2 or (values.shape != own and values.shape[0] != values.shape[1]):
+        raise ValueError(f"the depthmap has shape {values.shape}, expected {own} or as many rows as columns")
     if not np.isfinite(values).all():
         raise ValueError("the depthmap has values that are not finite; 0 clips nothing")
     return values
+
+
+def _of_the_host(of: Scene, depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A map of the volume's own pixels and slices as one of the host's low-resolution volume, whose pixels are a square
+    and whose voxels are cubes."""
+    slices, height, width = of.full.shape
+    x, y, z = of.spacing
+    cubes = math.isclose(x, y, rel_tol=1e-6) and math.isclose(x, z, rel_tol=1e-6)
+    if depth.shape != (height, width) or (width == height and cubes):
+        return depth
+    mm = on_square(look(of.full.shape, of.spacing), depth)
+    count = max(math.floor(slices * z / (max(width * x, height * y) / len(mm)) + 0.5), 1)  # slices of the host's
+    return np.where(mm > 0, mm * np.float32(count / (slices * z)) - np.float32(0.5), 0).astype(np.float32)
 
 
 def rank(

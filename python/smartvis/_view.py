@@ -7,6 +7,7 @@ interpolation; any other view is resampled by SciPy or SimpleITK.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,6 +95,22 @@ def between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.fl
     above = depth[top, left] * (1 - across) + depth[top, right] * across
     below = depth[bottom, left] * (1 - across) + depth[bottom, right] * across
     return np.asarray(above * (1 - down) + below * down)
+
+
+_MOST = 1024  # pixels across a map, for the host
+
+
+def on_square(camera: Camera, depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Depths in mm from the volume's front, on the square of the host's low-resolution volume."""
+    size = np.array(camera.spacing) * camera.shape[::-1]
+    side = float(max(size[:2]))
+    count = min(max(math.ceil(side / min(camera.spacing[:2]) - 1e-6), 8), _MOST)
+    mm = ((np.arange(count) + 0.5) / count - 0.5) * side
+    x, y = (mm / camera.spacing[axis] + (camera.shape[2 - axis] - 1) / 2 for axis in (0, 1))
+    across, down = np.meshgrid(x, y)
+    found = between(depth, across, down)
+    beside = (np.abs(mm) > size[0] / 2)[None, :] | (np.abs(mm) > size[1] / 2)[:, None]
+    return np.where(beside | (found <= 0), 0, (found + 0.5) * camera.spacing[2]).astype(np.float32)
 
 
 #: The camera's right, down and forward for places around the patient, along his left, back and head: as in host_sim.

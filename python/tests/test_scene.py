@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from conftest import host_sim
+from conftest import FLUID, SKIN, host_sim, layers
 
 import smartvis
 from smartvis import HostError
@@ -59,6 +59,28 @@ def test_the_arrays_of_a_scene_are_what_is_measured(d01: smartvis.Scene) -> None
         smartvis.measure(replace(d01, truth=d01.truth[1:]), depth)
     with pytest.raises(ValueError, match=r"label is float64 of shape \(96, 96\)"):
         smartvis.measure(replace(d01, label=d01.label.astype(float)), depth)
+
+
+@pytest.mark.parametrize("shape", [(64, 64, 64), (60, 40, 52)])
+@pytest.mark.parametrize("spacing", [(1, 1, 2), (1, 1, 0.5), (0.5, 0.7, 1.1), (1, 1, 1)])
+def test_a_volume_of_ones_own_has_any_shape(shape: tuple[int, int, int], spacing: tuple[float, float, float]) -> None:
+    """Skin from slice 0, fluid, fetus: what starts in the fluid is right; errors are counted in the shortest side."""
+    slices, *map_shape = shape
+    full = layers(shape, 0.25, 0.75)
+    full[:] = full[:, :, :1]
+    own = smartvis.Scene(
+        spacing=spacing,
+        full=full,
+        truth=np.where(full == SKIN, FLUID, full).astype(np.uint8),
+        label=np.full(map_shape, 2, np.uint8),
+    )
+    maps = {part: np.full(map_shape, part * slices, np.float32) for part in (0.1, 0.3, 0.7, 0.9)}
+    found = smartvis.measure_many(own, {**maps, None: None, "clip": own.clip()})
+    assert all(found[right].e_abs == 0 for right in (0.3, 0.7, "clip"))
+    steps = 0.75 * slices * spacing[2] / min(spacing)  # from the front to the fetus
+    assert found[None].e_pos == pytest.approx(steps, abs=2) and found[None].occluder_left == 1
+    assert found[0.1].e_pos == pytest.approx(steps * 65 / 75, abs=4)
+    assert found[0.9].e_neg == pytest.approx(steps * 15 / 75, abs=4) and found[0.9].fetus_cut == 1
 
 
 def test_ranking_puts_the_better_first() -> None:
