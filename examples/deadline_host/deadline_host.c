@@ -16,7 +16,7 @@ enum {
     SLICES = 64,
     SLAB = 16,
     RAYS = SIDE * SIDE,
-    VOLUMES = 20,
+    VOLUMES = 200,
     SKIN = 100,
     FLUID = 10,
     FETUS = 200
@@ -130,10 +130,12 @@ static int wait_for_map(int number, double ms) {
     return clips;
 }
 
-static void run(const sv_plugin *p, double ms) {
+/* The exit code: 4 if the plugin's last frame was no success, as of small_host. */
+static int run(const sv_plugin *p, double ms) {
     pthread_t worker;
     int clipped = 0, skipped = 0;
-    if (pthread_create(&worker, NULL, work, (void *)(uintptr_t)p) != 0) return;
+    if (pthread_create(&worker, NULL, work, (void *)(uintptr_t)p) != 0)
+        return fprintf(stderr, "deadline_host: no thread\n"), 4;
     for (int number = 1; number <= VOLUMES; number++) {
         const int given = hand_over(number);
         /* A renderer draws here: with the map, or unclipped. */
@@ -147,6 +149,7 @@ static void run(const sv_plugin *p, double ms) {
     (void)pthread_join(worker, NULL);
     printf("%d volumes: %d drawn with the map, %d unclipped; %d of these were skipped\n", VOLUMES, clipped,
            VOLUMES - clipped, skipped);
+    return desk.status < SV_OK || desk.status > SV_PARTIAL ? 4 : 0;
 }
 
 int main(int argc, char **argv) {
@@ -165,7 +168,7 @@ int main(int argc, char **argv) {
     (void)pthread_condattr_init(&clock);
     (void)pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&desk.changed, &clock);
-    run(p, ms);
+    const int code = run(p, ms);
     p->destroy(p);
-    return 0; /* the library stays loaded until the process ends */
+    return code; /* the library stays loaded until the process ends */
 }

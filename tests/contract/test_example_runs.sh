@@ -80,12 +80,16 @@ grep -q 'takes no queue' "$work/err" || fail "queue_host: $(cat "$work/err")"
 # --- the host with a deadline: in time, all are drawn with the map; with none, unclipped, and what cannot be handed over is skipped
 for plugin in smartvis.so examples/first_edge.so; do
     "$build_dir/examples/deadline_host" "$build_dir/$plugin" 600000 > "$work/out" 2>&1 || fail "deadline_host $plugin: exit code $?"
-    grep -qx '20 volumes: 20 drawn with the map, 0 unclipped; 0 of these were skipped' "$work/out" ||
+    grep -qx '200 volumes: 200 drawn with the map, 0 unclipped; 0 of these were skipped' "$work/out" ||
         fail "deadline_host $plugin, in time: $(cat "$work/out")"
 done
 "$build_dir/examples/deadline_host" "$build_dir/smartvis.so" 0.001 > "$work/out" 2>&1 || fail "deadline_host: exit code $?"
-grep -qE '^20 volumes: 0 drawn with the map, 20 unclipped; [1-9][0-9]* of these were skipped$' "$work/out" ||
+grep -qE '^200 volumes: 0 drawn with the map, 200 unclipped; [1-9][0-9]* of these were skipped$' "$work/out" ||
     fail "deadline_host, too late: $(cat "$work/out")"
+"$build_dir/examples/deadline_host" "$build_dir/tests/plugins/begin_77.so" 600000 > "$work/out" 2>&1
+[ $? = 4 ] || fail "deadline_host, a plugin that fails: exit code"
+grep -q '^200 volumes: 0 drawn with the map, 200 unclipped; 0 of these were skipped$' "$work/out" ||
+    fail "deadline_host, a plugin that fails: $(cat "$work/out")"
 "$build_dir/examples/deadline_host" "$build_dir/tests/plugins/plane.so" > /dev/null 2>&1
 [ $? = 2 ] || fail "deadline_host without a time: exit code"
 

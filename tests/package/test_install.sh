@@ -35,7 +35,7 @@ host_sim=$prefix/bin/host_sim
 for file in bin/host_sim bin/sv_validate bin/sv_bench share/man/man1/sv_bench.1 lib/smartvis/smartvis.so include/smartvis_plugin.h include/smartvis/author.h \
     share/smartvis/scenes/D01.json share/man/man1/host_sim.1 share/doc/smartvis/LICENSE \
     share/pkgconfig/smartvis-plugin.pc share/cmake/SmartVisPlugin/SmartVisPluginConfig.cmake \
-    share/smartvis/examples/template/README.md; do
+    share/smartvis/examples/README.md share/smartvis/examples/template/README.md; do
     holds test -s "$prefix/$file"
 done
 holds test "$(find "$prefix/share/smartvis/scenes" -name '*.json' | wc -l)" = "$(find "$source_dir/data/scenes" -name '*.json' | wc -l)"
