@@ -119,7 +119,7 @@ class Source:
         try:
             image, self.count = _kretz.read(self.path, number, self._mirror)
         except HostError as error:
-            raise _of_host(error) from None
+            raise _of_host(self.path, error) from None
         return image
 
     def _believable(self, reader: Any) -> None:
@@ -171,7 +171,7 @@ class Source:
             self._host_says_patient = "\n  in the patient: not said" not in _host.run(["info", "--", str(self.path)])
         except HostError as error:
             if "give a window" not in str(error):  # said of values that were all read; clip says so, too
-                raise _of_host(error) from None
+                raise _of_host(self.path, error) from None
         self._unchecked = False
 
     @property
@@ -263,7 +263,9 @@ class Source:
         return self._reader.Execute()
 
 
-def _of_host(error: HostError) -> FileError:
+def _of_host(path: Path, error: HostError) -> FileError:
+    if error.code is None:
+        return FileError(f"{path}: this format is read by host_sim; NRRD, NIfTI and DICOM need no host. {error}")
     return FileError(str(error).removeprefix("host_sim info: "))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _host, _images, _metaimage
+from ._errors import HostError
 from ._view import on_square
 from ._volume import to_uint8
 
@@ -83,6 +84,10 @@ def render(result: Result, volume: Any, kind: str, size: int, window: tuple[floa
     camera = result.camera
     if voxels.shape != camera.source_shape:
         raise ValueError(f"volume has shape {voxels.shape}, what was clipped had {camera.source_shape}")
+    try:
+        _host.find()
+    except HostError as error:
+        raise HostError(f"{error}; smartvis.quick_look(volume, result) draws without it") from None
     depths = on_square(camera, result.depth if result.clips else np.zeros_like(result.depth))
     with tempfile.TemporaryDirectory() as folder:
         _metaimage.write(Path(folder) / "volume.mha", camera.see(voxels), camera.spacing)

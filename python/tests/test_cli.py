@@ -145,6 +145,22 @@ def test_exit_codes(tmp_path: Path, image, capsys) -> None:
     assert [p.name for p in (tmp_path / "taken").iterdir()] == ["head_clipped.nrrd"]  # no part is left
 
 
+def test_without_the_host_a_file_that_needs_it_is_named(tmp_path: Path, image, monkeypatch, capsys) -> None:
+    """What pip alone brings clips NRRD and NIfTI; the host's own formats need the host."""
+    monkeypatch.setenv("SMARTVIS_HOST_SIM", "/nowhere/host_sim")
+    (tmp_path / "head.vol").write_bytes(b"KRETZFILE 1.0   ")
+    for name, code in (("a.nrrd", 0), ("b.nii.gz", 0), ("head.mha", 3), ("head.vol", 3)):
+        if not (tmp_path / name).exists():
+            sitk.WriteImage(image, str(tmp_path / name))
+        clip = ["clip", str(tmp_path / name), "--out", str(tmp_path), "--write", "depth", "--method", "cost"]
+        assert main(clip) == code
+        told = capsys.readouterr().err
+        wanted = (
+            f"{tmp_path / name}: this format is read by host_sim; NRRD, NIfTI and DICOM need no host. SMARTVIS_HOST"
+        )
+        assert (wanted in told) == (code == 3), told
+
+
 def test_parameters_are_listed(capsys) -> None:
     assert main(["parameters", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
