@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 import logging
 import os
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -32,8 +33,13 @@ def _text(value: bytes | None) -> str:
     return (value or b"").decode("utf-8", "replace")
 
 
+_said = threading.local()  # `error`: the last that a plugin has logged as such, on this thread
+
+
 @_abi.LOG  # type: ignore[untyped-decorator]
 def _on_log(_host: object, severity: int, text: bytes) -> None:
+    if severity >= _abi.SV_LOG_ERROR:
+        _said.error = _text(text)
     log.log(_LEVELS.get(severity, logging.ERROR), "%s", _text(text))
 
 
@@ -112,9 +118,11 @@ class Plugin:
     def create(self) -> ctypes._Pointer[_abi.sv_plugin]:
         """A new instance; whoever asks destroys it."""
         instance = _abi.SELF()
+        _said.error = ""
         status = self._entry.create(ctypes.byref(_host), self.id.encode(), ctypes.byref(instance))
         if status != _abi.SV_OK or not instance:
-            raise PluginError("create", status, f"{self.path}: '{self.id}' gives no instance")
+            reason = _said.error or "gives no instance"  # there is nobody yet to ask for last_error
+            raise PluginError("create", status, f"{self.path}: '{self.id}': {reason}")
         if instance.contents.size < ctypes.sizeof(_abi.sv_plugin):
             raise LoadError(f"{self.path}: the instance has {instance.contents.size} bytes")
         for name, *_ in _abi.sv_plugin._fields_[4:]:

@@ -194,6 +194,12 @@ def test_files_that_are_no_plugins_are_refused(tmp_path) -> None:
     (tmp_path / "text.so").write_text("no library")
     with pytest.raises(LoadError, match="text.so"):
         smartvis.load(tmp_path / "text.so")
+    for name, said in (
+        ("far_default", "'depth': the default is 100000, expected"),
+        ("create_fails", "gives no instance"),
+    ):
+        with pytest.raises(PluginError, match=f"{name}.so: 'org.smartvis.test.plane': .*{said}"):
+            _ = smartvis.load(BUILD / "tests" / "plugins" / f"{name}.so").parameters
     with pytest.raises(LoadError, match="there are org.smartvis.clip"):
         smartvis.load(id="org.example.none")
 

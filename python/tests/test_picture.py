@@ -56,7 +56,7 @@ def test_a_picture_is_png_for_notebooks_and_files(d01: smartvis.Scene, tmp_path,
     monkeypatch.setattr("webbrowser.open", never)
     result = d01.clip()
     picture = result.picture(kind="slices", size=128)
-    assert result.show(kind="slices", size=128) is None  # a notebook would show it once more
+    result.show(kind="slices", size=128)
     assert picture._repr_png_() == picture.save(tmp_path / "p.png").read_bytes()
     height, width, _ = pixels(picture.png, tmp_path).shape
     assert repr(picture) == f"<Picture of {width} x {height} pixels>" and width > 4 * 128

@@ -3,6 +3,7 @@
 
 import csv
 from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,13 +75,13 @@ def test_a_volume_of_ones_own_has_any_shape(shape: tuple[int, int, int], spacing
         truth=np.where(full == SKIN, FLUID, full).astype(np.uint8),
         label=np.full(map_shape, 2, np.uint8),
     )
-    maps = {part: np.full(map_shape, part * slices, np.float32) for part in (0.1, 0.3, 0.7, 0.9)}
-    found = smartvis.measure_many(own, {**maps, None: None, "clip": own.clip()})
-    assert all(found[right].e_abs == 0 for right in (0.3, 0.7, "clip"))
+    maps: dict[str, Any] = {name: np.full(map_shape, float(name) * slices) for name in ("0.1", "0.3", "0.7", "0.9")}
+    found = smartvis.measure_many(own, {**maps, "none": None, "clip": own.clip()})
+    assert all(found[right].e_abs == 0 for right in ("0.3", "0.7", "clip"))
     steps = 0.75 * slices * spacing[2] / min(spacing)  # from the front to the fetus
-    assert found[None].e_pos == pytest.approx(steps, abs=2) and found[None].occluder_left == 1
-    assert found[0.1].e_pos == pytest.approx(steps * 65 / 75, abs=4)
-    assert found[0.9].e_neg == pytest.approx(steps * 15 / 75, abs=4) and found[0.9].fetus_cut == 1
+    assert found["none"].e_pos == pytest.approx(steps, abs=2) and found["none"].occluder_left == 1
+    assert found["0.1"].e_pos == pytest.approx(steps * 65 / 75, abs=4)
+    assert found["0.9"].e_neg == pytest.approx(steps * 15 / 75, abs=4) and found["0.9"].fetus_cut == 1
 
 
 def test_ranking_puts_the_better_first() -> None:
