@@ -163,18 +163,18 @@ static void draw_bar_end(cairo_t *cr, const hs_colour_bar *bar, double y, double
     char number[32], text[96];
     format_value(number, value, step / 10.0);
     (void)snprintf(text, sizeof text, word ? "%s (%s)" : "%s", number, word);
-    hs_draw_text(cr, bar->x + 42, y + 5, 14, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width - 42, text);
+    hs_draw_text(cr, bar->x + 42, y + 6, 18, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width - 42, text);
 }
 
 void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar) {
-    enum { BAR_WIDTH = 26, TICK = 6, CLEARANCE = 17 };
+    enum { BAR_WIDTH = 26, TICK = 6, CLEARANCE = 22 };
     const int rows = (int)bar->height;
     for (int row = 0; row < rows; row++) {
         const double up = rows > 1 && bar->high > bar->low ? 1.0 - row / (rows - 1.0) : 1.0;
         hs_draw_box(cr, bar->x, bar->y + row, BAR_WIDTH, 1,
                     bar->colour(bar->t_low + (1.0 - bar->t_low) * up));
     }
-    hs_draw_text(cr, bar->x, bar->y - 18, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width, bar->heading);
+    hs_draw_text(cr, bar->x, bar->y - 16, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width, bar->heading);
     const double range = bar->high - bar->low;
     if (!(range > 0.0)) {
         draw_bar_end(cr, bar, bar->y, bar->high, 1.0, NULL);
@@ -190,7 +190,7 @@ void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar) {
         if (y - bar->y < CLEARANCE || bar->y + bar->height - y < CLEARANCE) continue;
         char number[32];
         format_value(number, i * step, step);
-        hs_draw_text(cr, bar->x + 42, y + 5, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_LEFT, bar->max_width - 42,
+        hs_draw_text(cr, bar->x + 42, y + 6, 17, HS_COLOUR_FAINT_TEXT, HS_ALIGN_LEFT, bar->max_width - 42,
                      number);
     }
 }

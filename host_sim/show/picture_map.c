@@ -12,10 +12,10 @@
 enum {
     MARGIN = 16,
     TITLE_BAND = 44,
-    LEGEND_WIDTH = 280,
+    LEGEND_WIDTH = 330,
     SWATCH = 18,
-    ROW_STEP = 27,
-    FACT_STEP = 22,
+    ROW_STEP = 30,
+    FACT_STEP = 26,
     BAR_MARGIN = 30,
     TARGET = 768,    /* pixels the longer side of a small map is drawn on, about */
     LARGEST = 1280,  /* pixels a large map is reduced to */
@@ -75,8 +75,8 @@ static bool begin_map(hs_picture *out, layout *l, uint32_t width, uint32_t heigh
 static bool end_map(hs_picture *out, cairo_t *cr, const layout *l, const hs_caption *caption, hs_error *err) {
     const double width = out->width - 2.0 * MARGIN;
     if (caption->title)
-        hs_draw_text(cr, MARGIN, TITLE_BAND - 14, 20, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width, caption->title);
-    hs_draw_lines(cr, MARGIN, l->legend_bottom + FACT_STEP, FACT_STEP, 14, HS_COLOUR_FAINT_TEXT, width,
+        hs_draw_text(cr, MARGIN, TITLE_BAND - 14, 24, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width, caption->title);
+    hs_draw_lines(cr, MARGIN, l->legend_bottom + FACT_STEP, FACT_STEP, 18, HS_COLOUR_FAINT_TEXT, width,
                   caption->footer);
     if (hs_draw_end(cr, err)) return true;
     hs_picture_free(out);
@@ -97,7 +97,7 @@ static void draw_entry(cairo_t *cr, const layout *l, double y, uint32_t colour, 
     } else {
         hs_draw_box(cr, l->legend_x, y, SWATCH, SWATCH, colour);
     }
-    hs_draw_text(cr, l->legend_x + SWATCH + 10.0, y + SWATCH - 4.0, 14, HS_COLOUR_TEXT, HS_ALIGN_LEFT,
+    hs_draw_text(cr, l->legend_x + SWATCH + 10.0, y + SWATCH - 2.0, 18, HS_COLOUR_TEXT, HS_ALIGN_LEFT,
                  LEGEND_WIDTH - SWATCH - 10.0, text);
 }
 
@@ -151,7 +151,7 @@ static double draw_bar(cairo_t *cr, const layout *l, hs_colour_bar *bar, uint32_
 /* The bar of depths; `none` stands in its place if there is no depth. */
 static double draw_depth_bar(cairo_t *cr, const layout *l, hs_range range, const char *none, uint32_t rows) {
     if (range.low > range.high) {
-        hs_draw_text(cr, l->legend_x, l->y + 14.0, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, none);
+        hs_draw_text(cr, l->legend_x, l->y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, none);
         return (double)l->y + BAR_MARGIN;
     }
     hs_colour_bar bar = {.low = range.low,
@@ -291,7 +291,7 @@ bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint3
                          .low_word = words->low};
     const double y = draw_bar(cr, &l, &bar, 2);
     (void)snprintf(text, sizeof text, "mean: %.2f", valid > 0 ? sum / (double)valid : 0.0);
-    hs_draw_text(cr, l.legend_x, y + 14.0, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, text);
+    hs_draw_text(cr, l.legend_x, y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, text);
     if (valid < count) {
         (void)snprintf(text, sizeof text, "not in 0 .. 1: %zu", count - valid);
         draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);

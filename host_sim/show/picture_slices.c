@@ -116,14 +116,17 @@ void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t c
 
 #define PLANE_COLOUR 0x56b4e9u /* where the other slices lie */
 
+/* On a page four squares share the width of a column, so letters shrink to half of this. */
+enum { SMALL_TEXT = 19, KEY_TEXT = 22, HEAD_TEXT = 25, TITLE_TEXT = 30 };
+
 enum {
     GAP = 16,
-    SCALE = 52, /* pixels for the numbers left of a slice */
-    TITLE_BAND = 44,
-    CAPTION_BAND = 30,
-    FOOT = 44, /* the numbers below a slice, and their unit */
-    LEGEND = 34,
-    FACT_STEP = 23,
+    SCALE = 60, /* pixels for the numbers left of a slice */
+    TITLE_BAND = 50,
+    CAPTION_BAND = 38,
+    FOOT = 60, /* the numbers below a slice, and their unit */
+    LEGEND = 42,
+    FACT_STEP = 31,
     DEFAULT_CELL = 512,
     MOST_TICKS = 6
 };
@@ -153,10 +156,10 @@ static void draw_scale(cairo_t *cr, double x, double y, double length, double mm
         (void)snprintf(text, sizeof text, "%.0f", at);
         if (horizontal) {
             hs_draw_box(cr, x + pixel, y, 1, 5, HS_COLOUR_FAINT_TEXT);
-            hs_draw_text(cr, x + pixel, y + 19, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, 0, text);
+            hs_draw_text(cr, x + pixel, y + 23, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, 0, text);
         } else {
             hs_draw_box(cr, x - 5, y + pixel, 5, 1, HS_COLOUR_FAINT_TEXT);
-            hs_draw_text(cr, x - 9, y + pixel + 5, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_RIGHT, 0, text);
+            hs_draw_text(cr, x - 9, y + pixel + 7, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_RIGHT, 0, text);
         }
     }
 }
@@ -182,18 +185,19 @@ static void draw_frame_of(const slices *s, cairo_t *cr, hs_slice_plane p, double
         (void)snprintf(text, sizeof text, "Along, %.0f mm right", 0.5 * c->extent);
     else
         (void)snprintf(text, sizeof text, "%.0f mm deep", s->depth * c->depth_extent);
-    hs_draw_text(cr, x, y - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
+    hs_draw_text(cr, x, y - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
     draw_scale(cr, x, y + height, width, right, true);
     draw_scale(cr, x, y, height, down, false);
-    hs_draw_text(cr, x + width / 2, y + height + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n, sides[p]);
+    hs_draw_text(cr, x + width / 2, y + height + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n,
+                 sides[p]);
     draw_planes(cr, x, y, width, height, p == HS_SLICE_ALONG ? s->depth : 0.5,
                 p == HS_SLICE_ACROSS ? s->depth : 0.5);
 }
 
 static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double height, const char *text) {
-    hs_draw_box(cr, x, y - 5 - height / 2, 22, height, colour);
-    hs_draw_text(cr, x + 30, y, 15, HS_COLOUR_TEXT, HS_ALIGN_LEFT, 0, text);
-    return x + 30 + 8.2 * (double)strlen(text) + 24;
+    hs_draw_box(cr, x, y - 8 - height / 2, 22, height, colour);
+    hs_draw_text(cr, x + 30, y, KEY_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, 0, text);
+    return x + 30 + 13.0 * (double)strlen(text) + 24;
 }
 
 static void draw_legend(const slices *s, cairo_t *cr, double y) {
@@ -275,7 +279,7 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
     s.scene = scene_of(view, s.depth, s.mm);
     const uint32_t top = (caption->title ? TITLE_BAND : GAP) + CAPTION_BAND,
                    facts = hs_draw_line_count(caption->footer);
-    const uint32_t width = GAP + s.cell + 3 * (SCALE + s.cell + GAP);
+    const uint32_t width = GAP + s.cell + 3 * (SCALE + s.cell + GAP) + GAP / 2; /* of the last number */
     if (s.cell > HS_PICTURE_MAX_AXIS / 4)
         return hs_fail(err, HS_ERR_INPUT, "slices: a picture is %" PRIu32 " pixels wide, expected at most %u",
                        s.cell, HS_PICTURE_MAX_AXIS / 4);
@@ -287,15 +291,15 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
     hs_picture_blit(out, GAP, (int32_t)top, s.cell, s.cell, &result, HS_SCALE_SMOOTH);
     cairo_t *cr = hs_draw_begin(out);
     if (caption->title)
-        hs_draw_text(cr, GAP, TITLE_BAND - 14, 24, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
+        hs_draw_text(cr, GAP, TITLE_BAND - 14, TITLE_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
                      caption->title);
-    hs_draw_text(cr, GAP, top - 9, 17, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
+    hs_draw_text(cr, GAP, top - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
                  view->frame.clipped ? "Result" : "Result: not clipped");
     draw_scale(cr, GAP, top + s.cell, s.cell, view->picture_mm, true);
-    draw_legend(&s, cr, top + s.cell + FOOT + 22);
-    hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 38, 13, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, s.cell,
-                 "→ right, ↓ down [mm]");
-    hs_draw_lines(cr, GAP, top + s.cell + FOOT + LEGEND + 16, FACT_STEP, 15, HS_COLOUR_FAINT_TEXT,
+    draw_legend(&s, cr, top + s.cell + FOOT + 26);
+    hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE,
+                 s.cell, "→ right, ↓ down [mm]");
+    hs_draw_lines(cr, GAP, top + s.cell + FOOT + LEGEND + 20, FACT_STEP, KEY_TEXT, HS_COLOUR_FAINT_TEXT,
                   width - 2.0 * GAP, caption->footer);
     if (hs_draw_end(cr, err) && draw_slices(&s, out, top, err)) return true;
     hs_picture_free(out);

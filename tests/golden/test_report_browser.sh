@@ -50,17 +50,25 @@ var last = seen();
 input.focus();
 document.title = ['seen', first !== null, last !== null, first && last && first.src !== last.src,
     last && last.naturalWidth > 0, input.getAttribute('aria-valuetext'), document.activeElement === input,
-    document.documentElement.scrollWidth <= window.innerWidth, height <= 15000].join(' ');
+    document.documentElement.scrollWidth <= window.innerWidth, height <= 15000,
+    Array.from(document.querySelectorAll('svg.plot text')).every(function (t) { return legible(t); })].join(' ');
+/* The height of the letters of a plot as it stands, which may be turned. */
+function legible(text) {
+    var box = text.getBoundingClientRect();
+    return Math.min(box.width, box.height) >= 11 || text.textContent.length < 2;
+}
 </script>
 SCRIPT
-for width in 390 1280; do shows "$work/turned.html" $width 1 'true true true true q = 1.5 true true true'; done
+for width in 390 1280; do shows "$work/turned.html" $width 1 'true true true true q = 1.5 true true true true'; done
 
 # The demo: pictures with labels in them are not shrunk to a phone's width, and the colours are those that were asked for.
 cat "$work/demo/index.html" - > "$work/seen.html" << 'SCRIPT'
 <script>
 document.querySelectorAll('details').forEach(function (fold) { fold.open = true; });
 var labelled = Array.from(document.querySelectorAll('.row.wide img'));
-document.title = ['seen', labelled.length > 0 && labelled.every(function (i) { return i.getBoundingClientRect().width >= 540; }),
+/* Of the smallest letters: 17 pixels in a map, 19 in the slices, 18 in a strip of views. */
+function letters(i) { return 17 * i.getBoundingClientRect().width / i.naturalWidth; }
+document.title = ['seen', labelled.length > 0 && labelled.every(function (i) { return letters(i) >= 8; }),
     document.documentElement.scrollWidth <= window.innerWidth, getComputedStyle(document.body).backgroundColor].join(' ');
 </script>
 SCRIPT

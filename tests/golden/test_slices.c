@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-enum { CELL = 96, LEFT = 16 + CELL + 52, TOP = 16 + 30, NEXT = 52 + CELL + 16 };
+enum { CELL = 96, LEFT = 16 + CELL + 60, TOP = 16 + 38, NEXT = 60 + CELL + 16 };
 
 /* The grey level, or the colour, at a share of a slice's sides: slice 0 across, 1 along, 2 at a depth. */
 static uint32_t at(const hs_picture *p, int slice, double right, double down) {
