@@ -104,6 +104,20 @@ bool hs_truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camer
     return hs_cl_check(code, "clCreateBuffer (the truth's surface)", err);
 }
 
+#define SEEN 0.005 /* the share of the fetus from which on a cut is seen */
+
+/* The truth is drawn as a cut through the full volume then. */
+static bool is_cut(const hs_loop *loop, hs_look look, uint32_t index) {
+    hs_camera window;
+    float share;
+    hs_loop_window(loop, index, &window, &share);
+    return hs_source_scene_data(loop->source, index) && look == HS_LOOK_LIT && hs_truth_surface_fits(&window);
+}
+
+bool hs_truth_shows_cut(const hs_loop *loop, hs_look look, uint32_t index) {
+    return is_cut(loop, look, index) && hs_scene_touched(hs_source_scene_data(loop->source, index)) > SEEN;
+}
+
 struct hs_truth_picture {
     hs_loop *loop;
     hs_device_volume *volume; /* the truth of frame `index`, or NULL */
@@ -160,8 +174,7 @@ bool hs_truth_picture_draw(hs_truth_picture *picture, hs_screen *screen, hs_look
     hs_camera window;
     float share;
     hs_loop_window(loop, index, &window, &share);
-    if (scene && look == HS_LOOK_LIT && hs_truth_surface_fits(&window))
-        return draw_cut(loop, scene, index, &window, share, screen, err);
+    if (is_cut(loop, look, index)) return draw_cut(loop, scene, index, &window, share, screen, err);
     return bring_truth(picture, index, err) &&
            hs_screen_render(screen, picture->volume, &window, NULL, false, err) && wait_for_truth(loop, err);
 }
@@ -224,6 +237,7 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     hs_loop_window(loop, index, &window, &share);
     view->picture_mm = window.extent;
     view->look = loop->options.dvr.look;
+    view->truth_cut = hs_truth_shows_cut(loop, view->look, index);
     view->ghosted = loop->options.dvr.ghost_width > 0;
     const bool ok = allocate_pictures(loop, view, err) && run_frame(loop, index, view, err) &&
                     (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&

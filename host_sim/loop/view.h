@@ -42,6 +42,10 @@ bool hs_truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camer
 /* True if the camera looks along the scene's own rays. */
 bool hs_truth_surface_fits(const hs_camera *camera);
 
+/* True if the picture of frame `index`'s truth shows, in grey, where the fetus is cut because its occluder
+ * touches it: in the lit look, along the scene's own rays. */
+bool hs_truth_shows_cut(const hs_loop *loop, hs_look look, uint32_t index);
+
 typedef struct hs_truth_picture hs_truth_picture;
 
 /* Nothing is made yet. `loop` must have a source with a ground truth and outlive it.
@@ -77,6 +81,7 @@ typedef struct {
     const hs_volume *volume; /* the frame's; the source's, until the loop's next frame */
     hs_look look;            /* of the pictures */
     bool ghosted;            /* what is before the clipping surface fades */
+    bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
     hs_frame frame;
 } hs_view;
 

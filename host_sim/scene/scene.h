@@ -30,6 +30,10 @@ typedef struct {
 /* Frees everything and zeroes the struct. Safe on a zeroed struct. */
 void hs_scene_free(hs_scene_data *data);
 
+/* The share of the fetus' pixels, 0 .. 1, on which the truth's surface lies in echoes and not in fluid: the
+ * occluder touches the fetus there, or the probe does not tell them apart. 0 without a fetus. */
+double hs_scene_touched(const hs_scene_data *data);
+
 typedef enum {
     HS_SCENES_THESIS, /* the nine cases: E01 .. E04, M01 .. M03, D01, D02 */
     HS_SCENES_HARD,   /* H01 and on: what the nine do not have */

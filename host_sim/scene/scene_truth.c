@@ -188,3 +188,28 @@ bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_d
     hs_parallel(field->threads, field->n[2], clip_slice, &t);
     return true;
 }
+
+#define ECHO 77 /* the middle of the renderer's usual window, 0.1588 .. 0.45 */
+
+/* What the probe shows around a voxel of a slice is an echo: nine voxels, for speckle has dark spots. */
+static bool is_echo(const hs_volume *v, const uint8_t *slice, uint32_t x, uint32_t y) {
+    unsigned sum = 0, most = 0;
+    for (uint32_t j = y ? y - 1 : 0; j <= y + 1 && j < v->ny; j++)
+        for (uint32_t i = x ? x - 1 : 0; i <= x + 1 && i < v->nx; i++, most += ECHO)
+            sum += slice[(size_t)j * v->nx + i];
+    return sum > most;
+}
+
+double hs_scene_touched(const hs_scene_data *data) {
+    const hs_volume *v = &data->full;
+    const size_t pixels = (size_t)v->nx * v->ny;
+    size_t fetus = 0, touched = 0;
+    for (uint32_t y = 0; y < v->ny; y++)
+        for (uint32_t x = 0; x < v->nx; x++) {
+            const size_t i = (size_t)y * v->nx + x;
+            if (data->label[i] != HS_LABEL_FETUS) continue;
+            fetus++;
+            touched += is_echo(v, v->voxels + pixels * (size_t)ceilf(data->clip[i]), x, y);
+        }
+    return fetus > 0 ? (double)touched / (double)fetus : 0.0;
+}

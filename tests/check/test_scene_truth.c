@@ -53,6 +53,24 @@ static void clean_intervals_look_dark(void **state) {
     hs_scene_free(&d);
 }
 
+/* What a picture of the truth shows in grey: nothing of D01, the face behind the cord of M02. */
+static void what_touches_the_fetus_is_counted(void **state) {
+    static const struct {
+        const char *name;
+        double low, high;
+    } scenes[] = {{"D01", 0, 0.005},   {"E01", 0, 0.005},   {"M01", 0.01, 0.04},
+                  {"M02", 0.05, 0.15}, {"D02", 0.01, 0.05}, {"H11", 0, 0.005}};
+    (void)state;
+    for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++) {
+        hs_scene_data d;
+        make_scene(scenes[s].name, 160, 2, 0, 0, &d, NULL);
+        const double share = hs_scene_touched(&d);
+        printf("%s: touched on %.2f %% of the fetus\n", scenes[s].name, 100 * share);
+        assert_true(share >= scenes[s].low && share <= scenes[s].high);
+        hs_scene_free(&d);
+    }
+}
+
 static bool same(const hs_scene_data *a, const hs_scene_data *b) {
     size_t pixels = (size_t)a->full.nx * a->full.ny;
     return memcmp(a->full.voxels, b->full.voxels, hs_volume_count(&a->full)) == 0 &&
@@ -200,6 +218,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_hold_only_fluid),
         cmocka_unit_test(clean_intervals_look_dark),
+        cmocka_unit_test(what_touches_the_fetus_is_counted),
         cmocka_unit_test(same_seed_same_bytes),
         cmocka_unit_test(sizes_are_free),
         cmocka_unit_test(frames_move_and_keep_their_truth),

@@ -52,8 +52,8 @@ holds [ -s "$work/demo/hidden_probe_vol/truth.png" ]
 
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
-# One of the files has no surface, and so no confidence.
-holds [ "$pictures" -eq $((6 * 8 + 2 * 7 + 7 + 3 - 1)) ]
+# One of the files has no surface, and so no confidence and no other positions.
+holds [ "$pictures" -eq $((6 * 8 + 2 * 7 + 7 + 3 - 2)) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"
@@ -86,6 +86,16 @@ holds [ $? -eq 0 ]
 holds [ "$(grep -o '<p>Verdict: ' <<< "$plain" | wc -l)" -eq 9 ]
 holds [ "$(grep -o '<h2 id="[^<]*' <<< "$plain" | sed 's/<h2 id="//')" = "$(grep -o 'href="#[^<]*' <<< "$plain" | sed 's/href="#//')" ]
 holds grep -q '<h2 id="part[0-9]*">Cord before the face</h2>' "$page"
+# What is said of a picture holds for it: there is a yellow line where something is clipped, and grey in a truth that has it.
+clipped=$(grep -o 'the yellow line is the clipping surface' <<< "$plain" | wc -l)
+whole=$(grep -o '<figcaption>The result beside three slices: nothing is removed' <<< "$plain" | wc -l)
+holds [ "$clipped $whole" = "$(grep -o '<td>clipped</td>' <<< "$plain" | wc -l) $(grep -o '<td>nothing removed</td>' <<< "$plain" | wc -l)" ]
+holds [ $((clipped + whole)) -eq 9 -a "$whole" -ge 1 ]
+part() { sed "s/.*<h2 id=\"part[0-9]*\">$1<//; s/<h2.*//" <<< "$plain"; }
+holds grep -q '<figcaption>Ground truth. Grey: touches the occluder, cut<' <<< "$(part 'Cord before the face')"
+holds grep -q '<figcaption>Ground truth<' <<< "$(part 'A wide gap of fluid')"
+# A volume that is no fetus is not called one.
+holds grep -q 'Verdict: the volume is ' <<< "$(part 'Layers, behind a synthetic placenta')"
 # What is said of a result is not what the thesis says of its own.
 holds [ "$(grep -c 'forehead is cut' "$page")" -eq 0 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]

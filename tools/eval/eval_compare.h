@@ -40,6 +40,7 @@ typedef struct {
     hs_eval_method method[HS_EVAL_MAX_METHODS];
     uint32_t rank[HS_EVAL_MAX_METHODS]; /* indices into method, the lowest mean e_abs first */
     char name[HS_EVAL_MAX_CASES][64];
+    bool truth_cut[HS_EVAL_MAX_CASES]; /* the truth's picture shows a cut (hs_truth_shows_cut) */
     float unclipped[HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS];
 } hs_eval_comparison;
 

@@ -227,6 +227,7 @@ typedef struct {
     hs_eval_pick common;     /* Table 5.3: the common setting, the case's best knob */
     hs_measures shown;       /* measured the direct way at `common` */
     sv_status shown_outcome; /* of the plugin there */
+    bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
     uint32_t turns;          /* pictures of the knob: 0 if it cannot be turned */
     double turn[HS_EVAL_TURNS];
     uint32_t turned; /* the one nearest to `common` */

@@ -27,7 +27,7 @@ typedef struct {
 /* What the plugin did. */
 typedef struct {
     wall_score score; /* zeros without a truth */
-    bool clipped, sure;
+    bool clipped, sure, truth_cut;
     char note[160]; /* why it is not clipped; "" if it is */
 } site_drawn;
 
@@ -83,6 +83,7 @@ static bool draw_view(const wall_case *c, const hs_view *view, const char *folde
     char note[160];
     const char *said = hs_frame_note(&view->frame, "the plugin failed", note, sizeof note);
     out->clipped = view->frame.clipped;
+    out->truth_cut = view->truth_cut;
     out->sure = view->sure != NULL && view->frame.clipped;
     (void)snprintf(out->note, sizeof out->note, "%s", said ? said : "");
     if (view->map_width != c->nx || view->map_height != c->ny)
@@ -160,10 +161,10 @@ static void put_case(book *b, const wall_case *c, const char *title, const char 
     hs_page_row_begin(&b->page);
     show(b, folder, "full.png", true, c->name, "Full volume");
     show(b, folder, "result.png", true, c->name, d->clipped ? "Result" : "Result: not clipped");
-    show(b, folder, "truth.png", true, c->name, HS_TRUTH_CAPTION);
+    show(b, folder, "truth.png", true, c->name, hs_page_truth_caption(d->truth_cut));
     hs_page_row_end(&b->page);
     hs_page_row_begin(&b->page);
-    show(b, folder, "slices.png", true, c->name, "The result, and slices with the surface drawn in");
+    show(b, folder, "slices.png", true, c->name, hs_page_slices_caption(d->clipped));
     hs_page_row_end(&b->page);
     hs_page_row_begin(&b->page);
     if (d->sure) show(b, folder, "confidence.png", false, c->name, "Confidence");

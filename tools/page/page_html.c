@@ -241,6 +241,17 @@ void hs_page_photo(hs_page *page, const char *path, const char *alt, const char 
     put_figure(page, path, alt, caption, true);
 }
 
+const char *hs_page_truth_caption(bool cut) {
+    return cut ? "Ground truth. Grey: touches the occluder, cut" : "Ground truth";
+}
+
+const char *hs_page_slices_caption(bool clipped) {
+    return clipped
+               ? "The result beside three slices: the yellow line is the clipping surface, what lies before "
+                 "it is dimmed; scales in mm"
+               : "The result beside three slices: nothing is removed; scales in mm";
+}
+
 void hs_page_table_begin(hs_page *page) {
     put(page, "<div class=\"wide\" tabindex=\"0\"><table>\n");
 }

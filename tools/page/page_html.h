@@ -50,8 +50,11 @@ void hs_page_row_end(hs_page *page);
 /* A PNG file, inlined, with the text that stands for it when it is not seen, and a caption below. */
 void hs_page_picture(hs_page *page, const char *path, const char *alt, const char *caption);
 
-/* Of a rendering of the ground truth, on every page. */
-#define HS_TRUTH_CAPTION "Ground truth. Grey: touches the occluder, cut"
+/* Of a rendering of the ground truth, on every page; `cut`: it shows one (hs_truth_shows_cut). */
+const char *hs_page_truth_caption(bool cut);
+
+/* Of slices.png: what the yellow line is, or that there is none. */
+const char *hs_page_slices_caption(bool clipped);
 
 /* The same as JPEG, for renderings: a sixth of the bytes, with a loss that speckle hides. */
 void hs_page_photo(hs_page *page, const char *path, const char *alt, const char *caption);

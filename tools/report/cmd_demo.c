@@ -11,9 +11,11 @@
 #include "commands/run_print.h"
 #include "guarded/guard_options.h"
 #include "loop/clipper.h"
+#include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "show/loop_pictures.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <limits.h>
 #include <math.h>
@@ -72,10 +74,10 @@ static void add_hidden(demo *d, hs_demo_case plain) {
     *c = plain;
     c->scene = "real";
     (void)snprintf(c->folder, sizeof c->folder, "hidden_%.200s", plain.folder);
-    (void)snprintf(c->name, sizeof c->name, "%.70s, hidden", plain.name);
+    (void)snprintf(c->name, sizeof c->name, "%.60s, behind a synthetic placenta", plain.name);
 }
 
-/* A volume of --data: "fetal_head_21w.mha" is "fetal head 21w". */
+/* A volume of --data: "fetal_head_21w.mha" is "Fetal head 21w". */
 static bool add_volume(demo *d, const char *name, hs_error *err) {
     hs_demo_case *c = &d->cases[d->case_count++];
     const char *dot = strrchr(name, '.');
@@ -83,6 +85,7 @@ static bool add_volume(demo *d, const char *name, hs_error *err) {
     (void)snprintf(c->name, sizeof c->name, "%.*s", dot ? (int)(dot - name) : 70, name);
     for (char *p = c->folder; (p = strchr(p, '.')) != NULL;) *p = '_';
     for (char *p = c->name; (p = strchr(p, '_')) != NULL;) *p = ' ';
+    c->name[0] = (char)toupper((unsigned char)c->name[0]);
     if (!hs_path_join(d->data, name, c->file, sizeof c->file, err)) return false;
     add_hidden(d, *c);
     return true;
@@ -114,6 +117,19 @@ static char *printed(const hs_run *run) {
     return text;
 }
 
+/* Whose volume it is, and what lies before it. */
+static const char *about(const hs_demo_case *c, const hs_run *run) {
+    if (c->file[0] && c->scene)
+        return "The same volume, moved back, behind a synthetic wall of placenta with a fold, a cord and a "
+               "cloud "
+               "of particles. The volume itself is the ground truth.";
+    if (c->file[0])
+        return "A volume from a file, without a ground truth. Where no fluid lies before a structure there "
+               "is "
+               "nothing to remove, and a good result cuts nothing away there.";
+    return run->source.title;
+}
+
 /* What the page says of the case in figures and words, but for its measures. */
 static void keep_results(hs_demo_case *c, const hs_run *run) {
     const hs_loop_result *r = &run->results[HS_SETTING_SMARTVIS];
@@ -130,13 +146,12 @@ static void keep_results(hs_demo_case *c, const hs_run *run) {
     (void)snprintf(c->row[5], HS_DEMO_CELL, "%.1f %%", 100 * r->plugin_share);
     if (r->stats.points > 0)
         (void)snprintf(c->row[6], HS_DEMO_CELL, "%.1f %%", 100.0 * r->stats.points / r->stats.rays);
-    (void)snprintf(c->row[7], HS_DEMO_CELL, "%s", hs_status_name(r->outcome));
-    (void)snprintf(
-        c->what, sizeof c->what, "%.290s",
-        run->source.title[0]
-            ? run->source.title
-            : "A volume from a file, without a ground truth. Where no fluid lies before a structure "
-              "there is nothing to remove, and a good result cuts nothing away there.");
+    (void)snprintf(c->row[7], HS_DEMO_CELL, "%s",
+                   c->clipped            ? "clipped"
+                   : r->outcome >= SV_OK ? "nothing removed"
+                                         : hs_status_name(r->outcome));
+    (void)snprintf(c->what, sizeof c->what, "%.290s", about(c, run));
+    c->truth_cut = hs_truth_shows_cut(run->loop, run->request.loop.dvr.look, 0);
     c->printed = printed(run);
 }
 

@@ -24,6 +24,7 @@ typedef struct {
     char what[300]; /* a sentence on the source */
     char note[400]; /* why it is not clipped, or not all of it; empty: it is */
     bool clipped, has_truth, has_knob;
+    bool truth_cut;   /* its picture of the truth shows a cut (hs_truth_shows_cut) */
     double cut, left; /* shares, 0 .. 1; NAN: not known */
     double plugin_ms;
     char row[HS_DEMO_CELLS][HS_DEMO_CELL]; /* in the table of speeds, without the first cell */

@@ -33,7 +33,8 @@ static void show_renderings(hs_page *page, const char *out, const hs_demo_case *
          c->clipped ? "rendering that starts at the clipping surface" : "rendering, not clipped",
          c->clipped ? "Result" : "Result: not clipped");
     if (c->has_truth)
-        show(page, out, c, hs_page_photo, "truth.png", "rendering of the ground truth", HS_TRUTH_CAPTION);
+        show(page, out, c, hs_page_photo, "truth.png", "rendering of the ground truth",
+             hs_page_truth_caption(c->truth_cut));
     hs_page_row_end(page);
 }
 
@@ -50,9 +51,8 @@ static void put_verdict(hs_page *page, const hs_demo_case *c) {
     char text[600], cut[16], left[16];
     percent(c->cut, cut);
     percent(c->left, left);
-    const char *fetus = known(c->cut) <= WHOLE   ? "the fetus is whole"
-                        : known(c->cut) <= A_BIT ? "the fetus is cut a little"
-                                                 : "the fetus is cut";
+    const char *shown = c->file[0] ? "the volume" : "the fetus";
+    const char *state = known(c->cut) <= WHOLE ? "whole" : known(c->cut) <= A_BIT ? "cut a little" : "cut";
     const char *before = known(c->left) <= WHOLE   ? "and nothing hides it any more"
                          : known(c->left) <= A_BIT ? "and little is left before it"
                                                    : "and a part of what hides it is left";
@@ -62,8 +62,8 @@ static void put_verdict(hs_page *page, const hs_demo_case *c) {
         (void)snprintf(text, sizeof text, "Verdict: clipped; there is no ground truth to tell how well. %s",
                        c->note);
     else
-        (void)snprintf(text, sizeof text, "Verdict: %s, %s. Cut %s, left %s, %.1f ms. %s", fetus, before, cut,
-                       left, c->plugin_ms, c->note);
+        (void)snprintf(text, sizeof text, "Verdict: %s is %s, %s. Cut %s, left %s, %.1f ms. %s", shown, state,
+                       before, cut, left, c->plugin_ms, c->note);
     hs_page_text(page, text);
 }
 
@@ -88,7 +88,7 @@ static void put_answer(hs_page *page, const char *out, const hs_demo_case *cases
         hs_page_text(page, "No case with a ground truth was clipped.");
         return;
     }
-    hs_page_row_begin(page);
+    hs_page_small_row_begin(page);
     show_renderings(page, out, best);
     (void)snprintf(
         text, sizeof text,
@@ -115,16 +115,14 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
     const struct {
         const char *file, *alt, *caption;
     } wide[] = {
-        {"slices.png", "three slices with the clipping surface",
-         "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
-         "dimmed"},
+        {"slices.png", "the result beside three slices", hs_page_slices_caption(c->clipped)},
         {"positions.png", "the result for six surface positions",
-         "Surface positions: the result for six values of the plugin's primary parameter"},
+         "The result for six values of the plugin's primary parameter"},
         {"orbit.png", "six views of an orbit, the full volume above and the result below",
          "Six views of an orbit: full volume above, result below"},
     };
     for (size_t i = 0; i < sizeof wide / sizeof *wide; i++) {
-        if (i == 1 && !c->has_knob) continue;
+        if (i == 1 && !(c->has_knob && c->clipped)) continue; /* nothing that moves */
         hs_page_wide_row_begin(page);
         show(page, out, c, hs_page_photo, wide[i].file, wide[i].alt, wide[i].caption);
         hs_page_row_end(page);
@@ -184,7 +182,10 @@ void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uin
     hs_page_text(
         page, "Cut is the share of the fetus that is cut by more than two steps of a ray, left the share of "
               "the rays on which more than two steps of what hides it are left; a step is one slice of "
-              "the volume. Grey in a result is tissue that the surface cuts.");
+              "the volume. Grey is tissue that the surface cuts, or where the scan ends.");
+    hs_page_text(page,
+                 "The synthetic cases follow figures of the thesis from which SmartVis comes, Application of "
+                 "Smart Visibility on Medical 3D Ultrasound Datasets.");
     hs_page_contents(page);
     for (uint32_t i = 0; i < count; i++) put_case(page, out, &cases[i]);
     put_speed(page, cases, count);

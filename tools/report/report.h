@@ -128,7 +128,7 @@ bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err)
 
 /* Renderings of an open case by all methods, with the full volume and the ground truth, into the case's
  * folder, which is made. The case's loop is gone afterwards. HS_ERR_OUTPUT names the path. */
-bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err);
+bool hs_eval_compare_pictures(hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err);
 
 /* The folder of a case's pictures (HS_ERR_OUTPUT if its path is longer than `bytes`), and the name of a
  * method's picture in it. */

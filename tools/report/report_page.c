@@ -113,7 +113,8 @@ static void first_case(hs_page *report, const hs_eval_study *study, uint32_t ind
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, beside ? "beside_other.png" : "result.png",
                       "rendering of the result", caption);
-    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth", HS_TRUTH_CAPTION);
+    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
+                      hs_page_truth_caption(study->result[index].truth_cut));
     hs_page_row_end(report);
 }
 
@@ -206,12 +207,9 @@ static void put_terms(hs_page *report, const hs_eval_study *study) {
 static void put_pictures(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
     hs_page_row_begin(report);
-    hs_eval_page_show(
-        report, study, index, "result.png",
-        clipped ? "rendering clipped at the plugin's depthmap" : "rendering, not clipped",
-        clipped
-            ? "Result at the common setting"
-            : "Result at the common setting: nothing hides the fetus, as far as fluid tells; not clipped");
+    hs_eval_page_show(report, study, index, "result.png",
+                      clipped ? "rendering clipped at the plugin's depthmap" : "rendering, not clipped",
+                      clipped ? "Result at the common setting" : "Result at the common setting: not clipped");
     hs_eval_page_show(
         report, study, index, "error_rays.png",
         "error per ray, blue where the fetus is cut, red where an occluder is left",
@@ -268,10 +266,8 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     put_slider(report, study, index);
     hs_page_row_end(report);
     hs_page_wide_row_begin(report);
-    hs_eval_page_show(
-        report, study, index, "slices.png", "the result beside three slices",
-        "The result beside three slices: the yellow line is the clipping surface, what lies before it is "
-        "dimmed; scales in mm");
+    hs_eval_page_show(report, study, index, "slices.png", "the result beside three slices",
+                      hs_page_slices_caption(hs_outcome_clips(study->result[index].shown_outcome)));
     hs_page_row_end(report);
     put_numbers(report, study, index);
     hs_eval_figure_space(report, study, index);
@@ -399,7 +395,7 @@ static void put_renderings(hs_page *report, const hs_eval_comparison *x, uint32_
                        (double)x->method[m].of[HS_METHOD_ABS][index][0]);
         show(report, folder, file, x->name[index], caption);
     }
-    show(report, folder, "truth.png", x->name[index], HS_TRUTH_CAPTION);
+    show(report, folder, "truth.png", x->name[index], hs_page_truth_caption(x->truth_cut[index]));
     hs_page_row_end(report);
 }
 

@@ -187,7 +187,7 @@ void hs_eval_compare_file(uint32_t method, char *out, size_t bytes) {
 }
 
 /* The first method's view has the full volume and the ground truth, too. */
-static bool draw_method(const hs_eval_comparison *x, uint32_t method, const hs_eval_case *c,
+static bool draw_method(hs_eval_comparison *x, uint32_t index, uint32_t method, const hs_eval_case *c,
                         const char *folder, hs_error *err) {
     const hs_eval_drawing drawing = {.options = x->options,
                                      .cl = &x->cl,
@@ -199,18 +199,19 @@ static bool draw_method(const hs_eval_comparison *x, uint32_t method, const hs_e
     hs_view view;
     hs_eval_compare_file(method, file, sizeof file);
     if (!hs_eval_draw_result(&drawing, folder, file, &view, err)) return false;
+    x->truth_cut[index] = view.truth_cut;
     const bool ok = method > 0 || (hs_eval_save_rgba(view.full, HS_EVAL_PICTURE, folder, "full.png", err) &&
                                    hs_eval_save_rgba(view.truth, HS_EVAL_PICTURE, folder, "truth.png", err));
     hs_view_free(&view);
     return ok;
 }
 
-bool hs_eval_compare_pictures(const hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err) {
+bool hs_eval_compare_pictures(hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err) {
     char folder[PATH_MAX];
     hs_eval_case_release(c);
     bool ok =
         hs_eval_compare_folder(x, index, folder, sizeof folder, err) && hs_path_make_folder(folder, err);
-    for (uint32_t m = 0; ok && m < x->count; m++) ok = draw_method(x, m, c, folder, err);
+    for (uint32_t m = 0; ok && m < x->count; m++) ok = draw_method(x, index, m, c, folder, err);
     return ok;
 }
 
@@ -295,6 +296,7 @@ static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, co
         hs_camera_title(study->space[index].name, &view.camera, view.volume, title, sizeof title);
         ok = hs_loop_write_pictures(&view, folder, title, said, HS_EVAL_PICTURE, err);
         clipped = view.frame.clipped;
+        study->result[index].truth_cut = view.truth_cut;
         hs_view_free(&view);
     }
     hs_loop_destroy(loop);
