@@ -134,13 +134,21 @@ static void put_first(hs_page *report, const hs_eval_study *study) {
         report,
         "A case is a volume with its ground truth: the same without what hides the fetus. The renderer goes "
         "along every ray of a picture in steps, one slice of the volume each, and the ray ends in the "
-        "tissue it meets. Its error is the depth at which it ends in the ground truth minus that in the "
-        "result. Above 0 something that hides the fetus is left, below 0 the fetus is cut.");
+        "tissue it meets. The plugin gives a depthmap: for every ray the depth at which the renderer starts. "
+        "A method is a way to find it.");
     hs_page_text(
         report,
-        "e_abs is the mean size of the error over the rays of fetus and amniotic sac, in steps. Cut is "
+        "A ray's error is the depth at which it ends in the ground truth minus that in the result. Above 0 "
+        "something that hides the fetus is left, below 0 the fetus is cut.");
+    hs_page_text(
+        report,
+        "e_abs is the mean size of the error over the rays that meet fetus or amniotic sac, in steps. Cut is "
         "the share of the fetus' rays with an error below -2 steps, left the share of the rays that "
         "were hidden and still have one above 2. Unclipped is the volume as it came.");
+    hs_page_text(
+        report,
+        "\"The thesis\" is Application of Smart Visibility on Medical 3D Ultrasound Datasets, from which "
+        "the measures come.");
     if (!isnan(mean[FIRST_FLOOR]))
         hs_page_text(report,
                      "The true surface is the scene's own, taken as the depthmap: no map of this size does "

@@ -123,19 +123,26 @@ static void write_lines(FILE *out, const void *plot) {
     hs_plot_lines_write(out, plot);
 }
 
+static bool tells_stages(const hs_eval_study *study) {
+    for (uint32_t i = 0; i < study->count; i++)
+        if (!study->result[i].speed[HS_SETTING_SMARTVIS].has_plugin_stages) return false;
+    return true;
+}
+
 /* Figure 5.19: the height of a bar is the plugin's frame rate, its parts are the stages' shares. */
 static void put_stages(hs_page *report, const hs_eval_study *study, const char *const *names) {
     double value[HS_EVAL_MAX_CASES * STAGES];
+    if (!tells_stages(study)) return;
     for (uint32_t i = 0; i < study->count; i++) {
         const hs_loop_result *r = &study->result[i].speed[HS_SETTING_SMARTVIS];
         double ms[STAGES], sum = 0;
-        if (!r->has_plugin_stages) return;
         stage_ms(r, ms);
         for (int s = 0; s < STAGES; s++) sum += ms[s];
         for (int s = 0; s < STAGES; s++)
             value[i * STAGES + (uint32_t)s] = sum > 0 ? 1e3 / sum * ms[s] / sum : 0;
     }
-    const hs_plot_bars plot = {.title = "The plugin's frame rate, parted by stage (as Figure 5.19)",
+    const hs_plot_bars plot = {.title =
+                                   "The plugin's frame rate, parted by stage (as the thesis' Figure 5.19)",
                                .y_label = "frames of the plugin a second",
                                .groups = study->count,
                                .series = STAGES,
@@ -153,7 +160,7 @@ static void put_settings(hs_page *report, const hs_eval_study *study, const char
     for (uint32_t i = 0; i < study->count; i++)
         for (int s = 0; s < HS_SETTING_COUNT; s++)
             value[i * HS_SETTING_COUNT + (uint32_t)s] = study->result[i].speed[s].volumes_per_second;
-    const hs_plot_bars plot = {.title = "Volumes a second in three settings (as Figure 5.21)",
+    const hs_plot_bars plot = {.title = "Volumes a second in three settings (as the thesis' Figure 5.21)",
                                .y_label = "volumes a second",
                                .groups = study->count,
                                .series = HS_SETTING_COUNT,
@@ -172,7 +179,7 @@ static void put_curves(hs_page *report, const hs_eval_study *study) {
         (void)snprintf(names[i], sizeof names[i], "T_B = %.2f", study->curve_threshold[i]);
         name[i] = names[i];
     }
-    (void)snprintf(title, sizeof title, "%s: the plugin's frame rate over k (as Figure 5.20)",
+    (void)snprintf(title, sizeof title, "%s: the plugin's frame rate over k (as the thesis' Figure 5.20)",
                    study->curve_case);
     const hs_plot_lines plot = {.title = title,
                                 .x_label = "kernel size k (pixels)",
@@ -191,12 +198,11 @@ static void put_table(hs_page *report, const hs_eval_study *study) {
     static const char *const head[3] = {"stage", "here [ms]", "thesis, Table 5.4 [ms]"};
     double mean[STAGES] = {0}, dvr = 0, loop = 0;
     char text[2][32];
-    bool known = true;
+    const bool known = tells_stages(study);
     for (uint32_t i = 0; i < study->count; i++) {
         const hs_loop_result *r = &study->result[i].speed[HS_SETTING_SMARTVIS];
         double ms[STAGES];
         stage_ms(r, ms);
-        known = known && r->has_plugin_stages;
         for (int s = 0; s < STAGES; s++) mean[s] += ms[s] / study->count;
         dvr += r->stage[HS_STAGE_DVR].median / study->count;
         loop += r->stage[HS_STAGE_LOOP].median / study->count;
@@ -207,8 +213,8 @@ static void put_table(hs_page *report, const hs_eval_study *study) {
         int thesis; /* of hs_eval_thesis_stages; -1: it does not tell */
     } rows[] = {{"transfer", known ? mean[0] : NAN, 0},
                 {"ray profiles", known ? mean[1] : NAN, -1},
-                {"initial points", known ? mean[2] : NAN, 1},
-                {"mean filter", known ? mean[3] : NAN, 2},
+                {"threshold", known ? mean[2] : NAN, 1},
+                {"surface", known ? mean[3] : NAN, 2},
                 {"output", known ? mean[4] : NAN, -1},
                 {"render", dvr, 3},
                 {"whole frame", loop, 4}};
@@ -252,11 +258,19 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
         HS_EVAL_THESIS_LOST_FPS);
     hs_page_text(report, text);
     put_settings(report, study, names);
+    if (tells_stages(study))
+        hs_page_text(
+            report,
+            "Stages of the plugin: transfer copies the volume to the device; ray profiles keeps of "
+            "every ray what the rest needs; threshold finds what is bone, and so the initial points, "
+            "where bone lies behind fluid; surface makes a depth for every ray of them; output writes "
+            "the depthmap.");
     put_stages(report, study, names);
     put_curves(report, study);
     put_table(report, study);
-    hs_page_text(report, "The thesis' setup is the preparation of a frame, ours the copy of the slabs; its "
-                         "mean filter worked on 512 x 512 pixels.");
+    hs_page_text(report,
+                 "The thesis' transfer is the preparation of a frame. Its threshold is called initial "
+                 "points there, its surface mean filter, which worked on 512 x 512 pixels.");
 }
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
