@@ -244,10 +244,26 @@ def a_view_comes_back(b):
     before = pixels(b, "truth")
     choose(b, "third", "depthmap")
     settle(b, "the depthmap")
-    holds("violet near, yellow far" in b.run("return canvases.depthmap.caption.textContent"), "the depthmap has no legend")
+    legend = b.run("return [canvases.depthmap.figure.querySelector('.legend').innerText, lastFigures.source.depth_mm, lastFigures.source.window_mm]")
+    holds(legend[0].split("\n")[:2] == ["0 mm", f"{legend[1]:.0f} mm"] and 0 < legend[1] <= legend[2], f"the depthmap's legend: {legend}")
     choose(b, "third", "truth")
     settle(b, "the ground truth again")
     holds(pixels(b, "truth") == before, f"the ground truth comes back as {pixels(b, 'truth')}")
+
+
+def grey_is_told_where_it_is_shown(b):
+    """The truth of D01 touches nothing; that of M02 does, and shows it in grey, from the probe alone."""
+    truth, grey = "return canvases.truth.caption.textContent", "Ground truth. Grey: touches the occluder, cut"
+    holds(b.run(truth) == "Ground truth", f"D01: {b.run(truth)}")
+    choose(b, "source", "scene M02")
+    settle(b, "M02")
+    holds(b.run(truth) == grey, f"M02: {b.run(truth)}")
+    b.run("turn(20, 0)")
+    settle(b, "M02, turned")
+    holds(b.run(truth) == "Ground truth", f"M02, turned: {b.run(truth)}")
+    b.run("turn(-20, 0)")
+    choose(b, "source", "scene D01")
+    settle(b, "D01 again")
 
 
 def a_reactivation(b):
@@ -351,6 +367,7 @@ def main():
         a_slow_host(b)
         what_is_doubtful_can_be_tried(b)
         a_view_comes_back(b)
+        grey_is_told_where_it_is_shown(b)
         a_reactivation(b)
         a_plugin_nobody_wrote_controls_for(b, work)
         a_crash(b)

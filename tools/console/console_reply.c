@@ -9,6 +9,7 @@
 
 #include <jansson.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -238,10 +239,13 @@ static json_t *source_part(const hs_console_stage *stage) {
     float share;
     hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
     json_t *one =
-        json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:b, s:f}", "name", hs_json_text(v->name),
-                  "title", hs_json_text(stage->source.title), "volumes", (int)stage->source.count, "voxels",
-                  (int)v->nx, (int)v->ny, (int)v->nz, "slabs", (int)l->width, (int)l->height, (int)l->slices,
-                  "window_mm", window.extent, "truth", stage->truth != NULL, "opened_ms", stage->source_ms);
+        json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:f, s:b, s:b, s:f}", "name",
+                  hs_json_text(v->name), "title", hs_json_text(stage->source.title), "volumes",
+                  (int)stage->source.count, "voxels", (int)v->nx, (int)v->ny, (int)v->nz, "slabs",
+                  (int)l->width, (int)l->height, (int)l->slices, "window_mm", window.extent, "depth_mm",
+                  window.extent * fmin(1.0, 1.0 / (double)share), "truth", stage->truth != NULL, "truth_cut",
+                  hs_truth_shows_cut(stage->lane[0].loop, stage->screen_dvr.look, stage->index), "opened_ms",
+                  stage->source_ms);
     put_directions(one, &window, v);
     return one;
 }

@@ -114,6 +114,11 @@ function fitDrafts(ms) {
   else if (ms < DRAFT_MS / 4 && at_ + 1 < sizes.length) state.draft = sizes[at_ + 1];
 }
 
+/* Three digits are what one frame tells. */
+function milliseconds(ms) {
+  return ms.toFixed(ms < 10 ? 2 : ms < 100 ? 1 : 0);
+}
+
 function showFigures(text) {
   if (text.serial >= Number(at("notice").dataset.serial)) notice("", true);
   const opened = !lastFigures || lastFigures.source.opened_ms !== text.source.opened_ms;
@@ -128,9 +133,10 @@ function showFigures(text) {
   showOutcome(text);
   showSource(text.source, text.index);
   placeScales(text.source.window_mm);
+  placeLegends(text.source);
   placeDirections(text.source);
   drawMeasured();
-  rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], text.ms[key].toFixed(2), colour]).concat([["all", text.ms.all.toFixed(2)]]));
+  rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], milliseconds(text.ms[key]), colour]).concat([["all", milliseconds(text.ms.all)]]));
   const source = text.source;
   const two = text.lanes.length > 1;
   rows("numbers", text.lanes.flatMap((lane, i) => laneNumbers(lane, two ? " " + "AB"[i] : "")).concat([

@@ -143,6 +143,12 @@ function crossByHand(view, screen) {
 
 /* ------------------------------------------------------------------------------------------ figures -- */
 
+/* The colours of the depths, from the near side of what the slices show to the far one. */
+function depthLegend() {
+  return make("div", { class: "legend" }, make("span", { text: "0 mm" }), make("span", { class: "colours", role: "img", "aria-label": "violet near, yellow far" }),
+    make("output"), make("small", { text: "deep; hatched: nothing removed" }));
+}
+
 function figureOf(view) {
   const slice = view in AXES;
   const canvas = make("canvas", { width: 16, height: 16 });
@@ -150,8 +156,9 @@ function figureOf(view) {
   const screen = make("div", {
     class: "screen", tabindex: "0", role: "application", "aria-label": TITLES[view] + ": " + help, "data-view": view,
   }, canvas);
-  const caption = make("figcaption", { text: TITLES[view] + (view === "depthmap" ? ": violet near, yellow far, hatched: nothing removed" : "") });
+  const caption = make("figcaption", { text: TITLES[view] });
   const figure = make("figure", slice ? { class: "slice" } : {}, screen, caption);
+  if (view === "depthmap") figure.append(depthLegend());
   const one = { figure, screen, canvas, caption, ends: {} };
   for (const side of ["left", "right", "up", "down"]) {
     one.ends[side] = make("span", { class: "end", "data-side": side });
@@ -171,6 +178,12 @@ function figureOf(view) {
     turnByHand(screen);
   }
   return one;
+}
+
+/* What the ground truth and the depthmap show is told where they show it. */
+function placeLegends(source) {
+  viewOf("depthmap").figure.querySelector("output").textContent = source.depth_mm.toFixed(0) + " mm";
+  viewOf("truth").caption.textContent = TITLES.truth + (source.truth_cut ? ". Grey: touches the occluder, cut" : "");
 }
 
 /* A bar of a round length in every slice, a third of the picture at most. */
