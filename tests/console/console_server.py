@@ -316,6 +316,8 @@ def make_folder(work):
     for name in ("given/inside_label.mha", "given/sub/deep_near.mha", "given/inside.mha", "given/sub/deep.mha", "outside.mha"):
         with open(os.path.join(work, name), "w") as out:
             out.write("no volume\n")
+    with open(os.path.join(given, "scan_end.mha"), "w") as out:
+        out.write("ObjectType = Image\nNDims = 3\nDimSize = 4 4 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n")
     os.symlink("../outside.mha", os.path.join(given, "link.mha"))
     os.symlink("..", os.path.join(given, "up"))
     return given

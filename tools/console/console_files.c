@@ -48,6 +48,19 @@ static bool is_map_name(const char *name) {
     return false;
 }
 
+/* True if a MetaImage says that it has one slice: a value a ray, beside a volume or in its place. */
+static bool is_flat(const char *path) {
+    char head[2048];
+    unsigned n[3] = {0};
+    FILE *file = fopen(path, "rb");
+    if (!file) return false;
+    head[fread(head, 1, sizeof head - 1, file)] = '\0';
+    (void)fclose(file);
+    const char *size = strstr(head, "DimSize");
+    const int axes = size ? sscanf(size, "DimSize = %9u %9u %9u", &n[0], &n[1], &n[2]) : 0;
+    return axes == 2 || (axes == 3 && n[2] == 1);
+}
+
 /* True if the real path `inner` is below the real folder `outer`. */
 static bool is_below(const char *outer, const char *inner) {
     const size_t length = strlen(outer);
@@ -92,6 +105,7 @@ static bool list_entry(listing *l, const char *path, int depth) {
     if (S_ISDIR(what.st_mode)) return list_folder(l, path, depth + 1);
     if (is_map_name(path)) return true;
     if (!hs_console_files_find(l->files, l->folder, path, real, sizeof real, &outside)) return true;
+    if (is_flat(real)) return true;
     return ++l->told <= HS_CONSOLE_FILES && l->tell(l->context, l->folder, path);
 }
 
