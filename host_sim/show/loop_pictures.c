@@ -57,7 +57,9 @@ static bool draw(const turns *t, const hs_loop_options *options, const sv_param_
                                              .width = options->dvr.width,
                                              .height = options->dvr.height,
                                              .channels = 4}};
-    const hs_caption caption = {.title = title, .footer = info->help};
+    char footer[600];
+    (void)snprintf(footer, sizeof footer, "%s (%s). %s", info->label, info->key, info->help);
+    const hs_caption caption = {.title = title, .footer = footer};
     hs_picture picture;
     if (!hs_picture_panel(&picture, items, POSITIONS, CELL, &caption, err)) return false;
     const bool ok = hs_picture_save(&picture, path, err);

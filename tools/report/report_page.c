@@ -201,7 +201,8 @@ static void put_terms(hs_page *report, const hs_eval_study *study) {
         text, sizeof text,
         "Measured were %u thresholds x %u kernels x %u positions for every case. The common "
         "setting is one for all cases, but for the position; e_pos is the mean of the errors above 0, e_neg "
-        "that of the size of those below.",
+        "that of the size of those below. \"sac\" and \"fetus\" before them: over the rays of one of the "
+        "two.",
         plan->threshold.count, plan->kernel.count, plan->knob.count);
     hs_page_text(report, text);
     if (!study->checked) return;

@@ -339,10 +339,8 @@ static void put_legends(hs_page *report, bool with_confidence) {
     hs_page_text(
         report,
         "Confidence is how sure the method says it is. The last picture of a case is not cut off at the "
-        "surface but "
-        "ghosted: opacity rises over a window "
-        "before it, of ten low-resolution slices where the method is sure and up to thirty where it is "
-        "not.");
+        "surface: what lies just before it fades. It fades over a narrow range where the method is sure, and "
+        "over up to three times as much where it is not.");
 }
 
 /* "mean at q = 0.4: e_abs 8.36, cut 34.7%, left 2.1%" */
@@ -378,7 +376,7 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     if (b->has_confidence[index]) {
         (void)snprintf(other, sizeof other, "Confidence of %.60s", b->other_name);
         hs_eval_page_show(report, study, index, "beside_confidence.png", other, other);
-        (void)snprintf(other, sizeof other, "%.60s, ghosted; wider where it is not sure", b->other_name);
+        (void)snprintf(other, sizeof other, "%.60s, faded; wider where it is not sure", b->other_name);
         hs_eval_page_show(report, study, index, "beside_ghost.png", other, other);
     }
     hs_page_row_end(report);
@@ -392,14 +390,16 @@ void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
     if (!b->exists) return;
     (void)snprintf(text, sizeof text, "%.60s beside %.60s", b->other_name, b->first_name);
     hs_page_heading(report, 2, text);
+    char first[128] = "its settings";
+    if (b->knob.exists)
+        (void)snprintf(first, sizeof first, "its %.60s (%.30s)", b->knob.info.label, b->knob.info.key);
     (void)snprintf(
         text, sizeof text,
-        "%s%.60s is measured with its primary parameter where the mean e_abs over these "
-        "cases is lowest; \"tuned\" is the best of all its settings, found on these very volumes. %.60s has "
-        "its "
-        "defaults. The ratio is e_abs of %.60s to that of %.60s at its best position.",
-        strcmp(b->first_name, "mean") == 0 ? "mean is the thesis' method. " : "", b->first_name,
-        b->other_name, b->other_name, b->first_name);
+        "%s%.60s is measured with %s where the mean e_abs over these cases is lowest; \"tuned\" "
+        "is the best of all its settings, found on these very volumes. %.60s has its defaults. The "
+        "ratio is e_abs of %.60s to that of %.60s with the best %s.",
+        strcmp(b->first_name, "mean") == 0 ? "mean is the thesis' method. " : "", b->first_name, first,
+        b->other_name, b->other_name, b->first_name, b->knob.exists ? b->knob.info.key : "setting");
     hs_page_text(report, text);
     put_means(report, study);
     for (uint32_t i = 0; i < study->count; i++) confidence = confidence || b->has_confidence[i];
