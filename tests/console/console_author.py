@@ -34,6 +34,8 @@ def beside_ours(b):
     b.click("#ours")
     settle(b, "both")
     holds(b.run("return [lastFigures.of.plugins, look.compare, at('ours').getAttribute('aria-pressed')]") == [[0, 1], "side", "true"], "SmartVis is not beside it")
+    named = b.run("return [...document.querySelectorAll('figcaption')].map(c => c.textContent)")
+    holds({"Result 1", "Result 2"} <= set(named) and "A plane (across)" in named, f"results have the names of planes: {named}")
     holds(pixels(b, "result") == mine != pixels(b, "other"), "both have one picture, or the author's has changed")
     holds(b.run("return lastFigures.lanes[1].clipped"), "SmartVis does not clip")
     b.click("#ours")

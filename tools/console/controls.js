@@ -108,7 +108,7 @@ function primaryControl(lane, param) {
   const main = slider(lane, param, id);
   const output = make("output", { for: id });
   const note = make("p", { class: "hint", id: id + "-note", text: param.help });
-  const name = param.label + (state.lanes.length > 1 ? " " + "AB"[lane] : "");
+  const name = param.label + (state.lanes.length > 1 ? " " + "12"[lane] : "");
   main.setAttribute("aria-describedby", note.id);
   main.dataset.key = param.key;
   const box = make("div", { class: "primary" }, make("label", { for: id }, make("span", { text: name }), output), main, note);
@@ -128,7 +128,7 @@ function groupsOf(lane, params) {
 }
 
 function pluginPicker(lane) {
-  const select = make("select", { "aria-label": "Plugin " + "AB"[lane], id: "plugin" + lane });
+  const select = make("select", { "aria-label": "Plugin " + "12"[lane], id: "plugin" + lane });
   plugins.forEach((plugin, i) => {
     const text = plugin.failure ? plugin.name + " (cannot be loaded)" : plugin.name + " " + plugin.version;
     select.append(make("option", { value: String(i), text }));
@@ -184,7 +184,7 @@ function sameValues(a, b) {
 function laneBox(lane) {
   const own = lanes[lane].params.filter((p) => !p.primary);
   const box = make("div", { class: "lane" });
-  if (state.lanes.length > 1) box.append(make("h2", { text: "Settings " + "AB"[lane] }));
+  if (state.lanes.length > 1) box.append(make("h2", { text: "Settings " + "12"[lane] }));
   box.append(make("label", {}, make("span", { text: "Plugin" }), pluginPicker(lane)), ...presetButtons(lane));
   box.append(groupsOf(lane, own.filter((p) => !p.expert)));
   const expert = own.filter((p) => p.expert);

@@ -83,7 +83,7 @@ function showOutcome(text) {
   box.dataset.said = said;
   box.dataset.words = words;
   box.replaceChildren(...text.lanes.flatMap((lane, i) => {
-    const name = text.lanes.length > 1 ? "AB"[i] + ": " : "";
+    const name = text.lanes.length > 1 ? "12"[i] + ": " : "";
     const words = make("p", { class: lane.failed ? "bad" : lane.clipped ? "good" : "", text: name + lane.words });
     return lane.why ? [words, ...reasonOf(lane, i)] : [words];
   }));
@@ -139,14 +139,14 @@ function showFigures(text) {
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], milliseconds(text.ms[key]), colour]).concat([["all", milliseconds(text.ms.all)]]));
   const source = text.source;
   const two = text.lanes.length > 1;
-  rows("numbers", text.lanes.flatMap((lane, i) => laneNumbers(lane, two ? " " + "AB"[i] : "")).concat([
+  rows("numbers", text.lanes.flatMap((lane, i) => laneNumbers(lane, two ? " " + "12"[i] : "")).concat([
     ["Volume", source.voxels.join(" × ") + " voxels"],
     ["Seen by the plugin", source.slabs.join(" × ") + " voxels"],
     ["Picture", source.window_mm.toFixed(0) + " mm wide"],
   ]));
   text.lanes.forEach((lane, i) => {
     noteActivation(i, lane);
-    captionOf(i === 0 ? "result" : "other", lane, two ? "AB"[i] : "");
+    captionOf(i === 0 ? "result" : "other", lane, two ? "12"[i] : "");
   });
   const lines = text.lanes.map((lane) => lane.line).filter((line) => line);
   if (lines.length) document.getElementById("line").value = lines.join("\n");

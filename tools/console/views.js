@@ -3,7 +3,7 @@
 "use strict";
 
 const TITLES = {
-  result: "Result", full: "Full volume", truth: "Ground truth", depthmap: "Depthmap", other: "Result B",
+  result: "Result", full: "Full volume", truth: "Ground truth", depthmap: "Depthmap", other: "Result 2",
   across: "A plane (across)", along: "B plane (along)", deep: "C plane (at depth)",
 };
 const DEGREES_A_PIXEL = 0.4;
