@@ -70,6 +70,17 @@ def looks(b, what):
     b.devtools("Emulation.setEmulatedMedia", media="", features=[{"name": "prefers-color-scheme", "value": "light"}])
 
 
+def whole_on_paper(b, what):
+    """What scrolls on a screen is not cut off on A4 with margins of 1 cm."""
+    b.devtools("Emulation.setDeviceMetricsOverride", width=718, height=1047, deviceScaleFactor=1, mobile=False)
+    b.devtools("Emulation.setEmulatedMedia", media="print")
+    cut = b.run("return [...document.querySelectorAll('pre, .wide, body')].filter((e) => e.scrollWidth > e.clientWidth + 1)"
+                ".map((e) => e.tagName + ' ' + e.className + ', ' + e.scrollWidth + ' of ' + e.clientWidth + ': ' + e.textContent.slice(0, 60))")
+    assert cut == [], f"{what}, printed: {len(cut)} cut off: {cut[:4]}"
+    b.devtools("Emulation.setEmulatedMedia", media="")
+    b.devtools("Emulation.clearDeviceMetricsOverride")
+
+
 def main():
     for path in sys.argv[1:]:
         with tempfile.TemporaryDirectory() as work:
@@ -78,6 +89,7 @@ def main():
                 b.open("file://" + os.path.abspath(path))
                 b.run("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
                 looks(b, path)
+                whole_on_paper(b, path)
                 tab_order(b, path)
                 lines = b.console()
                 assert lines == [], f"{path}: {lines}"

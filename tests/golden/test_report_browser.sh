@@ -51,7 +51,10 @@ input.focus();
 document.title = ['seen', first !== null, last !== null, first && last && first.src !== last.src,
     last && last.naturalWidth > 0, input.getAttribute('aria-valuetext'), document.activeElement === input,
     document.documentElement.scrollWidth <= window.innerWidth, height <= 15000,
-    Array.from(document.querySelectorAll('svg.plot text')).every(function (t) { return legible(t); })].join(' ');
+    Array.from(document.querySelectorAll('svg.plot text')).every(function (t) { return legible(t); }),
+    Array.from(document.querySelectorAll('.row.wide img')).every(function (i) { return letters(i) >= 8; })].join(' ');
+/* Of the smallest letters: 17 pixels in a map, 19 in the slices, 18 in a strip of views. */
+function letters(i) { return 17 * i.getBoundingClientRect().width / i.naturalWidth; }
 /* The height of the letters of a plot as it stands, which may be turned. */
 function legible(text) {
     var box = text.getBoundingClientRect();
@@ -59,7 +62,7 @@ function legible(text) {
 }
 </script>
 SCRIPT
-for width in 390 1280; do shows "$work/turned.html" $width 1 'true true true true q = 1.5 true true true true'; done
+for width in 390 1280; do shows "$work/turned.html" $width 1 'true true true true q = 1.5 true true true true true'; done
 
 # The demo: pictures with labels in them are not shrunk to a phone's width, and the colours are those that were asked for.
 cat "$work/demo/index.html" - > "$work/seen.html" << 'SCRIPT'

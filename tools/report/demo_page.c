@@ -181,8 +181,9 @@ void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uin
     put_answer(page, out, cases, count);
     hs_page_text(
         page, "Cut is the share of the fetus that is cut by more than two steps of a ray, left the share of "
-              "the rays on which more than two steps of what hides it are left; a step is one slice of "
-              "the volume. Grey is tissue that the surface cuts, or where the scan ends.");
+              "the rays on which more than two steps of the occluder, which hides it, are left; a step is "
+              "one slice "
+              "of the volume. Grey is tissue that the surface cuts, or where the scan ends.");
     hs_page_text(page,
                  "The synthetic cases follow figures of the thesis from which SmartVis comes, Application of "
                  "Smart Visibility on Medical 3D Ultrasound Datasets.");

@@ -132,7 +132,8 @@ static void put_first(hs_page *report, const hs_eval_study *study) {
     first_means(study, mean);
     hs_page_text(
         report,
-        "A case is a volume with its ground truth: the same without what hides the fetus. The renderer goes "
+        "A case is a volume with its ground truth: the same without the occluder, which is what hides the "
+        "fetus. The renderer goes "
         "along every ray of a picture in steps, one slice of the volume each, and the ray ends in the "
         "tissue it meets. The plugin gives a depthmap: for every ray the depth at which the renderer starts. "
         "A method is a way to find it.");
@@ -213,19 +214,6 @@ static void put_terms(hs_page *report, const hs_eval_study *study) {
     hs_page_text(report, text);
 }
 
-static void put_pictures(hs_page *report, const hs_eval_study *study, uint32_t index) {
-    const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
-    hs_page_row_begin(report);
-    hs_eval_page_show(report, study, index, "result.png",
-                      clipped ? "rendering clipped at the plugin's depthmap" : "rendering, not clipped",
-                      clipped ? "Result at the common setting" : "Result at the common setting: not clipped");
-    hs_eval_page_show(
-        report, study, index, "error_rays.png",
-        "error per ray, blue where the fetus is cut, red where an occluder is left",
-        "Error, from -40 to 40 steps: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
-    hs_page_row_end(report);
-}
-
 static void put_slider(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const hs_eval_result *r = &study->result[index];
     const sv_param_info *info = &study->plan.knob.info;
@@ -267,16 +255,25 @@ static void put_numbers(hs_page *report, const hs_eval_study *study, uint32_t in
 }
 
 static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
+    const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
     hs_page_fold_begin(report, study->space[index].name);
-    put_pictures(report, study, index);
     hs_page_row_begin(report);
-    hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
-                      "Clipping depthmap: where the rays start, in mm; hatched: nothing is clipped");
+    hs_eval_page_show(report, study, index, "result.png",
+                      clipped ? "rendering clipped at the plugin's depthmap" : "rendering, not clipped",
+                      clipped ? "Result at the common setting" : "Result at the common setting: not clipped");
     put_slider(report, study, index);
     hs_page_row_end(report);
     hs_page_wide_row_begin(report);
+    hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
+                      "Clipping depthmap: where the rays start, in mm; hatched: nothing is clipped");
+    hs_eval_page_show(
+        report, study, index, "error_rays.png",
+        "error per ray, blue where the fetus is cut, red where an occluder is left",
+        "Error, from -40 to 40 steps: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
+    hs_page_row_end(report);
+    hs_page_wide_row_begin(report);
     hs_eval_page_show(report, study, index, "slices.png", "the result beside three slices",
-                      hs_page_slices_caption(hs_outcome_clips(study->result[index].shown_outcome)));
+                      hs_page_slices_caption(clipped));
     hs_page_row_end(report);
     put_numbers(report, study, index);
     hs_eval_figure_space(report, study, index);
