@@ -211,6 +211,21 @@ static void print_help(void) {
     (void)printf("\n%s", hs_exit_codes_help);
 }
 
+/* What is for Kretz files would do nothing with others. */
+static bool check_files(const request *r, int count, char **files, hs_error *err) {
+    const char *option = r->number > 0            ? "--number"
+                         : r->kretz.mirrored      ? "--mirror"
+                         : r->kretz.spacing > 0.0 ? "--spacing"
+                                                  : NULL;
+    if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no FILE given");
+    if (r->cartesian && (count > 1 || !hs_kretz_is_file(files[0])))
+        return hs_fail(err, HS_ERR_USAGE, "--cartesian %s: is for one Kretz file", r->cartesian);
+    for (int i = 0; option && i < count; i++)
+        if (!hs_kretz_is_file(files[i]))
+            return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files, %s is none", option, files[i]);
+    return true;
+}
+
 int hs_cmd_info(int argc, char **argv) {
     hs_error err = {0};
     request r = {0};
@@ -220,14 +235,7 @@ int hs_cmd_info(int argc, char **argv) {
         print_help();
         return HS_OK;
     }
-    if (first == argc) {
-        (void)hs_fail(&err, HS_ERR_USAGE, "no FILE given");
-        return hs_cli_fail("info", &err);
-    }
-    if (r.cartesian && (argc - first > 1 || !hs_kretz_is_file(argv[first]))) {
-        (void)hs_fail(&err, HS_ERR_USAGE, "--cartesian %s: is for one Kretz file", r.cartesian);
-        return hs_cli_fail("info", &err);
-    }
+    if (!check_files(&r, argc - first, argv + first, &err)) return hs_cli_fail("info", &err);
     for (int i = first; i < argc; i++) {
         const char *path = argv[i];
         const bool ok = hs_kretz_is_file(path) ? print_kretz(path, &r, &err) : print_metaimage(path, &err);

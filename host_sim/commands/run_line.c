@@ -150,7 +150,8 @@ static const hs_option options[] = {
     {"id", "ID", "which of its plugins [the first]\n", HS_OPTION_TEXT, AT(plugin_id), 0, 0, NULL},
     {"map", "FILE",
      "no plugin, but depths from a file (MetaImage, N x N values of --lowres N): mm from the\n"
-     "volume's front; 0 or less clips nothing\n",
+     "volume's front; 0 or less clips nothing. A depthmap.mha of --write counts from the middle of\n"
+     "the first slice: half of its third ElementSpacing less\n",
      HS_OPTION_TEXT, AT(map), 0, 0, NULL},
     {"set", "KEY=VALUE", "a plugin parameter; repeatable; see 'host_sim list'\n", HS_OPTION_TAKEN, 0, 0, 0,
      take_set},
@@ -232,6 +233,30 @@ static const hs_option options[] = {
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
+/* What of a source is for the other kind of it, and would do nothing. */
+static bool check_source(const hs_run_line *line, hs_error *err) {
+    const hs_run_request *r = &line->request;
+    const hs_source_scene *s = &r->scene;
+    const char *of_scene = s->size      ? "--size"
+                           : s->seed    ? "--seed"
+                           : s->volumes ? "--moving"
+                           : s->real    ? "--real"
+                                        : NULL;
+    const char *of_file = r->read.has_window ? "--window" : line->padding_given ? "--padding" : NULL;
+    if (of_scene && r->volume_count > 0)
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for --scene, --volume %s was given", of_scene,
+                       line->volumes[0]);
+    if (of_file && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for --volume, --scene %s was given", of_file, s->name);
+    if (r->scanned.first && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
+                       line->scanned, r->scanned.end);
+    if (r->read.has_probe && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
+                       hs_probe_name(r->read.probe));
+    return true;
+}
+
 /* What can be said before anything is loaded. */
 static bool check_line(const hs_run_line *line, hs_error *err) {
     const hs_run_request *r = &line->request;
@@ -241,9 +266,7 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
                        line->volumes[0]);
     if (!r->scene.name && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "no source: give --volume FILE or --scene NAME");
-    if (r->scanned.first && r->volume_count == 0)
-        return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
-                       line->scanned, r->scanned.end);
+    if (!check_source(line, err)) return false;
     for (uint32_t i = 0; i < r->volume_count; i++) kretz |= hs_kretz_is_file(line->volumes[i]);
     if ((r->kretz.mirrored || r->kretz.spacing > 0.0) && !kretz)
         return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files (--volume FILE.vol)",
@@ -254,9 +277,6 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
         return hs_fail(err, HS_ERR_USAGE, "--map %s: needs --lowres N, the map's pixels across", r->map);
     if (r->scanned.first && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
-    if (r->read.has_probe && r->volume_count == 0)
-        return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
-                       hs_probe_name(r->read.probe));
     if ((r->write || r->write_if || r->reference) && r->loop.orbit != 0)
         return hs_fail(err, HS_ERR_USAGE, "--%s: needs a camera that stands still, --orbit is %g degrees",
                        r->reference ? "reference" : "write", r->loop.orbit);
@@ -276,9 +296,14 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
     *line = (hs_run_line){.out = "out/run", .look = HS_LOOK_LIT};
     hs_run_defaults(&line->request);
     line->request.loop.frames = 30;
+    const hs_source_scene defaults = line->request.scene;
+    line->request.scene = (hs_source_scene){0}; /* what is given shows */
     if (!hs_options_read(argc, argv, options, line, &next, &line->help, err)) return false;
     if (line->help) return true;
     if (!hs_cli_no_more(argc, argv, next, err) || !check_line(line, err)) return false;
+    hs_source_scene *scene = &line->request.scene;
+    if (scene->size == 0) scene->size = defaults.size;
+    if (scene->volumes == 0) scene->volumes = defaults.volumes;
     hs_loop_for_pictures(&line->request.loop, line->look);
     if (line->exposure > 0.0f) line->request.loop.dvr.exposure = line->exposure;
     line->request.volumes = line->volumes;

@@ -68,6 +68,18 @@ expect 2 "--window: 9,7: LOW must be less than HIGH" "${good[@]}" --window 9,7
 expect 2 "--mirror: is for Kretz files" "${good[@]}" --mirror
 expect 2 "--spacing: is for Kretz files" "${run[@]}" --scene D01 --spacing 1
 expect 2 "--spacing: 0 is outside 0.01 .. 100" info --spacing 0 good.mha
+for option in --mirror "--spacing 1" "--number 2"; do
+    # shellcheck disable=SC2086  # an option and its value
+    expect 2 "${option%% *}: is for Kretz files, good.mha is none" info $option good.mha
+done
+for option in "--size 64" "--seed 3" "--moving 2" "--real good.mha"; do
+    # shellcheck disable=SC2086
+    expect 2 "${option%% *}: is for --scene, --volume good.mha was given" "${good[@]}" $option
+done
+for option in "--window 3,4" "--padding all"; do
+    # shellcheck disable=SC2086
+    expect 2 "${option%% *}: is for --volume, --scene D01 was given" "${run[@]}" --scene D01 $option
+done
 expect 2 "--map map.mha: needs --lowres N" "${run[@]}" --volume good.mha --map map.mha
 expect 2 "--map map.mha: takes the place of --plugin, --id and --set" "${good[@]}" --map map.mha --lowres 16 --set q=0
 expect 2 "own queue: needs carrier host, got image" "${good[@]}" --own-queue --carrier image

@@ -36,7 +36,8 @@ static void print_help(void) {
     printf("Usage: host_sim measure [options] MAP...\n"
            "Measures depthmaps that were made elsewhere, as 'report' measures a plugin's, and prints JSON.\n"
            "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
-           "low-resolution volume, 0 or less clips nothing. '-' is the map that clips nothing at all.\n"
+           "low-resolution volume (the mm of run --write depthmap by its third ElementSpacing), 0 or less\n"
+           "clips nothing. '-' is the map that clips nothing at all.\n"
            "\n");
     hs_options_print(options);
     printf("\n%s", hs_exit_codes_help);
