@@ -12,6 +12,7 @@
 enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MOST_RAYS = 4096, LINES = 10000 };
 static int refused_a_slab; /* since activate */
 static uint32_t adjusted;  /* since begin */
+static const void *voxels; /* of the slab that was last */
 static double shared[PARAMS];
 static float scratch[MOST_RAYS];
 static char old_reason[256];
@@ -157,6 +158,7 @@ static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
     }
     if (!s || s->size < sizeof *s || a->state != SVA_SLABS) return sva_slab(plugin, s);
     taken = *s;
+    voxels = s->memory;
     if (WRONG_IS(crash_in_slab)) wrong_crash();
     if (WRONG_IS(abort_in_slab)) abort();
     for (int i = 0; i < LINES && WRONG_IS(logs_without_end); i++)
@@ -167,6 +169,8 @@ static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
     if (WRONG_IS(takes_short_memory) && s->bytes > 0) taken.bytes = UINT64_MAX / 2;
     const sv_status status = sva_slab(plugin, &taken);
     refused_a_slab |= status < 0;
+    for (int number = 0; number < MOST_OPEN && status < 0 && WRONG_IS(closes_when_refused); number++)
+        (void)close(number);
     return status;
 }
 
@@ -206,6 +210,8 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
 static sv_status adjust(const sv_plugin *plugin, const sv_param_value *values, uint32_t count,
                         const sv_result *result) {
     const sv_status status = sva_adjust(plugin, values, count, result);
+    if (WRONG_IS(forks_in_adjust) && count > 0) leave_a_process();
+    if (WRONG_IS(writes_in_adjust)) *(uint8_t *)(uintptr_t)voxels ^= 1;
     adjusted += status >= 0;
     return status;
 }

@@ -153,6 +153,9 @@
     WRONG(lowers_limits, life, process-untouched, "activate lowers the limit of open files") \
     WRONG(forks, life, process-untouched, "end comes back twice, from a fork") \
     WRONG(forks_session, life, process-untouched, "end leaves a process in a session of its own behind") \
+    WRONG(closes_when_refused, life, slab-refusals, "slab closes descriptors 0 to 1023 when it refuses a slab") \
+    WRONG(forks_in_adjust, life, adjust-equals-frame, "adjust with a value leaves a process behind") \
+    WRONG(writes_in_adjust, life, inputs-unchanged, "adjust writes into the host's voxels") \
     WRONG(prints, life, process-untouched, "slab prints to the standard output") \
     WRONG(frame_allocates, life, frame-path-heap, "begin allocates memory") \
     WRONG(ignores_no_memory, life, heap-faults, "activate does not look whether it got its memory") \

@@ -6,7 +6,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A frame of what the rig's stage holds, which must be the same behind it. */
+/* The call that has just returned left the host's memory as it was. */
+static void expect_inputs(v_stage *st, uint64_t before) {
+    V_EXPECT(st->run, before == v_stage_inputs(st), "%s changes the host's voxels, ranges or format",
+             st->run->report->where);
+}
+
+/* A frame of what the rig's stage holds, which must be the same behind every call. */
 static void inputs_stay(v_rig *r) {
     v_run *run = r->s.run;
     const sv_plugin *p = r->s.plugin;
@@ -19,20 +25,23 @@ static void inputs_stay(v_rig *r) {
     v_where(run, "begin");
     sv_status status = p->begin(p, &frame);
     V_EXPECT(run, memcmp(&frame, &frame_before, sizeof frame) == 0, "begin writes into sv_frame");
+    expect_inputs(st, before);
     for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) {
         const sv_slab slab = v_stage_slab(st, n), slab_before = slab;
         v_where(run, "slab %u", n);
         status = p->slab(p, &slab);
         V_EXPECT(run, memcmp(&slab, &slab_before, sizeof slab) == 0, "slab writes into sv_slab");
+        expect_inputs(st, before);
     }
     v_where(run, "end");
     if (status >= 0) status = p->end(p, &result);
     V_EXPECT(run, status >= 0, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
     V_EXPECT(run, memcmp(&result, &result_before, sizeof result) == 0, "end writes into sv_result");
-    v_map map;
-    v_collect(st, status, &map);
-    v_map_free(&map);
-    V_EXPECT(run, before == v_stage_inputs(st), "the frame changes the host's voxels, ranges or format");
+    expect_inputs(st, before);
+    if (!(r->s.descriptor->features & SV_FEATURE_ADJUST)) return;
+    status = v_adjust(p, st, NULL, 0);
+    V_EXPECT(run, status >= 0, "adjust: %s: %s", v_status(status), p->last_error(p));
+    expect_inputs(st, before);
 }
 
 /* In memory, and in every kind of object that the plugin takes: its queue can write there. */

@@ -169,6 +169,7 @@ static void *work(void *context) {
 static void prepare(v_subject *s, worker *w, const v_way *way, uint32_t n) {
     w->run = *s->run;
     w->run.report = &w->report;
+    w->run.watch = NULL; /* it belongs to one thread */
     w->s = s;
     w->plugin = n == 0 ? s->plugin : v_another(s);
     if (!way->own_queue) v_device_open(s->run, &w->device);
