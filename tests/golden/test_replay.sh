@@ -55,6 +55,22 @@ holds code 0 replay "$work/ring" --out "$work/pictures" --frame 2
 holds test -s "$work/pictures/panel.png" -a -s "$work/pictures/slices.png"
 holds code 3 replay "$work/empty" --out "$work/pictures"
 
+# --- what is no recording, and what cannot be said
+mkfifo "$work/pipe"
+in_time() { timeout 60 "$build/sv_replay" "$@" > "$work/said" 2>&1; }
+for no in "$work/pipe" "$work" /dev/zero; do
+    holds code 3 in_time "$no"
+    holds says "^sv_replay: $no: not a regular file"
+done
+holds code 2 replay "$work/ring" --frame 2
+holds says 'frame 2: is for --out FOLDER'
+full() { "$build/sv_replay" "$@" > /dev/full 2> "$work/said"; }
+if [ -w /dev/full ]; then
+    holds code 6 full "$work/ring"
+    holds says 'standard output cannot be written'
+    holds code 6 full "$work/ring" --list
+fi
+
 # --- a plugin that crashes: in the recording, and on it
 { record "$work/crash" "" "$build/wrong/crash_in_slab.so" --frames 3; } 2> /dev/null
 holds code 3 replay "$work/crash"

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define NO_FRAME UINT32_MAX /* of no slab that can be read */
 
@@ -46,6 +47,12 @@ rec_reader *rec_reader_open(const char *path, char *error, size_t bytes) {
     }
     r->next = NO_FRAME;
     (void)snprintf(r->path, sizeof r->path, "%s", path);
+    struct stat kind;
+    if (stat(path, &kind) == 0 && !S_ISREG(kind.st_mode)) { /* a pipe would be waited for */
+        (void)snprintf(error, bytes, "%s: not a regular file", path);
+        rec_reader_close(r);
+        return NULL;
+    }
     r->file = fopen(path, "rb");
     long size = -1;
     if (r->file && fseek(r->file, 0, SEEK_END) == 0) size = ftell(r->file);
