@@ -21,6 +21,7 @@ map zero.mha 32 '\0000\0000\0000\0000'   # 0: clips nothing
 map behind.mha 32 '\0000\0000\0170\0102' # 62: behind everything
 map other.mha 16 '\0000\0000\0000\0000'
 map nan.mha 32 '\0000\0000\0300\0177'
+map far.mha 32 '\0000\0000\0310\0102' # 100: beyond twice the volume
 
 "$host_sim" measure "${case[@]}" - zero.mha behind.mha > out.json
 holds [ $? -eq 0 ]
@@ -43,6 +44,7 @@ refused 2 "--colour: not an option" --colour
 refused 3 "none.mha" "${case[@]}" none.mha
 refused 3 "other.mha" "${case[@]}" other.mha
 refused 3 "voxel (0, 0, 0)" "${case[@]}" nan.mha
+refused 3 "far.mha: the depth of pixel (0, 0) is 100, expected twice 32 slices at most" "${case[@]}" far.mha
 refused 3 "Z99" --case Z99 -
 
 # Kretz files with their truth and labels: what clips nothing leaves all occluders, what clips all cuts all of the fetus.

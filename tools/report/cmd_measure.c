@@ -49,13 +49,21 @@ static bool parse(int argc, char **argv, request *r, hs_error *err) {
     return r->help || r->first < argc || hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
 }
 
-/* The map of a file, as the table takes it. False if it cannot be read or a value is not finite. */
+/* The map of a file, as the table takes it. False if it cannot be read, or if the host would not render with
+ * it: a value is not finite, or lies beyond twice the volume. */
 static bool read_map(const char *path, const hs_eval_table *table, float *map, hs_error *err) {
     const size_t pixels = (size_t)table->width * table->height;
     double *values = calloc(pixels, sizeof *values);
     if (!values) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, pixels);
     bool ok = hs_metaimage_read_map(path, table->width, table->height, values, err);
-    for (size_t i = 0; ok && i < pixels; i++) map[i] = (float)values[i];
+    const double slices = (double)((float)table->steps / table->steps_per_slice);
+    for (size_t i = 0; ok && i < pixels; i++) {
+        map[i] = (float)values[i];
+        if (fabs(values[i]) > 2.0 * slices)
+            ok = hs_fail(err, HS_ERR_INPUT,
+                         "%s: the depth of pixel (%zu, %zu) is %g, expected twice %g slices at most", path,
+                         i % table->width, i / table->width, values[i], slices);
+    }
     free(values);
     return ok;
 }
