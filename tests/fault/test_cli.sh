@@ -94,6 +94,7 @@ expect 2 "the device allows" "${good[@]}" --lowres 1200 --carrier image --slab 1
 expect 2 "not an option" list --everything
 expect 2 "no FILE given" info
 expect 2 "'x': unexpected argument" demo x
+expect 2 "--seeds 7: is for --compare" report --seeds 7
 expect 2 "--picture: 63 is outside 64 .. 1024" demo --picture 63
 
 # ------------------------------------------------------------------------------- exit code 3: input

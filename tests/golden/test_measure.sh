@@ -41,6 +41,9 @@ refused() { # refused CODE WORDS ARGUMENTS...
 refused 2 "no depthmap was given" "${case[@]}"
 refused 2 "--size: 7 is outside" --size 7 -
 refused 2 "--colour: not an option" --colour
+refused 2 "--size: is for scenes, --case a,b,c names files" --case a,b,c --size 64 -
+refused 2 "--seed: is for scenes, --case a,b,c names files" --case a,b,c --seed 2 -
+refused 2 "--real x.mha: is for --case real, not E01" --case E01 --real x.mha -
 refused 3 "none.mha" "${case[@]}" none.mha
 refused 3 "other.mha" "${case[@]}" other.mha
 refused 3 "voxel (0, 0, 0)" "${case[@]}" nan.mha

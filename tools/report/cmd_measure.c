@@ -43,10 +43,24 @@ static void print_help(void) {
     printf("\n%s", hs_exit_codes_help);
 }
 
+/* What is for scenes would do nothing with files, and a volume nothing with a synthetic scene. */
+static bool check_case(const hs_eval_request *of, hs_error *err) {
+    const char *option = of->size ? "--size" : of->seed ? "--seed" : of->real ? "--real" : NULL;
+    if (option && strchr(of->name, ','))
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for scenes, --case %s names files", option, of->name);
+    if (of->real && strcmp(of->name, "real") != 0)
+        return hs_fail(err, HS_ERR_USAGE, "--real %s: is for --case real, not %s", of->real, of->name);
+    return true;
+}
+
 static bool parse(int argc, char **argv, request *r, hs_error *err) {
-    *r = (request){.of = {.name = "D01", .size = 384}};
+    *r = (request){.of = {.name = "D01"}};
     if (!hs_options_read(argc, argv, options, r, &r->first, &r->help, err)) return false;
-    return r->help || r->first < argc || hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
+    if (r->help) return true;
+    if (r->first == argc) return hs_fail(err, HS_ERR_USAGE, "no depthmap was given");
+    if (!check_case(&r->of, err)) return false;
+    if (r->of.size == 0) r->of.size = 384;
+    return true;
 }
 
 /* The map of a file, as the table takes it. False if it cannot be read, or if the host would not render with

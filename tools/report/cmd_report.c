@@ -124,7 +124,7 @@ static const hs_option options[] = {
 };
 
 bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help, hs_error *err) {
-    *o = (hs_eval_options){.out = "out/report", .size = 384, .shard = {0, 1}, .frames = 20, .seeds = 3};
+    *o = (hs_eval_options){.out = "out/report", .size = 384, .shard = {0, 1}, .frames = 20};
     hs_guard_defaults(&o->guard);
     hs_dvr_settings drawing;
     hs_dvr_defaults(&drawing);
@@ -133,6 +133,9 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
     int next = argc;
     if (!hs_options_read(argc, argv, options, o, &next, help, err)) return false;
     if (*help) return true;
+    if (o->seeds > 0 && o->compare_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--seeds %u: is for --compare", o->seeds);
+    if (o->seeds == 0) o->seeds = 3;
     if (o->case_count == 0 && !append_group("the cases", HS_SCENES_THESIS, o, err)) return false;
     if (o->merge && o->shard.count > 1)
         return hs_fail(err, HS_ERR_USAGE, "--merge and --shard: the shards are computed first, then merged");
