@@ -336,7 +336,7 @@ def _value_list(values: dict[int, float]) -> Any:
 def _checked_shape(shape: Sequence[int]) -> Shape:
     if not isinstance(shape, (Sequence, np.ndarray)):
         raise TypeError(f"shape={shape!r}: expected slices, height and width, each 1 .. 8192")
-    if len(shape) != 3 or not all(1 <= int(n) <= 8192 for n in shape):
+    if len(shape) != 3 or not all(1 <= n <= 8192 and n == int(n) for n in shape):
         raise ValueError(f"shape={tuple(shape)}: expected slices, height and width, each 1 .. 8192")
     return int(shape[0]), int(shape[1]), int(shape[2])
 

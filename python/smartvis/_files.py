@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import glob
 import gzip
 import math
@@ -66,6 +67,8 @@ class Source:
             if ask_first and self.path.is_file():
                 self._ask_host()
             self._open()
+        except OSError as error:
+            raise _unreadable(self.path, error) from None
         except RuntimeError as error:
             self._ask_host()  # its reason is the better one
             raise FileError(f"{self.path}: {_reason(error)}") from None
@@ -106,6 +109,8 @@ class Source:
         for inside in self.path.iterdir():
             if inside.exists() and not inside.is_file() and not inside.is_dir():
                 raise FileError(f"{inside}: not a regular file")
+            if inside.exists() and not os.access(inside, os.R_OK):  # GDCM would leave the slice out
+                raise FileError(f"{inside}: cannot be read: {os.strerror(errno.EACCES)}")
         finder, folder = _images.sitk().ImageSeriesReader, str(self.path)
         for name in finder.GetGDCMSeriesIDs(folder):
             files = finder.GetGDCMSeriesFileNames(folder, name)
@@ -204,6 +209,8 @@ class Source:
         try:
             with _no_warning(None if self._series else self.path):
                 return self._read(number)
+        except OSError as error:
+            raise _unreadable(self.path, error) from None
         except RuntimeError as error:
             raise FileError(f"{self.path}: {_reason(error)}") from None
 
@@ -358,6 +365,10 @@ def _libtiff(said: list[str]) -> Iterator[None]:
                     print(line, file=sys.stderr)  # not libtiff's
                 elif "Warning" not in line or "IO error" in line:
                     said.append(line)
+
+
+def _unreadable(path: Path, error: OSError) -> FileError:
+    return FileError(f"{error.filename or path}: cannot be read: {error.strerror or error}")
 
 
 def _reason(error: RuntimeError) -> str:

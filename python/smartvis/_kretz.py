@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import mmap
+import os
 import re
 import tempfile
 from pathlib import Path
@@ -23,12 +24,15 @@ def is_one(path: Path) -> bool:
 
 def split(folder: Path) -> list[Path]:
     """The Kretz volumes in DICOM of a folder, and the folder itself if it holds other DICOM or nothing of that."""
-    dicom = [path for path in sorted(folder.iterdir()) if path.is_file() and _begins(path, _MARK, b"DICM")]
+    inside = sorted(folder.iterdir()) if os.access(folder, os.R_OK | os.X_OK) else []
+    dicom = [path for path in inside if path.is_file() and _begins(path, _MARK, b"DICM")]
     whole = [path for path in dicom if _is_wrapped(path)]
     return whole if whole and len(whole) == len(dicom) else [*whole, folder]
 
 
 def _begins(path: Path, at: int, mark: bytes) -> bool:
+    if not os.access(path, os.R_OK):
+        return False  # who reads it then says why not
     with open(path, "rb") as file:
         file.seek(at)
         return file.read(len(mark)) == mark

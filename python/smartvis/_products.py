@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,8 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
         from skimage.measure import marching_cubes
     except ImportError:
         raise MissingExtraError("scikit-image", "files", "a mesh") from None
+    if level is not None and not math.isfinite(level):
+        raise ValueError(f"level={level}, expected a finite grey value")
     volume = _images.array(image)
     if level is None:
         if volume.min() == volume.max():

@@ -103,6 +103,10 @@ class Result:
             raise ValueError(f"volume has shape {volume.shape}, what was clipped had {self.camera.source_shape}")
         if fill is None:
             fill = 0 if volume.dtype == np.uint8 else volume.min()
+        elif volume.dtype.kind in "ui":
+            least, most = np.iinfo(volume.dtype).min, np.iinfo(volume.dtype).max
+            if not (least <= fill <= most and fill == int(fill)):
+                raise ValueError(f"fill={fill}, expected a value of {volume.dtype}")
         return np.where(self.mask(), volume, volume.dtype.type(fill))
 
     def picture(self, volume: Any = None, kind: str = "panel", size: int = 512) -> Picture:

@@ -86,7 +86,7 @@ def _configured() -> Any:
 
 def find_files(paths: Sequence[str]) -> list[Path]:
     """The files named, and of folders all below them with a suffix of a volume. A folder's DICOM slices are one
-    volume. FileError: a path is not there."""
+    volume; one that cannot be read stands for itself, so that it is told. FileError: a path is not there."""
     found: list[Path] = []
     for path in map(Path, paths):
         if not path.exists():
@@ -94,7 +94,14 @@ def find_files(paths: Sequence[str]) -> list[Path]:
         if not path.is_dir():
             found.append(path)
             continue
-        inside = sorted(p for p in path.rglob("*") if not p.is_dir() and p.name.lower().endswith(SUFFIXES))
+        closed: list[OSError] = []
+        inside = sorted(
+            Path(folder, name)
+            for folder, _, names in os.walk(path, onerror=closed.append)
+            for name in names
+            if name.lower().endswith(SUFFIXES)
+        )
+        found += [Path(error.filename) for error in closed]
         slices = {p.parent for p in inside if p.suffix.lower() == ".dcm"}
         found += [p for p in inside if p.suffix.lower() != ".dcm"]
         found += [part for folder in sorted(slices) for part in _kretz.split(folder)]

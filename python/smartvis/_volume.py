@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) ->
     if window is None:
         low, high = float(volume.min()), float(volume.max())
     else:
+        if len(window) != 2 or not -math.inf < float(window[0]) < float(window[1]) < math.inf:
+            raise ValueError(f"window={tuple(window)}, expected two finite numbers, the lower first")
         low, high = float(window[0]), float(window[1])
     if not (np.isfinite(low) and np.isfinite(high)):
         at = np.argwhere(~np.isfinite(volume))

@@ -8,6 +8,7 @@ import argparse
 import contextlib
 import json
 import logging
+import math
 import os
 import sys
 from collections import Counter
@@ -41,6 +42,22 @@ def numbers(count: int) -> Any:
     return parse
 
 
+def window_of(text: str) -> tuple[float, float]:
+    """An argparse type: two finite numbers, the lower first."""
+    low, high = numbers(2)(text)
+    if not -math.inf < low < high < math.inf:
+        raise argparse.ArgumentTypeError(f"'{text}', expected two finite numbers, the lower first")
+    return low, high
+
+
+def finite(text: str) -> float:
+    """An argparse type: a finite number."""
+    number: float = numbers(1)(text)[0]
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"'{text}', expected a finite number")
+    return number
+
+
 def view_of(text: str) -> tuple[float, ...] | str:
     """An argparse type: a place around the patient, or a direction."""
     if text in PLACES:
@@ -63,7 +80,7 @@ def add_clip_options(parser: argparse.ArgumentParser, scanned: str = "auto") -> 
         type=view_of,
         help=f"where the camera is, {', '.join(PLACES)}, or looks, X,Y,Z [probe]",
     )
-    parser.add_argument("--window", metavar="LOW,HIGH", type=numbers(2), help="values that become 0 and 255")
+    parser.add_argument("--window", metavar="LOW,HIGH", type=window_of, help="values that become 0 and 255")
     parser.add_argument(
         "--scanned",
         choices=("auto", "rays", "all"),
@@ -77,7 +94,7 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     """The options of what writes files."""
     parser.add_argument("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
     parser.add_argument("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
-    parser.add_argument("--level", type=float, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
+    parser.add_argument("--level", type=finite, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
     parser.add_argument("--mirror", action="store_true", help="Kretz volumes: the other side, as of host_sim")
 
 
@@ -92,6 +109,8 @@ def settings_of(args: argparse.Namespace) -> Settings:
     for product in products:
         if product not in PRODUCTS:
             raise ValueError(f"--write: '{product}' is none of {', '.join(PRODUCTS)}")
+    if "write" in args and not products:
+        raise ValueError(f"--write: '{args.write}' names none of {', '.join(PRODUCTS)}")
     return Settings(
         parameters={k: v if known[k].choices else float(v) for k, v in values.items()},
         view=args.view,
@@ -159,10 +178,17 @@ def make_folder(path: str) -> Path:
     return folder
 
 
+def check_mirror(settings: Settings, files: Sequence[Path]) -> None:
+    """ValueError if nothing could be mirrored."""
+    if settings.mirror and not any(path.is_file() and _kretz.is_one(path) for path in files):
+        raise ValueError("--mirror: is for Kretz volumes, and none was given")
+
+
 def command_clip(args: argparse.Namespace) -> int:
     """Clips files."""
     settings = settings_of(args)
     files = [part for path in map(Path, args.file) for part in (_kretz.split(path) if path.is_dir() else [path])]
+    check_mirror(settings, files)
     sources = [Source(path, ask_first=True, mirror=settings.mirror) for path in files]
     taken: dict[str, Path] = {}
     for source in sources:
@@ -220,6 +246,7 @@ def command_batch(args: argparse.Namespace) -> int:
     files = _study.find_files(args.folder)
     if not files:
         raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(_study.SUFFIXES)}")
+    check_mirror(settings, files)
     out = make_folder(args.out)
     with (
         _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
@@ -311,8 +338,8 @@ def parser_of() -> argparse.ArgumentParser:
         "--host", default="127.0.0.1", help="address to listen at; who can reach it can use it [127.0.0.1]"
     )
     serve.add_argument("--port", type=int, default=18944, help="[18944]; 0: any, which is printed")
-    serve.add_argument("--limit", type=int, default=512, help="MiB of the longest message [512]")
-    serve.add_argument("--clients", type=int, default=8, help="connections at a time [8]")
+    serve.add_argument("--limit", type=positive, default=512, help="MiB of the longest message [512]")
+    serve.add_argument("--clients", type=positive, default=8, help="connections at a time [8]")
     add_clip_options(serve, scanned="rays")
     serve.set_defaults(run=command_serve)
 

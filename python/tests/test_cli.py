@@ -14,6 +14,8 @@ from conftest import LONG, host_sim, write_dicom
 import smartvis
 from smartvis.cli import main
 
+PROGRAM = str(Path(sys.executable).with_name("smartvis"))
+
 
 @pytest.fixture
 def image(volume: np.ndarray):
@@ -168,9 +170,6 @@ def test_parameters_are_listed(capsys) -> None:
     assert main(["parameters"]) == 0 and "method" in capsys.readouterr().out
 
 
-PROGRAM = str(Path(sys.executable).with_name("smartvis"))
-
-
 def test_what_goes_wrong_is_said_once(tmp_path: Path, image) -> None:
     """As a program: what its logger, a full disk and the interpreter's end say is part of it."""
     sitk.WriteImage(image, str(tmp_path / "head.nrrd"))
@@ -199,6 +198,28 @@ def test_a_folder_that_cannot_be_written_is_6(tmp_path: Path, image, monkeypatch
         assert main([command, str(path), "--out", str(out), "--write", "clipped"]) == 6
         monkeypatch.undo()
         assert str(out) in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        (["clip", "{}", "--window", "nan,1"], "two finite numbers, the lower first"),
+        (["clip", "{}", "--window", "5,1"], "two finite numbers, the lower first"),
+        (["clip", "{}", "--level", "nan"], "'nan', expected a finite number"),
+        (["clip", "{}", "--write", ","], "--write: ',' names none of"),
+        (["clip", "{}", "--mirror"], "--mirror: is for Kretz volumes"),
+        (["batch", "{}", "--mirror"], "--mirror: is for Kretz volumes"),
+        (["serve", "--port", "0", "--limit", "-1"], "'-1', expected a whole number above 0"),
+        (["serve", "--port", "0", "--clients", "0"], "'0', expected a whole number above 0"),
+        (["serve", "--port", "0", "--window", "9,1"], "two finite numbers, the lower first"),
+    ],
+)
+def test_options_that_would_do_nothing_are_refused(tmp_path: Path, image, option: list[str], words: str) -> None:
+    sitk.WriteImage(image, str(tmp_path / "head.nrrd"))
+    command = [PROGRAM, *(part.format("head.nrrd") for part in option)]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=LONG, check=False)
+    assert ended.returncode == 2 and words in ended.stderr, ended.stderr
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("others", [["head.nii.gz"], ["head.nrrd"], ["below/head.nrrd"]])

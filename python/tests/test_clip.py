@@ -188,12 +188,21 @@ def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
         ({"scanned": "fan"}, "scanned='fan'"),
         ({"scanned": np.ones((2, 2, 2), bool)}, "scanned has shape (2, 2, 2)"),
         ({"scanned": (np.ones((2, 2)), np.ones((2, 2)))}, "scanned maps of (2, 2)"),
-        ({"window": (5, 5)}, "5 .. 5 have no range"),
+        ({"window": (5, 5)}, "window=(5, 5), expected two finite numbers, the lower first"),
+        ({"window": (np.nan, 5)}, "window=(nan, 5), expected two finite numbers"),
+        ({"window": (1, 2, 3)}, "window=(1, 2, 3), expected two finite numbers"),
     ],
 )
 def test_wrong_values_are_named(volume: np.ndarray, keywords: dict, words: str) -> None:
     with pytest.raises(ValueError, match=re.escape(words)):
         smartvis.clip(volume, **({"spacing": (1, 1, 1)} | keywords))
+
+
+@pytest.mark.parametrize("fill", [256, -1, 0.5, np.nan])
+def test_a_fill_that_the_type_cannot_hold_is_named(volume: np.ndarray, fill: float) -> None:
+    result = smartvis.clip(volume, spacing=(1, 1, 1), method="cost")
+    with pytest.raises(ValueError, match=f"fill={fill}, expected a value of uint8"):
+        result.apply(volume, fill=fill)
 
 
 def test_volumes_that_are_none_are_refused() -> None:

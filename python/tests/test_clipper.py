@@ -160,6 +160,8 @@ def test_wrong_calls_are_named(volume: np.ndarray) -> None:
             clipper(volume, np.zeros((48, 56), np.int64))
     with pytest.raises(ValueError, match="each 1 .. 8192"):
         Clipper((0, 1, 1))
+    with pytest.raises(ValueError, match=r"shape=\(64, 48.5, 56\): expected slices, height and width"):
+        Clipper((64, 48.5, 56), (1, 1, 1))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="shape=None: expected slices, height and width"):
         Clipper(None)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="C-contiguous"):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import BUILD, LONG
+from conftest import BUILD, LONG, write_dicom
 
 from smartvis.cli import main
 
@@ -159,6 +159,53 @@ def test_tiff_that_is_cut_or_damaged_is_refused(inside: Path) -> None:
     with open(inside / "out" / "table.csv", newline="") as file:
         states = {Path(row["file"]).name: row["state"] for row in csv.DictReader(file)}
     assert states == {"good.tif": "ok"} | dict.fromkeys(wrong, "input")
+
+
+@pytest.fixture
+def without_rights() -> list[str]:
+    """What a command begins with that must ask for its rights, as root's need not."""
+    drop = "-dac_override,-dac_read_search"
+    command = ["setpriv", f"--bounding-set={drop}", f"--inh-caps={drop}"] if os.geteuid() == 0 else []
+    if command and subprocess.run([*command, "true"], capture_output=True, timeout=LONG, check=False).returncode != 0:
+        pytest.skip("setpriv cannot drop root's rights here")
+    return command
+
+
+def test_what_must_not_be_read_is_told(inside: Path, without_rights: list[str]) -> None:
+    """Neither does it stop a batch, nor is it left out without a word."""
+    (inside / "pipe").unlink()
+    image = sitk.GetImageFromArray(np.frombuffer(VOXELS, np.uint8).reshape(16, 16, 16))
+    sitk.WriteImage(image, str(inside / "good.nrrd"))
+    last = min(write_dicom(inside / "slices", image))
+    (inside / "shut").mkdir()
+    for name in ("closed.nrrd", "closed.mha", "closed.vol", "shut/hidden.nrrd"):
+        (inside / name).write_bytes(b"")
+    closed = [inside / "closed.nrrd", inside / "closed.mha", inside / "closed.vol", inside / "shut", last]
+    for path in closed:
+        path.chmod(0)
+    for path in (*closed[:-1], inside / "slices"):
+        name = f"slices/{last.name}" if path.name == "slices" else path.name
+        refused(path, f"{name}: cannot be read: ", [*without_rights, *CLIP])
+    command = [*without_rights, *CLIP[:4], "batch", str(inside), "--out", str(inside / "out"), "--workers", "1"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=LONG, check=False)
+    (inside / "shut").chmod(0o700)
+    with open(inside / "out" / "table.csv", newline="") as file:
+        rows = {Path(row["file"]).name: row for row in csv.DictReader(file)}
+    assert ended.returncode == 1, ended.stderr
+    assert {name: row["state"] for name, row in rows.items()} == {
+        "good.nrrd": "ok", "closed.nrrd": "input", "closed.mha": "input", "closed.vol": "input", "shut": "input",
+        "slices": "input"}  # fmt: skip
+    assert all("cannot be read" in row["reason"] for row in rows.values() if row["state"] != "ok"), rows
+
+
+@pytest.mark.parametrize("name", ["clip", "batch"])
+def test_a_folder_that_must_not_be_written_is_6(inside: Path, without_rights: list[str], name: str) -> None:
+    (inside / "good.mha").write_bytes(meta())
+    (inside / "out").mkdir(0o500)
+    command = [*without_rights, *CLIP[:4], name, "good.mha", "--out", "out"]
+    ended = subprocess.run(command, cwd=inside, capture_output=True, text=True, timeout=LONG, check=False)
+    said = ended.stdout + ended.stderr
+    assert ended.returncode == 6 and "Permission denied" in said and "Traceback" not in said, said
 
 
 def test_links_that_stay_in_the_folder_are_read(inside: Path) -> None:
