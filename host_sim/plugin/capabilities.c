@@ -5,7 +5,8 @@
 
 bool hs_plugin_takes(const sv_descriptor *d, hs_handover how) {
     const uint32_t queue = how.own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST;
-    return (d->voxel_types & SV_BIT(SV_VOXEL_U8)) && (d->carriers & SV_BIT(how.carrier)) &&
+    const bool known = how.carrier >= SV_CARRIER_HOST && how.carrier <= SV_CARRIER_IMAGE;
+    return known && (d->voxel_types & SV_BIT(SV_VOXEL_U8)) && (d->carriers & SV_BIT(how.carrier)) &&
            (d->queues & queue);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The plugin loader: what it accepts, and what it says about everything else. */
+#include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
 
 #include <setjmp.h>
@@ -226,6 +227,17 @@ static void a_failed_call_is_told_with_path_call_status_and_reason(void **state)
         strstr(err.text, "plane.so: adjust: SV_ERR_STATE (-20): adjust: the instance is inactive"));
 }
 
+/* A recording may name any carrier: 0 and 33 are none, even where a shift by 33 is one by 1. */
+static void carriers_that_are_none_are_not_taken(void **state) {
+    const sv_descriptor all = {.carriers = UINT32_MAX, .voxel_types = UINT32_MAX, .queues = UINT32_MAX};
+    static const uint32_t none[] = {0, 4, 31, 32, 33, 34, 16385, UINT32_MAX};
+    (void)state;
+    for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++)
+        assert_true(hs_plugin_takes(&all, (hs_handover){carrier, false}));
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++)
+        assert_false(hs_plugin_takes(&all, (hs_handover){none[i], false}));
+}
+
 static void every_status_has_its_name(void **state) {
     (void)state;
     assert_string_equal(hs_status_name(SV_OK), "SV_OK");
@@ -250,6 +262,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_failed_call_is_told_with_path_call_status_and_reason, open_plane,
                                         close_plane),
         cmocka_unit_test(an_enum_may_leave_values_out),
+        cmocka_unit_test(carriers_that_are_none_are_not_taken),
         cmocka_unit_test(every_status_has_its_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
