@@ -3,6 +3,7 @@
 
 import csv
 import gzip
+import importlib
 import math
 import os
 import struct
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import BUILD, LONG, write_dicom
+from conftest import BUILD, LONG, SOURCE, write_dicom
 
 from smartvis.cli import main
 
@@ -116,6 +117,27 @@ def test_every_door_refuses(inside: Path, name: str) -> None:
     if name.endswith((".mha", ".mhd")) and name != "invalid.mha":  # the host leaves the invalid volume out
         for door in OF_HOST:
             refused(inside / name, words, door)
+
+
+def test_the_console_refuses_them_and_goes_on(inside: Path, monkeypatch) -> None:
+    """The last of the doors: one page asks for all of them in turn, and then for one that is right."""
+    monkeypatch.syspath_prepend(str(SOURCE / "tests" / "console"))
+    client = importlib.import_module("console_client")
+    names = [name for name in HOSTILE if name.endswith((".mha", ".mhd")) and name != "invalid.mha"]
+    for name in names:
+        (inside / name).write_bytes(HOSTILE[name][0])
+    (inside / "right.mha").write_bytes(meta())
+    console = client.Console(str(BUILD), [str(inside), "--plugin", str(BUILD / "examples" / "first_edge.so"), "--stay"])
+    try:
+        page = client.Page(console, timeout=LONG)
+        for name in [*names, "right.mha"]:
+            said = page.show(source={"folder": 0, "path": name, "from": "probe"})
+            assert said["type"] == ("frame" if name == "right.mha" else "refused"), (name, said)
+            if name in HOSTILE:
+                assert HOSTILE[name][1] in said["text"] and name in said["text"], said
+                assert str(inside) not in said["text"], said
+    finally:
+        console.end()
 
 
 def test_a_batch_of_them_is_a_table(inside: Path) -> None:
