@@ -10,7 +10,6 @@
 #include "report/report.h"
 #include "smartvis_plugin.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -58,13 +57,6 @@ static void print_version(void) {
                  (unsigned)SV_ABI_MINOR);
 }
 
-/* What was printed must have arrived: on a full disk it did not, and only the last flush may tell. */
-static int finish_output(int code) {
-    if (fflush(stdout) == 0 && ferror(stdout) == 0) return code;
-    (void)fprintf(stderr, "host_sim: the standard output cannot be written: %s\n", strerror(errno));
-    return code == HS_OK ? HS_ERR_OUTPUT : code;
-}
-
 static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
@@ -91,5 +83,5 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    return finish_output(run(argc, argv));
+    return hs_cli_finish("host_sim", run(argc, argv));
 }

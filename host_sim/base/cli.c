@@ -93,6 +93,15 @@ int hs_cli_fail(const char *command, const hs_error *err) {
     return (int)err->code;
 }
 
+int hs_cli_finish(const char *program, int code) {
+    static bool told; /* it fails again with every flush */
+    if (fflush(stdout) == 0 && ferror(stdout) == 0) return code;
+    if (!told)
+        (void)fprintf(stderr, "%s: the standard output cannot be written: %s\n", program, strerror(errno));
+    told = true;
+    return code == HS_OK ? HS_ERR_OUTPUT : code;
+}
+
 bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err) {
     return next >= argc || hs_fail(err, HS_ERR_USAGE, "'%s': unexpected argument", argv[next]);
 }

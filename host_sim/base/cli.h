@@ -33,6 +33,11 @@ bool hs_cli_append(const char *option, const char *text, const char **list, uint
 /* Prints "host_sim <command>: <error>", and for HS_ERR_USAGE where help is. Returns the exit code. */
 int hs_cli_fail(const char *command, const hs_error *err);
 
+/* At the end of a program: what was printed must have arrived. On a full disk it did not, and only the last
+ * flush may tell. Returns `code`, or HS_ERR_OUTPUT instead of HS_OK behind a message to standard error, which
+ * comes once. */
+int hs_cli_finish(const char *program, int code);
+
 /* Fails if arguments are left after the options. */
 bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err);
 

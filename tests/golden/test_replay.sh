@@ -68,7 +68,9 @@ full() { "$build/sv_replay" "$@" > /dev/full 2> "$work/said"; }
 if [ -w /dev/full ]; then
     holds code 6 full "$work/ring"
     holds says 'standard output cannot be written'
+    holds [ "$(wc -l < "$work/said")" = 1 ]
     holds code 6 full "$work/ring" --list
+    holds code 6 full --help
 fi
 
 # --- a plugin that crashes: in the recording, and on it

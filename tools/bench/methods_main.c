@@ -275,6 +275,6 @@ int main(int argc, char **argv) {
     if (wants_help) print_help();
     if (ok && !wants_help) ok = run->o.points ? write_points(&run->o, &err) : open_and_measure(run, &err);
     free(run);
-    if (ok) return HS_OK;
+    if (ok) return hs_cli_finish("sv_surfaces_bench", HS_OK);
     return bench_fail("sv_surfaces_bench", &err);
 }

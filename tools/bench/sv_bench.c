@@ -404,6 +404,11 @@ static int open_and_measure(void *context) {
     return ok ? HS_OK : bench_fail("sv_bench", &err);
 }
 
+/* In a process of its own, whose output is its own, too. */
+static int measure_and_finish(void *context) {
+    return hs_cli_finish("sv_bench", open_and_measure(context));
+}
+
 int main(int argc, char **argv) {
     hs_error err = {HS_OK, ""};
     bool wants_help = false;
@@ -419,7 +424,7 @@ int main(int argc, char **argv) {
     else if (ok && run->o.version)
         printf("sv_bench " HS_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
     else if (ok)
-        code = hs_work_in_child(&run->o.guard, run->o.plugin, "it was timed", open_and_measure, run, &err);
+        code = hs_work_in_child(&run->o.guard, run->o.plugin, "it was timed", measure_and_finish, run, &err);
     free(run);
-    return err.code == HS_OK ? code : bench_fail("sv_bench", &err);
+    return err.code == HS_OK ? hs_cli_finish("sv_bench", code) : bench_fail("sv_bench", &err);
 }

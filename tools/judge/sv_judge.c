@@ -202,5 +202,5 @@ int main(int argc, char **argv) {
         ok = r.command->run(&r, &err);
     site_free(&r.sites);
     if (!ok) fprintf(stderr, "sv_judge: %s\n", err.text);
-    return ok ? HS_OK : (int)err.code;
+    return hs_cli_finish("sv_judge", ok ? HS_OK : (int)err.code);
 }

@@ -6,7 +6,6 @@
 #include "guarded/in_child.h"
 #include "replay/replay.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,12 +80,6 @@ static void print_report(const rp_options *o, const rp_report *r, bool whole) {
     hs_print(stdout, "%s\n", r->parted ? "NOT THE SAME" : whole ? "the same" : "the same so far");
 }
 
-/* What was printed must have arrived: on a full disk it did not, and only the last flush may tell. */
-static bool finish_output(hs_error *err) {
-    return (fflush(stdout) == 0 && ferror(stdout) == 0) ||
-           hs_fail(err, HS_ERR_OUTPUT, "the standard output cannot be written: %s", strerror(errno));
-}
-
 static int play(void *context) {
     const rp_options *o = context;
     hs_error err = {0};
@@ -95,11 +88,10 @@ static int play(void *context) {
     ok = ok && rp_play(o, report, &err);
     if (report && (ok || err.code == HS_ERR_INPUT) && report->calls > 0) print_report(o, report, ok);
     if (ok && o->out) ok = rp_draw(o, report, &err);
-    if (ok) ok = finish_output(&err);
     const bool same = report && report->parted == 0;
     if (report) rp_frame_free(&report->drawn);
     free(report);
-    if (ok) return same ? HS_OK : HS_ERR_FAILED;
+    if (ok) return hs_cli_finish("sv_replay", same ? HS_OK : HS_ERR_FAILED);
     hs_print(stderr, "sv_replay: %s\n", err.text);
     return (int)err.code;
 }
@@ -119,19 +111,19 @@ int main(int argc, char **argv) {
     bool ok = hs_options_read(argc, argv, options, &o, &next, &help, &err);
     if (ok && help) {
         print_help();
-        return HS_OK;
+        return hs_cli_finish("sv_replay", HS_OK);
     }
     if (ok && next + 1 != argc)
         ok = hs_fail(&err, HS_ERR_USAGE, "expected one recording, %d given", argc - next);
     if (ok && o.frame != RP_LAST && !o.out)
         ok = hs_fail(&err, HS_ERR_USAGE, "--frame %u: is for --out FOLDER", o.frame);
     if (ok) o.file = argv[next];
-    if (ok && o.list) ok = rp_list(o.file, &err) && finish_output(&err);
+    if (ok && o.list) ok = rp_list(o.file, &err);
     /* With --guard the plugin alone has a process of its own. */
     hs_guard_options whole = o.guard;
     if (o.guard.choice == HS_GUARD_ON) whole.choice = HS_GUARD_OFF;
     if (ok && !o.list) code = hs_work_in_child(&whole, o.plugin, "it was played to", play, &o, &err);
-    if (err.code == HS_OK) return code;
+    if (err.code == HS_OK) return hs_cli_finish("sv_replay", code);
     hs_print(stderr, "sv_replay: %s\n", err.text);
     if (err.code == HS_ERR_USAGE) hs_print(stderr, "sv_replay --help tells what there is.\n");
     return (int)err.code;
