@@ -105,6 +105,10 @@ def settings_of(args: argparse.Namespace) -> Settings:
         values["method"] = args.method
     known = load(args.plugin).parameters
     load(args.plugin).encode(values)
+    for key, value in values.items():
+        p = known[key]
+        if not p.choices and not p.minimum <= float(value) <= p.maximum:
+            raise ValueError(f"--set: {key} is {value}, expected {p.minimum:g} to {p.maximum:g}")
     products = tuple(p for p in getattr(args, "write", "").split(",") if p)
     for product in products:
         if product not in PRODUCTS:
