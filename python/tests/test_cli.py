@@ -239,7 +239,7 @@ def test_files_that_would_have_one_name_are_refused(tmp_path: Path, image, other
 
 def test_the_program_is_installed() -> None:
     said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True, timeout=LONG).stdout
-    assert said.startswith("smartvis 0.")
+    assert said == f"smartvis {smartvis.__version__}\n"
 
 
 def test_a_view_by_its_place_needs_a_file_that_knows_the_patient(tmp_path: Path, image, capsys) -> None:
