@@ -60,7 +60,7 @@ holds [ "$(grep -c 'the truth moves' "$work/stdout")" -eq 1 ]
 small=$(export_scene D01 32)
 IFS=, read -r full truth label <<< "$small"
 mkdir "$work/site"
-for name in E01 E02 E03 E04 M01 M02 M03 D01 D02; do
+for name in E01 M01 D01; do
     cp "$full" "$work/site/${name}_full.mha"
     cp "$truth" "$work/site/${name}_truth.mha"
     cp "$label" "$work/site/${name}_label.mha"

@@ -12,9 +12,10 @@ trap 'rm -rf "$work"' EXIT
 
 if [ "${4:-}" ]; then
     # One plugin: ID SOURCE CHECK behind the folders. Kernels take long to compile, so plugins that have some are not tried
-    # with every check.
+    # with every check at night either.
     id=$3 check=$5
     options=(--level 2)
+    [ -n "${SV_NIGHT:-}" ] || options+=(--only "$check")
     [ "$4" != opencl ] || options=(--level 10 --only "$check")
     # What only ends by running out of time does so soon, but not before a busy machine has come to the call that hangs.
     [[ $id != hang* && $id != memory* ]] || options+=(--timeout 15)
