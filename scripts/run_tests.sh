@@ -12,8 +12,8 @@ labels=()
 result=$folder/test_results.xml
 rm -f "$result"
 
-# Two more than there are processors: some tests wait longer than they compute.
-ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((jobs + 2))" --output-junit "$result" "${labels[@]}"
+# More than there are processors: among those that begin are some that wait longer than they compute.
+ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((2 * jobs + 2))" --output-junit "$result" "${labels[@]}"
 code=$?
 
 # Counts from the attributes of <testsuite>.
