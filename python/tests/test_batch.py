@@ -283,6 +283,7 @@ def test_the_table_is_written_however_a_batch_ends(tmp_path: Path, client) -> No
     assert len(table(tmp_path / "out")) == 1 and "<h1>1 volume<" in (tmp_path / "out" / "index.html").read_text()
 
 
+@pytest.mark.night
 def test_a_batch_that_is_killed_goes_on(tmp_path: Path, trouble: str, monkeypatch) -> None:
     """Its one worker stops at the fifth volume of seven, as long as the file `hold` is there."""
     write_study(tmp_path / "study", 6)
@@ -322,6 +323,7 @@ def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:
     assert codes == [0] and len(table(tmp_path / "out")) == 3
 
 
+@pytest.mark.night
 def test_a_study_is_the_report_s_own(tmp_path: Path, client) -> None:
     report = ["--case", "E01", "--size", "32", "--lowres", "16", "--coarse", "--frames", "0", "--beside", "none"]
     steps: list[int] = []
