@@ -25,12 +25,10 @@ typedef struct {
     const sv_scanned *scanned;
 } shape;
 
-/* Knob positions: that of the frame, then those that it is moved to. By day these are few: the definitions
- * take most of the time, and one more position runs no other code. */
-static const double by_day[] = {0.5, 0.0, 0.5, 1.0}, by_night[] = {0.5, 0.0, 0.3, 0.5, 0.7, 1.0, 1.5};
-enum { DAY_PLACES = sizeof by_day / sizeof *by_day, PLACES = sizeof by_night / sizeof *by_night };
-static const double *places = by_day;
-static size_t places_wanted = DAY_PLACES;
+/* Knob positions: that of the frame, then those that it is moved to. Few, because the definitions take most
+ * of the time, and one more position runs no other code. */
+static const double places[] = {0.5, 0.0, 0.5, 1.5};
+enum { PLACES = sizeof places / sizeof *places };
 
 /* The definition's maps at every position; outcome and facts are the same at all of them. */
 typedef struct {
@@ -51,9 +49,8 @@ static expected expect(const shape *s, const uint8_t *volume, bool clip_doubtful
     const double mm[3] = {(double)s->spacing_mm[0], (double)s->spacing_mm[1], (double)s->spacing_mm[2]};
     sv_wall_settings settings = sv_wall_settings_default();
     settings.clip_doubtful = clip_doubtful;
-    expected e = {.clip_doubtful = clip_doubtful,
-                  .confidence = calloc(count, sizeof(float))}; /* positions that are not run stay NULL */
-    for (size_t n = 0; n < places_wanted; n++) {
+    expected e = {.clip_doubtful = clip_doubtful, .confidence = calloc(count, sizeof(float))};
+    for (size_t n = 0; n < PLACES; n++) {
         e.depth[n] = calloc(count, sizeof(float));
         assert_true(e.depth[n] && e.confidence);
         if (n > 0 && places[n] == places[0]) /* moving the knob back gives the same map */
@@ -95,7 +92,7 @@ static void check_knob(rig *r, const shape *s, const expected *e, double bound) 
     float *last = malloc(count * sizeof *last);
     rig_result out = rig_result_make(s->width, s->height);
     assert_non_null(last);
-    for (size_t n = 1; n < places_wanted; n++) {
+    for (size_t n = 1; n < PLACES; n++) {
         const sv_param_value q = {rig_param(r, "q"), 0, places[n]};
         const sv_result result = {.size = sizeof result, .depth = out.depth};
         assert_true(r->plugin->adjust(r->plugin, &q, 1, &result) >= SV_OK);
@@ -410,9 +407,5 @@ int main(void) {
                                        RIG_TEST(test_single_voxels), RIG_TEST(test_bone_at_once),
                                        RIG_TEST(test_any_volume),    RIG_TEST(test_layered_noise),
                                        RIG_TEST(test_ranges)};
-    if (getenv("SV_NIGHT")) {
-        places = by_night;
-        places_wanted = PLACES;
-    }
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
