@@ -8,18 +8,15 @@
 set -eu
 cd "${1:-$(dirname "$0")/..}"
 
-# One line a floor: folder or file | what its "..." includes may name | which <...> groups it may use.
+# One line a floor: folders or files | what its "..." includes may name | which <...> groups it may use.
 #   FOLDER  a file directly in it        .         its own folder
 #   abi     include/, include/smartvis/  shared    cl/*/*_shared.h
 #   any     whatever is found            kernels   the embedded kernels and pages that the build generates
 # The first line that fits a file counts; * is any name, or a part of one.
 floors() {
     cat <<'TABLE'
-include/smartvis_plugin.h  |                                                            | fixed
-include/smartvis/author.h  | abi                                                        | fixed libc
-include/smartvis/author_*.h| abi                                                        | fixed libc opencl
-include/smartvis/lookup.h  | abi                                                        | fixed libc
-include/smartvis/probe.h   | abi                                                        | fixed libc
+include                    |                                                            | fixed
+include/smartvis/author*.h include/smartvis/lookup.h include/smartvis/probe.h | abi     | fixed libc
 include/smartvis           | abi                                                        | fixed
 cl/common                  | .                                                          |
 cl/*                       | cl/common .                                                |
@@ -40,24 +37,24 @@ host_sim/render/cl         | .                                                  
 host_sim/guarded           | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
 host_sim/loop              | abi MACHINE .                                              | libc opencl
 host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
-host_sim/show              | abi MACHINE host_sim/picture host_sim/loop .                | libc opencl
-host_sim/commands          | abi HOST .                                                 | libc opencl json
+tools/show                 | abi MACHINE host_sim/picture host_sim/loop .                | libc opencl
+tools/commands             | abi HOST tools/show .                                      | libc opencl json
 tools/page                 | host_sim/base host_sim/picture .                            | libc
 tools/eval                 | abi MACHINE host_sim/loop .                                | libc opencl zlib
-tools/report               | abi HOST host_sim/commands tools/page tools/eval .         | libc opencl json zlib
-tools/console              | abi HOST host_sim/commands kernels .                       | libc opencl json web
+tools/report               | abi HOST tools/show tools/commands tools/page tools/eval . | libc opencl json zlib
+tools/console              | abi HOST tools/show tools/commands kernels .               | libc opencl json web
 tools/bench                | abi HOST shared src src/ref tools/eval kernels .           | libc opencl json futex
 tools/bench/cl             | .                                                          |
-tools/judge                | abi HOST shared src src/ref tools/page tools/eval .                   | libc opencl json
+tools/judge                | abi HOST shared src src/ref tools/show tools/page tools/eval . | libc opencl json
 tools/layer                | abi tools/rules tools/record .                             | libc opencl
 tools/record               | abi tools/rules .                                          | libc opencl zlib
-tools/replay               | abi HOST tools/rules tools/record .                         | libc opencl
+tools/replay               | abi HOST tools/show tools/rules tools/record .             | libc opencl
 tools/validate/spy         | .                                                          | libc opencl elf
 tools/rules                | abi .                                                      | libc
 tools/validate/drive       | abi host_sim/base host_sim/plugin tools/rules tools/validate/spy . | libc opencl
 tools/validate/checks      | abi host_sim/base host_sim/plugin tools/rules tools/validate/spy tools/validate/drive . | libc opencl elf
 tools/validate             | abi host_sim/base host_sim/guard tools/validate/drive tools/validate/checks . | libc json
-tools                      | abi HOST host_sim/commands tools/report tools/console .    | libc
+tools                      | abi HOST tools/commands tools/report tools/console .       | libc
 examples/*                 | abi kernels .                                              | libc opencl
 bindings/rust/src          | abi                                                        |
 python/bench               | abi .                                                      | libc
@@ -66,7 +63,7 @@ tests/*/*                  | any kernels                                        
 TABLE
 }
 machine='host_sim/base host_sim/guard host_sim/volume host_sim/plugin host_sim/scene host_sim/render host_sim/guarded' # MACHINE
-host="$machine host_sim/picture host_sim/loop host_sim/result host_sim/show"        # HOST
+host="$machine host_sim/picture host_sim/loop host_sim/result" # HOST
 
 # The groups of <...>, and where a "..." may be found from each part of the tree.
 groups() {
@@ -165,11 +162,12 @@ function may_use(floor, name,    n, i, k, m, word, one) {
 }
 FILENAME ~ /\/floors$/ {
     split($0, column, "|")
-    name = column[1]
-    gsub(/ /, "", name)
-    floor_name[++floor_count] = name
-    floor_may[floor_count] = column[2]
-    floor_groups[floor_count] = column[3]
+    n = split(column[1], name, " ")
+    for (i = 1; i <= n; i++) {
+        floor_name[++floor_count] = name[i]
+        floor_may[floor_count] = column[2]
+        floor_groups[floor_count] = column[3]
+    }
     next
 }
 FILENAME ~ /\/(groups|roots)$/ {

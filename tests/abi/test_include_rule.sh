@@ -52,7 +52,7 @@ make_tree() {
     put host_sim/render/cl/dvr.cl '#include "sample.clh"'
     put host_sim/render/cl/sample.clh '/* helper */'
     put host_sim/loop/loop.h '#include "render/dvr.h"' '#include "plugin/loader.h"' '#include "scene/scene.h"'
-    put host_sim/commands/run.h '#include "loop/loop.h"'
+    put tools/commands/run.h '#include "loop/loop.h"'
     put tools/eval/measure.h '#include "loop/loop.h"'
     put tools/report/page.h '#include "eval/measure.h"' '#include "picture/png.h"' '#include "commands/run.h"'
     put tools/main.c '#include "report/page.h"' 'int main(void) {'
