@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """mutate.py: does a test notice?
 
-Makes small changes at random places of src, cl and host_sim, one at a time, in a copy of the committed sources. Builds each,
-runs the tests that should notice, and prints the survivors: changes that no test noticed. A survivor is a test to write, or a
-line that nothing needs, or a change that means the same; a person decides. Exit code 0 also with survivors, 1 if the unchanged
-sources do not build, 2 for a wrong command line.
+Makes small changes at random places of src, cl, host_sim and its commands, one at a time, in a copy of the committed sources.
+Builds each, runs the tests that should notice, and prints the survivors: changes that no test noticed. A survivor is a test to
+write, or a line that nothing needs, or a change that means the same; a person decides. Exit code 0 also with survivors, 1 if the
+unchanged sources do not build, 2 for a wrong command line.
 """
 
 import argparse
@@ -38,8 +38,8 @@ TESTS = [
     (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
     (r"host_sim/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
     (r"host_sim/loop", r"test_(loop|files|kretz_loop|metaimage_loop|confidence|slices)|golden/"),
-    (r"host_sim/(picture|result)", r"test_(picture|slices|result|loop)|golden/"),
-    (r"host_sim", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
+    (r"host_sim/(picture|result)|tools/show", r"test_(picture|slices|result|loop)|golden/"),
+    (r"host_sim|tools/commands", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
 ]  # fmt: skip
 
 
@@ -54,7 +54,7 @@ def run(command: list[str], limit: int, **kwargs: object) -> bool:
 def places(tree: Path) -> list[tuple[Path, int, int, str, str]]:
     """Every (file, line, column, before, after) that could be changed: code only, no comment, text or directive."""
     found = []
-    for top, endings in (("src", ".c"), ("cl", ".cl .clh"), ("host_sim", ".c .cl")):
+    for top, endings in (("src", ".c"), ("cl", ".cl .clh"), ("host_sim", ".c .cl"), ("tools/commands", ".c"), ("tools/show", ".c")):
         for path in sorted(p for p in (tree / top).rglob("*") if p.suffix and p.suffix in endings.split()):
             text = path.read_text()
             blank = re.sub(  # comments, texts and directives become blanks of the same length
