@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "result/result_surface.h"
+#include "result/result_write.h"
 
 #include "base/output_file.h"
 #include "base/threads.h"

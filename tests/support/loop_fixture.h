@@ -44,7 +44,7 @@ void open_plugin(hs_plugin *plugin, const char *name);
 
 /* A loop over the layers; the test fails if it cannot be made. hs_loop_destroy it. */
 hs_loop *make_loop_of(const fixture *f, const hs_plugin *plugin, const hs_loop_options *options);
-/* The same with the plane plugin. */
+/* Makes such a loop with the plane plugin. */
 hs_loop *make_loop(const fixture *f, const hs_loop_options *options);
 
 /* A frame, all of it on the host; hs_view_free it. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "support/ref_lit_volume.h"
+#include "support/ref_lit.h"
 
 #include "support/ref_dvr.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "support/rig_expect.h"
+#include "support/rig.h"
 
 #include "ref/ref_mean.h"
 

@@ -2,10 +2,12 @@
 #include "commands/commands.h"
 
 #include "base/cli.h"
+#include "base/options.h"
 #include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"
-#include "commands/scene_line.h"
+#include "commands/look_line.h"
+#include "render/dvr_settings.h"
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 #include "scene/scene_export.h"
@@ -13,7 +15,183 @@
 
 #include <getopt.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
+#include <string.h>
+
+#define SETS 32u
+
+/* What is asked for. Strings are borrowed from argv. */
+typedef struct {
+    const char *out;
+    hs_scene_options options;
+    uint32_t frames;
+    const char *sets[SETS]; /* PATH=VALUE */
+    uint32_t set_count;
+    uint32_t random;         /* scenes of a random set; 0: none */
+    uint64_t random_seed;    /* of the set */
+    hs_vol_spec geometry;    /* of Kretz files */
+    hs_dvr_settings drawing; /* of the sheet */
+    bool all, hard, list, ranges, json, export, vol, geometry_given, sheet, times, help;
+} scene_line;
+
+/* What a spec is before any key: all is left open. */
+static hs_vol_spec vol_line_defaults(void) {
+    return (hs_vol_spec){.start = NAN, .axis = NAN};
+}
+
+static bool take_key(const char *key, const char *value, hs_vol_spec *s, hs_error *err) {
+    const struct {
+        const char *key;
+        double low, high;
+        double *number;
+        uint32_t *count;
+        bool *flag;
+    } keys[] = {
+        {"pitch", 0.01, 5.0, &s->pitch, NULL, NULL},     {"start", 0.0, 1000.0, &s->start, NULL, NULL},
+        {"axis", -1000.0, 1000.0, &s->axis, NULL, NULL}, {"theta", 0.01, 179.0, &s->theta, NULL, NULL},
+        {"phi", 0.01, 179.0, &s->phi, NULL, NULL},       {"skew", 0.0, 0.9, &s->skew, NULL, NULL},
+        {"samples", 2, 2048, NULL, &s->samples, NULL},   {"lines", 2, 2048, NULL, &s->lines, NULL},
+        {"planes", 2, 2048, NULL, &s->planes, NULL},     {"descending", 0, 1, NULL, NULL, &s->descending},
+        {"mirrored", 0, 1, NULL, NULL, &s->mirrored},
+    };
+    char option[32], known[160] = "";
+    (void)snprintf(option, sizeof option, "--vol %.20s", key);
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        (void)strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
+        (void)strncat(known, keys[i].key, sizeof known - strlen(known) - 1);
+        if (strcmp(key, keys[i].key) != 0) continue;
+        if (keys[i].number)
+            return hs_cli_number(option, value, keys[i].low, keys[i].high, keys[i].number, err);
+        uint32_t count = 0;
+        if (!hs_cli_u32(option, value, (uint32_t)keys[i].low, (uint32_t)keys[i].high, &count, err))
+            return false;
+        if (keys[i].count) *keys[i].count = count;
+        if (keys[i].flag) *keys[i].flag = count == 1;
+        return true;
+    }
+    return hs_fail(err, HS_ERR_USAGE, "--vol: '%.40s' is none of %s", key, known);
+}
+
+/* "KEY=VALUE,KEY=VALUE,...". HS_ERR_USAGE names the key and its value, or the keys there are. */
+static bool take_vol(void *target, const char *text, hs_error *err) {
+    scene_line *const r = target;
+    r->geometry_given = true;
+    while (*text) {
+        char pair[64];
+        const size_t length = strcspn(text, ",");
+        if (length >= sizeof pair)
+            return hs_fail(err, HS_ERR_USAGE, "--vol: '%.40s...', expected KEY=VALUE,KEY=VALUE", text);
+        memcpy(pair, text, length);
+        pair[length] = '\0';
+        char *equals = strchr(pair, '=');
+        if (!equals) return hs_fail(err, HS_ERR_USAGE, "--vol: '%s', expected KEY=VALUE", pair);
+        *equals = '\0';
+        if (!take_key(pair, equals + 1, &r->geometry, err)) return false;
+        text += length + (text[length] == ',');
+    }
+    return true;
+}
+
+static bool take_set(void *target, const char *text, hs_error *err) {
+    scene_line *const r = target;
+    return hs_cli_append("--set", text, r->sets, &r->set_count, SETS, err);
+}
+
+static bool take_format(void *vol, const char *text, hs_error *err) {
+    *(bool *)vol = strcmp(text, "vol") == 0;
+    return *(bool *)vol || strcmp(text, "mha") == 0 ||
+           hs_fail(err, HS_ERR_USAGE, "--format: '%s' is none of mha, vol", text);
+}
+
+#define AT(field) offsetof(scene_line, field)
+static const hs_option options[] = {
+    {"list", NULL, "the built-in scenes, one line each\n", HS_OPTION_FLAG, AT(list), 0, 0, NULL},
+    {"all", NULL, "the nine cases of the thesis\n", HS_OPTION_FLAG, AT(all), 0, 0, NULL},
+    {"hard", NULL, "the hard cases, H01 and on\n", HS_OPTION_FLAG, AT(hard), 0, 0, NULL},
+    {"random", "N", "the first N scenes of a random set, 1 .. 100000; --seed is the set's (default 1)\n",
+     HS_OPTION_COUNT, AT(random), 1, HS_SCENE_MAX_DRAWN, NULL},
+    {"ranges", NULL, "print what random scenes are drawn from, and no more\n", HS_OPTION_FLAG, AT(ranges), 0,
+     0, NULL},
+    {"set", "PATH=VALUE",
+     "a field of the scene otherwise, repeatable: artefacts.haze=on, artefacts.fan=off,\n"
+     "artefacts.haze.level_db=-12, structures[0].gap_mm=2\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_set},
+    {"size", "N", "voxels per axis, 32 .. 512 (default 256)\n", HS_OPTION_COUNT, AT(options.size), 32, 512,
+     NULL},
+    {"seed", "N", "another seed than the scene's own: speckle, noise and particles change\n", HS_OPTION_WHOLE,
+     AT(options.seed), 1, 0, NULL},
+    {"frames", "N", "N frames of the scene's motion, 1 .. 1000 (default 1)\n", HS_OPTION_COUNT, AT(frames), 1,
+     1000, NULL},
+    {"threads", "N", "threads, 1 .. 64 (default: one per processor); the bytes do not depend on it\n",
+     HS_OPTION_COUNT, AT(options.threads), 1, 64, NULL},
+    {"real", "FILE", "the volume that the scene 'real' puts its occluders before\n", HS_OPTION_TEXT,
+     AT(options.real), 0, 0, NULL},
+    {"json", NULL, "write <name>.json, the scene as a file; on its own it makes no volume\n", HS_OPTION_FLAG,
+     AT(json), 0, 0, NULL},
+    {"export", NULL, "write <name>.json, _full.mha, _truth.mha, _label.mha, _near.mha and _far.mha\n",
+     HS_OPTION_FLAG, AT(export), 0, 0, NULL},
+    {"format", "WHAT",
+     "of --export: mha, or vol for Kretz files: <name>_full.vol and _truth.vol, with\n"
+     "_label.mha for their Cartesian copies; several frames as a sequence, without\n"
+     "(default mha)\n",
+     HS_OPTION_TAKEN, AT(vol), 0, 0, take_format},
+    {"vol", "KEY=VALUE,...",
+     "the geometry of Kretz files; what is not given fits the scene:\n"
+     "pitch, start, axis (mm): samples, their start, and the sweep's axis, from the\n"
+     "array's centre of curvature; theta, phi (degrees) from the first to the last line\n"
+     "and plane; samples, lines, planes; skew 0 .. 0.9: uneven angles;\n"
+     "descending 0 or 1; mirrored 0 or 1: to be read with --mirror\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_vol},
+    {"sheet", NULL, "write <name>_sheet.png, a contact sheet (needs an OpenCL device)\n", HS_OPTION_FLAG,
+     AT(sheet), 0, 0, NULL},
+    {"look", "NAME", "how the sheet's renderings are drawn: thesis or lit (default lit)\n", HS_OPTION_TAKEN,
+     AT(drawing.look), 0, 0, hs_look_line_look},
+    {"light", "AZ,EL", "where the lamp of the lit look is, degrees: right, up (default -35,40)\n",
+     HS_OPTION_TAKEN, AT(drawing.light), 0, 0, hs_look_line_light},
+    {"times", NULL, "print what each step cost, in milliseconds; '-': the scene does not list it\n",
+     HS_OPTION_FLAG, AT(times), 0, 0, NULL},
+    {"out", "FOLDER", "where files go (default out/scenes)\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
+    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+};
+
+/* One way to name scenes, and the seed to whom it belongs. */
+static bool check_choice(scene_line *r, const char *named, hs_error *err) {
+    const char *const all = r->all ? "--all" : r->hard ? "--hard" : r->random ? "--random" : NULL;
+    if (all && named) return hs_fail(err, HS_ERR_USAGE, "%s and the scene '%s' were both given", all, named);
+    if (r->all + r->hard + (r->random > 0) > 1)
+        return hs_fail(err, HS_ERR_USAGE, "only one of --all, --hard and --random");
+    if (r->random) {
+        r->random_seed = r->options.seed ? r->options.seed : 1;
+        r->options.seed = 0;
+    }
+    return true;
+}
+
+static bool parse(int argc, char **argv, scene_line *r, hs_error *err) {
+    *r = (scene_line){
+        .out = "out/scenes", .options = {.size = 256}, .frames = 1, .geometry = vol_line_defaults()};
+    hs_dvr_defaults(&r->drawing);
+    r->drawing.look = HS_LOOK_LIT;
+    int next = argc;
+    if (!hs_options_read(argc, argv, options, r, &next, &r->help, err)) return false;
+    if (r->help) return true;
+    if ((r->vol || r->geometry_given) && !r->export)
+        return hs_fail(err, HS_ERR_USAGE, "%s: is for --export", r->vol ? "--format" : "--vol");
+    if (r->geometry_given && !r->vol) return hs_fail(err, HS_ERR_USAGE, "--vol: is for --format vol");
+    return check_choice(r, next < argc ? argv[next] : NULL, err);
+}
+
+static void print_help(void) {
+    (void)printf(
+        "Usage: host_sim scenes [options] [NAME|FILE...]\n"
+        "Generates synthetic scenes with their ground truth. Without a scene it lists the built-in ones.\n"
+        "A scene is a built-in name (D01), the path of a scene file (docs/scenes.md), or R<seed>_<number>:\n"
+        "a random scene, number 0 and on of the set with that seed.\n"
+        "\n");
+    hs_options_print(options);
+    (void)printf("\n%s", hs_exit_codes_help);
+}
 
 static bool list_scenes(hs_error *err) {
     for (int group = 0; group < HS_SCENES_GROUPS; group++)
@@ -60,7 +238,7 @@ static void print_facts(const char *name, const hs_scene_data *data, const hs_sc
              rays > 0.0 ? 100.0 * found / rays : 0.0, found > 0.0 ? 100.0 * points->right / found : 0.0);
 }
 
-static bool write_sheet(const hs_scene_line *r, const hs_scene *scene, const char *name,
+static bool write_sheet(const scene_line *r, const hs_scene *scene, const char *name,
                         const hs_scene_data *data, const hs_scene_points *points, const hs_cl *cl,
                         hs_error *err) {
     char path[1024], file[128], title[640];
@@ -75,7 +253,7 @@ static bool write_sheet(const hs_scene_line *r, const hs_scene *scene, const cha
 }
 
 /* What --export asks for. A sequence of Kretz files has the scene's name, whatever the frame. */
-static bool export_frame(const hs_scene_line *r, const hs_scene *scene, const char *prefix,
+static bool export_frame(const scene_line *r, const hs_scene *scene, const char *prefix,
                          const hs_scene_data *data, hs_vol_export *files, hs_error *err) {
     char path[1024];
     if (!r->vol) return hs_scene_export(data, prefix, err);
@@ -83,7 +261,7 @@ static bool export_frame(const hs_scene_line *r, const hs_scene *scene, const ch
            hs_vol_export_frame(files, &r->geometry, path, r->frames, data, err);
 }
 
-static bool make_frame(const hs_scene_line *r, const hs_scene *scene, uint32_t frame, const hs_cl *cl,
+static bool make_frame(const scene_line *r, const hs_scene *scene, uint32_t frame, const hs_cl *cl,
                        hs_vol_export *files, hs_error *err) {
     hs_scene_options one = r->options;
     hs_scene_data data;
@@ -107,7 +285,7 @@ static bool make_frame(const hs_scene_line *r, const hs_scene *scene, uint32_t f
     return ok;
 }
 
-static bool write_json(const hs_scene_line *r, const hs_scene *scene, hs_error *err) {
+static bool write_json(const scene_line *r, const hs_scene *scene, hs_error *err) {
     char path[1024], file[128];
     hs_output_file output;
     snprintf(file, sizeof file, "%s.json", hs_scene_name(scene));
@@ -117,7 +295,7 @@ static bool write_json(const hs_scene_line *r, const hs_scene *scene, hs_error *
     return hs_output_commit(&output, err);
 }
 
-static bool make_scene(const hs_scene_line *r, const char *name, const hs_cl *cl, hs_error *err) {
+static bool make_scene(const scene_line *r, const char *name, const hs_cl *cl, hs_error *err) {
     hs_scene *scene = hs_scene_open_with(name, r->sets, r->set_count, err);
     if (!scene) return false;
     const bool volumes = !r->json || r->export || r->sheet;
@@ -131,14 +309,14 @@ static bool make_scene(const hs_scene_line *r, const char *name, const hs_cl *cl
     return ok;
 }
 
-static bool make_group(const hs_scene_line *r, hs_scene_group group, const hs_cl *cl, hs_error *err) {
+static bool make_group(const scene_line *r, hs_scene_group group, const hs_cl *cl, hs_error *err) {
     bool ok = true;
     for (uint32_t i = 0; ok && hs_scene_of_group(group, i); i++)
         ok = make_scene(r, hs_scene_of_group(group, i), cl, err);
     return ok;
 }
 
-static bool make_random(const hs_scene_line *r, const hs_cl *cl, hs_error *err) {
+static bool make_random(const scene_line *r, const hs_cl *cl, hs_error *err) {
     bool ok = true;
     for (uint32_t i = 0; ok && i < r->random; i++) {
         char name[64];
@@ -148,7 +326,7 @@ static bool make_random(const hs_scene_line *r, const hs_cl *cl, hs_error *err) 
     return ok;
 }
 
-static bool make_scenes(const hs_scene_line *r, char **names, int count, hs_error *err) {
+static bool make_scenes(const scene_line *r, char **names, int count, hs_error *err) {
     hs_cl cl = {0};
     const bool files = r->json || r->export || r->sheet;
     if (files && !hs_path_make_folder(r->out, err)) return false;
@@ -163,11 +341,11 @@ static bool make_scenes(const hs_scene_line *r, char **names, int count, hs_erro
 }
 
 int hs_cmd_scene(int argc, char **argv) {
-    hs_scene_line r;
+    scene_line r;
     hs_error err = {0};
-    if (!hs_scene_line_parse(argc, argv, &r, &err)) return hs_cli_fail("scenes", &err);
+    if (!parse(argc, argv, &r, &err)) return hs_cli_fail("scenes", &err);
     if (r.help) {
-        hs_scene_line_help();
+        print_help();
         return HS_OK;
     }
     if (r.ranges) {
