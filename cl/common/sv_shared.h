@@ -56,7 +56,7 @@
 #define SV_REC_PASSES      6
 #define SV_REC_MAX         7 /* float bits, 0..1 */
 #define SV_REC_TB          8 /* float bits, 0..1 */
-#define SV_REC_SURE        9
+#define SV_REC_EVIDENT     9
 #define SV_REC_LEVEL       10 /* bone level 0..255: a ray is bone above it */
 #define SV_REC_BONE        11 /* rays above it, whether they give a point or not */
 #define SV_REC_EVIDENCE    12 /* sv_job.evidence */
@@ -72,10 +72,10 @@ typedef struct {
     unsigned int bone_drop;   /* offset mode: grey levels below the volume's maximum */
     unsigned int bone_wanted; /* fraction mode: rays that must qualify at least, >= 1 */
     unsigned int drop_empty;  /* 1: rays with an empty interval give no point */
-    unsigned int min_gap;     /* samples: an interval at least this long is sure to be fluid */
-    unsigned int evidence;    /* thousandths of the bone rays that must have a sure interval, or no surface */
-    unsigned int fraction;    /* fraction bits of a depth */
-    unsigned int k;           /* mean filter: window, odd */
+    unsigned int min_gap;     /* samples: an interval at least this long is evidence of fluid */
+    unsigned int evidence; /* thousandths of the bone rays that must have such an interval, or no surface */
+    unsigned int fraction; /* fraction bits of a depth */
+    unsigned int k;        /* mean filter: window, odd */
     unsigned int weight_initial, weight_filled; /* mean filter: integer weights, their ratio is omega */
     unsigned int pass_limit;                    /* passes that are enough for any set of points */
 } sv_job;

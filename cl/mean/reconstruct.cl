@@ -17,7 +17,7 @@ static void record_start(__global uint *record, const sv_job *f, uint maximum, u
     record[SV_REC_RAYS] = f->width * f->height;
     record[SV_REC_POINTS] = count.points;
     record[SV_REC_EMPTY] = count.empty;
-    record[SV_REC_SURE] = count.sure;
+    record[SV_REC_EVIDENT] = count.evident;
     record[SV_REC_BONE] = count.bone;
     record[SV_REC_EVIDENCE] = f->evidence;
     record[SV_REC_PASSES] = 0;
@@ -111,7 +111,7 @@ __kernel void band_points(sv_job job, __global const uchar *restrict state8,
     atomic_add(record + SV_REC_BONE, count.bone);
     atomic_add(record + SV_REC_POINTS, count.points);
     atomic_add(record + SV_REC_EMPTY, count.empty);
-    atomic_add(record + SV_REC_SURE, count.sure);
+    atomic_add(record + SV_REC_EVIDENT, count.evident);
 }
 
 /* Steps from 4 on: one pass each. */

@@ -53,7 +53,7 @@ __kernel void rays_points(sv_job job, __global const uchar *restrict state8,
     if (bone) atomic_inc(record + SV_REC_BONE);
     if (point) atomic_inc(record + SV_REC_POINTS);
     if (point && !open) atomic_inc(record + SV_REC_EMPTY);
-    if (bone && open && entry - exit >= job.min_gap) atomic_inc(record + SV_REC_SURE);
+    if (bone && open && entry - exit >= job.min_gap) atomic_inc(record + SV_REC_EVIDENT);
 }
 
 /* Columns of the windows: columns[p][y][x] = sum of from[p] over rows y - r .. y + r inside the image. */

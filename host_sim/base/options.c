@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST = 64, HELP = 256, FIRST };
+enum { MAX_OPTIONS = 64, HELP = 256, FIRST };
 
 static bool take(const hs_option *o, void *options, const char *text, hs_error *err) {
     void *const target = (char *)options + o->at;
@@ -43,10 +43,11 @@ static bool take(const hs_option *o, void *options, const char *text, hs_error *
 
 bool hs_options_read(int argc, char **argv, const hs_option *known, void *options, int *next,
                      bool *wants_help, hs_error *err) {
-    struct option list[MOST + 2] = {{"help", no_argument, NULL, HELP}};
+    struct option list[MAX_OPTIONS + 2] = {{"help", no_argument, NULL, HELP}};
     for (int i = 0, n = 1; known[i].name; i++) {
         if (known[i].type == HS_OPTION_GROUP) continue;
-        if (n > MOST) return hs_fail(err, HS_ERR_FAILED, "--%s: there are too many options", known[i].name);
+        if (n > MAX_OPTIONS)
+            return hs_fail(err, HS_ERR_FAILED, "--%s: there are too many options", known[i].name);
         list[n++] =
             (struct option){known[i].name, known[i].value ? required_argument : no_argument, NULL, FIRST + i};
     }

@@ -184,7 +184,7 @@ static sv_status run_frame(server_state *server) {
     return finish(server, status);
 }
 
-/* The same for adjust. */
+/* Moves the last frame's map to other values. */
 static sv_status adjust_frame(server_state *server) {
     hs_error err = {0};
     sv_result result;

@@ -41,7 +41,7 @@ void hs_sequence_close(hs_sequence *sequence); /* NULL is allowed */
 uint32_t hs_sequence_count(const hs_sequence *sequence);
 uint32_t hs_sequence_left_out(const hs_sequence *sequence);
 
-/* Of every volume; the sequence's. */
+/* Where the volumes came from; it belongs to the sequence. */
 const hs_source_origin *hs_sequence_origins(const hs_sequence *sequence);
 
 /* Reads volume `index` (0 .. count - 1), with its file's name and place. A zeroed `volume` is made, one that

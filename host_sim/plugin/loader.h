@@ -47,7 +47,7 @@ typedef struct {
     void *context;
 } hs_call_watch;
 
-/* The same with somebody watching. */
+/* Opens a plugin as hs_plugin_open does and tells `watch` of every call before it is made. */
 bool hs_plugin_open_watched(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
                             const hs_call_watch *watch, hs_error *err);
 void hs_plugin_close(hs_plugin *plugin);

@@ -47,7 +47,7 @@ const char *hs_from_name(hs_from from);
 void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from from, double yaw_deg,
                          double pitch_deg);
 
-/* The same from the probe. */
+/* Looks from the probe, as hs_camera_look_from does from other places. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 
 /* How the camera's axes stand to the probe's: sv_frame.probe_rotation and probe_side, zeros if `volume` does

@@ -127,7 +127,7 @@ static uint32_t samples_along(sampling_way way, double span) {
     return (uint32_t)fmin(fmax(round(span / SAMPLE_SPACING), fewest), MAX_SAMPLES_PER_AXIS);
 }
 
-/* The same places among the halved volume's voxels. */
+/* Makes the places those among the halved volume's voxels. */
 static void halve_places(sampling *s) {
     for (int k = 0; k < 3; k++) {
         s->origin[k] = 0.5 * (s->origin[k] - 0.5);

@@ -261,7 +261,7 @@ static void box_along(const float *in, float *out, uint32_t nx, uint32_t ny, uin
     }
 }
 
-/* The same across the rows, for all columns at once. */
+/* Averages across the rows, for all columns at once. */
 static void box_across(const float *in, float *out, double *sum, uint32_t nx, uint32_t ny, uint32_t r) {
     for (uint32_t x = 0; x < nx; x++) sum[x] = 0.0;
     for (uint32_t y = 0; y < r && y < ny; y++)

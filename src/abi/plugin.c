@@ -19,7 +19,8 @@ static const sv_descriptor descriptor = {
     .queues = SV_QUEUE_OWN | SV_QUEUE_HOST,
     .features = SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_ADJUST | SV_FEATURE_PROBE,
     .extensions = sv_extension_ids,
-    .summary = "Clipping depthmap: removes the tissue in front of the fetus (docs/surface.md).",
+    .summary =
+        "Clipping depthmap by method wall (docs/surface.md): removes the tissue in front of the fetus.",
 };
 
 static void plugin_deactivate(const sv_plugin *plugin) {

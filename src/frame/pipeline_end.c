@@ -105,7 +105,7 @@ static sv_status read_stats(sv_pipeline *p, sv_stats *stats) {
 }
 
 sv_status sv_pipeline_read_points(sv_pipeline *p, sv_points_report *out) {
-    _Static_assert(sizeof *out == (1 + SV_REC_SURE + 1 - SV_REC_EMPTY) * sizeof(cl_uint),
+    _Static_assert(sizeof *out == (1 + SV_REC_EVIDENT + 1 - SV_REC_EMPTY) * sizeof(cl_uint),
                    "the record is no longer sv_points_report");
     /* This is no part of the frame that is timed. */
     sv_timing *timing = p->queue.timing;

@@ -109,7 +109,7 @@ static void measures_are_those_by_hand(void **state) {
     fill_map(map);
     hs_eval_measure_map(&r.table, map, &m);
     check_measures(&m);
-    /* The same from a picture of termination depths. */
+    /* A picture of termination depths gives the same measures. */
     hs_eval_look_up(&r.table, map, termination);
     hs_eval_measure_picture(&r.table, termination, &m);
     check_measures(&m);

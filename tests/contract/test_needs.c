@@ -18,7 +18,7 @@
 
 #include <cmocka.h>
 
-/* As the header asks for it. */
+/* Returns the device's facts in the form that the header asks for. */
 static sv_needs_device facts_of(const rig *r) {
     cl_uint units = 0;
     cl_bool unified = CL_FALSE;

@@ -252,18 +252,18 @@ static void what_is_no_metaimage_is_refused(void **state) {
     files_refused("a.png", ":1: expected 'Field = value'");
     files_write("zero.mha", "NDims = 3\n", "\0\0\0\0", 4);
     files_refused("zero.mha", ":2: holds a zero byte");
-    enum { MOST = 1 << 24 }; /* bytes that a header may have */
-    char *long_text = malloc(MOST + 1);
+    enum { MAX_HEADER = 1 << 24 }; /* bytes that a header may have */
+    char *long_text = malloc(MAX_HEADER + 1);
     assert_non_null(long_text);
-    memset(long_text, 'x', MOST);
-    long_text[MOST] = '\0';
-    files_write("long.mha", "Comment = ", long_text, MOST);
+    memset(long_text, 'x', MAX_HEADER);
+    long_text[MAX_HEADER] = '\0';
+    files_write("long.mha", "Comment = ", long_text, MAX_HEADER);
     files_refused("long.mha", "ElementDataFile is missing in the first 16777216 bytes");
     files_write("long.mha", "Comment = ", long_text, 70000);
     files_refused("long.mha", "ElementDataFile is missing");
     const size_t text = strlen("Comment = \n" GOOD_TEXT);
-    memcpy(long_text + MOST - text, "\n" GOOD_TEXT, strlen("\n" GOOD_TEXT));
-    files_write("long.mha", "Comment = ", long_text, MOST - strlen("Comment = "));
+    memcpy(long_text + MAX_HEADER - text, "\n" GOOD_TEXT, strlen("\n" GOOD_TEXT));
+    files_write("long.mha", "Comment = ", long_text, MAX_HEADER - strlen("Comment = "));
     FILE *more = fopen(files_path("long.mha"), "ab");
     assert_non_null(more);
     assert_int_equal(fwrite(good_data, 1, GOOD_BYTES, more), GOOD_BYTES);

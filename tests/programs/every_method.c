@@ -140,7 +140,7 @@ static sv_status run_frame(const sv_plugin *p, const device *d, sv_status *outco
     return status;
 }
 
-/* Of all bits, in their order (FNV-1a). */
+/* Adds all bits to a sum that depends on their order (FNV-1a). */
 static uint64_t sum_of(const void *data, size_t bytes, uint64_t sum) {
     for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const uint8_t *)data)[i]) * UINT64_C(1099511628211);
     return sum;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 256 };
+enum { MAX_PROGRAMS = 256 };
 
 /* A program that was built. */
 typedef struct {
@@ -23,8 +23,8 @@ typedef struct {
 
 static struct {
     cl_context context;
-    built built[MOST];
-    alias aliases[MOST];
+    built built[MAX_PROGRAMS];
+    alias aliases[MAX_PROGRAMS];
     size_t built_count, next_alias;
 } shared;
 
@@ -73,14 +73,14 @@ static char *source_of(cl_program program) {
 }
 
 static alias *alias_of(cl_program program) {
-    for (size_t i = 0; i < MOST; i++)
+    for (size_t i = 0; i < MAX_PROGRAMS; i++)
         if (shared.aliases[i].program == program) return &shared.aliases[i];
     return NULL;
 }
 
 static void keep(cl_program program, char *source, const char *options) {
     char *copy = strdup(options);
-    if (!copy || shared.built_count == MOST || clRetainProgram(program) != CL_SUCCESS) {
+    if (!copy || shared.built_count == MAX_PROGRAMS || clRetainProgram(program) != CL_SUCCESS) {
         free(copy);
         free(source);
         return;
@@ -91,7 +91,7 @@ static void keep(cl_program program, char *source, const char *options) {
 static bool take_built(cl_program program, const char *source, const char *options) {
     for (size_t i = 0; i < shared.built_count; i++)
         if (strcmp(shared.built[i].options, options) == 0 && strcmp(shared.built[i].source, source) == 0) {
-            shared.aliases[shared.next_alias++ % MOST] = (alias){program, shared.built[i].program};
+            shared.aliases[shared.next_alias++ % MAX_PROGRAMS] = (alias){program, shared.built[i].program};
             return true;
         }
     return false;

@@ -14,7 +14,7 @@
 
 enum { WARM_UP = 5 };
 
-/* Of the difference to the plugin alone, at 128^3. */
+/* How much longer a frame may take with each than with the plugin alone, at 128^3. */
 static const struct {
     const char *name;
     double target_ms;

@@ -114,7 +114,7 @@ static bool try_settings(const site_set *set, choice *c, double *value, hs_error
     return true;
 }
 
-/* The same with these values of the constants. */
+/* Judges these values of the constants. */
 static bool try_values(const site_set *set, const int at[CONSTANTS], choice *c, double *value,
                        hs_error *err) {
     put(&c->settings, at);

@@ -26,7 +26,7 @@ static bool is_outcome(sv_status status) {
     return status == SV_OK || status == SV_NO_SURFACE || status == SV_PARTIAL;
 }
 
-/* For texts. */
+/* Returns a status' name for texts. */
 static const char *name_of(sv_status status) {
     const char *name = sv_lookup_status(status);
     return name ? name : "a status that nobody knows";

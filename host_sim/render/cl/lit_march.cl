@@ -79,7 +79,7 @@ INLINE void take_step(met *m, ghost_range ghost, float a, vf y0, vf y1, float th
     m->cut = select(m->cut, clamp(y, 0.0f, 1.0f), MASK((ghost.full >= a) & (ghost.full < a + 1.0f)));
 }
 
-/* The same for the part of the step that is ghosted. */
+/* Adds the part of the step that is ghosted. */
 INLINE void take_veil(met *m, ghost_range ghost, float a, vf y0, vf y1, float thickness) {
     vf part = clamp(ghost.full - a, 0.0f, 1.0f);
     vf factor = clamp((a + 0.5f * part - ghost.rise) * ghost.slope, 0.0f, 1.0f);

@@ -11,7 +11,7 @@ typedef struct {
     rule_sink to;
 } table;
 
-/* As it is reported, whatever that is. */
+/* Reads the parameters as they are reported, right or wrong. */
 static table *read_table(v_run *run) {
     static table t;
     v_open(run, &t.s);

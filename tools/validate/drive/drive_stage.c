@@ -385,7 +385,7 @@ static bool is_touched(const v_stage *st, size_t from, size_t to, uint8_t byte) 
     return false;
 }
 
-/* The same for the map's buffer. */
+/* True if a byte around the map's buffer is another one. */
 static bool is_object_touched(const v_stage *st, uint8_t byte) {
     size_t bytes = 0, touched = 0;
     uint8_t *all = read_object(st, st->depth_object, &bytes);
