@@ -10,7 +10,7 @@
 
 #include <CL/cl.h>
 
-/* --- rig_expect.c: what a plugin under test should give by the scalar definition, and volumes to try it on. */
+/* --- rig_expect.c: what a plugin under test should give by the definition, and volumes to try it on. */
 
 typedef struct {
     double fluid_threshold, omega;
