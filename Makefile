@@ -161,7 +161,7 @@ UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
 CHOICE := --scenes 201,0 $(foreach n,01 04 05 07 08 15 16,--scene H$(n))
 FOREIGN = $(foreach site,$(SITES),--site $(site)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
 
-sites: setup ## methods on scenes and on SITES: table, harm, flicker, constants chosen on one and judged on the other
+sites: setup ## methods on scenes and on SITES: table, harm, flicker, constants chosen on all but one and judged on that
 	@$(call build,build) --target sv_judge smartvis
 	build/sv_judge table $(UNSEEN) $(FOREIGN)
 	build/sv_judge table $(HARD)

@@ -56,7 +56,7 @@ holds grep -q '^  files, 2 frames: the truth moves by 0.00' "$work/stdout"
 holds grep -q '^    method=wall  *+0.00 ' "$work/stdout"
 holds [ "$(grep -c 'the truth moves' "$work/stdout")" -eq 1 ]
 
-# --- the reverse protocol between a folder and files; the row of a site is that of the constants chosen on it
+# --- the reverse protocol between a folder and files; what it says of the site that it chose on is what the search found
 small=$(export_scene D01 32)
 IFS=, read -r full truth label <<< "$small"
 mkdir "$work/site"
@@ -68,16 +68,15 @@ done
 map "$work/site/scan_first.mha" 32 '\0'
 map "$work/site/scan_end.mha" 32 ' '
 code 0 reverse --rounds 1 --site "$work/site" --case "$(export_scene E04 32)"
-holds [ "$(grep -c '^  chosen on ' "$work/stdout")" -eq 2 ]
-holds [ "$(grep -c '^    on .* largest ratio' "$work/stdout")" -eq 6 ]
-# row LINE: what is minimised, from the printed error, cut and left; found LINE: what the choice that was taken says.
-row() {
-    grep '^    on ' "$work/stdout" | sed -n "$1p" | sed 's/^.* \([0-9.]*\) \/ *\([0-9.]*\) \/ *\([0-9.]*\)  worst.*/\1 \2 \3/' |
-        awk '{ print $1 / 0.7 + $2 / 1.5 + $3 / 2 }'
-}
-found() { grep '^  chosen on ' "$work/stdout" | sed -n "$1p" | tr -c '0-9.\n' ' ' | awk '{ print $(NF - 2) < $NF ? $(NF - 2) : $NF }'; }
-holds awk -v row="$(row 3)" -v found="$(found 1)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.02 && d > -0.02) }'
-holds awk -v row="$(row 6)" -v found="$(found 2)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.02 && d > -0.02) }'
+holds [ "$(grep -c '^  chosen without ' "$work/stdout")" -eq 2 ]
+holds [ "$(grep -c '^    on .* relative to as it is [0-9.]*$' "$work/stdout")" -eq 4 ]
+holds [ "$(grep -c '^    on .* relative to as it is [0-9.]*, judged$' "$work/stdout")" -eq 2 ]
+# row LINE: what is said of that site; found LINE: what the choice that was taken says.
+row() { grep '^    on ' "$work/stdout" | sed -n "$1p" | sed 's/^.*as it is \([0-9.]*\).*/\1/'; }
+found() { grep '^  chosen without ' "$work/stdout" | sed -n "$1p" | tr -c '0-9.\n' ' ' | awk '{ print $(NF - 2) < $NF ? $(NF - 2) : $NF }'; }
+for line in 1 2; do holds [ "$(row $line)" = 1.00 ]; done
+holds awk -v row="$(row 4)" -v found="$(found 1)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.01 && d > -0.01) }'
+holds awk -v row="$(row 5)" -v found="$(found 2)" 'BEGIN { d = row - found; exit !(found > 0 && d < 0.01 && d > -0.01) }'
 code 2 reverse --site "$work/site"
 holds grep -q 'two sites are needed, 1 given' "$work/stderr"
 

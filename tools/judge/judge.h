@@ -55,6 +55,7 @@ typedef struct {
     uint8_t *label;        /* per ray: 0 neither, 1 sac, 2 fetus; NULL: no truth is known */
     float *truth;          /* per ray: slice at which it ends in the ground truth; NULL with `label` */
     uint8_t *clean;        /* the ground truth: `full` without what hides; NULL with `label` */
+    float *near, *far;     /* per labelled ray: the admissible clipping depths, slices; NULL: not known */
 } wall_case;
 
 /* Copies a case of the report: its volume, truth and label. Voxels of 0 were not scanned. */
@@ -65,7 +66,8 @@ bool wall_case_take(const hs_eval_source *source, wall_case *out, hs_error *err)
 bool wall_case_files(const char *files, wall_case *out, hs_error *err);
 
 /* Reads NAME_full.mha, NAME_truth.mha, NAME_label.mha, NAME_first.mha and NAME_end.mha of a folder so, too;
- * scan_first.mha and scan_end.mha in place of the last two. */
+ * scan_first.mha and scan_end.mha in place of the last two. NAME_near.mha and NAME_far.mha, if both are
+ * there, are the admissible depths. */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
 /* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case_make). Zeros at the ends of a
@@ -122,6 +124,11 @@ typedef struct {
     double error; /* mean over labelled rays of |end in the result - end in the truth|, slices of 128 */
     double cut;   /* share of the fetus' rays that end more than 2 slices too deep */
     double left;  /* share of the labelled rays that end more than 2 slices too early */
+    double fetus; /* the error of the fetus' rays alone */
+    /* By the admissible depths, which know nothing of a renderer, so haze in the sac is neither: shares of
+     * the fetus' rays whose surface lies more than 2 mm behind `far`, and in front of `near`. NAN: not known.
+     */
+    double deep, shallow;
 } wall_score;
 
 /* Labelled rays by confidence, right ones (error at most 2 slices) and wrong ones. Scores are added to it. */
@@ -161,6 +168,9 @@ wall_score site_score_mean(const site_score *score);
 
 /* Prints "error / cut / left, worst case", and with `sure` the confidence's AUC. */
 void site_score_print(const site_score *score, bool sure);
+
+/* Prints the error of the fetus' rays, and what the admissible depths say if all cases have them. */
+void site_score_print_fetus(const site_score *score);
 
 /* Prints, for every tenth of the confidence that has at least 100 rays, what it says on average, how many
  * rays are right there and their share of all. */
@@ -380,12 +390,12 @@ typedef struct {
 double *wall_constant_of(sv_wall_settings *s, wall_constant constant);
 
 /* ------------------------------------------------------------------------------------ reverse protocol -- */
-/* The reverse protocol: the wall's constants chosen on one site alone, judged on the others. */
+/* The reverse protocol: the wall's constants chosen on all sites but one, judged on that one. */
 
-/* For every set a coordinate search over the constants that matter, at most `rounds` times over all, from all
- * at their lowest and from all at their highest value; the better of the two answers on that set counts.
- * Prints the constants and, on every set, error / cut / left and their largest ratio to the bounds. Needs two
- * sets at least. */
+/* For every set a coordinate search over the constants that matter, on all other sets, at most `rounds` times
+ * over all constants, from all at their lowest and from all at their highest value; the better of the two
+ * answers counts. Prints the constants and, on every set, error / cut / left and what they are relative to
+ * those of the constants as they are. Needs two sets at least. */
 bool site_reverse(const site_list *list, uint32_t rounds, hs_error *err);
 
 /* ------------------------------------------------------------------------------------------------ page -- */

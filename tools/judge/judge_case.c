@@ -19,6 +19,8 @@ void wall_case_free(wall_case *c) {
     free(c->label);
     free(c->truth);
     free(c->clean);
+    free(c->near);
+    free(c->far);
     *c = (wall_case){0};
 }
 
@@ -136,6 +138,27 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
     return false;
 }
 
+/* A map of slices beside the volume. */
+static bool read_depths(const char *path, const wall_case *c, float **out, hs_error *err) {
+    const size_t plane = (size_t)c->nx * c->ny;
+    double *const values = malloc(plane * sizeof *values);
+    *out = malloc(plane * sizeof **out);
+    const bool ok =
+        (values && *out) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", path, plane);
+    const bool read = ok && hs_metaimage_read_map(path, c->nx, c->ny, values, err);
+    for (size_t i = 0; read && i < plane; i++) (*out)[i] = (float)values[i];
+    free(values);
+    return read;
+}
+
+static bool read_interval(const char *folder, const char *name, wall_case *c, hs_error *err) {
+    char near[2048], far[2048];
+    (void)snprintf(near, sizeof near, "%s/%s_near.mha", folder, name);
+    (void)snprintf(far, sizeof far, "%s/%s_far.mha", folder, name);
+    if (access(near, F_OK) != 0 || access(far, F_OK) != 0) return true;
+    return read_depths(near, c, &c->near, err) && read_depths(far, c, &c->far, err);
+}
+
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {
     char files[5 * 1024], own[1024];
     (void)snprintf(own, sizeof own, "%s/%s_first.mha", folder, name);
@@ -145,7 +168,10 @@ bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_err
         folder, name, folder, name, folder, name, folder, scan, folder, scan);
     if (length < 0 || (size_t)length >= sizeof files)
         return hs_fail(err, HS_ERR_USAGE, "%.200s...: the path is too long", folder);
-    return wall_case_files(files, out, err);
+    if (!wall_case_files(files, out, err)) return false;
+    if (read_interval(folder, name, out, err)) return true;
+    wall_case_free(out);
+    return false;
 }
 
 bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
@@ -157,6 +183,9 @@ bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t fr
     out->label = c.fine.label;
     out->truth = c.truth;
     out->clean = c.fine.truth.voxels;
+    out->near = c.fine.near_end;
+    out->far = c.fine.far_end;
+    c.fine.near_end = c.fine.far_end = NULL;
     c.fine.label = NULL;
     c.truth = NULL;
     c.fine.truth.voxels = NULL;
@@ -344,6 +373,7 @@ static uint8_t label_at(const wall_case *c, const double at[3]) {
 static bool make_room(const wall_case *c, wall_case *to) {
     const size_t plane = (size_t)c->nx * c->ny;
     *to = *c;
+    to->near = to->far = NULL; /* they hold for the rays of `c` */
     to->full = calloc(plane, c->nz);
     to->clean = calloc(plane, c->nz);
     to->first = calloc(plane, sizeof *to->first);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The reverse protocol: the wall's constants chosen on one site alone, judged on the others. */
+/* The reverse protocol: the wall's constants chosen on all sites but one, judged on that one. A doubtful
+ * surface is clipped here, so that a scan that is refused does not outweigh all others. */
 #include "judge/judge.h"
 
 #include "base/threads.h"
@@ -31,9 +32,6 @@ static const struct {
     {WALL_CONSTANT(average_margin), {0.1, 0.25, 0.5, 0.7, 1.0}},
 };
 enum { CONSTANTS = sizeof constants / sizeof *constants };
-
-/* The bounds that a known site is held to. */
-static const wall_score bounds = {0.7, 0.015, 0.02};
 
 /* One evaluation: every case on its own, so cases run side by side. */
 typedef struct {
@@ -81,16 +79,40 @@ static bool evaluate(const site_set *set, const sv_wall_settings *settings, site
     return ok;
 }
 
-/* What the search makes least: the three measures, each over its bound. */
-static double objective(const site_score *s) {
-    const wall_score m = site_score_mean(s);
-    return m.error / bounds.error + m.cut / bounds.cut + m.left / bounds.left;
+static sv_wall_settings starting_point(void) {
+    sv_wall_settings settings = sv_wall_settings_default();
+    settings.clip_doubtful = true;
+    return settings;
 }
 
-/* The largest of the three over their bounds. */
-static double largest(const site_score *s) {
-    const wall_score m = site_score_mean(s);
-    return fmax(m.error / bounds.error, fmax(m.cut / bounds.cut, m.left / bounds.left));
+/* The sites of a command line, what the constants as they are come to on each of them, and the one that is
+ * left out. */
+typedef struct {
+    const site_list *list;
+    wall_score as_it_is[SITE_MAX_SETS];
+    uint32_t left_out;
+} protocol;
+
+#define LEAST_SHARE 0.001 /* a site where next to nothing is cut or left shall not decide */
+
+/* Mean of the three measures, each over what it is with the constants as they are. */
+static double relative(const wall_score *now, const wall_score *as_it_is) {
+    return (now->error / as_it_is->error + (now->cut + LEAST_SHARE) / (as_it_is->cut + LEAST_SHARE) +
+            (now->left + LEAST_SHARE) / (as_it_is->left + LEAST_SHARE)) /
+           3.0;
+}
+
+/* What the search makes least: the mean over all sites but the one that is left out. */
+static bool objective(const protocol *p, const sv_wall_settings *settings, double *value, hs_error *err) {
+    *value = 0.0;
+    for (uint32_t i = 0; i < p->list->count; i++) {
+        site_score score;
+        if (i == p->left_out) continue;
+        if (!evaluate(&p->list->set[i], settings, &score, err)) return false;
+        const wall_score now = site_score_mean(&score);
+        *value += relative(&now, &p->as_it_is[i]) / (p->list->count - 1);
+    }
+    return true;
 }
 
 static void put(sv_wall_settings *s, const int at[CONSTANTS]) {
@@ -106,27 +128,23 @@ typedef struct {
 } choice;
 
 /* What the settings come to. */
-static bool try_settings(const site_set *set, choice *c, double *value, hs_error *err) {
-    site_score score;
-    if (!evaluate(set, &c->settings, &score, err)) return false;
+static bool try_settings(const protocol *p, choice *c, double *value, hs_error *err) {
     c->evaluations++;
-    *value = objective(&score);
-    return true;
+    return objective(p, &c->settings, value, err);
 }
 
 /* Judges these values of the constants. */
-static bool try_values(const site_set *set, const int at[CONSTANTS], choice *c, double *value,
-                       hs_error *err) {
+static bool try_values(const protocol *p, const int at[CONSTANTS], choice *c, double *value, hs_error *err) {
     put(&c->settings, at);
-    return try_settings(set, c, value, err);
+    return try_settings(p, c, value, err);
 }
 
-/* Values that make a site at most so much worse than the best one are as good: which of them is best there is
- * chance, and their mean is the choice. */
+/* Values that make the sites at most so much worse than the best one are as good: which of them is best there
+ * is chance, and their mean is the choice. */
 static const double as_good = 1.03;
 
 /* One constant at a time, while the others keep the values that were found. */
-static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error *err) {
+static bool settle(const protocol *p, int at[CONSTANTS], choice *out, hs_error *err) {
     double chosen[CONSTANTS];
     for (int i = 0; i < CONSTANTS; i++) {
         const int found = at[i];
@@ -134,7 +152,7 @@ static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error
         for (int k = 0; k < VALUES; k++) {
             if (k == found) continue;
             at[i] = k;
-            if (!try_values(set, at, out, &value, err)) return false;
+            if (!try_values(p, at, out, &value, err)) return false;
             if (value > as_good * out->objective) continue;
             sum += constants[i].value[k];
             count += 1.0;
@@ -143,16 +161,16 @@ static bool settle(const site_set *set, int at[CONSTANTS], choice *out, hs_error
         chosen[i] = sum / count;
     }
     for (int i = 0; i < CONSTANTS; i++) *wall_constant_of(&out->settings, constants[i].constant) = chosen[i];
-    return try_settings(set, out, &out->settled, err);
+    return try_settings(p, out, &out->settled, err);
 }
 
 /* One constant at a time to its best value, until a round changes nothing; then to the middle of those that
  * are as good. */
-static bool search(const site_set *set, int start, uint32_t rounds, choice *out, hs_error *err) {
+static bool search(const protocol *p, int start, uint32_t rounds, choice *out, hs_error *err) {
     int at[CONSTANTS];
     for (int i = 0; i < CONSTANTS; i++) at[i] = start;
-    *out = (choice){.settings = sv_wall_settings_default()};
-    if (!try_values(set, at, out, &out->objective, err)) return false;
+    *out = (choice){.settings = starting_point()};
+    if (!try_values(p, at, out, &out->objective, err)) return false;
     bool moved = true;
     for (uint32_t round = 0; moved && round < rounds; round++) {
         moved = false;
@@ -163,7 +181,7 @@ static bool search(const site_set *set, int start, uint32_t rounds, choice *out,
                 double value;
                 if (k == was) continue;
                 at[i] = k;
-                if (!try_values(set, at, out, &value, err)) return false;
+                if (!try_values(p, at, out, &value, err)) return false;
                 if (value >= out->objective) continue;
                 out->objective = value;
                 best = k;
@@ -172,50 +190,61 @@ static bool search(const site_set *set, int start, uint32_t rounds, choice *out,
             moved = moved || best != was;
         }
     }
-    return settle(set, at, out, err);
+    return settle(p, at, out, err);
 }
 
-static bool print_on(const site_list *list, const sv_wall_settings *settings, hs_error *err) {
-    for (uint32_t i = 0; i < list->count; i++) {
+static bool print_on(const protocol *p, const sv_wall_settings *settings, hs_error *err) {
+    for (uint32_t i = 0; i < p->list->count; i++) {
         site_score score;
-        if (!evaluate(&list->set[i], settings, &score, err)) return false;
-        printf("    on %-24.24s ", list->set[i].title);
+        if (!evaluate(&p->list->set[i], settings, &score, err)) return false;
+        printf("    on %-24.24s ", p->list->set[i].title);
         const wall_score m = site_score_mean(&score);
-        printf(
-            "%5.2f / %5.2f / %5.2f  worst %5.2f %-4s  AUC %.3f  largest ratio to %.1f / %.1f / %.0f: %.2f\n",
-            m.error, 100.0 * m.cut, 100.0 * m.left, score.worst, score.worst_name,
-            wall_auc(&score.calibration), bounds.error, 100.0 * bounds.cut, 100.0 * bounds.left,
-            largest(&score));
+        printf("%5.2f / %5.2f / %5.2f  worst %5.2f %-4s  AUC %.3f  relative to as it is %.2f%s\n", m.error,
+               100.0 * m.cut, 100.0 * m.left, score.worst, score.worst_name, wall_auc(&score.calibration),
+               relative(&m, &p->as_it_is[i]), i == p->left_out ? ", judged" : "");
     }
     return true;
 }
 
-static bool choose(const site_list *list, uint32_t index, uint32_t rounds, hs_error *err) {
+static bool choose(const protocol *p, uint32_t rounds, hs_error *err) {
     choice answer[2];
     for (int i = 0; i < 2; i++)
-        if (!search(&list->set[index], i ? VALUES - 1 : 0, rounds, &answer[i], err)) return false;
+        if (!search(p, i ? VALUES - 1 : 0, rounds, &answer[i], err)) return false;
     choice *best = &answer[answer[1].settled < answer[0].settled];
-    printf("  chosen on %s alone (%u settings tried; from the lowest values %.3f, settled %.3f; "
+    printf("  chosen without %s (%u settings tried; from the lowest values %.3f, settled %.3f; "
            "from the highest %.3f, settled %.3f)\n   ",
-           list->set[index].title, answer[0].evaluations + answer[1].evaluations, answer[0].objective,
-           answer[0].settled, answer[1].objective, answer[1].settled);
+           p->list->set[p->left_out].title, answer[0].evaluations + answer[1].evaluations,
+           answer[0].objective, answer[0].settled, answer[1].objective, answer[1].settled);
     for (int i = 0; i < CONSTANTS; i++)
         printf(" %s %.3g", constants[i].constant.key,
                *wall_constant_of(&best->settings, constants[i].constant));
     printf("\n");
     (void)fflush(stdout);
-    return print_on(list, &best->settings, err);
+    return print_on(p, &best->settings, err);
+}
+
+static bool find_as_it_is(protocol *p, hs_error *err) {
+    const sv_wall_settings settings = starting_point();
+    for (uint32_t i = 0; i < p->list->count; i++) {
+        site_score score;
+        if (!evaluate(&p->list->set[i], &settings, &score, err)) return false;
+        p->as_it_is[i] = site_score_mean(&score);
+        p->as_it_is[i].error = fmax(p->as_it_is[i].error, LEAST_SHARE);
+    }
+    return true;
 }
 
 bool site_reverse(const site_list *list, uint32_t rounds, hs_error *err) {
+    protocol p = {.list = list, .left_out = list->count};
+    const sv_wall_settings settings = starting_point();
     if (list->count < 2)
         return hs_fail(err, HS_ERR_USAGE, "reverse: two sites are needed, %u given", list->count);
-    const sv_wall_settings settled = sv_wall_settings_default();
-    printf("Reverse protocol: constants of wall chosen on one site alone\n  as it is\n");
-    if (!print_on(list, &settled, err)) return false;
+    printf("Reverse protocol: constants of wall chosen on all sites but one; doubtful surfaces clip\n  as it "
+           "is\n");
+    if (!find_as_it_is(&p, err) || !print_on(&p, &settings, err)) return false;
     (void)fflush(stdout);
-    for (uint32_t i = 0; i < list->count; i++)
-        if (!choose(list, i, rounds, err)) return false;
+    for (p.left_out = 0; p.left_out < list->count; p.left_out++)
+        if (!choose(&p, rounds, err)) return false;
     printf("\n");
     return true;
 }

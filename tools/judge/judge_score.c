@@ -8,34 +8,50 @@
 /* How good a surface is: Eq. 4.6 of the thesis, what is cut and what is left, and whether the confidence
  * tells. */
 
-#define TOLERANCE 2.0f /* slices of 128 */
+#define TOLERANCE    2.0f /* slices of 128 */
+#define TOLERANCE_MM 2.0  /* by the admissible depths */
 
 float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
     return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, wall_first_drawn(depth, c->nz));
+}
+
+/* Whether a ray of the fetus is clipped more than 2 mm out of its admissible depths. */
+static void judge_interval(const wall_case *c, size_t i, float depth, uint64_t *deep, uint64_t *shallow) {
+    const float tolerance = (float)(TOLERANCE_MM / c->spacing_mm[2]);
+    *deep += depth > c->far[i] + tolerance;
+    *shallow += depth < c->near[i] - tolerance;
 }
 
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
                       const float *confidence, wall_calibration *calibration) {
     const size_t plane = (size_t)c->nx * c->ny;
     const float scale = 128.0f / (float)c->nz;
-    double sum = 0.0;
-    uint64_t rays = 0, fetus = 0, cut = 0, left = 0;
+    double sum = 0.0, of_fetus = 0.0;
+    uint64_t rays = 0, fetus = 0, cut = 0, left = 0, deep = 0, shallow = 0;
     for (size_t i = 0; i < plane; i++) {
         if (c->label[i] == 0) continue;
+        const bool is_fetus = c->label[i] == 2;
         const float error = scale * (c->truth[i] - wall_ray_end(c, original, i, depth[i]));
         sum += fabs((double)error);
         rays++;
         left += error > TOLERANCE;
-        fetus += c->label[i] == 2;
-        cut += c->label[i] == 2 && error < -TOLERANCE;
+        fetus += is_fetus;
+        cut += is_fetus && error < -TOLERANCE;
+        if (is_fetus) of_fetus += fabs((double)error);
+        if (is_fetus && c->far) judge_interval(c, i, depth[i], &deep, &shallow);
         const int bin = (int)(confidence[i] * (WALL_BINS - 1) + 0.5f);
         if (fabsf(error) > TOLERANCE)
             calibration->wrong[bin]++;
         else
             calibration->right[bin]++;
     }
-    return (wall_score){rays ? sum / (double)rays : 0.0, fetus ? (double)cut / (double)fetus : 0.0,
-                        rays ? (double)left / (double)rays : 0.0};
+    const double of_rays = rays ? (double)rays : 1.0, of = fetus ? (double)fetus : 1.0;
+    return (wall_score){.error = sum / of_rays,
+                        .cut = (double)cut / of,
+                        .left = (double)left / of_rays,
+                        .fetus = of_fetus / of,
+                        .deep = c->far ? (double)deep / of : NAN,
+                        .shallow = c->far ? (double)shallow / of : NAN};
 }
 
 double wall_auc(const wall_calibration *t) {
@@ -88,6 +104,9 @@ void site_score_add(site_score *to, const char *name, const wall_score *score) {
     to->sum.error += score->error;
     to->sum.cut += score->cut;
     to->sum.left += score->left;
+    to->sum.fetus += score->fetus;
+    to->sum.deep += score->deep;
+    to->sum.shallow += score->shallow;
     if (to->count == 0 || score->error > to->worst) {
         to->worst = score->error;
         (void)snprintf(to->worst_name, sizeof to->worst_name, "%s", name);
@@ -97,7 +116,8 @@ void site_score_add(site_score *to, const char *name, const wall_score *score) {
 
 wall_score site_score_mean(const site_score *s) {
     const double n = s->count ? s->count : 1.0;
-    return (wall_score){s->sum.error / n, s->sum.cut / n, s->sum.left / n};
+    return (wall_score){s->sum.error / n, s->sum.cut / n,  s->sum.left / n,
+                        s->sum.fetus / n, s->sum.deep / n, s->sum.shallow / n};
 }
 
 void site_score_print(const site_score *s, bool sure) {
@@ -109,6 +129,14 @@ void site_score_print(const site_score *s, bool sure) {
     else
         printf("  no confidence");
     if (s->refused) printf("  %u refused", s->refused);
+    printf("\n");
+}
+
+void site_score_print_fetus(const site_score *s) {
+    const wall_score m = site_score_mean(s);
+    printf("       the fetus' rays: error %.2f", m.fetus);
+    if (!isnan(m.deep))
+        printf("; by the admissible depths %.1f %% cut, %.1f %% left", 100.0 * m.deep, 100.0 * m.shallow);
     printf("\n");
 }
 

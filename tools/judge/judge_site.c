@@ -246,6 +246,7 @@ static bool print_set(const site_set *set, const site_methods *methods, row *row
         if (!fill_row(&rows[i], set, methods->plugin, &methods->method[i], err)) return false;
         printf("  %-28s ", rows[i].name);
         site_score_print(&rows[i].score, rows[i].sure);
+        site_score_print_fetus(&rows[i].score);
         (void)fflush(stdout);
     }
     printf("  every case, in the order of the methods:\n");

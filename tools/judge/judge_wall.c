@@ -177,6 +177,7 @@ static bool judge_set(site_set *set, const wall_change *o, hs_error *err) {
         if (!judge_case(&set->cases[n], o, &score, &clipped, err)) return false;
     printf("  all  ");
     site_score_print(&score, true);
+    site_score_print_fetus(&score);
     site_score_print_calibration("wall", &score.calibration);
     if (score.refused) printf("  without the refused: AUC %.3f\n", wall_auc(&clipped));
     return true;

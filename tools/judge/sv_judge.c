@@ -54,7 +54,7 @@ static const struct command {
     {"wall", judge_wall, false,
      "the definition of wall with any of its constants changed (--set); what it knows of a case"},
     {"reverse", choose_constants, true,
-     "the constants of wall chosen on one site alone, judged on the others"},
+     "the constants of wall chosen on all sites but one, judged on that one"},
     {"cost", judge_cost, false,
      "mean and cost on the nine scenes in eleven seeds and poses, and in motion; or cost on the volumes "
      "given"},
