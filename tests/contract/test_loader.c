@@ -247,8 +247,52 @@ static void every_status_has_its_name(void **state) {
     assert_string_equal(hs_status_name(-999), "unknown status");
 }
 
+/* A table of a later revision's beginning, or one that a plugin left half empty. */
+static sv_ext_confidence given;
+
+static const void *give_confidence(const sv_plugin *plugin, const char *id) {
+    (void)plugin;
+    return strcmp(id, SV_EXT_CONFIDENCE) == 0 ? &given : NULL;
+}
+
+static uint32_t never_offered(const sv_plugin *plugin) {
+    (void)plugin;
+    return 0;
+}
+
+static sv_status never_read(const sv_plugin *plugin, float *map, sv_confidence_report *report) {
+    (void)plugin, (void)map, (void)report;
+    return SV_ERR_STATE;
+}
+
+static sv_status never_written(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset) {
+    (void)plugin, (void)map, (void)object, (void)offset;
+    return SV_ERR_STATE;
+}
+
+static void an_extension_without_all_of_its_calls_is_none(void **state) {
+    (void)state;
+    const sv_plugin plugin = {.get_extension = give_confidence};
+    const sv_ext_confidence whole = {
+        .size = sizeof whole, .read = never_read, .offered = never_offered, .write = never_written};
+    given = whole;
+    assert_ptr_equal(hs_plugin_confidence(&plugin), &given);
+    given.size = offsetof(sv_ext_confidence, write);
+    assert_null(hs_plugin_confidence(&plugin));
+    given = whole;
+    given.write = NULL;
+    assert_null(hs_plugin_confidence(&plugin));
+    given = whole;
+    given.offered = NULL;
+    assert_null(hs_plugin_confidence(&plugin));
+    given = whole;
+    given.read = NULL;
+    assert_null(hs_plugin_confidence(&plugin));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_extension_without_all_of_its_calls_is_none),
         cmocka_unit_test(loads_a_good_plugin_again_and_again),
         cmocka_unit_test(a_given_id_is_found_or_answered_with_those_there_are),
         cmocka_unit_test(files_that_are_no_plugin_are_named),
