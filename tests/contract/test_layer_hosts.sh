@@ -29,18 +29,20 @@ for pair in small_host:first_edge small_host:kernel_edge small_host:smartvis que
 done
 
 # --- a plugin of each family that is wrong: the layer names the rule in the host's own log, and with `stop` the host renders unclipped
-wrong() { # wrong PLUGIN HOST WORDS
+# How long a call may take is told of the plugin that takes long, alone: on a busy machine others do, too, and the first rule that is
+# broken in a frame ends it.
+wrong() { # wrong PLUGIN HOST WORDS [MILLISECONDS]
     local plugin=$build/wrong/$1.so
-    SMARTVIS_CHECK=on SMARTVIS_CHECK_MS=1 SMARTVIS_CHECK_PLUGIN=$plugin "$build/examples/$2" "$layer" > "$work/said" 2>&1
+    SMARTVIS_CHECK=on SMARTVIS_CHECK_MS=${4:-60000} SMARTVIS_CHECK_PLUGIN=$plugin "$build/examples/$2" "$layer" > "$work/said" 2>&1
     holds grep -qE "^plugin: check: $3" "$work/said"
-    SMARTVIS_CHECK=stop SMARTVIS_CHECK_MS=1 SMARTVIS_CHECK_PLUGIN=$plugin "$build/examples/$2" "$layer" > "$work/said" 2>&1
+    SMARTVIS_CHECK=stop SMARTVIS_CHECK_MS=${4:-60000} SMARTVIS_CHECK_PLUGIN=$plugin "$build/examples/$2" "$layer" > "$work/said" 2>&1
     ! grep -q 'rendered with the map' "$work/said" || holds false "$@"
 }
 wrong unknown_feature small_host 'descriptors: descriptor 0: features is 0x'
 wrong two_primaries small_host 'param-flags: 2 parameters'
 wrong depth_1e30 small_host 'depth-values: end: frame [0-9]+: the depth of ray \(0, 0\) is 1e\+30'
 wrong changes_rounding small_host 'process-untouched: end: leaves the rounding mode'
-wrong frame_builds queue_host 'frame-path-time: begin: took [0-9.]+ ms'
+wrong frame_builds queue_host 'frame-path-time: begin: took [0-9.]+ ms' 1
 
 # --- the simulated machine
 SMARTVIS_CHECK_PLUGIN=$build/smartvis.so

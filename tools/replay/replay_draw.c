@@ -4,6 +4,7 @@
 #include "base/paths.h"
 #include "loop/loop.h"
 #include "loop/view.h"
+#include "picture/picture_draw.h"
 #include "show/loop_pictures.h"
 
 #include <stdio.h>
@@ -130,5 +131,6 @@ bool rp_draw(const rp_options *o, const rp_report *report, hs_error *err) {
     free(e.depth);
     free(e.status);
     hs_cl_close(&cl);
+    hs_picture_finish();
     return ok;
 }
