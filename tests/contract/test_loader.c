@@ -260,11 +260,13 @@ static uint32_t never_offered(const sv_plugin *plugin) {
     return 0;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the signature is the extension's */
 static sv_status never_read(const sv_plugin *plugin, float *map, sv_confidence_report *report) {
     (void)plugin, (void)map, (void)report;
     return SV_ERR_STATE;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the same */
 static sv_status never_written(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset) {
     (void)plugin, (void)map, (void)object, (void)offset;
     return SV_ERR_STATE;

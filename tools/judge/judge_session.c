@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A plugin at work on volumes in memory, known by its ABI only: one instance with its settings, active for
  * whatever size came last. */
-#include "judge/judge.h"
+#include "judge/judge_session.h"
 
 #include "loop/clipper.h"
 #include "plugin/loader_param.h"
