@@ -12,6 +12,7 @@ DESTDIR ?=
 LABELS ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
+FUZZ_SEED ?= 0
 # Real scans for the demo, if there are any.
 DATA ?= $(wildcard ../shared/data)
 # Folders of volumes of other programs with their truth, for `make sites` and `make surface-page`.
@@ -125,10 +126,10 @@ test-clang: ## the tests, built with clang
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang $(KERNELS))
 	@scripts/run_tests.sh build-clang $(JOBS)
 
-fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz; what it finds stays in out/fuzz
+fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz, from FUZZ_SEED (0: a new one); what it finds stays in out/fuzz
 	@$(SETUP) $(PACKAGES) $(FUZZ_PACKAGES)
 	@$(call build,build-fuzz,-DCMAKE_C_COMPILER=clang -DSV_FUZZ=ON -DSV_BENCH=OFF) --target fuzz_targets
-	@scripts/fuzz.sh build-fuzz $(FUZZ_SECONDS) $(JOBS) $(OUT)/fuzz
+	@scripts/fuzz.sh build-fuzz $(FUZZ_SECONDS) $(JOBS) $(OUT)/fuzz $(FUZZ_SEED)
 
 oclgrind: ## every method on a small frame in a simulated device that sees wrong accesses and data races
 	@$(SETUP) $(PACKAGES) $(OCLGRIND_PACKAGES)

@@ -1,15 +1,16 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# fuzz.sh BUILD_FOLDER SECONDS JOBS OUT: every fuzz target of a build with SV_FUZZ for so many seconds, JOBS of them side by
+# fuzz.sh BUILD_FOLDER SECONDS JOBS OUT [SEED]: every fuzz target of a build with SV_FUZZ for so many seconds, JOBS of them side by
 # side. They begin with the corpus in tests/fuzz/corpus and with what earlier runs found in OUT/NAME. An input that breaks
 # something is left in OUT/NAME.broken-*; the same input without the fuzzer: BUILD_FOLDER/fuzz/fuzz_NAME FILE. Exit code 1 if
-# there is one.
+# there is one. The same SEED tries much the same inputs again; 0, the default, is a new one every time.
 set -u
 build=$(cd "$1" && pwd) || exit 1
 seconds=$2
 jobs=$3
 mkdir -p "$4"
 out=$(cd "$4" && pwd)
+seed=${5:-0}
 cd "$(dirname "$0")/.." || exit 1
 
 fuzz() { # fuzz NAME
@@ -21,7 +22,7 @@ fuzz() { # fuzz NAME
     if POCL_CACHE_DIR=$out/pocl_cache POCL_SIGFPE_HANDLER=0 \
         ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:allocator_may_return_null=1 \
         LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
-        "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -timeout=120 -rss_limit_mb=4096 -print_final_stats=1 \
+        "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -seed="$seed" -timeout=120 -rss_limit_mb=4096 -print_final_stats=1 \
         -artifact_prefix="$out/$name.broken-" "${words[@]}" "${corpus[@]}" > "$out/$name.log" 2>&1; then
         echo "fuzz: $name: ok, $(sed -n 's/^stat::number_of_executed_units: *//p' "$out/$name.log") inputs in $((SECONDS - start)) s"
     else
@@ -31,7 +32,7 @@ fuzz() { # fuzz NAME
     fi
 }
 export -f fuzz
-export build seconds out
+export build seconds out seed
 
 names=()
 for program in "$build"/fuzz/fuzz_*; do names+=("$(basename "$program" | sed 's/^fuzz_//')"); done

@@ -9,8 +9,10 @@
 #include "commands/run_line.h"
 #include "commands/run_print.h"
 
+#include <errno.h>
 #include <jansson.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
  * rather than being left out. */
@@ -153,7 +155,10 @@ static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err
 }
 
 /* Before the work starts: all of it would be lost. */
-static bool can_write(const hs_run_line *line, hs_error *err) {
+static bool files_at_hand(const hs_run_line *line, hs_error *err) {
+    const char *reference = line->request.reference;
+    if (reference && access(reference, R_OK) != 0)
+        return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", reference, strerror(errno));
     return hs_path_make_folder(line->out, err) && hs_output_try(line->json, err);
 }
 
@@ -207,7 +212,7 @@ int hs_cmd_run(int argc, char **argv) {
         hs_run_line_help();
         return HS_OK;
     }
-    if (!can_write(&line, &err) || !run_loop(&line, &code, &err)) return hs_cli_fail("run", &err);
+    if (!files_at_hand(&line, &err) || !run_loop(&line, &code, &err)) return hs_cli_fail("run", &err);
     hs_print(stdout, "Pictures are in %s\n", line.out);
     return (int)code;
 }

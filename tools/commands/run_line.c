@@ -6,10 +6,8 @@
 #include "base/options.h"
 #include "commands/look_line.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 static bool take_volume(void *target, const char *text, hs_error *err) {
     hs_run_line *const line = target;
@@ -282,9 +280,6 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
                        r->reference ? "reference" : "write", r->loop.orbit);
     if (r->tolerance > 0.0 && !r->reference)
         return hs_fail(err, HS_ERR_USAGE, "--tolerance %g: is for --reference MAP", r->tolerance);
-    if (r->reference && access(r->reference, R_OK) != 0)
-        return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", r->reference,
-                       strerror(errno));
     if (r->loop.dvr.threshold_low >= r->loop.dvr.threshold_high)
         return hs_fail(err, HS_ERR_USAGE, "--t-low %g must be less than --t-high %g",
                        (double)r->loop.dvr.threshold_low, (double)r->loop.dvr.threshold_high);
