@@ -8,27 +8,93 @@
 #ifndef SV_WALL_HISTOGRAM_CLH
 #include "wall/wall_histogram.clh"
 #endif
-#ifndef SV_WALL_SLICES_CLH
-#include "wall/wall_slices.clh"
+#ifndef SV_WALL_SCANNED_CLH
+#include "wall/wall_scanned.clh"
 #endif
 
-/* Finds the ranges of a row of rays. Returns how many of them were scanned. */
+/* Ranges of 16 pixels or rays: the latest first slice, and the earliest end. */
+typedef struct {
+    ushort16 first, end;
+} range16_t;
+
+static range16_t intersect(range16_t a, ushort16 first, ushort16 end) {
+    return (range16_t){max(a.first, first), min(a.end, end)};
+}
+
+static range16_t whole_range(const sv_wall_layout *l) {
+    return (range16_t){(ushort16)(0), (ushort16)((ushort)l->slices)};
+}
+
+/* Intersects the ranges of pixels down the blocks of a row of rays. `pixels`: two lines of `pitch` words, the
+ * first slices and the ends, with margins. */
+static void intersect_rows(const sv_wall_layout *l, const sv_wall_span *along, uint pitch,
+                           __global const ushort *ranges, __global ushort *const pixels[2]) {
+    for (uint x = 0; x < pitch; x += SV_LANES) {
+        range16_t r = whole_range(l);
+        for (uint y = along->first; y < along->first + along->count; y++) {
+            __global const ushort *at = ranges + (size_t)y * pitch + x;
+            r = intersect(r, vload16(0, at), vload16(0, at + (size_t)l->height * pitch));
+        }
+        *(__global ushort16 *)(pixels[0] + x) = r.first;
+        *(__global ushort16 *)(pixels[1] + x) = r.end;
+    }
+}
+
+/* Intersects these ranges across the blocks of 16 rays from x on. */
+static range16_t intersect_columns(const sv_wall_layout *l, __global const sv_wall_span *spans, uint x,
+                                   __global ushort *const pixels[2]) {
+    __global const sv_wall_taps *near =
+        (__global const sv_wall_taps *)(spans + l->columns + l->rows) + x / SV_WALL_TOGETHER;
+    range16_t r = whole_range(l);
+    for (uint k = 0; k < near->count; k++) {
+        const ushort16 touches =
+            as_ushort16(words16_of(as_uchar16(vload16(0, near->weight[k]) != (uchar16)(0))));
+        const ushort16 end = vload16(0, pixels[1] + near->shift + (int)k);
+        r = intersect(r, vload16(0, pixels[0] + near->shift + (int)k) & touches, end | ~touches);
+    }
+    for (uint i = 0; near->count == 0 && i < SV_WALL_TOGETHER; i++) {
+        __global const sv_wall_span *s = spans + min(x + i, l->columns - 1);
+        ushort first = 0, end = (ushort)l->slices;
+        for (uint at = s->first; at < s->first + s->count; at++) {
+            first = max(first, pixels[0][at]);
+            end = min(end, pixels[1][at]);
+        }
+        ((ushort *)&r.first)[i] = first;
+        ((ushort *)&r.end)[i] = end;
+    }
+    return r;
+}
+
+/* Divides rounding down. Half is added so that no quotient lies nearer to the next whole number than float32
+ * rounds. */
+static ushort16 divided(ushort16 slices, uint by) {
+    return convert_ushort16((convert_float16(slices) + 0.5f) * (1.0f / (float)by));
+}
+
+/* Finds the ranges of a row of rays, in layers. `pixels`: room for two lines of pixels, with margins. Returns
+ * how many of the rays were scanned. */
 static uint find_ranges(const sv_wall_layout *l, uint row, uint bounded, uint pitch,
                         __global const sv_wall_span *spans, __global const ushort *ranges,
-                        __global ushort *rays) {
+                        __global ushort *const pixels[2], __global ushort *rays) {
     __global ushort *first = (__global ushort *)ray_row(rays, l, RAY_FIRST, row);
     __global ushort *end = (__global ushort *)ray_row(rays, l, RAY_END, row);
     const sv_wall_span along = spans[l->columns + row];
     uint count = 0;
-    for (uint x = 0; x < l->columns; x++) {
-        ushort from = 0, to = (ushort)l->layers;
-        if (bounded) {
-            const sv_wall_span across = spans[x];
-            find_range(l, &across, &along, pitch, ranges, &from, &to);
+    if (bounded) intersect_rows(l, &along, pitch, ranges, pixels);
+    for (uint x = 0; x < padded_columns_of(l); x += SV_LANES) {
+        range16_t r = {(ushort16)(0), (ushort16)((ushort)l->layers)};
+        if (bounded && x < l->columns) {
+            const range16_t slices = intersect_columns(l, spans, x, pixels);
+            r.first = divided(slices.first + (ushort)(l->depth - 1), l->depth);
+            r.end = select(divided(slices.end, l->depth), (ushort16)((ushort)l->layers),
+                           slices.end == (ushort16)((ushort)l->slices));
         }
-        first[x] = from;
-        end[x] = to;
-        count += to > from;
+        const ushort16 inside = as_ushort16(words16_of(pixels_of(min(x, l->columns), l->columns)));
+        const ushort16 scanned = as_ushort16(r.first < r.end) & inside;
+        *(__global ushort16 *)(first + x) = r.first & scanned;
+        *(__global ushort16 *)(end + x) = r.end & scanned;
+        const ushort16 ones = scanned & (ushort16)(1);
+        for (uint i = 0; i < SV_LANES; i++) count += ((const ushort *)&ones)[i];
     }
     return count;
 }
@@ -68,10 +134,6 @@ static void dilate_line(const sv_wall_layout *l, __global const uchar *line, __g
     }
 }
 
-static void clear_lines(__global uchar *lines, uint bytes) {
-    for (uint x = 0; x < bytes; x += LANES) *(__global u8l *)(lines + x) = (u8l)(0);
-}
-
 /* Sets the levels of a row of rays in layer `z` to 0 where it was not scanned, and counts those of inner
  * rays. */
 static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uint row, __global uchar *levels,
@@ -89,7 +151,8 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
     }
 }
 
-/* One work item per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels
+/* One work item per row of cells. Levels of blocks that were not scanned become 0, but for layers in front of
+ * those of the row and behind them, at which nothing looks. `bounded`: the pixels
  * have ranges. `row_maxima`: the means' dilation along x. `scratch`: scratch_words words of 32 bits for each
  * row. If wall_smooth follows, that kernel counts the levels. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scratch_words,
@@ -100,17 +163,26 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scrat
     const uint row = (uint)get_global_id(0), line_pitch = padded_cells_of(&l) + 2 * MARGIN;
     /* three lines alternate, for a vector that was just stored is slow to load in parts */
     __global uchar *lines = (__global uchar *)(scratch + (size_t)row * scratch_words);
+    __global ushort *const pixels[2] = {(__global ushort *)lines + MARGIN,
+                                        (__global ushort *)lines + pitch + 3 * MARGIN};
     uint histogram[4][256];
     clear_counts(histogram);
-    clear_lines(lines, 3 * line_pitch);
-    lines += MARGIN;
     histograms += (size_t)row * HISTOGRAM_WORDS;
-    histograms[HISTOGRAM_RAYS] = find_ranges(&l, 2 * row, bounded, pitch, spans, ranges, rays) +
-                                 find_ranges(&l, 2 * row + 1, bounded, pitch, spans, ranges, rays);
-    for (uint z = 0; z < l.layers + 2; z++) { /* zeros lie behind the last layer */
-        for (uint r = 0; z < l.layers && r < 2; r++) mask_row(&l, rays, z, 2 * row + r, levels, histogram);
-        if (z > 1) dilate_line(&l, lines + (z - 2) % 3 * line_pitch, row_maxima + cell_row(&l, z - 2, row));
-        if (z > 0 && z <= l.layers)
+    histograms[HISTOGRAM_RAYS] = find_ranges(&l, 2 * row, bounded, pitch, spans, ranges, pixels, rays) +
+                                 find_ranges(&l, 2 * row + 1, bounded, pitch, spans, ranges, pixels, rays);
+    clear_bytes(lines, 3 * line_pitch);
+    lines += MARGIN;
+    const extent_t scanned = extent_of_row(&l, rays, row);
+    /* A level counts with that behind it, so the layer in front of the scan has maxima, too. */
+    const extent_t bright = {scanned.from - min(scanned.from, 1u), scanned.to};
+    const uint masked_to = min(bright.to + 1, l.layers);
+    clear_bytes(row_maxima + cell_row(&l, 0, row), bright.from * padded_cells_of(&l));
+    clear_bytes(row_maxima + cell_row(&l, bright.to, row), (l.layers - bright.to) * padded_cells_of(&l));
+    for (uint z = bright.from; z < bright.to + 2; z++) {
+        for (uint r = 0; z < masked_to && r < 2; r++) mask_row(&l, rays, z, 2 * row + r, levels, histogram);
+        if (z > bright.from + 1)
+            dilate_line(&l, lines + (z - 2) % 3 * line_pitch, row_maxima + cell_row(&l, z - 2, row));
+        if (z > bright.from && z <= bright.to)
             maximum_of_cells(&l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
     }
     if (!l.smoothed) store_counts(histogram, histograms);

@@ -38,6 +38,7 @@ typedef struct {
     /* For every layer with tissue before `certain_from`: the cells' probabilities by brightness, of a later
      * run * 65536 + of a first run. */
     __global u32h *chance;
+    extent_t layers;   /* those in which costs change from one to the next */
     uint certain_from; /* from this layer on the fetus has begun on all scanned rays; at least 1, because
                           cutting at depth 0 may cost nothing */
 } cell_rays_t;
@@ -142,20 +143,20 @@ static void forward_end(rays_t *r, const forward_t *w) {
  * stored is slow to load. */
 static void load_tissue(const sv_wall_layout *l, const cell_rays_t *s, uint z, u8l tissue[2]) {
     tissue[0] = tissue[1] = (u8l)(0);
-    if (z == l->layers) return;
+    if (z == s->layers.to) return;
     UNROLL for (uint i = 0; i < 2; i++) tissue[i] = tissue_at(s, &s->rays[i], z);
     if (s->certain_from == l->layers && any_byte(tissue[0] | tissue[1])) find_chances(s, z);
 }
 
-/* Walks all layers from front to back. */
+/* Walks the layers from front to back. */
 static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     rays_t *const r = s->rays;
     forward_t w[2];
     u8l next[2];
     s->certain_from = l->layers;
     UNROLL for (uint i = 0; i < 2; i++) forward_begin(l, &r[i], &w[i]);
-    load_tissue(l, s, 0, next);
-    for (uint z = 0; z < l->layers; z++) {
+    load_tissue(l, s, s->layers.from, next);
+    for (uint z = s->layers.from; z < s->layers.to; z++) {
         const u8l tissue[2] = {next[0], next[1]};
         load_tissue(l, s, z + 1, next);
         if (s->certain_from == l->layers) {
@@ -231,15 +232,29 @@ static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const r
     return (distance_cost_at(l, MINIMUM(w->near, before)) + wrong) & AS_U16(r->scanned);
 }
 
-/* Walks all layers from back to front. It stores the costs of HALF cells. */
+/* Walks the layers from back to front. It stores the costs of HALF cells, in all layers. */
 static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __global ushort *costs) {
     backward_t w[2];
     UNROLL for (uint i = 0; i < 2; i++) backward_begin(l, &s->rays[i], &w[i]);
-    for (uint z = l->layers; z-- > 0;) {
+    u16h mean = (u16h)(0);
+    for (uint z = s->layers.to; z-- > s->layers.from;) {
         u16l cost[2];
         UNROLL for (uint i = 0; i < 2; i++) cost[i] = backward_step(l, s, &s->rays[i], z, &w[i]);
-        *(__global u16h *)(costs + z * s->cell_pitch) = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
+        mean = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
+        *(__global u16h *)(costs + z * s->cell_pitch) = mean;
+        for (uint behind = z + 1; z + 1 == s->layers.to && behind < l->layers; behind++)
+            *(__global u16h *)(costs + behind * s->cell_pitch) = mean;
     }
+    for (uint z = 0; z < s->layers.from; z++) *(__global u16h *)(costs + z * s->cell_pitch) = mean;
+}
+
+/* Returns the layers outside of which the costs of rays do not change any more. Behind the scan there is no
+ * tissue, and from a full distance on the distance costs the same. In front of it there is a skin's depth in
+ * which the first run still counts. */
+static extent_t changing_layers(const sv_wall_layout *l, extent_t scanned) {
+    const uint in_front = max(l->full_distance, l->skin + 1);
+    return (extent_t){scanned.from - min(scanned.from, in_front),
+                      min(scanned.to + l->full_distance + 1, l->layers)};
 }
 
 static void load_rays(const sv_wall_layout *l, __global ushort *rays, uint x, uint row, rays_t *r) {
@@ -279,9 +294,10 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
     s.rays[0].near_at = (__global u8l *)(s.rays[1].begun_at + l.layers);
     s.rays[1].near_at = s.rays[0].near_at + l.layers;
     ulong sum = 0;
-    find_flanked_in_row(&l, row, kinds);
+    find_flanked_in_row(&l, row, extent_of_row(&l, rays, row), kinds);
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
+        s.layers = changing_layers(&l, extent_of_vector(&l, rays, row, x));
         s.brightness = brightness + at;
         s.kinds = kinds + word_column(&l, row, x * WORDS_OF_HALF);
         UNROLL for (uint i = 0; i < 2; i++) {

@@ -9,16 +9,14 @@
 #ifndef SV_WALL_MEANS_CLH
 #include "wall/wall_means.clh"
 #endif
-#ifndef SV_WALL_SLICES_CLH
-#include "wall/wall_slices.clh"
+#ifndef SV_WALL_SCANNED_CLH
+#include "wall/wall_scanned.clh"
 #endif
+
+#define MAX_WIDTH 8192 /* pixels across, as the ABI has it */
 
 static uchar16 bytes16_of(short16 mask) {
     return as_uchar16(convert_char16(mask));
-}
-
-static short16 words16_of(uchar16 mask) {
-    return convert_short16(as_char16(mask));
 }
 
 /* A row of cells, its two rows of rays, and the pixels that they are made of. */
@@ -26,9 +24,14 @@ typedef struct {
     uint row;
     uint first_row, rows;               /* of pixels that lie in their blocks */
     ushort weight[2][2 * SV_WALL_SPAN]; /* of each of them for the two rows of rays */
-    __global ushort *sums[2];           /* of pixels; MEANS_MARGIN words in front of and behind them */
-    uint padding;                       /* above 255: none */
-    uint range_pitch;                   /* of the planes of ranges */
+    /* Sums of pixels of each row of rays, with MEANS_MARGIN words in front of and behind them. Two layers
+     * alternate, for a vector that was just stored is slow to load in parts. */
+    __global ushort *sums[2][2];
+    uint padding; /* above 255: none */
+    bool ranged;  /* pixels have ranges, and those of LANES pixels are: */
+    extent_t scanned[MAX_WIDTH / LANES];
+    extent_t any;     /* of all of them */
+    uint range_pitch; /* of the planes of ranges */
     __global ushort *first, *end;
 } strip_t;
 
@@ -79,6 +82,37 @@ static void note_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
     }
 }
 
+/* Finds the slices in which any of LANES pixels from x on was scanned. `scanned`: planes of the pixels'
+ * ranges. */
+static extent_t extent_of_pixels(const sv_wall_layout *l, const strip_t *s, uint x,
+                                 __global const ushort *scanned) {
+    ushort16 first = (ushort16)(NEVER), end = (ushort16)(0);
+    for (uint at = x; at < min(x + LANES, l->width); at += SV_LANES) {
+        const ushort16 inside = as_ushort16(words16_of(pixels_of(at, l->width)));
+        for (uint y = s->first_row; y < s->first_row + s->rows; y++) {
+            __global const ushort *range = scanned + (size_t)y * s->range_pitch + at;
+            const ushort16 from = vload16(0, range);
+            const ushort16 to = vload16(0, range + (size_t)l->height * s->range_pitch);
+            const ushort16 is_scanned = inside & as_ushort16(from < to);
+            first = min(first, from | ~is_scanned);
+            end = max(end, to & is_scanned);
+        }
+    }
+    const ushort8 first8 = min(first.lo, first.hi), end8 = max(end.lo, end.hi);
+    const ushort4 first4 = min(first8.lo, first8.hi), end4 = max(end8.lo, end8.hi);
+    const ushort2 first2 = min(first4.lo, first4.hi), end2 = max(end4.lo, end4.hi);
+    return (extent_t){min(first2.x, first2.y), max(end2.x, end2.y)};
+}
+
+static void find_extents(const sv_wall_layout *l, strip_t *s, __global const ushort *scanned) {
+    s->any = (extent_t){NEVER, 0};
+    for (uint x = 0; x < l->width; x += LANES) {
+        const extent_t e = extent_of_pixels(l, s, x, scanned);
+        s->scanned[x / LANES] = e;
+        s->any = (extent_t){min(s->any.from, e.from), max(s->any.to, e.to)};
+    }
+}
+
 /* Finds what the rows of pixels weigh for two rows of rays with these spans. */
 static void weigh_rows(__global const sv_wall_span *spans, strip_t *s) {
     s->first_row = min(spans[0].first, spans[1].first);
@@ -103,7 +137,7 @@ static u8l load_lanes(__global const uchar *at, bool narrow, uint width) {
     return *(const u8l *)parts;
 }
 
-/* The slices of one layer. */
+/* Slices of one layer. */
 typedef struct {
     __global const uchar *at[SV_WALL_BLOCK];
     uint count, row_pitch;
@@ -142,14 +176,17 @@ static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
 
 /* Adds slices to the rows' sums. `fresh`: the first slice is the first of its layer. What remains at the end
  * of a row is summed with the pixels before it, and then moved to its place: to move every row would take
- * longer than all the rest. */
-static void add_slices(const sv_wall_layout *l, const strip_t *s, const slices_t *slices, bool fresh) {
+ * longer than all the rest. Layers in which none of LANES pixels was scanned are left out: wall_blocks clears
+ * their blocks. */
+static void add_slices(const sv_wall_layout *l, const layer_t *layer, const strip_t *s,
+                       const slices_t *slices, bool fresh, __global ushort *const sums[2]) {
     for (uint x = 0; x < l->width; x += LANES) {
+        if (!is_scanned(layer, x / LANES, x / LANES)) continue;
         const uint from = x + LANES <= l->width || l->width < LANES ? x : l->width - LANES;
         u16l sum[2];
         sum_slices(l, s, slices, from, sum);
         for (uint r = 0; r < 2; r++) {
-            __global u16l *to = (__global u16l *)(s->sums[r] + x);
+            __global u16l *to = (__global u16l *)(sums[r] + x);
             if (from < x) {
                 u16l moved[2];
                 moved[0] = sum[r];
@@ -161,9 +198,24 @@ static void add_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
     }
 }
 
+static layer_t layer_at(const sv_wall_layout *l, const strip_t *s, uint layer) {
+    const uint from = layer * l->depth;
+    return (layer_t){{from, min(from + l->depth, l->slices)}, s->ranged ? s->scanned : NULL};
+}
+
+/* Stores the means of a complete layer. */
+static void store_layer(const sv_wall_layout *l, const strip_t *s, __global const sv_wall_span *spans,
+                        uint taps, uint complete, __global uchar *levels) {
+    const layer_t layer = layer_at(l, s, complete);
+    __global uchar *const to[2] = {levels + level_row(l, complete, 2 * s->row),
+                                   levels + level_row(l, complete, 2 * s->row + 1)};
+    store_means(l, &layer, spans, taps, s->sums[complete % 2], to);
+}
+
 /* One work item per row of cells. `ranged`: `scanned` has planes of the pixels' ranges. `spans`: of the
- * columns of rays, then of the rows. `sums`: words of 16 bits, padded pixels between margins for each row of
- * rays. `ranges`: two planes like those of `scanned`; they are not written without ranges and padding. */
+ * columns of rays, then of the rows. `sums`: words of 16 bits, padded pixels between margins twice for each
+ * row of rays. `ranges`: two planes like those of `scanned`; they are not written without ranges and padding.
+ */
 __kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
                               uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
                               uint padding, uint ranged, uint range_pitch,
@@ -173,27 +225,32 @@ __kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_of
     const uint row = (uint)get_global_id(0), sum_words = round_up_to_lanes(l.width) + 2 * MEANS_MARGIN;
     strip_t s = {.row = row,
                  .padding = padding,
+                 .ranged = ranged != 0,
                  .range_pitch = range_pitch,
                  .first = ranges,
                  .end = ranges + (size_t)l.height * range_pitch};
     weigh_rows(spans + l.columns + 2 * row, &s);
-    for (uint r = 0; r < 2; r++) s.sums[r] = sums + (size_t)(2 * row + r) * sum_words + MEANS_MARGIN;
+    for (uint i = 0; i < 4; i++)
+        s.sums[i / 2][i % 2] = sums + (size_t)(4 * row + i) * sum_words + MEANS_MARGIN;
     if (first_slice == 0 && (ranged || padding <= 255)) begin_ranges(&l, &s, ranged != 0, scanned);
+    if (ranged) find_extents(&l, &s, scanned);
     const texture_t t = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h};
     if (padding <= 255)
         for (uint i = 0; i < slice_count; i++)
             note_ranges(&l, &s, ranged != 0, scanned, slice_of(&t, i), row_pitch, (ushort)(first_slice + i));
     const uint taps = are_triangles(&l, spans) ? 0 : taps_of(&l, spans);
+    uint complete = l.layers; /* the layer whose means are to be stored, if there is one */
     for (uint i = 0; i < slice_count;) {
-        const uint z = first_slice + i, layer = z / l.depth;
-        const uint layer_end = min((layer + 1) * l.depth, l.slices);
-        const uint count = min(layer_end - z, slice_count - i);
+        const uint z = first_slice + i, at = z / l.depth;
+        const layer_t layer = layer_at(&l, &s, at);
+        const uint count = min(layer.slices.to - z, slice_count - i);
         const slices_t slices = slices_from(&t, i, count);
-        add_slices(&l, &s, &slices, z % l.depth == 0);
         i += count;
-        if (z + count < layer_end) continue;
-        __global uchar *const to[2] = {levels + level_row(&l, layer, 2 * row),
-                                       levels + level_row(&l, layer, 2 * row + 1)};
-        store_means(&l, spans, taps, s.sums, layer_end - layer * l.depth, to);
+        if (ranged && !overlap(s.any, layer.slices)) continue;
+        add_slices(&l, &layer, &s, &slices, z == layer.slices.from, s.sums[at % 2]);
+        if (z + count < layer.slices.to) continue;
+        if (complete < l.layers) store_layer(&l, &s, spans, taps, complete, levels);
+        complete = at;
     }
+    if (complete < l.layers) store_layer(&l, &s, spans, taps, complete, levels);
 }

@@ -3,9 +3,6 @@
  * Along the rays: the brightness of cells, the first run of each ray, and the brightness of the wall; then
  * what surrounds tissue.
  */
-#ifndef SV_WALL_LANES_CLH
-#include "wall/wall_lanes.clh"
-#endif
 #ifndef SV_WALL_SURROUNDINGS_CLH
 #include "wall/wall_surroundings.clh"
 #endif
@@ -59,13 +56,13 @@ static void dilate_columns(const sv_wall_layout *l, __global const uchar *row_ma
     }
 }
 
-/* Walks LANES rays until the first run of the last of them ends. */
+/* Walks LANES rays from layer `from` on, until the first run of the last of them ends. */
 static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
-                        __global const uchar *brightness, uint row, uint x, i16l end) {
+                        __global const uchar *brightness, uint row, uint x, uint from, i16l end) {
     walk_t w = {
         .begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .maximum = (u8l)(0), .last = (u8l)(0)};
     const u8l scanned = bytes_of(end > (i16l)(0));
-    for (uint z = 0; z < l->layers && any_byte(scanned & ~w.over); z++) {
+    for (uint z = from; z < l->layers && any_byte(scanned & ~w.over); z++) {
         const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
         const u8h cells = ((__global const u8h *)(brightness + cell_row(l, z, row / 2)))[x];
         walk_step(&w, (short)z, (short)l->skin, tissue_of(level), rays_of_cells(cells));
@@ -73,11 +70,12 @@ static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
     return w;
 }
 
-/* Dim blocks at the start of LANES rays' scans are tissue. */
-static void fill_dim_fronts(const sv_wall_layout *l, __global uchar *relative, i16l first, i16l end) {
+/* Dim blocks at the start of LANES rays' scans, none of them in front of layer `from`, are tissue. */
+static void fill_dim_fronts(const sv_wall_layout *l, __global uchar *relative, uint from, i16l first,
+                            i16l end) {
     const size_t pitch = level_pitch_of(l);
     i16l open = end > first;
-    for (uint z = 0; z < l->layers && any_word(open); z++) {
+    for (uint z = from; z < l->layers && any_word(open); z++) {
         const i16l at = (i16l)((short)z), scanned = (first <= at) & (end > at);
         __global u8l *here = (__global u8l *)(relative + z * pitch);
         const u8l level = *here;
@@ -101,21 +99,22 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
     histograms += (size_t)row * HISTOGRAM_WORDS;
     for (uint i = 0; i < 256; i++) histograms[i] = 0;
     histograms[HISTOGRAM_WALL_RAYS] = 0;
-    for (uint z = 0; z < l.layers; z++) dilate_columns(&l, row_maxima, z, row, brightness);
+    const extent_t in_row = extent_of_row(&l, rays, row);
+    for (uint z = in_row.from; z < in_row.to; z++) dilate_columns(&l, row_maxima, z, row, brightness);
     for (uint line = 2 * row; line < 2 * row + 2; line++)
         for (uint x = 0; x < vectors_of(&l); x++) {
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
             __global uchar *const from = levels + level_row(&l, 0, line) + x * LANES;
             i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
-            if (near_field) first = behind_near_field(&l, from, first, end);
-            fill_dim_fronts(&l, from, first, end);
-            const walk_t w = walk_rays(&l, levels, brightness, line, x, end);
+            if (near_field) first = behind_near_field(&l, from, in_row.from, first, end);
+            fill_dim_fronts(&l, from, in_row.from, first, end);
+            const walk_t w = walk_rays(&l, levels, brightness, line, x, in_row.from, end);
             ray_row(rays, &l, RAY_FIRST, line)[x] = AS_U16(first);
             ray_row(rays, &l, RAY_RUN, line)[x] = AS_U16(w.begin);
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
             count_walls(&l, &w, first, end, histograms);
         }
-    classify_row(&l, levels, rays, row, kinds);
+    classify_row(&l, levels, rays, row, in_row, kinds);
 }
 
 /* One work item per word of cells of a row and SV_WALL_LAYERS layers. It finds the flags of the cells of its

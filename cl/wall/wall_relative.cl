@@ -4,9 +4,14 @@
  * mean brightness there, and what each block is multiplied by. Then the rays that begin with a few dark
  * layers are counted.
  */
-#ifndef SV_WALL_LANES_CLH
-#include "wall/wall_lanes.clh"
+#ifndef SV_WALL_SCANNED_CLH
+#include "wall/wall_scanned.clh"
 #endif
+
+/* Cells of a row in whole vectors of HALF. */
+static uint vector_cells_of(const sv_wall_layout *l) {
+    return (l->cells[0] + HALF - 1) / HALF * HALF;
+}
 
 /* Adds neighbouring bytes. */
 static u16h sum_pairs(u8l values) {
@@ -26,9 +31,10 @@ static u32h bright_blocks(__global const uchar *levels, size_t row_pitch, u8l th
 
 /* One work item per row of cells: the bright blocks of every cell and of those near it in its row. */
 __kernel void wall_bright(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
-                          __global const uchar *restrict levels, __global uint *restrict scratch,
-                          __global uint *restrict windows) {
-    const uint row = (uint)get_global_id(0), cells = padded_cells_of(&l), pitch = cells + 2 * MARGIN;
+                          __global const uchar *restrict levels, __global ushort *restrict rays,
+                          __global uint *restrict scratch, __global uint *restrict windows) {
+    const uint row = (uint)get_global_id(0), cells = vector_cells_of(&l),
+               pitch = padded_cells_of(&l) + 2 * MARGIN;
     const int reach = (int)l.window[0];
     const u8l threshold = (u8l)((uchar)info[SV_WALL_INFO_THRESHOLD]);
     const size_t row_pitch = level_row(&l, 0, 1) - level_row(&l, 0, 0);
@@ -37,12 +43,16 @@ __kernel void wall_bright(sv_wall_layout l, uint scratch_words, __global const u
     __global uint *lines = scratch + (size_t)row * scratch_words;
     for (uint x = 0; x < 2 * pitch; x++) lines[x] = 0;
     lines += MARGIN;
-    for (uint z = 0; z <= l.layers; z++) {
+    const extent_t scanned = extent_of_row(&l, rays, row);
+    const size_t layer = padded_cells_of(&l) * sizeof *windows;
+    clear_bytes((__global uchar *)(windows + cell_row(&l, 0, row)), scanned.from * layer);
+    clear_bytes((__global uchar *)(windows + cell_row(&l, scanned.to, row)), (l.layers - scanned.to) * layer);
+    for (uint z = scanned.from; z <= scanned.to; z++) {
         __global uint *to = lines + z % 2 * pitch, *from = lines + (z + 1) % 2 * pitch;
-        for (uint x = 0; z < l.layers && x < cells; x += HALF)
+        for (uint x = 0; z < scanned.to && x < cells; x += HALF)
             *(__global u32h *)(to + x) =
                 bright_blocks(levels + level_row(&l, z, 2 * row) + 2 * x, row_pitch, threshold);
-        for (int x = 0; z > 0 && x < (int)cells; x += HALF) {
+        for (int x = 0; z > scanned.from && x < (int)cells; x += HALF) {
             u32h sum = *(__global const u32h *)(from + x);
             for (int k = 1; k <= reach; k++)
                 sum += ((__global const u32h_unaligned *)(from + x - k))->v +
@@ -107,20 +117,24 @@ static void take_layer(bright_t *w, u32h words) {
     w->count -= words >> (uint)SV_WALL_SUM_BITS;
 }
 
-/* Relates the levels of HALF cells from column `x` on in all layers. `layers`: room for a vector a layer. */
+/* Relates the levels of HALF cells from column `x` on in the layers in which they were scanned, and clears
+ * the others. `layers`: room for a vector a layer. */
 static void relate_cells(const sv_wall_layout *l, __global const uint *info, __global const uint *windows,
-                         __global const uchar *levels, uint row, uint x, __global u32h *layers,
-                         __global uchar *relative) {
-    const uint reach = l->window[2];
+                         __global const uchar *levels, uint row, uint x, extent_t scanned,
+                         __global u32h *layers, __global uchar *relative) {
+    const uint reach = l->window[2], begin = scanned.from - min(scanned.from, reach);
     bright_t w = {(u32h)(0), (u32h)(0)};
-    for (uint z = 0; z < l->layers + reach; z++) {
+    for (uint z = 0; z < l->layers; z++)
+        for (uint r = 0; (z < scanned.from || z >= scanned.to) && r < 2; r++)
+            *(__global u8l *)(relative + level_row(l, z, 2 * row + r) + 2 * x) = (u8l)(0);
+    for (uint z = begin; z < scanned.to + reach; z++) {
         if (z < l->layers) {
             layers[z] = sum_rows_near(l, windows, z, row, x);
             add_layer(&w, layers[z]);
         }
-        if (z < reach) continue;
+        if (z < scanned.from + reach) continue;
         const uint at = z - reach;
-        if (at > reach) take_layer(&w, layers[at - reach - 1]);
+        if (at > begin + reach) take_layer(&w, layers[at - reach - 1]);
         const u32h gains = gains_of(l, info, &w);
         for (uint r = 0; r < 2; r++) {
             const size_t line = level_row(l, at, 2 * row + r) + 2 * x;
@@ -138,15 +152,16 @@ __kernel void wall_relative(sv_wall_layout l, uint scratch_words, __global const
     const uint row = (uint)get_global_id(0);
     uint count = 0;
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint x = 0; x < padded_cells_of(&l); x += HALF)
-        relate_cells(&l, info, windows, levels, row, x,
+    for (uint x = 0; x < vectors_of(&l); x++)
+        relate_cells(&l, info, windows, levels, row, x * HALF, extent_of_vector(&l, rays, row, x),
                      (__global u32h *)(scratch + (size_t)row * scratch_words), relative);
+    const uint from = extent_of_row(&l, rays, row).from;
     for (uint line = 2 * row; line < 2 * row + 2; line++)
         for (uint x = 0; x < vectors_of(&l); x++) {
             const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, line)[x]);
             const i16l begin =
-                behind_near_field(&l, relative + level_row(&l, 0, line) + x * LANES, first, end);
+                behind_near_field(&l, relative + level_row(&l, 0, line) + x * LANES, from, first, end);
             const i16l counted = begin > first;
             const short *lanes = (const short *)&counted;
             for (uint i = 0; i < LANES; i++) count += lanes[i] != 0;

@@ -3,8 +3,8 @@
  * From the layers of rays to the surface: the median, the confidence, and the interpolation to pixels. Beyond
  * the border the ray at the border counts.
  */
-#ifndef SV_WALL_LANES_CLH
-#include "wall/wall_lanes.clh"
+#ifndef SV_WALL_SCANNED_CLH
+#include "wall/wall_scanned.clh"
 #endif
 #ifndef SV_WALL_MEDIAN_CLH
 #include "wall/wall_median.clh"
@@ -56,14 +56,14 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
 
 /* Adds the blocks of LANES rays that are as dark as `fluid` to `gaps`: all of them, and those in the gap of
  * their ray. That is the fluid of layer `at`, if tissue lies on both of its sides; dim tissue in front of it
- * does not count. */
+ * does not count. `in`: the layers in which any of them was scanned. */
 static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
-                     i16l first, i16l end, uint fluid, i16l at, ulong gaps[2]) {
+                     i16l first, i16l end, extent_t in, uint fluid, i16l at, ulong gaps[2]) {
     const u8l fluid_level = (u8l)((uchar)fluid);
     const size_t pitch = level_pitch_of(l);
     u16l all = (u16l)(0), in_gaps = (u16l)(0), in_fluid = (u16l)(0);
     i16l holds = (i16l)(0), behind_tissue = (i16l)(0);
-    for (uint z = 0; z < l->layers; z++) {
+    for (uint z = in.from; z < in.to; z++) {
         const u8l level = ((__global const u8l_unaligned *)(levels + z * pitch))->v;
         const u8l related = ((__global const u8l_unaligned *)(relative + z * pitch))->v;
         const i16l here = (i16l)((short)z), scanned = (first <= here) & (end > here);
@@ -102,7 +102,7 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
                                                      places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
             }
             add_gaps(&l, levels + level_row(&l, 0, y) + x, from, first, end & is_ray,
-                     info[SV_WALL_INFO_FLUID], at, sums);
+                     extent_of_vector(&l, rays, row, x / LANES), info[SV_WALL_INFO_FLUID], at, sums);
         }
     gaps[2 * row] = sums[0];
     gaps[2 * row + 1] = sums[1];

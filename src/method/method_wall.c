@@ -38,22 +38,24 @@ static size_t padded_columns(const sv_wall_layout *l) {
 }
 
 /* Returns the words of 32 bits of scratch memory per row. By rows, in whole vectors: wall_costs needs 8
- * bytes a layer for each of SV_WALL_LANES rays, wall_blocks three lines of levels, wall_bright and wall_blur
- * two lines of cells. By items, wall_items_costs needs 5 bytes a block, which is more than the 4 bytes a cell
- * of wall_items_blur_y. */
+ * bytes a layer for each of SV_WALL_LANES rays, wall_blocks two lines of pixels' ranges and three lines of
+ * levels, wall_bright and wall_blur two lines of cells. By items, wall_items_costs needs 5 bytes a block,
+ * which is more than the 4 bytes a cell of wall_items_blur_y. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     if (by_items(m)) return (size_t)5 * l->layers * padded_columns(l) / sizeof(cl_uint);
     const size_t layers = (size_t)2 * l->layers * SV_WALL_LANES;
-    const size_t lines = 2 * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
+    const size_t cells = 2 * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
+    const size_t pixels = sv_wall_lanes_of(l->width) + (size_t)2 * SV_WALL_MAX_NEIGHBOUR;
+    const size_t lines = cells > pixels ? cells : pixels;
     return layers > lines ? layers : lines;
 }
 
-/* Returns the bytes of the sums: by rows, 16 bits for each pixel of a row of rays, between margins; by
- * items, 32 bits a ray. */
+/* Returns the bytes of the sums: by rows, 16 bits for each pixel of a row of rays, between margins, of two
+ * layers; by items, 32 bits a ray. */
 static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
     return by_items(m)
                ? padded_columns(l) * l->rows * sizeof(cl_uint)
-               : (sv_wall_lanes_of(l->width) + (size_t)2 * SV_WALL_LANES) * l->rows * sizeof(cl_ushort);
+               : (sv_wall_lanes_of(l->width) + (size_t)2 * SV_WALL_LANES) * 2 * l->rows * sizeof(cl_ushort);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {

@@ -106,6 +106,20 @@ static void check_knob(rig *r, const shape *s, const expected *e, double bound) 
     free(last);
 }
 
+/* Runs a frame in which all was scanned, and lets the next one forget it: blocks that are outside of the scan
+ * from then on must not be seen. */
+static void scan_all(rig *r, rig_textures *t, const shape *s, rig_result *out) {
+    const size_t count = (size_t)s->width * s->height;
+    sv_scanned *all = calloc(count, sizeof *all);
+    assert_non_null(all);
+    for (size_t i = 0; i < count; i++) all[i].end = (uint16_t)s->slices;
+    t->scanned = all;
+    assert_true(rig_frame(r, t, NULL, 0, out) >= SV_OK);
+    t->scanned = s->scanned;
+    t->frame_flags = SV_FRAME_DISCONTINUITY;
+    free(all);
+}
+
 /* Compares one layout of the work. With strategy rays a work item has a ray, with all others a row. */
 static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const expected *e,
                            const char *strategy, const char *what) {
@@ -130,6 +144,7 @@ static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const 
     assert_true(confidence && ext);
     const sv_status active = r->plugin->activate(r->plugin, &t->format);
     if (active != SV_OK) fail_msg("%s: %s", what, r->last_log);
+    if (s->scanned) scan_all(r, t, s, &out);
     const sv_param_value unsure = {rig_param(r, "unsure"), 0, e->clip_doubtful};
     const sv_status status = rig_frame(r, t, &unsure, 1, &out);
     assert_int_equal(ext->read(r->plugin, confidence, &report), SV_OK);
@@ -373,6 +388,28 @@ static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned 
     expected_free(&first);
 }
 
+/* A box that is scanned, seen from an edge: around it, before it and behind it nothing was. Rows and vectors
+ * of rays have layers of their own, and some have none. */
+static void test_turned_box(void **state) {
+    enum { W = 133, H = 58, D = 90 };
+    static sv_scanned ranges[W * H];
+    uint8_t *volume = layered_noise(W, H, D, 24, 14, 9);
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 0; x < W; x++) {
+            const uint32_t aside = (x > 80 ? x - 80 : 80 - x) / 2, above = y / 6;
+            const uint32_t first = 9 + aside + above, end = 85 - above - aside / 3;
+            ranges[y * W + x] = (sv_scanned){(uint16_t)D, (uint16_t)D};
+            if (y > 5 && y < 49 && aside < 21)
+                ranges[y * W + x] = (sv_scanned){(uint16_t)first, (uint16_t)end};
+        }
+    const float mm[] = {0.3f, 0.7f, 0.9f, 2.0f};
+    for (size_t i = 0; i < 4; i++) {
+        const shape s = {W, H, D, i % 2 ? 7 : D, SV_NO_PADDING, {mm[i], mm[i], mm[i]}, ranges};
+        assert_true(compare(*state, &s, volume, "a turned box"));
+    }
+    free(volume);
+}
+
 /* Ranges of a fan, with rays that were not scanned, with and without a padding value besides. */
 static void test_ranges(void **state) {
     enum { W = 70, H = 53, D = 64 };
@@ -406,6 +443,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {RIG_TEST(test_scenes),        RIG_TEST(test_spacings),
                                        RIG_TEST(test_single_voxels), RIG_TEST(test_bone_at_once),
                                        RIG_TEST(test_any_volume),    RIG_TEST(test_layered_noise),
-                                       RIG_TEST(test_ranges)};
+                                       RIG_TEST(test_ranges),        RIG_TEST(test_turned_box)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
