@@ -314,6 +314,20 @@ static void put_artefacts(drawn *d) {
     put(d, " }\n  ]\n}\n");
 }
 
+/* Gives every tissue an echo of its own. What the probe, the wall and the fetus are made of says nothing then
+ * of how bright they are. */
+static void put_greys(drawn *d) {
+    static const char *const tissues[] = {"wall",  "fat",  "muscle", "placenta", "cord",
+                                          "cloud", "soft", "brain",  "bone"};
+    put(d, "  \"tissues\": {");
+    for (uint32_t i = 0; i < sizeof tissues / sizeof *tissues; i++) {
+        put(d, "%s\"%s\": { \"echo_db\": ", i ? ", " : " ", tissues[i]);
+        put_number(d, draw(d, HS_RANGE_GREY, i));
+        put(d, " }");
+    }
+    put(d, " },\n");
+}
+
 /* --------------------------------------------------------------------------------------------- a file -- */
 
 static void put_title(drawn *d) {
@@ -331,11 +345,11 @@ static void put_title(drawn *d) {
         d->fetus && !d->bare && has(d, HS_RANGE_NUCHAL) ? ", the cord round its neck" : "");
 }
 
-char *hs_scene_draw(uint64_t seed, uint32_t number) {
-    drawn d = {.key = hs_random_key(hs_random_key(seed, 7000), number), .text = malloc(ROOM)};
+char *hs_scene_draw(const hs_scene_drawn *s) {
+    drawn d = {.key = hs_random_key(hs_random_key(s->seed, 7000), s->number), .text = malloc(ROOM)};
     if (!d.text) return NULL;
     choose(&d);
-    put(&d, "{\n  \"name\": \"R%" PRIu64 "_%" PRIu32 "\",\n", seed, number);
+    put(&d, "{\n  \"name\": \"%c%" PRIu64 "_%" PRIu32 "\",\n", s->greys ? 'G' : 'R', s->seed, s->number);
     put_title(&d);
     put(&d, "  \"seed\": %" PRIu64 ",\n  \"extent_mm\": %d", 1 + (hs_random_bits(d.key, ~UINT64_C(0)) >> 13),
         d.extent / 100);
@@ -345,19 +359,19 @@ char *hs_scene_draw(uint64_t seed, uint32_t number) {
     put_field(&d, "dynamic_range_db", draw(&d, HS_RANGE_DYNAMIC, 0));
     put_field(&d, "gain_db", draw(&d, HS_RANGE_GAIN, 0));
     put(&d, " },\n");
+    if (s->greys) put_greys(&d);
     put_wall(&d);
     put_structures(&d);
     put_artefacts(&d);
     return d.text;
 }
 
-bool hs_scene_drawn_name(const char *name, uint64_t *seed, uint32_t *number) {
+bool hs_scene_drawn_name(const char *name, hs_scene_drawn *s) {
     char again[64];
-    unsigned long long whole;
-    unsigned int part;
-    if (sscanf(name, "R%19llu_%5u", &whole, &part) != 2 || part >= HS_SCENE_MAX_DRAWN) return false;
-    *seed = whole;
-    *number = part;
-    (void)snprintf(again, sizeof again, "R%llu_%u", whole, part);
-    return strcmp(again, name) == 0;
+    unsigned long long seed;
+    unsigned int number;
+    if ((*name != 'R' && *name != 'G') || sscanf(name + 1, "%19llu_%5u", &seed, &number) != 2) return false;
+    *s = (hs_scene_drawn){*name == 'G', seed, number};
+    (void)snprintf(again, sizeof again, "%c%llu_%u", *name, seed, number);
+    return number < HS_SCENE_MAX_DRAWN && strcmp(again, name) == 0;
 }

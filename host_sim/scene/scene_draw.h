@@ -86,7 +86,8 @@
     X(AXIAL, "axial_mm", "mm", 30, 60, 5, "the nine cases have 0.4")                                         \
     X(LATERAL_MM, "lateral_mm", "mm", 50, 100, 5, "the nine cases have 0.6")                                 \
     X(FOCUS, "focus_mm", "mm", 4500, 7500, 500, "the nine cases have 60")                                    \
-    X(NOISE, "noise_db", "dB", -7400, -6600, 100, "the nine cases have -67")
+    X(NOISE, "noise_db", "dB", -7400, -6600, 100, "the nine cases have -67")                                 \
+    X(GREY, "grey_db", "dB", -4500, -900, 50, "echo of every tissue but fluid, in sets of random greys")
 
 #define HS_RANGE_ID(id, ...) HS_RANGE_##id,
 typedef enum { HS_SCENE_RANGES(HS_RANGE_ID) HS_RANGE_COUNT } hs_range_id;
@@ -108,11 +109,19 @@ bool hs_range_has(uint64_t key, hs_range_id id);
 
 #define HS_SCENE_MAX_DRAWN 100000u /* numbers of a set are below */
 
-/* Reads "R<seed>_<number>": the name of a random scene. */
-bool hs_scene_drawn_name(const char *name, uint64_t *seed, uint32_t *number);
+/* One scene of a set. */
+typedef struct {
+    bool greys; /* of a set of random greys */
+    uint64_t seed;
+    uint32_t number;
+} hs_scene_drawn;
 
-/* The file of scene `number` of the set `seed`, drawn from hs_scene_ranges with whole numbers only: the
- * same text on every machine. free() it; NULL without memory. */
-char *hs_scene_draw(uint64_t seed, uint32_t number);
+/* True for the name of a random scene: R7_3 is number 3 of the set with seed 7, and G7_3 the same scene in
+ * random greys, an echo of its own for every tissue but fluid. */
+bool hs_scene_drawn_name(const char *name, hs_scene_drawn *scene);
+
+/* The scene's file, drawn from hs_scene_ranges with whole numbers only: the same text on every machine.
+ * free() it; NULL without memory. */
+char *hs_scene_draw(const hs_scene_drawn *scene);
 
 #endif

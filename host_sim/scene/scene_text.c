@@ -59,13 +59,12 @@ static char *read_text(const char *path, hs_error *err) {
 
 char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error *err) {
     char folder[PATH_MAX];
-    uint64_t seed;
-    uint32_t number;
+    hs_scene_drawn drawn;
     if (strpbrk(name_or_path, "/.")) {
         (void)snprintf(path, size, "%s", name_or_path);
-    } else if (hs_scene_drawn_name(name_or_path, &seed, &number)) {
+    } else if (hs_scene_drawn_name(name_or_path, &drawn)) {
         (void)snprintf(path, size, "%s", name_or_path);
-        char *text = hs_scene_draw(seed, number);
+        char *text = hs_scene_draw(&drawn);
         if (!text) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
         return text;
     } else {

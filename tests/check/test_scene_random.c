@@ -15,7 +15,8 @@ static void a_seed_is_a_text(void **state) {
     (void)state;
     uLong crc = 0;
     for (uint32_t i = 0; i < 200; i++) {
-        char *text = hs_scene_draw(7, i), *again = hs_scene_draw(7, i), *other = hs_scene_draw(8, i);
+        const hs_scene_drawn seven = {false, 7, i}, eight = {false, 8, i};
+        char *text = hs_scene_draw(&seven), *again = hs_scene_draw(&seven), *other = hs_scene_draw(&eight);
         assert_string_equal(text, again);
         assert_string_not_equal(text, other);
         crc = crc32_z(crc, (const Bytef *)text, strlen(text));
@@ -73,7 +74,8 @@ static void shares_are_kept(void **state) {
     };
     double found[SHARES] = {0}, fetuses[3] = {0}, turned = 0.0, touching = 0.0;
     for (uint32_t s = 0; s < SCENES; s++) {
-        char *text = hs_scene_draw(3, s);
+        const hs_scene_drawn scene = {false, 3, s};
+        char *text = hs_scene_draw(&scene);
         json_t *root = json_loads(text, 0, NULL), *one;
         size_t i, count = 0;
         assert_non_null(root);
@@ -122,19 +124,34 @@ static void random_scenes_are_scenes(void **state) {
     }
 }
 
+/* Solids, labels and admissible depths are those of the scene without them; the volume is another one. */
+static void greys_change_the_echoes_alone(void **state) {
+    (void)state;
+    enum { SIDE = 40 };
+    hs_scene_data plain, greys;
+    make_scene("R11_3", SIDE, 2, 0, 0, &plain, NULL);
+    make_scene("G11_3", SIDE, 2, 0, 0, &greys, NULL);
+    assert_memory_equal(plain.tissue, greys.tissue, (size_t)SIDE * SIDE * SIDE);
+    assert_memory_equal(plain.near_end, greys.near_end, sizeof *plain.near_end * SIDE * SIDE);
+    assert_memory_equal(plain.far_end, greys.far_end, sizeof *plain.far_end * SIDE * SIDE);
+    assert_memory_equal(plain.label, greys.label, sizeof *plain.label * SIDE * SIDE);
+    assert_memory_not_equal(plain.full.voxels, greys.full.voxels, (size_t)SIDE * SIDE * SIDE);
+    hs_scene_free(&plain);
+    hs_scene_free(&greys);
+}
+
 static void names_are_read_strictly(void **state) {
     (void)state;
-    static const char *const good[] = {"R0_0", "R7_3", "R18446744073709551_99999"};
-    static const char *const bad[] = {"R7",    "R_1",       "R7_",   "R-1_2", "R7_03",
-                                      "R07_3", "R7_100000", "R7_3 ", "r7_3",  "R7_3x"};
-    uint64_t seed;
-    uint32_t number;
+    static const char *const good[] = {"R0_0", "R7_3", "G7_3", "R18446744073709551_99999"};
+    static const char *const bad[] = {"R7",        "R_1",   "R7_",  "R-1_2", "R7_03", "R07_3",
+                                      "R7_100000", "R7_3 ", "r7_3", "R7_3x", "g7_3",  "S7_3"};
+    hs_scene_drawn s;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
-        assert_true(hs_scene_drawn_name(good[i], &seed, &number));
-    assert_int_equal(seed, 18446744073709551u);
-    assert_int_equal(number, 99999);
+        assert_true(hs_scene_drawn_name(good[i], &s) && s.greys == (i == 2));
+    assert_int_equal(s.seed, 18446744073709551u);
+    assert_int_equal(s.number, 99999);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        if (hs_scene_drawn_name(bad[i], &seed, &number)) fail_msg("'%s' is taken for a random scene", bad[i]);
+        if (hs_scene_drawn_name(bad[i], &s)) fail_msg("'%s' is taken for a random scene", bad[i]);
 }
 
 /* A scene of two lists, with one assignment; `expected` is what its compact text then holds. */
@@ -207,9 +224,13 @@ static void artefacts_are_switched(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_seed_is_a_text),        cmocka_unit_test(numbers_lie_in_their_ranges),
-        cmocka_unit_test(shares_are_kept),         cmocka_unit_test(random_scenes_are_scenes),
-        cmocka_unit_test(names_are_read_strictly), cmocka_unit_test(fields_are_set_otherwise),
+        cmocka_unit_test(a_seed_is_a_text),
+        cmocka_unit_test(numbers_lie_in_their_ranges),
+        cmocka_unit_test(shares_are_kept),
+        cmocka_unit_test(random_scenes_are_scenes),
+        cmocka_unit_test(greys_change_the_echoes_alone),
+        cmocka_unit_test(names_are_read_strictly),
+        cmocka_unit_test(fields_are_set_otherwise),
         cmocka_unit_test(artefacts_are_switched),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

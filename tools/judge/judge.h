@@ -232,8 +232,8 @@ bool site_add_scenes(site_list *list, const char *seed_and_pose, hs_error *err);
  * seed, to the set of scenes. */
 bool site_add_scene(site_list *list, const char *name, hs_error *err);
 
-/* The same for the random scenes 0 .. COUNT - 1 of "SEED,COUNT". */
-bool site_add_random(site_list *list, const char *seed_and_count, hs_error *err);
+/* The same for the scenes 0 .. COUNT - 1 of "SEED,COUNT". `set`: R, random scenes, or G, random greys. */
+bool site_add_random(site_list *list, char set, const char *seed_and_count, hs_error *err);
 
 void site_free(site_list *list);
 

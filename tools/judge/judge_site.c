@@ -114,21 +114,21 @@ bool site_add_scene(site_list *list, const char *name, hs_error *err) {
     return true;
 }
 
-bool site_add_random(site_list *list, const char *text, hs_error *err) {
+bool site_add_random(site_list *list, char set, const char *text, hs_error *err) {
     unsigned long seed = 0, count = 0;
     int length = 0;
     if (sscanf(text, "%9lu,%9lu%n", &seed, &count, &length) != 2 || text[length] != '\0' || count < 1 ||
         count > SITE_MAX_CASES)
-        return hs_fail(err, HS_ERR_USAGE, "--random: '%s' is no SEED,COUNT with a count of 1 .. %d", text,
-                       SITE_MAX_CASES);
+        return hs_fail(err, HS_ERR_USAGE, "--%s: '%s' is no SEED,COUNT with a count of 1 .. %d",
+                       set == 'G' ? "greys" : "random", text, SITE_MAX_CASES);
     site_set *s = set_of(list, "scenes", err);
     if (!s) return false;
     char name[48];
     for (unsigned long n = 0; n < count; n++) {
-        (void)snprintf(name, sizeof name, "R%lu_%lu", seed, n);
+        (void)snprintf(name, sizeof name, "%c%lu_%lu", set, seed, n);
         if (!add_named(s, name, err)) return false;
     }
-    (void)snprintf(name, sizeof name, "R%lu_0..%lu", seed, count - 1);
+    (void)snprintf(name, sizeof name, "%c%lu_0..%lu", set, seed, count - 1);
     name_part(s, name);
     return true;
 }

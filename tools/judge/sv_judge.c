@@ -74,7 +74,11 @@ static bool take_scene(void *r, const char *text, hs_error *err) {
 }
 
 static bool take_random(void *r, const char *text, hs_error *err) {
-    return site_add_random(&((judge_request *)r)->sites, text, err);
+    return site_add_random(&((judge_request *)r)->sites, 'R', text, err);
+}
+
+static bool take_greys(void *r, const char *text, hs_error *err) {
+    return site_add_random(&((judge_request *)r)->sites, 'G', text, err);
 }
 
 static bool take_site(void *r, const char *text, hs_error *err) {
@@ -127,6 +131,9 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_scene},
     {"random", "SEED,COUNT", "the first random scenes of a set, at 128^3; all scenes together are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_random},
+    {"greys", "SEED,COUNT",
+     "the same scenes in random greys, an echo of its own for every tissue but fluid\n", HS_OPTION_TAKEN, 0,
+     0, 0, take_greys},
     {"site", "FOLDER",
      "every NAME_full.mha there, with NAME_truth, NAME_label, NAME_first and NAME_end.mha, or scan_first\n"
      "and scan_end.mha for all\n",
@@ -166,7 +173,7 @@ static void print_help(void) {
            "128; cut: %% of the fetus' rays cut by more than 2 slices; left: %% of the labelled rays with an "
            "occluder.\n");
     for (size_t i = 0; i < COMMANDS; i++) printf("  %-9s %s\n", commands[i].name, commands[i].help);
-    printf("Options; scenes, scene, random, site, case, volume, method and set are repeatable:\n");
+    printf("Options; scenes, scene, random, greys, site, case, volume, method and set are repeatable:\n");
     hs_options_print(options);
     printf("\n%s", hs_exit_codes_help);
 }
