@@ -5,8 +5,6 @@
  * eight, so one sample does what some twenty would do in the source, from an eighth of the bytes. At the
  * edge of what was scanned the nearest voxels of the source count, as in convert_nearest.
  */
-#define WEIGHT_BITS 8 /* of a position between two voxels: a sample's weights add up to 1 << 8 */
-
 /* Where between eight voxels a packet's positions lie: 0 .. 1 << WEIGHT_BITS. */
 typedef struct {
     vi x, y, z;
@@ -197,13 +195,17 @@ INLINE bool is_inside(const halved_job *job, reach r) {
     return all(((r.low >= 0) & (r.high < job->inner)).xyz);
 }
 
+/* Where the first row of a block's slice goes. */
+INLINE __global uchar *row_of(slab_target to, place block, int slice) {
+    return to.slab + (size_t)(slice / to.layout.x) * to.layout.z * to.layout.w +
+           (size_t)(slice % to.layout.x) * to.layout.y + (size_t)block.y * to.layout.w + block.x;
+}
+
 /* A slice of a block that lies outside the volume. */
 INLINE void clear_slice(slab_target to, place block, int slice) {
-    __global uchar *tile = to.slab + (size_t)(slice / to.layout.x) * to.layout.z * to.layout.w +
-                           (size_t)(slice % to.layout.x) * to.layout.y;
+    __global uchar *row = row_of(to, block, slice);
     int width = min(BLOCK, to.size.x - block.x), end = min(block.y + BLOCK, to.size.y);
-    for (int y = block.y; y < end; y++) {
-        __global uchar *row = tile + (size_t)y * to.layout.w + block.x;
+    for (int y = block.y; y < end; y++, row += to.layout.w) {
 #if LANES == 16
         if (width == BLOCK) {
             store_bytes((uchar16)(0), row);
@@ -230,6 +232,45 @@ INLINE void convert_column(const halved_job *job, slab_target to, place at, int 
     }
 }
 
+#if LANES == 16
+/* True if the camera looks along the halved volume's axes, and a voxel is one sample. */
+INLINE bool is_along_axes(const halved_job *job) {
+    const lattice *l = &job->l;
+    int last = 2 + (((AXES_EDGE - 1) * l->dx.x) >> l->bits); /* voxels behind the first one's, at most */
+    return job->samples == 1 && l->dx.x > 0 && l->dy.y > 0 && l->dz.z > 0 && (l->dx.y | l->dx.z) == 0 &&
+           (l->dy.x | l->dy.z) == 0 && (l->dz.x | l->dz.y) == 0 && last < AXES_SPAN &&
+           job->half_dims.x * job->half_dims.y * job->half_dims.z >= AXES_SPAN;
+}
+
+/* Makes a block of which all lies between voxels, along the axes; then those packets again, one by one, that
+ * an edge of what was scanned goes through. */
+INLINE void convert_along_axes(const halved_job *job, slab_target to, place block, int slices) {
+    const lattice *l = &job->l;
+    int4 start = start_of(job, block);
+    int first = block.z - to.size.z;
+    axes_block b = {job->halved,
+                    job->half_dims,
+                    {start.x, l->dx.x, l->bits},
+                    {start.y, l->dy.y, l->bits},
+                    {start.z, l->dz.z, l->bits},
+                    min(AXES_EDGE, to.size.x - block.x),
+                    min(AXES_EDGE, to.size.y - block.y)};
+    for (int i = 0; i < LANES; i++) {
+        ((ushort *)&b.index)[i] = (ushort)(voxel_before(b.x, i) - voxel_before(b.x, 0));
+        ((ushort *)&b.fraction)[i] = (ushort)part_behind(b.x, i);
+    }
+    plane16 planes[2];
+    planes[0].z = planes[1].z = -1;
+    for (int i = 0; i < slices; i++) {
+        uint edges = convert_axes(&b, i, planes, row_of(to, block, first + i), to.layout.w);
+        for (int packet = 0; edges >> packet != 0; packet++) {
+            place at = {block.x + packet % 4 * PACKET_W, block.y + packet / 4 * PACKET_H, block.z + i};
+            if (edges >> packet & 1u) convert_run(job, to, at, first + i, start_of(job, at), false, 1);
+        }
+    }
+}
+#endif
+
 /*
  * Arguments as convert_nearest, with the halved volume before them and the slab's slices after size;
  * positions are those of the halved volume's voxels. global: blocks in x, slices, y. What a block reads fits
@@ -255,11 +296,17 @@ WIDE __kernel void convert_halved(__global const uchar *halved, int4 half_dims, 
                       grid.x * grid.y * grid.z,
                       -1};
     if ((job.samples & (job.samples - 1)) == 0) job.shift = WEIGHT_BITS + 31 - clz(job.samples);
-    if (is_outside(&job,
-                   reach_of(&job, start_of(&job, block), x_end - block.x, y_end - block.y, end - first))) {
+    reach r = reach_of(&job, start_of(&job, block), x_end - block.x, y_end - block.y, end - first);
+    if (is_outside(&job, r)) {
         for (int slice = first; slice < end; slice++) clear_slice(to, block, slice);
         return;
     }
+#if LANES == 16
+    if (is_along_axes(&job) && is_inside(&job, r)) {
+        convert_along_axes(&job, to, block, end - first);
+        return;
+    }
+#endif
     for (int slice = first; slice < end; slice += RUN) {
         place at = {block.x, block.y, size.z + slice};
         for (at.y = block.y; at.y < y_end; at.y += PACKET_H)
