@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Finding and running ``host_sim``, which makes the scenes and holds the measures.
 
-It is not part of the wheel, because it needs libraries that the plugin does not. It is looked for in this
-order: the environment variable ``SMARTVIS_HOST_SIM``, the search path, and the folder ``build`` of the
-repository that the package was installed from in place.
+It is looked for in this order: the environment variable ``SMARTVIS_HOST_SIM``; beside the package's plugin, where the
+wheels of ``make wheel`` have it; the search path; and the folder ``build`` of the repository that the package was
+installed from in place. The package's own stands before the search path, because one that lies there may be of another
+version, whose commands and files are others.
 """
 
 from __future__ import annotations
@@ -11,10 +12,15 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from . import _abi, _runtime
 from ._errors import HostError
+
+_OWN = Path(__file__).with_name("plugin") / "host_sim"
+_CLONE = Path(__file__).resolve().parents[2] / "build" / "host_sim"
+_OPENCL = 5  # host_sim's exit code where OpenCL is missing or fails
 
 
 def find() -> str:
@@ -24,20 +30,40 @@ def find() -> str:
         if not os.access(named, os.X_OK):
             raise HostError(f"SMARTVIS_HOST_SIM={named}: no such program")
         return named
-    found = shutil.which("host_sim")
-    beside = Path(__file__).resolve().parents[2] / "build" / "host_sim"
-    if found or os.access(beside, os.X_OK):
-        return found or str(beside)
+    for path in (str(_OWN), shutil.which("host_sim"), str(_CLONE)):
+        if path and os.access(path, os.X_OK):
+            return path
     raise HostError(
-        "host_sim is not there: run 'make' in the repository of SmartVis, and set SMARTVIS_HOST_SIM to build/host_sim"
+        "host_sim is not there: install the wheel of 'make wheel', or run 'make' in the repository of SmartVis, and "
+        "set SMARTVIS_HOST_SIM to build/host_sim"
     )
 
 
 def run(arguments: Sequence[str], folder: str | None = None) -> str:
     """Runs host_sim in a folder and returns what it prints; HostError with its own line and exit code if it fails."""
-    command = [os.path.abspath(find()), *arguments]
-    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False)
+    program = find()
+    environment = _environment(program)
+    command = [os.path.abspath(program), *arguments]
+    ended = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, errors="replace", check=False
+    )
     if ended.returncode != 0:
-        lines = ended.stderr.strip().splitlines() or [f"ended with code {ended.returncode} and said nothing"]
-        raise HostError(lines[0], ended.returncode)
+        # Where its cache cannot be written, fontconfig says so first; nothing fails for that.
+        lines = [line for line in ended.stderr.strip().splitlines() if not line.startswith("Fontconfig ")]
+        first = lines[0] if lines else f"ended with code {ended.returncode} and said nothing"
+        raise HostError(first + _cure(ended.returncode, ended.stderr, environment), ended.returncode)
     return ended.stdout
+
+
+def _environment(program: str) -> dict[str, str]:
+    """What host_sim gets: this process' variables, the OpenCL that the plugin has here, and the wheel's own font."""
+    fonts = _OWN.with_name("share") / "fonts" / "fonts.conf"
+    own = program == str(_OWN) and fonts.exists() and "FONTCONFIG_PATH" not in os.environ
+    return ({"FONTCONFIG_FILE": str(fonts)} if own else {}) | os.environ | _runtime.chosen()
+
+
+def _cure(code: int, said: str, environment: Mapping[str, str]) -> str:
+    if code != _OPENCL:
+        return ""
+    status = _abi.SV_ERR_NO_DEVICE if "no OpenCL " in said else _abi.SV_ERR_BUILD
+    return _runtime.mend(status, said, environment)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
 
@@ -23,6 +24,11 @@ _INTEL = "pip install intel-opencl-rt intel-cmplr-lib-rt"
 def use_one() -> None:
     """Tells the loader of a runtime from PyPI, if the system has none and nobody has chosen. To be called before the
     process' first use of OpenCL."""
+    os.environ.update(chosen())
+
+
+def chosen() -> dict[str, str]:
+    """The variables that tell the loader of a runtime from PyPI; none if the system has one, or somebody has chosen."""
     found = find()
     if (
         found
@@ -30,7 +36,8 @@ def use_one() -> None:
         and not any(_VENDORS.glob("*.icd"))
         and not any(name in os.environ for name in _VARIABLES)
     ):
-        os.environ.update(dict.fromkeys(_VARIABLES, found))
+        return dict.fromkeys(_VARIABLES, found)
+    return {}
 
 
 def find() -> str | None:
@@ -51,8 +58,9 @@ def _lacks_linker(library: str) -> bool:
     return "libpocl" in library and shutil.which("ld") is None
 
 
-def mend(status: int, reason: str) -> str:
-    """What to do where OpenCL is what is missing: " (...)" for the end of a message, else nothing."""
+def mend(status: int, reason: str, environment: Mapping[str, str] | None = None) -> str:
+    """What to do where OpenCL is what is missing: " (...)" for the end of a message, else nothing. `environment` is of
+    the process that misses it, None: this one."""
     found = find()
     if status == _abi.SV_ERR_BUILD and "unknown target CPU" in reason:
         return f" (this PoCL is older than the processor: {_INTEL})"
@@ -62,4 +70,5 @@ def mend(status: int, reason: str) -> str:
         return f" (a runtime for the processor: {_POCL if shutil.which('ld') else _INTEL})"
     if _lacks_linker(found):
         return f" (PoCL needs a linker, which is missing: {_INTEL})"
-    return f" (the one from PyPI: export {_VARIABLES[0]}={found})" if os.environ.get(_VARIABLES[0]) != found else ""
+    told = (os.environ if environment is None else environment).get(_VARIABLES[0])
+    return f" (the one from PyPI: export {_VARIABLES[0]}={found})" if told != found else ""
