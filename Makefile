@@ -62,13 +62,13 @@ deb: ## Debian packages of the committed sources, looked over by lintian: out/de
 try-deb: ## install out/deb on this machine (needs root), then the template's three commands, from its README to a picture
 	@scripts/try_deb.sh $(OUT)/deb
 
-wheel: ## the Python package as a wheel for other machines, with the OpenCL loader in it: out/wheel
+wheel: ## the Python package as a wheel for other machines, with host_sim and the OpenCL loader in it: out/wheel
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build) --target host_sim smartvis
 	@bash tests/python/environment.sh . build python3
 	@scripts/wheel.sh build $(OUT)/wheel
 
-try-wheel: ## install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene
+try-wheel: ## install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene and a file
 	@scripts/try_wheel.sh $(OUT)/wheel
 
 aarch64: ## plugin, validator and template for 64-bit ARM, and what the validator finds there under qemu: out/aarch64

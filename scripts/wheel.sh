@@ -1,8 +1,10 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # wheel.sh BUILD OUT: the wheel of tests/python/environment.sh as one that every Linux with a C library as old as this machine's
-# takes: auditwheel puts the OpenCL loader (ocl-icd, BSD) into it and names the least C library (manylinux_2_34 from Debian 12).
-# Both licences go in, too. Beside it comes a scene with the depthmap that is to come out: scripts/try_wheel.sh clips it.
+# takes. host_sim goes in beside the plugin, with the scenes and the font of its pictures; its libraries are linked into it (target
+# host_sim_alone). auditwheel adds what is left, the OpenCL loader (ocl-icd, BSD) and civetweb, and names the least C library
+# (manylinux_2_34 from Debian 12). The licences of all of it go in, too. Beside the wheel comes a scene with the depthmap that is
+# to come out: scripts/try_wheel.sh clips it.
 set -eu
 build=$(realpath "$1")
 venv=$build/python/venv
@@ -12,14 +14,52 @@ out=$(realpath "$2")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-cp "$build"/python/wheel/smartvis-*.whl "$work"
-loader=$(dpkg-query -S "$(realpath "$(ldconfig -p | sed -n 's/.*libOpenCL\.so\.1 .*=> //p' | head -n 1)")" | cut -d : -f 1)
-"$venv/bin/python" - "$work"/smartvis-*.whl "$source/LICENSE" "/usr/share/doc/$loader/copyright" << 'END_PYTHON'
+cmake --build "$build" --target host_sim_alone > "$work/log" || {
+    cat "$work/log" >&2
+    exit 1
+}
+into=$work/content # what goes into the wheel; licences/ into its licenses
+mkdir -p "$into/plugin/share/smartvis" "$into/plugin/share/fonts" "$into/licences"
+cp "$build/obj/tools/alone/host_sim" "$into/plugin"
+cp -r "$source/data/scenes" "$into/plugin/share/smartvis"
+font=$(dpkg-query -L fonts-dejavu-core | grep '/DejaVuSans\.ttf$')
+cp "$font" "$into/plugin/share/fonts"
+# As Debian sets the font, so that pictures are the same to the bit.
+cat > "$into/plugin/share/fonts/fonts.conf" << 'END_FONTS'
+<?xml version="1.0"?>
+<!DOCTYPE fontconfig SYSTEM "urn:fontconfig:fonts.dtd">
+<fontconfig>
+<dir prefix="relative">.</dir>
+<cachedir prefix="xdg">fontconfig</cachedir>
+<match target="pattern"><edit name="hintstyle" mode="append"><const>hintslight</const></edit></match>
+</fontconfig>
+END_FONTS
+
+# Licences as Debian's packages tell them, each named after its library.
+shared() { ldconfig -p | sed -n "s/.*$1\.so\.1 .*=> //p" | head -n 1; }
+package() { dpkg-query -S "$(realpath "$1")" | cut -d : -f 1; }
+cp "$source/LICENSE" "$into/licences"
+cp "/usr/share/doc/$(package "$(shared libOpenCL)")/copyright" "$into/licences/OpenCL-loader"
+for file in $(grep -oE '^/[^ (]+\.a' "$build/obj/tools/alone.map" | sort -u | grep -v '/libgcc\.a') "$(shared libcivetweb)" "$font"; do
+    name=$(package "$file")
+    cp "/usr/share/doc/$name/copyright" "$into/licences/${name%-dev}"
+done
+# auditwheel looks only at what RECORD names, and writes it anew with all sums.
+"$venv/bin/python" - "$build"/python/wheel/smartvis-*.whl "$into" "$work" << 'END_PYTHON'
 import sys, zipfile
-with zipfile.ZipFile(sys.argv[1], "a") as wheel:
-    facts = next(n for n in wheel.namelist() if n.endswith("/WHEEL")).removesuffix("WHEEL")
-    wheel.write(sys.argv[2], facts + "licenses/LICENSE")
-    wheel.write(sys.argv[3], facts + "licenses/OpenCL-loader")
+from pathlib import Path
+source, content, out = map(Path, sys.argv[1:])
+with zipfile.ZipFile(source) as old, zipfile.ZipFile(out / source.name, "w", zipfile.ZIP_DEFLATED) as new:
+    record = next(n for n in old.namelist() if n.endswith(".dist-info/RECORD"))
+    lines = old.read(record).decode()
+    for item in old.infolist():
+        if item.filename != record:
+            new.writestr(item, old.read(item))
+    for folder, place in (("plugin", "smartvis/plugin"), ("licences", record.removesuffix("RECORD") + "licenses")):
+        for path in sorted(p for p in (content / folder).rglob("*") if p.is_file()):
+            new.write(path, name := f"{place}/{path.relative_to(content / folder)}")
+            lines += f"{name},,\n"
+    new.writestr(record, lines)
 END_PYTHON
 PATH=$venv/bin:$PATH auditwheel repair --wheel-dir "$work/fixed" "$work"/smartvis-*.whl > "$work/log" 2>&1 || {
     cat "$work/log" >&2
