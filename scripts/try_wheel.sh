@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # try_wheel.sh FOLDER: what a researcher does on a machine without OpenCL, with the wheel of FOLDER alone: pip installs it, the
 # error of the first clip names a command, the command is run, and the scene of FOLDER is clipped to the bits that were
-# clipped where the wheel was made. Needs PyPI, and root for Python. On a bare Debian:
+# clipped where the wheel was made. The wheel's host_sim makes the same scene, measures what was clipped, and reads a MetaImage file.
+# Needs PyPI, and root for Python. On a bare Debian:
 #     scripts/bare_root.sh --bring out/wheel bookworm try-wheel
 set -eu
 folder=$(realpath "$1")
@@ -23,6 +24,7 @@ export PATH=$work/venv/bin:$PATH PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1 
 pip install --quiet "${wheels[0]}"
 cat > clip.py << 'END_PYTHON'
 import sys, time, numpy, smartvis
+from smartvis import _host
 scene = numpy.load(sys.argv[1])
 start = time.perf_counter()
 try:
@@ -31,7 +33,13 @@ except smartvis.PluginError as error:
     sys.exit(f"{error}")
 same = numpy.array_equal(result.depth, scene["depth"])
 print(f"{result.outcome.name}, {numpy.mean(result.depth > 0):.2f} of the rays clipped, after {time.perf_counter() - start:.0f} s")
-sys.exit(0 if same and result.clips else f"the depthmap is {'the same' if same else 'another one'}, {result.outcome.name}")
+if not same or not result.clips:
+    sys.exit(f"the depthmap is {'the same' if same else 'another one'}, {result.outcome.name}")
+made = smartvis.scene("D01", size=96)
+error = smartvis.measure(made, result).e_abs
+print(f"{_host.find()}: mean error {error:.2f} steps")
+_host.run(["scenes", "D01", "--size", "96", "--export", "--out", "."])
+sys.exit(0 if numpy.array_equal(made.full, scene["full"]) and error < 1 else "the scene of host_sim is another one")
 END_PYTHON
 
 # PoCL's package may be older than the processor; then the second message names another one.
@@ -40,7 +48,10 @@ for attempt in 1 2 3; do
     if python clip.py "$folder/scene.npz" > said 2>&1; then
         cat said
         [ "$attempt" -gt 1 ] || { echo "try_wheel: it clipped without a runtime" >&2; exit 1; }
-        echo "try_wheel: the wheel alone, from the message to a clipped scene: ok"
+        pip install --quiet SimpleITK
+        smartvis clip D01_full.mha --scanned rays --write clipped --out out | tee said
+        grep -q ', OK,' said || { echo "try_wheel: the file was not clipped" >&2; exit 1; }
+        echo "try_wheel: the wheel alone, from the message to a clipped scene and a clipped file: ok"
         exit 0
     fi
     cat said
