@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "method/map.h"
+#include "method/method.h"
 
 #include "device/queue.h"
 #include "mean/mean_shared.h"
