@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim demo: the scan loop on a few scenes and real volumes, and one page that shows what came of it. */
-#include "report/demo.h"
 #include "report/report.h"
 
 #include "base/cli.h"

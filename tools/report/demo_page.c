@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "report/demo.h"
+#include "report/report.h"
 
 #include "base/paths.h"
 

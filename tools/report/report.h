@@ -12,6 +12,8 @@
 #include "page/page_html.h"
 #include "picture/picture.h"
 
+#include <limits.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* ---------------------------------------------------------------------------------------------- report -- */
@@ -183,5 +185,35 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err);
 /* Writes "<out>/index.html" of a ranked comparison whose pictures are made. HS_ERR_OUTPUT, or HS_ERR_INPUT if
  * a picture cannot be read; then there is no page. */
 bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err);
+
+/* --------------------------------------------------------------------------------------- page of the demo --
+ */
+/* The page of the demo: its cases, and what came of each. */
+
+#define HS_DEMO_CASES 16
+#define HS_DEMO_CELLS 8  /* of a row of the table of speeds */
+#define HS_DEMO_CELL  64 /* bytes of a cell */
+
+/* One source of the demo. */
+typedef struct {
+    const char *scene;         /* a scene's name, or NULL: ... */
+    char file[PATH_MAX];       /* ... a volume's path */
+    char folder[NAME_MAX + 1]; /* of its pictures, inside the demo's */
+    char name[96];             /* for a person: "Cord before the face" */
+    bool real;                 /* the real fetus in fluid, which the page names the source of */
+
+    /* What came of it. */
+    char what[300]; /* a sentence on the source */
+    char note[400]; /* why it is not clipped, or not all of it; empty: it is */
+    bool clipped, has_truth, has_knob;
+    bool truth_cut;   /* its picture of the truth shows a cut (hs_truth_shows_cut) */
+    double cut, left; /* shares, 0 .. 1; NAN: not known */
+    double plugin_ms;
+    char row[HS_DEMO_CELLS][HS_DEMO_CELL]; /* in the table of speeds, without the first cell */
+    char *printed;                         /* the table of `host_sim run`; owned, may be NULL */
+} hs_demo_case;
+
+/* Fills the open page. `out` is the folder that holds those of the cases. Errors are kept in the page. */
+void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count);
 
 #endif
