@@ -136,7 +136,8 @@ static bool await(hs_guard *guard, hs_guard_order order, double limit, hs_guard_
     }
 }
 
-void hs_guard_note_error(hs_guard *guard) {
+/* Takes the plugin's reason over from the block. */
+static void note_error(hs_guard *guard) {
     memcpy(guard->last_error, guard->block->last_error, sizeof guard->last_error);
     guard->last_error[sizeof guard->last_error - 1] = '\0';
 }
@@ -154,7 +155,7 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
     if (!await(guard, order, limit, &reply)) return report_end(guard);
     note_call(guard);
     guard->last_error[0] = '\0';
-    if (reply.status != SV_OK) hs_guard_note_error(guard);
+    if (reply.status != SV_OK) note_error(guard);
     return reply.status;
 }
 
@@ -262,7 +263,7 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
     if (status == SV_OK)
         memcpy(map, hs_guard_map_of(guard, HS_GUARD_SURE_MAP), guard->pixels * sizeof *map);
     else
-        hs_guard_note_error(guard);
+        note_error(guard);
     return status;
 }
 

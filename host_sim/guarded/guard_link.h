@@ -71,9 +71,6 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit);
 /* A failure of the guard's own, as a call would report it. */
 sv_status hs_guard_refuse(hs_guard *guard, sv_status status, const char *call, const char *reason);
 
-/* Takes the plugin's reason over from the block. */
-void hs_guard_note_error(hs_guard *guard);
-
 /* True if there is a child, or a new one could be started and brought to where the old one was. Else
  * guard->last_error says why not. */
 bool hs_guard_revive(hs_guard *guard);

@@ -45,7 +45,8 @@ bool hs_draw_end(cairo_t *cr, hs_error *err) {
                    "picture: cairo: %s", cairo_status_to_string(status));
 }
 
-void hs_draw_colour(cairo_t *cr, uint32_t colour) {
+/* The colour of what is drawn next. */
+static void set_colour(cairo_t *cr, uint32_t colour) {
     cairo_set_source_rgb(cr, (colour >> 16 & 255) / 255.0, (colour >> 8 & 255) / 255.0,
                          (colour & 255) / 255.0);
 }
@@ -112,7 +113,7 @@ void hs_draw_text(cairo_t *cr, double x, double y, double size, uint32_t colour,
         cut_to_width(cr, clean, max_width);
         width = text_width(cr, clean);
     }
-    hs_draw_colour(cr, colour);
+    set_colour(cr, colour);
     cairo_move_to(cr, align == HS_ALIGN_LEFT ? x : align == HS_ALIGN_RIGHT ? x - width : x - width / 2, y);
     cairo_show_text(cr, clean);
 }
@@ -137,7 +138,7 @@ void hs_draw_lines(cairo_t *cr, double x, double y, double step, double size, ui
 }
 
 void hs_draw_box(cairo_t *cr, double x, double y, double width, double height, uint32_t colour) {
-    hs_draw_colour(cr, colour);
+    set_colour(cr, colour);
     cairo_rectangle(cr, x, y, width, height);
     cairo_fill(cr);
 }
@@ -205,7 +206,7 @@ bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint3
 bool hs_picture_line(hs_picture *picture, double x0, double y0, double x1, double y1, double width,
                      uint32_t colour, hs_error *err) {
     cairo_t *cr = hs_draw_begin(picture);
-    hs_draw_colour(cr, colour);
+    set_colour(cr, colour);
     cairo_set_line_width(cr, width);
     cairo_move_to(cr, x0, y0);
     cairo_line_to(cr, x1, y1);

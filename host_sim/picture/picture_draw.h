@@ -14,8 +14,6 @@ cairo_t *hs_draw_begin(hs_picture *picture);
 /* Finishes; false with HS_ERR_MEMORY or HS_ERR_FAILED if anything that was drawn failed. */
 bool hs_draw_end(cairo_t *cr, hs_error *err);
 
-/* The colour of what is drawn next. */
-void hs_draw_colour(cairo_t *cr, uint32_t colour);
 /* One line of text, as hs_picture_text draws it. */
 void hs_draw_text(cairo_t *cr, double x, double y, double size, uint32_t colour, hs_align align,
                   double max_width, const char *text);

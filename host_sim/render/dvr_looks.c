@@ -6,23 +6,26 @@
 /* Grey levels below T_L from which on a brick counts as transparent: more than any rounding of a sample. */
 #define SKIP_MARGIN 1e-3
 
-double hs_dvr_slices(const hs_volume *shape, const hs_camera *camera) {
+/* Source slices along the box' depth: round(depth_extent / finest spacing), 1 at least. */
+static double source_slices(const hs_volume *shape, const hs_camera *camera) {
     double finest = fmin(shape->spacing[0], fmin(shape->spacing[1], shape->spacing[2]));
     return fmax(1.0, round(camera->depth_extent / finest));
 }
 
 uint32_t hs_dvr_count_steps(const hs_dvr_settings *settings, const hs_volume *shape,
                             const hs_camera *camera) {
-    double steps = ceil(hs_dvr_slices(shape, camera) / (double)settings->step - 0.5);
+    double steps = ceil(source_slices(shape, camera) / (double)settings->step - 0.5);
     return (uint32_t)fmin(fmax(steps, 1.0), UINT32_MAX);
 }
 
-cl_float4 hs_dvr_float4(const double v[3], double factor) {
+/* factor * v, as kernels take it. */
+static cl_float4 float4_of(const double v[3], double factor) {
     cl_float4 out = {{(cl_float)(v[0] * factor), (cl_float)(v[1] * factor), (cl_float)(v[2] * factor), 0.0f}};
     return out;
 }
 
-cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths) {
+/* How pixels of the picture lie in the map, as kernels take it: to_map of cl/dvr.cl. */
+static cl_float4 pixel_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths) {
     const double share = depths->share > 0.0f ? (double)depths->share : 1.0;
     cl_float4 out = {{(cl_float)(share * depths->width / settings->width),
                       (cl_float)(share * depths->height / settings->height),
@@ -31,7 +34,9 @@ cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *
     return out;
 }
 
-cl_int hs_dvr_transparent(const hs_dvr_settings *s) {
+/* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
+ * 0. */
+static cl_int transparent_limit(const hs_dvr_settings *s) {
     if (!s->skip_empty) return -1;
     return (cl_int)fmax(ceil((double)s->threshold_low * 255.0 - SKIP_MARGIN) - 1.0, 0.0);
 }
@@ -53,7 +58,7 @@ bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_volume *source, co
     hs_ray_view v = {.voxels = view.voxels,
                      .maxima = bricks.maxima,
                      .bricks = bricks.count,
-                     .slices = hs_dvr_slices(shape, camera)};
+                     .slices = source_slices(shape, camera)};
     const uint32_t n[3] = {shape->nx, shape->ny, shape->nz};
     const double step = (double)s->step / v.slices; /* in box depths */
     double first[3];
@@ -63,11 +68,11 @@ bool hs_ray_view_of(const hs_dvr_settings *s, const hs_device_volume *source, co
         v.dims.s[k] = (cl_int)n[k];
     }
     v.dims.s[3] = (cl_int)steps;
-    v.bricks.s[3] = hs_dvr_transparent(s);
-    v.origin = hs_dvr_float4(first, 1.0);
-    v.dx = hs_dvr_float4(map.du, 1.0 / s->width);
-    v.dy = hs_dvr_float4(map.dv, 1.0 / s->height);
-    v.dn = hs_dvr_float4(map.dw, step);
+    v.bricks.s[3] = transparent_limit(s);
+    v.origin = float4_of(first, 1.0);
+    v.dx = float4_of(map.du, 1.0 / s->width);
+    v.dy = float4_of(map.dv, 1.0 / s->height);
+    v.dn = float4_of(map.dw, step);
     *out = v;
     return true;
 }
@@ -114,7 +119,7 @@ static ray_start plan_start(const hs_dvr_settings *s, const hs_ray_view *v, cons
     out.map = depths->depth;
     out.map_dims.s[0] = (cl_int)depths->width;
     out.map_dims.s[1] = (cl_int)depths->height;
-    out.to_map = hs_dvr_to_map(s, depths);
+    out.to_map = pixel_to_map(s, depths);
     out.to_steps.s[0] = (cl_float)(v->slices / ((double)depths->slices * (double)s->step));
     out.to_steps.s[2] = s->ghost_width > HS_DVR_HARD_CUT ? 1.0f / s->ghost_width : 0.0f;
     if (depths->confidence && out.to_steps.s[2] > 0.0f) {
@@ -175,7 +180,7 @@ static lit_plan plan_geometry(const hs_dvr_lit_scene *scene) {
     hs_box_map map;
     hs_camera_box_map(scene->camera, shape, &map);
     lit_plan p = {.dims = scene->volume.dims, .bricks = scene->volume.bricks};
-    p.slices = hs_dvr_slices(shape, scene->camera);
+    p.slices = source_slices(shape, scene->camera);
     const double factor = scene->volume.factor;
     double first[3], du[3], dv[3], dw[3], size = 1.0, finest = shape->spacing[0];
     cl_float4 *const rows[3] = {&p.mx, &p.my, &p.mz};
@@ -186,20 +191,20 @@ static lit_plan plan_geometry(const hs_dvr_lit_scene *scene) {
         du[k] = map.du[k] / (factor * s->width);
         dv[k] = map.dv[k] / (factor * s->height);
         dw[k] = map.dw[k] * (double)s->step / p.slices;
-        *rows[k] = hs_dvr_float4(scene->camera->rotation + (size_t)k * 3, 1.0 / (factor * shape->spacing[k]));
+        *rows[k] = float4_of(scene->camera->rotation + (size_t)k * 3, 1.0 / (factor * shape->spacing[k]));
         size *= n[k] * shape->spacing[k];
         finest = fmin(finest, shape->spacing[k]);
     }
     p.edge_mm = cbrt(size);
     p.mx.s[3] = (cl_float)(FLAT_GRADIENT / (factor * finest));
-    p.origin = hs_dvr_float4(first, 1.0);
-    p.dx = hs_dvr_float4(du, 1.0);
-    p.dy = hs_dvr_float4(dv, 1.0);
-    p.dn = hs_dvr_float4(dw, 1.0);
+    p.origin = float4_of(first, 1.0);
+    p.dx = float4_of(du, 1.0);
+    p.dy = float4_of(dv, 1.0);
+    p.dn = float4_of(dw, 1.0);
     p.sample_steps = factor;
     p.sample_mm = factor * (double)s->step * scene->camera->depth_extent / p.slices;
     p.dims.s[3] = (cl_int)ceil(scene->camera->depth_extent / p.sample_mm) + 1;
-    p.bricks.s[3] = hs_dvr_transparent(s);
+    p.bricks.s[3] = transparent_limit(s);
     p.per_mm = (cl_float4){{(cl_float)(s->width / scene->camera->extent),
                             (cl_float)(s->height / scene->camera->extent), (cl_float)(1.0 / p.sample_mm),
                             (cl_float)(p.edge_mm / LIGHT_UNITS)}};
@@ -219,7 +224,7 @@ static void set_start(hs_launch *launch, const hs_dvr_lit_scene *scene, const li
         map = depths->depth;
         map_dims.s[0] = (cl_int)depths->width;
         map_dims.s[1] = (cl_int)depths->height;
-        to_map = hs_dvr_to_map(s, depths);
+        to_map = pixel_to_map(s, depths);
         to_samples.s[0] = (cl_float)slice;
         to_samples.s[1] = (cl_float)(0.5 * slice + (width - (double)s->ghost_offset) / p->sample_steps);
         if (width > 0.0) to_samples.s[2] = (cl_float)(p->sample_steps / width);
@@ -248,8 +253,8 @@ static void set_light(hs_launch *launch, const hs_dvr_settings *s, const lit_pla
     const double lamp[3] = {sin(azimuth) * cos(elevation), -sin(elevation), -cos(azimuth) * cos(elevation)};
     double between[3] = {lamp[0], lamp[1], lamp[2] - 1.0}, length = 0.0;
     for (int k = 0; k < 3; k++) length += between[k] * between[k];
-    const cl_float4 lamp4 = hs_dvr_float4(lamp, 1.0);
-    const cl_float4 between4 = hs_dvr_float4(between, length > 0.0 ? 1.0 / sqrt(length) : 0.0);
+    const cl_float4 lamp4 = float4_of(lamp, 1.0);
+    const cl_float4 between4 = float4_of(between, length > 0.0 ? 1.0 / sqrt(length) : 0.0);
     const cl_float4 skin = {
         {s->skin[0], s->skin[1], s->skin[2], (cl_float)(p->sample_steps * (double)s->step / p->slices)}};
     hs_launch_arg(launch, sizeof lamp4, &lamp4);

@@ -12,21 +12,8 @@
 
 #define HS_DVR_HARD_CUT 1e-6f /* steps: a ghost no wider than this is a hard cut */
 
-/* Source slices along the box' depth: round(depth_extent / finest spacing), 1 at least. */
-double hs_dvr_slices(const hs_volume *shape, const hs_camera *camera);
-
-/* factor * v, as kernels take it. */
-cl_float4 hs_dvr_float4(const double v[3], double factor);
-
 /* Samples of a ray that crosses the whole box. */
 uint32_t hs_dvr_count_steps(const hs_dvr_settings *settings, const hs_volume *shape, const hs_camera *camera);
-
-/* How pixels of the picture lie in the map, as kernels take it: to_map of cl/dvr.cl. */
-cl_float4 hs_dvr_to_map(const hs_dvr_settings *settings, const hs_start_depths *depths);
-
-/* Bricks up to this value are transparent; -1: none is. A brick of zeros always is: its samples are exactly
- * 0. */
-cl_int hs_dvr_transparent(const hs_dvr_settings *settings);
 
 /* The view as the kernels take it (cl/base_rays.cl, cl/dvr.cl). */
 typedef struct {

@@ -25,11 +25,6 @@ int32_t hs_range_draw(uint64_t key, hs_range_id id, uint32_t k) {
     return r->low + r->step * (int32_t)(bits * count >> 32);
 }
 
-bool hs_range_has(uint64_t key, hs_range_id id) {
-    const uint64_t bits = hs_random_bits(key, ((uint64_t)id << 8) + 255u) >> 32;
-    return (int32_t)(bits * 10000u >> 32) < hs_scene_ranges[id].low;
-}
-
 enum {
     ROOM = 16384, /* for the text */
     LEAST_EXTENT = 12000,
@@ -87,8 +82,10 @@ static void put_vector(drawn *d, const char *key, int32_t x, int32_t y, int32_t 
 static int32_t draw(const drawn *d, hs_range_id id, uint32_t k) {
     return hs_range_draw(d->key, id, k);
 }
+/* Whether something with that share is in the scene. */
 static bool has(const drawn *d, hs_range_id id) {
-    return hs_range_has(d->key, id);
+    const uint64_t bits = hs_random_bits(d->key, ((uint64_t)id << 8) + 255u) >> 32;
+    return (int32_t)(bits * 10000u >> 32) < hs_scene_ranges[id].low;
 }
 /* One of two by a bit that is the range's own. */
 static bool coin(const drawn *d, hs_range_id id) {

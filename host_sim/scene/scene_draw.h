@@ -104,9 +104,6 @@ extern const hs_scene_range hs_scene_ranges[HS_RANGE_COUNT];
 /* Number `k` (0 .. 255) of a range, in hundredths; it depends on key, range and k only. */
 int32_t hs_range_draw(uint64_t key, hs_range_id id, uint32_t k);
 
-/* Whether something with that share is in the scene of the key. */
-bool hs_range_has(uint64_t key, hs_range_id id);
-
 #define HS_SCENE_MAX_DRAWN 100000u /* numbers of a set are below */
 
 /* One scene of a set. */

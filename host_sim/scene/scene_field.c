@@ -46,7 +46,8 @@ static void make_tables(void) {
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-void hs_level_tables(void) {
+/* Makes the tables between level and amplitude, once per process. Any thread. */
+static void make_level_tables(void) {
     pthread_once(&once, make_tables);
 }
 
@@ -65,7 +66,7 @@ bool hs_field_init(hs_field *field, const uint32_t n[3], const float h[3], hs_er
         hs_field_free(field);
         return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu voxels", count);
     }
-    hs_level_tables();
+    make_level_tables();
     return true;
 }
 

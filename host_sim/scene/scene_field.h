@@ -35,9 +35,6 @@ static inline int16_t hs_level_clamp(int v) {
     return (int16_t)(v < HS_LEVEL_SILENT ? HS_LEVEL_SILENT : v > HS_LEVEL_MAX ? HS_LEVEL_MAX : v);
 }
 
-/* Makes the tables between level and amplitude, once per process. Any thread. */
-void hs_level_tables(void);
-
 extern float hs_level_amplitude_table[HS_LEVEL_MAX - HS_LEVEL_SILENT + 1];
 /* Amplitude of a level, 10^(L / 20); 0 for silence. */
 static inline float hs_level_amplitude(int16_t level) {

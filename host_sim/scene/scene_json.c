@@ -124,7 +124,8 @@ static const char *found(const json_t *value) {
     }
 }
 
-bool hs_json_is_object(const hs_json *value) {
+/* Else records what was found. */
+static bool is_object(const hs_json *value) {
     if (json_is_object(value->value)) return true;
     return hs_json_fail(value, "is %s, expected an object", found(value->value));
 }
@@ -148,7 +149,7 @@ bool hs_json_member(const hs_json *object, const char *key, hs_json *out) {
 }
 
 bool hs_json_type(const hs_json *object, hs_json *type, const char **name) {
-    if (!hs_json_is_object(object)) return false;
+    if (!is_object(object)) return false;
     if (!hs_json_member(object, "type", type)) return hs_json_fail(object, "has no field 'type'");
     if (!json_is_string(type->value)) return hs_json_fail(type, "is not a string");
     *name = json_string_value(type->value);
@@ -259,7 +260,7 @@ static bool read_field(const hs_json *v, const hs_json_field *f, void *out) {
 
 static bool read_object(const hs_json *object, const hs_json_field *fields, size_t count, bool typed,
                         void *out) {
-    if (!hs_json_is_object(object)) return false;
+    if (!is_object(object)) return false;
     const char *key;
     json_t *ignored;
     json_object_foreach(object->value, key, ignored) {

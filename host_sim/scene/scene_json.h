@@ -60,8 +60,7 @@ bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((for
 #define hs_json_fail(...) ((void)hs_json_fail(__VA_ARGS__), false)
 #endif
 
-/* True if the value is of that type; else records what was found. */
-bool hs_json_is_object(const hs_json *value);
+/* True for an array of min .. max items; else records what was found. */
 bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
 
 /* The text in the field "type" of an object, and where it stands. False with an error if there is none. */

@@ -92,7 +92,9 @@ bool hs_beams_even(const double *table, uint32_t count) {
     return true;
 }
 
-double hs_beams_angle_index(const double *table, uint32_t count, double angle) {
+/* Where `angle` lies in a table of `count` (>= 2) angles, 0 .. count - 1, linearly between two of them; -1 if
+ * it lies beyond them. */
+static double angle_index(const double *table, uint32_t count, double angle) {
     const double sign = table[count - 1] > table[0] ? 1.0 : -1.0, wanted = sign * angle;
     if (!(wanted >= sign * table[0] && wanted <= sign * table[count - 1])) return -1.0;
     /* Most tables are even: the first guess is right but for rounding. */
@@ -114,13 +116,13 @@ double hs_beams_angle_index(const double *table, uint32_t count, double angle) {
 double hs_beams_locate_plane(const hs_beams *beams, double y, double z, double *depth) {
     const double behind_axis = z - beams->axis;
     *depth = sqrt(y * y + behind_axis * behind_axis) + beams->axis;
-    return hs_beams_angle_index(beams->phi, beams->planes, atan2(hs_beams_side(beams) * y, behind_axis));
+    return angle_index(beams->phi, beams->planes, atan2(hs_beams_side(beams) * y, behind_axis));
 }
 
 bool hs_beams_locate_in_plane(const hs_beams *beams, double x, double depth, double index[2]) {
     index[0] = (sqrt(x * x + depth * depth) - beams->start) / beams->pitch;
     if (!(index[0] >= 0.0 && index[0] <= beams->samples - 1.0)) return false;
-    index[1] = hs_beams_angle_index(beams->theta, beams->lines, atan2(x, depth));
+    index[1] = angle_index(beams->theta, beams->lines, atan2(x, depth));
     return index[1] >= 0.0;
 }
 

@@ -53,10 +53,6 @@ void hs_beams_place(const hs_beams *beams, uint32_t i, uint32_t j, uint32_t k, d
 /* The smallest box that holds what was scanned. */
 void hs_beams_box(const hs_beams *beams, double low[3], double high[3]);
 
-/* Where `angle` lies in a table of `count` (>= 2) angles, 0 .. count - 1, linearly between two of them; -1 if
- * it lies beyond them. */
-double hs_beams_angle_index(const double *table, uint32_t count, double angle);
-
 /* True if the steps of a table differ by less than a millionth of one of them. */
 bool hs_beams_even(const double *table, uint32_t count);
 

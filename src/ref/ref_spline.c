@@ -136,11 +136,20 @@ static double matrix_norm(const double *m, size_t size) {
     return norm;
 }
 
+static double spline_at(const sv_ref_spline *s, double x, double y) {
+    double sum = 0.0;
+    for (uint32_t c = 0; c < s->rank; c++) sum += s->plane[c] * plane_term(s, c, x, y);
+    for (uint32_t i = 0; i < s->count; i++) {
+        const double dx = x - s->x[i], dy = y - s->y[i];
+        sum += s->w[i] * sv_ref_phi(dx * dx + dy * dy);
+    }
+    return sum;
+}
+
 static void measure_residual(sv_ref_spline *s, const double *z, double lambda) {
     s->residual = 0.0;
     for (uint32_t i = 0; i < s->count; i++)
-        s->residual =
-            fmax(s->residual, fabs(sv_ref_spline_at(s, s->x[i], s->y[i]) + lambda * s->w[i] - z[i]));
+        s->residual = fmax(s->residual, fabs(spline_at(s, s->x[i], s->y[i]) + lambda * s->w[i] - z[i]));
 }
 
 bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint32_t count, double lambda,
@@ -176,16 +185,6 @@ bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint
     free(pivots);
     if (!ok) sv_ref_spline_free(out);
     return ok;
-}
-
-double sv_ref_spline_at(const sv_ref_spline *s, double x, double y) {
-    double sum = 0.0;
-    for (uint32_t c = 0; c < s->rank; c++) sum += s->plane[c] * plane_term(s, c, x, y);
-    for (uint32_t i = 0; i < s->count; i++) {
-        const double dx = x - s->x[i], dy = y - s->y[i];
-        sum += s->w[i] * sv_ref_phi(dx * dx + dy * dy);
-    }
-    return sum;
 }
 
 void sv_ref_spline_free(sv_ref_spline *s) {
@@ -226,19 +225,20 @@ static double between_nodes(const sv_ref_spline *s, uint32_t width, uint32_t hei
     const double u = step_x > 0.0 ? fmin(floor(x / step_x), cells - 1.0) : 0.0;
     const double v = step_y > 0.0 ? fmin(floor(y / step_y), cells - 1.0) : 0.0;
     const double fx = step_x > 0.0 ? x / step_x - u : 0.0, fy = step_y > 0.0 ? y / step_y - v : 0.0;
-    const double a = sv_ref_spline_at(s, u * step_x, v * step_y);
-    const double b = sv_ref_spline_at(s, (u + 1.0) * step_x, v * step_y);
-    const double c = sv_ref_spline_at(s, u * step_x, (v + 1.0) * step_y);
-    const double d = sv_ref_spline_at(s, (u + 1.0) * step_x, (v + 1.0) * step_y);
+    const double a = spline_at(s, u * step_x, v * step_y);
+    const double b = spline_at(s, (u + 1.0) * step_x, v * step_y);
+    const double c = spline_at(s, u * step_x, (v + 1.0) * step_y);
+    const double d = spline_at(s, (u + 1.0) * step_x, (v + 1.0) * step_y);
     return (1.0 - fy) * ((1.0 - fx) * a + fx * b) + fy * ((1.0 - fx) * c + fx * d);
 }
 
-void sv_ref_spline_surface(const sv_ref_spline *s, uint32_t width, uint32_t height, uint32_t cells,
+/* Every pixel of a map, or, with cells > 0, bilinear between the nodes of `cells` x `cells` cells. */
+static void spline_surface(const sv_ref_spline *s, uint32_t width, uint32_t height, uint32_t cells,
                            double *surface) {
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
             surface[(size_t)y * width + x] = s->count == 0 ? 0.0
-                                             : cells == 0  ? sv_ref_spline_at(s, x, y)
+                                             : cells == 0  ? spline_at(s, x, y)
                                                            : between_nodes(s, width, height, cells, x, y);
 }
 
@@ -260,8 +260,7 @@ static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
     const bool ok = sv_ref_spline_solve(x, y, z, n, task->settings->lambda, &spline);
     if (ok) {
         assert(!spline.singular);
-        sv_ref_spline_surface(&spline, task->map.width, task->map.height, task->settings->spline_grid,
-                              surface);
+        spline_surface(&spline, task->map.width, task->map.height, task->settings->spline_grid, surface);
         sv_ref_spline_free(&spline);
     }
     free(x);

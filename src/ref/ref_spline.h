@@ -38,7 +38,6 @@ double sv_ref_phi(double r_squared);
 /* Solves for the points (x, y) with depths z. */
 bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint32_t count, double lambda,
                          sv_ref_spline *out);
-double sv_ref_spline_at(const sv_ref_spline *spline, double x, double y);
 void sv_ref_spline_free(sv_ref_spline *spline);
 
 /* ---- the points it takes and the pixels it gives */
@@ -46,9 +45,5 @@ void sv_ref_spline_free(sv_ref_spline *spline);
 /* Algorithm 4.2: the means of the initial points in every cell of a grid x grid raster; 0: the points as they
  * are. x, y, z: room for width * height. Returns the number of points. */
 uint32_t sv_ref_merge(const sv_ref_map *map, uint32_t grid, double *x, double *y, double *z);
-
-/* Every pixel of a map, or, with cells > 0, bilinear between the nodes of `cells` x `cells` cells. */
-void sv_ref_spline_surface(const sv_ref_spline *spline, uint32_t width, uint32_t height, uint32_t cells,
-                           double *surface);
 
 #endif

@@ -10,7 +10,8 @@
 
 #include <cmocka.h>
 
-double compare_bound(const sv_ref_volume *volume, const rig_settings *s, sv_fixed format, uint32_t passes) {
+/* Slices by which the fixed-point filter may differ from the float64 definition after `passes` passes. */
+static double bound_of(const sv_ref_volume *volume, const rig_settings *s, sv_fixed format, uint32_t passes) {
     const double depth =
         volume->slices - 1.0; /* no interval end lies deeper, and a mean never leaves its inputs */
     const double fixed_step = ldexp(0.5, -(int)format.fraction);
@@ -54,8 +55,9 @@ static void compare_stats(const rig_result *result, const rig_expected *e, uint3
                      fields[i].expected);
 }
 
-void compare_result(const rig_result *got, const rig_expected *e, uint32_t width, uint32_t count,
-                    const char *where) {
+/* A delivered result against what is expected. `count` rays, `width` to a row. */
+static void compare_maps(const rig_result *got, const rig_expected *e, uint32_t width, uint32_t count,
+                         const char *where) {
     for (size_t i = 0; i < count; i++)
         if (got->status[i] != e->status[i])
             fail_pixel(where, "status", i, width, got->status[i], e->status[i]);
@@ -67,7 +69,7 @@ void compare_result(const rig_result *got, const rig_expected *e, uint32_t width
 
 static void compare_double(const rig_result *got, const rig_expected *e, const sv_ref_volume *volume,
                            const rig_settings *s, const char *where, compare_summary *summary) {
-    const double bound = compare_bound(volume, s, e->format, e->fill.passes);
+    const double bound = bound_of(volume, s, e->format, e->fill.passes);
     const size_t count = (size_t)volume->width * volume->height;
     for (size_t i = 0; i < count; i++) {
         const double error = fabs((double)got->depth[i] - e->depth_double[i]);
@@ -105,7 +107,7 @@ void compare_frame(rig *r, const rig_textures *t, const sv_ref_volume *volume, c
     if (status != expected.outcome)
         fail_msg("%s: status is %d, expected %d; last log line: %s", text, status, expected.outcome,
                  r->last_log);
-    compare_result(&got, &expected, volume->width, count, text);
+    compare_maps(&got, &expected, volume->width, count, text);
     if (summary) compare_double(&got, &expected, volume, s, text, summary);
     rig_result_free(&got);
     rig_expected_free(&expected);

@@ -10,13 +10,8 @@
 typedef struct {
     uint32_t frames, most_passes;
     double worst;       /* slices: largest difference to the float64 definition */
-    double worst_share; /* largest share of what compare_bound allows */
+    double worst_share; /* largest share of the bound for that many passes */
 } compare_summary;
-
-/* Slices by which the fixed-point filter may differ from the float64 definition after `passes` passes; see
- * the terms in compare.c. */
-double compare_bound(const sv_ref_volume *volume, const rig_settings *settings, sv_fixed format,
-                     uint32_t passes);
 
 /* Promised of every frame, in slices (docs/numerics.md, issue 2). */
 #define COMPARE_PROMISE 1e-3
@@ -30,10 +25,6 @@ void compare_frame(rig *r, const rig_textures *t, const sv_ref_volume *volume, c
 /* Activates for `f`, compares one frame, deactivates. */
 void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_settings *settings,
                  const char *where, compare_summary *summary);
-
-/* A delivered result against what is expected. `count` rays, `width` to a row. */
-void compare_result(const rig_result *got, const rig_expected *expected, uint32_t width, uint32_t count,
-                    const char *where);
 
 void compare_print(const char *what, const compare_summary *summary);
 

@@ -79,7 +79,8 @@ void check_scene_pixel(const hs_scene_data *d, size_t pixel) {
     assert_true(d->clip[pixel] >= d->near_end[pixel] && d->clip[pixel] <= d->far_end[pixel]);
 }
 
-hs_scene *scene_of_text(const char *text) {
+/* A scene opened from a file with this text; hs_scene_close it. */
+static hs_scene *scene_of_text(const char *text) {
     char path[64];
     hs_error err = {0};
     (void)snprintf(path, sizeof path, "/tmp/scene_of_text_%ld.json", (long)getpid());
