@@ -11,12 +11,12 @@
 #include <unistd.h>
 
 /* Temporary names that are in use, for the handler below. Of more at once the rest would stay behind. */
-#define MOST_PENDING 32
-static _Atomic(const char *) pending[MOST_PENDING];
+#define MAX_PENDING 32
+static _Atomic(const char *) pending[MAX_PENDING];
 
 /* Removes what is half written, then lets the signal do what it does. Calls what a handler may call only. */
 static void clean_up(int number) {
-    for (int i = 0; i < MOST_PENDING; i++) {
+    for (int i = 0; i < MAX_PENDING; i++) {
         const char *name = atomic_load(&pending[i]);
         if (name) (void)unlink(name);
     }
@@ -39,14 +39,14 @@ static void watch_signals(void) {
 
 static void remember(const char *name) {
     watch_signals();
-    for (int i = 0; i < MOST_PENDING; i++) {
+    for (int i = 0; i < MAX_PENDING; i++) {
         const char *nobody = NULL;
         if (atomic_compare_exchange_strong(&pending[i], &nobody, name)) return;
     }
 }
 
 static void forget(const char *name) {
-    for (int i = 0; i < MOST_PENDING; i++) {
+    for (int i = 0; i < MAX_PENDING; i++) {
         const char *same = name;
         if (atomic_compare_exchange_strong(&pending[i], &same, NULL)) return;
     }

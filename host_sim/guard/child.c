@@ -20,18 +20,18 @@
 #include <unistd.h>
 
 #define LOOK_EVERY_MS 20 /* between two looks at the child's memory: too short to fill the machine */
-#define MOST_CHILDREN 64
-#define MOST_LOOKS    100 /* for strays, however fast they multiply */
+#define MAX_CHILDREN  64
+#define MAX_LOOKS     100 /* for strays, however fast they multiply */
 #define ABOVE_PASSED  64  /* descriptors are moved up there first, so that none lands on another */
 
 /* ------------------------------------------------------------------------------------ what it leaves -- */
 
 /* The children that have not been collected yet. Whoever starts one, or looks for strays, holds the lock. */
-static pid_t living[MOST_CHILDREN];
+static pid_t living[MAX_CHILDREN];
 static pthread_mutex_t family = PTHREAD_MUTEX_INITIALIZER;
 
 static bool replace_living(pid_t from, pid_t to) {
-    for (size_t i = 0; i < MOST_CHILDREN; i++) {
+    for (size_t i = 0; i < MAX_CHILDREN; i++) {
         if (living[i] != from) continue;
         living[i] = to;
         return true;
@@ -93,7 +93,7 @@ static void end_leftovers(pid_t pid) {
     (void)kill(-pid, SIGKILL);
     (void)pthread_mutex_lock(&family);
     (void)replace_living(pid, 0);
-    for (int looks = 0; looks < MOST_LOOKS && end_strays(); looks++) {
+    for (int looks = 0; looks < MAX_LOOKS && end_strays(); looks++) {
     }
     (void)pthread_mutex_unlock(&family);
 }

@@ -47,8 +47,8 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
     return true;
 }
 
-#define LEAST_S 0.01
-#define MOST_S  86400.0
+#define MIN_S 0.01
+#define MAX_S 86400.0
 
 /* "FRAME" or "FRAME,SETUP" */
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err) {
@@ -59,9 +59,9 @@ bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err) {
         return hs_fail(err, HS_ERR_USAGE, "--guard-time: '%s' is not a number of seconds, or two", text);
     memcpy(frame, text, length);
     frame[length] = '\0';
-    if (!hs_cli_number("--guard-time", frame, LEAST_S, MOST_S, &options->frame_s, err)) return false;
+    if (!hs_cli_number("--guard-time", frame, MIN_S, MAX_S, &options->frame_s, err)) return false;
     return text[length] == '\0' ||
-           hs_cli_number("--guard-time", text + length + 1, LEAST_S, MOST_S, &options->setup_s, err);
+           hs_cli_number("--guard-time", text + length + 1, MIN_S, MAX_S, &options->setup_s, err);
 }
 
 bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err) {

@@ -62,7 +62,7 @@ static bool hs_loop_check_options(const hs_loop_options *o, hs_error *err) {
 #define LOWRES_VOXEL_MM          1.0
 #define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis, at most: "about a third" (thesis 5.4) */
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
-#define MOST_OF_ITSELF           1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
+#define MAX_AUTO_LOWRES          1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
 
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
     hs_camera_look_from(camera, hs_source_shape(loop->source), loop->options.from,
@@ -123,13 +123,13 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     if (o->lowres > MAX_LOWRES_AXIS)
         return hs_fail(err, HS_ERR_USAGE, "low resolution: %u pixels, allowed are 1 .. %g (0: 1 mm a pixel)",
                        o->lowres, MAX_LOWRES_AXIS);
-    if (!o->lowres && loop->box.extent / voxel > MOST_OF_ITSELF)
+    if (!o->lowres && loop->box.extent / voxel > MAX_AUTO_LOWRES)
         return hs_fail(
             err, HS_ERR_INPUT,
             "%s: voxels of %g x %g x %g mm: pixels of %g mm are %.0f across, at most %g are made without "
             "--lowres",
             volume->name, volume->spacing[0], volume->spacing[1], volume->spacing[2], voxel,
-            loop->box.extent / voxel, MOST_OF_ITSELF);
+            loop->box.extent / voxel, MAX_AUTO_LOWRES);
     layout->width = layout->height = axis_count(loop->box.extent / voxel);
     layout->slices = axis_count(loop->box.depth_extent / voxel);
     layout->slab_slices = o->slab_slices < layout->slices ? o->slab_slices : layout->slices;

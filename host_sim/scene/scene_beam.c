@@ -195,7 +195,7 @@ void hs_scene_reverberation(hs_field *field, const hs_scene_spec *spec) {
  */
 
 #define WALL_MM    2.0f
-#define LEAST_DB   (-100.0f) /* nothing of it can be seen below */
+#define MIN_DB     (-100.0f) /* nothing of it can be seen below */
 #define FLUID_GREY 40.5f     /* T_L */
 #define SPECKLE_DB 4.0f
 
@@ -283,7 +283,7 @@ static void haze_column(const hs_pass *pass, uint64_t key, uint32_t x, uint32_t 
     for (uint32_t z = end; z < f->n[2]; z++) {
         const float behind = ((float)(z - end) + 0.5f) * f->h[2];
         float level = first - haze->decay_db_mm * behind;
-        if (level + haze->patch_db < LEAST_DB) return;
+        if (level + haze->patch_db < MIN_DB) return;
         if (haze->patch_db > 0.0f)
             level += haze->patch_db * noise_at(&noise, ((float)z + 0.5f) * f->h[2] * size);
         const float own = hs_level_amplitude(f->diffuse[slice * z + pixel]),

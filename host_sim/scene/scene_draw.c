@@ -27,7 +27,7 @@ int32_t hs_range_draw(uint64_t key, hs_range_id id, uint32_t k) {
 
 enum {
     ROOM = 16384, /* for the text */
-    LEAST_EXTENT = 12000,
+    MIN_EXTENT = 12000,
     UTERUS = 900, /* of uterine wall before the sac */
     BEHIND = 400, /* of it behind the sac */
     BLADDER_WALL = 300,
@@ -107,7 +107,7 @@ static void choose(drawn *d) {
     d->sac_z = d->fat + d->muscle + UTERUS + d->sac[2];
     if (d->bladder) d->sac_z += draw(d, HS_RANGE_BLADDER_Z, 0) + BLADDER_WALL;
     d->extent = (d->sac_z + d->sac[2] + BEHIND + 499) / 500 * 500;
-    if (d->extent < LEAST_EXTENT || d->bare) d->extent = LEAST_EXTENT;
+    if (d->extent < MIN_EXTENT || d->bare) d->extent = MIN_EXTENT;
     d->middle = d->extent / 2;
     if (d->bare) d->sac_z = d->middle;
     const int32_t side = coin(d, HS_RANGE_CAMERA) ? 1 : -1, away = has(d, HS_RANGE_FROM_BEHIND) ? 18000 : 0;

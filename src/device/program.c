@@ -68,7 +68,7 @@ static cl_program find_build(const sv_builds *builds, const unsigned char *sourc
 /* Keeps a program for later. False if there is no room: such a program is compiled again. */
 static bool keep_build(sv_builds *builds, const unsigned char *source, const char *options,
                        cl_program program) {
-    if (!builds || builds->count == SV_MOST_BUILDS) return false;
+    if (!builds || builds->count == SV_MAX_BUILDS) return false;
     sv_build *b = &builds->of[builds->count++];
     b->source = source;
     b->program = program;
@@ -94,7 +94,7 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
     bool exactly = false;
     const sv_status status = divides_exactly(diag, device, &exactly);
     if (status != SV_OK) return status;
-    char options[SV_MOST_OPTIONS];
+    char options[SV_MAX_OPTIONS];
     const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2%s %s",
                                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own);
     assert(wanted > 0 && (size_t)wanted < sizeof options);

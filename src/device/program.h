@@ -8,14 +8,14 @@
 
 /* The programs that one activation has compiled, so that its self-tests and its pipeline make their kernels
  * of the same ones: even a driver that keeps compiled kernels reads a source anew for every program. */
-enum { SV_MOST_BUILDS = 8, SV_MOST_OPTIONS = 256 };
+enum { SV_MAX_BUILDS = 8, SV_MAX_OPTIONS = 256 };
 typedef struct {
     const unsigned char *source;
     cl_program program;
-    char options[SV_MOST_OPTIONS];
+    char options[SV_MAX_OPTIONS];
 } sv_build;
 struct sv_builds {
-    sv_build of[SV_MOST_BUILDS];
+    sv_build of[SV_MAX_BUILDS];
     uint32_t count;
     uint32_t compiled; /* programs, */
     double seconds;    /* which took so long by the wall clock */

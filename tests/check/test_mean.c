@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-enum { NONE = -1, MOST_PIXELS = 32 * 32, SLICES = 40 };
+enum { NONE = -1, MAX_PIXELS = 32 * 32, SLICES = 40 };
 static const double ROUNDING =
     1.0 / 16384; /* slices; by hand is exact, these formats keep 16 bits, 7 passes at most */
 
@@ -22,16 +22,16 @@ static const double ROUNDING =
 typedef struct {
     uint32_t width, height, k;
     double omega;
-    int32_t far_end[MOST_PIXELS]; /* NONE: no point; 0: empty interval */
-    int32_t near_end[MOST_PIXELS];
+    int32_t far_end[MAX_PIXELS]; /* NONE: no point; 0: empty interval */
+    int32_t near_end[MAX_PIXELS];
 } map;
 
 static map *empty_map(uint32_t width, uint32_t height, uint32_t k, double omega) {
     map *m = calloc(1, sizeof *m);
     assert_non_null(m);
-    assert_true(width * height <= MOST_PIXELS);
+    assert_true(width * height <= MAX_PIXELS);
     *m = (map){.width = width, .height = height, .k = k, .omega = omega};
-    for (uint32_t i = 0; i < MOST_PIXELS; i++) m->far_end[i] = NONE;
+    for (uint32_t i = 0; i < MAX_PIXELS; i++) m->far_end[i] = NONE;
     return m;
 }
 

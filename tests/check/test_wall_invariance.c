@@ -16,10 +16,10 @@
 
 #include <cmocka.h>
 
-enum { MOST_CASES = 9 };
+enum { MAX_CASES = 9 };
 /* The first three of our scenes. */
-static const char *const names[MOST_CASES] = {"E01", "E04", "M01", "E02", "E03", "M02", "M03", "D01", "D02"};
-static wall_case cases[MOST_CASES];
+static const char *const names[MAX_CASES] = {"E01", "E04", "M01", "E02", "E03", "M02", "M03", "D01", "D02"};
+static wall_case cases[MAX_CASES];
 static int case_count;
 
 static size_t plane_of(const wall_case *c) {
@@ -370,7 +370,7 @@ int main(int argc, char **argv) {
         RIG_TEST(test_mirrored_and_transposed), RIG_TEST(test_moved_sideways), RIG_TEST(test_room_in_front),
         RIG_TEST(test_ranges_are_padding),      RIG_TEST(test_grey_levels),    RIG_TEST(test_sizes)};
     hs_error err = {0};
-    case_count = argc > 1 ? MOST_CASES : 3;
+    case_count = argc > 1 ? MAX_CASES : 3;
     if (!read_cases(argc > 1 ? argv[1] : NULL, &err)) {
         (void)fprintf(stderr, "%s\n", err.text);
         return 1;

@@ -13,11 +13,11 @@
 
 #include <cmocka.h>
 
-enum { MOST_PARAMETERS = 16, MOST_VALUES = 64, FEW = 8 };
+enum { MAX_PARAMETERS = 16, MAX_VALUES = 64, FEW = 8 };
 
 typedef struct {
     sv_param_info info;
-    double value[MOST_VALUES];
+    double value[MAX_VALUES];
     int count;
 } knob;
 
@@ -28,7 +28,7 @@ static void choose_values(const sv_plugin *p, knob *k) {
     const double steps = (i->max_value - i->min_value) / i->step;
     assert_true(i->type == SV_PARAM_ENUM || i->type == SV_PARAM_INT || i->type == SV_PARAM_BOOL);
     if (i->type == SV_PARAM_ENUM || steps < FEW) {
-        assert_true(steps < MOST_VALUES);
+        assert_true(steps < MAX_VALUES);
         for (double v = i->min_value; v <= i->max_value; v += i->step)
             if (p->param_text(p, i->id, v, text, sizeof text) == SV_OK) k->value[k->count++] = v;
         return;
@@ -39,13 +39,13 @@ static void choose_values(const sv_plugin *p, knob *k) {
     k->value[k->count++] = i->max_value;
 }
 
-static int find_knobs(const rig *r, knob knobs[MOST_PARAMETERS]) {
+static int find_knobs(const rig *r, knob knobs[MAX_PARAMETERS]) {
     int count = 0;
     for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++) {
         knob k = {.info = {.size = sizeof k.info}};
         assert_int_equal(r->plugin->param_info(r->plugin, i, &k.info), SV_OK);
         if (!(k.info.flags & SV_PARAM_REACTIVATE)) continue;
-        assert_true(count < MOST_PARAMETERS);
+        assert_true(count < MAX_PARAMETERS);
         choose_values(r->plugin, &k);
         knobs[count++] = k;
     }
@@ -75,7 +75,7 @@ static void try_pair(fixture *f, const knob *a, double va, const knob *b, double
 
 static void every_pair(void **state) {
     fixture *f = *state;
-    knob knobs[MOST_PARAMETERS];
+    knob knobs[MAX_PARAMETERS];
     const int count = find_knobs(&f->r, knobs);
     int pairs = 0;
     for (int a = 0; a < count; a++)

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_FILE = 1 << 20, MOST_VOXELS = 1 << 16, MOST_TEXTURE = 1 << 22, MOST_PARTS = 200 };
+enum { MAX_FILE = 1 << 20, MAX_VOXELS = 1 << 16, MAX_TEXTURE = 1 << 22, MAX_PARTS = 200 };
 
 /* Parts with their checksums. Returns the bytes of the file. */
 static size_t make_file(fuzz_bytes *b, uint8_t *file) {
@@ -23,10 +23,10 @@ static size_t make_file(fuzz_bytes *b, uint8_t *file) {
     } header = {REC_MAGIC, REC_VERSION, 0};
     size_t size = sizeof header;
     memcpy(file, &header, sizeof header);
-    for (int n = 0; n < MOST_PARTS && b->left > 0; n++) {
+    for (int n = 0; n < MAX_PARTS && b->left > 0; n++) {
         uint32_t head[2] = {fuzz_u8(b) % 7u, (uint32_t)fuzz_u8(b) | (uint32_t)fuzz_u8(b) << 8};
         if (head[1] > b->left) head[1] = (uint32_t)b->left;
-        if (size + head[1] + 12 > MOST_FILE) break;
+        if (size + head[1] + 12 > MAX_FILE) break;
         memcpy(file + size, head, sizeof head);
         fuzz_take(b, file + size + 8, head[1]);
         const uint32_t sum = rec_sum(head[0], file + size + 8, head[1]);
@@ -49,9 +49,9 @@ static bool read_all(const char *path) {
         for (size_t i = 0; i < item.bytes; i++) sum += item.data[i];
         FUZZ_HOLDS(item.bytes == 0 || item.data);
         if (item.type != REC_CALL || item.kind != RC_ACTIVATE || !item.sound) continue;
-        small = small && (uint64_t)f->width * f->height * (f->slices + 1u) <= MOST_VOXELS &&
+        small = small && (uint64_t)f->width * f->height * (f->slices + 1u) <= MAX_VOXELS &&
                 ((uint64_t)f->row_pitch + f->tiles_x * (uint64_t)f->tile_w) * f->tile_h * f->slices <=
-                    MOST_TEXTURE;
+                    MAX_TEXTURE;
     }
     FUZZ_HOLDS(there == 0 || error[0]);
     FUZZ_HOLDS(sum <= UINT64_MAX / 2);
@@ -79,7 +79,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_bytes b = {data, size};
     memory_file file;
     if (fuzz_u8(&b) % 2) {
-        uint8_t *bytes = malloc(MOST_FILE);
+        uint8_t *bytes = malloc(MAX_FILE);
         if (!bytes) abort();
         memory_file_open(&file, bytes, make_file(&b, bytes));
         free(bytes);

@@ -83,7 +83,7 @@ static uint32_t open_files(void) {
     return count;
 }
 
-/* A round and some more take no more memory than SEQUENCE_MOST volumes, and no more than one file. */
+/* A round and some more take no more memory than SEQUENCE_MAX_VOLUMES volumes, and no more than one file. */
 static void memory_stays_flat(void **state) {
     (void)state;
     const list *files = write_files(NZ);
@@ -99,7 +99,7 @@ static void memory_stays_flat(void **state) {
         if (now > most) most = now;
         assert_true(open_files() <= open_before + 1);
     }
-    if (most > before + SEQUENCE_MOST * (size_t)VOXELS)
+    if (most > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS)
         fail_msg("%zu bytes more in memory, a volume has %d", most - before, VOXELS);
     hs_source_close(&source);
     assert_int_equal(open_files(), open_before);

@@ -126,7 +126,7 @@ static void expect_volume(const hs_source *source, const kind *k, uint32_t index
 #define SHADOW 1
 #endif
 
-/* A round and some more take no more memory than SEQUENCE_MOST volumes; the file has 25. */
+/* A round and some more take no more memory than SEQUENCE_MAX_VOLUMES volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
     (void)state;
     for (size_t which = 0; which < KINDS; which++) {
@@ -142,7 +142,7 @@ static void memory_stays_flat(void **state) {
             const size_t now = resident_bytes();
             if (now > most) most = now;
         }
-        if (most > before + SEQUENCE_MOST * (size_t)VOXELS * SHADOW)
+        if (most > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS * SHADOW)
             fail_msg("%s: %zu bytes more in memory, a volume has %d", k->name, most - before, VOXELS);
         hs_source_close(&source);
     }

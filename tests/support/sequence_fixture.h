@@ -12,9 +12,9 @@ int sequence_tear_down(void **state);
 /* Volumes' worth of memory that a stream of three may take. The address sanitizer rounds sizes up by as much
  * as a quarter, and keeps an eighth of them beside. */
 #ifdef __SANITIZE_ADDRESS__
-enum { SEQUENCE_MOST = 7 };
+enum { SEQUENCE_MAX_VOLUMES = 7 };
 #else
-enum { SEQUENCE_MOST = 5 };
+enum { SEQUENCE_MAX_VOLUMES = 5 };
 #endif
 
 /* Bytes of this process that are in memory. */

@@ -9,12 +9,12 @@
 #include <string.h>
 #include <sys/resource.h>
 
-enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MOST_RAYS = 4096, LINES = 10000 };
+enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MAX_RAYS = 4096, LINES = 10000 };
 static int refused_a_slab; /* since activate */
 static uint32_t adjusted;  /* since begin */
 static const void *voxels; /* of the slab that was last */
 static double shared[PARAMS];
-static float scratch[MOST_RAYS];
+static float scratch[MAX_RAYS];
 static char old_reason[256];
 
 /* ---- what crashes, hangs and takes */
@@ -38,12 +38,12 @@ static void grab(void) {
 }
 
 /* ---- what is the host's */
-enum { MOST_OPEN = 1024, LIVES_S = 300 };
+enum { MAX_OPEN = 1024, LIVES_S = 300 };
 
 static void spoil_descriptors(void) {
-    for (int number = 0; number < MOST_OPEN && WRONG_IS(closes_descriptors); number++) (void)close(number);
-    for (int number = 3; number < MOST_OPEN && WRONG_IS(shrinks_files); number++) (void)!ftruncate(number, 0);
-    for (int number = 3; number < MOST_OPEN && WRONG_IS(writes_to_files); number++)
+    for (int number = 0; number < MAX_OPEN && WRONG_IS(closes_descriptors); number++) (void)close(number);
+    for (int number = 3; number < MAX_OPEN && WRONG_IS(shrinks_files); number++) (void)!ftruncate(number, 0);
+    for (int number = 3; number < MAX_OPEN && WRONG_IS(writes_to_files); number++)
         (void)!write(number, "", 1);
 }
 
@@ -169,7 +169,7 @@ static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
     if (WRONG_IS(takes_short_memory) && s->bytes > 0) taken.bytes = UINT64_MAX / 2;
     const sv_status status = sva_slab(plugin, &taken);
     refused_a_slab |= status < 0;
-    for (int number = 0; number < MOST_OPEN && status < 0 && WRONG_IS(closes_when_refused); number++)
+    for (int number = 0; number < MAX_OPEN && status < 0 && WRONG_IS(closes_when_refused); number++)
         (void)close(number);
     return status;
 }

@@ -12,7 +12,7 @@
 
 #define FRAME_SCENE "D01"
 
-enum { WARM_UP = 2, COMMANDS = 20, MOST_VALUES = 16 };
+enum { WARM_UP = 2, COMMANDS = 20, MAX_VALUES = 16 };
 static const struct timespec pause = {.tv_nsec = 5000000}; /* the driver's threads are asleep after it */
 static const struct { double yaw, pitch; } cameras[BENCH_FRAME_CAMERAS] = {{0.0, 0.0}, {30.0, 20.0}};
 
@@ -44,7 +44,7 @@ typedef struct {
     hs_source source[2]; /* layers, the scene */
     hs_volume volume[2];
     const hs_volume *list[2][1];
-    sv_param_value values[MOST_VALUES + 1];
+    sv_param_value values[MAX_VALUES + 1];
     uint32_t value_count;
     hs_plugin plugin[BENCH_FRAME_WAYS];
     bool opened[BENCH_FRAME_WAYS];
@@ -188,7 +188,7 @@ bool bench_frame_run(const bench_host_setup *setup, bench_team *team, bench_fram
                      hs_error *err) {
     bench b = {.setup = setup, .team = team};
     *out = (bench_frame_result){0};
-    b.value_count = setup->value_count < MOST_VALUES ? setup->value_count : MOST_VALUES;
+    b.value_count = setup->value_count < MAX_VALUES ? setup->value_count : MAX_VALUES;
     for (uint32_t i = 0; i < b.value_count; i++) b.values[i] = setup->values[i];
     bool ok = open_sources(&b, err);
     for (int c = 0; ok && c < BENCH_FRAME_CAMERAS; c++) ok = run_camera(&b, c, out, err);

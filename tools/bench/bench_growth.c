@@ -9,14 +9,14 @@
 
 #define GROWTH_SCENE "D01"
 
-enum { MOST_SIZES = 7, GROWTH_SLAB = 32, GROWTH_VOLUME = 256 };
+enum { MAX_SIZES = 7, GROWTH_SLAB = 32, GROWTH_VOLUME = 256 };
 
 /* A frame's least processor time at a size: other programs on the machine change it least. */
 typedef struct {
     const char *what;
-    uint32_t count, side[MOST_SIZES];
+    uint32_t count, side[MAX_SIZES];
     int axes; /* a side's power: voxels 3, pixels 2 */
-    double ms[MOST_SIZES], wall[MOST_SIZES];
+    double ms[MAX_SIZES], wall[MAX_SIZES];
 } series;
 
 /* The slope of log ms over log count, by least squares over the sizes from `first` on. */
@@ -70,12 +70,12 @@ static bool time_size(const bench_plugin_setup *setup, const char *method, uint3
 }
 
 /* Powers of two and between them; and neighbours, which tell what odd sides and started vectors cost. */
-static const uint32_t sides[2][MOST_SIZES] = {{64, 96, 128, 192, 256, 384, 512},
-                                              {120, 127, 128, 129, 133, 144, 160}};
+static const uint32_t sides[2][MAX_SIZES] = {{64, 96, 128, 192, 256, 384, 512},
+                                             {120, 127, 128, 129, 133, 144, 160}};
 
 static bool run_voxels(const bench_plugin_setup *setup, const char *method, int which, hs_error *err) {
     char what[64];
-    series s = {.what = what, .count = MOST_SIZES, .axes = 3};
+    series s = {.what = what, .count = MAX_SIZES, .axes = 3};
     (void)snprintf(what, sizeof what, "a frame of %s, by voxels", method);
     for (uint32_t i = 0; i < s.count; i++) {
         s.side[i] = sides[which][i];
@@ -111,7 +111,7 @@ static bool time_pictures(const hs_cl *cl, const hs_device_volume *volume, const
 
 static bool run_pixels(const hs_cl *cl, uint32_t frames, hs_error *err) {
     series s = {.what = "a lit picture of scene " GROWTH_SCENE " at 256^3, clipped, by pixels",
-                .count = MOST_SIZES,
+                .count = MAX_SIZES,
                 .side = {128, 192, 256, 384, 512, 768, 1024},
                 .axes = 2};
     hs_source source = {0};

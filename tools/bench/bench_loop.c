@@ -11,7 +11,7 @@
 
 #define BENCH_LOOP_TARGET 30.0 /* volumes a second */
 
-enum { LIT, UNLIT, FLOW, LOOPS, MOST_VALUES = 16, SAMPLES = HS_STAGE_COUNT + 5 };
+enum { LIT, UNLIT, FLOW, LOOPS, MAX_VALUES = 16, SAMPLES = HS_STAGE_COUNT + 5 };
 enum { AT_UNLIT = HS_STAGE_COUNT, AT_FLOW, AT_PROCESSOR, AT_READ, AT_READ_PROCESSOR };
 
 static const char *const methods[BENCH_LOOP_METHODS] = {"mean", "cost", "wall"};
@@ -22,7 +22,7 @@ typedef struct {
     hs_plugin plugin[LOOPS];
     bool opened[LOOPS];
     hs_loop *loop[LOOPS];
-    sv_param_value values[MOST_VALUES + 1];
+    sv_param_value values[MAX_VALUES + 1];
     bench_samples samples[SAMPLES];
 } bench;
 
@@ -113,7 +113,7 @@ static bool run_method(bench *b, const bench_host_setup *setup, bench_team *team
 static bool with_method(bench *b, const bench_host_setup *setup, const char *method, uint32_t *count) {
     char text[64];
     hs_error none = {HS_OK, ""};
-    *count = setup->value_count < MOST_VALUES ? setup->value_count : MOST_VALUES;
+    *count = setup->value_count < MAX_VALUES ? setup->value_count : MAX_VALUES;
     for (uint32_t i = 0; i < *count; i++) b->values[i] = setup->values[i];
     (void)snprintf(text, sizeof text, "method=%s", method);
     if (!hs_plugin_parse_param(setup->plugin, text, &b->values[*count], &none)) return false;

@@ -108,7 +108,7 @@ bool methods_values_make(const hs_plugin *plugin, const methods_variant *v, meth
 
 /* ----------------------------------------------------------------------------------------------- times -- */
 
-enum { WARM_UP = 2, LEAST_FRAMES = 3, PLAIN_K = 23 };
+enum { WARM_UP = 2, MIN_FRAMES = 3, PLAIN_K = 23 };
 static const double slow_ms = 100.0; /* a frame that needs no warm-up but the first */
 
 typedef enum { END, RECONSTRUCT, MEMORY, PLAIN, PARTS } part;
@@ -249,7 +249,7 @@ static bool time_frames(timing *t, methods_times *times, hs_error *err) {
     const bool mean = t->variant->method == SV_METHOD_MEAN;
     (void)plain_ms(t, run_plain); /* its maps hold surfaces from now on */
     for (uint32_t i = 0; i < warm_up + t->setup->frames; i++) {
-        if (times->frames >= LEAST_FRAMES && hs_now() - start > t->setup->seconds) break;
+        if (times->frames >= MIN_FRAMES && hs_now() - start > t->setup->seconds) break;
         double ms[PARTS];
         ms[PLAIN] = mean ? plain_ms(t, run_plain) : -1.0;
         (void)plain_ms(

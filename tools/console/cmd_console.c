@@ -13,20 +13,20 @@
 #include <string.h>
 #include <time.h>
 
-#define MOST_LIBRARIES 16u
-#define GRACE_S        30.0 /* after the last page: it may load again, or its network be back */
+#define MAX_LIBRARIES 16u
+#define GRACE_S       30.0 /* after the last page: it may load again, or its network be back */
 
 typedef struct {
     hs_console_shared shared;
     hs_console_address address;
-    const char *libraries[MOST_LIBRARIES];
+    const char *libraries[MAX_LIBRARIES];
     uint32_t library_count;
     bool stay, help;
 } console_line;
 
 static bool take_plugin(void *target, const char *text, hs_error *err) {
     console_line *const line = target;
-    return hs_cli_append("--plugin", text, line->libraries, &line->library_count, MOST_LIBRARIES, err);
+    return hs_cli_append("--plugin", text, line->libraries, &line->library_count, MAX_LIBRARIES, err);
 }
 
 #define AT(field) offsetof(console_line, field)

@@ -15,7 +15,7 @@
 #include <time.h>
 
 #define LOOK_S 0.5 /* between two looks at the libraries of a page at rest */
-enum { UNDER_WAY = 2, MOST_REFUSED = 64 };
+enum { UNDER_WAY = 2, MAX_REFUSED = 64 };
 
 struct hs_console_page {
     const hs_console_shared *shared;
@@ -187,7 +187,7 @@ bool hs_console_page_say(hs_console_page *page, const char *text, size_t bytes) 
     char *reply = hs_console_reply_text("refused", err.text);
     const bool sent = reply && page->send(page->connection, false, (const uint8_t *)reply, strlen(reply));
     free(reply);
-    return sent && ++page->refused < MOST_REFUSED;
+    return sent && ++page->refused < MAX_REFUSED;
 }
 
 void hs_console_page_close(hs_console_page *page) {

@@ -92,7 +92,7 @@ bool hs_console_origin_is_ours(const char *origin, const char *host) {
 #define SERVED          128 /* connections at a time: a thread each, which costs 16 KiB */
 #define TEXT_OF(number) #number
 #define AS_TEXT(number) TEXT_OF(number)
-enum { MOST_IDLE = 64, MOST_FILES = 1024, MOST_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
+enum { MAX_IDLE = 64, MAX_FILES = 1024, MAX_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
 
 /* A connection that is no page. */
 typedef struct guest {
@@ -139,18 +139,18 @@ static bool is_socket_of(int socket, const struct mg_request_info *request) {
 static void give_up(guest *one) {
     const struct mg_request_info *request = mg_get_request_info(one->connection);
     int socket = 0;
-    while (request && socket < MOST_FILES && !is_socket_of(socket, request)) socket++;
-    if (request && socket < MOST_FILES) (void)shutdown(socket, SHUT_RDWR);
+    while (request && socket < MAX_FILES && !is_socket_of(socket, request)) socket++;
+    if (request && socket < MAX_FILES) (void)shutdown(socket, SHUT_RDWR);
     one->connection = NULL;
 }
 
-/* Gives the place a turn. Who still waits for its client when MOST_IDLE turns were given after its own is
+/* Gives the place a turn. Who still waits for its client when MAX_IDLE turns were given after its own is
  * given up: however many slow clients there are, threads are left for others. */
 static void take_turn(hs_console_server *server, guest *place, const struct mg_connection *c) {
     if (!place) return;
     *place = (guest){c, ++server->turns};
     for (uint32_t i = 0; i < SERVED; i++)
-        if (server->guests[i].connection && server->guests[i].turn + MOST_IDLE <= server->turns)
+        if (server->guests[i].connection && server->guests[i].turn + MAX_IDLE <= server->turns)
             give_up(&server->guests[i]);
 }
 
@@ -253,7 +253,7 @@ static int connect_page(const struct mg_connection *c, void *context) {
         !hs_console_token_fits(mg_get_request_info(c)->query_string, server->token))
         return 1;
     (void)pthread_mutex_lock(&server->lock);
-    const bool full = server->pages == MOST_PAGES;
+    const bool full = server->pages == MAX_PAGES;
     if (!full) {
         server->pages++;
         server->ever++;

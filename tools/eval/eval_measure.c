@@ -160,8 +160,8 @@ void hs_eval_table_free(hs_eval_table *table) {
 
 /* -------------------------------------------------------------------------------------------- measures -- */
 
-#define BLOCKS        16u
-#define LEAST_LOOKUPS 8192u /* fewer are done before a second thread has started */
+#define BLOCKS      16u
+#define MIN_LOOKUPS 8192u /* fewer are done before a second thread has started */
 
 const char *hs_measure_key(hs_measure measure) {
     static const char *const keys[HS_MEASURE_COUNT] = {
@@ -250,7 +250,7 @@ void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const f
                           const float *weight, uint32_t count, uint32_t threads, hs_measures *out) {
     assert(count >= 1 && count <= HS_EVAL_MAX_LINE);
     job j = {.table = table, .zero = zero, .one = one, .weight = weight, .count = count, .blocks = BLOCKS};
-    const bool small = (uint64_t)table->count * count < LEAST_LOOKUPS;
+    const bool small = (uint64_t)table->count * count < MIN_LOOKUPS;
     hs_parallel(small ? 1 : hs_thread_count(threads), BLOCKS, count_block, &j);
     for (uint32_t b = 1; b < BLOCKS; b++)
         for (int label = 0; label < 2; label++) add(&j.of[0][label], &j.of[b][label], count);

@@ -97,9 +97,9 @@ bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_
 
 /* ----------------------------------------------------------------------------------------- two methods -- */
 
-#define USUAL        "method=wall" /* what is set beside where nothing is said */
-#define POSITIONS    31u           /* of the knob */
-#define MOST_REPEATS 15u           /* of hs_eval_case_time */
+#define USUAL       "method=wall" /* what is set beside where nothing is said */
+#define POSITIONS   31u           /* of the knob */
+#define MAX_REPEATS 15u           /* of hs_eval_case_time */
 
 /* Adds "KEY=VALUE[ KEY=VALUE]...". */
 static bool parse(hs_eval_values *values, const hs_plugin *plugin, const char *text, hs_error *err) {
@@ -151,7 +151,7 @@ static bool hs_eval_beside_open(hs_eval_beside *b, const hs_cl *cl, const hs_plu
     if (strcmp(b->first_name, b->other_name) == 0)
         (void)snprintf(b->other_name, sizeof b->other_name, "%.63s", wanted ? wanted : USUAL);
     hs_eval_knob_spread(&b->knob, plugin, POSITIONS);
-    b->repeats = options->frames < MOST_REPEATS ? options->frames : MOST_REPEATS;
+    b->repeats = options->frames < MAX_REPEATS ? options->frames : MAX_REPEATS;
     b->exists = true;
     return true;
 }

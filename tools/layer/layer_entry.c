@@ -94,10 +94,10 @@ static const void *SV_CALL pass_extension(const sv_host *host, const char *id) {
 /* ---- parameters */
 /* Names of an enum's values: NULL for one that it leaves out. */
 static const char *const *read_names(const sv_plugin *p, const sv_param_info *info) {
-    enum { MOST = 64 };
+    enum { MAX_NAMES = 64 };
     const double count = info->step > 0.0 ? (info->max_value - info->min_value) / info->step + 1.0 : 0.0;
     char text[64];
-    if (info->type != SV_PARAM_ENUM || !(count >= 1.0 && count <= MOST)) return NULL;
+    if (info->type != SV_PARAM_ENUM || !(count >= 1.0 && count <= MAX_NAMES)) return NULL;
     const char **names = calloc((size_t)count, sizeof *names);
     for (uint32_t n = 0; names && n < (uint32_t)count; n++)
         if (p->param_text(p, info->id, info->min_value + n * info->step, text, sizeof text) !=
@@ -111,7 +111,7 @@ static const sv_host silent = {0};
 
 static bool describe(ly_instance *i) {
     const sv_plugin *p = i->inner;
-    const uint32_t told = p->param_count(p), count = told < RULE_MOST_PARAMS ? told : RULE_MOST_PARAMS;
+    const uint32_t told = p->param_count(p), count = told < RULE_MAX_PARAMS ? told : RULE_MAX_PARAMS;
     i->described = calloc(1, sizeof *i->described);
     i->params = calloc(count + 1, sizeof *i->params);
     i->values = calloc(3 * (size_t)count + 1, sizeof *i->values);
@@ -186,7 +186,7 @@ static void judge_host(const rule_sink *to, const sv_host *h) {
     RULE_EXPECT(to, RULE_host_create, h->name && h->version, "create: host.%s is NULL",
                 h->name ? "version" : "name");
     RULE_EXPECT(to, RULE_host_create,
-                rule_is_text(h->name, RULE_MOST_TEXT) && rule_is_text(h->version, RULE_MOST_TEXT),
+                rule_is_text(h->name, RULE_MAX_TEXT) && rule_is_text(h->version, RULE_MAX_TEXT),
                 "create: host.name or host.version is not UTF-8 text");
 }
 
@@ -226,7 +226,7 @@ static ly_instance *prepare(const sv_host *host) {
 
 /* Keeps what the library tells of the plugin with this id. False if there is none. */
 static bool keep_descriptor(ly_instance *i, const char *id) {
-    for (uint32_t n = 0; n < inner->count && n < RULE_MOST_PLUGINS; n++) {
+    for (uint32_t n = 0; n < inner->count && n < RULE_MAX_PLUGINS; n++) {
         const sv_descriptor *d = inner->descriptor(n);
         if (!d || !d->id || strcmp(d->id, id) != 0) continue;
         i->told = *d;

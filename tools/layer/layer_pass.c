@@ -232,10 +232,10 @@ static sv_status SV_CALL ly_param_info(const sv_plugin *plugin, uint32_t index, 
 
 static sv_status SV_CALL ly_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
                                        uint32_t bytes) {
-    enum { MOST = 256, BEHIND = 64 };
-    char room[MOST + BEHIND];
+    enum { MAX_BYTES = 256, BEHIND = 64 };
+    char room[MAX_BYTES + BEHIND];
     ly_instance *i = of(plugin);
-    if (!out || bytes == 0 || bytes > MOST) return i->inner->param_text(i->inner, id, value, out, bytes);
+    if (!out || bytes == 0 || bytes > MAX_BYTES) return i->inner->param_text(i->inner, id, value, out, bytes);
     memset(room, 0x5a, sizeof room);
     const sv_status status = i->inner->param_text(i->inner, id, value, room, bytes);
     size_t behind = bytes;

@@ -5,7 +5,7 @@
 
 /* ---- open, close */
 static ly_watch *ly_watch_open(const sv_format *format) {
-    const size_t line = format->width < LY_MOST_LINE ? format->width : LY_MOST_LINE;
+    const size_t line = format->width < LY_MAX_LINE ? format->width : LY_MAX_LINE;
     const size_t all = line * format->slices; /* lines of a volume, one a slice */
     ly_watch *w = all > 0 ? calloc(1, sizeof *w) : NULL;
     if (!w) return NULL;
@@ -16,10 +16,10 @@ static ly_watch *ly_watch_open(const sv_format *format) {
     w->rows = rows < format->height ? (uint32_t)rows : format->height;
     if (w->rows < 1) w->rows = 1;
     w->row_step = format->height / w->rows;
-    w->samples = ((all + LY_MOST_LINE) * w->rows + 7) / 8 * 8;
+    w->samples = ((all + LY_MAX_LINE) * w->rows + 7) / 8 * 8;
     w->bytes = ly_stats_at(w) + sizeof(sv_stats);
     w->most_places = format->slices * w->rows + 1;
-    const size_t fit = LY_MOST_BYTES / (w->bytes + w->samples), wanted = format->queue ? LY_SLOTS : 1;
+    const size_t fit = LY_MAX_BYTES / (w->bytes + w->samples), wanted = format->queue ? LY_SLOTS : 1;
     w->slot_count = (uint32_t)(fit < wanted ? fit : wanted);
     bool whole = fit > 0;
     for (uint32_t n = 0; n < w->slot_count; n++) {
@@ -88,7 +88,7 @@ static void add_ranges(ly_watch *w, const sv_frame *f) {
                       .object = f->scanned_object,
                       .origin = {(size_t)f->scanned_offset + at, 0, 0},
                       .pitch = w->row_step * row,
-                      .bytes = row < LY_MOST_LINE ? row : LY_MOST_LINE,
+                      .bytes = row < LY_MAX_LINE ? row : LY_MAX_LINE,
                       .lines = w->rows,
                       .row = s->row,
                       .slice = LY_RANGES,
@@ -107,7 +107,7 @@ static void add_row(ly_watch *w, const sv_slab *slab, uint32_t row) {
                   .image = f->carrier == SV_CARRIER_IMAGE,
                   .origin = {(size_t)slab->offset + at, 0, 0},
                   .pitch = (size_t)f->tile_h * f->row_pitch,
-                  .bytes = f->width < LY_MOST_LINE ? f->width : LY_MOST_LINE,
+                  .bytes = f->width < LY_MAX_LINE ? f->width : LY_MAX_LINE,
                   .lines = lines,
                   .row = row,
                   .slice = slab->first_slice + tile,

@@ -16,7 +16,7 @@
 #include <CL/cl.h>
 
 /* A volume that needs more memory for watching it is not watched. */
-enum { LY_SLOTS = 4, LY_MOST_LINE = 1024, LY_MOST_BYTES = 64 << 20, LY_OWN_BYTES = 64 << 10 };
+enum { LY_SLOTS = 4, LY_MAX_LINE = 1024, LY_MAX_BYTES = 64 << 20, LY_OWN_BYTES = 64 << 10 };
 
 /* A row of equal pieces in the host's memory, or in an object of the host's. */
 typedef struct {

@@ -118,7 +118,7 @@ typedef struct {
     bool logarithmic;
 } range;
 
-#define LEAST 1e-3 /* of a logarithmic scale */
+#define MIN_LOG_END 1e-3 /* of a logarithmic scale */
 
 /* 0 .. 1 along the colours, and back. */
 static double colour_at(range r, double value) {
@@ -137,8 +137,8 @@ static range range_of(const hs_plot_heat *plot) {
         r.high = fmax(r.high, (double)plot->value[i]);
     }
     if (!(r.high > r.low)) r.high = r.low + 1;
-    r.logarithmic = r.low >= 0 && r.high > fmax(10 * r.low, LEAST);
-    if (r.logarithmic) r.low = fmax(r.low, LEAST);
+    r.logarithmic = r.low >= 0 && r.high > fmax(10 * r.low, MIN_LOG_END);
+    if (r.logarithmic) r.low = fmax(r.low, MIN_LOG_END);
     return r;
 }
 

@@ -43,17 +43,17 @@ static void pass(rec_cursor *c, void *value, size_t bytes, const char *field) {
 #define PASS(c, field) pass(c, &(field), sizeof(field), #field)
 
 /* A number that is at most so large. */
-static void pass_most(rec_cursor *c, uint32_t *value, uint32_t most, const char *field) {
+static void pass_limited(rec_cursor *c, uint32_t *value, uint32_t most, const char *field) {
     pass(c, value, sizeof *value, field);
     if (*value <= most) return;
     fail(c, field);
     *value = 0;
 }
-#define PASS_MOST(c, field, most) pass_most(c, &(field), most, #field)
+#define PASS_LIMITED(c, field, most) pass_limited(c, &(field), most, #field)
 
 static void pass_text(rec_cursor *c, char *text, size_t room, const char *field) {
     uint32_t length = c->writes ? (uint32_t)strlen(text) : 0;
-    pass_most(c, &length, (uint32_t)room - 1, field);
+    pass_limited(c, &length, (uint32_t)room - 1, field);
     pass(c, text, length, field);
     text[length] = '\0';
 }
@@ -61,7 +61,7 @@ static void pass_text(rec_cursor *c, char *text, size_t room, const char *field)
 
 /* ---- packed bytes */
 /* Deflate shrinks to 1/1032 at best: what claims to be larger is no recording, and takes no memory. */
-enum { MOST_SHRUNK = 1032 };
+enum { MAX_SHRUNK = 1032 };
 
 /* Speckle has no patterns, so runs are looked for and no more: as small as any other way, and the fastest. */
 static void pack(rec_cursor *c, uint8_t *data, size_t bytes) {
@@ -97,14 +97,14 @@ static void unpack(rec_cursor *c, uint8_t *data, size_t bytes, const char *field
 static void pass_data(rec_cursor *c, rec_item *item, uint64_t bytes, const char *field) {
     if (c->bad) return;
     if (c->writes) {
-        if (bytes > REC_MOST_BYTES)
+        if (bytes > REC_MAX_BYTES)
             fail(c, field);
         else
             pack(c, item->data + item->bytes, (size_t)bytes);
         item->bytes += (size_t)bytes;
         return;
     }
-    if (bytes == 0 || bytes > REC_MOST_BYTES || bytes / MOST_SHRUNK > c->size - c->at) {
+    if (bytes == 0 || bytes > REC_MAX_BYTES || bytes / MAX_SHRUNK > c->size - c->at) {
         fail(c, field);
         return;
     }
@@ -123,7 +123,7 @@ static void pass_plugin(rec_cursor *c, rec_item *it) {
     PASS_TEXT(c, it->id);
     PASS_TEXT(c, it->name);
     PASS_TEXT(c, it->version);
-    PASS_MOST(c, it->param_count, REC_MOST_VALUES);
+    PASS_LIMITED(c, it->param_count, REC_MAX_VALUES);
     for (uint32_t i = 0; i < it->param_count && !c->bad; i++) {
         PASS(c, it->params[i].id);
         PASS(c, it->params[i].flags);
@@ -132,7 +132,7 @@ static void pass_plugin(rec_cursor *c, rec_item *it) {
 }
 
 static void pass_values(rec_cursor *c, rec_item *it) {
-    PASS_MOST(c, it->value_count, REC_MOST_VALUES);
+    PASS_LIMITED(c, it->value_count, REC_MAX_VALUES);
     for (uint32_t i = 0; i < it->value_count && !c->bad; i++) {
         PASS(c, it->values[i].id);
         PASS(c, it->values[i].value);
@@ -156,21 +156,21 @@ static const char *judge_format(const sv_format *f) {
 static void pass_format(rec_cursor *c, rec_item *it) {
     sv_format *f = &it->format;
     f->size = sizeof *f;
-    PASS_MOST(c, f->width, REC_MOST_SIDE);
-    PASS_MOST(c, f->height, REC_MOST_SIDE);
-    PASS_MOST(c, f->slices, REC_MOST_SIDE);
-    PASS_MOST(c, f->max_slab_slices, REC_MOST_SIDE);
-    PASS_MOST(c, f->voxel_type, SV_VOXEL_U8); /* voxels are packed as bytes */
-    PASS_MOST(c, f->carrier, SV_CARRIER_IMAGE);
+    PASS_LIMITED(c, f->width, REC_MAX_SIDE);
+    PASS_LIMITED(c, f->height, REC_MAX_SIDE);
+    PASS_LIMITED(c, f->slices, REC_MAX_SIDE);
+    PASS_LIMITED(c, f->max_slab_slices, REC_MAX_SIDE);
+    PASS_LIMITED(c, f->voxel_type, SV_VOXEL_U8); /* voxels are packed as bytes */
+    PASS_LIMITED(c, f->carrier, SV_CARRIER_IMAGE);
     PASS(c, f->padding_value);
-    PASS_MOST(c, f->tiles_x, REC_MOST_SIDE);
-    PASS_MOST(c, f->tile_w, 2 * REC_MOST_SIDE);
-    PASS_MOST(c, f->tile_h, 2 * REC_MOST_SIDE);
-    PASS_MOST(c, f->row_pitch, REC_MOST_BYTES);
+    PASS_LIMITED(c, f->tiles_x, REC_MAX_SIDE);
+    PASS_LIMITED(c, f->tile_w, 2 * REC_MAX_SIDE);
+    PASS_LIMITED(c, f->tile_h, 2 * REC_MAX_SIDE);
+    PASS_LIMITED(c, f->row_pitch, REC_MAX_BYTES);
     PASS(c, f->spacing_mm);
     PASS(c, f->flags);
-    PASS_MOST(c, it->host_queue, 1);
-    PASS_MOST(c, it->registered, 1);
+    PASS_LIMITED(c, it->host_queue, 1);
+    PASS_LIMITED(c, it->registered, 1);
     if (judge_format(f)) fail(c, judge_format(f));
     pass_values(c, it);
 }
@@ -188,29 +188,29 @@ static void pass_frame(rec_cursor *c, rec_item *it) {
     PASS(c, f->probe_rotation);
     PASS(c, f->probe_side);
     pass_values(c, it);
-    PASS_MOST(c, it->ranges, REC_OBJECT);
+    PASS_LIMITED(c, it->ranges, REC_OBJECT);
     if (it->ranges) pass_data(c, it, rays(c) * sizeof(sv_scanned), "ranges");
 }
 
 static void pass_slab(rec_cursor *c, rec_item *it) {
     it->slab.size = sizeof it->slab;
-    PASS_MOST(c, it->slab.first_slice, REC_MOST_SIDE);
-    PASS_MOST(c, it->slab.slice_count, REC_MOST_SIDE);
-    PASS_MOST(c, it->voxels, 1);
+    PASS_LIMITED(c, it->slab.first_slice, REC_MAX_SIDE);
+    PASS_LIMITED(c, it->slab.slice_count, REC_MAX_SIDE);
+    PASS_LIMITED(c, it->voxels, 1);
     if (it->voxels) pass_data(c, it, rays(c) * it->slab.slice_count, "voxels");
 }
 
 static void pass_result(rec_cursor *c, rec_item *it) {
     PASS(c, it->depth_pitch);
-    PASS_MOST(c, it->depth, REC_OBJECT);
-    PASS_MOST(c, it->status, 1);
-    PASS_MOST(c, it->stats, 1);
+    PASS_LIMITED(c, it->depth, REC_OBJECT);
+    PASS_LIMITED(c, it->status, 1);
+    PASS_LIMITED(c, it->stats, 1);
     if (it->kind == RC_ADJUST) pass_values(c, it);
 }
 
 static void pass_call(rec_cursor *c, rec_item *it) {
-    PASS_MOST(c, it->kind, RC_CALLS - 1);
-    PASS_MOST(c, it->sound, 1);
+    PASS_LIMITED(c, it->kind, RC_CALLS - 1);
+    PASS_LIMITED(c, it->sound, 1);
     PASS(c, it->ns);
     if (!it->sound) return;
     if (it->kind == RC_ACTIVATE) pass_format(c, it);
@@ -220,13 +220,13 @@ static void pass_call(rec_cursor *c, rec_item *it) {
 }
 
 static void pass_return(rec_cursor *c, rec_item *it) {
-    PASS_MOST(c, it->kind, RC_CALLS - 1);
-    PASS_MOST(c, it->sound, 1);
+    PASS_LIMITED(c, it->kind, RC_CALLS - 1);
+    PASS_LIMITED(c, it->sound, 1);
     PASS(c, it->ns);
     PASS(c, it->returned);
     PASS_TEXT(c, it->reason);
     if (it->kind != RC_END && it->kind != RC_ADJUST) return;
-    PASS_MOST(c, it->stats, 1);
+    PASS_LIMITED(c, it->stats, 1);
     if (it->stats) {
         it->found.size = sizeof it->found;
         PASS(c, it->found.outcome);
@@ -234,7 +234,7 @@ static void pass_return(rec_cursor *c, rec_item *it) {
         PASS(c, it->found.points);
         PASS(c, it->found.unfilled);
     }
-    PASS_MOST(c, it->maps, 2);
+    PASS_LIMITED(c, it->maps, 2);
     if (it->maps > 0) pass_data(c, it, rays(c) * sizeof(float), "depths");
     if (it->maps > 1) pass_data(c, it, rays(c), "status map");
 }
@@ -270,7 +270,7 @@ size_t rec_item_chunk(rec_cursor *c, rec_item *it) {
     c->bad = NULL;
     pass(c, head, sizeof head, "memory");
     rec_item_pass(c, it);
-    if (c->at > REC_MOST_BYTES) fail(c, "a part is too large");
+    if (c->at > REC_MAX_BYTES) fail(c, "a part is too large");
     if (c->bad) return 0;
     head[1] = (uint32_t)(c->at - sizeof head);
     memcpy(c->bytes, head, sizeof head);

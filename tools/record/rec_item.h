@@ -13,8 +13,8 @@
 
 typedef enum { REC_PLUGIN = 1, REC_CALL = 2, REC_RETURN = 3, REC_LOG = 4, REC_END = 5 } rec_type;
 
-enum { REC_MOST_VALUES = 1024, REC_MOST_TEXT = 1023, REC_MOST_SIDE = 8192 };
-#define REC_MOST_BYTES 0x7fffffffu /* of a chunk, and of what is packed in it */
+enum { REC_MAX_VALUES = 1024, REC_MAX_TEXT = 1023, REC_MAX_SIDE = 8192 };
+#define REC_MAX_BYTES 0x7fffffffu /* of a chunk, and of what is packed in it */
 
 /* How something came: not at all, in memory, in an OpenCL object. */
 enum { REC_ABSENT = 0, REC_MEMORY = 1, REC_OBJECT = 2 };
@@ -30,14 +30,14 @@ typedef struct {
 
     /* REC_PLUGIN */
     char id[256], name[256], version[64];
-    rec_param params[REC_MOST_VALUES];
+    rec_param params[REC_MAX_VALUES];
     uint32_t param_count;
 
     /* REC_CALL and REC_RETURN */
     uint32_t kind; /* rc_kind */
     uint32_t sound;
     uint64_t ns; /* a call's start, a return's duration */
-    sv_param_value values[REC_MOST_VALUES];
+    sv_param_value values[REC_MAX_VALUES];
     uint32_t value_count;
     sv_format format;
     uint32_t host_queue, registered; /* of activate */
@@ -48,7 +48,7 @@ typedef struct {
     uint32_t depth_pitch, depth, status,
         stats; /* of end and adjust: where depths go; whether the others are asked */
     sv_status returned;
-    char reason[REC_MOST_TEXT + 1];
+    char reason[REC_MAX_TEXT + 1];
     sv_stats found;
     uint32_t maps; /* 1: depths are there; 2: and the status map; 0: neither */
 
@@ -59,7 +59,7 @@ typedef struct {
 
     /* REC_LOG */
     int32_t severity;
-    char text[REC_MOST_TEXT + 1];
+    char text[REC_MAX_TEXT + 1];
 } rec_item;
 
 /* Where an item is read from, or written to. */

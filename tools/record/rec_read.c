@@ -115,7 +115,7 @@ int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes) {
     if (r->at == r->size)
         return broken(r, start, error, bytes,
                       "the recording ends without its last part: whoever wrote it ended first", "");
-    if (!take(r, head, sizeof head) || head[1] > REC_MOST_BYTES || head[1] + sizeof sum > r->size - r->at)
+    if (!take(r, head, sizeof head) || head[1] > REC_MAX_BYTES || head[1] + sizeof sum > r->size - r->at)
         return broken(r, start, error, bytes, "the recording is cut off here", "");
     uint8_t *chunk = realloc(r->chunk, head[1] + 1u);
     if (!chunk) return broken(r, start, error, bytes, "no memory for this part", "");

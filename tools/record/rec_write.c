@@ -134,8 +134,8 @@ static void note_frame(rec *r) {
 
 /* ---- what a call is given */
 static void take_values(rec *r, const sv_param_value *values, uint32_t count) {
-    if (count > REC_MOST_VALUES) stop(r, "more values than a recording holds");
-    r->item.value_count = count > REC_MOST_VALUES ? 0 : count;
+    if (count > REC_MAX_VALUES) stop(r, "more values than a recording holds");
+    r->item.value_count = count > REC_MAX_VALUES ? 0 : count;
     if (r->item.value_count) memcpy(r->item.values, values, r->item.value_count * sizeof *values);
 }
 
@@ -292,7 +292,7 @@ static void put_plugin(rec *r, const sv_plugin *p) {
     (void)snprintf(it->version, sizeof it->version, "%s", p->descriptor->version);
     it->param_count = 0;
     const uint32_t told = p->param_count(p);
-    for (uint32_t i = 0; i < told && i < REC_MOST_VALUES; i++) {
+    for (uint32_t i = 0; i < told && i < REC_MAX_VALUES; i++) {
         sv_param_info info = {.size = sizeof info};
         if (p->param_info(p, i, &info) != SV_OK || !info.key) continue;
         rec_param *param = &it->params[it->param_count++];

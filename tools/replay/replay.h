@@ -7,12 +7,12 @@
 #include "record/rec_item.h"
 #include "render/host_cl.h"
 
-enum { RP_MOST_SETS = 32, RP_MOST_TOLD = 12 };
+enum { RP_MAX_SETS = 32, RP_MAX_TOLD = 12 };
 #define RP_LAST UINT32_MAX
 
 typedef struct {
     const char *file, *plugin, *id;
-    const char *sets[RP_MOST_SETS]; /* KEY=VALUE instead of what was recorded */
+    const char *sets[RP_MAX_SETS]; /* KEY=VALUE instead of what was recorded */
     uint32_t set_count;
     uint32_t carrier; /* SV_CARRIER_*; 0: as it was recorded */
     bool own_queue, verbose, list;
@@ -71,12 +71,12 @@ void rp_frame_free(rp_frame *frame);
 typedef struct {
     char id[256], version[64]; /* of the recorded plugin */
     uint32_t frames, calls,
-        left_out;                 /* left out: calls that broke a rule, of which only the status was kept */
-    uint32_t maps, lines;         /* that were compared */
-    uint32_t parted;              /* what was not the same */
-    char told[RP_MOST_TOLD][400]; /* the first of it */
-    uint64_t voxel_bytes;         /* of all slabs, unpacked */
-    double recorded_ms, ms;       /* of all begins, slabs and ends */
+        left_out;                /* left out: calls that broke a rule, of which only the status was kept */
+    uint32_t maps, lines;        /* that were compared */
+    uint32_t parted;             /* what was not the same */
+    char told[RP_MAX_TOLD][400]; /* the first of it */
+    uint64_t voxel_bytes;        /* of all slabs, unpacked */
+    double recorded_ms, ms;      /* of all begins, slabs and ends */
     bool maps_kept;
     bool fresh; /* the first frame continues none that is not there */
     rp_frame drawn;

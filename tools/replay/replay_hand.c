@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_MEMORY (UINT64_C(1) << 34) /* of a frame's slabs: more is no volume that anybody has scanned */
+#define MAX_MEMORY (UINT64_C(1) << 34) /* of a frame's slabs: more is no volume that anybody has scanned */
 
 /* The tile rows of a slab, whole. */
 static uint64_t texture_bytes(const sv_format *f, uint32_t slices) {
@@ -31,7 +31,7 @@ static bool make_memory(rp_hand *h, hs_error *err) {
     const size_t rays = (size_t)f->width * f->height;
     /* Slabs of a slice each need most. */
     const uint64_t bytes = (uint64_t)f->slices * f->tile_h * f->row_pitch;
-    if (bytes > MOST_MEMORY)
+    if (bytes > MAX_MEMORY)
         return hs_fail(err, HS_ERR_INPUT, "activate: slabs of %u x %u x %u in rows of %u bytes are no scan's",
                        f->width, f->height, f->slices, f->row_pitch);
     h->bytes = (size_t)bytes;

@@ -24,9 +24,9 @@ typedef struct {
     hs_plugin plugin;
     rp_hand hand;
     rec_item item; /* of the recording */
-    sv_param_value sets[RP_MOST_SETS], values[REC_MOST_VALUES + RP_MOST_SETS];
+    sv_param_value sets[RP_MAX_SETS], values[REC_MAX_VALUES + RP_MAX_SETS];
     bool other, guarded; /* another plugin than the recorded one; its logs and states are not seen */
-    rec_param params[REC_MOST_VALUES];
+    rec_param params[REC_MAX_VALUES];
     uint32_t param_count;
     bool played; /* the call under way was made here, too */
     bool active;
@@ -41,7 +41,7 @@ typedef struct {
 static void part(player *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void part(player *p, const char *format, ...) {
     rp_report *r = p->report;
-    if (r->parted++ >= RP_MOST_TOLD) return;
+    if (r->parted++ >= RP_MAX_TOLD) return;
     char *to = r->told[r->parted - 1];
     const size_t room = sizeof r->told[0];
     int used = 0;

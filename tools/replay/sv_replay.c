@@ -13,7 +13,7 @@
 
 static bool take_set(void *target, const char *text, hs_error *err) {
     rp_options *const o = target;
-    return hs_cli_append("--set", text, o->sets, &o->set_count, RP_MOST_SETS, err);
+    return hs_cli_append("--set", text, o->sets, &o->set_count, RP_MAX_SETS, err);
 }
 
 static bool take_carrier(void *target, const char *text, hs_error *err) {
@@ -75,8 +75,8 @@ static void print_report(const rp_options *o, const rp_report *r, bool whole) {
         hs_print(stdout, "\n%.1f MB for %.1f MB of voxels", (double)file.st_size * 1e-6,
                  (double)r->voxel_bytes * 1e-6);
     hs_print(stdout, "\n%.1f ms in begin, slab and end, recorded %.1f ms\n", r->ms, r->recorded_ms);
-    for (uint32_t i = 0; i < r->parted && i < RP_MOST_TOLD; i++) hs_print(stdout, "%s\n", r->told[i]);
-    if (r->parted > RP_MOST_TOLD) hs_print(stdout, "and %u more\n", r->parted - RP_MOST_TOLD);
+    for (uint32_t i = 0; i < r->parted && i < RP_MAX_TOLD; i++) hs_print(stdout, "%s\n", r->told[i]);
+    if (r->parted > RP_MAX_TOLD) hs_print(stdout, "and %u more\n", r->parted - RP_MAX_TOLD);
     hs_print(stdout, "%s\n", r->parted ? "NOT THE SAME" : whole ? "the same" : "the same so far");
 }
 

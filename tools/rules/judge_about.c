@@ -5,15 +5,15 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_EXTENSIONS = 256 };
+enum { MAX_EXTENSIONS = 256 };
 
 void judge_entry(const rule_sink *to, const sv_entry *e) {
     RULE_EXPECT(to, RULE_entry_whole, e->abi_major == SV_ABI_MAJOR, "entry.abi_major is %u, expected %u",
                 e->abi_major, SV_ABI_MAJOR);
     RULE_EXPECT(to, RULE_entry_whole, e->size >= sizeof *e, "entry.size is %u, expected at least %zu",
                 e->size, sizeof *e);
-    RULE_EXPECT(to, RULE_entry_whole, e->count >= 1 && e->count <= RULE_MOST_PLUGINS,
-                "entry.count is %u, expected 1 to %d", e->count, RULE_MOST_PLUGINS);
+    RULE_EXPECT(to, RULE_entry_whole, e->count >= 1 && e->count <= RULE_MAX_PLUGINS,
+                "entry.count is %u, expected 1 to %d", e->count, RULE_MAX_PLUGINS);
     RULE_EXPECT(to, RULE_entry_whole, e->descriptor && e->create, "entry.%s is NULL",
                 e->descriptor ? "create" : "descriptor");
 }
@@ -28,9 +28,9 @@ static void judge_texts(const rule_sink *to, uint32_t index, const sv_descriptor
                 {"summary", d->summary}};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         RULE_EXPECT(to, RULE_descriptors, list[i].text, "descriptor %u: %s is NULL", index, list[i].field);
-        RULE_EXPECT(to, RULE_descriptors, rule_is_text(list[i].text, RULE_MOST_TEXT),
+        RULE_EXPECT(to, RULE_descriptors, rule_is_text(list[i].text, RULE_MAX_TEXT),
                     "descriptor %u: %s is not UTF-8 text of at most %d bytes without control characters",
-                    index, list[i].field, RULE_MOST_TEXT);
+                    index, list[i].field, RULE_MAX_TEXT);
         RULE_EXPECT(to, RULE_descriptors, i > 1 || list[i].text[0], "descriptor %u: %s is empty", index,
                     list[i].field);
     }
@@ -66,17 +66,17 @@ static void judge_bits(const rule_sink *to, uint32_t index, const sv_descriptor 
 static void judge_extensions(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
     RULE_EXPECT(to, RULE_descriptors, d->extensions, "descriptor %u: extensions is NULL", index);
     for (uint32_t i = 0; d->extensions[i]; i++) {
-        RULE_EXPECT(to, RULE_descriptors, i < MOST_EXTENSIONS,
+        RULE_EXPECT(to, RULE_descriptors, i < MAX_EXTENSIONS,
                     "descriptor %u: extensions has no NULL among its first %d entries", index,
-                    MOST_EXTENSIONS);
+                    MAX_EXTENSIONS);
         RULE_EXPECT(to, RULE_descriptors,
-                    rule_is_text(d->extensions[i], RULE_MOST_TEXT) && strchr(d->extensions[i], '/'),
+                    rule_is_text(d->extensions[i], RULE_MAX_TEXT) && strchr(d->extensions[i], '/'),
                     "descriptor %u: extension %u is not of the form name/revision", index, i);
     }
 }
 
 void judge_descriptors(const rule_sink *to, const sv_entry *entry) {
-    const uint32_t count = entry->count < RULE_MOST_PLUGINS ? entry->count : RULE_MOST_PLUGINS;
+    const uint32_t count = entry->count < RULE_MAX_PLUGINS ? entry->count : RULE_MAX_PLUGINS;
     for (uint32_t i = 0; i < count; i++) {
         const sv_descriptor *d = entry->descriptor(i);
         RULE_EXPECT(to, RULE_descriptors, d, "descriptor(%u) is NULL, and entry.count is %u", i,
@@ -113,8 +113,8 @@ void judge_param_ids(const rule_sink *to, const rule_params *params, uint32_t to
             RULE_EXPECT(to, RULE_param_ids, params->info[k].id != params->info[i].id,
                         "parameters %u and %u have one id, %u", k, i, params->info[i].id);
     }
-    RULE_EXPECT(to, RULE_param_ids, told <= RULE_MOST_PARAMS,
-                "param_count is %u, and no host takes more than %d", told, RULE_MOST_PARAMS);
+    RULE_EXPECT(to, RULE_param_ids, told <= RULE_MAX_PARAMS,
+                "param_count is %u, and no host takes more than %d", told, RULE_MAX_PARAMS);
 }
 
 static bool is_key(const char *key) {
@@ -130,7 +130,7 @@ void judge_param_strings(const rule_sink *to, const rule_params *params) {
             {"key", p->key}, {"label", p->label}, {"unit", p->unit}, {"help", p->help}, {"group", p->group}};
         for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
             RULE_EXPECT(to, RULE_param_strings, list[k].text, "parameter %u: %s is NULL", i, list[k].field);
-            RULE_EXPECT(to, RULE_param_strings, rule_is_text(list[k].text, RULE_MOST_TEXT),
+            RULE_EXPECT(to, RULE_param_strings, rule_is_text(list[k].text, RULE_MAX_TEXT),
                         "parameter %u: %s is not UTF-8 text without control characters", i, list[k].field);
         }
         RULE_EXPECT(to, RULE_param_strings, is_key(p->key),

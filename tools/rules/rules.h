@@ -307,7 +307,7 @@ bool rule_is_text(const char *text, size_t most);
 /* ------------------------------------------------------------------------------------------- judges -- */
 /* A judge tells of the first thing that is wrong. */
 
-enum { RULE_MOST_PLUGINS = 4096, RULE_MOST_PARAMS = 1024, RULE_MOST_TEXT = 1000 };
+enum { RULE_MAX_PLUGINS = 4096, RULE_MAX_PARAMS = 1024, RULE_MAX_TEXT = 1000 };
 
 void judge_entry(const rule_sink *to, const sv_entry *entry);
 void judge_descriptors(const rule_sink *to, const sv_entry *entry); /* the entry is whole */
@@ -316,7 +316,7 @@ void judge_instance(const rule_sink *to, const sv_plugin *plugin);
 /* Parameters as they are reported; `info` has the first of `count`. */
 typedef struct {
     uint32_t count;
-    sv_param_info info[RULE_MOST_PARAMS];
+    sv_param_info info[RULE_MAX_PARAMS];
 } rule_params;
 void judge_param_ids(const rule_sink *to, const rule_params *params, uint32_t told);
 void judge_param_strings(const rule_sink *to, const rule_params *params);

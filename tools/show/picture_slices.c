@@ -128,7 +128,7 @@ enum {
     LEGEND = 42,
     FACT_STEP = 31,
     DEFAULT_CELL = 512,
-    MOST_TICKS = 6
+    MAX_TICKS = 6
 };
 
 typedef struct {
@@ -149,7 +149,7 @@ static double side_mm(const slices *s, hs_slice_plane p, bool horizontal) {
 
 /* Ticks at round millimetres along one side. */
 static void draw_scale(cairo_t *cr, double x, double y, double length, double mm, bool horizontal) {
-    const double step = hs_tick_step(mm, MOST_TICKS);
+    const double step = hs_tick_step(mm, MAX_TICKS);
     char text[32];
     for (double at = 0.0; at <= mm * (1.0 + 1e-9); at += step) {
         const double pixel = at / mm * length;

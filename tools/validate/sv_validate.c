@@ -147,11 +147,11 @@ static void v_skip_check(const v_check *check, const v_check *because, v_finding
 /* ---------------------------------------------------------------------------------------- command line -- */
 /* sv_validate: tries whether a plugin keeps the promises of smartvis_plugin.h. */
 
-enum { MOST_CHECKS = 128 };
+enum { MAX_CHECKS = 128 };
 
 typedef struct {
     v_options run;
-    const v_check *only[MOST_CHECKS];
+    const v_check *only[MAX_CHECKS];
     size_t only_count;
     bool json, list, version;
     const char *junit;
@@ -162,7 +162,7 @@ static bool take_only(void *all, const char *id, hs_error *err) {
     command *const c = all;
     const v_check *check = v_check_find(id);
     if (!check) return hs_fail(err, HS_ERR_USAGE, "--only: there is no check '%s' (see --list)", id);
-    if (c->only_count < MOST_CHECKS) c->only[c->only_count++] = check;
+    if (c->only_count < MAX_CHECKS) c->only[c->only_count++] = check;
     return true;
 }
 
@@ -255,7 +255,7 @@ static bool parse(command *c, int argc, char **argv, bool *done, hs_error *err) 
 
 /* Runs what was asked for. Returns the exit code. */
 static int validate(const command *c, hs_error *err) {
-    static v_finding findings[MOST_CHECKS];
+    static v_finding findings[MAX_CHECKS];
     const size_t count = c->only_count ? c->only_count : v_check_count;
     const bool colour = !c->json && hs_use_colour(STDOUT_FILENO);
     bool bad = false;

@@ -97,7 +97,7 @@ INLINE void fetch_ahead(__global const uchar *p, size_t ahead) {
 #endif
 }
 
-#define MOST_PACKETS 4 /* whose samples are made together */
+#define MAX_PACKETS 4 /* whose samples are made together */
 
 /* Least and largest lane. */
 #if LANES == 16

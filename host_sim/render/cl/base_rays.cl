@@ -99,8 +99,8 @@ typedef uint vu;
 INLINE void fetch_squares(__global const uchar *voxels, int4 dims, const vi *i, int packets, vu *near,
                           vu *far) {
     int row = dims.y > 1 ? dims.x : 0, slice = dims.z > 1 ? dims.x * dims.y : 0;
-    int at[MOST_PACKETS * LANES];
-    uint near_at[MOST_PACKETS * LANES], far_at[MOST_PACKETS * LANES];
+    int at[MAX_PACKETS * LANES];
+    uint near_at[MAX_PACKETS * LANES], far_at[MAX_PACKETS * LANES];
     for (int p = 0; p < packets; p++) STORE(i[p], at + p * LANES);
     for (int lane = 0; lane < packets * LANES; lane++) {
         long o = at[lane];
@@ -156,10 +156,10 @@ INLINE cell fetch(__global const uchar *voxels, int4 dims, vf x, vf y, vf z) {
     return c;
 }
 
-/* The same at several places, MOST_PACKETS at most, at once. */
+/* The same at several places, MAX_PACKETS at most, at once. */
 INLINE void fetch_together(__global const uchar *voxels, int4 dims, const packet *at, int packets, cell *c) {
-    vi i[MOST_PACKETS];
-    vu near[MOST_PACKETS], far[MOST_PACKETS];
+    vi i[MAX_PACKETS];
+    vu near[MAX_PACKETS], far[MAX_PACKETS];
     for (int p = 0; p < packets; p++) i[p] = place_cell(dims, at[p], c + p);
     fetch_squares(voxels, dims, i, packets, near, far);
     for (int p = 0; p < packets; p++) {

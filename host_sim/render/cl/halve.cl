@@ -9,7 +9,7 @@
  */
 
 #define HALVED_PARTLY 1 /* some of the eight were scanned */
-#define HALVED_LEAST  2 /* the least mean of eight that all were */
+#define HALVED_MIN    2 /* the least mean of eight that all were */
 
 /* Where 2 x 2 rows of the source begin; the last one stands twice where an axis is odd. */
 typedef struct {
@@ -36,7 +36,7 @@ INLINE uchar2 halved(four_rows r, int count, int x) {
         scanned += (a > 0) + (b > 0);
     }
     uchar mean = (uchar)(sum >> 3);
-    uchar marked = scanned == 8 ? max(mean, (uchar)(HALVED_LEAST)) : (uchar)(scanned ? HALVED_PARTLY : 0);
+    uchar marked = scanned == 8 ? max(mean, (uchar)(HALVED_MIN)) : (uchar)(scanned ? HALVED_PARTLY : 0);
     return (uchar2)(mean, marked);
 }
 
@@ -81,7 +81,7 @@ INLINE void halve_sixteen(four_rows r, int x, __global uchar *all, __global ucha
     store_bytes(convert_uchar16(sum), all + x / 2);
     ushort16 part = zero_in_pair(sixteen_pairs(least_a, least_b));
     ushort16 some = as_ushort16(sixteen_pairs(most_a, most_b) != (ushort16)(0));
-    sum = (max(sum, (ushort16)(HALVED_LEAST)) & ~part) | ((ushort16)(HALVED_PARTLY)&part & some);
+    sum = (max(sum, (ushort16)(HALVED_MIN)) & ~part) | ((ushort16)(HALVED_PARTLY)&part & some);
     store_bytes(convert_uchar16(sum), marked + x / 2);
 }
 

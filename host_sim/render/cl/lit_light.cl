@@ -198,11 +198,11 @@ INLINE vi removed(const lit_scene *s, lit_place p) {
     return MASK((d > 0.0f) & (d < INFINITY) & (p.n < d * s->to_samples.x + s->to_samples.y));
 }
 
-/* Mean opacities at so many places, MOST_PACKETS at most, 0 .. 1; none outside the volume. */
+/* Mean opacities at so many places, MAX_PACKETS at most, 0 .. 1; none outside the volume. */
 INLINE void mean_opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
     float block = (float)s->cells.w, shift = 0.5f * (block - 1.0f), scale = 1.0f / block;
-    packet at[MOST_PACKETS];
-    cell c[MOST_PACKETS];
+    packet at[MAX_PACKETS];
+    cell c[MAX_PACKETS];
     for (int i = 0; i < count; i++) {
         packet here = {(p[i].at.x - shift) * scale, (p[i].at.y - shift) * scale, (p[i].at.z - shift) * scale};
         at[i] = here;

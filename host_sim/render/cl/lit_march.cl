@@ -8,7 +8,7 @@
 #define LOOK_BACK     2          /* samples before the surface among which its edge is sought ... */
 #define LOOK_AHEAD    3          /* ... and behind it */
 #define LOOK_FAR      5          /* one more, for rays that graze a surface */
-#define LOOKS         (LOOK_BACK + LOOK_AHEAD + 2) /* of them all: between MOST_PACKETS and twice that */
+#define LOOKS         (LOOK_BACK + LOOK_AHEAD + 2) /* of them all: between MAX_PACKETS and twice that */
 #define HALVINGS      6                            /* of a step */
 
 /* Opacity above T_L's, on a scale where T_H is 1; not limited. */
@@ -151,8 +151,8 @@ INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, 
         where[i] = n;
         at[i] = here;
     }
-    fetch_together(smooth, dims, at, MOST_PACKETS, c);
-    fetch_together(smooth, dims, at + MOST_PACKETS, LOOKS - MOST_PACKETS, c + MOST_PACKETS);
+    fetch_together(smooth, dims, at, MAX_PACKETS, c);
+    fetch_together(smooth, dims, at + MAX_PACKETS, LOOKS - MAX_PACKETS, c + MAX_PACKETS);
     for (int i = 0; i < LOOKS; i++) {
         value[i] = blend(c[i]);
         most = max(most, value[i]);

@@ -42,7 +42,7 @@ INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
  * a long chain of steps, and so those of several packets overlap. */
 #if LANES == 16
 #define BLOCK 16
-#define RUN   MOST_PACKETS
+#define RUN   MAX_PACKETS
 #else
 #define BLOCK 1
 #define RUN   1
@@ -77,7 +77,7 @@ typedef struct {
 } fixed_sum;
 
 INLINE void add_sample(fixed_sum *out, vu near, vu far, fractions f, vi in) {
-    /* A byte below HALVED_LEAST borrows. */
+    /* A byte below HALVED_MIN borrows. */
     vu low = ((near - 0x02020202u) & ~near) | ((far - 0x02020202u) & ~far);
     out->whole &= in & MASK((low & 0x80808080u) == 0);
     out->empty &= ~in | MASK((near | far) == 0);

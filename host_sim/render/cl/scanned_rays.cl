@@ -12,13 +12,13 @@
  */
 #define FACE_MARGIN  0.51f /* voxels from the outer centres to a face of the box, and some for rounding */
 #define SLICE_MARGIN 1.0f  /* more for rounding */
-#define LEAST_STEP   1e-6f /* voxels a slice; below, rays are parallel to the face */
+#define MIN_STEP     1e-6f /* voxels a slice; below, rays are parallel to the face */
 
 /* Narrows the slices [range.x, range.y) to those that lie between the faces of one axis. low, high: source
  * index of the packet at slice 0; step: voxels a slice. */
 INLINE float2 between_faces(float2 range, float low, float high, float step, int count) {
     float near = -FACE_MARGIN, far = (float)(count - 1) + FACE_MARGIN;
-    if (fabs(step) < LEAST_STEP) return high < near || low > far ? (float2)(0.0f) : range;
+    if (fabs(step) < MIN_STEP) return high < near || low > far ? (float2)(0.0f) : range;
     float a = (step > 0.0f ? near - high : far - low) / step,
           b = (step > 0.0f ? far - low : near - high) / step;
     return (float2)(max(range.x, floor(a) - SLICE_MARGIN), min(range.y, ceil(b) + SLICE_MARGIN));

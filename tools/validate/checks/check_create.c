@@ -106,7 +106,7 @@ void check_extensions(v_run *run) {
 }
 
 /* ---- the host */
-enum { MOST_LOGGED = 1 << 18 }; /* bytes: a guard shows less of a single frame */
+enum { MAX_LOGGED = 1 << 18 }; /* bytes: a guard shows less of a single frame */
 
 /* What makes a plugin speak: refused calls, and a frame. */
 static void provoke(v_rig *r) {
@@ -144,8 +144,8 @@ void check_host_callbacks(v_run *run) {
     provoke(&r);
     V_EXPECT(run, !r.s.host.fault[0], "%s", r.s.host.fault);
     V_EXPECT(run, memcmp(&before, &r.s.host.api, sizeof before) == 0, "the plugin writes into sv_host");
-    V_EXPECT(run, r.s.host.bytes <= MOST_LOGGED,
-             "%u lines and %" PRIu64 " bytes went to the log in few calls", r.s.host.lines, r.s.host.bytes);
+    V_EXPECT(run, r.s.host.bytes <= MAX_LOGGED, "%u lines and %" PRIu64 " bytes went to the log in few calls",
+             r.s.host.lines, r.s.host.bytes);
     if (r.s.host.lines == 0) v_warn(run, "calls were refused, and no line went to the host's log");
     if (!rule_is_text(r.s.host.line, sizeof r.s.host.line))
         v_warn(run, "a line of the log has control characters or is no UTF-8");

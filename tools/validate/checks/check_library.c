@@ -96,7 +96,7 @@ void check_library_scan_time(v_run *run) {
     v_subject s;
     const double start = hs_now();
     v_load(run, &s);
-    for (uint32_t i = 0; i < s.entry->count && i < RULE_MOST_PLUGINS; i++) (void)s.entry->descriptor(i);
+    for (uint32_t i = 0; i < s.entry->count && i < RULE_MAX_PLUGINS; i++) (void)s.entry->descriptor(i);
     const double took = hs_now() - start;
     if (took > SCAN_SECONDS)
         v_warn(run, "loading the library and reading its descriptors took %.0f ms", took * 1e3);
@@ -122,14 +122,14 @@ void check_descriptors(v_run *run) {
 }
 
 /* ---- constant */
-static void copy_text(const sv_descriptor *d, sv_descriptor *fields, char text[5][RULE_MOST_TEXT + 1]) {
+static void copy_text(const sv_descriptor *d, sv_descriptor *fields, char text[5][RULE_MAX_TEXT + 1]) {
     const char *const list[5] = {d->id, d->name, d->vendor, d->version, d->summary};
     *fields = *d;
-    for (int i = 0; i < 5; i++) strncpy(text[i], list[i], RULE_MOST_TEXT);
+    for (int i = 0; i < 5; i++) strncpy(text[i], list[i], RULE_MAX_TEXT);
 }
 
 void check_descriptor_constant(v_run *run) {
-    static char before[5][RULE_MOST_TEXT + 1], after[5][RULE_MOST_TEXT + 1];
+    static char before[5][RULE_MAX_TEXT + 1], after[5][RULE_MAX_TEXT + 1];
     sv_descriptor first, later;
     v_subject s;
     v_load(run, &s);

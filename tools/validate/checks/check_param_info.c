@@ -18,7 +18,7 @@ static table *read_table(v_run *run) {
     v_where(run, "param_count");
     t.to = v_sink(run);
     t.told = t.s.plugin->param_count(t.s.plugin);
-    t.all.count = t.told < RULE_MOST_PARAMS ? t.told : RULE_MOST_PARAMS;
+    t.all.count = t.told < RULE_MAX_PARAMS ? t.told : RULE_MAX_PARAMS;
     for (uint32_t i = 0; i < t.all.count; i++) {
         t.all.info[i] = (sv_param_info){.size = sizeof t.all.info[i]};
         v_where(run, "param_info(%u)", i);

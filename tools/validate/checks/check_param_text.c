@@ -11,7 +11,7 @@
 /* ----------------------------------------------------------------------------------------------- texts -- */
 /* Checks of values as a person reads them. */
 
-enum { ROOM = 512, NAME = 64, MARK = 0xa5, MOST_NAMES = 256 };
+enum { ROOM = 512, NAME = 64, MARK = 0xa5, MAX_NAMES = 256 };
 
 static v_params params; /* too large for the stack */
 
@@ -101,8 +101,8 @@ void check_param_round_trip(v_run *run) {
 
 /* ---- names */
 static void try_names(v_subject *s, const sv_param_info *p) {
-    static char names[MOST_NAMES][NAME + 1];
-    const uint32_t count = v_param_values(p) < MOST_NAMES ? v_param_values(p) : MOST_NAMES;
+    static char names[MAX_NAMES][NAME + 1];
+    const uint32_t count = v_param_values(p) < MAX_NAMES ? v_param_values(p) : MAX_NAMES;
     for (uint32_t n = 0; n < count; n++) {
         const double value = p->min_value + n * p->step;
         names[n][0] = names[n][NAME] = '\0';
@@ -147,19 +147,19 @@ void check_param_enum_names(v_run *run) {
  * are left. If a row fails, the pair that is to blame is looked for among its values.
  */
 
-enum { MOST_KNOBS = 24, MOST_VALUES = 12, TRIES = 24 };
+enum { MAX_KNOBS = 24, MAX_VALUES = 12, TRIES = 24 };
 
 typedef struct {
     const sv_param_info *info;
     uint32_t count;
-    double value[MOST_VALUES];
+    double value[MAX_VALUES];
 } knob;
 
 typedef struct {
     v_rig r;
     uint32_t count;
-    knob knobs[MOST_KNOBS];
-    bool covered[MOST_KNOBS][MOST_VALUES][MOST_KNOBS][MOST_VALUES];
+    knob knobs[MAX_KNOBS];
+    bool covered[MAX_KNOBS][MAX_VALUES][MAX_KNOBS][MAX_VALUES];
 } search;
 
 static v_params params;
@@ -168,7 +168,7 @@ static v_params params;
 static void choose_values(const v_subject *s, knob *k) {
     const sv_param_info *i = k->info;
     const uint32_t values = v_param_values(i);
-    if (values > 0 && values <= MOST_VALUES) {
+    if (values > 0 && values <= MAX_VALUES) {
         for (uint32_t n = 0; n < values; n++)
             if (v_param_has(s, i, i->min_value + n * i->step))
                 k->value[k->count++] = i->min_value + n * i->step;
@@ -212,7 +212,7 @@ static void cover(search *s, const uint32_t *row) {
 
 /* activate with these values, a frame, deactivate; other parameters have their defaults. */
 static sv_status try_values(search *s, const uint32_t *row, const uint32_t *which, uint32_t count) {
-    sv_param_value list[MOST_KNOBS];
+    sv_param_value list[MAX_KNOBS];
     sv_format format = s->r.stage.format;
     const sv_plugin *p = s->r.s.plugin;
     v_map map;
@@ -255,7 +255,7 @@ static _Noreturn void blame(search *s, const uint32_t *row, sv_status status) {
 }
 
 static bool try_best_row(search *s) {
-    uint32_t row[MOST_KNOBS], best_row[MOST_KNOBS], best = 0, all[MOST_KNOBS];
+    uint32_t row[MAX_KNOBS], best_row[MAX_KNOBS], best = 0, all[MAX_KNOBS];
     for (int i = 0; i < TRIES; i++) {
         const uint32_t gain = make_row(s->r.s.run, s, row);
         if (gain <= best) continue;
@@ -272,7 +272,7 @@ static bool try_best_row(search *s) {
 
 /* Random rows seldom hit the last pairs: these get rows of their own. */
 static uint32_t try_rest(search *s) {
-    uint32_t rows = 0, row[MOST_KNOBS] = {0}, all[MOST_KNOBS];
+    uint32_t rows = 0, row[MAX_KNOBS] = {0}, all[MAX_KNOBS];
     for (uint32_t k = 0; k < s->count; k++) all[k] = k;
     for (uint32_t a = 0; a < s->count; a++)
         for (uint32_t b = 0; b < a; b++)
@@ -297,7 +297,7 @@ void check_param_pairs(v_run *run) {
     v_rig_standard(run, &s.r);
     v_deactivate(&s.r.s, s.r.s.plugin);
     v_params_read(&s.r.s, &params);
-    for (uint32_t i = 0; i < params.count && s.count < MOST_KNOBS; i++) {
+    for (uint32_t i = 0; i < params.count && s.count < MAX_KNOBS; i++) {
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
         s.knobs[s.count].info = &params.info[i];
         choose_values(&s.r.s, &s.knobs[s.count++]);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_OUTSIDE = 16 };
+enum { MAX_OUTSIDE = 16 };
 
 static v_params params; /* too large for the stack */
 
@@ -41,8 +41,8 @@ void check_param_in_range(v_run *run) {
 }
 
 /* ---- what must be refused */
-/* Values beside the parameter's own, up to MOST_OUTSIDE; returns how many. */
-static uint32_t outside(const v_subject *s, const sv_param_info *p, double out[MOST_OUTSIDE]) {
+/* Values beside the parameter's own, up to MAX_OUTSIDE; returns how many. */
+static uint32_t outside(const v_subject *s, const sv_param_info *p, double out[MAX_OUTSIDE]) {
     uint32_t n = 0;
     const double range = p->max_value - p->min_value + 1.0;
     out[n++] = p->max_value + range;
@@ -54,13 +54,13 @@ static uint32_t outside(const v_subject *s, const sv_param_info *p, double out[M
     out[n++] = -(double)INFINITY;
     out[n++] = 1e300;
     if (p->type != SV_PARAM_FLOAT && p->max_value > p->min_value) out[n++] = p->min_value + 0.5 * p->step;
-    for (uint32_t k = 0; k < v_param_values(p) && n < MOST_OUTSIDE; k++) /* what an enum has left out */
+    for (uint32_t k = 0; k < v_param_values(p) && n < MAX_OUTSIDE; k++) /* what an enum has left out */
         if (!v_param_has(s, p, p->min_value + k * p->step)) out[n++] = p->min_value + k * p->step;
     return n;
 }
 
 static void refuse_in_activate(v_rig *r, const sv_param_info *p) {
-    double values[MOST_OUTSIDE];
+    double values[MAX_OUTSIDE];
     const uint32_t count = outside(&r->s, p, values);
     const sv_plugin *plugin = r->s.plugin;
     for (uint32_t k = 0; k < count; k++) {
@@ -78,7 +78,7 @@ static void refuse_in_activate(v_rig *r, const sv_param_info *p) {
 
 void check_param_out_of_range(v_run *run) {
     static const uint32_t nobody[] = {0, 0xfffffff0u, UINT32_MAX};
-    double values[MOST_OUTSIDE];
+    double values[MAX_OUTSIDE];
     v_rig r;
     v_map map;
     open_with_params(run, &r);

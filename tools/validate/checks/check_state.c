@@ -161,14 +161,14 @@ void check_state_walk(v_run *run) {
 /* Other checks try the plugin as it is by default. This one tries every method that it has, briefly: what a
  * parameter of activate chooses may be another program. */
 
-enum { MOST_VALUES = 64 };
+enum { MAX_VALUES = 64 };
 
 static v_params params;
 
 /* All values, or the ends and the middle where they are many. */
-static uint32_t choose_values(const v_subject *s, const sv_param_info *p, double out[MOST_VALUES]) {
+static uint32_t choose_values(const v_subject *s, const sv_param_info *p, double out[MAX_VALUES]) {
     const uint32_t values = v_param_values(p);
-    if (values > 0 && values <= MOST_VALUES && p->type != SV_PARAM_INT) {
+    if (values > 0 && values <= MAX_VALUES && p->type != SV_PARAM_INT) {
         uint32_t count = 0;
         for (uint32_t n = 0; n < values; n++)
             if (v_param_has(s, p, p->min_value + n * p->step)) out[count++] = p->min_value + n * p->step;
@@ -224,7 +224,7 @@ void check_every_setting(v_run *run) {
     v_rig_standard(run, &r);
     v_params_read(&r.s, &params);
     for (uint32_t i = 0; i < params.count; i++) {
-        double values[MOST_VALUES];
+        double values[MAX_VALUES];
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
         const uint32_t count = choose_values(&r.s, &params.info[i], values);
         for (uint32_t n = 0; n < count; n++) {

@@ -9,14 +9,14 @@
 
 /* ---------------------------------------------------------------------------------------------- device -- */
 
-enum { MOST_PLATFORMS = 16 };
+enum { MAX_PLATFORMS = 16 };
 
 static cl_device_id first_of(cl_device_type type) {
-    cl_platform_id platforms[MOST_PLATFORMS];
+    cl_platform_id platforms[MAX_PLATFORMS];
     cl_uint count = 0;
     cl_device_id device = NULL;
-    if (clGetPlatformIDs(MOST_PLATFORMS, platforms, &count) != CL_SUCCESS) return NULL;
-    for (cl_uint i = 0; i < count && i < MOST_PLATFORMS && !device; i++)
+    if (clGetPlatformIDs(MAX_PLATFORMS, platforms, &count) != CL_SUCCESS) return NULL;
+    for (cl_uint i = 0; i < count && i < MAX_PLATFORMS && !device; i++)
         if (clGetDeviceIDs(platforms[i], type, 1, &device, NULL) != CL_SUCCESS) device = NULL;
     return device;
 }

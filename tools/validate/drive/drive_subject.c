@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PLUGINS = 4096, LONGEST_LINE = 65536 };
+enum { MAX_PLUGINS = 4096, LONGEST_LINE = 65536 };
 
 const char *v_status(sv_status status) {
     static _Thread_local char texts[4][64];
@@ -82,7 +82,7 @@ void v_load(v_run *run, v_subject *s) {
 
 static void find_descriptor(v_subject *s) {
     v_where(s->run, "descriptor");
-    const uint32_t count = s->entry->count < MOST_PLUGINS ? s->entry->count : MOST_PLUGINS;
+    const uint32_t count = s->entry->count < MAX_PLUGINS ? s->entry->count : MAX_PLUGINS;
     for (uint32_t i = 0; i < count && !s->descriptor; i++) {
         const sv_descriptor *d = s->entry->descriptor(i);
         V_EXPECT(s->run, d && d->size >= sizeof *d && d->id, "descriptor %u is not whole", i);

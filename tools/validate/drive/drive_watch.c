@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { BAITS = 16, BAIT_BYTES = 4096, MOST_OPEN = 1024 };
+enum { BAITS = 16, BAIT_BYTES = 4096, MAX_OPEN = 1024 };
 
 struct v_watch {
     pid_t self;
@@ -23,7 +23,7 @@ struct v_watch {
         int number, flags;
         dev_t device;
         ino_t file;
-    } open[MOST_OPEN];
+    } open[MAX_OPEN];
     int bait;
 };
 
@@ -54,7 +54,7 @@ v_watch *v_watch_begin(void) {
     if (watch.bait < 0) return NULL;
     (void)prctl(PR_SET_CHILD_SUBREAPER, 1); /* a daemon's orphan is found, too */
     for (int i = 0; i < RLIM_NLIMITS; i++) (void)getrlimit((__rlimit_resource_t)i, &watch.limits[i]);
-    for (int number = 0; number < MOST_OPEN; number++) {
+    for (int number = 0; number < MAX_OPEN; number++) {
         struct stat info;
         if (fstat(number, &info) != 0) continue;
         watch.open[watch.count].number = number;

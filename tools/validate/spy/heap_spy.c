@@ -19,7 +19,7 @@
 #define WITHOUT_HEAP_SPY
 #endif
 
-enum { PLACES = 1 << 16, MOST_BLOCKS = PLACES / 2 };
+enum { PLACES = 1 << 16, MAX_BLOCKS = PLACES / 2 };
 
 static struct {
     library_range watched;
@@ -114,7 +114,7 @@ static size_t home_of(const void *block) {
 static void *keep(spy_heap_verdict v, void *block) {
     if (v != OURS || !block) return block;
     lock();
-    assert(spy.live < MOST_BLOCKS);
+    assert(spy.live < MAX_BLOCKS);
     size_t i = home_of(block);
     while (spy.blocks[i]) i = (i + 1) % PLACES;
     spy.blocks[i] = block;
