@@ -78,10 +78,10 @@ static void copy_row(const slab_t *s, const sv_cost_layout *l, uint first_slice,
 /* Returns the mean rounded half up, at least 1; 0 of none. It is exact, whatever the rounding of a device's
  * division. */
 static uchar16 rounded_mean(uint16 sum, uint16 count) {
-    const int16 least = convert_int16(max(count, (uint16)(1))), whole = convert_int16(sum + count / 2u);
-    int16 mean = convert_int16(convert_float16(whole) / convert_float16(least));
-    mean += mean * least > whole;
-    mean -= (mean + 1) * least <= whole;
+    const int16 divisor = convert_int16(max(count, (uint16)(1))), whole = convert_int16(sum + count / 2u);
+    int16 mean = convert_int16(convert_float16(whole) / convert_float16(divisor));
+    mean += mean * divisor > whole;
+    mean -= (mean + 1) * divisor <= whole;
     return convert_uchar16(max(mean, (int16)(1)) & (count != (uint16)(0)));
 }
 

@@ -21,16 +21,16 @@ static float4 find_minimum(const float *cell, int labels) {
     const float rays = cell[SV_COST_WEIGHT];
     if (!(rays > 1e-3f)) return (float4)(0.0f);
     float cost[SV_COST_LABELS];
-    float least = INFINITY, second = INFINITY;
+    float lowest = INFINITY, second = INFINITY;
     int at = 0;
     for (int i = 0; i < labels; i++) {
         cost[i] = cell[i] / rays;
-        if (cost[i] < least) {
-            least = cost[i];
+        if (cost[i] < lowest) {
+            lowest = cost[i];
             at = i;
         }
     }
-    const float edge = least + SV_COST_AVERAGE_MARGIN;
+    const float edge = lowest + SV_COST_AVERAGE_MARGIN;
     const int2 flat = basin(cost, labels, at, edge);
     float weight = 0.0f, first = 0.0f, square = 0.0f;
     for (int i = flat.x; i <= flat.y; i++) {
@@ -41,10 +41,10 @@ static float4 find_minimum(const float *cell, int labels) {
     }
     first /= weight;
     const float spread = sqrt(max(square / weight - first * first, 0.0f));
-    const int2 wide = basin(cost, labels, at, least + SV_COST_MARGIN);
+    const int2 wide = basin(cost, labels, at, lowest + SV_COST_MARGIN);
     for (int i = 0; i < labels; i++)
         if (i < wide.x || i > wide.y) second = min(second, cost[i]);
-    const float lead = min((second - least) / SV_COST_MARGIN, 1.0f);
+    const float lead = min((second - lowest) / SV_COST_MARGIN, 1.0f);
     const float open = min(cell[SV_COST_OPEN] / rays, 1.0f), known = min(SV_COST_KNOWN * open, 1.0f);
     return (float4)(known * ((float)at + first), known * spread, lead * open, 1.0f);
 }

@@ -54,10 +54,10 @@ __kernel void minimum_columns(uint padded_width, uint height, uint k, uint numbe
     const size_t stride = margin_stride(padded_width);
     const size_t x = get_global_id(0) * SV_LANES + SV_MIN_MARGIN;
     const uint y = (uint)get_global_id(1), r = k / 2;
-    float16 least = (float16)(INFINITY);
+    float16 minimum = (float16)(INFINITY);
     for (uint row = y > r ? y - r : 0; row <= min(y + r, height - 1); row++)
-        least = fmin(least, vload16(0, a + row * stride + x));
-    vstore16(least, 0, b + y * stride + x);
+        minimum = fmin(minimum, vload16(0, a + row * stride + x));
+    vstore16(minimum, 0, b + y * stride + x);
 }
 
 __kernel void minimum_rows(uint width, uint padded_width, uint k, uint number,
@@ -66,14 +66,14 @@ __kernel void minimum_rows(uint width, uint padded_width, uint k, uint number,
     if (!minimum_needed(record, number)) return;
     const uint x = (uint)get_global_id(0) * SV_LANES, r = k / 2;
     const size_t i = get_global_id(1) * margin_stride(padded_width) + SV_MIN_MARGIN + x;
-    float16 least = (float16)(INFINITY);
-    for (uint u = 0; u < k; u++) least = fmin(least, vload16(0, b + i + u - r));
+    float16 minimum = (float16)(INFINITY);
+    for (uint u = 0; u < k; u++) minimum = fmin(minimum, vload16(0, b + i + u - r));
     const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     const int16 inside = lane < (int16)((int)(width - x));
-    least = select((float16)(INFINITY), least, inside); /* pixels outside the image stay empty */
-    vstore16(least, 0, a + i);
+    minimum = select((float16)(INFINITY), minimum, inside); /* pixels outside the image stay empty */
+    vstore16(minimum, 0, a + i);
     if (number == EVERY_PASS) return;
-    const uint unfilled = minimum_lanes_set(inside & isinf(least));
+    const uint unfilled = minimum_lanes_set(inside & isinf(minimum));
     if (unfilled > 0) atomic_add(record + SV_REC_PASS0 + number, unfilled);
 }
 

@@ -80,9 +80,10 @@ bool hs_cli_pick(const char *option, const char *text, const char *const *names,
     return hs_fail(err, HS_ERR_USAGE, "%s: '%s' is none of %s", option, text, known);
 }
 
-bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
-                   hs_error *err) {
-    if (*count >= most) return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, most);
+bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count,
+                   uint32_t capacity, hs_error *err) {
+    if (*count >= capacity)
+        return hs_fail(err, HS_ERR_USAGE, "%s: given more than %u times", option, capacity);
     list[(*count)++] = text;
     return true;
 }

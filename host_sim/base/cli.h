@@ -25,10 +25,10 @@ bool hs_cli_pair(const char *option, const char *text, const char *names, double
 bool hs_cli_pick(const char *option, const char *text, const char *const *names, uint32_t count,
                  uint32_t *index, hs_error *err);
 
-/* Adds the value of an option that may be given `most` times to a list with room for as many; HS_ERR_USAGE
- * beyond. */
-bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count, uint32_t most,
-                   hs_error *err);
+/* Adds the value of an option that may be given `capacity` times to a list with room for as many;
+ * HS_ERR_USAGE beyond. */
+bool hs_cli_append(const char *option, const char *text, const char **list, uint32_t *count,
+                   uint32_t capacity, hs_error *err);
 
 /* Prints "host_sim <command>: <error>", and for HS_ERR_USAGE where help is. Returns the exit code. */
 int hs_cli_fail(const char *command, const hs_error *err);

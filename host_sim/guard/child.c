@@ -279,8 +279,8 @@ static uint64_t own_memory(pid_t pid) {
 static bool look(hs_child *child) {
     listen_to(child);
     if (has_ended(child, WNOHANG)) return true;
-    const uint64_t most = child->limits.memory_bytes;
-    if (most == 0 || own_memory(child->pid) <= most) return false;
+    const uint64_t limit = child->limits.memory_bytes;
+    if (limit == 0 || own_memory(child->pid) <= limit) return false;
     hs_child_kill(child, HS_CHILD_GREEDY, 0);
     return true;
 }
@@ -333,8 +333,8 @@ void hs_child_wait_end(hs_child *child, double seconds) {
             hs_child_kill(child, HS_CHILD_LATE, seconds);
             return;
         }
-        const int most = slice_ms(left);
-        (void)poll(NULL, 0, pause_ms < most ? pause_ms : most);
+        const int slice = slice_ms(left);
+        (void)poll(NULL, 0, pause_ms < slice ? pause_ms : slice);
         if (pause_ms < LOOK_EVERY_MS) pause_ms *= 2;
     }
 }

@@ -22,30 +22,30 @@
 bool hs_guard_link_create(hs_guard *guard, hs_error *err) {
     /* As large as it can get: only what is touched takes memory. Sealed, so that the child cannot take it
      * away. */
-    const size_t most = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
+    const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
     char path[64];
     guard->block_fd = memfd_create("guard", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     guard->slabs_fd = memfd_create("guard slabs", MFD_CLOEXEC);
     guard->slabs_read_fd = -1;
-    if (guard->block_fd < 0 || guard->slabs_fd < 0 || ftruncate(guard->block_fd, (off_t)most) != 0 ||
+    if (guard->block_fd < 0 || guard->slabs_fd < 0 || ftruncate(guard->block_fd, (off_t)bytes) != 0 ||
         fcntl(guard->block_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
         return hs_fail(err, HS_ERR_MEMORY, "guard: no shared memory: %s", strerror(errno));
     /* The child's way to the slabs: opened anew, for reading only. */
     (void)snprintf(path, sizeof path, "/proc/self/fd/%d", guard->slabs_fd);
     guard->slabs_read_fd = open(path, O_RDONLY | O_CLOEXEC);
     if (guard->slabs_read_fd < 0) return hs_fail(err, HS_ERR_MEMORY, "guard: %s: %s", path, strerror(errno));
-    void *block = mmap(NULL, most, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, guard->block_fd, 0);
+    void *block = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, guard->block_fd, 0);
     if (block == MAP_FAILED)
-        return hs_fail(err, HS_ERR_MEMORY, "guard: cannot map %zu bytes: %s", most, strerror(errno));
+        return hs_fail(err, HS_ERR_MEMORY, "guard: cannot map %zu bytes: %s", bytes, strerror(errno));
     guard->block = block;
     guard->block->magic = HS_GUARD_MAGIC;
     return true;
 }
 
 void hs_guard_link_destroy(hs_guard *guard) {
-    const size_t most = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
+    const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
     hs_guard_end_child(guard);
-    if (guard->block) (void)munmap(guard->block, most);
+    if (guard->block) (void)munmap(guard->block, bytes);
     if (guard->slabs) (void)munmap(guard->slabs, guard->slabs_bytes);
     if (guard->block_fd >= 0) (void)close(guard->block_fd);
     if (guard->slabs_fd >= 0) (void)close(guard->slabs_fd);

@@ -176,13 +176,13 @@ static sv_status guarded_param_text(const sv_plugin *plugin, uint32_t id, double
     hs_guard *guard = hs_guard_of(plugin);
     hs_guard_block *block = guard->block;
     if (!guard->child.pid || bytes == 0) return SV_ERR_STATE;
-    const uint32_t most = bytes < sizeof block->text ? bytes : (uint32_t)sizeof block->text;
+    const uint32_t room = bytes < sizeof block->text ? bytes : (uint32_t)sizeof block->text;
     block->number = id;
     block->value = value;
-    block->text_bytes = most;
-    memcpy(block->text, out, most); /* what the plugin leaves as it is */
+    block->text_bytes = room;
+    memcpy(block->text, out, room); /* what the plugin leaves as it is */
     const sv_status status = hs_guard_ask(guard, HS_GUARD_TEXT, guard->options.frame_s);
-    if (guard->child.pid) memcpy(out, block->text, most);
+    if (guard->child.pid) memcpy(out, block->text, room);
     return status;
 }
 

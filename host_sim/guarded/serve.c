@@ -338,9 +338,9 @@ static sv_status obey(server_state *server, uint32_t op) {
 /* The shared block, if this process was started by a guard. */
 static hs_guard_block *find_block(void) {
     struct stat info;
-    const size_t most = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
-    if (fstat(HS_GUARD_BLOCK_FD, &info) != 0 || info.st_size != (off_t)most) return NULL;
-    void *at = mmap(NULL, most, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, HS_GUARD_BLOCK_FD, 0);
+    const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
+    if (fstat(HS_GUARD_BLOCK_FD, &info) != 0 || info.st_size != (off_t)bytes) return NULL;
+    void *at = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, HS_GUARD_BLOCK_FD, 0);
     if (at == MAP_FAILED) return NULL;
     hs_guard_block *block = at;
     return block->magic == HS_GUARD_MAGIC ? block : NULL;

@@ -215,8 +215,8 @@ static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
                                  clipper->pixels * sizeof(float), clipper->host_depth, 0, NULL, NULL);
         if (!hs_cl_check(code, "clEnqueueWriteBuffer (depthmap)", err)) return false;
     }
-    const float most = DEPTH_LIMIT * (float)hs_slabs_layout(clipper->slabs)->slices;
-    return hs_map_check_enqueue(&clipper->check, clipper->depth, -most, most, err);
+    const float limit = DEPTH_LIMIT * (float)hs_slabs_layout(clipper->slabs)->slices;
+    return hs_map_check_enqueue(&clipper->check, clipper->depth, -limit, limit, err);
 }
 
 /* What can be said against a frame whose calls all succeeded; keeps the first of it. */

@@ -143,8 +143,8 @@ void hs_draw_box(cairo_t *cr, double x, double y, double width, double height, u
     cairo_fill(cr);
 }
 
-double hs_tick_step(double range, unsigned most) {
-    const double smallest = range / most;
+double hs_tick_step(double range, unsigned max_ticks) {
+    const double smallest = range / max_ticks;
     const double power = pow(10.0, floor(log10(smallest)));
     static const double steps[] = {1.0, 2.0, 5.0};
     for (int i = 0; i < 3; i++)

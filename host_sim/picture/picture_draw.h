@@ -37,9 +37,9 @@ typedef struct {
 } hs_colour_bar;
 void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar);
 
-/* A step between ticks of 1, 2 or 5 times a power of ten that gives at most `most`
+/* A step between ticks of 1, 2 or 5 times a power of ten that gives at most `max_ticks`
  * (>= 1) steps over `range` (> 0). */
-double hs_tick_step(double range, unsigned most);
+double hs_tick_step(double range, unsigned max_ticks);
 
 /* One line of UTF-8 in DejaVu Sans, `size` pixels high, standing on y. Wider than max_width (0: no limit) it
  * is set smaller, down to three quarters, then cut with an ellipsis. Bytes that are no UTF-8 (file names may

@@ -239,7 +239,7 @@ static bool hs_scan_share_make(hs_scan_share *share, cl_mem marks, uint32_t all,
 #define SMALL 96u /* voxels along the longest axis: such a volume is not halved */
 /* Smoothed voxels along a cube of the scan's share, at least, by the factor: wider than the steps of its
  * faces. */
-static const cl_int least_cube[3] = {0, 4, 3};
+static const cl_int min_cube[3] = {0, 4, 3};
 #define CELLS 48u /* along the longest axis, about: light does not depend on the volume's resolution */
 
 typedef enum { KEEP, OPACITY, STEPS } step;
@@ -258,8 +258,8 @@ struct hs_lit_volume {
 };
 
 uint32_t hs_lit_volume_factor(const uint32_t n[3]) {
-    const uint32_t most = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
-    return most > SMALL ? 2 : 1;
+    const uint32_t longest = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
+    return longest > SMALL ? 2 : 1;
 }
 
 hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_error *err) {
@@ -281,7 +281,7 @@ hs_lit_volume *hs_lit_volume_create(const hs_cl *cl, const uint32_t n[3], hs_err
     const cl_int block = longest > (cl_int)CELLS ? (longest + (cl_int)CELLS / 2) / (cl_int)CELLS : 1;
     for (int k = 0; k < 3; k++) lit->view.cells.s[k] = (lit->view.dims.s[k] + block - 1) / block;
     lit->view.cells.s[3] = block;
-    const cl_int cube = block > least_cube[factor] ? block : least_cube[factor];
+    const cl_int cube = block > min_cube[factor] ? block : min_cube[factor];
     if ((lit->bricks = hs_brick_grid_create(cl, lit->view.dims, err)) &&
         (lit->share = hs_scan_share_create(cl, counts, (uint32_t)cube, err)))
         return lit;

@@ -264,8 +264,8 @@ static float wall_level(const hs_field *f, size_t pixel, uint32_t end) {
  * T_L there. */
 static float visible_until(const hs_scene_spec *spec, float first, float end_mm) {
     const hs_haze_spec *haze = &spec->haze;
-    const float least = spec->dynamic_range_db * (FLUID_GREY / 255.0f - 1.0f) - spec->gain_db;
-    return end_mm + fmaxf(first + haze->patch_db + SPECKLE_DB - least, 0.0f) / haze->decay_db_mm;
+    const float fluid_db = spec->dynamic_range_db * (FLUID_GREY / 255.0f - 1.0f) - spec->gain_db;
+    return end_mm + fmaxf(first + haze->patch_db + SPECKLE_DB - fluid_db, 0.0f) / haze->decay_db_mm;
 }
 
 static void haze_column(const hs_pass *pass, uint64_t key, uint32_t x, uint32_t y) {

@@ -168,9 +168,9 @@ static void put_pose(drawn *d, uint32_t body) {
  * the sac's far side, and where its head lies, the sac is about nine tenths as deep. */
 static int32_t wall_gap(const drawn *d, uint32_t body, int32_t scale) {
     if (has(d, HS_RANGE_LIMB_CONTACT)) return -draw(d, HS_RANGE_OVERLAP, 8 + body);
-    const int32_t most = 177 * d->sac[2] / 100 - (DEEP + stretched(d, body)) * scale / 100;
+    const int32_t maximum = 177 * d->sac[2] / 100 - (DEEP + stretched(d, body)) * scale / 100;
     const int32_t wanted = (d->gap > 0 ? d->gap : 0) + d->protrusion;
-    return wanted < most ? wanted : most > 0 ? most : 0;
+    return wanted < maximum ? wanted : maximum > 0 ? maximum : 0;
 }
 
 static void put_fetus(drawn *d, uint32_t body, int32_t aside) {

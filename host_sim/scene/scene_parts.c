@@ -206,11 +206,11 @@ static const struct {
 };
 
 static bool check_cloud(const hs_json *object, const hs_cloud_spec *cloud) {
-    hs_json most;
+    hs_json maximum;
     if (cloud->particle_max_mm >= cloud->particle_min_mm) return true;
-    hs_json_member(object, "particle_max_mm", &most);
-    return hs_json_fail(&most, "is %g, expected at least particle_min_mm, %g", (double)cloud->particle_max_mm,
-                        (double)cloud->particle_min_mm);
+    hs_json_member(object, "particle_max_mm", &maximum);
+    return hs_json_fail(&maximum, "is %g, expected at least particle_min_mm, %g",
+                        (double)cloud->particle_max_mm, (double)cloud->particle_min_mm);
 }
 
 static bool read_structure(const hs_json *object, hs_structure *s) {

@@ -163,12 +163,12 @@ static inline float hs_shape_body(const hs_shape *shape, uint32_t bodies, const 
  * stays as it is if there is none. */
 static inline float hs_shape_nearest(const hs_shape *shape, hs_solid_part part, const float p[3],
                                      const hs_solid **nearest) {
-    float d = HS_SHAPE_FAR, least = HS_SHAPE_FAR;
+    float d = HS_SHAPE_FAR, closest = HS_SHAPE_FAR;
     for (uint32_t i = shape->first[part]; i < shape->first[part + 1]; i++) {
         const hs_solid *s = &shape->solids[shape->item[i]];
         float e = hs_solid_distance(s, p);
-        if (e < least) {
-            least = e;
+        if (e < closest) {
+            closest = e;
             *nearest = s;
         }
         d = hs_smooth_min(d, e, s->blend);

@@ -90,9 +90,9 @@ static void cord_solids(hs_solid_list *list, const hs_cord_spec *cord) {
 
 /* How far from the middle of the neck the skin lies in a direction, plus `clear`: mm of the scene. */
 static float ring_radius(const hs_shape *shape, const float middle[3], const float to[3], float clear,
-                         float most) {
+                         float reach) {
     float r = 0.0f;
-    for (const float step = 0.1f; r < most; r += step) {
+    for (const float step = 0.1f; r < reach; r += step) {
         const float p[3] = {middle[0] + r * to[0], middle[1] + r * to[1], middle[2] + r * to[2]};
         if (hs_shape_one_body(shape, 0, p) >= clear) break;
     }

@@ -92,9 +92,9 @@ static kernel lateral_kernel(const speckle *s, uint32_t z, int axis) {
     const bool thick = axis == 1 && slice->on;
     const float focus = thick ? slice->focus_mm : spec->focus_mm;
     const float rayleigh = thick ? slice->rayleigh_mm : spec->rayleigh_mm;
-    const float least = thick ? slice->elevation_mm : spec->lateral_mm;
+    const float narrowest_mm = thick ? slice->elevation_mm : spec->lateral_mm;
     float off = (((float)z + 0.5f) * s->pass.field->h[2] - focus) / rayleigh;
-    return gaussian(least * sqrtf(1.0f + off * off) / s->pass.field->h[axis]);
+    return gaussian(narrowest_mm * sqrtf(1.0f + off * off) / s->pass.field->h[axis]);
 }
 
 /* Scatterers and interfaces of slice z. An interface is wide across the beam and thin along it: it is

@@ -193,11 +193,11 @@ bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_d
 
 /* What the probe shows around a voxel of a slice is an echo: nine voxels, for speckle has dark spots. */
 static bool is_echo(const hs_volume *v, const uint8_t *slice, uint32_t x, uint32_t y) {
-    unsigned sum = 0, most = 0;
+    unsigned sum = 0, maximum = 0;
     for (uint32_t j = y ? y - 1 : 0; j <= y + 1 && j < v->ny; j++)
-        for (uint32_t i = x ? x - 1 : 0; i <= x + 1 && i < v->nx; i++, most += ECHO)
+        for (uint32_t i = x ? x - 1 : 0; i <= x + 1 && i < v->nx; i++, maximum += ECHO)
             sum += slice[(size_t)j * v->nx + i];
-    return sum > most;
+    return sum > maximum;
 }
 
 double hs_scene_touched(const hs_scene_data *data) {

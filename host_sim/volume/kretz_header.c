@@ -180,14 +180,14 @@ static bool take(found *f, const hs_kretz_item *item, hs_error *err) {
 }
 
 static bool check_size(const found *f, hs_kretz_header *h, hs_error *err) {
-    const double least = h->cartesian ? 1.0 : 2.0;
+    const double minimum = h->cartesian ? 1.0 : 2.0;
     uint64_t count = 1;
     for (int a = 0; a < 3; a++) {
         const field w = (field)(SAMPLES + a);
         if (!f->there[w]) return hs_fail(err, HS_ERR_INPUT, CONTEXT " is missing", ARGS(f, w));
-        if (f->value[w] < least || f->value[w] > HS_VOLUME_MAX_AXIS)
+        if (f->value[w] < minimum || f->value[w] > HS_VOLUME_MAX_AXIS)
             return hs_fail(err, HS_ERR_INPUT, CONTEXT " is %.0f, expected %.0f .. %u", ARGS(f, w),
-                           f->value[w], least, HS_VOLUME_MAX_AXIS);
+                           f->value[w], minimum, HS_VOLUME_MAX_AXIS);
         h->size[a] = (uint32_t)f->value[w];
         count *= h->size[a];
     }

@@ -111,10 +111,10 @@ static bool read_file(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
 /* Inflates up to *bytes bytes; *bytes becomes what was made. 0 at the end of
  * the stream or of the file only. */
 static bool inflate_some(hs_met_data *d, void *out, size_t *bytes, hs_error *err) {
-    const size_t most = *bytes < (1u << 30) ? *bytes : 1u << 30; /* zlib counts in 32 bit */
+    const size_t room = *bytes < (1u << 30) ? *bytes : 1u << 30; /* zlib counts in 32 bit */
     d->zlib.next_out = out;
-    d->zlib.avail_out = (uInt)most;
-    while (d->zlib.avail_out == most && !d->zlib_ended) {
+    d->zlib.avail_out = (uInt)room;
+    while (d->zlib.avail_out == room && !d->zlib_ended) {
         if (d->zlib.avail_in == 0 && d->left > 0) {
             const size_t n = d->left < sizeof d->input ? (size_t)d->left : sizeof d->input;
             if (!read_file(d, d->input, n, err)) return false;
@@ -129,7 +129,7 @@ static bool inflate_some(hs_met_data *d, void *out, size_t *bytes, hs_error *err
                            DATA_CONTEXT "CompressedData is damaged about byte %" PRIu64 ": %s", DATA_ARGS(d),
                            d->bytes - d->left - d->zlib.avail_in, d->zlib.msg ? d->zlib.msg : zError(code));
     }
-    *bytes = most - d->zlib.avail_out;
+    *bytes = room - d->zlib.avail_out;
     return true;
 }
 

@@ -15,25 +15,25 @@ enum { LANES = 16 }; /* loops of a fixed length, which compilers turn into vecto
 
 /* Widens low .. high so that it holds `count` finite numbers. */
 static void widen(const double *value, size_t count, double *low, double *high) {
-    double least[LANES], most[LANES];
+    double minimum[LANES], maximum[LANES];
     size_t i = 0;
     for (int k = 0; k < LANES; k++) {
-        least[k] = *low;
-        most[k] = *high;
+        minimum[k] = *low;
+        maximum[k] = *high;
     }
     for (; i + LANES <= count; i += LANES)
         for (int k = 0; k < LANES; k++) {
             const double v = value[i + (size_t)k];
-            least[k] = v < least[k] ? v : least[k];
-            most[k] = v > most[k] ? v : most[k];
+            minimum[k] = v < minimum[k] ? v : minimum[k];
+            maximum[k] = v > maximum[k] ? v : maximum[k];
         }
     for (; i < count; i++) {
-        least[0] = value[i] < least[0] ? value[i] : least[0];
-        most[0] = value[i] > most[0] ? value[i] : most[0];
+        minimum[0] = value[i] < minimum[0] ? value[i] : minimum[0];
+        maximum[0] = value[i] > maximum[0] ? value[i] : maximum[0];
     }
     for (int k = 0; k < LANES; k++) {
-        *low = least[k] < *low ? least[k] : *low;
-        *high = most[k] > *high ? most[k] : *high;
+        *low = minimum[k] < *low ? minimum[k] : *low;
+        *high = maximum[k] > *high ? maximum[k] : *high;
     }
 }
 
@@ -44,8 +44,8 @@ static double scale_of(double low, double high) {
 
 static inline int level_of(double value, double half, double scale) {
     const double level = (value * 0.5 - half) * scale;
-    const double at_least = level < 0.0 ? 0.0 : level;
-    return (int)((at_least > 255.0 ? 255.0 : at_least) + 0.5);
+    const double clamped = level < 0.0 ? 0.0 : level;
+    return (int)((clamped > 255.0 ? 255.0 : clamped) + 0.5);
 }
 
 /* low .. high becomes 0 .. 255, rounded to the nearest level; what lies beyond is clamped. */

@@ -76,18 +76,18 @@ static inline sv_status sva_take_values(sva *a, const char *call, const sv_param
 
 /* -------------------------------------------------------------------------------- format and frame -- */
 
-static inline sv_status sva_check_size(sva *a, const char *what, uint32_t size, size_t least) {
-    if (size >= least) return SV_OK;
+static inline sv_status sva_check_size(sva *a, const char *what, uint32_t size, size_t minimum) {
+    if (size >= minimum) return SV_OK;
     return sva_blame(a, SV_ERR_SIZE, "%s.size is %u, expected at least %u", what, (unsigned)size,
-                     (unsigned)least);
+                     (unsigned)minimum);
 }
 
 /* SV_OK, or SV_ERR_FORMAT with the field and its value. */
-static inline sv_status sva_check_range(sva *a, const char *field, uint64_t value, uint64_t least,
-                                        uint64_t most) {
-    if (value >= least && value <= most) return SV_OK;
+static inline sv_status sva_check_range(sva *a, const char *field, uint64_t value, uint64_t minimum,
+                                        uint64_t maximum) {
+    if (value >= minimum && value <= maximum) return SV_OK;
     return sva_blame(a, SV_ERR_FORMAT, "activate: %s is %llu, expected %llu to %llu", field,
-                     (unsigned long long)value, (unsigned long long)least, (unsigned long long)most);
+                     (unsigned long long)value, (unsigned long long)minimum, (unsigned long long)maximum);
 }
 
 /* What the descriptor offers. */
@@ -199,20 +199,21 @@ static inline sv_status sva_check_slab(sva *a, const sv_slab *slab) {
         return sva_blame(a, SV_ERR_SLAB_ORDER, "slab: first_slice is %u, expected %u",
                          (unsigned)slab->first_slice, (unsigned)a->next_slice);
     const uint32_t left = f->slices - a->next_slice;
-    const uint32_t most = left < f->max_slab_slices ? left : f->max_slab_slices;
-    if (slab->slice_count < 1 || slab->slice_count > most)
+    const uint32_t maximum = left < f->max_slab_slices ? left : f->max_slab_slices;
+    if (slab->slice_count < 1 || slab->slice_count > maximum)
         return sva_blame(a, SV_ERR_SLAB_SHAPE, "slab: slice_count is %u, expected 1 to %u",
-                         (unsigned)slab->slice_count, (unsigned)most);
+                         (unsigned)slab->slice_count, (unsigned)maximum);
     const int host = f->carrier == SV_CARRIER_HOST;
     if ((slab->memory != NULL) != host || (slab->object != NULL) == host)
         return sva_blame(a, SV_ERR_SLAB_SHAPE, "slab: memory is %s and object is %s, the carrier is %u",
                          slab->memory ? "given" : "NULL", slab->object ? "given" : "NULL",
                          (unsigned)f->carrier);
     if (f->carrier == SV_CARRIER_IMAGE) return SV_OK;
-    const uint64_t least = sva_slab_bytes(f, slab->slice_count);
-    if (slab->bytes >= least) return SV_OK;
+    const uint64_t minimum = sva_slab_bytes(f, slab->slice_count);
+    if (slab->bytes >= minimum) return SV_OK;
     return sva_blame(a, SV_ERR_SLAB_SHAPE, "slab: bytes is %llu, %u slices need %llu",
-                     (unsigned long long)slab->bytes, (unsigned)slab->slice_count, (unsigned long long)least);
+                     (unsigned long long)slab->bytes, (unsigned)slab->slice_count,
+                     (unsigned long long)minimum);
 }
 
 static inline sv_status sva_check_result(sva *a, const char *call, const sv_result *r) {

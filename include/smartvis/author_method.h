@@ -36,8 +36,8 @@ typedef struct sva_param {
 } sva_param;
 
 /* A parameter of no group that depends on nothing. */
-#define SVA_PARAM(id, type, flags, key, label, unit, help, least, most, standard, step)                      \
-    { id, type, flags, key, label, unit, help, least, most, standard, step, 0.0, 0.0, NULL, NULL, 0, 0 }
+#define SVA_PARAM(id, type, flags, key, label, unit, help, minimum, maximum, standard, step)                 \
+    { id, type, flags, key, label, unit, help, minimum, maximum, standard, step, 0.0, 0.0, NULL, NULL, 0, 0 }
 
 /* A depth for pixels without a surface. The helper makes it 0, which clips nothing, and counts it. */
 #define SVA_NO_DEPTH (-FLT_MAX)

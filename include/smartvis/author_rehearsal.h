@@ -74,7 +74,7 @@ static inline sv_status sva_rehearse_slab(sva *a, sva_rehearsal *r, uint32_t fir
 }
 
 static inline sv_status sva_rehearse_frame(sva *a, sva_rehearsal *r) {
-    const uint32_t slices = a->format.slices, most = a->format.max_slab_slices;
+    const uint32_t slices = a->format.slices, longest = a->format.max_slab_slices;
     sv_stats stats;
     sv_result result;
     memset(&a->frame, 0, sizeof a->frame);
@@ -86,8 +86,8 @@ static inline sv_status sva_rehearse_frame(sva *a, sva_rehearsal *r) {
     result.depth = r->depth;
     result.stats = &stats;
     sv_status s = a->method->begin ? a->method->begin(a) : SV_OK;
-    for (uint32_t first = 0; s == SV_OK && first < slices; first += most)
-        s = sva_rehearse_slab(a, r, first, slices - first < most ? slices - first : most);
+    for (uint32_t first = 0; s == SV_OK && first < slices; first += longest)
+        s = sva_rehearse_slab(a, r, first, slices - first < longest ? slices - first : longest);
     if (s == SV_OK) s = a->method->finish(a, NULL);
     if (s >= SV_OK) s = a->method->output(a, &result);
     if (s >= SV_OK) s = sva_cl_check(a, clFinish(((sva_cl *)a->own)->queue), "clFinish");

@@ -72,11 +72,11 @@ static sv_status confidence_ready(sv_instance *in) {
 
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
     sv_instance *in = sv_instance_enter(plugin);
-    const size_t least = offsetof(sv_confidence_report, reason); /* what an older host knows */
+    const size_t oldest_size = offsetof(sv_confidence_report, reason); /* what an older host knows */
     sv_confidence_report all = {.size = sizeof all};
-    if (out && out->size < least)
+    if (out && out->size < oldest_size)
         return sv_blame_host(&in->diag, SV_ERR_SIZE, "confidence: size is %u, expected at least %zu",
-                             out->size, least);
+                             out->size, oldest_size);
     const sv_chain *chain = &in->pipeline.chain;
     sv_status status = confidence_ready(in);
     if (status == SV_OK && map) status = sv_pipeline_confidence(&in->pipeline, map, NULL, 0, true);

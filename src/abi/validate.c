@@ -11,9 +11,9 @@ enum { MAX_SIDE = 8192 };
 
 #define BLAME(diag, status, ...) return sv_blame_host(diag, status, __VA_ARGS__)
 
-static sv_status check_side(sv_diag *diag, const char *field, uint32_t value, uint32_t most) {
-    if (value >= 1 && value <= most) return SV_OK;
-    BLAME(diag, SV_ERR_FORMAT, "activate: %s is %u, expected 1 to %u", field, value, most);
+static sv_status check_side(sv_diag *diag, const char *field, uint32_t value, uint32_t maximum) {
+    if (value >= 1 && value <= maximum) return SV_OK;
+    BLAME(diag, SV_ERR_FORMAT, "activate: %s is %u, expected 1 to %u", field, value, maximum);
 }
 
 static sv_status check_texture(sv_diag *diag, const sv_format *f) {

@@ -122,8 +122,8 @@ static sv_status prepare(sv_instance *in, const sv_config *config, const sv_valu
 }
 
 /* The most that any frame enqueues: slabs of one slice, and values that ask for most passes. */
-static sv_status most_commands(sv_diag *diag, const sv_device *device, const sv_config *config,
-                               const sv_values *activated, uint32_t *out) {
+static sv_status max_commands(sv_diag *diag, const sv_device *device, const sv_config *config,
+                              const sv_values *activated, uint32_t *out) {
     sv_values values = *activated;
     sv_cost cost;
     values.of[SV_PARAM_KERNEL] = SV_MIN_KERNEL;
@@ -136,9 +136,9 @@ static sv_status most_commands(sv_diag *diag, const sv_device *device, const sv_
 sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_format *format,
                             const sv_values *activated, const sv_values *frame, sv_needs *out) {
     const sv_config config = config_of(format, activated);
-    uint32_t most = 0;
+    uint32_t capacity = 0;
     sv_cost cost;
-    sv_status status = most_commands(diag, device, &config, activated, &most);
+    sv_status status = max_commands(diag, device, &config, activated, &capacity);
     if (status == SV_OK)
         status = sv_pipeline_cost(diag, device, &config, frame, config.max_slab_slices, &cost);
     if (status != SV_OK) return status;
@@ -146,7 +146,7 @@ sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_for
                       .adjust_commands = cost.adjust_commands,
                       .device_bytes = cost.bytes,
                       .largest_buffer = cost.largest_buffer,
-                      .host_bytes = sv_timing_bytes(most)};
+                      .host_bytes = sv_timing_bytes(capacity)};
     return SV_OK;
 }
 
@@ -156,7 +156,7 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
     sv_config config = config_of(format, values);
     uint32_t commands = 0;
     sv_status status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
-    if (status == SV_OK) status = most_commands(&in->diag, &in->device, &config, values, &commands);
+    if (status == SV_OK) status = max_commands(&in->diag, &in->device, &config, values, &commands);
     if (status == SV_OK) status = sv_timing_create(&in->timing, &in->diag, commands);
     in->device.builds = &in->builds;
     if (status == SV_OK) {

@@ -23,8 +23,8 @@ bool sv_map_needs_wide(const sv_config *c) {
 static uint32_t band_count(const sv_device *device, uint32_t strategy, uint32_t height) {
     if (strategy != SV_STRATEGY_BANDS) return 1;
     const uint32_t wanted = device->compute_units * BANDS_PER_UNIT;
-    const uint32_t most = (height + BAND_MIN_ROWS - 1) / BAND_MIN_ROWS;
-    return wanted < most ? wanted : most;
+    const uint32_t maximum = (height + BAND_MIN_ROWS - 1) / BAND_MIN_ROWS;
+    return wanted < maximum ? wanted : maximum;
 }
 
 void sv_map_init(sv_map *m, const sv_queue *queue, const sv_config *c, uint32_t spacing, bool wide_sums) {

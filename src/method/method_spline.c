@@ -46,15 +46,15 @@ static uint32_t smaller(uint32_t a, uint32_t b) {
 
 /* Cells per side of the merging grid: the one that was asked for, or the finest that always fits. */
 static uint32_t merge_cells(const sv_map *m) {
-    const uint32_t most = m->doubles ? SV_SPLINE_MAX_GRID : FLOAT_GRID;
-    return m->config->merge_grid ? smaller(m->config->merge_grid, most) : most;
+    const uint32_t maximum = m->doubles ? SV_SPLINE_MAX_GRID : FLOAT_GRID;
+    return m->config->merge_grid ? smaller(m->config->merge_grid, maximum) : maximum;
 }
 
-static uint32_t most_points(const sv_map *m) {
+static uint32_t max_points(const sv_map *m) {
     const uint32_t cells = merge_cells(m) * merge_cells(m);
-    const uint32_t most = m->doubles ? SV_SPLINE_MAX_POINTS : FLOAT_POINTS;
+    const uint32_t maximum = m->doubles ? SV_SPLINE_MAX_POINTS : FLOAT_POINTS;
     const uint64_t pixels = (uint64_t)m->width * m->height;
-    const uint32_t wanted = m->config->merge_grid ? cells : most;
+    const uint32_t wanted = m->config->merge_grid ? cells : maximum;
     return pixels < wanted ? (uint32_t)pixels : wanted;
 }
 
@@ -70,7 +70,7 @@ static bool coarse(const sv_map *m) {
 }
 
 static sv_status make_buffers(const sv_map *m, sv_method_state *s) {
-    s->capacity = most_points(m);
+    s->capacity = max_points(m);
     const size_t real = m->doubles ? sizeof(cl_double) : sizeof(cl_float);
     const size_t stride = stride_of(s), cells = merge_cells(m);
     const size_t nodes = coarse(m) ? (size_t)m->config->spline_grid + 1 : 0;

@@ -90,17 +90,17 @@ typedef struct {
 static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     minimum m = {.valid = cell[SV_COST_WEIGHT] > 1e-3};
     if (!m.valid) return m;
-    double cost[SV_COST_LABELS] = {0}, least = INFINITY, second = INFINITY;
+    double cost[SV_COST_LABELS] = {0}, lowest = INFINITY, second = INFINITY;
     int at = 0;
     const int n = (int)l->sizes.labels;
     for (int i = 0; i < n; i++) {
         cost[i] = cell[i] / cell[SV_COST_WEIGHT];
-        if (cost[i] < least) {
-            least = cost[i];
+        if (cost[i] < lowest) {
+            lowest = cost[i];
             at = i;
         }
     }
-    const double edge = least + l->average_margin;
+    const double edge = lowest + l->average_margin;
     int low = at, high = at;
     while (low > 0 && cost[low - 1] < edge) low--;
     while (high + 1 < n && cost[high + 1] < edge) high++;
@@ -120,14 +120,14 @@ static minimum find_minimum(const double *cell, const sv_ref_cost_layout *l) {
     m.place = known * (at + first);
     m.spread = known * sqrt(fmax(square / weight - first * first, 0.0));
     for (int i = 0; i < n; i++) {
-        if ((i < low || i > high) && cost[i] - least < TIE) m.tie = true;
+        if ((i < low || i > high) && cost[i] - lowest < TIE) m.tie = true;
     }
     low = high = at; /* what lies outside these ends is another minimum */
-    while (low > 0 && cost[low - 1] < least + SV_COST_MARGIN) low--;
-    while (high + 1 < n && cost[high + 1] < least + SV_COST_MARGIN) high++;
+    while (low > 0 && cost[low - 1] < lowest + SV_COST_MARGIN) low--;
+    while (high + 1 < n && cost[high + 1] < lowest + SV_COST_MARGIN) high++;
     for (int i = 0; i < n; i++)
         if (i < low || i > high) second = fmin(second, cost[i]);
-    const double lead = fmin((second - least) / SV_COST_MARGIN, 1.0);
+    const double lead = fmin((second - lowest) / SV_COST_MARGIN, 1.0);
     m.confidence = lead * open;
     return m;
 }

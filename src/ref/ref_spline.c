@@ -24,13 +24,13 @@ static double largest_of(const double *a, size_t count) {
 }
 
 bool sv_ref_factor(double *a, uint32_t n, uint32_t *pivots) {
-    const double least = largest_of(a, (size_t)n * n) * DBL_EPSILON * n;
+    const double smallest = largest_of(a, (size_t)n * n) * DBL_EPSILON * n;
     for (uint32_t k = 0; k < n; k++) {
         uint32_t best = k;
         for (uint32_t i = k + 1; i < n; i++)
             if (fabs(a[(size_t)i * n + k]) > fabs(a[(size_t)best * n + k])) best = i;
         pivots[k] = best;
-        if (fabs(a[(size_t)best * n + k]) <= least) return false;
+        if (fabs(a[(size_t)best * n + k]) <= smallest) return false;
         if (best != k) swap_rows(a, n, best, k);
         for (uint32_t i = k + 1; i < n; i++) {
             const double factor = a[(size_t)i * n + k] / a[(size_t)k * n + k];

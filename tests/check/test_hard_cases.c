@@ -239,7 +239,7 @@ static void many_passes(void **state) {
     compare_run(*state, &f, volume, &s, "many passes", &all);
     free(volume);
     compare_print("many passes", &all);
-    assert_int_equal(all.most_passes, WIDTH - 3);
+    assert_int_equal(all.max_passes, WIDTH - 3);
 }
 
 int main(void) {

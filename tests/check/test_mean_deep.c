@@ -155,16 +155,16 @@ static void check(rig *r, const surface_points *p, const char *what) {
     assert_true(sv_ref_mean(p->status, exact, SIDE, SIDE, K, 0.5, expected, &fill));
     assert_int_equal(record[SV_REC_PASSES], fill.passes);
     assert_int_equal(record[SV_REC_UNFILLED], 0);
-    double worst = 0.0, least = INFINITY;
+    double worst = 0.0, shallowest = INFINITY;
     for (size_t i = 0; i < PIXELS; i++) {
         worst = fmax(worst, fabs((double)surface[i] - expected[i]));
-        least = fmin(least, expected[i]);
+        shallowest = fmin(shallowest, expected[i]);
     }
     print_message(
         "depths from %.0f, detail 0.01, k = 3, 512 x 512, %s: error %.2e slices after %u passes, bound "
         "%.0e\n",
-        least, what, worst, fill.passes, PROMISE);
-    assert_true(least > 9970.0);
+        shallowest, what, worst, fill.passes, PROMISE);
+    assert_true(shallowest > 9970.0);
     assert_true(worst <= PROMISE);
     free(depth);
     free(surface);

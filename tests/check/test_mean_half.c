@@ -53,7 +53,7 @@ static void test_volumes(void **state) {
     }
     compare_print("16-bit planes", &all);
     assert_int_equal(all.frames, 48);
-    assert_true(all.most_passes > 5);
+    assert_true(all.max_passes > 5);
 }
 
 /* Nothing overflows: every pixel at the largest depth, with the largest weight and window. */

@@ -28,7 +28,7 @@ static uint8_t tissue(const hs_scene_data *d, size_t pixel, long z) {
 /* The shortest run of fluid between `before` and the fetus on any ray, in mm; *touching counts the rays
  * on which one follows the other. */
 static double shortest(const hs_scene_data *d, hs_tissue before, size_t *touching) {
-    double least = 1e3;
+    double narrowest = 1e3;
     *touching = 0;
     for (size_t p = 0; p < (size_t)d->full.nx * d->full.ny; p++) {
         if (d->label[p] != HS_LABEL_FETUS) continue;
@@ -36,9 +36,9 @@ static double shortest(const hs_scene_data *d, hs_tissue before, size_t *touchin
         if (near_z == 0 || tissue(d, p, near_z - 1) != before) continue;
         const bool touches = hs_tissue_is_fetus(tissue(d, p, near_z));
         *touching += touches;
-        least = fmin(least, touches ? 0.0 : (double)(far_z - near_z + 1) * d->full.spacing[2]);
+        narrowest = fmin(narrowest, touches ? 0.0 : (double)(far_z - near_z + 1) * d->full.spacing[2]);
     }
-    return least;
+    return narrowest;
 }
 
 /* The gap of a fold before the trunk, and of the wall: within a voxel, 0.5 mm, and what a ray between

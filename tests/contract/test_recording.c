@@ -181,13 +181,13 @@ static void a_ring_keeps_the_last(void **state) {
         record_frames(&s, (rig_format){0}, frames[i]);
         const census running = read_all(s.path, &s);
         assert_true(running.whole);
-        const uint32_t most = frames[i] < 3 ? frames[i] : 3;
-        assert_true(running.frames >= most && running.frames < 7);
+        const uint32_t expected = frames[i] < 3 ? frames[i] : 3;
+        assert_true(running.frames >= expected && running.frames < 7);
         rec_close(s.recording);
         const census c = read_all(s.path, &s);
         if (!c.whole) fail_msg("%s", c.error);
-        assert_int_equal(c.frames, most);
-        assert_int_equal(c.first_index, frames[i] - most);
+        assert_int_equal(c.frames, expected);
+        assert_int_equal(c.first_index, frames[i] - expected);
         assert_int_equal(c.kinds[RC_ACTIVATE], 1);
         assert_int_equal(c.plugins, 1);
         free(s.volume);

@@ -283,10 +283,10 @@ static void the_volume_ends_where_its_element_does(void **state) {
 
 static void elements_are_counted(void **state) {
     (void)state;
-    const size_t most = 65536;
+    const size_t maximum = 65536;
     for (size_t extra = 0; extra < 2; extra++) {
         const dicom d = dicom_good(IMPLICIT);
-        const size_t count = most - 6 + extra; /* the good file has six */
+        const size_t count = maximum - 6 + extra; /* the good file has six */
         uint8_t *file = calloc(d.count + 8 * count, 1);
         assert_non_null(file);
         memcpy(file, d.bytes, d.count);

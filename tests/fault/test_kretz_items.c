@@ -92,13 +92,13 @@ static void other_files_are_named(void **state) {
 
 static void items_are_counted(void **state) {
     (void)state;
-    const size_t most = HS_KRETZ_MAX_ITEMS;
+    const size_t maximum = HS_KRETZ_MAX_ITEMS;
     for (int extra = 0; extra < 2; extra++) {
         size_t bytes;
         kretz_plan plan = kretz_good();
         plan.no_end = true;
         uint8_t *good = kretz_bytes_of(&plan, &bytes);
-        const size_t items = most - plan.count + (size_t)extra;
+        const size_t items = maximum - plan.count + (size_t)extra;
         uint8_t *file = calloc(bytes + 8 * items, 1);
         assert_non_null(file);
         memcpy(file, good, bytes);

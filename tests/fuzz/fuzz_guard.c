@@ -80,10 +80,10 @@ static void scribble(void) {
     for (unsigned n = fuzz_u8(input) % 4; n > 0; n--) {
         const size_t which = fuzz_u8(input) % (sizeof fields / sizeof *fields);
         const size_t from = fuzz_u32(input) % fields[which].bytes, left = fields[which].bytes - from;
-        const uint8_t most = fuzz_u8(input);
+        const uint8_t wanted = fuzz_u8(input);
         uint8_t *at = (uint8_t *)fields[which].at + from;
-        if (most < 255)
-            fuzz_take(input, at, most < left ? most : left);
+        if (wanted < 255)
+            fuzz_take(input, at, wanted < left ? wanted : left);
         else
             memset(at, 'x', left); /* a text without an end */
     }

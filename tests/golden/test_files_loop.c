@@ -92,15 +92,15 @@ static void memory_stays_flat(void **state) {
     hs_source source = open_list(files);
     assert_non_null(source.stream);
     assert_int_equal(source.count, VOLUMES);
-    size_t most = 0;
+    size_t maximum = 0;
     for (uint32_t i = 0; i < VOLUMES + 5; i++) {
         expect_volume(&source, i);
         const size_t now = resident_bytes();
-        if (now > most) most = now;
+        if (now > maximum) maximum = now;
         assert_true(open_files() <= open_before + 1);
     }
-    if (most > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS)
-        fail_msg("%zu bytes more in memory, a volume has %d", most - before, VOXELS);
+    if (maximum > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS)
+        fail_msg("%zu bytes more in memory, a volume has %d", maximum - before, VOXELS);
     hs_source_close(&source);
     assert_int_equal(open_files(), open_before);
 }

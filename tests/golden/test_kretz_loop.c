@@ -57,10 +57,10 @@ static hs_source open_source(const char *path, const hs_source_files *how) {
 }
 
 static uint8_t brightest(const hs_volume *volume) {
-    uint8_t most = 0;
+    uint8_t maximum = 0;
     for (size_t i = 0; i < hs_volume_count(volume); i++)
-        if (volume->voxels[i] > most) most = volume->voxels[i];
-    return most;
+        if (volume->voxels[i] > maximum) maximum = volume->voxels[i];
+    return maximum;
 }
 
 /* A round and some more take no more memory than five volumes; the file has 25. */
@@ -73,17 +73,17 @@ static void memory_stays_flat(void **state) {
     assert_int_equal(source.count, VOLUMES);
     const hs_volume *shape = hs_source_shape(&source);
     const size_t bytes = hs_volume_count(shape) + hs_beams_count(shape->beams);
-    size_t most = 0;
+    size_t maximum = 0;
     for (uint32_t i = 0; i < VOLUMES + 5; i++) {
         const hs_volume *volume = hs_source_bring(&source, i, &err);
         if (!volume) fail_msg("%s", err.text);
         assert_int_equal(brightest(volume), level_of(i % VOLUMES));
         const size_t now = resident_bytes();
-        if (now > most) most = now;
+        if (now > maximum) maximum = now;
     }
     assert_true(bytes > 1u << 20);
-    if (most > before + 5 * bytes)
-        fail_msg("%zu bytes more in memory, a volume has %zu", most - before, bytes);
+    if (maximum > before + 5 * bytes)
+        fail_msg("%zu bytes more in memory, a volume has %zu", maximum - before, bytes);
     hs_source_close(&source);
 }
 

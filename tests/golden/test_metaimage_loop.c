@@ -136,14 +136,14 @@ static void memory_stays_flat(void **state) {
         hs_source source = open_source(path);
         assert_non_null(source.stream);
         assert_int_equal(source.count, VOLUMES);
-        size_t most = 0;
+        size_t maximum = 0;
         for (uint32_t i = 0; i < VOLUMES + 5; i++) {
             expect_volume(&source, k, i);
             const size_t now = resident_bytes();
-            if (now > most) most = now;
+            if (now > maximum) maximum = now;
         }
-        if (most > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS * SHADOW)
-            fail_msg("%s: %zu bytes more in memory, a volume has %d", k->name, most - before, VOXELS);
+        if (maximum > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS * SHADOW)
+            fail_msg("%s: %zu bytes more in memory, a volume has %d", k->name, maximum - before, VOXELS);
         hs_source_close(&source);
     }
 }

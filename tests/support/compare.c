@@ -82,7 +82,7 @@ static void compare_double(const rig_result *got, const rig_expected *e, const s
         if (error > summary->worst) summary->worst = error;
         if (bound > 0.0 && error / bound > summary->worst_share) summary->worst_share = error / bound;
     }
-    if (e->fill.passes > summary->most_passes) summary->most_passes = e->fill.passes;
+    if (e->fill.passes > summary->max_passes) summary->max_passes = e->fill.passes;
     summary->frames++;
 }
 
@@ -128,5 +128,5 @@ void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_s
 void compare_print(const char *what, const compare_summary *s) {
     print_message("%s: %u frames bit-equal; against float64 at most %.2e slices (%.0f %% of the bound), "
                   "at most %u passes\n",
-                  what, s->frames, s->worst, 100.0 * s->worst_share, s->most_passes);
+                  what, s->frames, s->worst, 100.0 * s->worst_share, s->max_passes);
 }

@@ -8,7 +8,7 @@
 
 /* What many comparisons came to. Zero it first. */
 typedef struct {
-    uint32_t frames, most_passes;
+    uint32_t frames, max_passes;
     double worst;       /* slices: largest difference to the float64 definition */
     double worst_share; /* largest share of the bound for that many passes */
 } compare_summary;

@@ -114,11 +114,11 @@ static uint8_t level_of(const body *b, double share) {
  * body's norm (1 on the surface) changes by at most 1 / least a millimetre, and distance_of is at least half
  * of what it says. */
 static int side_of(const body *b, const double p[3], double reach, double band) {
-    const double *radius = b->shape->radius, least = fmin(radius[0], fmin(radius[1], radius[2]));
+    const double *radius = b->shape->radius, shortest = fmin(radius[0], fmin(radius[1], radius[2]));
     double q[3], norm = 0.0, away;
     to_body(b, p, q);
     for (int i = 0; i < 3 && !b->shape->plane; i++) norm += q[i] * q[i] / (radius[i] * radius[i]);
-    away = b->shape->plane ? -q[2] : (sqrt(norm) - 1.0) * least;
+    away = b->shape->plane ? -q[2] : (sqrt(norm) - 1.0) * shortest;
     return fabs(away) <= reach + 2.0 * band ? 0 : away > 0.0 ? 1 : -1;
 }
 

@@ -6,7 +6,7 @@
 #define SURFACE 0.69314718055994531
 #define DEGREE  0.017453292519943295
 
-static uint32_t least(uint32_t a, uint32_t b) {
+static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
@@ -34,7 +34,7 @@ static double linear(const uint8_t *data, const uint32_t n[3], const double at[3
     uint32_t low[3];
     for (int k = 0; k < 3; k++) {
         const double p = fmin(fmax(at[k], 0.0), n[k] - 1.0);
-        low[k] = least((uint32_t)p, n[k] > 1 ? n[k] - 2 : 0);
+        low[k] = smaller((uint32_t)p, n[k] > 1 ? n[k] - 2 : 0);
         fraction[k] = p - low[k];
     }
     for (uint32_t i = 0; i < 8; i++) {
@@ -66,7 +66,7 @@ static double map_value(const ref_depthmap *map, const float *values, double u, 
     const double x = fmin(fmax(u * map->width - 0.5, 0.0), map->width - 1.0);
     const double y = fmin(fmax(v * map->height - 0.5, 0.0), map->height - 1.0);
     const uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
-    const uint32_t x1 = least(x0 + 1, map->width - 1), y1 = least(y0 + 1, map->height - 1);
+    const uint32_t x1 = smaller(x0 + 1, map->width - 1), y1 = smaller(y0 + 1, map->height - 1);
     const double fx = x - x0, fy = y - y0;
     const double top =
         (1.0 - fx) * (double)values[y0 * map->width + x0] + fx * (double)values[y0 * map->width + x1];
@@ -250,13 +250,13 @@ static void shade(const ray *r, double n, double c, double rgb[3]) {
 
 /* Where the intensity first reaches half of its maximum around a surface. */
 static double edge_of(const ray *r, double surface, double over) {
-    double value[6], where[6], most = intensity_at(r, surface + 5.0);
+    double value[6], where[6], maximum = intensity_at(r, surface + 5.0);
     for (int i = 0; i < 6; i++) {
         where[i] = fmax(fmax(surface + i - 2.0, over), 0.0);
         value[i] = intensity_at(r, where[i]);
-        most = fmax(most, value[i]);
+        maximum = fmax(maximum, value[i]);
     }
-    const double level = fmin(0.5 * most, (double)r->s->threshold_high * 255.0);
+    const double level = fmin(0.5 * maximum, (double)r->s->threshold_high * 255.0);
     if (value[0] >= level) return where[0];
     for (int i = 0; i < 5; i++)
         if (value[i + 1] >= level)
@@ -266,7 +266,7 @@ static double edge_of(const ray *r, double surface, double over) {
 
 /* What a ray met. */
 typedef struct {
-    double depth, surface, most, at, cut, veil, veil_most, veil_at;
+    double depth, surface, thickest, at, cut, veil, veil_thickest, veil_at;
     bool found;
 } met;
 
@@ -286,8 +286,8 @@ static void take_step(const ray *r, met *m, double a, double over, double y0, do
         m->surface = a + part + (1.0 - part) * 0.5 * (low + high);
         m->found = true;
     }
-    if (depth > m->most) {
-        m->most = depth;
+    if (depth > m->thickest) {
+        m->thickest = depth;
         m->at = a + part + 0.5 * (1.0 - part);
     }
     m->depth += depth;
@@ -298,8 +298,8 @@ static void take_step(const ray *r, met *m, double a, double over, double y0, do
         (double)r->s->ghost_width * (1.0 + (double)r->s->ghost_doubt * growth) / r->lit->factor;
     const double factor = ref_lit_limited((a + 0.5 * part - (over - width)) / width);
     const double veil = thickness * part * factor * mean_opacity(y0, y);
-    if (veil > m->veil_most) {
-        m->veil_most = veil;
+    if (veil > m->veil_thickest) {
+        m->veil_thickest = veil;
         m->veil_at = a + 0.5;
     }
     m->veil += veil;

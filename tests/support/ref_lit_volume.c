@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static uint32_t least(uint32_t a, uint32_t b) {
+static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
 }
 
@@ -18,9 +18,9 @@ size_t ref_lit_index(const uint32_t n[3], uint32_t x, uint32_t y, uint32_t z) {
 static uint8_t reduced(const hs_volume *v, uint32_t factor, uint32_t x, uint32_t y, uint32_t z) {
     uint32_t sum = 0;
     for (uint32_t i = 0; i < factor * factor * factor; i++)
-        sum += (uint32_t)ref_voxel(v, least(factor * x + i % factor, v->nx - 1),
-                                   least(factor * y + i / factor % factor, v->ny - 1),
-                                   least(factor * z + i / factor / factor, v->nz - 1));
+        sum += (uint32_t)ref_voxel(v, smaller(factor * x + i % factor, v->nx - 1),
+                                   smaller(factor * y + i / factor % factor, v->ny - 1),
+                                   smaller(factor * z + i / factor / factor, v->nz - 1));
     const double mean = sum / (double)(factor * factor * factor);
     return (uint8_t)floor(mean + 0.5);
 }
@@ -49,9 +49,9 @@ static double scanned_part(const hs_volume *v, uint32_t factor, uint32_t x, uint
     uint32_t count = 0, all = factor * factor * factor;
     if (factor * x >= v->nx || factor * y >= v->ny || factor * z >= v->nz) return 0.0;
     for (uint32_t i = 0; i < all; i++)
-        count += ref_voxel(v, least(factor * x + i % factor, v->nx - 1),
-                           least(factor * y + i / factor % factor, v->ny - 1),
-                           least(factor * z + i / factor / factor, v->nz - 1)) > 0;
+        count += ref_voxel(v, smaller(factor * x + i % factor, v->nx - 1),
+                           smaller(factor * y + i / factor % factor, v->ny - 1),
+                           smaller(factor * z + i / factor / factor, v->nz - 1)) > 0;
     return count == all ? 1.0 : count ? 0.5 : 0.0;
 }
 
@@ -75,8 +75,8 @@ static void *memory(size_t bytes) {
 }
 
 static void make_scanned(ref_lit_volume *lit, const hs_volume *v) {
-    const uint32_t least_side = lit->factor == 1 ? 4 : 3;
-    lit->side = lit->block > least_side ? lit->block : least_side;
+    const uint32_t min_side = lit->factor == 1 ? 4 : 3;
+    lit->side = lit->block > min_side ? lit->block : min_side;
     for (int k = 0; k < 3; k++)
         lit->shares[k] = (lit->n[k] - 2 * REF_LIT_BORDER + lit->side - 1) / lit->side + 2 * REF_LIT_BORDER;
     const size_t count = (size_t)lit->shares[0] * lit->shares[1] * lit->shares[2];
@@ -107,9 +107,9 @@ static void make_opacity(ref_lit_volume *lit, const hs_dvr_settings *s) {
         const uint32_t first[3] = {i % lit->cells[0] * b, i / lit->cells[0] % lit->cells[1] * b,
                                    i / lit->cells[0] / lit->cells[1] * b};
         double sum = 0.0;
-        for (uint32_t z = first[2]; z < least(first[2] + b, lit->n[2]); z++)
-            for (uint32_t y = first[1]; y < least(first[1] + b, lit->n[1]); y++)
-                for (uint32_t x = first[0]; x < least(first[0] + b, lit->n[0]); x++)
+        for (uint32_t z = first[2]; z < smaller(first[2] + b, lit->n[2]); z++)
+            for (uint32_t y = first[1]; y < smaller(first[1] + b, lit->n[1]); y++)
+                for (uint32_t x = first[0]; x < smaller(first[0] + b, lit->n[0]); x++)
                     sum += ref_lit_limited(ref_lit_ramp(s, lit->smooth[ref_lit_index(lit->n, x, y, z)]));
         lit->opacity[i] = (uint8_t)lrint(255.0 * sum / (b * b * b));
     }

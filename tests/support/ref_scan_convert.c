@@ -20,8 +20,8 @@ ref_way ref_grid(const hs_volume *volume, const hs_camera *camera, const hs_slab
     for (int a = 0; a < 3; a++) {
         const double span = edge[a] / finest;
         const double wish = round(way == REF_HALVED ? span / 3.0 : span / 1.5);
-        const double least = way != REF_HALVED && span >= 1.5 * (1.0 - 1e-6) ? 2.0 : 1.0;
-        grid[a] = (int)fmin(fmax(wish, least), way == REF_HALVED ? 6.0 : 8.0);
+        const double fewest = way != REF_HALVED && span >= 1.5 * (1.0 - 1e-6) ? 2.0 : 1.0;
+        grid[a] = (int)fmin(fmax(wish, fewest), way == REF_HALVED ? 6.0 : 8.0);
     }
     return way;
 }

@@ -33,10 +33,10 @@ size_t resident_bytes(void) {
 
 static void expect_level(hs_loop *loop, uint32_t index, uint8_t level) {
     hs_view view = view_of(loop, index);
-    uint8_t most = 0;
+    uint8_t maximum = 0;
     for (size_t p = 0; p < (size_t)view.width * view.height; p++)
-        if (view.mip[p] > most) most = view.mip[p];
-    assert_int_equal(most, level);
+        if (view.mip[p] > maximum) maximum = view.mip[p];
+    assert_int_equal(maximum, level);
     hs_view_free(&view);
 }
 

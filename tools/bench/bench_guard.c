@@ -140,13 +140,13 @@ void bench_guard_print(const bench_guard_result *r) {
     }
     for (int w = 1; w < BENCH_GUARD_WAYS; w++) {
         const double median = r->plugin[w].median - r->plugin[BENCH_DIRECT].median;
-        const double least = r->plugin[w].min - r->plugin[BENCH_DIRECT].min;
+        const double minimum = r->plugin[w].min - r->plugin[BENCH_DIRECT].min;
         const double target_ms = ways_beside[w].target_ms;
-        printf("%s %+.3f (%+.3f)", w > 1 ? ";" : "", median, least);
+        printf("%s %+.3f (%+.3f)", w > 1 ? ";" : "", median, minimum);
         /* A busy machine can hide it in the medians: the target holds if it does for one of the two. */
         if (r->n == 128)
             printf(", at most %.1f: %s", target_ms,
-                   median <= target_ms || least <= target_ms ? "holds" : "does not hold");
+                   median <= target_ms || minimum <= target_ms ? "holds" : "does not hold");
     }
     printf("\n");
 }

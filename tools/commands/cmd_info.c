@@ -24,16 +24,16 @@ static void count_levels(const hs_volume *volume, size_t levels[256]) {
 
 /* Of the scanned voxels: the unscanned ones would dwarf every bar. */
 static void print_histogram(const size_t levels[256]) {
-    size_t bins[BINS] = {0}, most = 1, scanned = 0;
+    size_t bins[BINS] = {0}, highest = 1, scanned = 0;
     for (int level = 1; level < 256; level++) {
         bins[level * BINS / 256] += levels[level];
         scanned += levels[level];
     }
-    for (int b = 0; b < BINS; b++) most = bins[b] > most ? bins[b] : most;
+    for (int b = 0; b < BINS; b++) highest = bins[b] > highest ? bins[b] : highest;
     (void)printf("  grey levels of the scanned voxels:\n");
     for (int b = 0; b < BINS; b++) {
         const int first = b == 0 ? 1 : b * 256 / BINS;
-        const int length = (int)((double)bins[b] / (double)most * BAR_WIDTH + 0.5);
+        const int length = (int)((double)bins[b] / (double)highest * BAR_WIDTH + 0.5);
         (void)printf("  %3d .. %3d %6.2f %% ", first, (b + 1) * 256 / BINS - 1,
                      scanned ? 100.0 * (double)bins[b] / (double)scanned : 0.0);
         for (int i = 0; i < length; i++) (void)putchar('#');

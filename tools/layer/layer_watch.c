@@ -18,7 +18,7 @@ static ly_watch *ly_watch_open(const sv_format *format) {
     w->row_step = format->height / w->rows;
     w->samples = ((all + LY_MAX_LINE) * w->rows + 7) / 8 * 8;
     w->bytes = ly_stats_at(w) + sizeof(sv_stats);
-    w->most_places = format->slices * w->rows + 1;
+    w->max_places = format->slices * w->rows + 1;
     const size_t fit = LY_MAX_BYTES / (w->bytes + w->samples), wanted = format->queue ? LY_SLOTS : 1;
     w->slot_count = (uint32_t)(fit < wanted ? fit : wanted);
     bool whole = fit > 0;
@@ -27,7 +27,7 @@ static ly_watch *ly_watch_open(const sv_format *format) {
         cl_int code = CL_SUCCESS;
         s->block = malloc(w->bytes);
         s->kept = malloc(w->samples);
-        s->places = calloc(w->most_places, sizeof *s->places);
+        s->places = calloc(w->max_places, sizeof *s->places);
         if (format->queue)
             s->device = clCreateBuffer(format->context, CL_MEM_READ_WRITE, w->bytes, NULL, &code);
         whole = whole && s->block && s->kept && s->places && code == CL_SUCCESS;
@@ -69,7 +69,7 @@ static void copy_lines(const ly_place *p, uint8_t *to) {
 /* Takes a place up and its first sample. */
 static void add(ly_watch *w, ly_place p) {
     ly_slot *s = w->now;
-    if (s->count == w->most_places || s->used + p.bytes * p.lines > w->samples) return;
+    if (s->count == w->max_places || s->used + p.bytes * p.lines > w->samples) return;
     p.at = s->used;
     s->used += p.bytes * p.lines;
     if (p.object && clRetainMemObject(p.object) != CL_SUCCESS) return;

@@ -50,9 +50,9 @@ typedef struct {
 
 struct ly_watch {
     sv_format format;
-    size_t samples, rays, bytes;          /* room for samples of a frame; of a block */
-    uint32_t most_places, rows, row_step; /* rows that are sampled of a slice */
-    uint32_t before_slab;                 /* places before those of the slab under way */
+    size_t samples, rays, bytes;         /* room for samples of a frame; of a block */
+    uint32_t max_places, rows, row_step; /* rows that are sampled of a slice */
+    uint32_t before_slab;                /* places before those of the slab under way */
     ly_slot slots[LY_SLOTS];
     uint32_t slot_count;
     ly_slot *now;   /* of the frame under way; NULL: it is not sampled */

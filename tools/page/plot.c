@@ -69,11 +69,11 @@ static double hs_plot_y(double value, double top) {
 
 /* 1, 2 or 5 times a power of ten: the least that makes six ticks at most. */
 static double round_step(double largest) {
-    const double least = largest / 6;
-    const double power = pow(10, floor(log10(least)));
+    const double smallest = largest / 6;
+    const double power = pow(10, floor(log10(smallest)));
     for (int i = 0; i < 3; i++) {
         static const double factors[3] = {1, 2, 5};
-        if (factors[i] * power >= least) return factors[i] * power;
+        if (factors[i] * power >= smallest) return factors[i] * power;
     }
     return 10 * power;
 }

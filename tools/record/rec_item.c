@@ -43,13 +43,13 @@ static void pass(rec_cursor *c, void *value, size_t bytes, const char *field) {
 #define PASS(c, field) pass(c, &(field), sizeof(field), #field)
 
 /* A number that is at most so large. */
-static void pass_limited(rec_cursor *c, uint32_t *value, uint32_t most, const char *field) {
+static void pass_limited(rec_cursor *c, uint32_t *value, uint32_t maximum, const char *field) {
     pass(c, value, sizeof *value, field);
-    if (*value <= most) return;
+    if (*value <= maximum) return;
     fail(c, field);
     *value = 0;
 }
-#define PASS_LIMITED(c, field, most) pass_limited(c, &(field), most, #field)
+#define PASS_LIMITED(c, field, maximum) pass_limited(c, &(field), maximum, #field)
 
 static void pass_text(rec_cursor *c, char *text, size_t room, const char *field) {
     uint32_t length = c->writes ? (uint32_t)strlen(text) : 0;

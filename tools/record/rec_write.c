@@ -88,8 +88,8 @@ static void put_item(rec *r) {
 static bool copy_part(int from, int to, uint64_t at, uint64_t end) {
     char block[1 << 16];
     while (at < end) {
-        const size_t most = end - at < sizeof block ? (size_t)(end - at) : sizeof block;
-        const ssize_t n = pread(from, block, most, (off_t)at);
+        const size_t wanted = end - at < sizeof block ? (size_t)(end - at) : sizeof block;
+        const ssize_t n = pread(from, block, wanted, (off_t)at);
         if (n <= 0 || !write_all(to, block, (size_t)n)) return false;
         at += (uint64_t)n;
     }

@@ -275,20 +275,20 @@ static void compare_depths(player *p) {
     const size_t rays = (size_t)f->width * f->height;
     uint32_t apart = 0;
     size_t first = 0;
-    float most = 0.0f;
+    float largest = 0.0f;
     p->report->maps++;
     for (size_t i = rays; i-- > 0;) {
         const void *const here = played_at(p, i), *const there = p->item.data + i * sizeof(float);
         if (memcmp(here, there, sizeof(float)) == 0) continue;
         apart++;
         first = i;
-        most = fmaxf(most, fabsf(depth_of(here) - depth_of(there)));
+        largest = fmaxf(largest, fabsf(depth_of(here) - depth_of(there)));
     }
     if (apart == 0) return;
     const float a = depth_of(played_at(p, first)), b = depth_of(p->item.data + first * sizeof(float));
     part(p,
          "%s: %u of %zu depths are others, by up to %g slices; the first is ray (%zu, %zu): %g, recorded %g",
-         rp_calls[p->item.kind], apart, rays, (double)most, first % f->width, first / f->width, (double)a,
+         rp_calls[p->item.kind], apart, rays, (double)largest, first % f->width, first / f->width, (double)a,
          (double)b);
 }
 

@@ -8,15 +8,15 @@
 
 void judge_depths(const rule_sink *to, const rule_map *map, const char *what) {
     const uint32_t rays = map->width * map->height;
-    const float most = 2.0f * (float)map->slices;
+    const float limit = 2.0f * (float)map->slices;
     uint32_t bad = 0;
-    for (uint32_t i = 0; i < rays; i++) bad += !(fabsf(map->depth[i]) <= most); /* a loop that is fast */
+    for (uint32_t i = 0; i < rays; i++) bad += !(fabsf(map->depth[i]) <= limit); /* a loop that is fast */
     for (uint32_t i = 0; i < rays && bad > 0; i++) {
         const float d = map->depth[i];
         RULE_EXPECT(to, RULE_depth_values, !isnan(d),
                     "%s: the depth of ray (%u, %u) is NaN, or was not written", what, i % map->width,
                     i / map->width);
-        RULE_EXPECT(to, RULE_depth_values, fabsf(d) <= most,
+        RULE_EXPECT(to, RULE_depth_values, fabsf(d) <= limit,
                     "%s: the depth of ray (%u, %u) is %g in a volume of %u slices", what, i % map->width,
                     i / map->width, (double)d, map->slices);
     }

@@ -38,13 +38,13 @@ static size_t character(const unsigned char *c) {
     return bytes;
 }
 
-bool rule_is_text(const char *text, size_t most) {
+bool rule_is_text(const char *text, size_t max_bytes) {
     const unsigned char *c = (const unsigned char *)text;
     for (size_t used = 0; c[used];) {
         const size_t bytes = character(c + used);
         if (bytes == 0 || (bytes == 1 && (c[used] < 0x20 || c[used] == 0x7f))) return false;
         used += bytes;
-        if (used > most) return false;
+        if (used > max_bytes) return false;
     }
     return true;
 }

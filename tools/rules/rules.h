@@ -301,8 +301,8 @@ void rule_tell(const rule_sink *to, rule_name name, const char *format, ...)
         }                                                                                                    \
     } while (0)
 
-/* True if `text` is UTF-8 of at most `most` bytes without control characters. */
-bool rule_is_text(const char *text, size_t most);
+/* True if `text` is UTF-8 of at most `max_bytes` bytes without control characters. */
+bool rule_is_text(const char *text, size_t max_bytes);
 
 /* ------------------------------------------------------------------------------------------- judges -- */
 /* A judge tells of the first thing that is wrong. */

@@ -126,11 +126,11 @@ pub unsafe fn run(a: *mut sva, depth: *mut f32, method: fn(&Volume, &mut [f32]) 
     catch_unwind(AssertUnwindSafe(|| method(&Volume(&*a), map))).unwrap_or(SV_ERR_INTERNAL)
 }
 
-/// A row of the table of parameters, without group: `param!(1, SV_PARAM_FLOAT, 0, "key", "Label", "unit", "Help.", least, most,
+/// A row of the table of parameters, without group: `param!(1, SV_PARAM_FLOAT, 0, "key", "Label", "unit", "Help.", minimum, maximum,
 /// default, step)`.
 #[macro_export]
 macro_rules! param {
-    ($id:expr, $type:expr, $flags:expr, $key:literal, $label:literal, $unit:literal, $help:literal, $least:expr, $most:expr, $default:expr, $step:expr) => {
+    ($id:expr, $type:expr, $flags:expr, $key:literal, $label:literal, $unit:literal, $help:literal, $minimum:expr, $maximum:expr, $default:expr, $step:expr) => {
         $crate::author::sva_param {
             id: $id,
             r#type: $type,
@@ -139,8 +139,8 @@ macro_rules! param {
             label: concat!($label, "\0").as_ptr().cast(),
             unit: concat!($unit, "\0").as_ptr().cast(),
             help: concat!($help, "\0").as_ptr().cast(),
-            min_value: $least,
-            max_value: $most,
+            min_value: $minimum,
+            max_value: $maximum,
             default_value: $default,
             step: $step,
             display_min: 0.0,

@@ -66,21 +66,21 @@ INLINE ushort16 zero_in_pair(ushort16 pairs) {
 
 /* The means of 16 x 8 voxels from x on, and they again with marks. */
 INLINE void halve_sixteen(four_rows r, int x, __global uchar *all, __global uchar *marked) {
-    uchar16 least_a = (uchar16)(255), least_b = (uchar16)(255), most_a = (uchar16)(0), most_b = most_a;
+    uchar16 min_a = (uchar16)(255), min_b = (uchar16)(255), max_a = (uchar16)(0), max_b = max_a;
     ushort16 sum = (ushort16)(4);
     for (int i = 0; i < 4; i++) {
         uchar16 a = LOAD(r.row[i] + x), b = LOAD(r.row[i] + x + 16);
         fetch_ahead(r.row[i] + x, AHEAD);
-        least_a = min(least_a, a);
-        least_b = min(least_b, b);
-        most_a = max(most_a, a);
-        most_b = max(most_b, b);
+        min_a = min(min_a, a);
+        min_b = min(min_b, b);
+        max_a = max(max_a, a);
+        max_b = max(max_b, b);
         sum += pair_sums(sixteen_pairs(a, b));
     }
     sum >>= (ushort16)(3);
     store_bytes(convert_uchar16(sum), all + x / 2);
-    ushort16 part = zero_in_pair(sixteen_pairs(least_a, least_b));
-    ushort16 some = as_ushort16(sixteen_pairs(most_a, most_b) != (ushort16)(0));
+    ushort16 part = zero_in_pair(sixteen_pairs(min_a, min_b));
+    ushort16 some = as_ushort16(sixteen_pairs(max_a, max_b) != (ushort16)(0));
     sum = (max(sum, (ushort16)(HALVED_MIN)) & ~part) | ((ushort16)(HALVED_PARTLY)&part & some);
     store_bytes(convert_uchar16(sum), marked + x / 2);
 }

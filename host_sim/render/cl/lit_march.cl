@@ -28,9 +28,9 @@ typedef struct {
     vf depth;                    /* optical depth behind the clipping surface */
     vf begin, first, last, rest; /* the step that made the surface: from where, its two ramps, what lacked */
     vi found;                    /* -1: there is such a step */
-    vf most, at;                 /* the thickest step, and its middle: for rays without a surface */
+    vf thickest, at;             /* the thickest step, and its middle: for rays without a surface */
     vf cut;                      /* opacity in the clipping surface itself */
-    vf veil, veil_most, veil_at; /* the same of what is ghosted */
+    vf veil, veil_thickest, veil_at; /* the same of what is ghosted */
 } met;
 
 /* Where a ray's ghosting begins, where it is over, and 1 / the way between (0: a hard cut). */
@@ -72,8 +72,8 @@ INLINE void take_step(met *m, ghost_range ghost, float a, vf y0, vf y1, float th
     m->last = select(m->last, y1, now);
     m->rest = select(m->rest, SURFACE_DEPTH - m->depth, now);
     m->found |= now;
-    vi thick = MASK(depth > m->most);
-    m->most = select(m->most, depth, thick);
+    vi thick = MASK(depth > m->thickest);
+    m->thickest = select(m->thickest, depth, thick);
     m->at = select(m->at, a + part + 0.5f * (1.0f - part), thick);
     m->depth += depth;
     m->cut = select(m->cut, clamp(y, 0.0f, 1.0f), MASK((ghost.full >= a) & (ghost.full < a + 1.0f)));
@@ -84,8 +84,8 @@ INLINE void take_veil(met *m, ghost_range ghost, float a, vf y0, vf y1, float th
     vf part = clamp(ghost.full - a, 0.0f, 1.0f);
     vf factor = clamp((a + 0.5f * part - ghost.rise) * ghost.slope, 0.0f, 1.0f);
     vf depth = thickness * part * factor * mean_opacity(y0, y0 + part * (y1 - y0));
-    vi thick = MASK(depth > m->veil_most);
-    m->veil_most = select(m->veil_most, depth, thick);
+    vi thick = MASK(depth > m->veil_thickest);
+    m->veil_thickest = select(m->veil_thickest, depth, thick);
     m->veil_at = select(m->veil_at, (vf)(a + 0.5f), thick);
     m->veil += depth;
 }
@@ -141,7 +141,7 @@ INLINE vf surface_of(met m, float thickness) {
  */
 INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, vf surface, vf full,
                   float4 window) {
-    vf value[LOOKS], where[LOOKS], most = (vf)(0.0f);
+    vf value[LOOKS], where[LOOKS], maximum = (vf)(0.0f);
     packet at[LOOKS];
     cell c[LOOKS];
     for (int i = 0; i < LOOKS; i++) {
@@ -155,9 +155,9 @@ INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, 
     fetch_together(smooth, dims, at + MAX_PACKETS, LOOKS - MAX_PACKETS, c + MAX_PACKETS);
     for (int i = 0; i < LOOKS; i++) {
         value[i] = blend(c[i]);
-        most = max(most, value[i]);
+        maximum = max(maximum, value[i]);
     }
-    vf level = min(0.5f * most, window.x + 1.0f / window.y), edge = where[0];
+    vf level = min(0.5f * maximum, window.x + 1.0f / window.y), edge = where[0];
     vi open = MASK(value[0] < level);
     for (int i = 0; i < LOOK_BACK + LOOK_AHEAD; i++) {
         vi here = open & MASK(value[i + 1] >= level);

@@ -65,8 +65,8 @@ void check_param_text(v_run *run) {
 static double text_tolerance(const sv_param_info *p, double value) {
     const double range = 0.01 * (p->max_value - p->min_value), own = 0.01 * fabs(value);
     if (p->type != SV_PARAM_FLOAT) return 0.49 * p->step;
-    const double most = own < range || range == 0.0 ? own : range;
-    return most > 0.5 * p->step ? most : 0.5 * p->step;
+    const double tolerance = own < range || range == 0.0 ? own : range;
+    return tolerance > 0.5 * p->step ? tolerance : 0.5 * p->step;
 }
 
 static void try_number(v_subject *s, const sv_param_info *p, double value) {

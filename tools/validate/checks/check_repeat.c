@@ -65,9 +65,9 @@ void check_slab_splits(v_run *run) {
     v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &whole);
     for (uint32_t turn = 0; turn < 3 + 2 * run->level; turn++) {
         uint32_t lengths[V_MAX_SLABS] = {0};
-        const uint32_t most = turn == 0 ? 1 : turn == 1 ? 2 : 2 + v_random(run, way.slices);
+        const uint32_t longest = turn == 0 ? 1 : turn == 1 ? 2 : 2 + v_random(run, way.slices);
         for (uint32_t n = 0, left = way.slices; left > 0; n++) {
-            lengths[n] = turn < 2 ? 1 : 1 + v_random(run, most);
+            lengths[n] = turn < 2 ? 1 : 1 + v_random(run, longest);
             if (turn == 1 && n % 2) lengths[n] = 2;
             if (lengths[n] > left || n == V_MAX_SLABS - 1) lengths[n] = left;
             left -= lengths[n];

@@ -171,7 +171,7 @@ static void describe(v_stage *st) {
 }
 
 /* The least bytes of a slab of n slices, as the header gives them at sv_slab. */
-static uint64_t least_bytes(const sv_format *f, uint32_t n) {
+static uint64_t min_bytes(const sv_format *f, uint32_t n) {
     const uint64_t r = (n - 1) / f->tiles_x;
     const uint64_t last = (r * f->tile_h + f->height - 1) * f->row_pitch +
                           (uint64_t)((n - 1) % f->tiles_x) * f->tile_w + f->width;
@@ -198,7 +198,7 @@ static void place_slabs(v_stage *st) {
     st->pages = pages;
     for (uint32_t n = 0; n < st->slab_count; n++) {
         uint8_t *start = st->pages + n * (each + page);
-        st->bytes[n] = st->way.exact ? least_bytes(f, st->length[n]) : rows * f->row_pitch;
+        st->bytes[n] = st->way.exact ? min_bytes(f, st->length[n]) : rows * f->row_pitch;
         st->memory[n] = st->way.exact ? start + each - st->bytes[n] : start;
         if (st->way.exact) (void)mprotect(start + each, page, PROT_NONE);
     }
