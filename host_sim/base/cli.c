@@ -66,8 +66,8 @@ bool hs_cli_pair(const char *option, const char *text, const char *names, double
            hs_cli_number(option, comma + 1, low, high, &out[1], err);
 }
 
-bool hs_cli_pick(const char *option, const char *text, const char *const *names, uint32_t count,
-                 uint32_t *index, hs_error *err) {
+bool hs_cli_select(const char *option, const char *text, const char *const *names, uint32_t count,
+                   uint32_t *index, hs_error *err) {
     char known[128] = "";
     for (uint32_t i = 0; i < count; i++) {
         if (strcmp(text, names[i]) == 0) {

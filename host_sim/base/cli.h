@@ -22,8 +22,8 @@ bool hs_cli_pair(const char *option, const char *text, const char *names, double
                  double out[2], hs_error *err);
 
 /* The index of `text` among `count` names; HS_ERR_USAGE lists them. */
-bool hs_cli_pick(const char *option, const char *text, const char *const *names, uint32_t count,
-                 uint32_t *index, hs_error *err);
+bool hs_cli_select(const char *option, const char *text, const char *const *names, uint32_t count,
+                   uint32_t *index, hs_error *err);
 
 /* Adds the value of an option that may be given `capacity` times to a list with room for as many;
  * HS_ERR_USAGE beyond. */

@@ -32,8 +32,8 @@ struct hs_clipper {
 };
 
 /* The values of parameters that only activate reads. Others in the format would be refused or ignored. No
- * more are picked than were given, however often the plugin lists a parameter. */
-static bool pick_reactivate_values(const hs_clipper *clipper, sv_param_value *out, uint32_t *count) {
+ * more are selected than were given, however often the plugin lists a parameter. */
+static bool select_reactivate_values(const hs_clipper *clipper, sv_param_value *out, uint32_t *count) {
     const sv_plugin *instance = clipper->plugin->instance;
     *count = 0;
     for (uint32_t v = 0; v < clipper->value_count; v++) {
@@ -67,7 +67,7 @@ static bool activate(hs_clipper *clipper, hs_error *err) {
         return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", clipper->value_count);
     sv_format format = make_format(clipper);
     const sv_plugin *instance = clipper->plugin->instance;
-    if (!pick_reactivate_values(clipper, fixed, &format.value_count)) {
+    if (!select_reactivate_values(clipper, fixed, &format.value_count)) {
         (void)hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: param_info fails for an index below param_count",
                       clipper->plugin->path);
     } else {

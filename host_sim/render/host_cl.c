@@ -70,7 +70,7 @@ static cl_device_id find_device(const cl_platform_id *platforms, cl_uint count, 
     return NULL;
 }
 
-static bool pick_device(hs_cl *cl, hs_error *err) {
+static bool select_device(hs_cl *cl, hs_error *err) {
     static const char cure[] =
         "install an OpenCL driver (Debian: pocl-opencl-icd), and see that the kernel cache "
         "folder (POCL_CACHE_DIR, else ~/.cache/pocl) can be written";
@@ -152,7 +152,7 @@ bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err) {
 
 bool hs_cl_open_bare(hs_cl *cl, hs_error *err) {
     memset(cl, 0, sizeof *cl);
-    if (!pick_device(cl, err)) return false;
+    if (!select_device(cl, err)) return false;
     cl_device_type type = 0;
     cl_int code = clGetDeviceInfo(cl->device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
     if (!hs_cl_check(code, "clGetDeviceInfo(CL_DEVICE_TYPE)", err)) goto fail;

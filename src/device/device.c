@@ -21,7 +21,7 @@ static cl_device_id first_device(cl_device_type type, cl_int *code) {
     return NULL;
 }
 
-static sv_status pick_device(sv_diag *diag, cl_device_id *device) {
+static sv_status select_device(sv_diag *diag, cl_device_id *device) {
     const char *wish = getenv("SMARTVIS_DEVICE");
     cl_int code = CL_SUCCESS;
     *device = NULL;
@@ -80,7 +80,7 @@ sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device,
         return status == SV_OK ? query_device(diag, out) : status;
     }
     out->owned = true;
-    sv_status status = pick_device(diag, &out->device);
+    sv_status status = select_device(diag, &out->device);
     if (status != SV_OK) return status;
     cl_int code = CL_SUCCESS;
     out->context = clCreateContext(NULL, 1, &out->device, NULL, NULL, &code);

@@ -213,7 +213,7 @@ static void common_setting_is_found_by_delta(void **state) {
         for (size_t i = 0; i < (size_t)spaces[s].items * r->plan.knob.count; i++)
             spaces[s].at[i].of[HS_MEASURE_ABS] = 10;
     /* Delta_MI 0.2, k = 23, position 4: the lowest average. Each case alone has a lower one elsewhere. */
-    const hs_eval_pick low[2] = {{2, 1, 4}, {5, 1, 4}}, own[2] = {{0, 3, 1}, {10, 0, 6}};
+    const hs_eval_setting low[2] = {{2, 1, 4}, {5, 1, 4}}, own[2] = {{0, 3, 1}, {10, 0, 6}};
     for (int s = 0; s < 2; s++) {
         const size_t k = r->plan.kernel.count, q = r->plan.knob.count;
         spaces[s].at[(low[s].threshold * k + low[s].kernel) * q + low[s].knob].of[HS_MEASURE_ABS] = 2;
@@ -225,7 +225,7 @@ static void common_setting_is_found_by_delta(void **state) {
     assert_int_equal(mean.best_knob, 4);
     assert_int_equal(mean.deltas, 7); /* 0 .. 0.3: T_B = 0.8 .. 0.5 of the first case */
     for (int s = 0; s < 2; s++) {
-        const hs_eval_pick best = hs_eval_best(&spaces[s]);
+        const hs_eval_setting best = hs_eval_best(&spaces[s]);
         assert_memory_equal(&best, &own[s], sizeof best);
         assert_true(hs_eval_threshold_at(&spaces[s], 0.2, &t));
         assert_int_equal(t, low[s].threshold);

@@ -16,7 +16,7 @@ enum { SPINS = 4096 };
 
 struct bench_team {
     pthread_t thread;
-    bool parted;                              /* there are two processors for two threads: */
+    bool two_processors;                      /* there are two processors for two threads: */
     cpu_set_t processors, own[BENCH_THREADS]; /* all, and one for each to start on */
     atomic_uint started, finished;            /* jobs given out; jobs the second thread is through with */
     atomic_uint arrived, phase;               /* of the barrier */
@@ -84,13 +84,13 @@ static void find_processors(bench_team *team) {
         CPU_ZERO(&team->own[found]);
         CPU_SET(p, &team->own[found++]);
     }
-    team->parted = found == BENCH_THREADS;
+    team->two_processors = found == BENCH_THREADS;
 }
 
 /* The system likes to wake a thread where the waking one runs, and is slow to part them: so each is sent to
  * its own processor, and then left free to go where there is room. What fails here costs time, no more. */
 static void part_threads(const bench_team *team) {
-    if (!team->parted) return;
+    if (!team->two_processors) return;
     (void)pthread_setaffinity_np(team->thread, sizeof team->own[1], &team->own[1]);
     (void)pthread_setaffinity_np(pthread_self(), sizeof team->own[0], &team->own[0]);
     (void)pthread_setaffinity_np(team->thread, sizeof team->processors, &team->processors);

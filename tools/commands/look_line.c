@@ -9,7 +9,7 @@ bool hs_look_line_look(void *look, const char *text, hs_error *err) {
     const char *names[HS_LOOK_COUNT];
     uint32_t index;
     for (int i = 0; i < HS_LOOK_COUNT; i++) names[i] = hs_look_key((hs_look)i);
-    if (!hs_cli_pick("--look", text, names, HS_LOOK_COUNT, &index, err)) return false;
+    if (!hs_cli_select("--look", text, names, HS_LOOK_COUNT, &index, err)) return false;
     *(hs_look *)look = (hs_look)index;
     return true;
 }

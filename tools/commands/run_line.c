@@ -24,7 +24,7 @@ static bool take_padding(void *target, const char *text, hs_error *err) {
     static const char *const names[] = {"auto", "none", "all"};
     hs_run_line *const line = target;
     uint32_t index = 0;
-    if (!hs_cli_pick("--padding", text, names, 3, &index, err)) return false;
+    if (!hs_cli_select("--padding", text, names, 3, &index, err)) return false;
     line->request.read.padding = (hs_padding)index;
     return (line->padding_given = true);
 }
@@ -34,7 +34,7 @@ static bool take_probe(void *target, const char *text, hs_error *err) {
     hs_metaimage_options *const read = target;
     uint32_t index = 0;
     for (int i = 0; i < HS_PROBE_COUNT; i++) names[i] = hs_probe_name((hs_probe)i);
-    if (!hs_cli_pick("--probe", text, names, HS_PROBE_COUNT, &index, err)) return false;
+    if (!hs_cli_select("--probe", text, names, HS_PROBE_COUNT, &index, err)) return false;
     read->probe = (hs_probe)index;
     return (read->has_probe = true);
 }
@@ -66,7 +66,7 @@ static bool take_carrier(void *target, const char *text, hs_error *err) {
     static const char *const names[] = {"host", "buffer", "image"};
     hs_run_line *const line = target;
     uint32_t index = 0;
-    if (!hs_cli_pick("--carrier", text, names, 3, &index, err)) return false;
+    if (!hs_cli_select("--carrier", text, names, 3, &index, err)) return false;
     line->request.loop.carrier = SV_CARRIER_HOST + index;
     return (line->carrier_given = true);
 }
@@ -74,7 +74,7 @@ static bool take_carrier(void *target, const char *text, hs_error *err) {
 static bool take_fan(void *fan, const char *text, hs_error *err) {
     static const char *const names[] = {"ranges", "padding", "nothing"};
     uint32_t index = 0;
-    if (!hs_cli_pick("--fan", text, names, 3, &index, err)) return false;
+    if (!hs_cli_select("--fan", text, names, 3, &index, err)) return false;
     *(hs_fan *)fan = (hs_fan)(HS_FAN_RANGES + index);
     return true;
 }
@@ -83,7 +83,7 @@ static bool take_setting(void *request, const char *text, hs_error *err) {
     static const char *const names[] = {"dvr", "convert", "smartvis", "all"};
     hs_run_request *const r = request;
     uint32_t index = 0;
-    if (!hs_cli_pick("--setting", text, names, 4, &index, err)) return false;
+    if (!hs_cli_select("--setting", text, names, 4, &index, err)) return false;
     for (uint32_t s = 0; s < HS_SETTING_COUNT; s++) r->settings[s] = index == HS_SETTING_COUNT || s == index;
     return true;
 }
@@ -92,7 +92,7 @@ static bool take_view(void *from, const char *text, hs_error *err) {
     const char *names[HS_FROM_COUNT];
     uint32_t index = 0;
     for (int i = 0; i < HS_FROM_COUNT; i++) names[i] = hs_from_name((hs_from)i);
-    if (!hs_cli_pick("--view", text, names, HS_FROM_COUNT, &index, err)) return false;
+    if (!hs_cli_select("--view", text, names, HS_FROM_COUNT, &index, err)) return false;
     *(hs_from *)from = (hs_from)index;
     return true;
 }

@@ -171,27 +171,27 @@ bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shar
 
 /* --------------------------------------------------------------------------------------- best settings -- */
 
-const hs_measures *hs_eval_at(const hs_eval_space *space, hs_eval_pick pick) {
+const hs_measures *hs_eval_at(const hs_eval_space *space, hs_eval_setting setting) {
     const hs_eval_plan *plan = space->plan;
-    const size_t item = (size_t)pick.threshold * plan->kernel.count + pick.kernel;
-    return &space->at[item * plan->knob.count + pick.knob];
+    const size_t item = (size_t)setting.threshold * plan->kernel.count + setting.kernel;
+    return &space->at[item * plan->knob.count + setting.knob];
 }
 
-hs_eval_pick hs_eval_best_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel) {
-    hs_eval_pick best = {threshold, kernel, 0}, pick = best;
-    for (pick.knob = 1; pick.knob < space->plan->knob.count; pick.knob++)
-        if (hs_eval_at(space, pick)->of[HS_MEASURE_ABS] < hs_eval_at(space, best)->of[HS_MEASURE_ABS])
-            best = pick;
+hs_eval_setting hs_eval_best_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel) {
+    hs_eval_setting best = {threshold, kernel, 0}, setting = best;
+    for (setting.knob = 1; setting.knob < space->plan->knob.count; setting.knob++)
+        if (hs_eval_at(space, setting)->of[HS_MEASURE_ABS] < hs_eval_at(space, best)->of[HS_MEASURE_ABS])
+            best = setting;
     return best;
 }
 
-hs_eval_pick hs_eval_best(const hs_eval_space *space) {
-    hs_eval_pick best = {0, 0, 0};
+hs_eval_setting hs_eval_best(const hs_eval_space *space) {
+    hs_eval_setting best = {0, 0, 0};
     for (uint32_t t = 0; t < space->plan->threshold.count; t++) {
         for (uint32_t k = 0; k < space->plan->kernel.count; k++) {
-            const hs_eval_pick pick = hs_eval_best_knob(space, t, k);
-            if (hs_eval_at(space, pick)->of[HS_MEASURE_ABS] < hs_eval_at(space, best)->of[HS_MEASURE_ABS])
-                best = pick;
+            const hs_eval_setting setting = hs_eval_best_knob(space, t, k);
+            if (hs_eval_at(space, setting)->of[HS_MEASURE_ABS] < hs_eval_at(space, best)->of[HS_MEASURE_ABS])
+                best = setting;
         }
     }
     return best;
@@ -229,9 +229,9 @@ static float average(const hs_eval_space *spaces, uint32_t count, double delta, 
                      uint32_t knob) {
     double sum = 0;
     for (uint32_t i = 0; i < count; i++) {
-        hs_eval_pick pick = {0, kernel, knob};
-        (void)hs_eval_threshold_at(&spaces[i], delta, &pick.threshold);
-        sum += (double)hs_eval_at(&spaces[i], pick)->of[HS_MEASURE_ABS];
+        hs_eval_setting setting = {0, kernel, knob};
+        (void)hs_eval_threshold_at(&spaces[i], delta, &setting.threshold);
+        sum += (double)hs_eval_at(&spaces[i], setting)->of[HS_MEASURE_ABS];
     }
     return (float)(sum / count);
 }

@@ -51,7 +51,7 @@ static bool time_curve(const hs_eval_study *study, uint32_t threshold, hs_eval_c
     for (uint32_t k = 0; k < study->plan.kernel.count; k++) {
         hs_eval_values values;
         double ms;
-        if (!hs_eval_study_values(study, (hs_eval_pick){threshold, k, 0}, &values, err) ||
+        if (!hs_eval_study_values(study, (hs_eval_setting){threshold, k, 0}, &values, err) ||
             !hs_eval_case_time(c, &values, CURVE_FRAMES, &ms, err))
             return false;
         fps[k] = 1e3 / ms;
@@ -214,10 +214,10 @@ static bool hs_eval_beside_measure(hs_eval_beside *b, uint32_t index, hs_eval_ca
 
 /* The whole space's common setting with one knob for all; unknown if the cases have none. */
 static hs_measures tuned(const hs_eval_mean *mean, const hs_eval_space *space) {
-    hs_eval_pick pick = {0, mean->best_kernel, mean->best_knob};
-    if (mean->deltas == 0 || !hs_eval_threshold_at(space, mean->delta[mean->best], &pick.threshold))
+    hs_eval_setting setting = {0, mean->best_kernel, mean->best_knob};
+    if (mean->deltas == 0 || !hs_eval_threshold_at(space, mean->delta[mean->best], &setting.threshold))
         return unknown();
-    return *hs_eval_at(space, pick);
+    return *hs_eval_at(space, setting);
 }
 
 /* The best knob, when all `count` cases are measured and the mean of their spaces is there. */
@@ -286,12 +286,12 @@ bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, h
     return hs_eval_case_open(c, &study->cl, &study->plugin, &study->plan.base, &request, err);
 }
 
-bool hs_eval_study_values(const hs_eval_study *study, hs_eval_pick pick, hs_eval_values *values,
+bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, hs_eval_values *values,
                           hs_error *err) {
     const hs_eval_plan *plan = &study->plan;
-    return hs_eval_plan_values(plan, pick.threshold * plan->kernel.count + pick.kernel, values, err) &&
+    return hs_eval_plan_values(plan, setting.threshold * plan->kernel.count + setting.kernel, values, err) &&
            (!plan->knob.exists ||
-            hs_eval_values_add(values, plan->knob.info.id, plan->knob.value[pick.knob], err));
+            hs_eval_values_add(values, plan->knob.info.id, plan->knob.value[setting.knob], err));
 }
 
 /* ------------------------------------------------------------------------------------- direct check -- */
@@ -303,15 +303,15 @@ static uint32_t next_random(uint32_t *state) {
 }
 
 static bool check_setting(hs_eval_study *study, const hs_eval_space *space, hs_eval_case *c,
-                          hs_eval_pick pick, hs_error *err) {
+                          hs_eval_setting setting, hs_error *err) {
     hs_eval_values values;
     hs_measures direct;
     sv_status outcome;
-    if (!hs_eval_study_values(study, pick, &values, err) ||
+    if (!hs_eval_study_values(study, setting, &values, err) ||
         !hs_eval_case_direct(c, &values, &direct, &outcome, err))
         return false;
     for (int m = 0; m < 3; m++) {
-        const double a = (double)hs_eval_at(space, pick)->of[m], b = (double)direct.of[m];
+        const double a = (double)hs_eval_at(space, setting)->of[m], b = (double)direct.of[m];
         const double off = isnan(a) && isnan(b) ? 0.0 : fabs(a - b);
         if (!(off <= study->check_worst[m])) study->check_worst[m] = off;
     }
@@ -327,11 +327,11 @@ static bool check_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs
     const uint32_t wanted = study->options->check / cases + (index < study->options->check % cases);
     uint32_t state = index + 1u;
     for (uint32_t n = 0; n < wanted && space->done_count > 0;) {
-        const hs_eval_pick pick = {next_random(&state) % plan->threshold.count,
-                                   next_random(&state) % plan->kernel.count,
-                                   next_random(&state) % plan->knob.count};
-        if (!hs_eval_space_done(space, pick.threshold * plan->kernel.count + pick.kernel)) continue;
-        if (!check_setting(study, space, c, pick, err)) return false;
+        const hs_eval_setting setting = {next_random(&state) % plan->threshold.count,
+                                         next_random(&state) % plan->kernel.count,
+                                         next_random(&state) % plan->knob.count};
+        if (!hs_eval_space_done(space, setting.threshold * plan->kernel.count + setting.kernel)) continue;
+        if (!check_setting(study, space, c, setting, err)) return false;
         n++;
     }
     return true;

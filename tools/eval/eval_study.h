@@ -147,15 +147,15 @@ bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shar
 /* A setting of a space: indices into the plan's axes. */
 typedef struct {
     uint32_t threshold, kernel, knob;
-} hs_eval_pick;
+} hs_eval_setting;
 
-const hs_measures *hs_eval_at(const hs_eval_space *space, hs_eval_pick pick);
+const hs_measures *hs_eval_at(const hs_eval_space *space, hs_eval_setting setting);
 
 /* The setting with the lowest e_abs; of several equal ones the first. */
-hs_eval_pick hs_eval_best(const hs_eval_space *space);
+hs_eval_setting hs_eval_best(const hs_eval_space *space);
 
 /* The knob with the lowest e_abs where the other two are given. */
-hs_eval_pick hs_eval_best_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel);
+hs_eval_setting hs_eval_best_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel);
 
 /* Delta_MI = volume_max - T_B of a position; NAN without a threshold axis. */
 double hs_eval_delta(const hs_eval_space *space, uint32_t threshold);
@@ -223,8 +223,8 @@ double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_besi
 typedef struct {
     char title[256];         /* what the thesis says of it */
     hs_measures unclipped;   /* of the full volume */
-    hs_eval_pick best;       /* Table 5.2 */
-    hs_eval_pick common;     /* Table 5.3: the common setting, the case's best knob */
+    hs_eval_setting best;    /* Table 5.2 */
+    hs_eval_setting common;  /* Table 5.3: the common setting, the case's best knob */
     hs_measures shown;       /* measured the direct way at `common` */
     sv_status shown_outcome; /* of the plugin there */
     bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
@@ -282,7 +282,7 @@ bool hs_eval_study_whole(const hs_eval_study *study);
 bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err);
 
 /* The values of a setting, the knob included. */
-bool hs_eval_study_values(const hs_eval_study *study, hs_eval_pick pick, hs_eval_values *values,
+bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, hs_eval_values *values,
                           hs_error *err);
 
 /* ----------------------------------------------------------------------------------------------- speed -- */

@@ -73,7 +73,7 @@ typedef struct {
     uint32_t frames, calls,
         left_out;                /* left out: calls that broke a rule, of which only the status was kept */
     uint32_t maps, lines;        /* that were compared */
-    uint32_t parted;             /* what was not the same */
+    uint32_t differences;        /* what was not the same */
     char told[RP_MAX_TOLD][400]; /* the first of it */
     uint64_t voxel_bytes;        /* of all slabs, unpacked */
     double recorded_ms, ms;      /* of all begins, slabs and ends */

@@ -37,12 +37,12 @@ typedef struct {
     rp_frame frame; /* under way, if it is to be drawn */
 } player;
 
-/* ---- what parts */
-static void part(player *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void part(player *p, const char *format, ...) {
+/* ---- what differs */
+static void differ(player *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void differ(player *p, const char *format, ...) {
     rp_report *r = p->report;
-    if (r->parted++ >= RP_MAX_TOLD) return;
-    char *to = r->told[r->parted - 1];
+    if (r->differences++ >= RP_MAX_TOLD) return;
+    char *to = r->told[r->differences - 1];
     const size_t room = sizeof r->told[0];
     int used = 0;
     if (r->frames > 0)
@@ -83,8 +83,8 @@ static void compare_lines(player *p, const char *call) {
         const size_t here = strcspn(a, "\n"), there = strcspn(b, "\n");
         p->report->lines++;
         if (here != there || memcmp(a, b, here) != 0) {
-            part(p, "%s: the log has \"%.*s\", recorded is \"%.*s\"", call, here < 120 ? (int)here : 120, a,
-                 there < 120 ? (int)there : 120, b);
+            differ(p, "%s: the log has \"%.*s\", recorded is \"%.*s\"", call, here < 120 ? (int)here : 120, a,
+                   there < 120 ? (int)there : 120, b);
             break;
         }
         a += here + (a[here] != '\0');
@@ -286,10 +286,11 @@ static void compare_depths(player *p) {
     }
     if (apart == 0) return;
     const float a = depth_of(played_at(p, first)), b = depth_of(p->item.data + first * sizeof(float));
-    part(p,
-         "%s: %u of %zu depths are others, by up to %g slices; the first is ray (%zu, %zu): %g, recorded %g",
-         rp_calls[p->item.kind], apart, rays, (double)largest, first % f->width, first / f->width, (double)a,
-         (double)b);
+    differ(
+        p,
+        "%s: %u of %zu depths are others, by up to %g slices; the first is ray (%zu, %zu): %g, recorded %g",
+        rp_calls[p->item.kind], apart, rays, (double)largest, first % f->width, first / f->width, (double)a,
+        (double)b);
 }
 
 static void compare_results(player *p) {
@@ -299,13 +300,13 @@ static void compare_results(player *p) {
     if (p->item.stats && p->hand.format.width > 0 &&
         (here->outcome != there->outcome || here->rays != there->rays || here->points != there->points ||
          here->unfilled != there->unfilled))
-        part(p, "%s: %s, %u rays, %u points, %u without a surface; recorded %s, %u, %u, %u", call,
-             hs_status_name(here->outcome), here->rays, here->points, here->unfilled,
-             hs_status_name(there->outcome), there->rays, there->points, there->unfilled);
+        differ(p, "%s: %s, %u rays, %u points, %u without a surface; recorded %s, %u, %u, %u", call,
+               hs_status_name(here->outcome), here->rays, here->points, here->unfilled,
+               hs_status_name(there->outcome), there->rays, there->points, there->unfilled);
     if (p->item.maps == 0 || !p->item.data || !p->hand.depth) return;
     compare_depths(p);
     if (p->item.maps == 2 && memcmp(p->hand.status, p->item.data + rays * sizeof(float), rays) != 0)
-        part(p, "%s: the status map is another one", call);
+        differ(p, "%s: the status map is another one", call);
 }
 
 /* A guard makes the calls of a frame all at once, in end: what begin and slab came to is not seen, nor are
@@ -323,8 +324,8 @@ static void compare_return(player *p) {
                        (it->returned == SV_OK || p->status == SV_OK);
     p->report->maps_kept |= it->maps > 0;
     if (!hidden && !open && !alike && p->status != it->returned)
-        part(p, "%s: %s, recorded %s%s%s", call, hs_status_name(p->status), hs_status_name(it->returned),
-             it->reason[0] ? ": " : "", it->reason);
+        differ(p, "%s: %s, recorded %s%s%s", call, hs_status_name(p->status), hs_status_name(it->returned),
+               it->reason[0] ? ": " : "", it->reason);
     else if (delivers && p->has_voxels && p->status >= SV_OK && it->returned >= SV_OK)
         compare_results(p);
     compare_lines(p, call);

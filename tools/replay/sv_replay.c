@@ -20,7 +20,7 @@ static bool take_carrier(void *target, const char *text, hs_error *err) {
     static const char *const names[] = {"host", "buffer", "image"};
     rp_options *const o = target;
     uint32_t index;
-    if (!hs_cli_pick("--carrier", text, names, 3, &index, err)) return false;
+    if (!hs_cli_select("--carrier", text, names, 3, &index, err)) return false;
     o->carrier = SV_CARRIER_HOST + index;
     return true;
 }
@@ -75,9 +75,9 @@ static void print_report(const rp_options *o, const rp_report *r, bool whole) {
         hs_print(stdout, "\n%.1f MB for %.1f MB of voxels", (double)file.st_size * 1e-6,
                  (double)r->voxel_bytes * 1e-6);
     hs_print(stdout, "\n%.1f ms in begin, slab and end, recorded %.1f ms\n", r->ms, r->recorded_ms);
-    for (uint32_t i = 0; i < r->parted && i < RP_MAX_TOLD; i++) hs_print(stdout, "%s\n", r->told[i]);
-    if (r->parted > RP_MAX_TOLD) hs_print(stdout, "and %u more\n", r->parted - RP_MAX_TOLD);
-    hs_print(stdout, "%s\n", r->parted ? "NOT THE SAME" : whole ? "the same" : "the same so far");
+    for (uint32_t i = 0; i < r->differences && i < RP_MAX_TOLD; i++) hs_print(stdout, "%s\n", r->told[i]);
+    if (r->differences > RP_MAX_TOLD) hs_print(stdout, "and %u more\n", r->differences - RP_MAX_TOLD);
+    hs_print(stdout, "%s\n", r->differences ? "NOT THE SAME" : whole ? "the same" : "the same so far");
 }
 
 static int play(void *context) {
@@ -88,7 +88,7 @@ static int play(void *context) {
     ok = ok && rp_play(o, report, &err);
     if (report && (ok || err.code == HS_ERR_INPUT) && report->calls > 0) print_report(o, report, ok);
     if (ok && o->out) ok = rp_draw(o, report, &err);
-    const bool same = report && report->parted == 0;
+    const bool same = report && report->differences == 0;
     if (report) rp_frame_free(&report->drawn);
     free(report);
     if (ok) return hs_cli_finish("sv_replay", same ? HS_OK : HS_ERR_FAILED);

@@ -213,7 +213,7 @@ static void put(hs_eval_row *row, uint32_t column, const char *format, double va
         (void)snprintf(row->cell[column], HS_EVAL_CELL, format, value);
 }
 
-static hs_eval_pick pick_of(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index) {
+static hs_eval_setting setting_of(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index) {
     return kind == HS_TABLE_BEST ? study->result[index].best : study->result[index].common;
 }
 
@@ -232,7 +232,7 @@ static float known_mean(const hs_eval_study *study, hs_eval_table_kind kind, int
     uint32_t known = 0;
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t i = 0; i < study->count; i++) {
-            const float of = hs_eval_at(&study->space[i], pick_of(study, kind, i))->of[measure];
+            const float of = hs_eval_at(&study->space[i], setting_of(study, kind, i))->of[measure];
             if (isnan(of)) continue;
             if (pass == 0)
                 known++;
@@ -269,13 +269,13 @@ void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint3
     }
     const hs_eval_space *space = &study->space[index];
     const hs_eval_thesis_case *t = hs_eval_thesis_find(space->name);
-    const hs_eval_pick pick = pick_of(study, kind, index);
+    const hs_eval_setting setting = setting_of(study, kind, index);
     (void)snprintf(row->cell[CASE], HS_EVAL_CELL, "%.31s", space->name);
-    put(row, THRESHOLD, "%.2f", plan->threshold.exists ? plan->threshold.value[pick.threshold] : NAN);
-    put(row, DELTA, "%.2f", hs_eval_delta(space, pick.threshold));
-    put(row, KERNEL, "%.0f", plan->kernel.exists ? plan->kernel.value[pick.kernel] : NAN);
-    put(row, KNOB, "%.4g", plan->knob.exists ? plan->knob.value[pick.knob] : NAN);
-    put_measures(row, hs_eval_at(space, pick), (double)study->result[index].unclipped.of[HS_MEASURE_ABS]);
+    put(row, THRESHOLD, "%.2f", plan->threshold.exists ? plan->threshold.value[setting.threshold] : NAN);
+    put(row, DELTA, "%.2f", hs_eval_delta(space, setting.threshold));
+    put(row, KERNEL, "%.0f", plan->kernel.exists ? plan->kernel.value[setting.kernel] : NAN);
+    put(row, KNOB, "%.4g", plan->knob.exists ? plan->knob.value[setting.knob] : NAN);
+    put_measures(row, hs_eval_at(space, setting), (double)study->result[index].unclipped.of[HS_MEASURE_ABS]);
     if (!t) return;
     put(row, THESIS_KNOB, "%.2f", kind == HS_TABLE_BEST ? t->knob : t->common_knob);
     put(row, THESIS_E_ABS, "%.2f", kind == HS_TABLE_BEST ? t->e_abs : t->common_e_abs);

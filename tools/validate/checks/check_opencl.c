@@ -246,7 +246,7 @@ static void to_inactive(v_rig *r) {
 }
 
 /* The nth of `count` things that are tried: all if they are few, else the first ones and some of the rest. */
-static uint32_t pick(v_run *run, uint32_t turn, uint32_t turns, uint32_t count) {
+static uint32_t nth_of(v_run *run, uint32_t turn, uint32_t turns, uint32_t count) {
     if (turns >= count) return turn + 1;
     const uint32_t from = (uint32_t)((uint64_t)turn * count / turns);
     const uint32_t to = (uint32_t)((uint64_t)(turn + 1) * count / turns);
@@ -277,7 +277,7 @@ void check_opencl_faults(v_run *run) {
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
     const uint32_t turns = run->level >= 10 || 8 * run->level > calls ? calls : 8 * run->level;
     for (uint32_t turn = 0; turn < turns; turn++) {
-        const uint32_t nth = pick(run, turn, turns, calls);
+        const uint32_t nth = nth_of(run, turn, turns, calls);
         char failed[120];
         spy_reset();
         spy_fail(nth, nth % 2 ? CL_OUT_OF_RESOURCES : CL_OUT_OF_HOST_MEMORY);
@@ -321,7 +321,7 @@ void check_heap_faults(v_run *run) {
     if (all == 0) v_skip(run, "the plugin makes no allocations that the validator can see");
     const uint32_t turns = run->level >= 10 || 8 * run->level > all ? all : 8 * run->level;
     for (uint32_t turn = 0; turn < turns; turn++) {
-        const uint32_t nth = pick(run, turn, turns, all);
+        const uint32_t nth = nth_of(run, turn, turns, all);
         char failed[120];
         (void)snprintf(failed, sizeof failed, "allocation %u of %u", nth, all);
         heap_spy_reset();
