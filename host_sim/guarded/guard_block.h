@@ -33,15 +33,15 @@ typedef enum {
     HS_GUARD_OPEN = 1, /* library, descriptors, create, parameters: open, then facts */
     HS_GUARD_ACTIVATE, /* format, values */
     HS_GUARD_DEACTIVATE,
-    HS_GUARD_FRAME,  /* frame, slabs, values, result; then what `follow` asks for */
-    HS_GUARD_ADJUST, /* values, result; the same */
-    HS_GUARD_FOLLOW, /* what `follow` asks for, of the last frame */
-    HS_GUARD_TEXT,   /* text */
-    HS_GUARD_TIME,   /* number: on or off */
-    HS_GUARD_TIMES,  /* times */
-    HS_GUARD_SURE,   /* confidence of the last frame, read in a [control] call */
-    HS_GUARD_SPLINE, /* spline */
-    HS_GUARD_CLOSE   /* destroy, and the end of the child */
+    HS_GUARD_FRAME,           /* frame, slabs, values, result; then what `follow` asks for */
+    HS_GUARD_ADJUST,          /* values, result; the same */
+    HS_GUARD_FOLLOW,          /* what `follow` asks for, of the last frame */
+    HS_GUARD_TEXT,            /* text */
+    HS_GUARD_TIME,            /* number: on or off */
+    HS_GUARD_TIMES,           /* times */
+    HS_GUARD_READ_CONFIDENCE, /* confidence of the last frame, read in a [control] call */
+    HS_GUARD_SPLINE,          /* spline */
+    HS_GUARD_CLOSE            /* destroy, and the end of the child */
 } hs_guard_op;
 
 typedef struct {
@@ -135,13 +135,13 @@ typedef struct {
     char text[256];
     sv_stage_times times;
     sv_spline_report spline;
-    sv_confidence_report sure;
+    sv_confidence_report confidence_report;
 } hs_guard_block;
 
 /* The maps behind the block, in this order; as many pixels as the format has. */
 typedef enum {
     HS_GUARD_DEPTH,
-    HS_GUARD_SURE_MAP,
+    HS_GUARD_CONFIDENCE_MAP,
     HS_GUARD_SCANNED,
     HS_GUARD_STATUS,
     HS_GUARD_MAPS

@@ -261,7 +261,7 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
     if (!follow(guard, HS_GUARD_CONFIDENCE)) return SV_ERR_INTERNAL;
     const sv_status status = guard->block->confidence;
     if (status == SV_OK)
-        memcpy(map, hs_guard_map_of(guard, HS_GUARD_SURE_MAP), guard->pixels * sizeof *map);
+        memcpy(map, hs_guard_map_of(guard, HS_GUARD_CONFIDENCE_MAP), guard->pixels * sizeof *map);
     else
         note_error(guard);
     return status;
@@ -269,11 +269,11 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
 
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
     hs_guard *guard = hs_guard_of(plugin);
-    const sv_status status = hs_guard_ask(guard, HS_GUARD_SURE, guard->options.frame_s);
+    const sv_status status = hs_guard_ask(guard, HS_GUARD_READ_CONFIDENCE, guard->options.frame_s);
     if (status != SV_OK) return status;
-    const sv_confidence_report sure = guard->block->sure;
-    if (map) memcpy(map, hs_guard_map_of(guard, HS_GUARD_SURE_MAP), guard->pixels * sizeof *map);
-    if (out) give(out, out->size, &sure, sizeof sure);
+    const sv_confidence_report report = guard->block->confidence_report;
+    if (map) memcpy(map, hs_guard_map_of(guard, HS_GUARD_CONFIDENCE_MAP), guard->pixels * sizeof *map);
+    if (out) give(out, out->size, &report, sizeof report);
     guard->settled &= ~(uint32_t)HS_GUARD_CONFIDENCE;
     return SV_OK;
 }

@@ -279,9 +279,9 @@ static sv_status read_confidence(server_state *server) {
     const sv_ext_confidence *ext = hs_plugin_confidence(instance);
     if (!ext || !server->active) return SV_ERR_STATE;
     enter_call(server, "confidence", 0, 0);
-    block->sure = (sv_confidence_report){.size = sizeof block->sure};
-    return keep_reason(
-        server, ext->read(instance, hs_carrier_map(&server->carrier, HS_GUARD_SURE_MAP), &block->sure));
+    block->confidence_report = (sv_confidence_report){.size = sizeof block->confidence_report};
+    return keep_reason(server, ext->read(instance, hs_carrier_map(&server->carrier, HS_GUARD_CONFIDENCE_MAP),
+                                         &block->confidence_report));
 }
 
 static sv_status read_spline(server_state *server) {
@@ -324,7 +324,7 @@ static sv_status obey(server_state *server, uint32_t op) {
         return time_stages(server, false);
     case HS_GUARD_TIMES:
         return time_stages(server, true);
-    case HS_GUARD_SURE:
+    case HS_GUARD_READ_CONFIDENCE:
         return read_confidence(server);
     case HS_GUARD_SPLINE:
         return read_spline(server);

@@ -190,7 +190,7 @@ bool hs_carrier_result(hs_carrier *carrier, sv_result *result, hs_error *err) {
 
 void hs_carrier_confidence(hs_carrier *carrier, float **map, cl_mem *object) {
     *object = carrier->confidence;
-    *map = carrier->confidence ? NULL : hs_carrier_map(carrier, HS_GUARD_SURE_MAP);
+    *map = carrier->confidence ? NULL : hs_carrier_map(carrier, HS_GUARD_CONFIDENCE_MAP);
     carrier->brings_confidence = true;
 }
 
@@ -205,7 +205,7 @@ static bool read_back(const hs_carrier *carrier, cl_mem object, hs_guard_map map
 bool hs_carrier_finish(hs_carrier *carrier, hs_error *err) {
     if (!has_queue(carrier)) return true;
     return read_back(carrier, carrier->depth, HS_GUARD_DEPTH, "clEnqueueReadBuffer (depthmap)", err) &&
-           (!carrier->brings_confidence || read_back(carrier, carrier->confidence, HS_GUARD_SURE_MAP,
+           (!carrier->brings_confidence || read_back(carrier, carrier->confidence, HS_GUARD_CONFIDENCE_MAP,
                                                      "clEnqueueReadBuffer (confidence)", err)) &&
            hs_cl_check(clFinish(carrier->cl.queue), "clFinish (plugin)", err);
 }

@@ -262,7 +262,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
     if (status == SV_OK) clip->outcome = clipper->stats.outcome;
     clip->clipped = hs_outcome_clips(clip->outcome);
-    clip->sure = clip->clipped && hs_confidence_map_settle(clipper->confidence);
+    clip->has_confidence = clip->clipped && hs_confidence_map_settle(clipper->confidence);
     return true;
 }
 
@@ -286,12 +286,13 @@ bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip,
 
 /* --------------------------------------------------------------------------------------- what it left -- */
 
-const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped, bool sure,
+const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped, bool with_confidence,
                                         hs_start_depths *out) {
     const hs_slab_layout *layout = hs_slabs_layout(clipper->slabs);
     if (!clipped) return NULL;
     *out = (hs_start_depths){.depth = clipper->depth,
-                             .confidence = sure ? hs_confidence_map_values(clipper->confidence) : NULL,
+                             .confidence =
+                                 with_confidence ? hs_confidence_map_values(clipper->confidence) : NULL,
                              .width = layout->width,
                              .height = layout->height,
                              .slices = layout->slices};

@@ -27,7 +27,7 @@ bool hs_outcome_clips(sv_status outcome);
 /* What a call of the plugin came to. */
 typedef struct {
     bool clipped;            /* the map may be used: hs_outcome_clips */
-    bool sure;               /* and so may its confidence */
+    bool has_confidence;     /* and so may its confidence */
     sv_status outcome;       /* the plugin's; SV_ERR_STATE if it is not there or not active */
     sv_stats stats;          /* the plugin's; zeros if it failed */
     sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
@@ -66,13 +66,13 @@ bool hs_clipper_frame(hs_clipper *clipper, hs_moment moment, hs_clip *clip, hs_e
 /* The last successful frame with another value for one parameter that is flagged SV_PARAM_ADJUST. */
 bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip, hs_error *err);
 
-/* Where rays start by the last call's map, for hs_dvr_render: *out, or NULL if `clipped` is false. `sure`
- * adds the confidence. *out points into the clipper. */
-const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped, bool sure,
+/* Where rays start by the last call's map, for hs_dvr_render: *out, or NULL if `clipped` is false.
+ * `with_confidence` adds the confidence. *out points into the clipper. */
+const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped, bool with_confidence,
                                         hs_start_depths *out);
 
 /* Reads back what the last call left, width * height values of the slabs' layout: the depthmap in slices, the
- * confidence 0 .. 1 (only if the call was `sure`). Waits for the queue. HS_ERR_DEVICE. */
+ * confidence 0 .. 1 (only where hs_clip.has_confidence). Waits for the queue. HS_ERR_DEVICE. */
 bool hs_clipper_read_depth(const hs_clipper *clipper, float *depth, hs_error *err);
 bool hs_clipper_read_confidence(const hs_clipper *clipper, float *confidence, hs_error *err);
 /* SV_POINT_* of every pixel, of the last frame that was asked for them; owned by the clipper. */

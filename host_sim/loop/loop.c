@@ -306,7 +306,7 @@ const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const 
                                      hs_camera *window, hs_start_depths *out) {
     float share;
     hs_loop_window(loop, index, window, &share);
-    if (!frame || !hs_clipper_start(loop->clipper, frame->clipped, frame->sure, out)) return NULL;
+    if (!frame || !hs_clipper_start(loop->clipper, frame->clipped, frame->has_confidence, out)) return NULL;
     out->share = share;
     return out;
 }
@@ -345,7 +345,7 @@ static hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
 
 void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
     frame->clipped = clip->clipped;
-    frame->sure = clip->sure;
+    frame->has_confidence = clip->has_confidence;
     frame->outcome = clip->outcome;
     frame->stats = clip->stats;
     frame->points = clip->points;

@@ -81,7 +81,7 @@ const char *hs_stage_label(hs_stage stage);
 typedef struct {
     double ms[HS_STAGE_COUNT];
     bool clipped;            /* the picture was rendered with the plugin's map (hs_outcome_clips) */
-    bool sure;               /* and its ghosting with the plugin's confidence */
+    bool has_confidence;     /* and its ghosting with the plugin's confidence */
     sv_status outcome;       /* the plugin's, SV_OK if it was not asked */
     sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */
     sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */

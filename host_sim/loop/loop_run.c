@@ -40,7 +40,7 @@ bool hs_loop_ray_ends(hs_loop *loop, uint32_t index, const hs_frame *frame, floa
     hs_camera camera;
     hs_start_depths depths;
     const hs_start_depths *start =
-        frame ? hs_clipper_start(loop->clipper, frame->clipped, frame->sure, &depths) : NULL;
+        frame ? hs_clipper_start(loop->clipper, frame->clipped, frame->has_confidence, &depths) : NULL;
     hs_loop_camera(loop, index, &camera);
     return hs_screen_render(loop->screen, loop->volume, &camera, start, true, err) &&
            hs_screen_read_termination(loop->screen, ends, err);

@@ -20,16 +20,16 @@ static bool allocate_maps(const hs_loop *loop, hs_maps *maps, hs_error *err) {
 }
 
 static bool read_confidence(const hs_loop *loop, size_t rays, hs_maps *maps, hs_error *err) {
-    maps->sure = malloc(rays * sizeof *maps->sure);
-    if (!maps->sure) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
-    return hs_clipper_read_confidence(loop->clipper, maps->sure, err);
+    maps->confidence = malloc(rays * sizeof *maps->confidence);
+    if (!maps->confidence) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
+    return hs_clipper_read_confidence(loop->clipper, maps->confidence, err);
 }
 
 /* A map that was not used is not shown either, since it may be an earlier frame's. */
 static bool read_back(const hs_loop *loop, hs_maps *maps, hs_error *err) {
     const size_t rays = (size_t)maps->width * maps->height;
     if (maps->frame.clipped && !hs_clipper_read_depth(loop->clipper, maps->depth, err)) return false;
-    if (maps->frame.sure && !read_confidence(loop, rays, maps, err)) return false;
+    if (maps->frame.has_confidence && !read_confidence(loop, rays, maps, err)) return false;
     if (maps->frame.outcome >= SV_OK) memcpy(maps->status, hs_clipper_status(loop->clipper), rays);
     return true;
 }
@@ -55,7 +55,7 @@ bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err) {
 void hs_maps_free(hs_maps *maps) {
     free(maps->depth);
     free(maps->status);
-    free(maps->sure);
+    free(maps->confidence);
     *maps = (hs_maps){0};
 }
 
@@ -224,7 +224,7 @@ static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *er
     if (!hs_loop_maps(loop, index, &maps, err)) return false;
     view->depth = maps.depth;
     view->status = maps.status;
-    view->sure = maps.sure;
+    view->sure = maps.confidence;
     view->frame = maps.frame;
     return true;
 }

@@ -14,7 +14,7 @@ typedef struct {
     uint32_t width, height, slices; /* of the low-resolution volume */
     float *depth;                   /* the depthmap, in slices; zeros if it was not used */
     uint8_t *status;                /* SV_POINT_* */
-    float *sure;                    /* the plugin's confidence, 0 .. 1; NULL if it gave none */
+    float *confidence;              /* the plugin's confidence, 0 .. 1; NULL if it gave none */
     hs_camera camera;
     hs_frame frame;
 } hs_maps;

@@ -246,7 +246,7 @@ static bool open_stream(writing *w, uint32_t index) {
 
 /* Once the first frame has told what the plugin gives. */
 static bool open_files(writing *w, uint32_t wanted) {
-    if (!w->maps.frame.sure) {
+    if (!w->maps.frame.has_confidence) {
         if (wanted & HS_RESULT_CONFIDENCE)
             return hs_fail(w->err, HS_ERR_PLUGIN, "confidence: the plugin gave none for the first volume");
         w->report->what &= ~(uint32_t)HS_RESULT_CONFIDENCE;
@@ -285,7 +285,8 @@ static bool write_depthmap(writing *w, hs_metaimage_stream *out) {
 /* A volume of a sequence without a confidence is unsure everywhere. */
 static bool write_confidence(writing *w, hs_metaimage_stream *out) {
     const size_t rays = (size_t)w->maps.width * w->maps.height;
-    if (w->maps.sure) return hs_metaimage_stream_write(out, w->maps.sure, rays * sizeof *w->maps.sure);
+    if (w->maps.confidence)
+        return hs_metaimage_stream_write(out, w->maps.confidence, rays * sizeof *w->maps.confidence);
     float *none = calloc(rays, sizeof *none);
     if (!none) return hs_fail(w->err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
     const bool ok = hs_metaimage_stream_write(out, none, rays * sizeof *none);

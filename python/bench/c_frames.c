@@ -17,7 +17,7 @@ typedef struct {
     const sv_ext_confidence *confidence;
     uint32_t side;
     unsigned char *volume, *status;
-    float *depth, *sure;
+    float *depth, *confidence_map;
 } host;
 
 static double now_ms(void) {
@@ -36,7 +36,7 @@ static int frame(host *h, uint64_t index) {
     if (p->begin(p, &begin) != SV_OK || p->slab(p, &slab) != SV_OK || p->end(p, &result) < SV_OK) return 0;
     if (h->confidence) {
         sv_confidence_report report = {.size = sizeof report};
-        return h->confidence->read(p, h->sure, &report) == SV_OK;
+        return h->confidence->read(p, h->confidence_map, &report) == SV_OK;
     }
     sv_points_report report = {.size = sizeof report};
     return !h->points || h->points->write(p, &report) == SV_OK;
@@ -73,8 +73,8 @@ int main(int argc, char **argv) {
     h.volume = malloc(rays * h.side);
     h.status = malloc(rays);
     h.depth = malloc(rays * sizeof *h.depth);
-    h.sure = malloc(rays * sizeof *h.sure);
-    if (!entry || !h.volume || !h.status || !h.depth || !h.sure) return 3;
+    h.confidence_map = malloc(rays * sizeof *h.confidence_map);
+    if (!entry || !h.volume || !h.status || !h.depth || !h.confidence_map) return 3;
     for (uint32_t z = 0; z < h.side; z++)
         memset(h.volume + z * rays, z < h.side / 5 ? 100 : z < 3 * h.side / 5 ? 10 : 200, rays);
     if (entry->create(&offered, entry->descriptor(0)->id, &h.plugin) != SV_OK || !activate(&h)) return 4;

@@ -268,7 +268,7 @@ static void check_view(const hs_cl *cl, const view *w) {
     size_t undecided = 0, crossed = 0;
     for (size_t ray = 0; ray < rays; ray++) {
         uint32_t first = layout.slices, end = 0;
-        bool sure = true;
+        bool decided = true;
         for (uint32_t z = 0; z < layout.slices; z++) {
             const int got = out.voxels[z * rays + ray];
             const ref_beams_voxel e =
@@ -277,7 +277,7 @@ static void check_view(const hs_cl *cl, const view *w) {
             if (e.value != 0 && first == layout.slices) first = z;
             if (e.value != 0) end = z + 1;
             if (!e.decided)
-                sure = false;
+                decided = false;
             else if ((got == 0) != (e.value == 0))
                 fail_msg("view %td, ray %zu, slice %u: %d, expected %.4f", w - views, ray, z, got, e.mean);
             if (e.close == 0 && got > 0 && fabs(got - e.mean) > 0.5 + 255.0 * 1e-4)
@@ -285,10 +285,10 @@ static void check_view(const hs_cl *cl, const view *w) {
         }
         if (first == layout.slices) first = end = 0;
         crossed += end > first;
-        undecided += !sure;
+        undecided += !decided;
         const cl_ushort2 r = out.ranges[ray];
         const bool none = r.s[0] >= r.s[1];
-        if (sure && (none ? end > first : r.s[0] != first || r.s[1] != end))
+        if (decided && (none ? end > first : r.s[0] != first || r.s[1] != end))
             fail_msg("view %td, ray %zu: scanned %u .. %u, expected %u .. %u", w - views, ray, r.s[0], r.s[1],
                      first, end);
     }

@@ -15,7 +15,7 @@ static uint64_t add(uint64_t sum, const void *data, size_t bytes) {
 }
 
 /* The view at every scene, without a confidence or with one. */
-static uint64_t sum_of(const hs_cl *cl, size_t view, bool sure) {
+static uint64_t sum_of(const hs_cl *cl, size_t view, bool with_confidence) {
     uint64_t sum = UINT64_C(0xcbf29ce484222325);
     for (size_t scene = 0; scene < SCENES; scene++) {
         test_random random = {(uint32_t)(300 + scene * 53 + view)};
@@ -25,7 +25,7 @@ static uint64_t sum_of(const hs_cl *cl, size_t view, bool sure) {
         hs_volume volume = dvr_lay_out(&random, scene, view, 2.0f, &camera, &s, map);
         for (uint32_t i = 0; i < MAP_W * MAP_H; i++) confidence[i] = (float)test_uniform(&random, 0.0, 1.0);
         dvr_picture p = dvr_render(cl, &volume, &camera, &s, dvr_views[view].map == MAP_NONE ? NULL : map,
-                                   sure ? confidence : NULL);
+                                   with_confidence ? confidence : NULL);
         const size_t pixels = (size_t)s.width * s.height;
         sum = add(sum, p.rgba, pixels * 4);
         sum = add(sum, p.gray, pixels);
@@ -39,7 +39,7 @@ static uint64_t sum_of(const hs_cl *cl, size_t view, bool sure) {
 static void bits_are_as_before(void **state) {
     static const struct {
         size_t view;
-        bool sure;
+        bool with_confidence;
         uint64_t sum;
     } cases[] = {
         {0, false, UINT64_C(0x2f67408f2960fca5)}, {1, false, UINT64_C(0xea5c47c3adaa7e78)},
@@ -51,10 +51,10 @@ static void bits_are_as_before(void **state) {
     const hs_cl *cl = *state;
     if (!cl->is_cpu) skip();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const uint64_t sum = sum_of(cl, cases[i].view, cases[i].sure);
+        const uint64_t sum = sum_of(cl, cases[i].view, cases[i].with_confidence);
         if (sum != cases[i].sum)
             fail_msg("view %zu%s: the sum is %016llx, expected %016llx", cases[i].view,
-                     cases[i].sure ? " with a confidence" : "", (unsigned long long)sum,
+                     cases[i].with_confidence ? " with a confidence" : "", (unsigned long long)sum,
                      (unsigned long long)cases[i].sum);
     }
 }

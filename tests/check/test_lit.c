@@ -13,16 +13,16 @@
 #define FAR_SHARE   0.01
 #define FAR_SQUARES 0.5
 
-/* A picture of the volume with this map, and with a random confidence if `sure`. */
+/* A picture of the volume with this map, and with a random confidence if `with_confidence`. */
 static void compare(const hs_cl *cl, test_random *random, const hs_volume *volume, const hs_camera *camera,
-                    hs_dvr_settings s, const float *map, bool sure, const char *where) {
+                    hs_dvr_settings s, const float *map, bool with_confidence, const char *where) {
     float confidence[MAP_W * MAP_H];
     for (uint32_t i = 0; i < MAP_W * MAP_H; i++) confidence[i] = (float)test_uniform(random, 0.0, 1.0);
     s.look = HS_LOOK_LIT;
     s.light[0] = (float)test_uniform(random, -90.0, 90.0);
     s.light[1] = (float)test_uniform(random, -60.0, 60.0);
     const ref_depthmap used = {.depth = map,
-                               .confidence = sure ? confidence : NULL,
+                               .confidence = with_confidence ? confidence : NULL,
                                .width = MAP_W,
                                .height = MAP_H,
                                .slices = MAP_S};

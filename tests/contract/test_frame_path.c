@@ -67,11 +67,11 @@ static void quiet_frame(fixture *f, const sv_result *result) {
     }
     assert_int_equal(p->end(p, result), SV_OK);
     assert_quiet("end", waits, 2);
-    const sv_ext_confidence *sure = p->get_extension(p, SV_EXT_CONFIDENCE);
+    const sv_ext_confidence *confidence = p->get_extension(p, SV_EXT_CONFIDENCE);
     static float map[FIXTURE_RAYS];
-    if (sure->offered(p)) {
+    if (confidence->offered(p)) {
         forget();
-        assert_int_equal(sure->write(p, map, NULL, 0), SV_OK);
+        assert_int_equal(confidence->write(p, map, NULL, 0), SV_OK);
         assert_quiet("confidence", waits, 1);
     }
     for (int n = 0; n < 3; n++) {

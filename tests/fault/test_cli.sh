@@ -171,10 +171,10 @@ done
 ghost=(--look thesis --set depth=3 --ghost-offset 8 --ghost-width 8)
 expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" "${ghost[@]}"
 holds cp "$work/out/result.png" "$work/plain.png"
-expect 0 "sure_nan.so: confidence: 1 of " "${good[@]}" --plugin "$plugins/sure_nan.so" "${ghost[@]}" --frames 4
+expect 0 "confidence_nan.so: confidence: 1 of " "${good[@]}" --plugin "$plugins/confidence_nan.so" "${ghost[@]}" --frames 4
 holds [ "$(grep -c 'ghosting without the confidence map' "$work/stderr")" = 1 ]
 holds cmp "$work/out/result.png" "$work/plain.png"
-expect 0 "" "${good[@]}" --plugin "$plugins/sure_ramp.so" "${ghost[@]}"
+expect 0 "" "${good[@]}" --plugin "$plugins/confidence_ramp.so" "${ghost[@]}"
 holds [ ! -s "$work/stderr" ]
 holds [ "$(cmp -s "$work/out/result.png" "$work/plain.png"; echo $?)" = 1 ]
 holds [ -s "$work/out/confidence.png" ]

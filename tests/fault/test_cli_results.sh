@@ -92,7 +92,7 @@ expect 0 "Results: mask.mha" "${run[@]}" --volume plain.mha --write mask
 holds [ -s out/mask.mha ]
 holds [ ! -e out/clipped.mha ]
 expect 0 "inflating alone" info --timing out/mask.mha
-expect 0 "confidence.mha" "${run[@]}" --plugin "$build/tests/plugins/sure_ramp.so" --volume plain.mha --write confidence,depthmap
+expect 0 "confidence.mha" "${run[@]}" --plugin "$build/tests/plugins/confidence_ramp.so" --volume plain.mha --write confidence,depthmap
 holds [ -s out/confidence.mha ]
 expect 0 "sequences of 2 volumes" "${run[@]}" --volume plain.mha --volume plain.mha --write clipped,surface
 holds grep -aqxF "DimSize = 24 24 24 2" out/clipped.mha

@@ -47,12 +47,13 @@ static void what_is_of_no_use_leaves_the_picture_as_without(void **state) {
     const fixture *f = *state;
     static const struct {
         const char *plugin, *says; /* "": nothing is wrong */
-    } cases[] = {{"sure_full", ""},
-                 {"sure_none", ""},
-                 {"sure_old", ""},
-                 {"sure_fails", "sure_fails.so: confidence: SV_ERR_INTERNAL (-1): is never sure, on purpose"},
-                 {"sure_nan", "sure_nan.so: confidence: 1 of 256 values are not in 0 .. 1"},
-                 {"sure_above", "sure_above.so: confidence: 2 of 256 values are not in 0 .. 1"}};
+    } cases[] = {{"confidence_full", ""},
+                 {"confidence_none", ""},
+                 {"confidence_old", ""},
+                 {"confidence_fails",
+                  "confidence_fails.so: confidence: SV_ERR_INTERNAL (-1): is never sure, on purpose"},
+                 {"confidence_nan", "confidence_nan.so: confidence: 1 of 256 values are not in 0 .. 1"},
+                 {"confidence_above", "confidence_above.so: confidence: 2 of 256 values are not in 0 .. 1"}};
     for (int own = 0; own < 2; own++) {
         hs_error failure;
         hs_view plain = view_by(f, "plane", own, 2.0f, &failure);
@@ -61,7 +62,7 @@ static void what_is_of_no_use_leaves_the_picture_as_without(void **state) {
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
             hs_view view = view_by(f, cases[i].plugin, own, 2.0f, &failure);
             if (!same_picture(&view, &plain)) fail_msg("%s: another picture", cases[i].plugin);
-            assert_int_equal(view.frame.sure, i == 0);
+            assert_int_equal(view.frame.has_confidence, i == 0);
             assert_int_equal(failure.code, cases[i].says[0] ? HS_ERR_PLUGIN : HS_OK);
             if (!strstr(failure.text, cases[i].says))
                 fail_msg("'%s' does not say '%s'", failure.text, cases[i].says);
@@ -77,14 +78,14 @@ static void a_map_that_is_one_widens_the_window(void **state) {
     hs_view view[2], plain, off;
     hs_error failure;
     for (int own = 0; own < 2; own++) {
-        view[own] = view_by(f, "sure_ramp", own, 3.0f, &failure);
+        view[own] = view_by(f, "confidence_ramp", own, 3.0f, &failure);
         assert_int_equal(failure.code, HS_OK);
-        assert_true(view[own].frame.sure);
+        assert_true(view[own].frame.has_confidence);
         for (int i = 0; i < LOW * LOW; i++)
             assert_true(fabs((double)view[own].sure[i] - (double)(i % LOW) / (LOW - 1)) < 1e-6);
     }
     plain = view_by(f, "plane", false, 3.0f, &failure);
-    off = view_by(f, "sure_ramp", false, 0.0f, &failure);
+    off = view_by(f, "confidence_ramp", false, 0.0f, &failure);
     assert_true(same_picture(&view[0], &view[1]));
     assert_true(same_picture(&plain, &off));
     assert_false(same_picture(&view[0], &plain));
@@ -111,7 +112,7 @@ static void every_frame_has_its_own(void **state) {
     const fixture *f = *state;
     static const sv_param_value depth = {.id = DEPTH, .value = PLANE};
     hs_plugin plugin;
-    open_plugin(&plugin, "sure_ramp");
+    open_plugin(&plugin, "confidence_ramp");
     for (int ghost = 0; ghost < 2; ghost++) {
         hs_loop_options o = ghosted(&depth, false, 2.0f);
         if (!ghost) o.dvr.ghost_width = 0.0f;
@@ -120,7 +121,7 @@ static void every_frame_has_its_own(void **state) {
             hs_frame frame;
             hs_error err = {0};
             assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
-            assert_int_equal(frame.sure, ghost);
+            assert_int_equal(frame.has_confidence, ghost);
         }
         hs_loop_destroy(loop);
     }

@@ -44,7 +44,7 @@ static void expect_same_view(const hs_view *a, const hs_view *b, size_t way) {
     const size_t rays = (size_t)a->map_width * a->map_height;
     assert_int_equal(a->frame.outcome, b->frame.outcome);
     assert_int_equal(a->frame.clipped, b->frame.clipped);
-    assert_int_equal(a->frame.sure, b->frame.sure);
+    assert_int_equal(a->frame.has_confidence, b->frame.has_confidence);
     expect_same(a->depth, b->depth, rays * sizeof(float), "depthmap", way);
     expect_same(a->status, b->status, rays, "status map", way);
     expect_same(a->sure, b->sure, rays * sizeof(float), "confidence", way);
@@ -93,8 +93,8 @@ static void every_way_gives_the_same_bits(void **state) {
                 {"smartvis.so", NULL, NULL, SV_CARRIER_IMAGE, false},
                 {"smartvis.so", "method=cost", "q=0.3", SV_CARRIER_BUFFER, false},
                 {"smartvis.so", "method=wall", NULL, SV_CARRIER_HOST, true},
-                {"tests/plugins/sure_ramp.so", "depth=4", "shape=tilted", SV_CARRIER_BUFFER, false},
-                {"tests/plugins/sure_ramp.so", "depth=4", NULL, SV_CARRIER_HOST, true},
+                {"tests/plugins/confidence_ramp.so", "depth=4", "shape=tilted", SV_CARRIER_BUFFER, false},
+                {"tests/plugins/confidence_ramp.so", "depth=4", NULL, SV_CARRIER_HOST, true},
                 {"tests/plugins/partial.so", "depth=6", NULL, SV_CARRIER_BUFFER, false}};
     for (size_t n = 0; n < sizeof ways / sizeof *ways; n++) {
         hs_plugin direct, guarded;
@@ -172,8 +172,8 @@ static void extensions_reach_through(void **state) {
     report = (sv_spline_report){.size = 8, .rank = 77};
     assert_int_equal(spline->report(plugin.instance, &report), SV_OK);
     assert_true(report.points > 0 && report.rank == 77 && report.size == 8);
-    const sv_ext_confidence *sure = hs_plugin_confidence(plugin.instance);
-    assert_true(sure && !sure->offered(plugin.instance));
+    const sv_ext_confidence *confidence = hs_plugin_confidence(plugin.instance);
+    assert_true(confidence && !confidence->offered(plugin.instance));
     assert_null(plugin.instance->get_extension(plugin.instance, "nobody/1"));
     hs_loop_destroy(loop);
     assert_true(hs_guarded_close(&plugin, &err));

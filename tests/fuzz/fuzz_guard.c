@@ -218,13 +218,13 @@ static void ask_extensions(const hs_plugin *plugin) {
     sv_stage_times times = {.size = sizeof times};
     sv_spline_report spline = {.size = sizeof spline};
     sv_confidence_report report = {.size = sizeof report};
-    const sv_ext_confidence *sure = hs_plugin_confidence(p);
+    const sv_ext_confidence *confidence = hs_plugin_confidence(p);
     const sv_ext_timing *timing = hs_plugin_timing(p);
     hs_plugin_points(p, &points);
     FUZZ_HOLDS(points.size == 0 || points.size == sizeof points);
-    if (sure && hs_guard_of(p)->pixels == PIXELS) {
-        (void)sure->write(p, map, NULL, 0);
-        (void)sure->read(p, map, &report);
+    if (confidence && hs_guard_of(p)->pixels == PIXELS) {
+        (void)confidence->write(p, map, NULL, 0);
+        (void)confidence->read(p, map, &report);
     }
     if (timing) (void)(timing->enable(p, 1) + timing->stage_times(p, &times));
     if (hs_plugin_spline(p)) (void)hs_plugin_spline(p)->report(p, &spline);

@@ -31,7 +31,7 @@ typedef struct {
 
 static uint8_t textures[SLICES / SLAB + 1][HEIGHT][PITCH]; /* the slices of a slab side by side */
 static sv_scanned scanned[RAYS];
-static float depth[RAYS], adjusted[RAYS], sure[RAYS];
+static float depth[RAYS], adjusted[RAYS], confidences[RAYS];
 static uint8_t points[RAYS];
 static uint32_t width = WIDTH, height = HEIGHT;
 static const char *only; /* one method; NULL: all */
@@ -128,11 +128,12 @@ static sv_status run_frame(const sv_plugin *p, const device *d, sv_status *outco
     const sv_result result = {.size = sizeof result, .depth = depth, .status = points, .stats = &stats};
     const sv_result second = {.size = sizeof second, .depth = adjusted, .stats = &again};
     const sv_ext_confidence *confidence = p->get_extension(p, SV_EXT_CONFIDENCE);
-    memset(sure, 0, sizeof sure);
+    memset(confidences, 0, sizeof confidences);
     sv_status status = p->begin(p, &frame);
     if (status >= SV_OK) status = enqueue_slabs(p, d);
     if (status >= SV_OK) status = p->end(p, &result);
-    if (status >= SV_OK && confidence && confidence->offered(p)) status = confidence->write(p, sure, NULL, 0);
+    if (status >= SV_OK && confidence && confidence->offered(p))
+        status = confidence->write(p, confidences, NULL, 0);
     if (status >= SV_OK && sv_lookup_key(p, "q", &q))
         status = p->adjust(p, &(sv_param_value){.id = q.id, .value = 0.7}, 1, &second);
     must(clFinish(d->queue), "clFinish");
@@ -150,7 +151,7 @@ static uint64_t sum_of_results(void) {
     uint64_t sum = UINT64_C(14695981039346656037);
     sum = sum_of(depth, sizeof depth, sum);
     sum = sum_of(adjusted, sizeof adjusted, sum);
-    sum = sum_of(sure, sizeof sure, sum);
+    sum = sum_of(confidences, sizeof confidences, sum);
     return sum_of(points, sizeof points, sum);
 }
 

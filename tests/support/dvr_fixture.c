@@ -142,7 +142,7 @@ hs_volume dvr_lay_out(test_random *random, size_t scene, size_t view, float doub
     return volume;
 }
 
-void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, bool sure) {
+void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, bool with_confidence) {
     test_random random = {(uint32_t)(1000 + scene * 97 + view)};
     hs_camera camera;
     hs_dvr_settings s;
@@ -150,7 +150,7 @@ void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, boo
     hs_volume volume = dvr_lay_out(&random, scene, view, doubt, &camera, &s, map);
     for (uint32_t i = 0; i < MAP_W * MAP_H; i++) confidence[i] = (float)test_uniform(&random, 0.0, 1.0);
     const ref_depthmap ref_map = {.depth = dvr_views[view].map == MAP_NONE ? NULL : map,
-                                  .confidence = sure ? confidence : NULL,
+                                  .confidence = with_confidence ? confidence : NULL,
                                   .width = MAP_W,
                                   .height = MAP_H,
                                   .slices = MAP_S};

@@ -56,8 +56,8 @@ void dvr_free(dvr_picture *p);
 hs_volume dvr_lay_out(test_random *random, size_t scene, size_t view, float doubt, hs_camera *camera,
                       hs_dvr_settings *s, float map[MAP_W * MAP_H]);
 
-/* The picture against the definition, with a random confidence if `sure` is true. */
-void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, bool sure);
+/* The picture against the definition, with a random confidence if `with_confidence` is true. */
+void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, bool with_confidence);
 
 /* Fails if they differ in a bit. */
 void dvr_assert_same(const dvr_picture *a, const dvr_picture *b, size_t pixels, size_t scene, size_t view);

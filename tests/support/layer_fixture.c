@@ -158,8 +158,8 @@ void layer_use(layer_subject *s) {
     for (int n = 0; n < 3; n++) (void)layer_frame(s);
     const sv_result result = layer_result_of(s);
     (void)s->p->adjust(s->p, NULL, 0, &result);
-    const sv_ext_confidence *sure = s->p->get_extension(s->p, SV_EXT_CONFIDENCE);
-    if (sure && sure->offered(s->p)) (void)sure->write(s->p, s->depth, NULL, 0);
+    const sv_ext_confidence *confidence = s->p->get_extension(s->p, SV_EXT_CONFIDENCE);
+    if (confidence && confidence->offered(s->p)) (void)confidence->write(s->p, s->depth, NULL, 0);
     for (uint32_t n = 0; n < s->p->param_count(s->p) && n < 8; n++)
         if (s->p->param_info(s->p, n, &info) == SV_OK)
             (void)s->p->param_text(s->p, info.id, info.default_value, text, sizeof text);

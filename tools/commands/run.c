@@ -137,7 +137,7 @@ bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {
 
 bool hs_run_replace_loop(hs_run *run, const hs_loop_options *options, hs_error *err) {
     run->earlier_error = *hs_run_plugin_error(run);
-    run->earlier_sure = *hs_run_confidence_error(run);
+    run->earlier_confidence_error = *hs_run_confidence_error(run);
     hs_loop_destroy(run->loop);
     run->request.loop = *options;
     run->loop = hs_loop_create(&run->cl, &run->source, run->has_plugin ? &run->plugin : NULL, options, err);
@@ -181,8 +181,8 @@ const hs_error *hs_run_plugin_error(const hs_run *run) {
 }
 
 const hs_error *hs_run_confidence_error(const hs_run *run) {
-    return run->earlier_sure.code != HS_OK || !run->loop ? &run->earlier_sure
-                                                         : hs_loop_confidence_error(run->loop);
+    return run->earlier_confidence_error.code != HS_OK || !run->loop ? &run->earlier_confidence_error
+                                                                     : hs_loop_confidence_error(run->loop);
 }
 
 void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {

@@ -46,7 +46,7 @@ typedef struct {
     float *depths; /* of request.map */
     hs_given_map given;
     hs_loop *loop;
-    hs_error earlier_sure;  /* the same of its confidence */
+    hs_error earlier_confidence_error; /* the same of its confidence */
     hs_error earlier_error; /* the plugin's failure while loading, or in a loop that was replaced */
     hs_loop_result results[HS_SETTING_COUNT];
     uint32_t result_count;

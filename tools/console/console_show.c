@@ -102,7 +102,7 @@ static bool draw_slice(hs_console_stage *stage, hs_slice_plane plane, const hs_m
                         .map_height = maps->height,
                         .slices = maps->slices,
                         .depth = maps->depth,
-                        .sure = maps->sure,
+                        .confidence = maps->confidence,
                         .band_mm = BAND_MM};
     for (int k = 0; k < 3; k++) {
         s.low[k] = 0.5 - 0.5 * share;

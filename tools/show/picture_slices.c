@@ -62,8 +62,9 @@ static void set_pixel(uint8_t *rgba, uint32_t colour) {
 }
 
 static bool is_in_band(const hs_slice_scene *s, const double box[3], double start) {
-    if (!s->sure || !(s->band_mm > 0.0) || start < 0.0) return false;
-    const double reach = s->band_mm * (1.0 - map_at(s, s->sure, box[0], box[1])) / s->camera.depth_extent;
+    if (!s->confidence || !(s->band_mm > 0.0) || start < 0.0) return false;
+    const double reach =
+        s->band_mm * (1.0 - map_at(s, s->confidence, box[0], box[1])) / s->camera.depth_extent;
     return fabs(box[2] - start) < reach;
 }
 

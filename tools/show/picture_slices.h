@@ -19,7 +19,7 @@ typedef struct {
     hs_camera camera;                       /* of the box */
     uint32_t map_width, map_height, slices; /* of the low-resolution volume */
     const float *depth;                     /* the depthmap, in its slices */
-    const float *sure;                      /* the plugin's confidence 0 .. 1, or NULL */
+    const float *confidence;                /* the plugin's confidence 0 .. 1, or NULL */
     double at[3];                           /* where the slices lie */
     double low[3], side[3];                 /* the squares: where they begin, and what of the box they span */
     double band_mm; /* the band's half width where nothing is sure, on either side of the line; 0: none */

@@ -146,14 +146,14 @@ INLINE vi nearest_mean(__global const uchar *voxels, int4 dims, int4 grid, latti
 
 /* A packet's voxels from its samples. */
 INLINE vi mean_of_samples(const halved_job *job, fixed_sum s, int4 start) {
-    vi sure = s.whole | s.empty, mean;
+    vi decided = s.whole | s.empty, mean;
     if (job->shift >= 0)
         mean = (s.sum + (1 << (job->shift - 1))) >> job->shift;
     else
         mean = rounded_mean(s.sum, (vi)(job->samples << WEIGHT_BITS));
     mean &= s.whole;
-    if (all_lanes(sure)) return mean;
-    return select(nearest_mean(job->voxels, job->dims, job->grid, job->l, start), mean, sure);
+    if (all_lanes(decided)) return mean;
+    return select(nearest_mean(job->voxels, job->dims, job->grid, job->l, start), mean, decided);
 }
 
 /* Where the voxels go. */

@@ -16,7 +16,16 @@
 #include <unistd.h>
 
 enum { FAIL_BY_ERROR, FAIL_BY_CRASH, FAIL_BY_HANG, FAIL_BY_LEAVING, FAIL_BY_GRABBING };
-enum { UNSURE, SURE_RAMP, SURE_FULL, SURE_FAILS, SURE_NAN, SURE_ABOVE, SURE_OLD, SURE_NONE };
+enum {
+    NO_EXTENSION,
+    CONFIDENCE_RAMP,
+    CONFIDENCE_FULL,
+    CONFIDENCE_FAILS,
+    CONFIDENCE_NAN,
+    CONFIDENCE_ABOVE,
+    CONFIDENCE_OLD,
+    CONFIDENCE_NONE
+};
 
 typedef struct {
     const char *name;
@@ -58,13 +67,13 @@ static const variant variants[] = {
     {"by_hang", .fails_by = FAIL_BY_HANG},
     {"by_leave", .fails_by = FAIL_BY_LEAVING},
     {"by_grab", .fails_by = FAIL_BY_GRABBING},
-    {"sure_ramp", .confidence = SURE_RAMP},
-    {"sure_full", .confidence = SURE_FULL},
-    {"sure_fails", .confidence = SURE_FAILS},
-    {"sure_nan", .confidence = SURE_NAN},
-    {"sure_above", .confidence = SURE_ABOVE},
-    {"sure_old", .confidence = SURE_OLD},
-    {"sure_none", .confidence = SURE_NONE},
+    {"confidence_ramp", .confidence = CONFIDENCE_RAMP},
+    {"confidence_full", .confidence = CONFIDENCE_FULL},
+    {"confidence_fails", .confidence = CONFIDENCE_FAILS},
+    {"confidence_nan", .confidence = CONFIDENCE_NAN},
+    {"confidence_above", .confidence = CONFIDENCE_ABOVE},
+    {"confidence_old", .confidence = CONFIDENCE_OLD},
+    {"confidence_none", .confidence = CONFIDENCE_NONE},
 };
 
 /* This source is compiled once. The linker says which line a library is. */
@@ -131,8 +140,8 @@ static const sva_param params[PARAM_COUNT] = {
      .max_value = 1}};
 
 typedef struct {
-    float *map;  /* width * height; the host's queue copies from here */
-    float *sure; /* the same for the confidence */
+    float *map;        /* width * height; the host's queue copies from here */
+    float *confidence; /* the same for the confidence */
 } plane;
 
 /* What no host can take back. */
@@ -158,15 +167,15 @@ static sv_status plane_activate(sva *a) {
     const sv_status status = fail_here(a, FAIL_ACTIVATE);
     if (status != SV_OK) return status;
     p->map = calloc(sva_rays(a), sizeof(float));
-    p->sure = calloc(sva_rays(a), sizeof(float));
-    return p->map && p->sure ? SV_OK : sva_error(a, SV_ERR_NO_MEMORY, "no memory for two maps");
+    p->confidence = calloc(sva_rays(a), sizeof(float));
+    return p->map && p->confidence ? SV_OK : sva_error(a, SV_ERR_NO_MEMORY, "no memory for two maps");
 }
 
 static void plane_deactivate(sva *a) {
     plane *p = a->own;
     free(p->map);
-    free(p->sure);
-    p->map = p->sure = NULL;
+    free(p->confidence);
+    p->map = p->confidence = NULL;
 }
 
 static sv_status plane_begin(sva *a) {
@@ -221,7 +230,7 @@ static sv_status plane_output(sva *a, const sv_result *result) {
 
 static uint32_t confidence_offered(const sv_plugin *plugin) {
     (void)plugin;
-    return self()->confidence != SURE_NONE;
+    return self()->confidence != CONFIDENCE_NONE;
 }
 
 static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
@@ -231,13 +240,13 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
     const uint32_t width = a->format.width, rays = width * a->format.height;
     const int kind = self()->confidence;
     for (uint32_t i = 0; i < rays; i++)
-        p->sure[i] = kind == SURE_FULL ? 1.0f : (float)(i % width) / (float)(width - 1);
-    if (kind == SURE_NAN) p->sure[rays / 2] = NAN;
-    if (kind == SURE_ABOVE) p->sure[0] = p->sure[rays - 1] = 1.001f;
-    if (kind == SURE_FAILS) return sva_error(a, SV_ERR_INTERNAL, "is never sure, on purpose");
-    if (map) memcpy(map, p->sure, rays * sizeof *map);
+        p->confidence[i] = kind == CONFIDENCE_FULL ? 1.0f : (float)(i % width) / (float)(width - 1);
+    if (kind == CONFIDENCE_NAN) p->confidence[rays / 2] = NAN;
+    if (kind == CONFIDENCE_ABOVE) p->confidence[0] = p->confidence[rays - 1] = 1.001f;
+    if (kind == CONFIDENCE_FAILS) return sva_error(a, SV_ERR_INTERNAL, "is never sure, on purpose");
+    if (map) memcpy(map, p->confidence, rays * sizeof *map);
     if (object && clEnqueueWriteBuffer(a->format.queue, object, CL_FALSE, offset, rays * sizeof(float),
-                                       p->sure, 0, NULL, NULL) != CL_SUCCESS)
+                                       p->confidence, 0, NULL, NULL) != CL_SUCCESS)
         return SV_ERR_OPENCL;
     return SV_OK;
 }
@@ -257,8 +266,8 @@ static const sv_ext_confidence ext_old = {.size = offsetof(sv_ext_confidence, of
 
 static const void *plane_extension(const sva *a, const char *id) {
     (void)a;
-    if (self()->confidence == UNSURE || strcmp(id, SV_EXT_CONFIDENCE) != 0) return NULL;
-    return self()->confidence == SURE_OLD ? &ext_old : &ext_confidence;
+    if (self()->confidence == NO_EXTENSION || strcmp(id, SV_EXT_CONFIDENCE) != 0) return NULL;
+    return self()->confidence == CONFIDENCE_OLD ? &ext_old : &ext_confidence;
 }
 
 static const char *extensions[] = {SV_EXT_CONFIDENCE, NULL};
@@ -316,5 +325,5 @@ SV_EXPORT sv_entry smartvis_plugin_entry = {.abi_major = SV_ABI_MAJOR,
 __attribute__((constructor)) static void load(void) {
     smartvis_plugin_entry.abi_major += (uint32_t)self()->newer;
     if (self()->entry_size != 0) smartvis_plugin_entry.size = self()->entry_size;
-    if (self()->confidence == UNSURE) extensions[0] = NULL;
+    if (self()->confidence == NO_EXTENSION) extensions[0] = NULL;
 }
