@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Paths and folders. */
+/* Paths of files: joined, beside the program, temporary; and folders for them. */
 #ifndef HS_PATHS_H
 #define HS_PATHS_H
 

@@ -18,7 +18,7 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* 0: no limit. */
+/* What a child may take; 0 is no limit. */
 typedef struct {
     uint32_t cpu_s;        /* seconds of CPU time, all threads together */
     uint64_t memory_bytes; /* memory of its own that it has touched (shared mappings do not count) */

@@ -105,20 +105,20 @@ typedef struct {
     uint32_t magic;
     char last_error[1024]; /* the plugin's, for a status that is not SV_OK */
 
-    /* HS_GUARD_OPEN */
+    /* Read and written by HS_GUARD_OPEN. */
     char path[1024], id[256];
     uint32_t has_id;
     int32_t log_level;
     hs_error error; /* code HS_OK: opened */
     hs_guard_facts facts;
 
-    /* HS_GUARD_ACTIVATE: pointers in it are NULL */
+    /* By HS_GUARD_ACTIVATE: pointers in it are NULL. */
     sv_format format;
     hs_handover way;      /* how the plugin gets its slabs */
     uint64_t slabs_bytes; /* of the slab memory */
     uint32_t offered;     /* out: smartvis.confidence/1 gives a map */
 
-    /* HS_GUARD_FRAME, HS_GUARD_ADJUST: pointers are NULL */
+    /* By HS_GUARD_FRAME and HS_GUARD_ADJUST: pointers are NULL. */
     sv_frame frame;
     uint32_t value_count, slab_count, follow;
     uint32_t want_status, has_scanned;
@@ -128,7 +128,7 @@ typedef struct {
     sv_points_report points; /* out: size 0 if it does not tell */
     sv_status confidence;    /* out: of write */
 
-    /* The rest */
+    /* By the orders of one answer: texts, times, and what extensions tell. */
     uint32_t number; /* HS_GUARD_TEXT: the parameter's id */
     double value;
     uint32_t text_bytes;

@@ -50,7 +50,7 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
 #define MIN_S 0.01
 #define MAX_S 86400.0
 
-/* "FRAME" or "FRAME,SETUP" */
+/* Reads "FRAME" or "FRAME,SETUP", in seconds. */
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err) {
     hs_guard_options *const options = guard_options;
     char frame[32];

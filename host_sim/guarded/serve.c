@@ -45,7 +45,7 @@ static sv_status fail_with(server_state *server, sv_status status, const char *r
     return status;
 }
 
-/* The same with the plugin's own reason; nothing if the status is no error. */
+/* Keeps the plugin's own reason; nothing if the status is no error. */
 static sv_status keep_reason(server_state *server, sv_status status) {
     const sv_plugin *instance = server->plugin.instance;
     if (status == SV_OK) return status;

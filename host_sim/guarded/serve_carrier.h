@@ -10,7 +10,7 @@
 #include "guarded/guard_block.h"
 #include "render/host_cl.h"
 
-/* Zeroed: closed. */
+/* A zeroed struct is closed. */
 typedef struct {
     hs_guard_block *block;
     const uint8_t *slabs; /* read-only */

@@ -16,7 +16,7 @@ bool hs_loop_convert(hs_loop *loop, uint32_t index, hs_error *err);
  * (hs_loop_plugin_error). */
 bool hs_loop_clip(hs_loop *loop, uint32_t index, hs_frame *frame, float *map, hs_error *err);
 
-/* The same for the last frame with another value of a parameter that is flagged SV_PARAM_ADJUST. */
+/* hs_loop_clip of the last frame with another value of a parameter that is flagged SV_PARAM_ADJUST. */
 bool hs_loop_adjust(hs_loop *loop, sv_param_value value, hs_frame *frame, float *map, hs_error *err);
 
 /*

@@ -41,7 +41,7 @@ typedef enum {
 bool hs_plugin_choose_fan(const sv_descriptor *descriptor, const char *path, hs_fan wanted, hs_fan *out,
                           hs_error *err);
 
-/* "ranges", "padding", "nothing". */
+/* "ranges", "padding" or "nothing", for a person. */
 const char *hs_fan_name(hs_fan fan);
 
 /* [any] The table, or NULL if the plugin does not have it, or not whole. The plugin's, until destroy. */

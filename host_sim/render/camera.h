@@ -78,7 +78,7 @@ bool hs_camera_in_patient(const hs_camera *camera, const hs_volume *volume, doub
  * volume hs_beams_side_name; else "". At most 64 bytes. */
 void hs_camera_mark(const hs_camera *camera, const hs_volume *volume, char *out, size_t bytes);
 
-/* The same behind a title and a comma; the title alone if there is no mark. */
+/* The mark behind a title and a comma; the title alone if there is no mark. */
 void hs_camera_title(const char *title, const hs_camera *camera, const hs_volume *volume, char *out,
                      size_t bytes);
 

@@ -9,7 +9,7 @@
 
 #define HS_WRAP_COUNT 8 /* host buffers of a live sequence whose wrapping is remembered */
 
-/* Zeroed: nothing to free. */
+/* A zeroed struct has nothing to free. */
 typedef struct {
     const hs_cl *cl;
     size_t bytes;

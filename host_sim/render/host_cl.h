@@ -89,7 +89,7 @@ bool hs_launch_items(const hs_launch *launch, cl_uint dimensions, const size_t *
  * the kernel leaves those alone. Else one work item a voxel. Otherwise as hs_launch_run. */
 bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err);
 
-/* The same, on a CPU one work item a slice. */
+/* hs_launch_rows with, on a CPU, one work item a slice. */
 bool hs_launch_slices(const hs_launch *launch, cl_int4 dims, hs_error *err);
 
 #endif

@@ -81,7 +81,7 @@ typedef struct hs_scene hs_scene;
 /* `name_or_path` is a built-in scene ("E01", "H01"), a random one ("R7_3": number 3 of the set with seed 7)
  * or the path of a scene file. Errors name file, line and field. */
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
-/* The same with fields set otherwise: `count` times PATH=VALUE (hs_scene_override). */
+/* hs_scene_open with fields set otherwise: `count` times PATH=VALUE (hs_scene_override). */
 hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, uint32_t count,
                              hs_error *err);
 void hs_scene_close(hs_scene *scene);

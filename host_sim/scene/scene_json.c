@@ -124,7 +124,7 @@ static const char *found(const json_t *value) {
     }
 }
 
-/* Else records what was found. */
+/* True for an object; else records what was found. */
 static bool is_object(const hs_json *value) {
     if (json_is_object(value->value)) return true;
     return hs_json_fail(value, "is %s, expected an object", found(value->value));

@@ -9,7 +9,7 @@
 #include <jansson.h>
 #include <stddef.h>
 
-/* A file being read. */
+/* A file that is being read. */
 typedef struct {
     const char *path; /* for messages */
     const char *text; /* the whole file */
@@ -47,7 +47,7 @@ typedef struct {
  * not in the table is an error. */
 bool hs_json_read(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
 
-/* The same of an object whose type hs_json_type has read. */
+/* hs_json_read of an object whose type hs_json_type has read. */
 bool hs_json_read_typed(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
 
 /* A member or an element. False (no error) if it is not there. */

@@ -41,7 +41,7 @@ void hs_beams_free(hs_beams *beams);
 /* Number of samples of all lines and planes. */
 size_t hs_beams_count(const hs_beams *beams);
 
-/* -1 or +1. */
+/* The sign of y to which the sweep turns: -1, or +1 if it is mirrored. */
 double hs_beams_side(const hs_beams *beams);
 
 /* "sweep + at -y", or what a mirrored one has: the mark of orientation in captions. Static. */

@@ -19,7 +19,7 @@ typedef enum {
     HS_MET_TYPES
 } hs_met_type;
 
-/* "MET_CHAR", ...; static. */
+/* The type as headers name it, "MET_CHAR"; static. */
 const char *hs_met_type_name(hs_met_type type);
 /* Bytes of a voxel. */
 uint32_t hs_met_type_bytes(hs_met_type type);
@@ -33,7 +33,7 @@ typedef struct {
     char status[24];   /* "OK", or why it does not hold, in capitals */
 } hs_frame_transform;
 
-/* Zeroed: nothing is said. */
+/* What a header says of one volume; a zeroed struct says nothing. */
 typedef struct {
     bool invalid;  /* the image is none */
     bool has_time; /* `time` is given */

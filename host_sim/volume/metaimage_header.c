@@ -145,7 +145,7 @@ static bool is_near(const char *name) {
     return near;
 }
 
-/* ElementDataFile and HeaderSize. */
+/* Checks ElementDataFile and HeaderSize. */
 static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     const char *name = p->fields[HS_MET_F_DATA_FILE].value;
     h->data_line = p->fields[HS_MET_F_DATA_FILE].line;

@@ -139,7 +139,7 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
  * inflating of what is passed over, backward that of all from the first byte on. */
 bool hs_met_data_seek(hs_met_data *data, uint64_t offset, hs_error *err);
 
-/* The next `bytes` bytes. */
+/* Reads the next `bytes` bytes. */
 bool hs_met_data_read(hs_met_data *data, void *out, size_t bytes, hs_error *err);
 
 /* `bytes` bytes from byte `offset` of the voxels on, of data that is not compressed: straight from the file
@@ -149,7 +149,7 @@ bool hs_met_data_read_at(const hs_met_data *data, uint64_t offset, void *out, si
 /* Succeeds if the stream ends here, as it should after the last voxel. */
 bool hs_met_data_finish(hs_met_data *data, hs_error *err);
 
-/* NULL is allowed. */
+/* Closes what is open; NULL is allowed. */
 void hs_met_data_close(hs_met_data *data);
 
 enum { HS_MET_CHUNK = 8192 }; /* voxels that are read at once, at most */

@@ -46,7 +46,7 @@ bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed) {
 
 /* ------------------------------------------------------------------------------------------ one field -- */
 
-/* "Seq_Frame0012_What": 12 and "What". */
+/* Splits "Seq_Frame0012_What" into 12 and "What". */
 static bool split_name(const char *name, uint64_t *index, const char **what) {
     const char *digits = name + strlen("Seq_Frame");
     char *end;

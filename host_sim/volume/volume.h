@@ -136,7 +136,7 @@ bool hs_volume_mark_unscanned(hs_volume *volume, hs_error *err);
 /* Raises every zero to 1. */
 void hs_raise_zeros(uint8_t *voxels, size_t count);
 
-/* The same: all of the volume was scanned. */
+/* Raises every zero of the volume to 1: all of it was scanned. */
 void hs_volume_mark_all_scanned(hs_volume *volume);
 
 #endif

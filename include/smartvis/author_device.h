@@ -25,7 +25,7 @@ typedef struct sva_cl {
     cl_mem depth;  /* float32 of every ray; SVA_NO_DEPTH: without a surface */
     cl_mem points; /* uchar of every ray: SV_POINT_* */
 
-    /* The helper's own. */
+    /* The helper uses these alone. */
     cl_mem staged_slab, staged_scanned, stats;
     cl_mem scanned; /* of the frame, or NULL without ranges */
     cl_ulong scanned_offset;

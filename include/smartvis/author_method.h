@@ -78,7 +78,7 @@ typedef struct sva_method {
      * result has been checked, except that objects are buffers. Returns what end returns. */
     sv_status (*output)(sva *a, const sv_result *result);
 
-    /* get_extension, from any thread. */
+    /* Answers get_extension, from any thread. */
     const void *(*extension)(const sva *a, const char *id);
 } sva_method;
 
@@ -86,7 +86,7 @@ typedef struct sva_method {
 #define SVA_DESCRIPTOR(id, name, vendor, version, summary, features)                                         \
     SVA_DESCRIPTOR_OF(id, name, vendor, version, summary, features, SV_BIT(SV_CARRIER_HOST), SV_QUEUE_OWN)
 
-/* The same with the bits of its carriers and queues. */
+/* SVA_DESCRIPTOR with the bits of its carriers and queues. */
 #define SVA_DESCRIPTOR_OF(id, name, vendor, version, summary, features, carriers, queues)                    \
     {                                                                                                        \
         (uint32_t)sizeof(sv_descriptor), carriers, id, name, vendor, version, summary, SV_BIT(SV_VOXEL_U8),  \
@@ -128,7 +128,7 @@ static inline double sva_value(const sva *a, uint32_t id) {
     return 0.0;
 }
 
-/* width * height. */
+/* Number of rays, width * height. */
 static inline size_t sva_rays(const sva *a) {
     return (size_t)a->format.width * a->format.height;
 }

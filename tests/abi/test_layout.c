@@ -81,7 +81,6 @@ AT(sv_format, value_count, 112);
 AT(sv_format, reserved, 116);
 SIZE(sv_format, 120);
 
-/* The same. */
 AT(sv_scanned, first, 0);
 AT(sv_scanned, end, 2);
 SIZE(sv_scanned, 4);

@@ -263,7 +263,7 @@ static void what_is_not_whole_is_told(void **state) {
             fail_msg("with another byte %zu it is read as whole", at);
         poke(s.path, at, bytes[at]);
     }
-    /* More behind its end. */
+    /* Bytes behind its end make it no whole recording. */
     assert_true(read_all(s.path, NULL).whole);
     assert_int_equal(truncate(s.path, (off_t)size + 4), 0);
     assert_false(read_all(s.path, NULL).whole);

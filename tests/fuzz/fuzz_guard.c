@@ -273,7 +273,7 @@ static void run_frame(const hs_plugin *plugin, const uint8_t *memory, int adjust
     free(depth);
 }
 
-/* The plugin is open. */
+/* Uses a plugin that is open. */
 static void use(hs_plugin *plugin) {
     static hs_guard_facts facts;
     hs_error err = {0};

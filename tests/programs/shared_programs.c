@@ -28,7 +28,7 @@ static struct {
     size_t built_count, next_alias;
 } shared;
 
-/* Of `shared`: instances of a plugin may be activated at once. */
+/* Guards `shared`: instances of a plugin may be activated at once. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 static const char *more_options;

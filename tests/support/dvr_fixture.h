@@ -17,7 +17,7 @@ typedef struct {
 enum { SCENES = 15 };
 extern const scene_case dvr_scenes[SCENES];
 
-/* How it is drawn. */
+/* How a scene is drawn. */
 typedef struct {
     uint32_t width, height;
     float low, high, step, termination, offset, ghost;
@@ -29,7 +29,7 @@ enum { MAP_NONE, MAP_RANDOM, MAP_ZERO, MAP_NEGATIVE, MAP_BEYOND, MAP_ODD };
 enum { VIEWS = 11 };
 extern const view_case dvr_views[VIEWS];
 
-/* The depthmaps. */
+/* The size of the depthmaps, and their slices. */
 #define MAP_W 7u
 #define MAP_H 5u
 #define MAP_S 11u

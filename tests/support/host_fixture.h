@@ -41,7 +41,7 @@ void test_read(const hs_cl *cl, cl_mem buffer, size_t bytes, void *out);
 /* cmocka group fixtures: *state is an open hs_cl, here with the kernels as this device runs them. */
 int test_open_device(void **state);
 
-/* The same with the kernels as a GPU runs them: one ray or voxel a work item. */
+/* test_open_device with the kernels as a GPU runs them: one ray or voxel a work item. */
 int test_open_single(void **state);
 
 int test_close_device(void **state);

@@ -110,7 +110,7 @@ static double mean_opacity_at(const ray *r, const spot *p) {
     return linear(r->lit->opacity, r->lit->cells, at) / 255.0;
 }
 
-/* The same, and none in what the map's nearest pixel removes. */
+/* Mean opacity at a place; 0 in what the map's nearest pixel removes. */
 static double opacity_at(const ray *r, spot p) {
     if (r->map->depth) {
         const double x = fmin(fmax(p.u * r->map->width, 0.0), r->map->width - 1.0);

@@ -28,7 +28,7 @@ extern const char *const scene_cases[SCENE_CASES];
     "  \"structures\": [],\n"                                                                                \
     "  \"artefacts\": [] }\n"
 
-/* That scene, read. */
+/* Reads EMPTY_SCENE. */
 void empty_spec(hs_scene_spec *spec);
 
 /* A cube of n^3 voxels of h mm, all of one tissue, far from any surface, with silent
@@ -41,7 +41,7 @@ void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue);
 void assert_near_at(double found, double expected, double tolerance, const char *what, const char *file,
                     int line);
 
-/* A level in dB. */
+/* Converts a level to dB. */
 double level_db(int16_t level);
 
 /* A voxel of the pixel's ray. */

@@ -57,7 +57,7 @@ sv_format surface_format(const surface_points *points, const sv_param_value *val
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
                       sv_spline_report *report);
 
-/* The same by definition, in float64; NAN at pixels where two answers are right. */
+/* The surface by definition, in float64; NAN at pixels where two answers are right. */
 double *surface_expect(const surface_points *points, const surface_chain *chain);
 
 /* Largest difference, where one is expected; NAN if a depth is not finite. */

@@ -47,7 +47,7 @@ static inline void scan_free(scan *s) {
     free(s->confidence);
 }
 
-/* `settings` NULL: the default. */
+/* Runs with `settings`; NULL is the default. */
 static inline void scan_run_with(scan *s, const sv_wall_settings *settings) {
     const sv_wall_volume v = {s->voxels, s->width, s->height, s->slices, s->first, s->end, {MM, MM, MM}};
     for (size_t i = 0; i < (size_t)s->width * s->height; i++) s->depth[i] = s->confidence[i] = -1.0f;

@@ -43,7 +43,7 @@ typedef struct {
 /* What cannot be asked stays empty. */
 void bench_machine_ask(bench_machine *machine, const hs_cl *cl, const hs_plugin *plugin);
 
-/* To standard output. */
+/* Prints the machine to standard output. */
 void bench_machine_print(const bench_machine *machine);
 
 /* ----------------------------------------------------------------------------------------------- times -- */
@@ -62,12 +62,12 @@ bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *e
 void bench_samples_add(bench_samples *samples, double ms);
 void bench_samples_destroy(bench_samples *samples);
 
-/* Milliseconds; zeros without samples. */
+/* Times in milliseconds; zeros without samples. */
 typedef struct {
     double min, median, p95, p99, max; /* p95, p99: nearest rank */
 } bench_times;
 
-/* Sorts the samples. */
+/* Median, percentiles and ends. Sorts the samples. */
 bench_times bench_samples_times(bench_samples *samples);
 
 /* ------------------------------------------------------------------------------------------------ team -- */

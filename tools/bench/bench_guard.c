@@ -20,7 +20,7 @@ static const struct {
     double target_ms;
 } ways_beside[BENCH_GUARD_WAYS] = {{"", 0.0}, {"the guard", 0.3}, {"the layer", 0.2}};
 
-/* One way under way. */
+/* A plugin opened in one of the ways, with its loop and its times. */
 typedef struct {
     hs_plugin plugin;
     hs_loop *loop;

@@ -282,7 +282,7 @@ typedef struct {
     bench_times command[BENCH_FRAME_CAMERAS];                     /* one that does nothing */
 } bench_frame_result;
 
-/* HS_ERR_*. */
+/* Times frames; false with an error of plugin or device. */
 bool bench_frame_run(const bench_host_setup *setup, bench_team *team, bench_frame_result *out, hs_error *err);
 void bench_print_frame(const bench_frame_result *result);
 

@@ -147,7 +147,7 @@ typedef struct {
     double unclipped; /* difference of the full volume's, slices */
 } methods_scene;
 
-/* HS_ERR_INPUT, HS_ERR_DEVICE, HS_ERR_MEMORY. */
+/* Makes the scene and its truth. HS_ERR_INPUT, HS_ERR_DEVICE, HS_ERR_MEMORY. */
 bool methods_scene_open(methods_scene *scene, const hs_cl *cl, const char *name, hs_error *err);
 void methods_scene_close(methods_scene *scene);
 

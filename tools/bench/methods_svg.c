@@ -20,7 +20,7 @@ static const char *colour_of(uint32_t method) {
     return colours[method % (sizeof colours / sizeof *colours)];
 }
 
-/* One diagram. */
+/* A diagram of the two in the file, and its axes. */
 typedef struct {
     FILE *file;
     double left;           /* pixels */

@@ -85,7 +85,7 @@ static inline void merge_maximum(const uint8_t *restrict maximum, const uint8_t 
     }
 }
 
-/* The last crossing itself. */
+/* Keeps the position of the last crossing. */
 static inline void merge_last(const uint8_t *restrict relative, uint16_t base, uint16_t *restrict last) {
     for (uint32_t x = 0; x < BLOCK; x++) {
         const uint16_t position = (uint16_t)(relative[x] + base);
@@ -153,7 +153,7 @@ uint8_t plain_profile(const plain_volume *v, uint8_t fluid_level, uint32_t y0, u
 
 enum { PASS_SETS = 2 };
 
-/* One thread's own. */
+/* What one thread writes alone. */
 typedef struct {
     uint32_t *rows; /* of the mean filter */
     uint32_t points;

@@ -22,7 +22,7 @@ static void count_levels(const hs_volume *volume, size_t levels[256]) {
     for (size_t i = 0; i < count; i++) levels[volume->voxels[i]]++;
 }
 
-/* Of the scanned voxels: the unscanned ones would dwarf every bar. */
+/* Shows scanned voxels alone: the unscanned ones would dwarf every bar. */
 static void print_histogram(const size_t levels[256]) {
     size_t bins[BINS] = {0}, highest = 1, scanned = 0;
     for (int level = 1; level < 256; level++) {

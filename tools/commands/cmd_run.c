@@ -61,7 +61,7 @@ static json_t *vector(const double v[3]) {
     return json_pack("[f, f, f]", v[0], v[1], v[2]);
 }
 
-/* The files of --write. */
+/* Lists the files of --write. */
 static json_t *written_part(const hs_result_report *w, bool *ok) {
     json_t *part = json_object(), *what = json_array();
     for (uint32_t i = 0; i < HS_RESULT_COUNT; i++)

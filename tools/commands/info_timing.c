@@ -104,7 +104,7 @@ static bool hs_info_sampling(const hs_volume *volume, hs_error *err) {
 
 #define TURNS 5
 
-/* A file's first volume. */
+/* What is read: a file's first volume. */
 typedef struct {
     const char *path;
     const hs_kretz_options *kretz; /* options; of a MetaImage file not looked at */

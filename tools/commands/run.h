@@ -46,7 +46,7 @@ typedef struct {
     float *depths; /* of request.map */
     hs_given_map given;
     hs_loop *loop;
-    hs_error earlier_confidence_error; /* the same of its confidence */
+    hs_error earlier_confidence_error; /* the first failure of its confidence */
     hs_error earlier_error; /* the plugin's failure while loading, or in a loop that was replaced */
     hs_loop_result results[HS_SETTING_COUNT];
     uint32_t result_count;
@@ -89,7 +89,7 @@ bool hs_run_close(hs_run *run, hs_error *err);
 /* The first failure of the plugin, of loading or of a frame; code HS_OK if there was none. */
 const hs_error *hs_run_plugin_error(const hs_run *run);
 
-/* The same of its confidence map (hs_loop_confidence_error). */
+/* The first failure of the plugin's confidence map (hs_loop_confidence_error). */
 const hs_error *hs_run_confidence_error(const hs_run *run);
 
 /* True if frames of the setting have the stage at all. */

@@ -85,7 +85,7 @@ bool hs_console_files_find(const hs_console_files *files, uint32_t folder, const
     return true;
 }
 
-/* A list under way. */
+/* A folder that is being listed. */
 typedef struct {
     const hs_console_files *files;
     uint32_t folder, told;

@@ -121,7 +121,7 @@ static double value_before(const hs_lane *lane, const sv_param_info *info) {
     return info->default_value;
 }
 
-/* What changed. */
+/* How the wanted values differ from those that a lane has. */
 typedef struct {
     sv_param_value values[HS_CONSOLE_VALUES];
     uint32_t count, changes, adjusted;

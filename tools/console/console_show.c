@@ -65,7 +65,7 @@ static bool from_rgba(const uint8_t *rgba, uint32_t size, hs_picture *out, hs_er
     return true;
 }
 
-/* What the renderer draws. */
+/* Draws a view that the renderer makes. */
 static bool render(hs_console_stage *stage, hs_console_view view, hs_error *err) {
     hs_lane *lane = &stage->lane[view == HS_CONSOLE_OTHER];
     if (view == HS_CONSOLE_TRUTH)

@@ -145,7 +145,7 @@ static bool follow_lanes(hs_console_stage *stage, const hs_console_state *state,
 
 /* ------------------------------------------------------------------------------------------ picture -- */
 
-/* But for its size. */
+/* True if two pictures differ in nothing but their size. */
 static bool same_renderer(const hs_dvr_settings *a, const hs_dvr_settings *b) {
     return a->look == b->look && a->light[0] == b->light[0] && a->light[1] == b->light[1] &&
            a->threshold_low == b->threshold_low && a->threshold_high == b->threshold_high &&

@@ -170,7 +170,7 @@ const char *hs_measure_key(hs_measure measure) {
     return keys[measure];
 }
 
-/* Of the rays of one label, for every map of a line. */
+/* What the rays of one label come to, for every map of a line. */
 typedef struct {
     uint32_t positive[HS_EVAL_MAX_LINE], negative[HS_EVAL_MAX_LINE];         /* rays */
     uint64_t positive_sum[HS_EVAL_MAX_LINE], negative_sum[HS_EVAL_MAX_LINE]; /* steps */

@@ -101,7 +101,7 @@ bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_
 #define POSITIONS   31u           /* of the knob */
 #define MAX_REPEATS 15u           /* of hs_eval_case_time */
 
-/* Adds "KEY=VALUE[ KEY=VALUE]...". */
+/* Adds the values of a text "KEY=VALUE[ KEY=VALUE]...". */
 static bool parse(hs_eval_values *values, const hs_plugin *plugin, const char *text, hs_error *err) {
     char copy[256];
     char *next = NULL;

@@ -193,7 +193,7 @@ typedef enum {
     HS_BESIDE_COUNT
 } hs_beside_way;
 
-/* Owned by the caller. */
+/* Two methods beside each other. Owned by the caller. */
 typedef struct {
     bool exists;
     const hs_cl *cl;

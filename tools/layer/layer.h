@@ -44,7 +44,7 @@ typedef struct {
     uint64_t slow_ns;     /* SMARTVIS_CHECK_MS */
     sv_descriptor told;   /* the descriptor as it was at create */
 
-    /* Any thread. */
+    /* Used by any thread. */
     atomic_flag busy; /* a [control] or [frame] call is under way */
     atomic_bool lost; /* calls overlapped: nobody knows the state until the next deactivate */
     atomic_uint seen[RULE_COUNT];
@@ -61,14 +61,14 @@ typedef struct {
     const sv_ext_spline *inner_spline;
     const sv_ext_timing *inner_timing;
 
-    /* Of the call under way. */
+    /* Belongs to the call under way. */
     rule_sink called;
     bool found;        /* a rule was broken */
     rule_name owed;    /* the plugin's rule that asks for an error; RULE_COUNT: by the error */
     sv_status stopped; /* what a call returns that was stopped, SV_OK if it was not */
     char reason[512];  /* for last_error, of a call that was stopped */
 
-    /* Of the life so far. */
+    /* Kept from call to call. */
     sva shadow; /* what the header says of the instance: state, format, values, next slice */
     sva_method method;
     rule_params *described;
@@ -109,7 +109,7 @@ void ly_broken_asking(void *instance, rule_name name, const char *text);
 
 /* ------------------------------------------------------------------------------------- layer_pass -- */
 
-/* CLOCK_MONOTONIC. */
+/* Nanoseconds of CLOCK_MONOTONIC. */
 uint64_t ly_now(void);
 
 /* The layer's functions, in what the host holds. */

@@ -36,7 +36,7 @@ void hs_page_contents(hs_page *page);
 /* Figures to be seen at once: each value with its name. */
 void hs_page_numbers(hs_page *page, const char *const *names, const char *const *values, unsigned count);
 
-/* A paragraph. */
+/* A paragraph of plain text. */
 void hs_page_text(hs_page *page, const char *text);
 
 /* A row of pictures, which wraps on a narrow screen: begin, pictures, end. */
@@ -50,13 +50,13 @@ void hs_page_row_end(hs_page *page);
 /* A PNG file, inlined, with the text that stands for it when it is not seen, and a caption below. */
 void hs_page_picture(hs_page *page, const char *path, const char *alt, const char *caption);
 
-/* Of a rendering of the ground truth, on every page; `cut`: it shows one (hs_truth_shows_cut). */
+/* The caption of a rendering of the ground truth; `cut`: it shows one (hs_truth_shows_cut). */
 const char *hs_page_truth_caption(bool cut);
 
-/* Of slices.png: what the yellow line is, or that there is none. */
+/* The caption of slices.png: what the yellow line is, or that there is none. */
 const char *hs_page_slices_caption(bool clipped);
 
-/* The same as JPEG, for renderings: a sixth of the bytes, with a loss that speckle hides. */
+/* hs_page_picture as JPEG, for renderings: a sixth of the bytes, with a loss that speckle hides. */
 void hs_page_photo(hs_page *page, const char *path, const char *alt, const char *caption);
 
 /* A table: the first row given is its head, the first cell of a row its heading. */

@@ -139,7 +139,7 @@ static void pass_values(rec_cursor *c, rec_item *it) {
     }
 }
 
-/* Of a sound activate: what every plugin refuses cannot be. */
+/* Names the field of a sound activate that every plugin refuses. */
 static const char *judge_format(const sv_format *f) {
     return f->width == 0             ? "width"
            : f->height == 0          ? "height"

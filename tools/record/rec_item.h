@@ -28,12 +28,12 @@ typedef struct {
 typedef struct {
     rec_type type;
 
-    /* REC_PLUGIN */
+    /* Fields of REC_PLUGIN. */
     char id[256], name[256], version[64];
     rec_param params[REC_MAX_VALUES];
     uint32_t param_count;
 
-    /* REC_CALL and REC_RETURN */
+    /* Fields of REC_CALL and REC_RETURN. */
     uint32_t kind; /* rc_kind */
     uint32_t sound;
     uint64_t ns; /* a call's start, a return's duration */
@@ -57,7 +57,7 @@ typedef struct {
     uint8_t *data;
     size_t bytes;
 
-    /* REC_LOG */
+    /* Fields of REC_LOG. */
     int32_t severity;
     char text[REC_MAX_TEXT + 1];
 } rec_item;

@@ -46,7 +46,7 @@ enum { FIRST_ABS, FIRST_CUT, FIRST_LEFT, FIRST_MS, FIRST_UNCLIPPED, FIRST_FLOOR,
 static const char *const first_head[FIRST_COUNT + 1] = {
     "case", "e_abs", "cut [%]", "left [%]", "plugin [ms]", "e_abs unclipped", "e_abs of the true surface"};
 
-/* NAN: not known. */
+/* The numbers of a case; NAN where one is not known. */
 static void first_row(const hs_eval_study *study, uint32_t index, double out[FIRST_COUNT]) {
     const hs_measures *m = first_measures(study, index);
     out[FIRST_ABS] = (double)m->of[HS_MEASURE_ABS];

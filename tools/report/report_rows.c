@@ -134,7 +134,7 @@ static void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
     hs_print(out, "\n");
 }
 
-/* Heads hold commas: quoted. */
+/* Heads are quoted because they hold commas. */
 static bool hs_eval_beside_table(const hs_eval_study *study, hs_error *err) {
     char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
     hs_output_file output = {0};

@@ -153,7 +153,7 @@ static void put_stages(hs_page *report, const hs_eval_study *study, const char *
     hs_eval_figure_put(report, write_bars, &plot);
 }
 
-/* Figure 5.21. */
+/* Draws the thesis' Figure 5.21. */
 static void put_settings(hs_page *report, const hs_eval_study *study, const char *const *names) {
     static const char *const labels[HS_SETTING_COUNT] = {"DVR", "+ conversion", "+ plugin"};
     double value[HS_EVAL_MAX_CASES * HS_SETTING_COUNT];
@@ -170,7 +170,7 @@ static void put_settings(hs_page *report, const hs_eval_study *study, const char
     hs_eval_figure_put(report, write_bars, &plot);
 }
 
-/* Figure 5.20. */
+/* Draws the thesis' Figure 5.20. */
 static void put_curves(hs_page *report, const hs_eval_study *study) {
     char names[HS_EVAL_CURVES][32], title[128];
     const char *name[HS_EVAL_CURVES];

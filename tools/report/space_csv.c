@@ -140,7 +140,7 @@ static bool load_file(hs_eval_space *space, const char *path, hs_error *err) {
     return ok;
 }
 
-/* "space_<case>.csv" and "space_<case>.part<i>of<n>.csv". */
+/* True for "space_<case>.csv" and "space_<case>.part<i>of<n>.csv". */
 static bool is_part(const hs_eval_space *space, const char *file) {
     char start[96];
     const int length = snprintf(start, sizeof start, "space_%s.part", space->name);

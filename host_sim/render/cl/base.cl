@@ -99,7 +99,7 @@ INLINE void fetch_ahead(__global const uchar *p, size_t ahead) {
 
 #define MAX_PACKETS 4 /* whose samples are made together */
 
-/* Least and largest lane. */
+/* Smallest and largest lane of a vector. */
 #if LANES == 16
 INLINE float lanes_min(vf v) {
     float8 a = min(v.lo, v.hi);

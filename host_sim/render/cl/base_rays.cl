@@ -156,7 +156,7 @@ INLINE cell fetch(__global const uchar *voxels, int4 dims, vf x, vf y, vf z) {
     return c;
 }
 
-/* The same at several places, MAX_PACKETS at most, at once. */
+/* Fetches the cells of several packets at once, MAX_PACKETS at most. */
 INLINE void fetch_together(__global const uchar *voxels, int4 dims, const packet *at, int packets, cell *c) {
     vi i[MAX_PACKETS];
     vu near[MAX_PACKETS], far[MAX_PACKETS];

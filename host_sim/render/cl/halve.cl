@@ -85,7 +85,7 @@ INLINE void halve_sixteen(four_rows r, int x, __global uchar *all, __global ucha
     store_bytes(convert_uchar16(sum), marked + x / 2);
 }
 
-/* global: (1, 1, slices). */
+/* One work item a slice: the global size is (1, 1, slices). */
 WIDE __kernel void halve_volume(__global const uchar *voxels, int4 dims, int4 half_dims, __global uchar *mean,
                                 __global uchar *marked) {
     int z = (int)get_global_id(2), even = dims.x & ~1;

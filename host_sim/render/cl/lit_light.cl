@@ -216,7 +216,7 @@ INLINE void mean_opacities_at(const lit_scene *s, const lit_place *p, int count,
     }
 }
 
-/* The same, and none in what was removed. */
+/* Mean opacities, 0 where tissue was removed. */
 INLINE void opacities_at(const lit_scene *s, const lit_place *p, int count, vf *value) {
     mean_opacities_at(s, p, count, value);
     if (s->map_dims.x == 0) return;

@@ -156,7 +156,7 @@ INLINE vi mean_of_samples(const halved_job *job, fixed_sum s, int4 start) {
     return select(nearest_mean(job->voxels, job->dims, job->grid, job->l, start), mean, decided);
 }
 
-/* Where the voxels go. */
+/* The slab that voxels are written to. */
 typedef struct {
     __global uchar *slab;
     int4 layout, size;

@@ -120,7 +120,7 @@ void v_open_bare(v_run *run, v_subject *s);
 /* Another instance of the plugin, of the same host. */
 const sv_plugin *v_another(v_subject *s);
 
-/* destroy and dlclose. */
+/* Calls destroy and dlclose. */
 void v_close(v_subject *s);
 
 /* A status with its name, "SV_ERR_STATE (-20)", in one of a few buffers that are used in turn. */
@@ -318,7 +318,7 @@ void v_collect(v_stage *st, sv_status returned, v_map *out);
 sv_status v_try_frame(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
                       v_map *out);
 
-/* The same; the check fails on an error. */
+/* v_try_frame; the check fails on an error. */
 void v_frame(v_subject *s, const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
              v_map *out);
 

@@ -100,7 +100,7 @@ void spy_forgets(cl_kernel kernel);
 /* After its read of `rows` rows: waits for it and changes every byte that it brought, if this is its turn. */
 void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch);
 
-/* Its queue has finished. */
+/* Told when the plugin's queue has finished. */
 void spy_finished(void);
 
 /* What it hears of the device's memory, if that is not to be the truth. */

@@ -32,7 +32,7 @@ static inline int library_look(struct dl_phdr_info *info, size_t size, void *dat
     return 1;
 }
 
-/* Of the program or library that holds this address. */
+/* The range of the program or library that holds this address. */
 static inline library_range library_range_of(const void *address) {
     library_search s = {.address = (uintptr_t)address};
     (void)dl_iterate_phdr(library_look, &s);
