@@ -115,6 +115,10 @@ bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_vol
  * caller's. HS_ERR_INPUT as above, and if the size is another one; HS_ERR_MEMORY. Any thread. */
 bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err);
 
+/* The same map as float32 in new memory, which the caller frees. NULL on failure: HS_ERR_INPUT as above, and
+ * for a value beyond float32. */
+float *hs_metaimage_load_map(const char *path, uint32_t nx, uint32_t ny, hs_error *err);
+
 /*
  * Voxel (x, y, z) was scanned if first(x, y) <= z < end(x, y): what was not becomes 0, and zeros that were
  * scanned become 1 (hs_volume). `first` and `end` are MetaImage files of nx x ny x 1 whole numbers, 0 .. nz;

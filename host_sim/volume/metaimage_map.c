@@ -27,6 +27,29 @@ bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *v
     return ok;
 }
 
+static bool to_floats(const char *path, const double *values, size_t count, float *out, hs_error *err) {
+    for (size_t i = 0; i < count; i++) {
+        out[i] = (float)values[i];
+        if (!isfinite(out[i]))
+            return hs_fail(err, HS_ERR_INPUT, "%s: value %zu is %g, expected a finite float32", path, i,
+                           values[i]);
+    }
+    return true;
+}
+
+float *hs_metaimage_load_map(const char *path, uint32_t nx, uint32_t ny, hs_error *err) {
+    const size_t count = (size_t)nx * ny;
+    double *values = calloc(count, sizeof *values);
+    float *map = calloc(count, sizeof *map);
+    const bool ok =
+        ((values && map) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, count)) &&
+        hs_metaimage_read_map(path, nx, ny, values, err) && to_floats(path, values, count, map, err);
+    free(values);
+    if (ok) return map;
+    free(map);
+    return NULL;
+}
+
 /* Reads one map; its values are slices of the volume. */
 static bool read_map(const char *path, const hs_volume *volume, double *map, hs_error *err) {
     if (!hs_metaimage_read_map(path, volume->nx, volume->ny, map, err)) return false;

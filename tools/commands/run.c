@@ -7,8 +7,8 @@
 #include "plugin/loader_param.h"
 #include "render/camera.h"
 #include "show/loop_pictures.h"
+#include "volume/metaimage.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,22 +24,10 @@ void hs_run_defaults(hs_run_request *request) {
 /* What was made elsewhere instead of a plugin. */
 static bool open_map(hs_run *run, const char *path, hs_error *err) {
     const uint32_t n = run->request.loop.lowres;
-    const size_t pixels = (size_t)n * n;
-    double *values = calloc(pixels, sizeof *values);
-    run->depths = calloc(pixels, sizeof *run->depths);
-    bool ok =
-        (values && run->depths) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, pixels);
-    ok = ok && hs_metaimage_read_map(path, n, n, values, err);
-    for (size_t i = 0; ok && i < pixels; i++) {
-        run->depths[i] = (float)values[i];
-        if (!isfinite(run->depths[i]))
-            ok = hs_fail(err, HS_ERR_INPUT, "%s: value %zu is %g, expected a finite number of mm", path, i,
-                         values[i]);
-    }
-    free(values);
+    run->depths = hs_metaimage_load_map(path, n, n, err);
     run->given = (hs_given_map){.mm = run->depths, .width = n, .height = n};
     (void)snprintf(run->plugin_path, sizeof run->plugin_path, "%s", path);
-    run->has_plugin = ok && hs_plugin_open_map(&run->plugin, &run->given, err);
+    run->has_plugin = run->depths && hs_plugin_open_map(&run->plugin, &run->given, err);
     return run->has_plugin;
 }
 

@@ -138,25 +138,14 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err) {
     return false;
 }
 
-/* A map of slices beside the volume. */
-static bool read_depths(const char *path, const wall_case *c, float **out, hs_error *err) {
-    const size_t plane = (size_t)c->nx * c->ny;
-    double *const values = malloc(plane * sizeof *values);
-    *out = malloc(plane * sizeof **out);
-    const bool ok =
-        (values && *out) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", path, plane);
-    const bool read = ok && hs_metaimage_read_map(path, c->nx, c->ny, values, err);
-    for (size_t i = 0; read && i < plane; i++) (*out)[i] = (float)values[i];
-    free(values);
-    return read;
-}
-
 static bool read_interval(const char *folder, const char *name, wall_case *c, hs_error *err) {
     char near[2048], far[2048];
     (void)snprintf(near, sizeof near, "%s/%s_near.mha", folder, name);
     (void)snprintf(far, sizeof far, "%s/%s_far.mha", folder, name);
     if (access(near, F_OK) != 0 || access(far, F_OK) != 0) return true;
-    return read_depths(near, c, &c->near, err) && read_depths(far, c, &c->far, err);
+    c->near = hs_metaimage_load_map(near, c->nx, c->ny, err);
+    c->far = c->near ? hs_metaimage_load_map(far, c->nx, c->ny, err) : NULL;
+    return c->far != NULL;
 }
 
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err) {
