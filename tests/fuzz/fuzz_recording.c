@@ -17,10 +17,7 @@ enum { MAX_FILE = 1 << 20, MAX_VOXELS = 1 << 16, MAX_TEXTURE = 1 << 22, MAX_PART
 
 /* Parts with their checksums. Returns the bytes of the file. */
 static size_t make_file(fuzz_bytes *b, uint8_t *file) {
-    static const struct {
-        char magic[8];
-        uint32_t version, reserved;
-    } header = {REC_MAGIC, REC_VERSION, 0};
+    static const rec_header header = REC_HEADER;
     size_t size = sizeof header;
     memcpy(file, &header, sizeof header);
     for (int n = 0; n < MAX_PARTS && b->left > 0; n++) {

@@ -11,6 +11,14 @@
 #define REC_MAGIC   "SVRECORD"
 #define REC_VERSION 1u
 
+/* What a recording begins with. */
+typedef struct {
+    char magic[8];
+    uint32_t version, reserved;
+} rec_header;
+#define REC_HEADER                                                                                           \
+    { REC_MAGIC, REC_VERSION, 0 }
+
 typedef enum { REC_PLUGIN = 1, REC_CALL = 2, REC_RETURN = 3, REC_LOG = 4, REC_END = 5 } rec_type;
 
 enum { REC_MAX_VALUES = 1024, REC_MAX_TEXT = 1023, REC_MAX_SIDE = 8192 };

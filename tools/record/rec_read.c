@@ -36,10 +36,7 @@ static bool take(rec_reader *r, void *to, size_t bytes) {
 }
 
 rec_reader *rec_reader_open(const char *path, char *error, size_t bytes) {
-    struct {
-        char magic[8];
-        uint32_t version, reserved;
-    } header;
+    rec_header header;
     rec_reader *r = calloc(1, sizeof *r);
     if (!r) {
         (void)snprintf(error, bytes, "%s: no memory", path);

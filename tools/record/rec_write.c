@@ -378,10 +378,7 @@ static void keep_unfinished(const char *path) {
 }
 
 rec *rec_open(const char *path, const char *options, char *error, size_t bytes) {
-    const struct {
-        char magic[8];
-        uint32_t version, reserved;
-    } header = {REC_MAGIC, REC_VERSION, 0};
+    const rec_header header = REC_HEADER;
     rec *r = calloc(1, sizeof *r);
     if (!r) {
         (void)snprintf(error, bytes, "recording: no memory");
