@@ -6,7 +6,8 @@ import shutil
 import sys
 import tempfile
 
-from console_look import a_page, choose, holds, pixels, settle
+from console_client import holds
+from console_look import a_page, choose, pixels, settle
 
 BUILD = sys.argv[1]
 BUILT = os.path.join(BUILD, "tests", "plugins")

@@ -7,7 +7,8 @@ import shlex
 import subprocess
 import sys
 
-from console_look import RESULT, a_page, all_pixels, choose, holds, pixels, read_png, settle, snapshot
+from console_client import holds
+from console_look import RESULT, a_page, all_pixels, choose, pixels, read_png, settle, snapshot
 from page_looks import looks, tab_order
 from webdriver import KEYS
 

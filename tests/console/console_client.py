@@ -187,6 +187,11 @@ class Page:
         self.socket.close()
 
 
+def holds(condition, what):
+    if not condition:
+        raise AssertionError(what)
+
+
 def until(condition, seconds, what):
     end = time.monotonic() + seconds
     while not condition():

@@ -7,17 +7,12 @@ import struct
 import tempfile
 import zlib
 
-from console_client import Console
+from console_client import Console, holds
 from webdriver import Browser
 
 RESULT = ".screen[data-view=result]"
 SETTLED = ("document.body.dataset.serial === String(state.serial) && !state.hurried && !link.waiting "
            "&& document.body.dataset.draft === 'false'")
-
-
-def holds(condition, what):
-    if not condition:
-        raise AssertionError(what)
 
 
 @contextlib.contextmanager

@@ -3,22 +3,16 @@
 
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import time
 
-from console_client import Console, Page, until
+from console_client import Console, Page, holds, until
 
 BUILD = sys.argv[1]
 PLUGINS = ["--plugin", os.path.join(BUILD, "smartvis.so"), "--plugin", os.path.join(BUILD, "tests/plugins/by_crash.so")]
-
-
-def holds(condition, what):
-    if not condition:
-        raise AssertionError(what)
 
 
 def has_our_headers(head, what):
@@ -387,67 +381,10 @@ def a_sequence_plays(work):
         console.end()
 
 
-def who_comes_early():
-    """Requests that come while the console starts find its own address right."""
-    for _ in range(30):
-        with socket.socket() as one:
-            one.bind(("127.0.0.1", 0))
-            port = one.getsockname()[1]
-        console = subprocess.Popen([os.path.join(BUILD, "host_sim"), "console", *PLUGINS, "--port", str(port)], stdout=subprocess.DEVNULL)
-        try:
-            said = b""
-            while not said:
-                holds(console.poll() is None, "the console has not started")
-                try:
-                    with socket.create_connection(("127.0.0.1", port), timeout=30) as one:
-                        one.sendall(f"GET /console.css HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
-                        said = one.recv(64)
-                except ConnectionRefusedError:
-                    pass
-            holds(said.startswith(b"HTTP/1.1 200"), f"an early request is answered with {said[:40]}")
-        finally:
-            console.kill()
-            console.wait()
-
-
-def how_it_ends():
-    """It outlives its last page by 30 s, in which a page may come back; with --stay it goes on."""
-    ends, stays = Console(BUILD, PLUGINS), Console(BUILD, [*PLUGINS, "--stay"])
-    try:
-        for console in (ends, stays):
-            page = Page(console)
-            page.text("hello")
-            page.close()
-        time.sleep(3)
-        page = Page(ends)
-        page.text("hello")
-        closed = time.monotonic()
-        page.close()
-        holds(ends.wait(60) == 0, "the last page has closed, and it goes on")
-        holds(30 <= time.monotonic() - closed < 45, f"it ends {time.monotonic() - closed} s after its last page")
-        holds(stays.process.poll() is None, "--stay does not keep it")
-        stays.process.send_signal(signal.SIGTERM)
-        holds(stays.wait(30) == 0, "SIGTERM does not end it with 0")
-    finally:
-        ends.end()
-        stays.end()
-
-
-def command_lines():
-    for arguments, code, text in ((["/no/such/folder"], 3, "/no/such/folder: is no folder"), (["--port", "99999"], 2, "--port"),
-                                  (["--listen", "example.org"], 2, "'example.org' is no address"), (["--nonsense"], 2, "--nonsense"),
-                                  (["--listen", "192.0.2.77"], 1, "cannot listen on 192.0.2.77")):
-        done = subprocess.run([os.path.join(BUILD, "host_sim"), "console", *arguments], capture_output=True, text=True, timeout=900, check=False)
-        holds(done.returncode == code and text in done.stderr, f"{arguments}: {done.returncode}, {done.stderr}")
-
-
 def main():
     with tempfile.TemporaryDirectory() as work:
-        command_lines()
         one_console(work)
         a_sequence_plays(work)
-        who_comes_early()
-        how_it_ends()
     print("ok")
 
 

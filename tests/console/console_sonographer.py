@@ -7,7 +7,8 @@ import subprocess
 import sys
 import tempfile
 
-from console_look import a_page, choose, holds, pixels, settle
+from console_client import holds
+from console_look import a_page, choose, pixels, settle
 from webdriver import KEYS
 
 BUILD = sys.argv[1]

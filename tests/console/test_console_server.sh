@@ -1,9 +1,10 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The console's server on bare sockets (console_server.py). Called with the source and the build folder.
+# The console's server on bare sockets (console_server.py, or another script of this folder). Called with the source and the
+# build folder, and the script's name.
 set -u
 command -v python3 > /dev/null || {
     echo "skipped: no Python"
     exit 77
 }
-exec python3 -B "$1/tests/console/console_server.py" "$2"
+exec python3 -B "$1/tests/console/${3:-console_server.py}" "$2"
