@@ -127,7 +127,7 @@ INLINE uint convert_axes(const axes_block *b, int slice, plane16 planes[2], __gl
         uint16 sum = mix_words(near->line[i].mean, far->line[i].mean, part);
         uchar16 least = min(near->line[i].least, far->line[i].least),
                 any = near->line[i].any | far->line[i].any;
-        uchar16 whole = as_uchar16(least >= (uchar16)(HALVED_LEAST));
+        uchar16 whole = as_uchar16(least >= (uchar16)(HALVED_MIN));
         uchar16 unsure =
             ~whole & as_uchar16(any != (uchar16)(0)) & as_uchar16(LANE_BYTES < (char16)((char)b->width));
         uchar16 bytes = convert_uchar16((sum + (1u << (WEIGHT_BITS - 1))) >> WEIGHT_BITS) & whole;
