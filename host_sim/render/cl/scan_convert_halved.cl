@@ -242,8 +242,21 @@ INLINE bool is_along_axes(const halved_job *job) {
            job->half_dims.x * job->half_dims.y * job->half_dims.z >= AXES_SPAN;
 }
 
-/* Makes a block of which all lies between voxels, along the axes; then those packets again, one by one, that
- * an edge of what was scanned goes through. */
+/* Makes those packets of a block again that an edge of what was scanned goes through. `edges`: of each slice,
+ * as convert_axes returns them. */
+INLINE void convert_edges(const halved_job *job, slab_target to, place block, int slices, const uint *edges) {
+    for (int i = 0; i < slices; i += RUN) {
+        int count = min(RUN, slices - i);
+        uint any = 0;
+        for (int k = 0; k < count; k++) any |= edges[i + k];
+        for (int packet = 0; any >> packet != 0; packet++) {
+            place at = {block.x + packet % 4 * PACKET_W, block.y + packet / 4 * PACKET_H, block.z + i};
+            if (any >> packet & 1u) convert_column(job, to, at, at.z - to.size.z, count);
+        }
+    }
+}
+
+/* Makes a block of which all lies between voxels, along the axes. */
 INLINE void convert_along_axes(const halved_job *job, slab_target to, place block, int slices) {
     const lattice *l = &job->l;
     int4 start = start_of(job, block);
@@ -254,20 +267,19 @@ INLINE void convert_along_axes(const halved_job *job, slab_target to, place bloc
                     {start.y, l->dy.y, l->bits},
                     {start.z, l->dz.z, l->bits},
                     min(AXES_EDGE, to.size.x - block.x),
-                    min(AXES_EDGE, to.size.y - block.y)};
+                    min(AXES_EDGE, to.size.y - block.y),
+                    (ushort16)(0),
+                    (ushort16)(0)};
     for (int i = 0; i < LANES; i++) {
         ((ushort *)&b.index)[i] = (ushort)(voxel_before(b.x, i) - voxel_before(b.x, 0));
         ((ushort *)&b.fraction)[i] = (ushort)part_behind(b.x, i);
     }
     plane16 planes[2];
+    uint edges[BLOCK];
     planes[0].z = planes[1].z = -1;
-    for (int i = 0; i < slices; i++) {
-        uint edges = convert_axes(&b, i, planes, row_of(to, block, first + i), to.layout.w);
-        for (int packet = 0; edges >> packet != 0; packet++) {
-            place at = {block.x + packet % 4 * PACKET_W, block.y + packet / 4 * PACKET_H, block.z + i};
-            if (edges >> packet & 1u) convert_run(job, to, at, first + i, start_of(job, at), false, 1);
-        }
-    }
+    for (int i = 0; i < slices; i++)
+        edges[i] = convert_axes(&b, i, planes, row_of(to, block, first + i), to.layout.w);
+    convert_edges(job, to, block, slices, edges);
 }
 #endif
 
