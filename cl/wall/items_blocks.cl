@@ -10,6 +10,22 @@
 #include "wall/items.clh"
 #endif
 
+/* Finds the layers at which all voxels of a ray were scanned. `ranges`: planes of the pixels' ranges. */
+static void find_range(const sv_wall_layout *l, const sv_wall_span *across, const sv_wall_span *along,
+                       uint pitch, __global const ushort *ranges, ushort *first, ushort *end) {
+    uint from = 0, to = l->slices;
+    for (uint y = along->first; y < along->first + along->count; y++)
+        for (uint x = across->first; x < across->first + across->count; x++) {
+            __global const ushort *at = ranges + (size_t)y * pitch + x;
+            from = max(from, (uint)at[0]);
+            to = min(to, (uint)at[(size_t)l->height * pitch]);
+        }
+    from = (from + l->depth - 1) / l->depth;
+    to = to == l->slices ? l->layers : to / l->depth;
+    *first = (ushort)(from < to ? from : 0);
+    *end = (ushort)(from < to ? to : 0);
+}
+
 /* One work group per row of cells. Levels of blocks that were not scanned become 0. `bounded`: the pixels
  * have ranges. If wall_items_smooth follows, that kernel counts the levels. */
 __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,

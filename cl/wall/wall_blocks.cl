@@ -152,9 +152,9 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
 }
 
 /* One work item per row of cells. Levels of blocks that were not scanned become 0, but for layers in front of
- * those of the row and behind them, at which nothing looks. `bounded`: the pixels
- * have ranges. `row_maxima`: the means' dilation along x. `scratch`: scratch_words words of 32 bits for each
- * row. If wall_smooth follows, that kernel counts the levels. */
+ * those of the row and behind them, at which nothing looks. `bounded`: the pixels have ranges. `row_maxima`:
+ * the means' dilation along x. `scratch`: scratch_words words of 32 bits for each row. If wall_smooth
+ * follows, that kernel counts the levels. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scratch_words,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
@@ -176,8 +176,7 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scrat
     /* A level counts with that behind it, so the layer in front of the scan has maxima, too. */
     const extent_t bright = {scanned.from - min(scanned.from, 1u), scanned.to};
     const uint masked_to = min(bright.to + 1, l.layers);
-    clear_bytes(row_maxima + cell_row(&l, 0, row), bright.from * padded_cells_of(&l));
-    clear_bytes(row_maxima + cell_row(&l, bright.to, row), (l.layers - bright.to) * padded_cells_of(&l));
+    clear_others(&l, bright, row_maxima + cell_row(&l, 0, row), padded_cells_of(&l));
     for (uint z = bright.from; z < bright.to + 2; z++) {
         for (uint r = 0; z < masked_to && r < 2; r++) mask_row(&l, rays, z, 2 * row + r, levels, histogram);
         if (z > bright.from + 1)

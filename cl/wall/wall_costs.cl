@@ -232,20 +232,23 @@ static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const r
     return (distance_cost_at(l, MINIMUM(w->near, before)) + wrong) & AS_U16(r->scanned);
 }
 
+/* Gives layers the costs of layer z. */
+static void repeat_costs(const cell_rays_t *s, __global ushort *costs, uint z, extent_t layers) {
+    const u16h same = *(__global const u16h *)(costs + z * s->cell_pitch);
+    for (uint to = layers.from; to < layers.to; to++) *(__global u16h *)(costs + to * s->cell_pitch) = same;
+}
+
 /* Walks the layers from back to front. It stores the costs of HALF cells, in all layers. */
 static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __global ushort *costs) {
     backward_t w[2];
     UNROLL for (uint i = 0; i < 2; i++) backward_begin(l, &s->rays[i], &w[i]);
-    u16h mean = (u16h)(0);
     for (uint z = s->layers.to; z-- > s->layers.from;) {
         u16l cost[2];
         UNROLL for (uint i = 0; i < 2; i++) cost[i] = backward_step(l, s, &s->rays[i], z, &w[i]);
-        mean = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
-        *(__global u16h *)(costs + z * s->cell_pitch) = mean;
-        for (uint behind = z + 1; z + 1 == s->layers.to && behind < l->layers; behind++)
-            *(__global u16h *)(costs + behind * s->cell_pitch) = mean;
+        *(__global u16h *)(costs + z * s->cell_pitch) = HALF_TO_U16(mean_of_cells(cost[0] + cost[1]));
     }
-    for (uint z = 0; z < s->layers.from; z++) *(__global u16h *)(costs + z * s->cell_pitch) = mean;
+    repeat_costs(s, costs, s->layers.from, (extent_t){0, s->layers.from});
+    repeat_costs(s, costs, s->layers.to - 1, (extent_t){s->layers.to, l->layers});
 }
 
 /* Returns the layers outside of which the costs of rays do not change any more. Behind the scan there is no

@@ -86,30 +86,26 @@ static void note_ranges(const sv_wall_layout *l, const strip_t *s, bool ranged,
  * ranges. */
 static extent_t extent_of_pixels(const sv_wall_layout *l, const strip_t *s, uint x,
                                  __global const ushort *scanned) {
-    ushort16 first = (ushort16)(NEVER), end = (ushort16)(0);
+    short16 first = (short16)(NEVER), end = (short16)(0);
     for (uint at = x; at < min(x + LANES, l->width); at += SV_LANES) {
-        const ushort16 inside = as_ushort16(words16_of(pixels_of(at, l->width)));
+        const short16 inside = words16_of(pixels_of(at, l->width));
         for (uint y = s->first_row; y < s->first_row + s->rows; y++) {
             __global const ushort *range = scanned + (size_t)y * s->range_pitch + at;
-            const ushort16 from = vload16(0, range);
-            const ushort16 to = vload16(0, range + (size_t)l->height * s->range_pitch);
-            const ushort16 is_scanned = inside & as_ushort16(from < to);
-            first = min(first, from | ~is_scanned);
+            const short16 from = as_short16(vload16(0, range));
+            const short16 to = as_short16(vload16(0, range + (size_t)l->height * s->range_pitch));
+            const short16 is_scanned = inside & (from < to);
+            first = min(first, select((short16)(NEVER), from, is_scanned));
             end = max(end, to & is_scanned);
         }
     }
-    const ushort8 first8 = min(first.lo, first.hi), end8 = max(end.lo, end.hi);
-    const ushort4 first4 = min(first8.lo, first8.hi), end4 = max(end8.lo, end8.hi);
-    const ushort2 first2 = min(first4.lo, first4.hi), end2 = max(end4.lo, end4.hi);
-    return (extent_t){min(first2.x, first2.y), max(end2.x, end2.y)};
+    return extent_of((const short *)&first, (const short *)&end, SV_LANES);
 }
 
 static void find_extents(const sv_wall_layout *l, strip_t *s, __global const ushort *scanned) {
-    s->any = (extent_t){NEVER, 0};
+    s->any = (extent_t){0, 0};
     for (uint x = 0; x < l->width; x += LANES) {
-        const extent_t e = extent_of_pixels(l, s, x, scanned);
-        s->scanned[x / LANES] = e;
-        s->any = (extent_t){min(s->any.from, e.from), max(s->any.to, e.to)};
+        s->scanned[x / LANES] = extent_of_pixels(l, s, x, scanned);
+        s->any = united(s->any, s->scanned[x / LANES]);
     }
 }
 

@@ -44,9 +44,8 @@ __kernel void wall_bright(sv_wall_layout l, uint scratch_words, __global const u
     for (uint x = 0; x < 2 * pitch; x++) lines[x] = 0;
     lines += MARGIN;
     const extent_t scanned = extent_of_row(&l, rays, row);
-    const size_t layer = padded_cells_of(&l) * sizeof *windows;
-    clear_bytes((__global uchar *)(windows + cell_row(&l, 0, row)), scanned.from * layer);
-    clear_bytes((__global uchar *)(windows + cell_row(&l, scanned.to, row)), (l.layers - scanned.to) * layer);
+    clear_others(&l, scanned, (__global uchar *)(windows + cell_row(&l, 0, row)),
+                 padded_cells_of(&l) * sizeof *windows);
     for (uint z = scanned.from; z <= scanned.to; z++) {
         __global uint *to = lines + z % 2 * pitch, *from = lines + (z + 1) % 2 * pitch;
         for (uint x = 0; z < scanned.to && x < cells; x += HALF)
