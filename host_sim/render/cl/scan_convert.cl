@@ -11,10 +11,14 @@ typedef struct {
     int x, y, z; /* of the packet's first voxel; z: slice of the whole volume */
 } place;
 
+/* Where the tile of a slice begins. */
+INLINE __global uchar *tile_of(__global uchar *slab, int4 layout, int slice) {
+    return slab + (size_t)(slice / layout.x) * layout.z * layout.w + (size_t)(slice % layout.x) * layout.y;
+}
+
 /* Writes the packet's bytes into its tile, and only those inside the picture. */
 INLINE void store_packet(__global uchar *slab, int4 layout, int4 size, place at, int slice, vi value) {
-    __global uchar *tile =
-        slab + (size_t)(slice / layout.x) * layout.z * layout.w + (size_t)(slice % layout.x) * layout.y;
+    __global uchar *tile = tile_of(slab, layout, slice);
 #if LANES == 16
     if (at.x + PACKET_W <= size.x && at.y + PACKET_H <= size.y) {
         uchar16 bytes = convert_uchar16(value);

@@ -4,11 +4,11 @@
  * what neighbouring samples share is computed once. The bytes are those of convert_halved's packets
  * (scan_convert_halved.cl), for it is the same arithmetic in the same order: along x, along y, then along z.
  */
-#define WEIGHT_BITS 8 /* of a position between two voxels: a sample's weights add up to 1 << 8 */
+#define WEIGHT_BITS 8     /* of a position between two voxels: a sample's weights add up to 1 << 8 */
+#define BLOCK       LANES /* edge of what a work item of convert_halved makes; the host's (scan_convert.c) */
 
 #if LANES == 16
 #define LANE_BYTES convert_char16(LANE_INDEX)
-#define AXES_EDGE  16 /* samples each way of a block */
 #define AXES_SPAN  32 /* voxels of a row that so many samples may lie between */
 
 /* Positions along an axis: between voxel `at` and the next one, in parts of 1 << WEIGHT_BITS. */
@@ -16,13 +16,17 @@ typedef struct {
     int start, step, bits;
 } steps;
 
+/* In parts of a voxel, to the nearest one. */
+INLINE int parts_to(steps s, int i) {
+    return (s.start + i * s.step + (1 << (s.bits - WEIGHT_BITS - 1))) >> (s.bits - WEIGHT_BITS);
+}
+
 INLINE int voxel_before(steps s, int i) {
-    return (s.start + i * s.step + (1 << (s.bits - WEIGHT_BITS - 1))) >> s.bits;
+    return parts_to(s, i) >> WEIGHT_BITS;
 }
 
 INLINE int part_behind(steps s, int i) {
-    return ((s.start + i * s.step + (1 << (s.bits - WEIGHT_BITS - 1))) >> (s.bits - WEIGHT_BITS)) &
-           ((1 << WEIGHT_BITS) - 1);
+    return parts_to(s, i) & ((1 << WEIGHT_BITS) - 1);
 }
 
 /* A block of samples of which all lie between voxels. */
@@ -80,7 +84,7 @@ INLINE line16 line_at(const axes_block *b, int y, int z) {
 /* Lines of a slice of the halved volume, mixed along y. */
 typedef struct {
     int z; /* -1: none */
-    line16 line[AXES_EDGE];
+    line16 line[BLOCK];
 } plane16;
 
 INLINE uint16 mix_words(ushort16 first, ushort16 second, int part) {
@@ -131,8 +135,8 @@ INLINE uint convert_axes(const axes_block *b, int slice, plane16 planes[2], __gl
         uchar16 unsure =
             ~whole & as_uchar16(any != (uchar16)(0)) & as_uchar16(LANE_BYTES < (char16)((char)b->width));
         uchar16 bytes = convert_uchar16((sum + (1u << (WEIGHT_BITS - 1))) >> WEIGHT_BITS) & whole;
-        edges |= packets_of(unsure) << (i / PACKET_H * (AXES_EDGE / PACKET_W));
-        if (b->width == AXES_EDGE) {
+        edges |= packets_of(unsure) << (i / PACKET_H * (BLOCK / PACKET_W));
+        if (b->width == BLOCK) {
             store_bytes(bytes, to);
             continue;
         }

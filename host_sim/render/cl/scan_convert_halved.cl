@@ -38,14 +38,11 @@ INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
     return (z >> bits) * (dims.y * dims.x) + (y >> bits) * dims.x + (x >> bits);
 }
 
-/* BLOCK: edge of what a work item makes; the host's (scan_convert.c). RUN: packets made together; a sample is
- * a long chain of steps, and so those of several packets overlap. */
+/* RUN: packets made together; a sample is a long chain of steps, and so those of several packets overlap. */
 #if LANES == 16
-#define BLOCK 16
-#define RUN   MAX_PACKETS
+#define RUN MAX_PACKETS
 #else
-#define BLOCK 1
-#define RUN   1
+#define RUN 1
 #endif
 
 #define EVEN_BYTES 0x00ff00ffu
@@ -197,8 +194,7 @@ INLINE bool is_inside(const halved_job *job, reach r) {
 
 /* Where the first row of a block's slice goes. */
 INLINE __global uchar *row_of(slab_target to, place block, int slice) {
-    return to.slab + (size_t)(slice / to.layout.x) * to.layout.z * to.layout.w +
-           (size_t)(slice % to.layout.x) * to.layout.y + (size_t)block.y * to.layout.w + block.x;
+    return tile_of(to.slab, to.layout, slice) + (size_t)block.y * to.layout.w + block.x;
 }
 
 /* A slice of a block that lies outside the volume. */
@@ -236,7 +232,7 @@ INLINE void convert_column(const halved_job *job, slab_target to, place at, int 
 /* True if the camera looks along the halved volume's axes, and a voxel is one sample. */
 INLINE bool is_along_axes(const halved_job *job) {
     const lattice *l = &job->l;
-    int last = 2 + (((AXES_EDGE - 1) * l->dx.x) >> l->bits); /* voxels behind the first one's, at most */
+    int last = 2 + (((BLOCK - 1) * l->dx.x) >> l->bits); /* voxels behind the first one's, at most */
     return job->samples == 1 && l->dx.x > 0 && l->dy.y > 0 && l->dz.z > 0 && (l->dx.y | l->dx.z) == 0 &&
            (l->dy.x | l->dy.z) == 0 && (l->dz.x | l->dz.y) == 0 && last < AXES_SPAN &&
            job->half_dims.x * job->half_dims.y * job->half_dims.z >= AXES_SPAN;
@@ -250,7 +246,8 @@ INLINE void convert_edges(const halved_job *job, slab_target to, place block, in
         uint any = 0;
         for (int k = 0; k < count; k++) any |= edges[i + k];
         for (int packet = 0; any >> packet != 0; packet++) {
-            place at = {block.x + packet % 4 * PACKET_W, block.y + packet / 4 * PACKET_H, block.z + i};
+            int row = packet / (BLOCK / PACKET_W), column = packet % (BLOCK / PACKET_W);
+            place at = {block.x + column * PACKET_W, block.y + row * PACKET_H, block.z + i};
             if (any >> packet & 1u) convert_column(job, to, at, at.z - to.size.z, count);
         }
     }
@@ -266,8 +263,8 @@ INLINE void convert_along_axes(const halved_job *job, slab_target to, place bloc
                     {start.x, l->dx.x, l->bits},
                     {start.y, l->dy.y, l->bits},
                     {start.z, l->dz.z, l->bits},
-                    min(AXES_EDGE, to.size.x - block.x),
-                    min(AXES_EDGE, to.size.y - block.y),
+                    min(BLOCK, to.size.x - block.x),
+                    min(BLOCK, to.size.y - block.y),
                     (ushort16)(0),
                     (ushort16)(0)};
     for (int i = 0; i < LANES; i++) {
