@@ -61,7 +61,7 @@ static u16l share_of_cost(uint cost, u16l chance) {
 /* Looks up the probabilities of the brightnesses of HALF cells. */
 static void find_chances(const cell_rays_t *s, uint z) {
     __global const uchar *brightness = s->brightness + z * s->cell_pitch;
-    SCALAR_LOADS
+    ROLLED_LOADS
     for (uint i = 0; i < HALF; i++) ((__global uint *)(s->chance + z))[i] = s->chances[brightness[i]];
 }
 
@@ -105,6 +105,13 @@ static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissu
     const u16l begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
     r->in_run = SELECT(r->in_run, begun, in_run);
     r->begun_at[z] = begun;
+}
+
+/* The same in a layer without tissue. */
+static void forward_no_tissue(rays_t *r, uint z, forward_t *w) {
+    w->maximum = (u16l)(0);
+    w->before = w->now;
+    r->begun_at[z] = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
 static void forward_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue, forward_t *w) {
@@ -159,7 +166,9 @@ static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     for (uint z = s->layers.from; z < s->layers.to; z++) {
         const u8l tissue[2] = {next[0], next[1]};
         load_tissue(l, s, z + 1, next);
-        if (s->certain_from == l->layers) {
+        if (s->certain_from == l->layers && !any_byte(tissue[0] | tissue[1])) {
+            UNROLL for (uint i = 0; i < 2; i++) forward_no_tissue(&r[i], z, &w[i]);
+        } else if (s->certain_from == l->layers) {
             const u32h chances = chances_at(l, s, z);
             UNROLL for (uint i = 0; i < 2; i++)
                 forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);

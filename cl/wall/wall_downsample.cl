@@ -15,6 +15,11 @@
 
 #define MAX_WIDTH 8192 /* pixels across, as the ABI has it */
 
+/* A volume of more voxels than this is larger than the caches. So many rows of pixels are summed up at a time
+ * then, while those below them are fetched. */
+#define CACHED_VOXELS (16u << 20)
+#define FETCHED_ROWS  4
+
 static uchar16 bytes16_of(short16 mask) {
     return as_uchar16(convert_char16(mask));
 }
@@ -27,6 +32,7 @@ typedef struct {
     /* Sums of pixels of each row of rays, with MEANS_MARGIN words in front of and behind them. Two layers
      * alternate, for a vector that was just stored is slow to load in parts. */
     __global ushort *sums[2][2];
+    uint at_once; /* so many rows of pixels are summed up at a time, while those below them are fetched */
     uint padding; /* above 255: none */
     bool ranged;  /* pixels have ranges, and those of LANES pixels are: */
     extent_t scanned[MAX_WIDTH / LANES];
@@ -149,6 +155,11 @@ static slices_t slices_from(const texture_t *t, uint first, uint count) {
 static u16l add_up(const sv_wall_layout *l, const slices_t *from, size_t at, uint padding) {
     const bool narrow = l->width < LANES;
     u16l sum = (u16l)(0);
+    if (!narrow && padding > 255) { /* a loop of its own is faster */
+        for (uint i = 0; i < from->count; i++)
+            sum += TO_U16(((__global const u8l_unaligned *)(from->at[i] + at))->v);
+        return sum;
+    }
     for (uint i = 0; i < from->count; i++) {
         u8l v = load_lanes(from->at[i] + at, narrow, l->width);
         if (padding <= 255) v &= AS_U8(v != (u8l)((uchar)padding));
@@ -157,11 +168,11 @@ static u16l add_up(const sv_wall_layout *l, const slices_t *from, size_t at, uin
     return sum;
 }
 
-/* Sums up LANES columns from x on, weighted for two rows of rays. */
-static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t *from, uint x,
+/* Sums up LANES columns from x on over rows of a strip, weighted for two rows of rays. */
+static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t *from, extent_t rows, uint x,
                        u16l sums[2]) {
     u16l upper = (u16l)(0), lower = upper;
-    for (uint y = 0; y < s->rows; y++) {
+    for (uint y = rows.from; y < rows.to; y++) {
         const u16l sum = add_up(l, from, (size_t)(s->first_row + y) * from->row_pitch + x, s->padding);
         upper += sum * (u16l)(s->weight[0][y]);
         lower += sum * (u16l)(s->weight[1][y]);
@@ -170,17 +181,25 @@ static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t
     sums[1] = lower;
 }
 
-/* Adds slices to the rows' sums. `fresh`: the first slice is the first of its layer. What remains at the end
+/* Fetches a cache line of each row that follows these. */
+static void fetch_below(const strip_t *s, const slices_t *from, extent_t rows, uint x) {
+    for (uint y = rows.from; y < rows.to; y++)
+        for (uint i = 0; i < from->count; i++)
+            FETCH(from->at[i] + (size_t)(s->first_row + y + s->at_once) * from->row_pitch + x);
+}
+
+/* Adds rows of slices to the sums. `fresh`: they are the first ones of their layer. What remains at the end
  * of a row is summed with the pixels before it, and then moved to its place: to move every row would take
  * longer than all the rest. Layers in which none of LANES pixels was scanned are left out: wall_blocks clears
  * their blocks. */
-static void add_slices(const sv_wall_layout *l, const layer_t *layer, const strip_t *s,
-                       const slices_t *slices, bool fresh, __global ushort *const sums[2]) {
+static void add_rows(const sv_wall_layout *l, const layer_t *layer, const strip_t *s, const slices_t *slices,
+                     extent_t rows, bool fresh, __global ushort *const sums[2]) {
     for (uint x = 0; x < l->width; x += LANES) {
         if (!is_scanned(layer, x / LANES, x / LANES)) continue;
         const uint from = x + LANES <= l->width || l->width < LANES ? x : l->width - LANES;
         u16l sum[2];
-        sum_slices(l, s, slices, from, sum);
+        sum_slices(l, s, slices, rows, from, sum);
+        if (x % LINE_BYTES == 0) fetch_below(s, slices, rows, x);
         for (uint r = 0; r < 2; r++) {
             __global u16l *to = (__global u16l *)(sums[r] + x);
             if (from < x) {
@@ -192,6 +211,13 @@ static void add_slices(const sv_wall_layout *l, const layer_t *layer, const stri
             *to = fresh ? sum[r] : *to + sum[r];
         }
     }
+}
+
+/* Adds slices to the rows' sums. `fresh`: the first slice is the first of its layer. */
+static void add_slices(const sv_wall_layout *l, const layer_t *layer, const strip_t *s,
+                       const slices_t *slices, bool fresh, __global ushort *const sums[2]) {
+    for (uint y = 0; y < s->rows; y += s->at_once)
+        add_rows(l, layer, s, slices, (extent_t){y, min(y + s->at_once, s->rows)}, fresh && y == 0, sums);
 }
 
 static layer_t layer_at(const sv_wall_layout *l, const strip_t *s, uint layer) {
@@ -226,6 +252,7 @@ __kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_of
                  .first = ranges,
                  .end = ranges + (size_t)l.height * range_pitch};
     weigh_rows(spans + l.columns + 2 * row, &s);
+    s.at_once = s.rows < 2 * FETCHED_ROWS ? s.rows : FETCHED_ROWS;
     for (uint i = 0; i < 4; i++)
         s.sums[i / 2][i % 2] = sums + (size_t)(4 * row + i) * sum_words + MEANS_MARGIN;
     if (first_slice == 0 && (ranged || padding <= 255)) begin_ranges(&l, &s, ranged != 0, scanned);

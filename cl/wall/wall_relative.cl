@@ -84,13 +84,14 @@ typedef struct {
 
 /* Looks up what the levels of HALF cells are multiplied by. */
 static u32h gains_of(const sv_wall_layout *l, __global const uint *info, const bright_t *w) {
+    __global const uint *table = info + SV_WALL_INFO_GAINS;
     const uint all = l->bright_blocks * info[SV_WALL_INFO_BRIGHT] / (SV_WALL_LEVEL_ONE / SV_WALL_BRIGHT_ONE);
     const u32h mean = quotient(w->sum * (uint)SV_WALL_BRIGHT_ONE + all, w->count + l->bright_blocks);
     const u32h bright = MAXIMUM(mean, (u32h)(info[SV_WALL_INFO_THRESHOLD] * SV_WALL_BRIGHT_ONE));
     u32h gains;
-    SCALAR_LOADS
-    for (uint i = 0; i < HALF; i++)
-        ((uint *)&gains)[i] = info[SV_WALL_INFO_GAINS + ((const uint *)&bright)[i]];
+    TABLE_LOADS
+    for (uint i = 0; i < HALF; i++) /* signed indices need no wider ones */
+        ((uint *)&gains)[i] = table[((const int *)&bright)[i]];
     return gains;
 }
 
