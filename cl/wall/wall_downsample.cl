@@ -234,14 +234,33 @@ static void store_layer(const sv_wall_layout *l, const strip_t *s, __global cons
     store_means(l, &layer, spans, taps, s->sums[complete % 2], to);
 }
 
+/* Adds a slab, and stores the layers that it completes but for the last one. `complete`: the layer whose
+ * means are to be stored, l->layers if there is none. */
+static uint add_slab(const sv_wall_layout *l, const strip_t *s, const texture_t *t, uint first_slice,
+                     uint slice_count, __global const sv_wall_span *spans, uint taps, uint complete,
+                     __global uchar *levels) {
+    for (uint i = 0; i < slice_count;) {
+        const uint z = first_slice + i, at = z / l->depth;
+        const layer_t layer = layer_at(l, s, at);
+        const uint count = min(layer.slices.to - z, slice_count - i);
+        const slices_t slices = slices_from(t, i, count);
+        i += count;
+        if (s->ranged && !overlap(s->any, layer.slices)) continue;
+        add_slices(l, &layer, s, &slices, z == layer.slices.from, s->sums[at % 2]);
+        if (z + count < layer.slices.to) continue;
+        if (complete < l->layers) store_layer(l, s, spans, taps, complete, levels);
+        complete = at;
+    }
+    return complete;
+}
+
 /* One work item per row of cells. `ranged`: `scanned` has planes of the pixels' ranges. `spans`: of the
  * columns of rays, then of the rows. `sums`: words of 16 bits, padded pixels between margins twice for each
  * row of rays. `ranges`: two planes like those of `scanned`; they are not written without ranges and padding.
  */
-__kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_offset, uint row_pitch,
-                              uint tiles_x, uint tile_w, uint tile_h, uint first_slice, uint slice_count,
-                              uint padding, uint ranged, uint range_pitch,
-                              __global const ushort *restrict scanned, sv_wall_layout l,
+__kernel void wall_downsample(__global const uchar *restrict slabs, sv_batch batch, uint row_pitch,
+                              uint tiles_x, uint tile_w, uint tile_h, uint padding, uint ranged,
+                              uint range_pitch, __global const ushort *restrict scanned, sv_wall_layout l,
                               __global const sv_wall_span *restrict spans, __global ushort *restrict sums,
                               __global ushort *restrict ranges, __global uchar *restrict levels) {
     const uint row = (uint)get_global_id(0), sum_words = round_up_to_lanes(l.width) + 2 * MEANS_MARGIN;
@@ -255,25 +274,16 @@ __kernel void wall_downsample(__global const uchar *restrict slab, ulong slab_of
     s.at_once = s.rows < 2 * FETCHED_ROWS ? s.rows : FETCHED_ROWS;
     for (uint i = 0; i < 4; i++)
         s.sums[i / 2][i % 2] = sums + (size_t)(4 * row + i) * sum_words + MEANS_MARGIN;
-    if (first_slice == 0 && (ranged || padding <= 255)) begin_ranges(&l, &s, ranged != 0, scanned);
+    if (batch.first_slice == 0 && (ranged || padding <= 255)) begin_ranges(&l, &s, ranged != 0, scanned);
     if (ranged) find_extents(&l, &s, scanned);
-    const texture_t t = {slab + slab_offset, row_pitch, tiles_x, tile_w, tile_h};
-    if (padding <= 255)
-        for (uint i = 0; i < slice_count; i++)
-            note_ranges(&l, &s, ranged != 0, scanned, slice_of(&t, i), row_pitch, (ushort)(first_slice + i));
     const uint taps = are_triangles(&l, spans) ? 0 : taps_of(&l, spans);
-    uint complete = l.layers; /* the layer whose means are to be stored, if there is one */
-    for (uint i = 0; i < slice_count;) {
-        const uint z = first_slice + i, at = z / l.depth;
-        const layer_t layer = layer_at(&l, &s, at);
-        const uint count = min(layer.slices.to - z, slice_count - i);
-        const slices_t slices = slices_from(&t, i, count);
-        i += count;
-        if (ranged && !overlap(s.any, layer.slices)) continue;
-        add_slices(&l, &layer, &s, &slices, z == layer.slices.from, s.sums[at % 2]);
-        if (z + count < layer.slices.to) continue;
-        if (complete < l.layers) store_layer(&l, &s, spans, taps, complete, levels);
-        complete = at;
+    uint first_slice = batch.first_slice, complete = l.layers;
+    for (uint n = 0; n < batch.count; n++) {
+        const texture_t t = {slabs + batch.offset[n], row_pitch, tiles_x, tile_w, tile_h};
+        for (uint i = 0; padding <= 255 && i < batch.slices[n]; i++)
+            note_ranges(&l, &s, ranged != 0, scanned, slice_of(&t, i), row_pitch, (ushort)(first_slice + i));
+        complete = add_slab(&l, &s, &t, first_slice, batch.slices[n], spans, taps, complete, levels);
+        first_slice += batch.slices[n];
     }
     if (complete < l.layers) store_layer(&l, &s, spans, taps, complete, levels);
 }

@@ -176,8 +176,8 @@ sv_status sv_pipeline_warm_up(sv_pipeline *p, const sv_values *values) {
     if (p->chain.direct) return SV_OK;
     sv_pipeline_begin(p, values);
     /* A slab of no slices reads nothing, so any buffer will do. */
-    const sv_placed_slab none = {.buffer = p->buffers.state8};
-    const sv_status status = sv_chain_slab(&p->chain, &none);
+    const sv_placed_slabs none = {.buffer = p->buffers.state8, .batch = {.count = 1}};
+    const sv_status status = sv_chain_slabs(&p->chain, &none);
     if (status != SV_OK) return status;
     return sv_chain_run(&p->chain, p->buffers.state16, 0.0f); /* the record is zeros: no points */
 }
@@ -212,7 +212,7 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
     sv_chain_begin(&p->chain);
     p->level_n = sv_grey_level(values->of[SV_PARAM_FLUID_THRESHOLD], p->config.substeps);
     p->next_slice = 0;
-    p->batch = (sv_batch){0};
+    p->waiting = (sv_placed_slabs){0};
     if (p->queue.timing) sv_timing_reset(p->queue.timing);
 }
 
@@ -245,7 +245,7 @@ sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem o
 static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, sv_placed_slab *to) {
     const sv_config *c = &p->config;
     *to = (sv_placed_slab){.buffer = p->buffers.slab,
-                           .offset = p->batch.count * p->slab_bytes,
+                           .offset = p->waiting.batch.count * p->slab_bytes,
                            .first_slice = p->next_slice,
                            .slice_count = slab->slice_count};
     if (c->carrier == SV_CARRIER_BUFFER) {
@@ -277,12 +277,12 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, sv_placed_slab 
 }
 
 /* Launches the profile of the slabs that wait. */
-static sv_status launch_profile(sv_pipeline *p) {
+static sv_status launch_profile(const sv_pipeline *p) {
     const sv_config *c = &p->config;
     const bool rays = c->strategy == SV_STRATEGY_RAYS;
     sv_launch l = rays ? SV_LAUNCH(&p->map, profile_rays) : SV_LAUNCH(&p->map, profile_strip);
-    sv_launch_buffer(&l, p->batch_buffer);
-    sv_launch_arg(&l, sizeof p->batch, &p->batch);
+    sv_launch_buffer(&l, p->waiting.buffer);
+    sv_launch_arg(&l, sizeof p->waiting.batch, &p->waiting.batch);
     const uint32_t numbers[] = {c->row_pitch, c->tiles_x,
                                 c->tile_w,    c->tile_h,
                                 c->width,     p->map.padded_width,
@@ -293,30 +293,36 @@ static sv_status launch_profile(sv_pipeline *p) {
     sv_launch_buffer(&l, c->ranged ? p->buffers.scanned : p->buffers.state16);
     sv_launch_buffer(&l, p->buffers.state8);
     sv_launch_buffer(&l, p->buffers.state16);
-    p->batch = (sv_batch){.first_slice = p->next_slice};
     return rays ? sv_launch_pixels(&l, c->width, c->height, SV_STAGE_PROFILE)
                 : sv_launch_items(&l, c->height, SV_STAGE_PROFILE);
+}
+
+/* Launches what the frame wants of the slabs that wait, and lets no more wait. */
+static sv_status launch_waiting(sv_pipeline *p) {
+    sv_status status = sv_chain_slabs(&p->chain, &p->waiting);
+    if (status == SV_OK && p->chain.surveyed) status = launch_profile(p);
+    p->waiting.batch = (sv_batch){.first_slice = p->next_slice};
+    return status;
 }
 
 /* True if the slabs that wait are worth a launch, or no more can wait. */
 static bool batch_is_due(const sv_pipeline *p) {
     const sv_config *c = &p->config;
-    const uint64_t slices = p->next_slice - p->batch.first_slice;
-    return p->batch.count == p->batch_slots || p->next_slice == c->slices ||
+    const sv_batch *b = &p->waiting.batch;
+    const uint64_t slices = p->next_slice - b->first_slice;
+    return b->count == p->batch_slots || p->next_slice == c->slices ||
            slices * c->width * c->height >= BATCH_VOXELS;
 }
 
 sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
+    sv_placed_slabs *w = &p->waiting;
     sv_placed_slab placed;
     sv_status status = place_slab(p, slab, &placed);
-    if (status == SV_OK && p->batch.count > 0 && placed.buffer != p->batch_buffer) status = launch_profile(p);
-    if (status != SV_OK) return status;
-    status = sv_chain_slab(&p->chain, &placed);
+    if (status == SV_OK && w->batch.count > 0 && placed.buffer != w->buffer) status = launch_waiting(p);
     if (status != SV_OK) return status;
     p->next_slice += slab->slice_count;
-    if (!p->chain.surveyed) return SV_OK; /* nobody takes the profile */
-    p->batch_buffer = placed.buffer;
-    p->batch.offset[p->batch.count] = placed.offset;
-    p->batch.slices[p->batch.count++] = slab->slice_count;
-    return batch_is_due(p) ? launch_profile(p) : SV_OK;
+    w->buffer = placed.buffer;
+    w->batch.offset[w->batch.count] = placed.offset;
+    w->batch.slices[w->batch.count++] = slab->slice_count;
+    return batch_is_due(p) ? launch_waiting(p) : SV_OK;
 }

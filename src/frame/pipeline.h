@@ -36,8 +36,7 @@ typedef struct {
     /* the frame under way, or the last one */
     uint32_t level_n; /* T_L in 1 / substeps grey level */
     uint32_t next_slice;
-    sv_batch batch;      /* slabs that wait for a launch */
-    cl_mem batch_buffer; /* where they lie */
+    sv_placed_slabs waiting; /* slabs that wait for a launch */
 } sv_pipeline;
 
 /* Bytes of a slab texture up to its last voxel; 64-bit, so no format can overflow it. */

@@ -14,11 +14,11 @@ static const char *const kernels[] = {"chain_begin",  "chain_gather", "chain_cel
 /* A method that takes the slabs asks for no points, so there is nothing to filter, and works on cells
  * of its own. */
 static bool is_filtered(const sv_config *c) {
-    return c->prefilter != SV_PREFILTER_NONE && !sv_method_of(c->method)->slab;
+    return c->prefilter != SV_PREFILTER_NONE && !sv_method_of(c->method)->slabs;
 }
 
 static bool is_reduced(const sv_config *c) {
-    return c->reduction > 1 && !sv_method_of(c->method)->slab;
+    return c->reduction > 1 && !sv_method_of(c->method)->slabs;
 }
 
 bool sv_chain_is_surveyed(const sv_config *c) {
@@ -96,8 +96,8 @@ void sv_chain_begin(sv_chain *chain) {
     if (chain->reduced) sv_map_begin_reduced(&chain->cells, chain->frame);
 }
 
-sv_status sv_chain_slab(sv_chain *chain, const sv_placed_slab *slab) {
-    return chain->method->slab ? chain->method->slab(chain->frame, &chain->state, slab) : SV_OK;
+sv_status sv_chain_slabs(sv_chain *chain, const sv_placed_slabs *slabs) {
+    return chain->method->slabs ? chain->method->slabs(chain->frame, &chain->state, slabs) : SV_OK;
 }
 
 static sv_launch begin(const sv_chain *chain, int kernel) {
@@ -176,7 +176,7 @@ sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q) {
     if (chain->direct) return chain->method->run(on, &chain->state, 2);
     const double *v = on->values.of;
     sv_status status = forget_passes(chain);
-    if (status == SV_OK && !chain->method->slab) status = fetch_points(chain, state16, q);
+    if (status == SV_OK && !chain->method->slabs) status = fetch_points(chain, state16, q);
     if (status == SV_OK && chain->filtered)
         status = sv_minimum_prefilter(on, &chain->filter, (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
                                       (uint32_t)v[SV_PARAM_PREFILTER_PASSES]);

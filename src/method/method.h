@@ -131,11 +131,18 @@ typedef struct {
     size_t size;
 } sv_source;
 
-/* A slab as the kernels find it: its texture lies in `buffer` from byte `offset` on. */
+/* Slabs as the kernels find them: their textures lie in `buffer`. A slab of 0 slices is not read (warm-up).
+ */
+typedef struct {
+    cl_mem buffer;
+    sv_batch batch;
+} sv_placed_slabs;
+
+/* One of them: its texture begins at byte `offset`. */
 typedef struct {
     cl_mem buffer;
     uint64_t offset;
-    uint32_t first_slice, slice_count; /* 0 slices: read nothing (warm-up) */
+    uint32_t first_slice, slice_count;
 } sv_placed_slab;
 
 /* What the points stage has when one launch shall do all that is left of the frame. */
@@ -165,9 +172,9 @@ typedef struct {
     /* Enqueues what is needed once, after the buffers; or NULL. */
     sv_status (*prepare)(const sv_map *map, sv_method_state *state);
 
-    /* Takes a slab, for methods that need more of the volume than the points; or NULL. Such a method is asked
+    /* Takes slabs, for methods that need more of the volume than the points; or NULL. Such a method is asked
      * for no points, is not filtered and works on pixels, whatever the reduction. */
-    sv_status (*slab)(const sv_map *map, sv_method_state *state, const sv_placed_slab *slab);
+    sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *slabs);
 
     /* From map->points to the surfaces, planes 0 .. planes - 1. With no point it must change nothing: the
      * surfaces hold zeros. */
@@ -213,11 +220,18 @@ const sv_method *sv_method_of(uint32_t method);
 /* True if the method's surface depends on the parameter SV_PARAM_*. */
 bool sv_method_uses(const sv_method *method, uint32_t parameter);
 
+/* Returns slab `n` of those. */
+sv_placed_slab sv_slab_of(const sv_placed_slabs *slabs, uint32_t n);
+
 /* A launch of a method's kernel on a slab, with the arguments that all such kernels begin with: from the
  * texture to the scanned ranges, as cost_bins has them (cl/cost/cost_rays.cl). `unread`: any buffer; the
  * kernel gets it where frames bring no ranges. */
 sv_launch sv_slab_launch(const sv_map *map, cl_kernel kernel, const char *name, const sv_placed_slab *slab,
                          cl_mem unread);
+
+/* The same for slabs together: a batch instead of an offset, the first slice and their number. */
+sv_launch sv_slabs_launch(const sv_map *map, cl_kernel kernel, const char *name, const sv_placed_slabs *slabs,
+                          cl_mem unread);
 
 /* The minimum filter on plane 0 of the map's points, which keeps the initial points only; the pre-filter. */
 sv_status sv_minimum_prefilter(const sv_map *map, sv_method_state *state, uint32_t k, uint32_t passes);

@@ -119,9 +119,9 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
     return status;
 }
 
-static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
+static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
     const sv_wall_layout layout = layout_of(m);
-    return work_of(m)->slab(m, s, from, &layout);
+    return work_of(m)->slabs(m, s, from, &layout);
 }
 
 static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t first, uint32_t end, float q) {
@@ -182,7 +182,7 @@ const sv_method sv_method_wall = {.parameters = SV_USES(UNSURE),
                                   .ray_source = sv_wall_items_source,
                                   .buffers = buffers,
                                   .prepare = prepare,
-                                  .slab = slab,
+                                  .slabs = slabs,
                                   .run = run,
                                   .at_q = at_q,
                                   .confidence = confidence,

@@ -69,8 +69,8 @@ typedef struct {
 
 typedef struct {
     const char *const *kernels; /* names, NULL-terminated */
-    sv_status (*slab)(const sv_map *map, sv_method_state *state, const sv_placed_slab *from,
-                      const sv_wall_layout *layout);
+    sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from,
+                       const sv_wall_layout *layout);
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
 } sv_wall_work;

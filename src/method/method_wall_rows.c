@@ -35,10 +35,10 @@ sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
 }
 
-static sv_status slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from,
-                      const sv_wall_layout *layout) {
-    sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_rows_kernels[K_DOWNSAMPLE], from,
-                                 s->buffer[SV_WALL_PLACES]);
+static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from,
+                       const sv_wall_layout *layout) {
+    sv_launch l = sv_slabs_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_rows_kernels[K_DOWNSAMPLE],
+                                  from, s->buffer[SV_WALL_PLACES]);
     sv_launch_arg(&l, sizeof *layout, layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
@@ -138,7 +138,7 @@ static const sv_wall_launch launches[] = {
 enum { COUNT = sizeof launches / sizeof *launches };
 
 const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
-                                   .slab = slab,
+                                   .slabs = slabs,
                                    .launches = launches,
                                    .count = COUNT,
                                    .first_at_q = COUNT - 2};

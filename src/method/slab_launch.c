@@ -1,17 +1,46 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method.h"
 
+sv_placed_slab sv_slab_of(const sv_placed_slabs *slabs, uint32_t n) {
+    const sv_batch *b = &slabs->batch;
+    uint32_t first_slice = b->first_slice;
+    for (uint32_t i = 0; i < n; i++) first_slice += b->slices[i];
+    return (sv_placed_slab){slabs->buffer, b->offset[n], first_slice, b->slices[n]};
+}
+
+static void texture_args(sv_launch *l, const sv_map *m) {
+    const sv_config *c = m->config;
+    const uint32_t numbers[] = {c->row_pitch, c->tiles_x, c->tile_w, c->tile_h};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(l, numbers[i]);
+}
+
+static void scanned_args(sv_launch *l, const sv_map *m, cl_mem unread) {
+    const sv_config *c = m->config;
+    sv_launch_uint(l, c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding);
+    sv_launch_uint(l, c->ranged);
+    sv_launch_uint(l, m->padded_width);
+    sv_launch_buffer(l, c->ranged ? m->scanned : unread);
+}
+
 sv_launch sv_slab_launch(const sv_map *m, cl_kernel kernel, const char *name, const sv_placed_slab *slab,
                          cl_mem unread) {
-    const sv_config *c = m->config;
     const cl_ulong first_byte = slab->offset;
-    const uint32_t padding = c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding;
-    const uint32_t numbers[] = {c->row_pitch,      c->tiles_x, c->tile_w, c->tile_h,      slab->first_slice,
-                                slab->slice_count, padding,    c->ranged, m->padded_width};
     sv_launch l = sv_launch_begin(m->queue, kernel, name);
     sv_launch_buffer(&l, slab->buffer);
     sv_launch_arg(&l, sizeof first_byte, &first_byte);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
-    sv_launch_buffer(&l, c->ranged ? m->scanned : unread);
+    texture_args(&l, m);
+    sv_launch_uint(&l, slab->first_slice);
+    sv_launch_uint(&l, slab->slice_count);
+    scanned_args(&l, m, unread);
+    return l;
+}
+
+sv_launch sv_slabs_launch(const sv_map *m, cl_kernel kernel, const char *name, const sv_placed_slabs *slabs,
+                          cl_mem unread) {
+    sv_launch l = sv_launch_begin(m->queue, kernel, name);
+    sv_launch_buffer(&l, slabs->buffer);
+    sv_launch_arg(&l, sizeof slabs->batch, &slabs->batch);
+    texture_args(&l, m);
+    scanned_args(&l, m, unread);
     return l;
 }
