@@ -168,18 +168,35 @@ INLINE void fetch_together(__global const uchar *voxels, int4 dims, const packet
     }
 }
 
-INLINE vf mix_row(vu square, int row, vf f) {
-    vf a = FIRST_OF(square, row);
-    return a + f * (SECOND_OF(square, row) - a);
+#pragma OPENCL FP_CONTRACT ON
+INLINE vf mixed_at_once(vf a, vf b, vf f) {
+    return a + f * (b - a);
+}
+#pragma OPENCL FP_CONTRACT OFF
+
+/* `fused`: product and sum are rounded once, where the device has an instruction for that. */
+INLINE vf mix(vf a, vf b, vf f, bool fused) {
+    return fused ? mixed_at_once(a, b, f) : a + f * (b - a);
 }
 
-/* The trilinear mean of the eight voxels, 0 .. 255. */
+INLINE vf mix_row(vu square, int row, vf f, bool fused) {
+    return mix(FIRST_OF(square, row), SECOND_OF(square, row), f, fused);
+}
+
+INLINE vf mix_cell(cell c, bool fused) {
+    vf a = mix_row(c.near, 0, c.fx, fused), b = mix_row(c.near, 1, c.fx, fused);
+    vf d = mix_row(c.far, 0, c.fx, fused), e = mix_row(c.far, 1, c.fx, fused);
+    return mix(mix(a, b, c.fy, fused), mix(d, e, c.fy, fused), c.fz, fused);
+}
+
+/* The trilinear mean of the eight voxels, 0 .. 255; the same bits on every device. */
 INLINE vf blend(cell c) {
-    vf a = mix_row(c.near, 0, c.fx), b = mix_row(c.near, 1, c.fx);
-    vf d = mix_row(c.far, 0, c.fx), e = mix_row(c.far, 1, c.fx);
-    a = a + c.fy * (b - a);
-    d = d + c.fy * (e - d);
-    return a + c.fz * (d - a);
+    return mix_cell(c, false);
+}
+
+/* The same, faster, for the lit look. */
+INLINE vf blend_fused(cell c) {
+    return mix_cell(c, true);
 }
 
 /* Trilinear intensities of the packet's samples n. */

@@ -4,6 +4,9 @@
  * occlusion and shadow from the coarse opacities, and the colour of it all. Directions are in camera
  * coordinates: x right, y down, z away from the viewer.
  */
+/* The lit look may be a little different on every device: it is faster so. */
+#pragma OPENCL FP_CONTRACT ON
+
 #define LIT_PAD   2 /* empty voxels around the smoothed volume; the host's (derived_volume.h) */
 #define SHARE_PAD 2 /* empty cubes around the share of the scan; the host's (derived_volume.h) */
 
@@ -125,7 +128,7 @@ INLINE directions normal_at(const lit_scene *s, packet at, vf *face) {
     p.x = at.x * scale + shift;
     p.y = at.y * scale + shift;
     p.z = at.z * scale + shift;
-    vf share = blend(fetch(s->scanned, s->shares, p.x, p.y, p.z)) * (1.0f / 255.0f);
+    vf share = blend_fused(fetch(s->scanned, s->shares, p.x, p.y, p.z)) * (1.0f / 255.0f);
     vf f = *face = clamp((FACE_NONE - share) * (1.0f / (FACE_NONE - FACE_ALL)), 0.0f, 1.0f);
     if (lanes_min(f) >= 1.0f) return slope_at(s, s->scanned, s->shares, p);
     directions normal = slope_at(s, s->smooth, s->dims, at);
@@ -212,7 +215,7 @@ INLINE void mean_opacities_at(const lit_scene *s, const lit_place *p, int count,
         vf x = at[i].x, y = at[i].y, z = at[i].z;
         vi outside = MASK((min(x, min(y, z)) < -0.5f) | (x > (float)s->cells.x - 0.5f) |
                           (y > (float)s->cells.y - 0.5f) | (z > (float)s->cells.z - 0.5f));
-        value[i] = select(blend(c[i]) * (1.0f / 255.0f), (vf)(0.0f), outside);
+        value[i] = select(blend_fused(c[i]) * (1.0f / 255.0f), (vf)(0.0f), outside);
     }
 }
 

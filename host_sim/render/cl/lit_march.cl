@@ -16,6 +16,10 @@ INLINE vf ramp_of(vf value, float4 window) {
     return (value - window.x) * window.y;
 }
 
+INLINE vf sample_smooth(__global const uchar *smooth, int4 dims, packet p, float4 dn, float n) {
+    return blend_fused(fetch(smooth, dims, p.x + n * dn.x, p.y + n * dn.y, p.z + n * dn.z));
+}
+
 /* The mean of clamp(y, 0, 1) while y runs from a to b. */
 INLINE vf mean_opacity(vf a, vf b) {
     vf ca = clamp(a, 0.0f, 1.0f), cb = clamp(b, 0.0f, 1.0f), d = b - a;
@@ -106,12 +110,12 @@ INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *
             n += run;
             continue;
         }
-        if (!known) y0 = ramp_of(sample_packet(smooth, dims, p, dn, (float)(n - 1)), window);
+        if (!known) y0 = ramp_of(sample_smooth(smooth, dims, p, dn, (float)(n - 1)), window);
         known = !clear;
         int stop =
             clear ? n + 1 : min(n + run, end); /* a clear brick's first sample ends the step before it */
         for (; n < stop; n++) {
-            vf y1 = ramp_of(sample_packet(smooth, dims, p, dn, (float)n), window);
+            vf y1 = ramp_of(sample_smooth(smooth, dims, p, dn, (float)n), window);
             if (veiled) take_veil(&m, ghost, (float)(n - 1), y0, y1, window.z);
             take_step(&m, ghost, (float)(n - 1), y0, y1, window.z);
             y0 = y1;
@@ -154,7 +158,7 @@ INLINE vf edge_of(__global const uchar *smooth, int4 dims, packet p, float4 dn, 
     fetch_together(smooth, dims, at, MAX_PACKETS, c);
     fetch_together(smooth, dims, at + MAX_PACKETS, LOOKS - MAX_PACKETS, c + MAX_PACKETS);
     for (int i = 0; i < LOOKS; i++) {
-        value[i] = blend(c[i]);
+        value[i] = blend_fused(c[i]);
         maximum = max(maximum, value[i]);
     }
     vf level = min(0.5f * maximum, window.x + 1.0f / window.y), edge = where[0];

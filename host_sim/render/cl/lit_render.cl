@@ -80,7 +80,7 @@ INLINE colours surface_colour(const lit_scene *s, packet p, float4 dn, int px, i
         tone = mixed(tone, faded, 0.7f * pale);
         /* Inside tissue the echo itself shows, as in a slice. */
         packet in = moved(s, at, normal, face * (-FACE_INSIDE / s->per_mm.z)).at;
-        vf echo = blend(fetch(s->smooth, s->dims, in.x, in.y, in.z)) * (1.0f / 255.0f);
+        vf echo = blend_fused(fetch(s->smooth, s->dims, in.x, in.y, in.z)) * (1.0f / 255.0f);
         vf gain = 1.0f + pale * (0.55f + 0.6f * echo - 1.0f);
         tone.red *= gain;
         tone.green *= gain;
@@ -166,3 +166,5 @@ WIDE __kernel void render_lit(__global const uchar *smooth, int4 dims, __global 
     c.blue *= gain;
     store_colours(rgba, map_dims, px, py, c);
 }
+
+#pragma OPENCL FP_CONTRACT OFF /* on since lit_light.cl */
