@@ -62,6 +62,25 @@ static void assert_near(double found, double expected, double tolerance) {
 
 enum { TISSUE = 200 }; /* relative to the threshold */
 
+/* ------------------------------------------------------------------------------------------- blocks -- */
+
+static sv_wall_layout layout_at(uint32_t side, double mm) {
+    const sv_wall_settings s = sv_wall_settings_default();
+    return sv_wall_layout_of(side, side, side, (double[]){mm, mm, mm}, &s);
+}
+
+/* Four voxels of 0.55 mm are 2.2 mm, a tenth too many: 40 of them are ten cells. Of 0.56 mm they are more
+ * than that, and 22.4 mm are eleven cells. Two slices of 1.25 mm are the deepest layer. Unknown spacing: 120
+ * mm have 60 cells. */
+static void blocks_are_of_about_two_millimetres(void **state) {
+    (void)state;
+    assert_int_equal(layout_at(40, 0.55).cells[0], 10);
+    assert_int_equal(layout_at(40, 0.56).cells[0], 11);
+    assert_int_equal(layout_at(40, 1.25).depth, 2);
+    assert_int_equal(layout_at(40, 1.26).depth, 1);
+    assert_int_equal(layout_at(240, 0.0).cells[0], 60);
+}
+
 /* ------------------------------------------------------------------------------------------- levels -- */
 
 /* A twentieth of all is darker than the dark level: 40 of 1000 blocks and half of the next 20, which are
@@ -178,6 +197,34 @@ static void a_wall_on_few_rays_is_assumed(void **state) {
     assert_true(few.bare && !many.bare);
     assert_int_equal(few.wall, 60 * SV_WALL_LEVEL_ONE);
     assert_near(ldexp(few.spread, -SV_WALL_ODDS_BITS), 0.5, 0.001);
+}
+
+/* The flags of a cell of first runs between two cells of tissue behind fluid: that shows the fetus with
+ * probability p, and on the left it is on so many of the four rays. */
+static uint8_t flags_beside(uint32_t p, size_t rays) {
+    enum { LAYERS = 3, COLUMNS = 6, PLANE = 2 * COLUMNS, MIDDLE = 3 + 1 };
+    sv_wall_evidence e = {.wall_rays = 4};
+    model m;
+    make(&m, 3, 1, LAYERS, NULL);
+    e.later_run[0] = p;
+    fill(&m, m.blocks.relative, 1, 0, 2, TISSUE);
+    fill(&m, m.blocks.relative, 2, 1, 2, TISSUE);
+    for (size_t i = 0; i < rays; i++) m.blocks.relative[PLANE + i / 2 * COLUMNS + i % 2] = TISSUE;
+    uint8_t *const map = sv_wall_surroundings_map(&m.scan, &e);
+    assert_non_null(map);
+    const uint8_t flags = map[MIDDLE] & (SV_WALL_FLANKED | SV_WALL_ONE_SIDE);
+    free(map);
+    drop(&m);
+    return flags;
+}
+
+/* A cell shows the fetus from a probability of one half on, and counts by three of its rays. */
+static void three_rays_and_one_half_make_the_fetus(void **state) {
+    (void)state;
+    const uint32_t half = SV_WALL_PROBABILITY_ONE / 2;
+    assert_int_equal(flags_beside(half, 3), SV_WALL_FLANKED);
+    assert_int_equal(flags_beside(half, 2), SV_WALL_ONE_SIDE);
+    assert_int_equal(flags_beside(half - 1, 3), 0);
 }
 
 /* ------------------------------------------------------------------------------------------ the costs -- */
@@ -322,12 +369,14 @@ static void the_median_looks_six_rays_aside(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blocks_are_of_about_two_millimetres),
         cmocka_unit_test(a_twentieth_is_darker),
         cmocka_unit_test(all_that_is_bright_weighs_a_twentieth),
         cmocka_unit_test(a_front_is_dim_from_two_fifths_on),
         cmocka_unit_test(brightness_reaches_two_cells),
         cmocka_unit_test(the_wall_is_the_median_and_its_spread_that_of_the_deciles),
         cmocka_unit_test(a_wall_on_few_rays_is_assumed),
+        cmocka_unit_test(three_rays_and_one_half_make_the_fetus),
         cmocka_unit_test(what_errors_cost),
         cmocka_unit_test(one_side_weighs_three_tenths),
         cmocka_unit_test(layers_are_averaged_and_the_knob_moves_over_some),
