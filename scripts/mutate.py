@@ -27,7 +27,7 @@ CHANGES = [
 
 # Where a source lies, and the tests that should notice, as a regular expression of CTest; the first that fits counts.
 TESTS = [
-    (r"wall", r"test_wall($|_answer|_definition|_fluid)|test_confidence$"),
+    (r"wall", r"test_wall($|_answer|_constants|_definition|_fluid)|test_confidence$"),
     (r"cost", r"test_cost"),
     (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|reduction|hard|box)"),
     (r"spline|grid", r"test_(spline|method|hard)"),

@@ -88,7 +88,7 @@ static bool end_strays(void) {
     return found;
 }
 
-/* After a child was collected. */
+/* Ends what a child has left behind; it must have been collected. */
 static void end_leftovers(pid_t pid) {
     (void)kill(-pid, SIGKILL);
     (void)pthread_mutex_lock(&family);

@@ -33,7 +33,7 @@ bool hs_slabs_prepare(hs_slabs *slabs, const hs_device_volume *source, const hs_
 bool hs_slabs_convert(hs_slabs *slabs, const hs_device_volume *source, const hs_camera *camera,
                       hs_error *err);
 
-/* How they lie; owned by the slabs. */
+/* Returns how the slabs lie in the volume; they own it. */
 const hs_slab_layout *hs_slabs_layout(const hs_slabs *slabs);
 uint32_t hs_slabs_count(const hs_slabs *slabs);
 

@@ -32,7 +32,7 @@ static const char *list_part(const char *list, unsigned index, size_t *length, u
     return NULL;
 }
 
-/* Of the installation that the program belongs to, without the "..". */
+/* Writes the folder of plugins of the installation that the program belongs to, without the "..". */
 static bool own_folder(char *out, size_t bytes) {
     char beside[PATH_MAX];
     if (!hs_path_beside_program("../lib/smartvis", beside, sizeof beside)) return false;
@@ -42,7 +42,7 @@ static bool own_folder(char *out, size_t bytes) {
     return length >= 0 && (size_t)length < bytes;
 }
 
-/* Then it has its turn among them. */
+/* True for a folder of the list, which has its turn there. */
 static bool is_one_of(const char *folder, const char *const *list, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (strcmp(folder, list[i]) == 0) return true;

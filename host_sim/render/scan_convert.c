@@ -214,7 +214,7 @@ static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch,
     return hs_launch_items(launch, 3, global, event, err);
 }
 
-/* The same places in millimetres from the array's centre of curvature. */
+/* Converts the sampling to millimetres from the array's centre of curvature. */
 static sampling in_probe(sampling s, const hs_volume *shape, const double corner[3]) {
     s.way = BEAMS;
     for (int k = 0; k < 3; k++) {

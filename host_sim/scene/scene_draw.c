@@ -87,7 +87,8 @@ static bool has(const drawn *d, hs_range_id id) {
     const uint64_t bits = hs_random_bits(d->key, ((uint64_t)id << 8) + 255u) >> 32;
     return (int32_t)(bits * 10000u >> 32) < hs_scene_ranges[id].low;
 }
-/* One of two by a bit that is the range's own. */
+
+/* Tosses a coin by a bit that is the range's own. */
 static bool coin(const drawn *d, hs_range_id id) {
     return hs_random_bits(d->key, ((uint64_t)id << 8) + 254u) >> 63;
 }
@@ -203,7 +204,7 @@ static void put_occluder(drawn *d, uint32_t i) {
     put(d, " },\n");
 }
 
-/* In the fluid behind the occluders. */
+/* Puts what floats in the fluid behind the occluders. */
 static void put_floating(drawn *d) {
     const int32_t room = d->gap > 300 ? d->gap : 300, z = d->sac_z - d->sac[2] + d->protrusion + room / 2;
     if (has(d, HS_RANGE_CLOUD)) {

@@ -66,7 +66,7 @@ static uint32_t count_or(uint32_t count, double otherwise) {
     return count ? count : (uint32_t)fmin(fmax(floor(otherwise), 2.0), HS_VOLUME_MAX_AXIS);
 }
 
-/* What is left open, from the volume's sides in mm. */
+/* Completes what the spec leaves open, from the volume's sides in mm. */
 static hs_vol_spec complete(hs_vol_spec spec, const hs_volume *v) {
     const double width = v->nx * v->spacing[0], height = v->ny * v->spacing[1], depth = v->nz * v->spacing[2];
     if (isnan(spec.start)) spec.start = START_SHARE * depth;

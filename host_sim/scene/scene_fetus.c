@@ -159,7 +159,7 @@ static void head(hs_solid_list *list, const hs_solid_frame *f) {
     skull_bones(list, f);
 }
 
-/* From one share of the way from a to b to another. */
+/* Adds a bone between two shares, `from` and `to`, of the way from a to b. */
 static void long_bone(hs_solid_list *list, const hs_solid_frame *f, const float a[3], const float b[3],
                       float from, float to, float radius) {
     float p[3], q[3];

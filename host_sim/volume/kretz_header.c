@@ -110,7 +110,7 @@ static const struct {
     [COMPRESSED] = {0x0002, 0x1000, 0, true, "compressed voxels"},
 };
 
-/* What was found of them. */
+/* The fields of the header that were found. */
 typedef struct {
     hs_kretz_items *items;
     hs_kretz_item item[FIELDS];

@@ -181,7 +181,7 @@ SVA_PRINTF(3, 4) static inline sv_status sva_error(sva *a, sv_status status, con
     return status;
 }
 
-/* The same where the host broke a rule of the header. */
+/* Reports and returns an error, as sva_error does, where the host broke a rule of the header. */
 SVA_PRINTF(3, 4) static inline sv_status sva_blame(sva *a, sv_status status, const char *format, ...) {
     va_list args;
     va_start(args, format);

@@ -160,7 +160,7 @@ static void missing_label_is_no_number(void **state) {
     assert_true(isnan(m.of[HS_MEASURE_ABS_FETUS]));
     assert_true(isnan(m.of[HS_MEASURE_FETUS_CUT]));
     near_to(m.of[HS_MEASURE_ABS], 26);
-    /* And with no label at all there is nothing to evaluate. */
+    /* With no label at all there is nothing to evaluate. */
     memset(r.label, HS_LABEL_NEITHER, sizeof r.label);
     hs_eval_table_free(&r.table);
     assert_false(hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err));

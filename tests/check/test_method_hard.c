@@ -149,7 +149,7 @@ static void test_reduced(void **state) {
             }
 }
 
-/* And with planes of 16 bits, of depths with a sign, too. */
+/* Planes of 16 bits hold the hard cases, also those of depths with a sign. */
 static void test_half(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (uint32_t n = 0; n < 3; n++) {

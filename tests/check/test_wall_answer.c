@@ -153,7 +153,7 @@ static void run_gap(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t front, bo
     sv_wall_settings settings = sv_wall_settings_default();
     uint8_t levels[LAYERS];
     uint32_t at = 0;
-    settings.clip_doubtful = clip_doubtful;
+    if (clip_doubtful) settings.clip_doubtful = true; /* nothing is by default */
     put(levels, &at, 4, front);
     put(levels, &at, gap, FLUID);
     put(levels, &at, 3, BONE);

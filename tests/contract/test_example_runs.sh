@@ -57,6 +57,7 @@ host() { # host CODE TEXT ARGUMENT...
 host 2 usage
 host 2 usage "$build_dir/tests/plugins/no_symbol.so"
 host 4 'another ABI: 2' "$build_dir/tests/plugins/other_major.so"
+host 4 'another ABI: 0' "$build_dir/tests/plugins/older_major.so"
 host 4 "needs the host's queue" "$build_dir/tests/plugins/zeros.so"
 host 4 'rendered unclipped' "$build_dir/tests/plugins/create_fails.so"
 host 0 'rendered with the map' "$build_dir/smartvis.so"
@@ -76,6 +77,15 @@ done
 "$build_dir/examples/queue_host" "$build_dir/examples/first_edge.so" > /dev/null 2> "$work/err"
 [ $? = 4 ] || fail "queue_host, a plugin without the host's queue: exit code"
 grep -q 'takes no queue' "$work/err" || fail "queue_host: $(cat "$work/err")"
+
+for plugin in other_major older_major; do
+    for line in "queue_host PLUGIN" "deadline_host PLUGIN 600000"; do
+        read -ra words <<< "${line/PLUGIN/$build_dir/tests/plugins/$plugin.so}"
+        "$build_dir/examples/${words[0]}" "${words[@]:1}" > /dev/null 2> "$work/err"
+        [ $? = 4 ] || fail "${words[*]}: exit code"
+        grep -q 'another ABI: [02]' "$work/err" || fail "${words[*]}: $(cat "$work/err")"
+    done
+done
 
 # --- the host with a deadline: in time, all are drawn with the map; with none, unclipped, and what cannot be handed over is skipped
 for plugin in smartvis.so examples/first_edge.so; do

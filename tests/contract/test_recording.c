@@ -283,7 +283,7 @@ static void what_is_not_whole_is_told(void **state) {
     free(bytes);
 }
 
-/* As host_sim does to compile a plugin's kernels beside its own. */
+/* A fork writes nothing into the recording. host_sim forks to compile a plugin's kernels beside its own. */
 static void a_fork_adds_nothing(void **state) {
     rig *r = *state;
     scene s;

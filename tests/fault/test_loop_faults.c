@@ -124,6 +124,40 @@ static void a_frame_that_cannot_be_meant_is_a_failure(void **state) {
     }
 }
 
+/* Says that all is well, and writes no map. */
+static sv_status adjust_without_a_map(const sv_plugin *plugin, const sv_param_value *values, uint32_t count,
+                                      const sv_result *result) {
+    (void)plugin, (void)values, (void)count;
+    result->stats->outcome = SV_OK;
+    return SV_OK;
+}
+
+/* The map of the frame before is no answer of adjust, on neither queue. */
+static void an_adjust_that_writes_nothing_is_a_failure(void **state) {
+    const fixture *f = *state;
+    for (int own = 0; own < 2; own++) {
+        hs_plugin plugin = f->plugin;
+        sv_plugin forgetful = *f->plugin.instance;
+        forgetful.adjust = adjust_without_a_map;
+        plugin.instance = &forgetful;
+        const sv_param_value depth = {.id = DEPTH, .value = 5};
+        hs_loop_options o = options_with(&depth, 1);
+        o.own_queue = own;
+        o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_view view = view_of(loop, 0);
+        assert_true(view.frame.clipped);
+        hs_view_free(&view);
+        hs_frame frame;
+        hs_error err = {0};
+        assert_true(hs_loop_adjust(loop, depth, &frame, NULL, &err));
+        assert_false(frame.clipped);
+        assert_int_equal(frame.outcome, SV_ERR_INTERNAL);
+        assert_non_null(strstr(hs_loop_plugin_error(loop)->text, "256 of 256 depths were not written"));
+        hs_loop_destroy(loop);
+    }
+}
+
 static void no_plugin_at_all_renders_unclipped(void **state) {
     const fixture *f = *state;
     const hs_loop_options o = options_with(NULL, 0);
@@ -163,6 +197,7 @@ int main(void) {
         cmocka_unit_test(a_value_the_plugin_refuses_names_it),
         cmocka_unit_test(a_failed_frame_does_not_end_the_loop),
         cmocka_unit_test(a_frame_that_cannot_be_meant_is_a_failure),
+        cmocka_unit_test(an_adjust_that_writes_nothing_is_a_failure),
         cmocka_unit_test(no_plugin_at_all_renders_unclipped),
         cmocka_unit_test(impossible_options_are_refused),
     };

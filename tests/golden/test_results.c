@@ -240,7 +240,7 @@ static void sequences_give_sequences(void **state) {
     result_mesh_close(&mesh);
 }
 
-/* And this project reads what it wrote. */
+/* A sequence that this project wrote is read back by it. */
 static void sequences_read_back(void **state) {
     (void)state;
     hs_source source;

@@ -159,7 +159,7 @@ for host in "${hosts[@]}"; do
     holds cmp "$work/expected" "$work/got"
     SMARTVIS_CHECK=stop SMARTVIS_CHECK_PLUGIN=$prefix/lib/smartvis/smartvis.so "$host" "$layer" > "$work/got" 2>&1
     holds cmp "$work/expected" "$work/got"
-    for wrong in no_symbol other_major; do
+    for wrong in no_symbol other_major older_major; do
         "$host" "$build_dir/tests/plugins/$wrong.so" > "$work/got" 2>&1
         holds test $? -ne 0
     done

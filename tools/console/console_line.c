@@ -38,7 +38,7 @@ static void put_source(FILE *out, const hs_console_stage *stage) {
     if (s->from != HS_FROM_PROBE) (void)fprintf(out, " --view %s", hs_from_name(s->from));
 }
 
-/* As few digits as read back to the same number. */
+/* Prints a number with the fewest digits that read back to the same one. */
 static void number_text(double value, char *out, size_t bytes) {
     for (int digits = 6; digits <= 17; digits++) {
         (void)snprintf(out, bytes, "%.*g", digits, value);

@@ -327,7 +327,7 @@ bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state,
 
 /* ------------------------------------------------------------------------------------------- deeds -- */
 
-/* At rest, whatever is under way. */
+/* Draws a view as it is at rest, whatever is under way. */
 static bool draw_at_rest(hs_console_show *show, hs_console_view view, hs_picture *picture, hs_error *err) {
     hs_console_state state = show->stage.state;
     state.hurried = false;

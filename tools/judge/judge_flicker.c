@@ -59,7 +59,7 @@ enum { SCENES = 4, FRAMES = 20, SEED = 401 };
 static const char *const scenes[SCENES] = {"E01", "E03", "M02", "D01"};
 static const double goal = 0.5; /* slices a frame */
 
-/* As wall_flicker_of asks for it; user: an open session. */
+/* Computes a depthmap for wall_flicker_of; `user` is an open session. */
 static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
     surf_session *s = user;
     const surf_volume v = site_volume(c);

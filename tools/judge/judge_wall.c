@@ -183,7 +183,7 @@ static bool judge_set(site_set *set, const wall_change *o, hs_error *err) {
     return true;
 }
 
-/* As wall_flicker_of asks for it; user: wall_change. */
+/* Computes a depthmap for wall_flicker_of; `user` is a wall_change. */
 static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
     answer a;
     const bool ok = ask(c, user, &a, err);

@@ -41,9 +41,9 @@ void hs_page_text(hs_page *page, const char *text);
 
 /* A row of pictures, which wraps on a narrow screen: begin, pictures, end. */
 void hs_page_row_begin(hs_page *page);
-/* One that stays a row on a narrow screen. */
+/* This row stays one on a narrow screen. */
 void hs_page_small_row_begin(hs_page *page);
-/* One of pictures with labels in them, which scrolls rather than shrinks. */
+/* This row is of pictures with labels in them; it scrolls rather than shrinks. */
 void hs_page_wide_row_begin(hs_page *page);
 void hs_page_row_end(hs_page *page);
 

@@ -146,7 +146,7 @@ static void take_format(rec *r, const sv_format *f) {
     take_values(r, f->values, f->value_count);
 }
 
-/* So many bytes for what lies in objects, or NULL. */
+/* Returns room for so many bytes of what lies in objects, or NULL. */
 static uint8_t *room(rec *r, size_t bytes) {
     if (r->texture_bytes >= bytes) return r->texture;
     uint8_t *grown = realloc(r->texture, bytes);

@@ -387,7 +387,7 @@ static void show(hs_page *report, const char *folder, const char *file, const ch
         hs_page_photo(report, path, alt, caption);
 }
 
-/* In the order of the ranking, at the first seed. */
+/* Puts the pictures of a plugin at the first seed, in the order of the ranking. */
 static void put_renderings(hs_page *report, const hs_eval_comparison *x, uint32_t index) {
     char folder[PATH_MAX], file[32], caption[320];
     if (!hs_eval_compare_folder(x, index, folder, sizeof folder, &report->error)) return;

@@ -56,7 +56,7 @@ INLINE ushort16 pair_sums(ushort16 pairs) {
     return (pairs & (ushort16)(0xff)) + (pairs >> (ushort16)(8));
 }
 
-/* All ones in pairs one of which is 0. */
+/* Returns all ones for every pair of bytes that has a 0. */
 INLINE ushort16 zero_in_pair(ushort16 pairs) {
     ushort16 zero = (pairs - (ushort16)(0x0101)) & ~pairs & (ushort16)(0x8080);
     return as_ushort16(zero != (ushort16)(0));

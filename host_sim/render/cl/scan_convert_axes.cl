@@ -16,7 +16,7 @@ typedef struct {
     int start, step, bits;
 } steps;
 
-/* In parts of a voxel, to the nearest one. */
+/* Returns where sample i lies, rounded to the nearest part of a voxel. */
 INLINE int parts_to(steps s, int i) {
     return (s.start + i * s.step + (1 << (s.bits - WEIGHT_BITS - 1))) >> (s.bits - WEIGHT_BITS);
 }

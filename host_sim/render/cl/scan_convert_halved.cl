@@ -26,7 +26,7 @@ INLINE vi place_fixed(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
     return iz * (dims.y * dims.x) + iy * dims.x + ix;
 }
 
-/* The same for positions all of which lie between voxels. */
+/* Finds voxels and fractions as place_fixed does, for positions all of which lie between voxels. */
 INLINE vi place_inside(int4 dims, vi x, vi y, vi z, int bits, fractions *f) {
     int half_a_part = 1 << (bits - WEIGHT_BITS - 1), parts = (1 << WEIGHT_BITS) - 1;
     x += half_a_part;

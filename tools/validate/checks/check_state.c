@@ -79,7 +79,7 @@ static void try_call(machine *m, call c) {
     follow(m, c, status);
 }
 
-/* From a fresh activation, or none, by right calls. */
+/* Brings the instance into a state by right calls, from a fresh activation or none. */
 static void enter(machine *m, state wanted) {
     if (m->now != INACTIVE) v_deactivate(&m->r.s, m->r.s.plugin);
     m->now = INACTIVE;

@@ -187,7 +187,7 @@ typedef struct {
     sv_scanned *ranges; /* of every ray: all of the volume */
 } v_volume;
 
-/* By the run's random numbers. */
+/* Fills a volume by the run's random numbers; v_volume_free it. */
 void v_volume_make(v_run *run, v_volume *v, v_kind kind, uint32_t width, uint32_t height, uint32_t slices);
 void v_volume_free(v_volume *v);
 
