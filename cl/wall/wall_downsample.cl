@@ -15,10 +15,8 @@
 
 #define MAX_WIDTH 8192 /* pixels across, as the ABI has it */
 
-/* A volume of more voxels than this is larger than the caches. So many rows of pixels are summed up at a time
- * then, while those below them are fetched. */
-#define CACHED_VOXELS (16u << 20)
-#define FETCHED_ROWS  4
+/* So many rows of pixels are summed up at a time where blocks have more than twice as many. */
+#define FETCHED_ROWS 4
 
 static uchar16 bytes16_of(short16 mask) {
     return as_uchar16(convert_char16(mask));

@@ -241,7 +241,7 @@ static void test_any_volume(void **state) {
  * ends: thin tissue, narrow fluid, rays that begin in fluid. */
 static uint8_t *layered_noise(uint32_t width, uint32_t height, uint32_t slices, uint32_t longest,
                               uint32_t patch_side, uint32_t seed) {
-    static const uint8_t levels[] = {4, 80, 8, 120, 12, 220};
+    static const uint8_t levels[] = {4, 80, 8, 120, 12, 204}; /* a quarter more at most */
     const size_t plane = (size_t)width * height;
     uint8_t *volume = malloc(plane * slices);
     uint32_t own = seed * 2654435761u + 1;
@@ -266,7 +266,8 @@ static uint8_t *layered_noise(uint32_t width, uint32_t height, uint32_t slices, 
 static void test_spacings(void **state) {
     static const float spacings[][3] = {{0.9f, 0.9f, 0.9f},   {0.5f, 0.5f, 0.5f},    {0.3f, 0.4f, 0.35f},
                                         {0.15f, 0.2f, 0.12f}, {0.05f, 0.05f, 0.05f}, {0.01f, 3.0f, 0.7f},
-                                        {2.0f, 1.0f, 4.5f},   {20.0f, 20.0f, 20.0f}, {50.0f, 0.7f, 0.7f}};
+                                        {0.9f, 0.9f, 0.2f},   {2.0f, 1.0f, 4.5f},    {20.0f, 20.0f, 20.0f},
+                                        {50.0f, 0.7f, 0.7f}};
     uint32_t surfaces = 0;
     for (uint32_t n = 0; n < sizeof spacings / sizeof *spacings; n++) {
         shape s = {.width = 70, .height = 61, .slices = 90, .slab_slices = 16, .padding = SV_NO_PADDING};
