@@ -21,6 +21,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .hysteresis = 0.02,
                               .last = SV_WALL_EMPTY,
                               .doubtful_confidence = 0.3,
+                              .opening_mm = 24.0,
                               .wall_rank = 0.5,
                               .tail_rank = 0.1,
                               .slope = 5.0,
@@ -165,6 +166,7 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
         l.dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
         l.window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
         l.median_step[axis] = at_most(voxels(s->median_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
+        l.opening[axis] = at_most(voxels(0.5 * s->opening_mm, ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
     }
     l.window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
     const double blocks = 4.0 * (2 * l.window[0] + 1) * (2 * l.window[1] + 1) * (2 * l.window[2] + 1);

@@ -32,7 +32,8 @@ typedef struct {
      * answer does not flicker. SV_WALL_EMPTY: there was none. */
     double hysteresis;
     sv_wall_outcome last;
-    double doubtful_confidence; /* a doubtful surface is so sure where another has 1 */
+    double doubtful_confidence; /* a doubtful surface is so sure where another has 1, */
+    double opening_mm;          /* and it has no pit that is narrower than this */
     bool clip_doubtful;         /* clip at a doubtful surface, too */
     double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
     double tail_rank;           /* the spread of the wall's brightness leaves such a share on either side */

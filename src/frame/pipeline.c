@@ -174,7 +174,9 @@ sv_status sv_pipeline_create(sv_pipeline *p, sv_diag *diag, const sv_device *dev
 
 sv_status sv_pipeline_warm_up(sv_pipeline *p, const sv_values *values) {
     if (p->chain.direct) return SV_OK;
-    sv_pipeline_begin(p, values);
+    sv_values all = *values;
+    all.of[SV_PARAM_UNSURE] = SV_UNSURE_CLIP; /* a later frame may launch what others leave out */
+    sv_pipeline_begin(p, &all);
     /* A slab of no slices reads nothing, so any buffer will do. */
     const sv_placed_slabs none = {.buffer = p->buffers.state8, .batch = {.count = 1}};
     const sv_status status = sv_chain_slabs(&p->chain, &none);

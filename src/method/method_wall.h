@@ -56,8 +56,8 @@ typedef enum {
  * the frame's buffers behind. */
 enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_SURFACES = 8 };
 
-/* Kernels that are not launched for every volume. */
-typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_SMOOTHED } sv_wall_when;
+/* Kernels that are not launched for every volume, or for every setting. */
+typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_SMOOTHED, SV_WALL_IF_DOUBTFUL_CLIPS } sv_wall_when;
 
 typedef struct {
     int kernel, takes;

@@ -22,14 +22,22 @@ enum {
     K_GAPS,
     K_VERDICT,
     K_CONFIDENCE,
+    K_ERODE,
+    K_OPEN,
     K_KNOB,
     K_UPSAMPLE
 };
-const char *const sv_wall_rows_kernels[] = {
-    "wall_downsample", "wall_blocks",     "wall_smooth",   "wall_levels",       "wall_bright",
-    "wall_relative",   "wall_first_runs", "wall_evidence", "wall_surroundings", "wall_costs",
-    "wall_decide",     "wall_blur",       "wall_minimum",  "wall_median",       "wall_gaps",
-    "wall_verdict",    "wall_confidence", "wall_knob",     "wall_upsample",     NULL};
+const char *const sv_wall_rows_kernels[] = {"wall_downsample",   "wall_blocks",
+                                            "wall_smooth",       "wall_levels",
+                                            "wall_bright",       "wall_relative",
+                                            "wall_first_runs",   "wall_evidence",
+                                            "wall_surroundings", "wall_costs",
+                                            "wall_decide",       "wall_blur",
+                                            "wall_minimum",      "wall_median",
+                                            "wall_gaps",         "wall_verdict",
+                                            "wall_confidence",   "wall_erode",
+                                            "wall_open",         "wall_knob",
+                                            "wall_upsample",     NULL};
 
 sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
@@ -125,6 +133,18 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLACES, -1}},
+    {.kernel = K_ERODE,
+     .takes = SV_WALL_SCRATCH_WORDS,
+     .over = SV_WALL_ROWS,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
+     .when = SV_WALL_IF_DOUBTFUL_CLIPS},
+    {.kernel = K_OPEN,
+     .takes = SV_WALL_SCRATCH_WORDS,
+     .over = SV_WALL_ROWS,
+     .stage = SV_STAGE_RECONSTRUCT,
+     .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
+     .when = SV_WALL_IF_DOUBTFUL_CLIPS},
     {.kernel = K_KNOB,
      .over = SV_WALL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,

@@ -212,6 +212,42 @@ static bool find_minima(const sv_wall_layout *l, const uint32_t *costs, float *l
     return true;
 }
 
+/* Takes the least value, or the largest, over `reach` rays to either side along one axis: `groups` lines of
+ * `count` values that lie `stride` apart. */
+static void extreme_along(const float *from, float *to, size_t groups, size_t count, size_t stride,
+                          size_t reach, bool least) {
+    for (size_t group = 0; group < groups; group++, from += count * stride)
+        for (size_t at = 0; at < count; at++)
+            for (size_t i = 0; i < stride; i++) {
+                float value = from[at * stride + i];
+                for (size_t k = at < reach ? 0 : at - reach; k <= at + reach && k < count; k++)
+                    value = least ? fminf(value, from[k * stride + i]) : fmaxf(value, from[k * stride + i]);
+                *to++ = value;
+            }
+}
+
+/* Over a rectangle of rays, in place. `rows` has room for a map. */
+static void extreme(const sv_wall_layout *l, float *map, float *rows, bool least) {
+    extreme_along(map, rows, l->rows, l->columns, 1, l->opening[0], least);
+    extreme_along(rows, map, 1, l->rows, l->columns, l->opening[1], least);
+}
+
+/* Fills the pits of a doubtful surface that are narrower than `opening` to either side: its grey opening. In
+ * a pit it has most likely left the fluid for the fetus. Rays that were not scanned do not count. `maps`
+ * has room for two maps. */
+static void fill_pits(const sv_wall_scan *s, float *filtered, float *maps) {
+    const sv_wall_layout *l = s->layout;
+    const size_t count = (size_t)l->columns * l->rows;
+    for (size_t plane = 0; plane < FILTERED; plane++) {
+        float *const place = filtered + plane * count;
+        for (size_t ray = 0; ray < count; ray++)
+            maps[ray] = s->blocks->first[ray] < s->blocks->end[ray] ? place[ray] : (float)l->layers;
+        extreme(l, maps, maps + count, true);
+        extreme(l, maps, maps + count, false);
+        for (size_t ray = 0; ray < count; ray++) place[ray] = fminf(place[ray], maps[ray]);
+    }
+}
+
 /* Adds the blocks of a ray that are as dark as `fluid`. Its surface lies at `place`, before the knob. */
 static void count_gap(const sv_wall_scan *s, uint32_t fluid, size_t ray, float place, sv_wall_gaps *gaps) {
     const size_t plane = (size_t)s->layout->columns * s->layout->rows;
@@ -282,6 +318,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         median_filter(l, layers, filtered);
         find_confidence(scan, layers + COST * count, filtered + PLACE * count, layers, confidence);
         count_gaps(scan, levels->fluid, filtered + PLACE * count, gaps);
+        if (sv_wall_verdict(l, gaps) == SV_WALL_DOUBTFUL) fill_pits(scan, filtered, layers);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
     }

@@ -367,6 +367,28 @@ static void the_median_looks_six_rays_aside(void **state) {
     assert_int_equal(columns_that_stay(5), 8);
 }
 
+/* Twelve cells are 24 mm wide, and thirteen are wider than an opening of 24 mm, which ends the pit of a
+ * surface that is doubtful, as here where no dark block lies in a gap. */
+static void a_doubtful_surface_has_no_narrow_pits(void **state) {
+    (void)state;
+    sv_wall_settings s = sv_wall_settings_default();
+    s.sigma_mm = 0.1;
+    for (uint32_t pit = 12; pit <= 13; pit++) {
+        row_of_cells r;
+        for (uint32_t i = 0; i < ACROSS * DEEP; i++) {
+            const uint32_t cell = i / DEEP, cheapest = cell >= 8 && cell < 8 + pit ? 10 : 2;
+            r.cost[cell][i % DEEP] = i % DEEP == cheapest ? 0 : 2 * SV_WALL_COST_ONE;
+        }
+        s.doubtful_share = 0.0;
+        select_surface(&r, &s);
+        assert_near((double)r.depth[2 * 8 + 12], pit == 12 ? 4.0 : 20.0, 1e-4);
+        assert_near((double)r.depth[0], 4.0, 1e-4);
+        s.doubtful_share = 0.12; /* then there is no fluid */
+        select_surface(&r, &s);
+        assert_near((double)r.depth[2 * 8 + 12], 20.0, 1e-4);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_are_of_about_two_millimetres),
@@ -382,6 +404,7 @@ int main(void) {
         cmocka_unit_test(layers_are_averaged_and_the_knob_moves_over_some),
         cmocka_unit_test(the_gaussian_smooths_costs),
         cmocka_unit_test(the_median_looks_six_rays_aside),
+        cmocka_unit_test(a_doubtful_surface_has_no_narrow_pits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

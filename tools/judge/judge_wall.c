@@ -27,6 +27,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
         WALL_CONSTANT(threshold),
         WALL_CONSTANT(dim),
         WALL_CONSTANT(gap_share),
+        WALL_CONSTANT(opening_mm),
         WALL_CONSTANT(doubtful_share),
         WALL_CONSTANT(doubtful_confidence),
         WALL_CONSTANT(hysteresis),
