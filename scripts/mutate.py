@@ -96,7 +96,7 @@ class Copy:
         archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
         subprocess.run(["tar", "-x"], cwd=tree, input=archive, check=True)
         configure = ["cmake", "-S", str(tree), "-B", str(self.build), "-G", "Ninja"]
-        if not run([*configure, f"-DSV_TEST_CACHE={cache}"], 300) or not self.builds():
+        if not run([*configure, f"-DSV_TEST_CACHE={cache}", "-DSV_TEST_TIMEOUT=150"], 300) or not self.builds():
             sys.exit("mutate: the unchanged sources do not build")
 
     def builds(self) -> bool:
@@ -105,7 +105,7 @@ class Copy:
     def passes(self, tests: str) -> bool:
         return run(
             ["ctest", "--test-dir", str(self.build), "-R", tests, "-E", "python|browser|package|report|demo|sites", "-j", "2",
-             "--timeout", "300", "--stop-on-failure"], 1800,
+             "--stop-on-failure"], 1800,
         )  # fmt: skip
 
 
