@@ -104,7 +104,7 @@ class Copy:
 
     def passes(self, tests: str) -> bool:
         return run(
-            ["ctest", "--test-dir", str(self.build), "-R", tests, "-E", "python|browser|package|report|demo|sites", "-j", "2",
+            ["ctest", "--test-dir", str(self.build), "-R", tests, "-E", "python|browser|package|report|sites", "-j", "2",
              "--stop-on-failure"], 1800,
         )  # fmt: skip
 
