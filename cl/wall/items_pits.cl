@@ -14,16 +14,11 @@ static rectangle_t rectangle_around(const sv_wall_layout *l, uint x, uint y) {
                          y - min(y, l->opening[1]), min(y + l->opening[1], l->rows - 1)};
 }
 
-static bool fills_pits(const sv_wall_layout *l, __global const uint *info) {
-    return (uint)get_global_id(0) < l->columns && info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE &&
-           info[SV_WALL_INFO_DOUBTFUL];
-}
-
 /* One work item per ray: the minima of the three planes of medians. */
 __kernel void wall_items_erode(sv_wall_layout l, __global const uint *restrict info,
                                __global const ushort *restrict rays, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (!fills_pits(&l, info)) return;
+    if (x >= l.columns || !fills_pits(info)) return;
     const rectangle_t r = rectangle_around(&l, x, y);
     for (uint plane = 0; plane < PLACE_MEDIANS; plane++) {
         float least = (float)l.layers;
@@ -42,7 +37,7 @@ __kernel void wall_items_erode(sv_wall_layout l, __global const uint *restrict i
 __kernel void wall_items_open(sv_wall_layout l, __global const uint *restrict info,
                               __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (!fills_pits(&l, info)) return;
+    if (x >= l.columns || !fills_pits(info)) return;
     const rectangle_t r = rectangle_around(&l, x, y);
     for (uint plane = 0; plane < PLACE_MEDIANS; plane++) {
         float largest = 0.0f;

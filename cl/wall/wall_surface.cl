@@ -95,7 +95,7 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
             const i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, y)[x / LANES]);
             const i16l end = AS_I16(ray_row(rays, &l, RAY_END, y)[x / LANES]);
             i16l at = (i16l)(0), is_ray = (i16l)(0); /* behind the last column nothing is defined */
-            TABLE_LOADS
+            ROLLED_LOADS
             for (uint i = 0; i < min((uint)LANES, l.columns - x); i++) {
                 ((short *)&is_ray)[i] = -1;
                 ((short *)&at)[i] = (short)gap_layer(&l, from + i, rays[block_row(&l, RAY_FIRST, y) + x + i],
@@ -118,7 +118,7 @@ __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict in
     __global const float *costs = places + place_row(&l, PLACE_COST, y);
     __global float *confidence = places + place_row(&l, PLACE_LAYER, y);
     levels += level_row(&l, 0, y);
-    TABLE_LOADS
+    ROLLED_LOADS
     for (uint x = 0; x < l.columns; x++)
         confidence[x] = (float)levels[(uint)filtered[x] * pitch + x] / SV_WALL_TISSUE;
     for (uint x = 0; x < l.columns; x += SV_LANES)
@@ -142,7 +142,7 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
         const float16 at = place + part * (*(__global const float16 *)(end + x) - place);
         *(__global float16 *)(surface + x) = fmax(at, 0.0f);
     }
-    TABLE_LOADS
+    ROLLED_LOADS
     for (uint x = 0; x < l.columns; x++)
         surface[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x,
                                    rays[block_row(&l, RAY_FIRST, y) + x], surface[x]);

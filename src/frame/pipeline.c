@@ -244,20 +244,18 @@ sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem o
 
 /* Brings a slab where the kernels can read it: the buffer and the offset of its first byte. Copied slabs get
  * a slot each, for the batch that they will be launched with. */
-static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, sv_placed_slab *to) {
+static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer, uint64_t *offset) {
     const sv_config *c = &p->config;
-    *to = (sv_placed_slab){.buffer = p->buffers.slab,
-                           .offset = p->waiting.batch.count * p->slab_bytes,
-                           .first_slice = p->next_slice,
-                           .slice_count = slab->slice_count};
+    *buffer = p->buffers.slab;
+    *offset = p->waiting.batch.count * p->slab_bytes;
     if (c->carrier == SV_CARRIER_BUFFER) {
-        to->buffer = slab->object;
-        to->offset = slab->offset;
+        *buffer = slab->object;
+        *offset = slab->offset;
         return SV_OK;
     }
     if (p->buffers.host_slabs) {
-        to->buffer = p->buffers.host_slabs;
-        to->offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
+        *buffer = p->buffers.host_slabs;
+        *offset = (uint64_t)((const char *)slab->memory - (const char *)c->host_memory);
         return SV_OK;
     }
     if (sv_counted(&p->queue)) return SV_OK;
@@ -267,15 +265,15 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, sv_placed_slab 
         const size_t bytes = sv_pipeline_slab_bytes(c, slab->slice_count);
         return sv_clx_check(
             p->queue.diag,
-            clEnqueueWriteBuffer(queue, to->buffer, CL_FALSE, to->offset, bytes, slab->memory, 0, NULL, slot),
+            clEnqueueWriteBuffer(queue, *buffer, CL_FALSE, *offset, bytes, slab->memory, 0, NULL, slot),
             "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
     const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
-    return sv_clx_check(p->queue.diag,
-                        clEnqueueCopyImageToBuffer(queue, slab->object, to->buffer, origin, region,
-                                                   to->offset, 0, NULL, slot),
-                        "slab: clEnqueueCopyImageToBuffer");
+    return sv_clx_check(
+        p->queue.diag,
+        clEnqueueCopyImageToBuffer(queue, slab->object, *buffer, origin, region, *offset, 0, NULL, slot),
+        "slab: clEnqueueCopyImageToBuffer");
 }
 
 /* Launches the profile of the slabs that wait. */
@@ -318,13 +316,14 @@ static bool batch_is_due(const sv_pipeline *p) {
 
 sv_status sv_pipeline_slab(sv_pipeline *p, const sv_slab *slab) {
     sv_placed_slabs *w = &p->waiting;
-    sv_placed_slab placed;
-    sv_status status = place_slab(p, slab, &placed);
-    if (status == SV_OK && w->batch.count > 0 && placed.buffer != w->buffer) status = launch_waiting(p);
+    cl_mem buffer;
+    uint64_t offset;
+    sv_status status = place_slab(p, slab, &buffer, &offset);
+    if (status == SV_OK && w->batch.count > 0 && buffer != w->buffer) status = launch_waiting(p);
     if (status != SV_OK) return status;
     p->next_slice += slab->slice_count;
-    w->buffer = placed.buffer;
-    w->batch.offset[w->batch.count] = placed.offset;
+    w->buffer = buffer;
+    w->batch.offset[w->batch.count] = offset;
     w->batch.slices[w->batch.count++] = slab->slice_count;
     return batch_is_due(p) ? launch_waiting(p) : SV_OK;
 }

@@ -9,7 +9,7 @@
  * points first, and another q means another run. Then the first surface plane holds the result and the
  * second holds zeros.
  *
- * The rules of the frame path hold: `run` and `slab` only enqueue, a bounded number of commands; what they
+ * The rules of the frame path hold: `run` and `slabs` only enqueue, a bounded number of commands; what they
  * need, `buffers` makes. A method sees its map and nothing else of the frame.
  */
 #ifndef SV_METHOD_H
@@ -220,8 +220,12 @@ const sv_method *sv_method_of(uint32_t method);
 /* True if the method's surface depends on the parameter SV_PARAM_*. */
 bool sv_method_uses(const sv_method *method, uint32_t parameter);
 
-/* Returns slab `n` of those. */
-sv_placed_slab sv_slab_of(const sv_placed_slabs *slabs, uint32_t n);
+/* Enqueues what a method wants of one slab. */
+typedef sv_status sv_take_slab(const sv_map *map, sv_method_state *state, const sv_placed_slab *slab);
+
+/* For methods that have launches of their own for every slab: hands over one after the other. */
+sv_status sv_slabs_one_by_one(const sv_map *map, sv_method_state *state, const sv_placed_slabs *slabs,
+                              sv_take_slab *take);
 
 /* A launch of a method's kernel on a slab, with the arguments that all such kernels begin with: from the
  * texture to the scanned ranges, as cost_bins has them (cl/cost/cost_rays.cl). `unread`: any buffer; the

@@ -112,7 +112,7 @@ static void buffer_args(sv_launch *launch, const sv_method_state *s, const int *
     for (; *indices >= 0; indices++) sv_launch_buffer(launch, s->buffer[*indices]);
 }
 
-static sv_status take_slab(const sv_map *m, const sv_method_state *s, const sv_placed_slab *from) {
+static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_BINS], kernels[K_BINS], from, s->buffer[PARTIAL]);
     layout_arg(&l, m);
     buffer_args(&l, s, (const int[]){PARTIAL, BINS, -1});
@@ -120,12 +120,7 @@ static sv_status take_slab(const sv_map *m, const sv_method_state *s, const sv_p
 }
 
 static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
-    sv_status status = SV_OK;
-    for (uint32_t i = 0; status == SV_OK && i < from->batch.count; i++) {
-        const sv_placed_slab slab = sv_slab_of(from, i);
-        status = take_slab(m, s, &slab);
-    }
-    return status;
+    return sv_slabs_one_by_one(m, s, from, take_slab);
 }
 
 typedef enum { ONCE, BANDS, ROWS_OF_CELLS, ROWS_OF_PIXELS } items;

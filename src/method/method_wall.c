@@ -21,7 +21,7 @@ static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
 }
 
-static sv_wall_layout layout_of(const sv_map *m) {
+sv_wall_layout sv_wall_layout_of_map(const sv_map *m) {
     const float *mm = m->config->spacing;
     const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
     const sv_wall_settings settings = sv_wall_settings_default();
@@ -59,7 +59,7 @@ static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
-    const sv_wall_layout l = layout_of(m);
+    const sv_wall_layout l = sv_wall_layout_of_map(m);
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
     const size_t cells = sv_wall_lanes_of(l.cells[0]) * l.cells[1] * l.layers;
     const size_t fine = SV_WALL_MAX_NEIGHBOUR +
@@ -98,7 +98,7 @@ static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, 
 }
 
 static sv_status prepare(const sv_map *m, sv_method_state *s) {
-    const sv_wall_layout l = layout_of(m);
+    const sv_wall_layout l = sv_wall_layout_of_map(m);
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const size_t count = (size_t)l.columns + l.rows;
     const size_t bytes = count * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps);
@@ -120,12 +120,11 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
 }
 
 static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
-    const sv_wall_layout layout = layout_of(m);
-    return work_of(m)->slabs(m, s, from, &layout);
+    return work_of(m)->slabs(m, s, from);
 }
 
 static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t first, uint32_t end, float q) {
-    sv_wall_layout layout = layout_of(m);
+    sv_wall_layout layout = sv_wall_layout_of_map(m);
     layout.q = q;
     layout.last = m->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
     layout.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;

@@ -69,11 +69,13 @@ typedef struct {
 
 typedef struct {
     const char *const *kernels; /* names, NULL-terminated */
-    sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from,
-                       const sv_wall_layout *layout);
+    sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from);
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
 } sv_wall_work;
+
+/* Returns the default settings in voxels, blocks and layers of a map. */
+sv_wall_layout sv_wall_layout_of_map(const sv_map *map);
 
 /* Rounds up to a multiple of SV_WALL_LANES. */
 size_t sv_wall_lanes_of(uint32_t values);

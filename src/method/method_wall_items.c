@@ -78,35 +78,29 @@ static uint32_t layers_to_launch(const sv_placed_slab *from, const sv_wall_layou
     return layers > 1 && open ? layers - 1 : layers > 0 ? layers : 1;
 }
 
-static sv_status take_slab(const sv_map *m, const sv_method_state *s, const sv_placed_slab *from,
-                           const sv_wall_layout *layout) {
+static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
+    const sv_wall_layout layout = sv_wall_layout_of_map(m);
     const bool padded = m->config->padding != SV_NO_PADDING;
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_RANGE], sv_wall_items_kernels[K_RANGE], from,
                                  s->buffer[SV_WALL_PLACES]);
-    sv_launch_arg(&l, sizeof *layout, layout);
+    sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_RANGES]);
     sv_status status = SV_OK;
     if (padded || (m->config->ranged && from->first_slice == 0))
-        status = sv_launch_pixels(&l, layout->width, layout->height, SV_STAGE_PROFILE);
+        status = sv_launch_pixels(&l, layout.width, layout.height, SV_STAGE_PROFILE);
     if (status != SV_OK) return status;
     l = sv_slab_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_items_kernels[K_DOWNSAMPLE], from,
                        s->buffer[SV_WALL_PLACES]);
-    sv_launch_arg(&l, sizeof *layout, layout);
+    sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_LEVELS]);
-    return sv_launch_pixels(&l, layout->columns, layout->rows * layers_to_launch(from, layout),
+    return sv_launch_pixels(&l, layout.columns, layout.rows * layers_to_launch(from, &layout),
                             SV_STAGE_PROFILE);
 }
 
-static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from,
-                       const sv_wall_layout *layout) {
-    sv_status status = SV_OK;
-    for (uint32_t i = 0; status == SV_OK && i < from->batch.count; i++) {
-        const sv_placed_slab slab = sv_slab_of(from, i);
-        status = take_slab(m, s, &slab, layout);
-    }
-    return status;
+static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
+    return sv_slabs_one_by_one(m, s, from, take_slab);
 }
 
 static const sv_wall_launch launches[] = {

@@ -43,16 +43,16 @@ sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
 }
 
-static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from,
-                       const sv_wall_layout *layout) {
+static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
+    const sv_wall_layout layout = sv_wall_layout_of_map(m);
     sv_launch l = sv_slabs_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_rows_kernels[K_DOWNSAMPLE],
                                   from, s->buffer[SV_WALL_PLACES]);
-    sv_launch_arg(&l, sizeof *layout, layout);
+    sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_RANGES]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_LEVELS]);
-    return sv_launch_items(&l, layout->cells[1], SV_STAGE_PROFILE);
+    return sv_launch_items(&l, layout.cells[1], SV_STAGE_PROFILE);
 }
 
 static const sv_wall_launch launches[] = {

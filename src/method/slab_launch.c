@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method.h"
 
-sv_placed_slab sv_slab_of(const sv_placed_slabs *slabs, uint32_t n) {
+sv_status sv_slabs_one_by_one(const sv_map *m, sv_method_state *s, const sv_placed_slabs *slabs,
+                              sv_take_slab *take) {
     const sv_batch *b = &slabs->batch;
-    uint32_t first_slice = b->first_slice;
-    for (uint32_t i = 0; i < n; i++) first_slice += b->slices[i];
-    return (sv_placed_slab){slabs->buffer, b->offset[n], first_slice, b->slices[n]};
+    sv_placed_slab next = {.buffer = slabs->buffer, .first_slice = b->first_slice};
+    sv_status status = SV_OK;
+    for (uint32_t i = 0; status == SV_OK && i < b->count; i++) {
+        next.offset = b->offset[i];
+        next.slice_count = b->slices[i];
+        status = take(m, s, &next);
+        next.first_slice += next.slice_count;
+    }
+    return status;
 }
 
 static void texture_args(sv_launch *l, const sv_map *m) {

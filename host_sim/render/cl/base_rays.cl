@@ -169,34 +169,34 @@ INLINE void fetch_together(__global const uchar *voxels, int4 dims, const packet
 }
 
 #pragma OPENCL FP_CONTRACT ON
-INLINE vf mixed_at_once(vf a, vf b, vf f) {
+INLINE vf lerp_fused(vf a, vf b, vf f) {
     return a + f * (b - a);
 }
 #pragma OPENCL FP_CONTRACT OFF
 
 /* `fused`: product and sum are rounded once, where the device has an instruction for that. */
-INLINE vf mix(vf a, vf b, vf f, bool fused) {
-    return fused ? mixed_at_once(a, b, f) : a + f * (b - a);
+INLINE vf lerp(vf a, vf b, vf f, bool fused) {
+    return fused ? lerp_fused(a, b, f) : a + f * (b - a);
 }
 
-INLINE vf mix_row(vu square, int row, vf f, bool fused) {
-    return mix(FIRST_OF(square, row), SECOND_OF(square, row), f, fused);
+INLINE vf lerp_row(vu square, int row, vf f, bool fused) {
+    return lerp(FIRST_OF(square, row), SECOND_OF(square, row), f, fused);
 }
 
-INLINE vf mix_cell(cell c, bool fused) {
-    vf a = mix_row(c.near, 0, c.fx, fused), b = mix_row(c.near, 1, c.fx, fused);
-    vf d = mix_row(c.far, 0, c.fx, fused), e = mix_row(c.far, 1, c.fx, fused);
-    return mix(mix(a, b, c.fy, fused), mix(d, e, c.fy, fused), c.fz, fused);
+INLINE vf lerp_cell(cell c, bool fused) {
+    vf a = lerp_row(c.near, 0, c.fx, fused), b = lerp_row(c.near, 1, c.fx, fused);
+    vf d = lerp_row(c.far, 0, c.fx, fused), e = lerp_row(c.far, 1, c.fx, fused);
+    return lerp(lerp(a, b, c.fy, fused), lerp(d, e, c.fy, fused), c.fz, fused);
 }
 
 /* The trilinear mean of the eight voxels, 0 .. 255; the same bits on every device. */
 INLINE vf blend(cell c) {
-    return mix_cell(c, false);
+    return lerp_cell(c, false);
 }
 
 /* The same, faster, for the lit look. */
 INLINE vf blend_fused(cell c) {
-    return mix_cell(c, true);
+    return lerp_cell(c, true);
 }
 
 /* Trilinear intensities of the packet's samples n. */
