@@ -21,13 +21,6 @@ static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
 }
 
-sv_wall_layout sv_wall_layout_of_map(const sv_map *m) {
-    const float *mm = m->config->spacing;
-    const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
-    const sv_wall_settings settings = sv_wall_settings_default();
-    return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
-}
-
 /* Vectors of SV_WALL_TOGETHER rays in a row. */
 static size_t vectors_of(const sv_wall_layout *l) {
     return (l->columns + SV_WALL_TOGETHER - 1u) / SV_WALL_TOGETHER;

@@ -1,6 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_wall.h"
 
+#include "wall_layout.h"
+
+sv_wall_layout sv_wall_layout_of_map(const sv_map *m) {
+    const float *mm = m->config->spacing;
+    const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
+    const sv_wall_settings settings = sv_wall_settings_default();
+    return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
+}
+
 bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding != SV_NO_PADDING;
 }
