@@ -30,6 +30,8 @@ typedef struct {
     /* Sums of pixels of each row of rays, with MEANS_MARGIN words in front of and behind them. Two layers
      * alternate, for a vector that was just stored is slow to load in parts. */
     __global ushort *sums[2][2];
+    weights_t weights;
+    uint taps;    /* the largest number of pixels across a block */
     uint at_once; /* so many rows of pixels are summed up at a time, while those below them are fetched */
     uint padding; /* above 255: none */
     bool ranged;  /* pixels have ranges, and those of LANES pixels are: */
@@ -225,17 +227,17 @@ static layer_t layer_at(const sv_wall_layout *l, const strip_t *s, uint layer) {
 
 /* Stores the means of a complete layer. */
 static void store_layer(const sv_wall_layout *l, const strip_t *s, __global const sv_wall_span *spans,
-                        uint taps, uint complete, __global uchar *levels) {
+                        uint complete, __global uchar *levels) {
     const layer_t layer = layer_at(l, s, complete);
     __global uchar *const to[2] = {levels + level_row(l, complete, 2 * s->row),
                                    levels + level_row(l, complete, 2 * s->row + 1)};
-    store_means(l, &layer, spans, taps, s->sums[complete % 2], to);
+    store_means(l, &layer, spans, s->weights, s->taps, s->sums[complete % 2], to);
 }
 
 /* Adds a slab, and stores the layers that it completes but for the last one. `complete`: the layer whose
  * means are to be stored, l->layers if there is none. */
 static uint add_slab(const sv_wall_layout *l, const strip_t *s, const texture_t *t, uint first_slice,
-                     uint slice_count, __global const sv_wall_span *spans, uint taps, uint complete,
+                     uint slice_count, __global const sv_wall_span *spans, uint complete,
                      __global uchar *levels) {
     for (uint i = 0; i < slice_count;) {
         const uint z = first_slice + i, at = z / l->depth;
@@ -246,7 +248,7 @@ static uint add_slab(const sv_wall_layout *l, const strip_t *s, const texture_t 
         if (s->ranged && !overlap(s->any, layer.slices)) continue;
         add_slices(l, &layer, s, &slices, z == layer.slices.from, s->sums[at % 2]);
         if (z + count < layer.slices.to) continue;
-        if (complete < l->layers) store_layer(l, s, spans, taps, complete, levels);
+        if (complete < l->layers) store_layer(l, s, spans, complete, levels);
         complete = at;
     }
     return complete;
@@ -266,6 +268,8 @@ __kernel void wall_downsample(__global const uchar *restrict slabs, sv_batch bat
                  .padding = padding,
                  .ranged = ranged != 0,
                  .range_pitch = range_pitch,
+                 .weights = weights_of(&l, spans),
+                 .taps = taps_of(&l, spans),
                  .first = ranges,
                  .end = ranges + (size_t)l.height * range_pitch};
     weigh_rows(spans + l.columns + 2 * row, &s);
@@ -274,14 +278,13 @@ __kernel void wall_downsample(__global const uchar *restrict slabs, sv_batch bat
         s.sums[i / 2][i % 2] = sums + (size_t)(4 * row + i) * sum_words + MEANS_MARGIN;
     if (batch.first_slice == 0 && (ranged || padding <= 255)) begin_ranges(&l, &s, ranged != 0, scanned);
     if (ranged) find_extents(&l, &s, scanned);
-    const uint taps = are_triangles(&l, spans) ? 0 : taps_of(&l, spans);
     uint first_slice = batch.first_slice, complete = l.layers;
     for (uint n = 0; n < batch.count; n++) {
         const texture_t t = {slabs + batch.offset[n], row_pitch, tiles_x, tile_w, tile_h};
         for (uint i = 0; padding <= 255 && i < batch.slices[n]; i++)
             note_ranges(&l, &s, ranged != 0, scanned, slice_of(&t, i), row_pitch, (ushort)(first_slice + i));
-        complete = add_slab(&l, &s, &t, first_slice, batch.slices[n], spans, taps, complete, levels);
+        complete = add_slab(&l, &s, &t, first_slice, batch.slices[n], spans, complete, levels);
         first_slice += batch.slices[n];
     }
-    if (complete < l.layers) store_layer(&l, &s, spans, taps, complete, levels);
+    if (complete < l.layers) store_layer(&l, &s, spans, complete, levels);
 }
