@@ -13,8 +13,6 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .dark_rank = 0.05,
                               .threshold = 0.65,
                               .dim = 0.4,
-                              .near_field_mm = 7.5,
-                              .near_field_share = 0.3,
                               .fluid_rank = 0.2,
                               .gap_share = 0.3,
                               .doubtful_share = 0.12,
@@ -22,7 +20,6 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .last = SV_WALL_EMPTY,
                               .doubtful_confidence = 0.3,
                               .opening_mm = 24.0,
-                              .wall_rank = 0.5,
                               .tail_rank = 0.1,
                               .slope = 5.0,
                               .fetus_level = 0.4,
@@ -34,12 +31,9 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .occluder_cost = 8.0,
                               .sigma_mm = 2.9,
                               .average_margin = 0.5,
-                              .knob_margin = 0.25,
                               .q = 0.5,
                               .median = true,
-                              .median_mm = 5.6,
-                              .half_confidence_cost = 4.5,
-                              .level_cost = 0.5,
+                              .half_confidence_cost = 5.5,
                               .wall_share = 0.15,
                               .fetus_share = 0.05,
                               .assumed_wall = 0.6,
@@ -86,13 +80,12 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->cut_cost = rounded(s->cut_cost * SV_WALL_COST_ONE);
     l->occluder_cost = rounded(s->occluder_cost * SV_WALL_COST_ONE);
     l->average_margin = rounded(s->average_margin * SV_WALL_FINE_COST_ONE);
-    l->knob_margin = rounded(s->knob_margin * SV_WALL_FINE_COST_ONE);
+    l->knob_margin = rounded(0.5 * s->average_margin * SV_WALL_FINE_COST_ONE);
     l->q = (float)s->q;
     l->threshold = rounded(s->threshold * SV_WALL_PER_MILLE);
     l->dark_rank = rounded(s->dark_rank * SV_WALL_PER_MILLE);
     l->tail_rank = rounded(s->tail_rank * SV_WALL_PER_MILLE);
     l->dim = rounded(s->dim * SV_WALL_TISSUE);
-    l->near_field_share = rounded(s->near_field_share * SV_WALL_PER_MILLE);
     l->fluid_rank = rounded(s->fluid_rank * SV_WALL_PER_MILLE);
     l->gap_share = rounded(s->gap_share * SV_WALL_PER_MILLE);
     l->doubtful_share = rounded(s->doubtful_share * SV_WALL_PER_MILLE);
@@ -102,7 +95,6 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->clip_doubtful = s->clip_doubtful;
     l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
     l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
-    l->wall_rank = rounded(s->wall_rank * SV_WALL_PER_MILLE);
     l->assumed_wall = rounded(s->assumed_wall * SV_WALL_PER_MILLE);
     l->assumed_spread = (int)floor(s->assumed_spread * odds_one + 0.5);
     l->fetus_level = (int)floor(s->fetus_level * odds_one + 0.5);
@@ -111,7 +103,6 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->one_side = rounded(s->one_side * SV_WALL_PROBABILITY_ONE);
     l->median = s->median;
     l->half_confidence_cost = (float)s->half_confidence_cost;
-    l->level_cost = (float)s->level_cost;
 }
 
 /* Finds the spacing that counts: one that is not known is assumed, and one out of range is clamped. */
@@ -165,13 +156,13 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
     for (int axis = 0; axis < 2; axis++) {
         l.dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
         l.window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
-        l.median_step[axis] = at_most(voxels(s->median_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
+        l.median_step[axis] = at_most(voxels(2.0 * s->sigma_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
         l.opening[axis] = at_most(voxels(0.5 * s->opening_mm, ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
     }
     l.window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
     const double blocks = 4.0 * (2 * l.window[0] + 1) * (2 * l.window[1] + 1) * (2 * l.window[2] + 1);
     l.bright_blocks = (unsigned)fmax(rounded(s->bright_share * blocks), 1.0);
-    l.near_field = voxels(s->near_field_mm, layer_mm, 0);
+    l.near_field = voxels(s->tau_mm, layer_mm, 0);
     l.skin = voxels(s->skin_mm, layer_mm, 0);
     l.full_distance = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_MAX_DISTANCE);
     l.rate = rounded(ldexp(SV_WALL_COST_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));

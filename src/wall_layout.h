@@ -21,9 +21,6 @@ typedef struct {
     double dark_rank; /* such a share of the blocks is darker than the dark level */
     double threshold; /* the threshold's root is this share of the way from the dark level's to the bright */
     double dim;       /* a block that is brighter than this share of the threshold is dim, not dark */
-    /* Darkness at the start of a ray's scan that is at most so deep is no fluid, if at least such a share of
-     * the rays begin with that. */
-    double near_field_mm, near_field_share;
     /* Of the darkest `fluid_rank` of all blocks, the share in the gaps that the surface lies in tells whether
      * there is fluid in front of the fetus: there is from `gap_share` on, there is none below
      * `doubtful_share`, and between them it is doubtful. */
@@ -35,7 +32,6 @@ typedef struct {
     double doubtful_confidence; /* a doubtful surface is so sure where another has 1, */
     double opening_mm;          /* and it has no pit that is narrower than this */
     bool clip_doubtful;         /* clip at a doubtful surface, too */
-    double wall_rank;           /* the wall's brightness is this quantile of the brightnesses of first runs */
     double tail_rank;           /* the spread of the wall's brightness leaves such a share on either side */
     double slope;               /* of the logistic function, per spread */
     double fetus_level;         /* spreads above the wall where the probability of the fetus is one half */
@@ -43,22 +39,25 @@ typedef struct {
     double one_side; /* weight of the general probability if the fetus is reached from one side only */
     /* So deep is skin, which tells nothing of the run that begins with it; bone lies that far behind it. */
     double skin_mm;
-    double tau_mm; /* distance to the fluid that costs 1 */
+    /* Distance to the fluid that costs 1. Darkness at the start of a ray's scan that is at most so deep is no
+     * fluid, if at least half of the rays begin with that. */
+    double tau_mm;
     /* The costs of cutting the fetus and of leaving an occluder. Another fluid than the first costs 1 where
      * no fetus is seen. The sum of all is at most 31, or the sums of the Gaussian leave 24 bits. */
     double cut_cost, occluder_cost;
-    double sigma_mm;             /* lateral Gaussian over the costs */
-    double average_margin;       /* layers that cost at most this much more than the minimum are averaged */
-    double knob_margin;          /* the knob moves the surface over layers that cost at most this much more */
-    double q;                    /* the knob: 0 far, 0.5 the surface itself, 1 near */
-    bool median;                 /* take the median of a ray and its eight neighbours, */
-    double median_mm;            /* which lie this far aside */
-    double half_confidence_cost; /* cost of the surface at which the confidence is one half */
-    double level_cost;           /* for that, a surface in a layer as bright as the threshold costs more */
-    double fetus_share;          /* so many rays must show the fetus, or nothing is clipped */
-    double wall_share;           /* so many rays must see a wall, or the next two are assumed */
-    double assumed_wall;         /* brightness of the wall in units of the bright class' mean */
-    double assumed_spread;       /* its spread, ln of the odds */
+    double sigma_mm; /* lateral Gaussian over the costs; rays of the median are twice as far apart */
+    /* Layers that cost at most this much more than the minimum are averaged, and the knob moves the surface
+     * over those that cost at most half of it more. */
+    double average_margin;
+    double q;    /* the knob: 0 far, 0.5 the surface itself, 1 near */
+    bool median; /* take the median of a ray and its eight neighbours */
+    /* Cost of the surface at which the confidence is one half; for that, a surface in a layer as bright as
+     * the threshold costs 1 more. */
+    double half_confidence_cost;
+    double fetus_share;    /* so many rays must show the fetus, or nothing is clipped */
+    double wall_share;     /* so many rays must see a wall, or the next two are assumed */
+    double assumed_wall;   /* brightness of the wall in units of the bright class' mean */
+    double assumed_spread; /* its spread, ln of the odds */
 } sv_wall_settings;
 
 /* The settings that docs/surface.md states. */

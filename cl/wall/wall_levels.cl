@@ -168,7 +168,7 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     int spread = l.assumed_spread;
     const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.wall_share;
     if (!bare) {
-        wall = quantile(histogram, l.wall_rank);
+        wall = quantile(histogram, SV_WALL_PER_MILLE / 2);
         spread = odds(tables, quantile(histogram, SV_WALL_PER_MILLE - l.tail_rank)) -
                  odds(tables, quantile(histogram, l.tail_rank));
         spread = max(spread, SV_WALL_MIN_SPREAD);

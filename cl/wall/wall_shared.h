@@ -122,12 +122,11 @@ typedef struct {
     unsigned int cut_cost, occluder_cost;     /* in units of 1 / SV_WALL_COST_ONE */
     unsigned int average_margin, knob_margin; /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
-    unsigned int threshold, dark_rank, near_field_share, fluid_rank, gap_share, doubtful_share, fetus_share,
-        wall_share;
+    unsigned int threshold, dark_rank, fluid_rank, gap_share, doubtful_share, fetus_share, wall_share;
     unsigned int hysteresis; /* limits of shares are so far in favour of the outcome that was */
     unsigned int last;       /* sv_wall_outcome of the frame before, SV_WALL_EMPTY if there was none; or */
                              /* SV_WALL_REMEMBERED */
-    unsigned int wall_rank, tail_rank;
+    unsigned int tail_rank;
     unsigned int assumed_wall;        /* per mille of mean tissue */
     int slope;                        /* of the logistic function, sixteenths */
     unsigned int one_side;            /* in units of 1 / SV_WALL_PROBABILITY_ONE */
@@ -137,8 +136,8 @@ typedef struct {
     float q;                          /* the knob */
     unsigned int clip_doubtful;       /* 1: a doubtful surface clips, too, and is */
     float doubtful_confidence;        /* so sure where another has 1 */
-    float half_confidence_cost;       /* cost of the surface at which the confidence is one half; */
-    float level_cost;                 /* for that, a layer as bright as the threshold costs so much more */
+    float half_confidence_cost;       /* cost of the surface at which the confidence is one half; for that, */
+                                      /* a layer as bright as the threshold costs 1 more */
 } sv_wall_layout;
 
 #endif

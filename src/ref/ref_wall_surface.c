@@ -152,7 +152,7 @@ static void median_filter(const sv_wall_layout *l, const float *layers, float *f
 }
 
 float sv_wall_confidence(const sv_wall_layout *l, float cost, float level) {
-    const float ratio = (cost + l->level_cost * (level * level)) / l->half_confidence_cost;
+    const float ratio = (cost + level * level) / l->half_confidence_cost;
     return 1.0f / (1.0f + ratio * ratio);
 }
 

@@ -308,7 +308,7 @@ static void select_surface(row_of_cells *r, const sv_wall_settings *settings) {
 }
 
 /* Layer 5 costs nothing, the two behind it a quarter, all others 2. Below 0.5 they weigh 2 : 1 : 1, so the
- * surface is layer 5.75, of two slices. Costs cross 0.25 an eighth before layer 5, and at layer 6. */
+ * surface is layer 5.75, of two slices. Costs cross half of that an eighth before layer 5, and at layer 6. */
 static void layers_are_averaged_and_the_knob_moves_over_some(void **state) {
     (void)state;
     row_of_cells r;
@@ -336,7 +336,7 @@ static void the_gaussian_smooths_costs(void **state) {
     row_of_cells r = {.cost = {{0}}};
     for (uint32_t z = 0; z < DEEP; z++) r.cost[CELL][z] = 16 * SV_WALL_COST_ONE;
     select_surface(&r, NULL);
-    const double own = 1.0 / (1.0 + 4.25 * 4.25 / 4.5 / 4.5), beside = 1.0 / (1.0 + 3.75 * 3.75 / 4.5 / 4.5);
+    const double own = 1.0 / (1.0 + 4.25 * 4.25 / 5.5 / 5.5), beside = 1.0 / (1.0 + 3.75 * 3.75 / 5.5 / 5.5);
     assert_near((double)r.confidence[2 * CELL], own, 1e-4);
     assert_near((double)r.confidence[2 * CELL + 1], own, 1e-4);
     assert_near((double)r.confidence[2 * CELL + 2], beside, 1e-4);
@@ -347,20 +347,18 @@ static void the_gaussian_smooths_costs(void **state) {
 static uint32_t columns_that_stay(uint32_t cells) {
     enum { FROM = 13, NEAR = 3, FAR = 9 };
     row_of_cells r;
-    sv_wall_settings sharp = sv_wall_settings_default();
     uint32_t columns = 0;
-    sharp.sigma_mm = 0.1;
     for (uint32_t i = 0; i < ACROSS * DEEP; i++) {
         const uint32_t x = i / DEEP, at = x >= FROM && x < FROM + cells ? FAR : NEAR;
         r.cost[x][i % DEEP] = i % DEEP == at ? 0 : 16 * SV_WALL_COST_ONE;
     }
-    select_surface(&r, &sharp);
+    select_surface(&r, NULL);
     for (uint32_t x = 0; x < 2 * ACROSS; x++) columns += fabsf(r.depth[x] - 2.0f * FAR) < 1e-3f;
     return columns;
 }
 
-/* 5.6 mm are six rays. A column stays if the one six to its left or to its right lies in the stripe, too: all
- * twelve of six cells, but of the ten of five cells not the middle two. */
+/* Twice 2.9 mm are six rays. A column stays if the one six to its left or to its right lies in the stripe,
+ * too: all twelve of six cells, but of the ten of five cells not the middle two. */
 static void the_median_looks_six_rays_aside(void **state) {
     (void)state;
     assert_int_equal(columns_that_stay(6), 12);

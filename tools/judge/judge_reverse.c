@@ -27,8 +27,6 @@ static const struct {
     {WALL_CONSTANT(window_mm), {6.0, 8.0, 10.0, 12.0, 15.0}},
     {WALL_CONSTANT(dim), {0.3, 0.35, 0.4, 0.45, 0.5}},
     {WALL_CONSTANT(slope), {3.5, 4.2, 5.0, 6.0, 7.0}},
-    {WALL_CONSTANT(wall_rank), {0.3, 0.4, 0.5, 0.6, 0.7}},
-    {WALL_CONSTANT(median_mm), {2.0, 3.5, 5.0, 6.5, 8.0}},
     {WALL_CONSTANT(average_margin), {0.1, 0.25, 0.5, 0.7, 1.0}},
 };
 enum { CONSTANTS = sizeof constants / sizeof *constants };
