@@ -34,8 +34,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .q = 0.5,
                               .median = true,
                               .half_confidence_cost = 5.5,
-                              .wall_share = 0.15,
-                              .fetus_share = 0.05,
+                              .seen_share = 0.05,
                               .assumed_wall = 0.6,
                               .assumed_spread = 0.5};
 }
@@ -93,8 +92,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->last = (unsigned)s->last;
     l->doubtful_confidence = (float)s->doubtful_confidence;
     l->clip_doubtful = s->clip_doubtful;
-    l->wall_share = rounded(s->wall_share * SV_WALL_PER_MILLE);
-    l->fetus_share = rounded(s->fetus_share * SV_WALL_PER_MILLE);
+    l->seen_share = rounded(s->seen_share * SV_WALL_PER_MILLE);
     l->assumed_wall = rounded(s->assumed_wall * SV_WALL_PER_MILLE);
     l->assumed_spread = (int)floor(s->assumed_spread * odds_one + 0.5);
     l->fetus_level = (int)floor(s->fetus_level * odds_one + 0.5);

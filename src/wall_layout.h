@@ -54,8 +54,9 @@ typedef struct {
     /* Cost of the surface at which the confidence is one half; for that, a surface in a layer as bright as
      * the threshold costs 1 more. */
     double half_confidence_cost;
-    double fetus_share;    /* so many rays must show the fetus, or nothing is clipped */
-    double wall_share;     /* so many rays must see a wall, or the next two are assumed */
+    /* So many rays must show the fetus, or nothing is clipped; and so many a wall, or the next two are
+     * assumed. */
+    double seen_share;
     double assumed_wall;   /* brightness of the wall in units of the bright class' mean */
     double assumed_spread; /* its spread, ln of the odds */
 } sv_wall_settings;

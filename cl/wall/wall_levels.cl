@@ -166,7 +166,7 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     const uint wall_rays = (uint)histogram[256];
     uint wall = min(info[SV_WALL_INFO_BRIGHT] * l.assumed_wall / SV_WALL_PER_MILLE, 255u * SV_WALL_LEVEL_ONE);
     int spread = l.assumed_spread;
-    const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.wall_share;
+    const bool bare = wall_rays == 0 || (ulong)wall_rays * SV_WALL_PER_MILLE < (ulong)rays * l.seen_share;
     if (!bare) {
         wall = quantile(histogram, SV_WALL_PER_MILLE / 2);
         spread = odds(tables, quantile(histogram, SV_WALL_PER_MILLE - l.tail_rank)) -
@@ -208,7 +208,7 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
     const ulong whole = (ulong)info[SV_WALL_INFO_RAYS] * SV_WALL_PROBABILITY_ONE;
     const uint last = last_of(&l, info);
     const bool was = last != SV_WALL_NO_FETUS && last != SV_WALL_EMPTY;
-    const uint limit = limit_after(&l, l.fetus_share, was, last == SV_WALL_NO_FETUS);
+    const uint limit = limit_after(&l, l.seen_share, was, last == SV_WALL_NO_FETUS);
     info[SV_WALL_INFO_FOUND] = (uint)(sum * SV_WALL_PER_MILLE / max(whole, (ulong)1));
     info[SV_WALL_INFO_WANTED] = limit;
     if (sum * SV_WALL_PER_MILLE < whole * limit) info[SV_WALL_INFO_OUTCOME] = SV_WALL_NO_FETUS;

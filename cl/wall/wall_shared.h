@@ -122,7 +122,7 @@ typedef struct {
     unsigned int cut_cost, occluder_cost;     /* in units of 1 / SV_WALL_COST_ONE */
     unsigned int average_margin, knob_margin; /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
-    unsigned int threshold, dark_rank, fluid_rank, gap_share, doubtful_share, fetus_share, wall_share;
+    unsigned int threshold, dark_rank, fluid_rank, gap_share, doubtful_share, seen_share;
     unsigned int hysteresis; /* limits of shares are so far in favour of the outcome that was */
     unsigned int last;       /* sv_wall_outcome of the frame before, SV_WALL_EMPTY if there was none; or */
                              /* SV_WALL_REMEMBERED */

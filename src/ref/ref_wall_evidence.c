@@ -81,7 +81,7 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
     sv_wall_tables(tables);
     *out = (sv_wall_evidence){.wall_rays = wall_histogram(scan, histogram)};
     out->bare = out->wall_rays == 0 ||
-                (uint64_t)out->wall_rays * SV_WALL_PER_MILLE < (uint64_t)scan->blocks->rays * l->wall_share;
+                (uint64_t)out->wall_rays * SV_WALL_PER_MILLE < (uint64_t)scan->blocks->rays * l->seen_share;
     if (!out->bare) {
         out->wall = sv_wall_quantile(histogram, SV_WALL_PER_MILLE / 2);
         out->spread = log_odds(tables, sv_wall_quantile(histogram, SV_WALL_PER_MILLE - l->tail_rank)) -

@@ -283,7 +283,7 @@ static uint32_t limit_after(const sv_wall_layout *l, uint32_t limit, bool above,
 }
 
 uint32_t sv_wall_fetus_limit(const sv_wall_layout *l) {
-    return limit_after(l, l->fetus_share, l->last != SV_WALL_NO_FETUS && l->last != SV_WALL_EMPTY,
+    return limit_after(l, l->seen_share, l->last != SV_WALL_NO_FETUS && l->last != SV_WALL_EMPTY,
                        l->last == SV_WALL_NO_FETUS);
 }
 

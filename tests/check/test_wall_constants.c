@@ -190,10 +190,10 @@ static sv_wall_evidence evidence_of_walls(uint32_t walls) {
     return e;
 }
 
-/* Below 15 % of the rays there is no wall. Then it counts as 0.6 of the bright mean, with a spread of 0.5. */
+/* Below 5 % of the rays there is no wall. Then it counts as 0.6 of the bright mean, with a spread of 0.5. */
 static void a_wall_on_few_rays_is_assumed(void **state) {
     (void)state;
-    const sv_wall_evidence few = evidence_of_walls(14), many = evidence_of_walls(15);
+    const sv_wall_evidence few = evidence_of_walls(4), many = evidence_of_walls(5);
     assert_true(few.bare && !many.bare);
     assert_int_equal(few.wall, 60 * SV_WALL_LEVEL_ONE);
     assert_near(ldexp(few.spread, -SV_WALL_ODDS_BITS), 0.5, 0.001);

@@ -41,8 +41,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
         WALL_CONSTANT(average_margin),
         WALL_CONSTANT(q),
         WALL_CONSTANT(half_confidence_cost),
-        WALL_CONSTANT(wall_share),
-        WALL_CONSTANT(fetus_share),
+        WALL_CONSTANT(seen_share),
         WALL_CONSTANT(assumed_wall),
         WALL_CONSTANT(assumed_spread),
     };
