@@ -112,18 +112,18 @@ static void find_spacing(const sv_wall_layout *l, const double given[3], double 
             fmin(fmax(given[axis] > 0.0 ? given[axis] : assumed, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM);
 }
 
-#define NEARLY 0.1 /* the sides of blocks may be so much longer or shorter than wanted */
+#define NEARLY 0.07 /* the sides of blocks may be so much longer or shorter than wanted */
 
 static uint32_t whole(uint32_t voxels, uint32_t side) {
     return (voxels + side - 1) / side;
 }
 
-/* Returns the cells along an axis across the image. They have whole voxels if that comes near enough, for
- * that is fast. */
+/* Returns the cells along an axis across the image. They have whole voxels if that comes near enough and
+ * leaves none over, for that is fast. */
 static uint32_t cells_of(const sv_wall_settings *s, uint32_t count, double mm) {
     const uint32_t side = at_most(voxels(s->block_mm, mm, 1), SV_WALL_BLOCK);
-    if (side == SV_WALL_BLOCK || fabs(side * mm / s->block_mm - 1.0) <= NEARLY + HAIR)
-        return whole(count, side);
+    const bool fits = count % side == 0 && fabs(side * mm / s->block_mm - 1.0) <= NEARLY + HAIR;
+    if (side == SV_WALL_BLOCK || fits) return whole(count, side);
     return at_most(voxels(count * mm, s->block_mm, 1), count);
 }
 

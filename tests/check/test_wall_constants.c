@@ -69,13 +69,14 @@ static sv_wall_layout layout_at(uint32_t side, double mm) {
     return sv_wall_layout_of(side, side, side, (double[]){mm, mm, mm}, &s);
 }
 
-/* Four voxels of 0.55 mm are 2.2 mm, a tenth too many: 40 of them are ten cells. Of 0.56 mm they are more
- * than that, and 22.4 mm are eleven cells. Two slices of 1.25 mm are the deepest layer. Unknown spacing: 120
- * mm have 60 cells. */
+/* Four voxels of 0.535 mm are 2.14 mm, seven hundredths too many: 40 of them are ten cells. Of 0.54 mm they
+ * are more than that, and 21.6 mm are eleven cells. 41 voxels leave one over, and 20.5 mm are ten cells. Two
+ * slices of 1.25 mm are the deepest layer. Unknown spacing: 120 mm have 60 cells. */
 static void blocks_are_of_about_two_millimetres(void **state) {
     (void)state;
-    assert_int_equal(layout_at(40, 0.55).cells[0], 10);
-    assert_int_equal(layout_at(40, 0.56).cells[0], 11);
+    assert_int_equal(layout_at(40, 0.535).cells[0], 10);
+    assert_int_equal(layout_at(40, 0.54).cells[0], 11);
+    assert_int_equal(layout_at(41, 0.5).cells[0], 10);
     assert_int_equal(layout_at(40, 1.25).depth, 2);
     assert_int_equal(layout_at(40, 1.26).depth, 1);
     assert_int_equal(layout_at(240, 0.0).cells[0], 60);
