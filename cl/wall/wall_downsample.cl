@@ -31,7 +31,7 @@ typedef struct {
      * alternate, for a vector that was just stored is slow to load in parts. */
     __global ushort *sums[2][2];
     weights_t weights;
-    uint taps;    /* the largest number of pixels across a block */
+    uint taps;    /* pixels across a block at most; at least TAPS */
     uint at_once; /* so many rows of pixels are summed up at a time, while those below them are fetched */
     uint padding; /* above 255: none */
     bool ranged;  /* pixels have ranges, and those of LANES pixels are: */
@@ -269,10 +269,10 @@ __kernel void wall_downsample(__global const uchar *restrict slabs, sv_batch bat
                  .ranged = ranged != 0,
                  .range_pitch = range_pitch,
                  .weights = weights_of(&l, spans),
-                 .taps = taps_of(&l, spans),
                  .first = ranges,
                  .end = ranges + (size_t)l.height * range_pitch};
     weigh_rows(spans + l.columns + 2 * row, &s);
+    s.taps = taps_of(&l, spans, s.weights);
     s.at_once = s.rows < 2 * FETCHED_ROWS ? s.rows : FETCHED_ROWS;
     for (uint i = 0; i < 4; i++)
         s.sums[i / 2][i % 2] = sums + (size_t)(4 * row + i) * sum_words + MEANS_MARGIN;
