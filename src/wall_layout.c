@@ -21,7 +21,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .doubtful_confidence = 0.3,
                               .opening_mm = 24.0,
                               .tail_rank = 0.1,
-                              .slope = 5.0,
+                              .slope = 6.0,
                               .fetus_level = 0.4,
                               .first_run_extra = 0.95,
                               .one_side = 0.3,
@@ -85,6 +85,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->dark_rank = rounded(s->dark_rank * SV_WALL_PER_MILLE);
     l->tail_rank = rounded(s->tail_rank * SV_WALL_PER_MILLE);
     l->dim = rounded(s->dim * SV_WALL_TISSUE);
+    l->darkness = l->dim < SV_WALL_TISSUE ? SV_WALL_PROBABILITY_ONE / (SV_WALL_TISSUE - l->dim) : 0;
     l->fluid_rank = rounded(s->fluid_rank * SV_WALL_PER_MILLE);
     l->gap_share = rounded(s->gap_share * SV_WALL_PER_MILLE);
     l->doubtful_share = rounded(s->doubtful_share * SV_WALL_PER_MILLE);

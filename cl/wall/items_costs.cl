@@ -18,7 +18,8 @@ typedef struct {
     uint first, end, run, run_end; /* scanned layers, the first run */
     bool scanned, touches;         /* the first run begins where the scan does */
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    uint begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    uint begun, in_run;            /* probability of a fetus; of one that begins in the first run; */
+    uint doubt;                    /* of one that begins with a run in front of which is no fluid */
 } ray_t;
 
 /* What is kept of the layers of a ray, `pitch` apart. */
@@ -34,10 +35,6 @@ static layers_t layers_of(const sv_wall_layout *l, __global ushort *scratch, uin
     const size_t plane = block_row(l, l->layers, 0), at = block_row(l, 0, row) + x;
     return (layers_t){scratch + at, scratch + plane + at, (__global uchar *)(scratch + 2 * plane) + at,
                       block_row(l, 1, 0)};
-}
-
-static bool is_tissue(const ray_t *r, uint z) {
-    return r->levels[z * r->level_pitch] > SV_WALL_TISSUE;
 }
 
 /* Multiplies probabilities, rounding half up. */
@@ -61,13 +58,26 @@ static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
 
+/* Returns how certain it is that fluid is, by the level of its darkest block. */
+static uint certainty_of(const sv_wall_layout *l, uint level) {
+    const uint dark = (SV_WALL_TISSUE - level) * l->darkness;
+    return level <= l->dim ? (uint)SV_WALL_PROBABILITY_ONE : share(dark, dark);
+}
+
 /* Walks all layers from front to back. */
 static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     uint before = SV_WALL_PROBABILITY_ONE, now = before, maximum = 0, near = l->full_distance;
+    uint darkest = SV_WALL_TISSUE, certain = SV_WALL_PROBABILITY_ONE;
     bool behind = false, over = false;
     r->fluid_end = r->end;
+    r->doubt = 0;
     for (uint z = 0; z < l->layers; z++) {
-        const bool tissue = is_tissue(r, z);
+        const uint level = r->levels[z * r->level_pitch];
+        const bool tissue = level > SV_WALL_TISSUE;
+        if (behind && !tissue) r->doubt += before - now - share(before - now, certain);
+        if (tissue && !behind && r->run_end < z) /* fluid that ends a first run is certain */
+            certain = r->touches && !over ? (uint)SV_WALL_PROBABILITY_ONE : certainty_of(l, darkest);
+        darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         if (tissue) {
             maximum = max(maximum, chance_at(l, r, z));
             now = before - share(before, maximum);
@@ -86,6 +96,7 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         s->near[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
+    if (behind) r->doubt += before - now - share(before - now, certain);
     r->begun = SV_WALL_PROBABILITY_ONE - now;
 }
 
@@ -118,12 +129,17 @@ static uint distance_cost_at(const sv_wall_layout *l, uint near) {
 /* Walks all layers from back to front, and stores the costs of the ray. */
 static void backward_pass(const sv_wall_layout *l, const ray_t *r, const layers_t *s) {
     bool behind = false, fluid_behind = false;
-    uint later = 0, run_end = r->begun, near = l->full_distance;
+    uint later = r->doubt, run_end = r->begun, near = l->full_distance, darkest = SV_WALL_TISSUE;
     for (uint z = l->layers; z-- > 0;) {
-        const bool tissue = is_tissue(r, z);
+        const uint level = r->levels[z * r->level_pitch];
+        const bool tissue = level > SV_WALL_TISSUE;
         const uint begun = s->begun[z * s->pitch], before = s->near[z * s->pitch];
-        if (tissue && fluid_behind) later += run_end - begun;
+        if (tissue && fluid_behind) {
+            const bool ends_first = r->touches && z + 1 == r->run_end; /* it is certain */
+            later += ends_first ? run_end - begun : share(run_end - begun, certainty_of(l, darkest));
+        }
         if (tissue && !behind) run_end = begun;
+        darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         fluid_behind = before == 0;
         behind = tissue;
         near = fluid_behind ? 0 : min(near + 1, l->full_distance);

@@ -20,7 +20,8 @@ typedef struct {
     i16l scanned;                  /* there are scanned layers */
     i16l touches;                  /* the first run begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first run; */
+    u16l doubt;                    /* of one that begins with a run in front of which is no fluid */
     /* for every layer: probability that the fetus has begun, distance to the fluid in front */
     __global u16l *begun_at;
     __global u8l *near_at;
@@ -43,8 +44,8 @@ typedef struct {
                           cutting at depth 0 may cost nothing */
 } cell_rays_t;
 
-static u8l tissue_at(const cell_rays_t *s, const rays_t *r, uint z) {
-    return tissue_of(*(__global const u8l *)(r->levels + z * s->level_pitch));
+static u8l level_at(const cell_rays_t *s, const rays_t *r, uint z) {
+    return *(__global const u8l *)(r->levels + z * s->level_pitch);
 }
 
 /* Multiplies probabilities, rounding half up. */
@@ -56,6 +57,14 @@ static u16l share(u16l value, u16l chance) {
 /* Multiplies a cost of at most 13 bits by probabilities, rounding down. */
 static u16l share_of_cost(uint cost, u16l chance) {
     return high_of((u16l)((ushort)(2 * cost)), chance);
+}
+
+/* Returns how certain it is that fluid is: where `known` is set, and else by the level of its darkest block.
+ */
+static u16l certainty_of(const sv_wall_layout *l, u8l level, i16l known) {
+    const u16l dark = ((u16l)(SV_WALL_TISSUE)-TO_U16(level)) * (ushort)l->darkness;
+    const u16l certain = AS_U16(known | words_of(AS_U8(level <= (u8l)((uchar)l->dim))));
+    return SELECT(share(dark, dark), (u16l)(SV_WALL_PROBABILITY_ONE), certain);
 }
 
 /* Looks up the probabilities of the brightnesses of HALF cells. */
@@ -70,6 +79,8 @@ static void find_chances(const cell_rays_t *s, uint z) {
 typedef struct {
     u16l before, now, maximum;
     u8l behind, near, over; /* tissue in the layer before; distance to the fluid; the first fluid has ended */
+    u8l darkest;            /* level of the darkest block of the fluid in front */
+    u16l certain;           /* that there is fluid in front of the run */
 } forward_t;
 
 static i32h has_bit(u32h kinds, uint bit) {
@@ -114,6 +125,25 @@ static void forward_no_tissue(rays_t *r, uint z, forward_t *w) {
     r->begun_at[z] = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
+/* Adds to the doubt what the run before layer z has of it, where that ended. */
+static void end_run(rays_t *r, u8l ended, forward_t *w) {
+    if (!any_byte(ended)) return;
+    const u16l ends = AS_U16(words_of(ended)), begins = w->before - w->now;
+    r->doubt += (begins - share(begins, w->certain)) & ends;
+    w->before = SELECT(w->before, w->now, ends);
+}
+
+/* Finds how certain the fluid in front of runs is that begin in layer z. That which ends a first run is. */
+static void forward_doubt(const sv_wall_layout *l, rays_t *r, uint z, u8l level, u8l tissue, forward_t *w) {
+    end_run(r, w->behind & ~tissue, w);
+    const u8l begins = tissue & ~w->behind;
+    if (any_byte(begins)) {
+        const i16l known = (r->touches | (r->run_end > (i16l)((short)z))) & ~words_of(w->over);
+        w->certain = SELECT(w->certain, certainty_of(l, w->darkest, known), AS_U16(words_of(begins)));
+    }
+    w->darkest = SELECT(MINIMUM(w->darkest, level), (u8l)(SV_WALL_TISSUE), tissue);
+}
+
 static void forward_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue, forward_t *w) {
     const i16l at = (i16l)((short)z);
     const u8l open_front = bytes_of(r->scanned & ~r->touches & (r->first > at));
@@ -129,30 +159,33 @@ static void forward_fluid(const sv_wall_layout *l, rays_t *r, uint z, u8l tissue
 
 /* Sets the state in front of the first layer. */
 static void forward_begin(const sv_wall_layout *l, rays_t *r, forward_t *w) {
-    w->before = w->now = (u16l)(SV_WALL_PROBABILITY_ONE);
+    w->before = w->now = w->certain = (u16l)(SV_WALL_PROBABILITY_ONE);
     w->maximum = (u16l)(0);
+    w->darkest = (u8l)(SV_WALL_TISSUE);
     w->behind = w->over = (u8l)(0);
     w->near = (u8l)((uchar)l->full_distance);
     r->fluid_end = r->end;
-    r->in_run = (u16l)(0);
+    r->in_run = r->doubt = (u16l)(0);
 }
 
 /* Finds the first fluid, once the last layer is passed. With an open front, or without fluid, the surface
  * belongs in front of the tissue. */
-static void forward_end(rays_t *r, const forward_t *w) {
+static void forward_end(rays_t *r, forward_t *w) {
+    end_run(r, w->behind, w);
     const i16l in_front = ~(r->touches & (r->run_end < r->end));
     r->fluid = r->run_end & ~in_front;
     r->fluid_end = SELECT(r->fluid_end, r->run, in_front);
     r->begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
-/* Finds the tissue of both rows in layer z, and looks up its probabilities a layer ahead: what was just
- * stored is slow to load. */
-static void load_tissue(const sv_wall_layout *l, const cell_rays_t *s, uint z, u8l tissue[2]) {
-    tissue[0] = tissue[1] = (u8l)(0);
+/* Loads the levels of both rows in layer z, and looks up the probabilities of tissue a layer ahead: what was
+ * just stored is slow to load. */
+static void load_levels(const sv_wall_layout *l, const cell_rays_t *s, uint z, u8l levels[2]) {
+    levels[0] = levels[1] = (u8l)(0);
     if (z == s->layers.to) return;
-    UNROLL for (uint i = 0; i < 2; i++) tissue[i] = tissue_at(s, &s->rays[i], z);
-    if (s->certain_from == l->layers && any_byte(tissue[0] | tissue[1])) find_chances(s, z);
+    UNROLL for (uint i = 0; i < 2; i++) levels[i] = level_at(s, &s->rays[i], z);
+    if (s->certain_from == l->layers && any_byte(tissue_of(levels[0]) | tissue_of(levels[1])))
+        find_chances(s, z);
 }
 
 /* Walks the layers from front to back. */
@@ -162,10 +195,11 @@ static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     u8l next[2];
     s->certain_from = l->layers;
     UNROLL for (uint i = 0; i < 2; i++) forward_begin(l, &r[i], &w[i]);
-    load_tissue(l, s, s->layers.from, next);
+    load_levels(l, s, s->layers.from, next);
     for (uint z = s->layers.from; z < s->layers.to; z++) {
-        const u8l tissue[2] = {next[0], next[1]};
-        load_tissue(l, s, z + 1, next);
+        const u8l levels[2] = {next[0], next[1]}, tissue[2] = {tissue_of(next[0]), tissue_of(next[1])};
+        load_levels(l, s, z + 1, next);
+        UNROLL for (uint i = 0; i < 2; i++) forward_doubt(l, &r[i], z, levels[i], tissue[i], &w[i]);
         if (s->certain_from == l->layers && !any_byte(tissue[0] | tissue[1])) {
             UNROLL for (uint i = 0; i < 2; i++) forward_no_tissue(&r[i], z, &w[i]);
         } else if (s->certain_from == l->layers) {
@@ -210,33 +244,47 @@ static u32h mean_of_cells(u16l sums) {
 }
 
 /* The state of the backward pass: tissue and fluid behind, and the distance to that fluid; the probability
- * that the fetus begins with a run whose fluid is behind, or in or in front of the run behind. */
+ * that the fetus begins with a run whose fluid is behind or is none, or in or in front of the run behind;
+ * what a layer costs where the fetus has begun. */
 typedef struct {
     u8l behind, fluid_behind, near;
-    u16l later, run_end, wrong_fluid;
+    u8l darkest; /* level of the darkest block of the fluid behind */
+    u16l later, run_end, wrong_fluid, cut;
 } backward_t;
 
 static void backward_begin(const sv_wall_layout *l, const rays_t *r, backward_t *w) {
     w->behind = w->fluid_behind = (u8l)(0);
     w->near = (u8l)((uchar)l->full_distance);
-    w->later = (u16l)(0);
+    w->darkest = (u8l)(SV_WALL_TISSUE);
+    w->later = r->doubt;
+    w->cut = share_of_cost(l->occluder_cost, r->doubt) + (ushort)l->cut_cost;
     w->run_end = r->begun;
     w->wrong_fluid = share_of_cost(SV_WALL_COST_ONE, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
+}
+
+/* Adds the probability `chance` that the fetus begins with the run behind, on rays where layer z is the last
+ * of tissue in front of its fluid, by how certain that is fluid. The doubt is there already. */
+static void add_later(const sv_wall_layout *l, const rays_t *r, uint z, u16l chance, u16l last,
+                      backward_t *w) {
+    const i16l ends_first = r->touches & (r->run_end == (i16l)((short)(z + 1)));
+    w->later += share(chance, certainty_of(l, w->darkest, ends_first)) & last;
 }
 
 /* Returns what LANES rays pay in layer z. */
 static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const rays_t *r, uint z,
                           backward_t *w) {
-    const u8l tissue = tissue_at(s, r, z), before = r->near_at[z], fluid = AS_U8(before == (u8l)(0));
-    u16l wrong = (u16l)((ushort)l->cut_cost); /* where the fetus has begun */
+    const u8l level = level_at(s, r, z), tissue = tissue_of(level);
+    const u8l before = r->near_at[z], fluid = AS_U8(before == (u8l)(0)), last = tissue & w->fluid_behind;
+    u16l wrong = w->cut; /* where the fetus has begun */
     if (z < s->certain_from) {
         const u16l begun = r->begun_at[z];
-        w->later += (w->run_end - begun) & AS_U16(words_of(tissue & w->fluid_behind));
+        if (any_byte(last)) add_later(l, r, z, w->run_end - begun, AS_U16(words_of(last)), w);
         w->run_end = SELECT(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
         wrong = error_cost(l, s, r, z, w->later, w->wrong_fluid);
     }
     w->fluid_behind = fluid;
     w->behind = tissue;
+    w->darkest = SELECT(MINIMUM(w->darkest, level), (u8l)(SV_WALL_TISSUE), tissue);
     w->near = MINIMUM(w->near + (u8l)(1), (u8l)((uchar)l->full_distance)) & ~fluid;
     return (distance_cost_at(l, MINIMUM(w->near, before)) + wrong) & AS_U16(r->scanned);
 }

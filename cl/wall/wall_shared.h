@@ -111,6 +111,7 @@ typedef struct {
     unsigned int window[3];        /* cells and layers to either side that tell what is bright */
     unsigned int bright_blocks;    /* the mean of all that is bright counts as so many blocks there */
     unsigned int dim;              /* a block is dim if it is brighter, relative to the threshold */
+    unsigned int darkness;         /* certainty that it is fluid, per level below the threshold */
     unsigned int near_field;       /* layers, */
     unsigned int skin;             /* and these, too */
     unsigned int full_distance;    /* layers: from this distance to the fluid on the cost is full */

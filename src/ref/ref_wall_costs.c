@@ -8,7 +8,8 @@
 /* What is known of a ray, by layer. The arrays are allocated once for all rays. */
 typedef struct {
     uint32_t *begun;    /* probability that the fetus begins in the layer or in front of it */
-    uint32_t *later;    /* probability that it begins with a run whose fluid begins behind the layer */
+    uint32_t *later;    /* probability that it begins with a run whose fluid begins behind the layer; or in */
+                        /* front of it, if that is no fluid */
     uint32_t *distance; /* to the ray's fluid, layers; UINT32_MAX: there is none */
     sv_wall_run first;
     uint32_t fluid_begin, fluid_end; /* where the surface belongs if no fetus is seen */
@@ -67,6 +68,21 @@ static void spread_distance(uint32_t *distance, uint32_t layers) {
         if (distance[z] != UINT32_MAX && distance[z] + 1 < distance[z - 1]) distance[z - 1] = distance[z] + 1;
 }
 
+/* How certain it is that layers begin .. end - 1 of a ray are fluid. Fluid that ends a first run is. Behind
+ * it bone, a shadow or the mother's tissue may be dim, too: there the darkest block counts, from the
+ * threshold to dark, squared. */
+static uint32_t certainty(const sv_wall_scan *s, size_t ray, const sv_wall_run *first, uint32_t begin,
+                          uint32_t end) {
+    const sv_wall_layout *l = s->layout;
+    const size_t plane = (size_t)l->columns * l->rows;
+    uint32_t level = SV_WALL_TISSUE;
+    for (uint32_t z = begin; z < end; z++)
+        if (s->blocks->relative[z * plane + ray] < level) level = s->blocks->relative[z * plane + ray];
+    if ((first->touches && begin == first->end) || level <= l->dim) return SV_WALL_PROBABILITY_ONE;
+    const uint32_t dark = (SV_WALL_TISSUE - level) * l->darkness;
+    return share(dark, dark);
+}
+
 /* Backward pass: finds the probability of the run behind each stretch of fluid, and the distance to the
  * fluid. */
 static void backward_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
@@ -81,7 +97,9 @@ static void backward_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
         const bool open_front = z == start && z < run;
         for (uint32_t i = open_front ? 0 : z; i < run; i++) f->distance[i] = 0;
         if (z == start || run == run_end) continue;
-        for (uint32_t i = 0; i < z; i++) f->later[i] += f->begun[run_end - 1] - f->begun[run - 1];
+        const uint32_t begins = f->begun[run_end - 1] - f->begun[run - 1];
+        const uint32_t doubt = begins - share(begins, certainty(s, ray, &f->first, z, run));
+        for (uint32_t i = 0; i < layers; i++) f->later[i] += i < z ? begins : doubt;
     }
     spread_distance(f->distance, layers);
 }

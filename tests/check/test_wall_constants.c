@@ -172,8 +172,8 @@ static void the_wall_is_the_median_and_its_spread_that_of_the_deciles(void **sta
     assert_near((double)e.wall / SV_WALL_LEVEL_ONE, 80.5, 0.01);
     assert_near(ldexp(e.spread, -SV_WALL_ODDS_BITS), spread, 0.01);
     const double later = (odds(150) - odds(80.5)) / spread, first = (odds(220) - odds(80.5)) / spread;
-    assert_near(as_p(e.later_run[150]), logistic(5.0 * (later - 0.4)), 0.01);  /* 0.73 */
-    assert_near(as_p(e.first_run[220]), logistic(5.0 * (first - 1.35)), 0.01); /* 0.54 */
+    assert_near(as_p(e.later_run[150]), logistic(6.0 * (later - 0.4)), 0.01);  /* 0.77 */
+    assert_near(as_p(e.first_run[220]), logistic(6.0 * (first - 1.35)), 0.01); /* 0.55 */
     drop(&m);
 }
 
@@ -266,6 +266,45 @@ static void what_errors_cost(void **state) {
     for (uint32_t z = 5; z < 10; z++) assert_near(cost[z], 0.0, 0.0);
     assert_near(cost[10], 15.0 + 2.0 / 7.0, COST_STEP);
     assert_near(cost[15], 15.0 + 1.0, COST_STEP);
+    drop(&m);
+}
+
+/* Wall in layers 0 .. 2, dark fluid up to 5, a thin run that is no fetus in 6 and 7, two layers of `level`,
+ * then the fetus. Returns what the first of the two costs. */
+static double cost_between(uint8_t level) {
+    double cost[DEEP];
+    model m;
+    make(&m, 1, 1, DEEP, NULL);
+    put_tissue(&m, 0, 3, DARK_CELL);
+    put_tissue(&m, 6, 8, DARK_CELL);
+    fill(&m, m.blocks.relative, 0, 8, 10, level);
+    put_tissue(&m, 10, DEEP, BRIGHT_CELL);
+    costs_of(&m, cost);
+    assert_near(cost[4], 8.0, COST_STEP); /* the thin run is left, if it is one */
+    drop(&m);
+    return cost[8];
+}
+
+/* Fluid is certain up to 0.4 T, level 51, and none at T, level 128. Half way it is certain to a quarter. */
+static void what_is_dim_is_no_certain_fluid(void **state) {
+    (void)state;
+    assert_near(cost_between(0), 0.0, 0.0);
+    assert_near(cost_between(51), 0.0, 0.0);
+    assert_near(cost_between(90), 8.0 * (1.0 - pow(38.0 / 77.0, 2.0)), COST_STEP);
+    assert_near(cost_between(128), 8.0, COST_STEP);
+}
+
+/* But it is where it ends a first run. */
+static void the_first_fluid_is_certain(void **state) {
+    (void)state;
+    double cost[DEEP];
+    model m;
+    make(&m, 1, 1, DEEP, NULL);
+    put_tissue(&m, 0, 5, DARK_CELL);
+    fill(&m, m.blocks.relative, 0, 5, 10, 120);
+    put_tissue(&m, 10, DEEP, BRIGHT_CELL);
+    costs_of(&m, cost);
+    for (uint32_t z = 5; z < 10; z++) assert_near(cost[z], 0.0, 0.0);
     drop(&m);
 }
 
@@ -399,6 +438,8 @@ int main(void) {
         cmocka_unit_test(a_wall_on_few_rays_is_assumed),
         cmocka_unit_test(three_rays_and_one_half_make_the_fetus),
         cmocka_unit_test(what_errors_cost),
+        cmocka_unit_test(what_is_dim_is_no_certain_fluid),
+        cmocka_unit_test(the_first_fluid_is_certain),
         cmocka_unit_test(one_side_weighs_three_tenths),
         cmocka_unit_test(layers_are_averaged_and_the_knob_moves_over_some),
         cmocka_unit_test(the_gaussian_smooths_costs),

@@ -168,9 +168,41 @@ static void test_limb(void **state) {
     assert_in_range(rays_behind_limb(24, 56, &all), 0, 4);
 }
 
+enum { LINE = 26, BETWEEN = 28, LINE_LEVEL = 75, DIM = 34 };
+
+/* Counts the rays, of 8 x 8, on which the surface lies in front of a thin line of tissue, which is no
+ * brighter than the wall. Between it and the ball, which has bone, lie six slices of `level`. */
+static uint32_t rays_before_line(double level, const sv_wall_settings *settings) {
+    scan s = scene();
+    for (uint32_t y = 25; y < 45; y++)
+        for (uint32_t x = 16; x < 36; x++)
+            for (uint32_t z = LINE; z < skin(x, y) && z < GAP + 12; z++)
+                s.voxels[at(&s, x, y, z)] =
+                    (uint8_t)((z < BETWEEN ? LINE_LEVEL : level) * grain(x, y, z) + 0.5);
+    scan_run_with(&s, settings);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    uint32_t rays = 0;
+    for (uint32_t y = 31; y < 39; y++)
+        for (uint32_t x = 22; x < 30; x++) rays += s.depth[y * N + x] <= LINE;
+    printf("line before %.0f: %u of 64 rays are clipped in front of it\n", level, rays);
+    scan_free(&s);
+    return rays;
+}
+
+/* Fluid parts an occluder from the fetus. What is dim does not part skin from bone. */
+static void test_dim_between_skin_and_bone(void **state) {
+    (void)state;
+    sv_wall_settings no_dim = sv_wall_settings_default();
+    no_dim.dim = 1.0; /* whatever is no tissue is certain fluid */
+    assert_int_equal(rays_before_line(DIM, NULL), 64);
+    assert_int_equal(rays_before_line(FLUID, NULL), 0);
+    assert_int_equal(rays_before_line(DIM, &no_dim), 0);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
-                                       cmocka_unit_test(test_enclosed), cmocka_unit_test(test_finger),
-                                       cmocka_unit_test(test_limb)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
+        cmocka_unit_test(test_enclosed),      cmocka_unit_test(test_finger),
+        cmocka_unit_test(test_limb),          cmocka_unit_test(test_dim_between_skin_and_bone)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
