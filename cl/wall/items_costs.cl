@@ -58,10 +58,15 @@ static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
 
-/* Returns how certain it is that fluid is, by the level of its darkest block. */
-static uint certainty_of(const sv_wall_layout *l, uint level) {
+/* Returns how certain it is that fluid is: if it is `known`, and else by the level of its darkest block. */
+static uint certainty_of(const sv_wall_layout *l, uint level, bool known) {
     const uint dark = (SV_WALL_TISSUE - level) * l->darkness;
-    return level <= l->dim ? (uint)SV_WALL_PROBABILITY_ONE : share(dark, dark);
+    return known || level <= l->dim ? (uint)SV_WALL_PROBABILITY_ONE : share(dark, dark);
+}
+
+/* Returns what remains of a probability if there is no fluid. */
+static uint doubt_of(uint chance, uint certain) {
+    return chance - share(chance, certain);
 }
 
 /* Walks all layers from front to back. */
@@ -74,9 +79,9 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     for (uint z = 0; z < l->layers; z++) {
         const uint level = r->levels[z * r->level_pitch];
         const bool tissue = level > SV_WALL_TISSUE;
-        if (behind && !tissue) r->doubt += before - now - share(before - now, certain);
+        if (behind && !tissue) r->doubt += doubt_of(before - now, certain);
         if (tissue && !behind && r->run_end < z) /* fluid that ends a first run is certain */
-            certain = r->touches && !over ? (uint)SV_WALL_PROBABILITY_ONE : certainty_of(l, darkest);
+            certain = certainty_of(l, darkest, r->touches && !over);
         darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         if (tissue) {
             maximum = max(maximum, chance_at(l, r, z));
@@ -96,7 +101,7 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         s->near[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
-    if (behind) r->doubt += before - now - share(before - now, certain);
+    if (behind) r->doubt += doubt_of(before - now, certain);
     r->begun = SV_WALL_PROBABILITY_ONE - now;
 }
 
@@ -134,10 +139,8 @@ static void backward_pass(const sv_wall_layout *l, const ray_t *r, const layers_
         const uint level = r->levels[z * r->level_pitch];
         const bool tissue = level > SV_WALL_TISSUE;
         const uint begun = s->begun[z * s->pitch], before = s->near[z * s->pitch];
-        if (tissue && fluid_behind) {
-            const bool ends_first = r->touches && z + 1 == r->run_end; /* it is certain */
-            later += ends_first ? run_end - begun : share(run_end - begun, certainty_of(l, darkest));
-        }
+        if (tissue && fluid_behind)
+            later += share(run_end - begun, certainty_of(l, darkest, r->touches && z + 1 == r->run_end));
         if (tissue && !behind) run_end = begun;
         darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         fluid_behind = before == 0;

@@ -125,7 +125,7 @@ static void forward_no_tissue(rays_t *r, uint z, forward_t *w) {
     r->begun_at[z] = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
-/* Adds to the doubt what the run before layer z has of it, where that ended. */
+/* Adds to the doubt what the runs that have ended have of it. They have none left then. */
 static void end_run(rays_t *r, u8l ended, forward_t *w) {
     if (!any_byte(ended)) return;
     const u16l ends = AS_U16(words_of(ended)), begins = w->before - w->now;
@@ -188,6 +188,25 @@ static void load_levels(const sv_wall_layout *l, const cell_rays_t *s, uint z, u
         find_chances(s, z);
 }
 
+/* Accumulates the probability in layer z, and the doubt. Once the fetus has begun on all rays, neither
+ * changes any more. */
+static void forward_layer(const sv_wall_layout *l, cell_rays_t *s, uint z, const u8l levels[2],
+                          const u8l tissue[2], forward_t w[2]) {
+    rays_t *const r = s->rays;
+    UNROLL for (uint i = 0; i < 2; i++) forward_doubt(l, &r[i], z, levels[i], tissue[i], &w[i]);
+    if (!any_byte(tissue[0] | tissue[1])) {
+        UNROLL for (uint i = 0; i < 2; i++) forward_no_tissue(&r[i], z, &w[i]);
+        return;
+    }
+    const u32h chances = chances_at(l, s, z);
+    UNROLL for (uint i = 0; i < 2; i++)
+        forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
+    const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
+    if (z == 0 || any_word(open)) return;
+    s->certain_from = z;
+    UNROLL for (uint i = 0; i < 2; i++) end_run(&r[i], tissue[i], &w[i]);
+}
+
 /* Walks the layers from front to back. */
 static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     rays_t *const r = s->rays;
@@ -199,16 +218,7 @@ static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     for (uint z = s->layers.from; z < s->layers.to; z++) {
         const u8l levels[2] = {next[0], next[1]}, tissue[2] = {tissue_of(next[0]), tissue_of(next[1])};
         load_levels(l, s, z + 1, next);
-        UNROLL for (uint i = 0; i < 2; i++) forward_doubt(l, &r[i], z, levels[i], tissue[i], &w[i]);
-        if (s->certain_from == l->layers && !any_byte(tissue[0] | tissue[1])) {
-            UNROLL for (uint i = 0; i < 2; i++) forward_no_tissue(&r[i], z, &w[i]);
-        } else if (s->certain_from == l->layers) {
-            const u32h chances = chances_at(l, s, z);
-            UNROLL for (uint i = 0; i < 2; i++)
-                forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
-            const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
-            if (z > 0 && !any_word(open)) s->certain_from = z;
-        }
+        if (s->certain_from == l->layers) forward_layer(l, s, z, levels, tissue, w);
         UNROLL for (uint i = 0; i < 2; i++) forward_fluid(l, &r[i], z, tissue[i], &w[i]);
     }
     UNROLL for (uint i = 0; i < 2; i++) forward_end(&r[i], &w[i]);
@@ -280,11 +290,11 @@ static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const r
         const u16l begun = r->begun_at[z];
         if (any_byte(last)) add_later(l, r, z, w->run_end - begun, AS_U16(words_of(last)), w);
         w->run_end = SELECT(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
+        w->darkest = SELECT(MINIMUM(w->darkest, level), (u8l)(SV_WALL_TISSUE), tissue);
         wrong = error_cost(l, s, r, z, w->later, w->wrong_fluid);
     }
     w->fluid_behind = fluid;
     w->behind = tissue;
-    w->darkest = SELECT(MINIMUM(w->darkest, level), (u8l)(SV_WALL_TISSUE), tissue);
     w->near = MINIMUM(w->near + (u8l)(1), (u8l)((uchar)l->full_distance)) & ~fluid;
     return (distance_cost_at(l, MINIMUM(w->near, before)) + wrong) & AS_U16(r->scanned);
 }

@@ -75,10 +75,11 @@ static uint32_t certainty(const sv_wall_scan *s, size_t ray, const sv_wall_run *
                           uint32_t end) {
     const sv_wall_layout *l = s->layout;
     const size_t plane = (size_t)l->columns * l->rows;
+    if (first->touches && begin == first->end) return SV_WALL_PROBABILITY_ONE;
     uint32_t level = SV_WALL_TISSUE;
     for (uint32_t z = begin; z < end; z++)
         if (s->blocks->relative[z * plane + ray] < level) level = s->blocks->relative[z * plane + ray];
-    if ((first->touches && begin == first->end) || level <= l->dim) return SV_WALL_PROBABILITY_ONE;
+    if (level <= l->dim) return SV_WALL_PROBABILITY_ONE;
     const uint32_t dark = (SV_WALL_TISSUE - level) * l->darkness;
     return share(dark, dark);
 }
