@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Leaks on purpose, for test_leak_detector.sh: leak_probe none|host|buffer|program|overflow|shift.
- * `none` builds and runs a kernel and cleans up; the others do the same and make one mistake. */
+/* Leaks on purpose, for test_leak_detector.sh: leak_probe none|host|buffer|program|overflow|shift, or
+ * leak_probe thread LIBRARY. `none` builds and runs a kernel and cleans up; the others do the same and make
+ * one mistake. `thread` makes none: when the process ends, a thread still has variables of its own of the
+ * library. */
 #include <CL/cl.h>
 
+#include <dlfcn.h>
+#include <pthread.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char source[] = "__kernel void twice(__global float *x) { x[get_global_id(0)] *= 2.0f; }";
 
@@ -24,6 +30,36 @@ static void read_past_end(size_t size) {
 
 static int shift_too_far(int amount) {
     return 1 << amount;
+}
+
+typedef struct {
+    long *(*of_this_thread)(void);
+    pthread_barrier_t touched;
+    long *numbers;
+} thread_use;
+
+static void *touch_and_stay(void *argument) {
+    thread_use *use = argument;
+    use->numbers = use->of_this_thread();
+    use->numbers[0] = 1;
+    (void)pthread_barrier_wait(&use->touched);
+    for (;;) (void)pause();
+    return NULL;
+}
+
+/* False if the library does not load. Says where in its page the block lies: a thread's first of its size
+ * begins a page. */
+static int keep_thread_variables(const char *library) {
+    static thread_use use; /* the thread outlives this function */
+    void *handle = dlopen(library, RTLD_NOW);
+    void *symbol = handle ? dlsym(handle, "of_this_thread") : NULL;
+    pthread_t thread;
+    if (!symbol || pthread_barrier_init(&use.touched, NULL, 2) != 0) return 0;
+    memcpy(&use.of_this_thread, &symbol, sizeof symbol);
+    if (pthread_create(&thread, NULL, touch_and_stay, &use) != 0) return 0;
+    (void)pthread_barrier_wait(&use.touched);
+    printf("leak_probe: %u bytes into the page\n", (unsigned)((uintptr_t)use.numbers % 4096));
+    return 1;
 }
 
 /* Runs one kernel; leaves the buffer or the program unreleased if told to. False if OpenCL does not work. */
@@ -55,6 +91,7 @@ static int run_kernel(int lose_buffer, int lose_program) {
 
 int main(int argc, char **argv) {
     const char *mistake = argc > 1 ? argv[1] : "none";
+    if (strcmp(mistake, "thread") == 0 && argc > 2) return keep_thread_variables(argv[2]) ? 0 : 1;
     if (!run_kernel(strcmp(mistake, "buffer") == 0, strcmp(mistake, "program") == 0)) {
         fputs("leak_probe: OpenCL does not work here\n", stderr);
         return 77;
