@@ -18,7 +18,8 @@ fuzz() { # fuzz NAME
     mkdir -p "$out/$name" "$out/pocl_cache"
     [ "$name" != scene ] || corpus+=(data/scenes)
     [ ! -f "tests/fuzz/dict/$name.dict" ] || words=("-dict=tests/fuzz/dict/$name.dict")
-    # intercept_tls_get_addr=0: see tests/CMakeLists.txt. Scenes and OpenCL have work to do behind an input, and the machine may be busy: two minutes are a hang all the same.
+    # tests/CMakeLists.txt says why intercept_tls_get_addr=0.
+    # Scenes and OpenCL have work to do behind an input, and the machine may be busy: two minutes are a hang all the same.
     if POCL_CACHE_DIR=$out/pocl_cache POCL_SIGFPE_HANDLER=0 \
         ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:allocator_may_return_null=1:intercept_tls_get_addr=0 \
         LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \

@@ -18,8 +18,8 @@ typedef struct {
     uint first, end, run, run_end; /* scanned layers, the first run */
     bool scanned, touches;         /* the first run begins where the scan does */
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    uint begun, in_run;            /* probability of a fetus; of one that begins in the first run; */
-    uint doubt;                    /* of one that begins with a run in front of which is no fluid */
+    uint begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    uint doubt;                    /* probability of a fetus that begins with a run behind what is no fluid */
 } ray_t;
 
 /* What is kept of the layers of a ray, `pitch` apart. */
@@ -58,7 +58,7 @@ static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
 
-/* Returns how certain it is that fluid is: if it is `known`, and else by the level of its darkest block. */
+/* Returns how certain fluid is: fully if it is `known`, else by the level of its darkest block. */
 static uint certainty_of(const sv_wall_layout *l, uint level, bool known) {
     const uint dark = (SV_WALL_TISSUE - level) * l->darkness;
     return known || level <= l->dim ? (uint)SV_WALL_PROBABILITY_ONE : share(dark, dark);

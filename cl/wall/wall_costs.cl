@@ -20,8 +20,8 @@ typedef struct {
     i16l scanned;                  /* there are scanned layers */
     i16l touches;                  /* the first run begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first run; */
-    u16l doubt;                    /* of one that begins with a run in front of which is no fluid */
+    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    u16l doubt;                    /* probability of a fetus that begins with a run behind what is no fluid */
     /* for every layer: probability that the fetus has begun, distance to the fluid in front */
     __global u16l *begun_at;
     __global u8l *near_at;
@@ -59,8 +59,7 @@ static u16l share_of_cost(uint cost, u16l chance) {
     return high_of((u16l)((ushort)(2 * cost)), chance);
 }
 
-/* Returns how certain it is that fluid is: where `known` is set, and else by the level of its darkest block.
- */
+/* Returns how certain fluid is: fully where it is `known`, else by the level of its darkest block. */
 static u16l certainty_of(const sv_wall_layout *l, u8l level, i16l known) {
     const u16l dark = ((u16l)(SV_WALL_TISSUE)-TO_U16(level)) * (ushort)l->darkness;
     const u16l certain = AS_U16(known | words_of(AS_U8(level <= (u8l)((uchar)l->dim))));

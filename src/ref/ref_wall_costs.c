@@ -8,8 +8,8 @@
 /* What is known of a ray, by layer. The arrays are allocated once for all rays. */
 typedef struct {
     uint32_t *begun;    /* probability that the fetus begins in the layer or in front of it */
-    uint32_t *later;    /* probability that it begins with a run whose fluid begins behind the layer; or in */
-                        /* front of it, if that is no fluid */
+    uint32_t *later;    /* probability that it begins with a run whose fluid begins behind the layer, or in
+                           front of it, if that is no fluid */
     uint32_t *distance; /* to the ray's fluid, layers; UINT32_MAX: there is none */
     sv_wall_run first;
     uint32_t fluid_begin, fluid_end; /* where the surface belongs if no fetus is seen */

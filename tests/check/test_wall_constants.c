@@ -250,23 +250,29 @@ static void costs_of(const model *m, double cost[DEEP]) {
 
 #define COST_STEP (1.0 / SV_WALL_COST_ONE)
 
-/* Wall in layers 0 .. 4, fluid up to 9, then the fetus. A layer of distance to the fluid costs 2 mm / 7 mm,
- * four cost 1. To leave the wall costs nothing, to cut the fetus 15, to stay before its fluid 8. */
-static void what_errors_cost(void **state) {
-    (void)state;
-    double cost[DEEP];
+/* Wall in layers 0 .. 4, fluid of `level` up to 9, then the fetus: what the layers cost. */
+static void costs_behind_wall(uint8_t level, double cost[DEEP]) {
     model m;
     make(&m, 1, 1, DEEP, NULL);
     put_tissue(&m, 0, 5, DARK_CELL);
+    fill(&m, m.blocks.relative, 0, 5, 10, level);
     put_tissue(&m, 10, DEEP, BRIGHT_CELL);
     costs_of(&m, cost);
+    drop(&m);
+}
+
+/* A layer of distance to the fluid costs 2 mm / 7 mm, four cost 1. To leave the wall costs nothing, to cut
+ * the fetus 15, to stay before its fluid 8. */
+static void what_errors_cost(void **state) {
+    (void)state;
+    double cost[DEEP];
+    costs_behind_wall(0, cost);
     assert_near(cost[0], 8.0 + 1.0, COST_STEP);
     assert_near(cost[2], 8.0 + 6.0 / 7.0, COST_STEP);
     assert_near(cost[4], 8.0 + 2.0 / 7.0, COST_STEP);
     for (uint32_t z = 5; z < 10; z++) assert_near(cost[z], 0.0, 0.0);
     assert_near(cost[10], 15.0 + 2.0 / 7.0, COST_STEP);
     assert_near(cost[15], 15.0 + 1.0, COST_STEP);
-    drop(&m);
 }
 
 /* Wall in layers 0 .. 2, dark fluid up to 5, a thin run that is no fetus in 6 and 7, two layers of `level`,
@@ -298,14 +304,8 @@ static void what_is_dim_is_no_certain_fluid(void **state) {
 static void the_first_fluid_is_certain(void **state) {
     (void)state;
     double cost[DEEP];
-    model m;
-    make(&m, 1, 1, DEEP, NULL);
-    put_tissue(&m, 0, 5, DARK_CELL);
-    fill(&m, m.blocks.relative, 0, 5, 10, 120);
-    put_tissue(&m, 10, DEEP, BRIGHT_CELL);
-    costs_of(&m, cost);
+    costs_behind_wall(120, cost);
     for (uint32_t z = 5; z < 10; z++) assert_near(cost[z], 0.0, 0.0);
-    drop(&m);
 }
 
 /* A first run of seven layers, of which three are skin. If the fetus lies on one side of it, it moves from
