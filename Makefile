@@ -13,8 +13,8 @@ LABELS ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
 FUZZ_SEED ?= 0
-# Real scans for the demo, if there are any.
-DATA ?= $(wildcard ../shared/data)
+# Real scans for the demo, if there are any: `make example-scan` fetches one.
+DATA ?= $(firstword $(wildcard ../shared/data $(OUT)/example))
 # Folders of volumes of other programs with their truth, for `make sites` and `make surface-page`.
 SITES ?= $(wildcard $(addsuffix /site_b,$(DATA)) $(addsuffix /site_c,$(DATA)))
 
@@ -28,9 +28,11 @@ FUZZ_PACKAGES := scripts/packages-fuzz.txt
 AARCH64_PACKAGES := scripts/packages-aarch64.txt
 LOOKS_PACKAGES := scripts/packages-looks.txt
 
-# $(call build,<folder>,<further CMake arguments>): CMake's own output only if it fails.
-build = log=$$(cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) 2>&1) || { echo "$$log"; exit 1; }; \
-	cmake --build $(1) -j $(JOBS)
+# $(call step,<name>): one line for what comes behind it; its output is in out/log/<name>.log.
+step = scripts/quietly.sh $(1) $(OUT)/log/$(1).log
+# $(call build,<folder>,<further CMake arguments>,<targets>): without targets everything.
+build = $(call step,configure) cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERROR) $(2) && \
+	$(call step,build) cmake --build $(1) -j $(JOBS) $(if $(3),--target $(3))
 
 # Other builds' tests need the same kernels as those of build: what PoCL compiled for one is there for all.
 KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
@@ -40,62 +42,69 @@ INTEL_TESTS := ^check/test_(cost|formats|mean|method_hard|methods|reduction|scan
 
 .NOTPARALLEL:
 .PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
-	validate clean help
+	validate clean help help-all example-scan
 
-all: ## build/smartvis.so and build/host_sim (installs nothing)
+all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
 	@$(SETUP) --check $(PACKAGES)
-	@$(call build,build)
+	@$(call build,build,,smartvis host_sim sv_validate)
 
-setup: ## install the Debian packages that are missing (needs root if any are)
+setup: # install the Debian packages that are missing (needs root if any are)
 	@$(SETUP) $(PACKAGES)
 
-install: all ## install to PREFIX (/usr/local), below DESTDIR if that is given
-	@DESTDIR='$(DESTDIR)' cmake --install build --prefix '$(PREFIX)'
+install: ## install to PREFIX (/usr/local), below DESTDIR if that is given
+	@$(SETUP) --check $(PACKAGES)
+	@$(call build,build,,installed)
+	@DESTDIR='$(DESTDIR)' $(call step,install) cmake --install build --prefix '$(PREFIX)'
 
-dist: ## the committed sources as out/dist/smartvis-VERSION.tar.gz; the same commit gives the same bytes
+dist: # the committed sources as out/dist/smartvis-VERSION.tar.gz; the same commit gives the same bytes
 	@scripts/dist.sh $(OUT)/dist
 
-deb: ## Debian packages of the committed sources, looked over by lintian: out/deb
+deb: # Debian packages of the committed sources, looked over by lintian: out/deb
 	@$(SETUP) $(PACKAGES) $(DEB_PACKAGES)
 	@scripts/deb.sh $(OUT)/deb
 
-try-deb: ## install out/deb on this machine (needs root), then the template's three commands, from its README to a picture
+try-deb: # install out/deb on this machine (needs root), then the template's three commands, from its README to a picture
 	@scripts/try_deb.sh $(OUT)/deb
 
 wheel: ## the Python package as a wheel for other machines, with host_sim and the OpenCL loader in it: out/wheel
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
-	@$(call build,build) --target host_sim smartvis
+	@$(call build,build,,host_sim smartvis)
 	@bash tests/python/environment.sh . build python3
 	@scripts/wheel.sh build $(OUT)/wheel
 
-try-wheel: ## install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene and a file
+try-wheel: # install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene and a file
 	@scripts/try_wheel.sh $(OUT)/wheel
 
-aarch64: ## plugin, validator and template for 64-bit ARM, and what the validator finds there under qemu: out/aarch64
+aarch64: # plugin, validator and template for 64-bit ARM, and what the validator finds there under qemu: out/aarch64
 	@$(SETUP) $(PACKAGES) $(AARCH64_PACKAGES)
-	@$(call build,build) --target smartvis
+	@$(call build,build,,smartvis)
 	@SV_WERROR=$(SV_WERROR) scripts/aarch64.sh build $(OUT)/aarch64
 
-spdx: all ## what the project is built with and runs with, with versions, as SPDX 2.3: out/smartvis.spdx
+spdx: # what the project is built with and runs with, with versions, as SPDX 2.3: out/smartvis.spdx
+	@$(SETUP) --check $(PACKAGES)
+	@$(call build,build)
 	@scripts/spdx.sh build $(OUT)/smartvis.spdx
 
-demo: setup ## set up, build, run the scan loop on demo volumes, write pictures to out/demo
-	@start=$$(date +%s.%N); { $(call build,build) --target host_sim smartvis; } && \
+demo: setup ## set up, build, run the scan loop on demo volumes: pictures and a page in out/demo
+	@start=$$(date +%s.%N); $(call build,build,,host_sim smartvis) && \
 	build/host_sim demo --out $(OUT)/demo $(if $(DATA),--data $(DATA)) && \
 	find $(OUT)/demo -name '*.png' -newermt "@$$start" -printf '%T@\n' | sort -n | \
 	awk -v start=$$start -v now=$$(date +%s) 'NR == 1 { printf "demo: %.0f s to the first picture, %.0f s in all, the packages not counted\n", $$1 - start, now - start }'
 
-looks: ## both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
+example-scan: ## fetch the scan of the README's picture (MIT licence): out/example/real/fetus_12w.mha
+	@scripts/example_scan.sh $(OUT)/example
+
+looks: # both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
 	@$(SETUP) $(PACKAGES) $(LOOKS_PACKAGES)
-	@$(call build,build) --target host_sim smartvis
+	@$(call build,build,,host_sim smartvis)
 	@scripts/looks.sh build $(OUT)/looks $(HEADS)
 
 console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
-	@$(call build,build) --target host_sim smartvis
+	@$(call build,build,,host_sim smartvis)
 	build/host_sim console $(DATA)
 
 report: setup ## set up, build, measure quality and speed over all cases; the page is out/report/index.html
-	@$(call build,build) --target host_sim smartvis
+	@$(call build,build,,host_sim smartvis)
 	build/host_sim report --out $(OUT)/report
 
 test: ## set up, build, run all tests
@@ -103,12 +112,12 @@ test: ## set up, build, run all tests
 	@$(call build,build)
 	@scripts/run_tests.sh build $(JOBS) '$(LABELS)'
 
-test-night: ## what takes long and proves little more than `make test` does
+test-night: # what takes long and proves little more than `make test` does
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build)
 	@scripts/run_tests.sh build $(JOBS) night
 
-test-intel: ## the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: an hour, most of it compiling
+test-intel: # the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: an hour, most of it compiling
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build)
 	@mkdir -p build/intel && scripts/python_env.sh build/intel python/requirements-intel.txt
@@ -116,39 +125,39 @@ test-intel: ## the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: 
 	@bash tests/check/second_runtime.sh build build/intel/intel.icd
 	@OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
 
-test-sanitize: setup ## the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
+test-sanitize: setup # the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
 	@$(call build,build-sanitize,-DSV_SANITIZE=ON -DSV_WERROR=OFF $(KERNELS))
 	@scripts/run_tests.sh build-sanitize $(JOBS)
 
-test-clang: ## the tests, built with clang
+test-clang: # the tests, built with clang
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang $(KERNELS))
 	@scripts/run_tests.sh build-clang $(JOBS)
 
-fuzz: ## FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz, from FUZZ_SEED (0: a new one); what it finds stays in out/fuzz
+fuzz: # FUZZ_SECONDS (600) of libFuzzer for every target in tests/fuzz, from FUZZ_SEED (0: a new one); what it finds stays in out/fuzz
 	@$(SETUP) $(PACKAGES) $(FUZZ_PACKAGES)
-	@$(call build,build-fuzz,-DCMAKE_C_COMPILER=clang -DSV_FUZZ=ON -DSV_BENCH=OFF) --target fuzz_targets
+	@$(call build,build-fuzz,-DCMAKE_C_COMPILER=clang -DSV_FUZZ=ON -DSV_BENCH=OFF,fuzz_targets)
 	@scripts/fuzz.sh build-fuzz $(FUZZ_SECONDS) $(JOBS) $(OUT)/fuzz $(FUZZ_SEED)
 
-oclgrind: ## every method on a small frame in a simulated device that sees wrong accesses and data races
+oclgrind: # every method on a small frame in a simulated device that sees wrong accesses and data races
 	@$(SETUP) $(PACKAGES) $(OCLGRIND_PACKAGES)
-	@$(call build,build) --target every_method smartvis
+	@$(call build,build,,every_method smartvis)
 	@scripts/oclgrind.sh build $(JOBS) $(OUT)/oclgrind
 
-lint: ## format, house rules, links, include rule, clang warnings, clang-tidy, kernels, ruff and mypy
+lint: # format, house rules, links, include rule, clang warnings, clang-tidy, kernels, ruff and mypy
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
-	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON) --target embedded
+	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON,embedded)
 	@scripts/lint.sh build-clang $(JOBS)
 
-format: ## apply .clang-format to all C and OpenCL C, ruff's format to Python
+format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h hpp cpp cl clh | xargs clang-format -i
 	@mkdir -p build-clang && scripts/python_env.sh build-clang/lint python/requirements-lint.txt
 	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
-bench: setup ## times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
-	@$(call build,build) --target sv_bench sv_surfaces_bench test_lit_shapes smartvis
+bench: setup # times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
+	@$(call build,build,,sv_bench sv_surfaces_bench test_lit_shapes smartvis)
 	build/sv_bench
 	build/sv_bench --only growth
 	build/tests/test_lit_shapes 512
@@ -167,8 +176,8 @@ NEAR_FIELDS := 2:0.25:0 4:0:1 6:0:1 3:1:60 4:1:100 8:0.4:0
 part = $(word $(1),$(subst :, ,$(2)))
 near_field = --set near_slices=$(call part,1,$(1)) --set near_gain=$(call part,2,$(1)) --set near_black=$(call part,3,$(1))
 
-sites: setup ## methods on scenes and on SITES: table, harm, near fields, flicker, constants chosen on all but one and judged on that
-	@$(call build,build) --target sv_judge smartvis
+sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker, constants chosen on all but one and judged on that
+	@$(call build,build,,sv_judge smartvis)
 	build/sv_judge table $(UNSEEN) $(FOREIGN)
 	build/sv_judge table $(HARD)
 	build/sv_judge harm --scenes 201,0 $(FOREIGN)
@@ -176,16 +185,25 @@ sites: setup ## methods on scenes and on SITES: table, harm, near fields, flicke
 	build/sv_judge flicker
 	$(if $(SITES),build/sv_judge reverse $(CHOICE) $(FOREIGN))
 
-surface-page: setup ## method wall on scenes and on SITES in pictures: out/sites/index.html
-	@$(call build,build) --target sv_judge smartvis
+surface-page: setup # method wall on scenes and on SITES in pictures: out/sites/index.html
+	@$(call build,build,,sv_judge smartvis)
 	build/sv_judge page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
 
 validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
-	@$(call build,build) --target sv_validate smartvis
+	@$(call build,build,,sv_validate smartvis)
 	build/sv_validate $(PLUGIN)
 
 clean: ## remove everything that was built
 	rm -rf build build-sanitize build-clang build-fuzz out
 
-help: ## this list
-	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1 \t\2/p' Makefile | expand -t 24
+# $(call targets,<marks>): those with so many marks before their description.
+targets = sed -n 's/^\([a-z0-9-]*\):[^\#]*\#\{$(1)\} \(.*\)/  make \1 \t\2/p' Makefile | expand -t 24
+
+help: # this list
+	@$(call targets,2)
+	@echo "make help-all lists what developers of SmartVis need, too."
+
+help-all: # this list, whole
+	@$(call targets,2)
+	@echo "For developers of SmartVis:"
+	@$(call targets,1)

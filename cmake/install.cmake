@@ -60,3 +60,6 @@ if(NOT CMAKE_CROSSCOMPILING)
   add_custom_target(man_pages ALL DEPENDS ${SV_MAN_PAGES})
   install(FILES ${SV_MAN_PAGES} DESTINATION share/man/man1 COMPONENT smartvis)
 endif()
+
+# What an installation is made of, and nothing else, for `make install`.
+add_custom_target(installed DEPENDS ${SV_PROGRAMS} smartvis smartvis_check ${SV_MAN_PAGES})

@@ -13,8 +13,12 @@ result=$folder/test_results.xml
 rm -f "$result"
 
 # More than there are processors: among those that begin are some that wait longer than they compute.
-ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((2 * jobs + 2))" --output-junit "$result" "${labels[@]}"
+log=out/log/$(basename "$folder").tests.log
+"$(dirname "$0")/quietly.sh" tests "$log" ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((2 * jobs + 2))" \
+    --output-junit "$result" "${labels[@]}"
 code=$?
+# What the tests that failed printed, some lines of each.
+[ $code = 0 ] || awk '/^ *[0-9]+\/[0-9]+ Test |^ +Start / { n = 0 } /\*\*\*/ { n = 60 } n-- > 0' "$log"
 
 # Counts from the attributes of <testsuite>.
 count() { sed -n "s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$result" 2> /dev/null | head -n 1; }

@@ -39,8 +39,6 @@ if [ "$(id -u)" -ne 0 ]; then
     exit 1
 fi
 
-echo "setup: installing ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
-apt-get update
-$command
-echo "setup: done"
+echo "setup: installing ${#missing[@]} Debian packages"
+"$(dirname "$0")/quietly.sh" setup out/log/setup.log sh -c "apt-get update && $command"

@@ -125,7 +125,7 @@ static bool fail_build(const hs_cl *cl, cl_program program, cl_int code, hs_erro
 
 bool hs_cl_build(const hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
                  hs_error *err) {
-    const char *options = cl->lanes == 16 ? "-cl-std=CL1.2 -DLANES=16" : "-cl-std=CL1.2 -DLANES=1";
+    const char *options = cl->lanes == 16 ? "-cl-std=CL1.2 -w -DLANES=16" : "-cl-std=CL1.2 -w -DLANES=1";
     const char *source = (const char *)text;
     cl_int code = CL_SUCCESS;
     *program = clCreateProgramWithSource(cl->context, 1, &source, &bytes, &code);

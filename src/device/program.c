@@ -95,7 +95,7 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
     const sv_status status = divides_exactly(diag, device, &exactly);
     if (status != SV_OK) return status;
     char options[SV_MAX_OPTIONS];
-    const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2%s %s",
+    const int wanted = snprintf(options, sizeof options, "-cl-std=CL1.2 -w%s %s",
                                 exactly ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", own);
     assert(wanted > 0 && (size_t)wanted < sizeof options);
     (void)wanted;

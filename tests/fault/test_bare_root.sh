@@ -41,11 +41,15 @@ finish() {
 }
 if [ "$(id -u)" -ne 0 ]; then
     ends 3 "not root" bash "$script" trixie test
+    echo "skipped: not root"
     finish 77
 fi
 # Read from stdin, because that user may not read this folder.
 ends 3 "not root (user id 65534)" setpriv --reuid 65534 --clear-groups bash -s -- trixie test < "$script"
-unshare --mount --pid --fork true 2> /dev/null || finish 77
+unshare --mount --pid --fork true 2> /dev/null || {
+    echo "skipped: no namespaces can be made here"
+    finish 77
+}
 
 mkdir "$work/bin"
 export PATH=$work/bin:$PATH MACHINE_TRUSTS=/etc/ssl/certs/ca-certificates.crt

@@ -98,6 +98,9 @@ holds grep -q '<figcaption>Ground truth<' <<< "$(part 'A wide gap of fluid')"
 holds grep -q 'Verdict: the volume is ' <<< "$(part 'Layers, behind a synthetic placenta')"
 # What is said of a result is not what the thesis says of its own.
 holds [ "$(grep -c 'forehead is cut' "$page")" -eq 0 ]
+# A line a case and two of where the rest is; the tables are in the log.
+holds [ "$(grep -c '^demo [1-9] of 9: ' "$work/stdout")" -eq 9 -a "$(wc -l < "$work/stdout")" -eq 11 ]
+holds [ "$(grep -c 'Last frame' "$work/demo/log.txt")" -eq 9 ]
 holds [ "$(tail -n 1 "$work/stdout")" = "Pictures are in $work/demo, the page is $page" ]
 
 # With a plugin that fails, the demo ends with its code and shows the full volume.

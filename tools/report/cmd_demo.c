@@ -5,6 +5,7 @@
 #include "base/cli.h"
 #include "base/options.h"
 #include "base/paths.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
@@ -16,6 +17,7 @@
 
 #include <ctype.h>
 #include <dirent.h>
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -33,6 +35,7 @@ typedef struct {
     hs_guard_options guard;
     hs_demo_case cases[HS_DEMO_CASES];
     uint32_t case_count;
+    FILE *log;             /* OUT/log.txt: the tables of times */
     hs_error plugin_error; /* the first one */
 } demo;
 
@@ -193,9 +196,6 @@ static bool measure(hs_demo_case *c, hs_run *run, hs_error *err) {
 /* Takes times, draws, turns the camera for the strip of views, measures. */
 static bool run_opened(hs_demo_case *c, hs_run *run, const char *folder, hs_error *err) {
     if (!hs_run_measure(run, err) || !hs_run_pictures(run, folder, err)) return false;
-    hs_run_print(run, stdout);
-    (void)printf("\n");
-    (void)fflush(stdout);
     keep_results(c, run);
     hs_loop_options orbit = run->request.loop;
     orbit.frames = HS_ORBIT_VIEWS;
@@ -204,7 +204,19 @@ static bool run_opened(hs_demo_case *c, hs_run *run, const char *folder, hs_erro
            measure(c, run, err);
 }
 
+/* A line a case, when it is through; its tables go to the log. */
+static void tell(const demo *d, const hs_demo_case *c, double seconds) {
+    char found[80] = "";
+    if (c->has_truth && c->clipped)
+        (void)snprintf(found, sizeof found, ", cut %.1f %%, left %.1f %%", 100 * c->cut, 100 * c->left);
+    hs_print(stdout, "demo %u of %u: %s: %s%s, %.1f ms in the plugin (%.0f s)\n",
+             (unsigned)(c - d->cases) + 1, d->case_count, c->name, c->row[7], found, c->plugin_ms, seconds);
+    (void)fflush(stdout);
+    (void)fprintf(d->log, "%s\n%s\n", c->name, c->printed ? c->printed : "");
+}
+
 static bool run_case(demo *d, hs_demo_case *c, hs_error *err) {
+    const double start = hs_now();
     char folder[PATH_MAX];
     const char *const volumes[1] = {c->file};
     hs_run_request request;
@@ -220,7 +232,6 @@ static bool run_case(demo *d, hs_demo_case *c, hs_error *err) {
     request.volume_count = c->scene ? 0 : 1;
     request.loop.frames = d->quick ? 10 : 30;
     if (d->picture) request.loop.dvr.width = request.loop.dvr.height = request.panel_cell = d->picture;
-    hs_print(stderr, "host_sim demo: %s ...\n", c->folder);
     if (!hs_path_join(d->out, c->folder, folder, sizeof folder, err) || !hs_path_make_folder(folder, err))
         return false;
     if (!hs_run_open(&run, &request, err)) return false;
@@ -231,17 +242,20 @@ static bool run_case(demo *d, hs_demo_case *c, hs_error *err) {
         (void)hs_fail(&d->plugin_error, failure->code, "%s", failure->text);
     }
     (void)hs_run_close(&run, &d->plugin_error); /* the first failure counts */
+    if (ok) tell(d, c, hs_now() - start);
     return ok;
 }
 
 static bool run_demo(demo *d, hs_error *err) {
-    char path[PATH_MAX];
+    char path[PATH_MAX], log[PATH_MAX];
     hs_page page;
     if (!hs_path_make_folder(d->out, err) || !hs_path_join(d->out, "index.html", path, sizeof path, err) ||
-        !add_fetus(d, err))
+        !hs_path_join(d->out, "log.txt", log, sizeof log, err) || !add_fetus(d, err))
         return false;
     add_scenes(d);
     if (!add_volumes(d, err)) return false;
+    d->log = fopen(log, "w");
+    if (!d->log) return hs_fail(err, HS_ERR_OUTPUT, "%s: %s", log, strerror(errno));
     hs_page_open(&page, path, "SmartVis: what hides the fetus is removed");
     hs_print(stderr,
              "host_sim demo: OpenCL compiles its kernels for this machine; the first time that can take a "
@@ -252,7 +266,10 @@ static bool run_demo(demo *d, hs_error *err) {
     if (d->plugin_error.code != HS_OK) hs_page_text(&page, d->plugin_error.text);
     /* A page that misses a case would look complete. */
     if (!ok) (void)hs_fail(&page.error, err->code, "%s", err->text);
+    const bool logged = fclose(d->log) == 0;
     if (!hs_page_close(&page, ok ? err : &page.error) || !ok) return false;
+    if (!logged) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written", log);
+    hs_print(stdout, "Times and statistics are in %s\n", log);
     hs_print(stdout, "Pictures are in %s, the page is %s\n", d->out, path);
     return true;
 }
@@ -295,7 +312,7 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
 static void print_help(void) {
     (void)printf("Usage: host_sim demo [options]\n"
                  "Runs the scan loop in its three settings on a few scenes, and writes pictures and one "
-                 "page, index.html.\n"
+                 "page, index.html. For research, not a medical device.\n"
                  "\n");
     hs_options_print(options);
     (void)printf("\n%s", hs_exit_codes_help);
