@@ -3,7 +3,7 @@
 # check_calls.sh BUILD_FOLDER: who calls whom, as the linker sees it. Prints every circle; exit code 1 if there is one.
 #
 # Includes do not tell all: a header may declare what another file of a higher floor defines. So this takes the symbols of the
-# objects of src/, host_sim/ and tools/. An arrow leads from a source to each source whose function or object it uses. Neither
+# objects of src/, host_sim/, tools/ and lab/. An arrow leads from a source to each source whose function or object it uses. Neither
 # sources nor their folders may form a circle; check_includes.sh says which folder is the lower one.
 set -eu
 build=$(realpath "$1")

@@ -37,24 +37,24 @@ host_sim/render/cl         | .                                                  
 host_sim/guarded           | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
 host_sim/loop              | abi MACHINE .                                              | libc opencl
 host_sim/result            | abi MACHINE host_sim/loop .                                | libc opencl
-tools/show                 | abi MACHINE host_sim/picture host_sim/loop .                | libc opencl
-tools/commands             | abi HOST tools/show .                                      | libc opencl json
-tools/page                 | host_sim/base host_sim/picture .                            | libc
-tools/eval                 | abi MACHINE host_sim/loop .                                | libc opencl zlib
-tools/report               | abi HOST tools/show tools/commands tools/page tools/eval . | libc opencl json zlib
-tools/console              | abi HOST tools/show tools/commands kernels .               | libc opencl json web
-tools/bench                | abi HOST shared src src/ref tools/eval kernels .           | libc opencl json futex
-tools/bench/cl             | .                                                          |
-tools/judge                | abi HOST shared src src/ref tools/show tools/page tools/eval . | libc opencl json
-tools/layer                | abi tools/rules tools/record .                             | libc opencl
-tools/record               | abi tools/rules .                                          | libc opencl zlib
-tools/replay               | abi HOST tools/show tools/rules tools/record .             | libc opencl
-tools/validate/spy         | .                                                          | libc opencl elf
-tools/rules                | abi .                                                      | libc
-tools/validate/drive       | abi host_sim/base host_sim/plugin tools/rules tools/validate/spy . | libc opencl
-tools/validate/checks      | abi host_sim/base host_sim/plugin tools/rules tools/validate/spy tools/validate/drive . | libc opencl elf
-tools/validate             | abi host_sim/base host_sim/guard tools/validate/drive tools/validate/checks . | libc json
-tools                      | abi HOST tools/commands tools/report tools/console .       | libc
+tools/machine/show         | abi MACHINE host_sim/picture host_sim/loop .               | libc opencl
+tools/machine/commands     | abi HOST tools/machine/show .                              | libc opencl json
+lab/page                   | host_sim/base host_sim/picture .                           | libc
+lab/eval                   | abi MACHINE host_sim/loop .                                | libc opencl zlib
+lab/report                 | abi HOST tools/machine/show tools/machine/commands lab/page lab/eval . | libc opencl json zlib
+tools/machine/console      | abi HOST tools/machine/show tools/machine/commands kernels . | libc opencl json web
+lab/bench                  | abi HOST shared src src/ref lab/eval kernels .             | libc opencl json futex
+lab/bench/cl               | .                                                          |
+lab/judge                  | abi HOST shared src src/ref tools/machine/show lab/page lab/eval . | libc opencl json
+tools/sdk/layer            | abi tools/sdk/rules tools/sdk/record .                     | libc opencl
+tools/sdk/record           | abi tools/sdk/rules .                                      | libc opencl zlib
+tools/sdk/replay           | abi HOST tools/machine/show tools/sdk/rules tools/sdk/record . | libc opencl
+tools/sdk/validate/spy     | .                                                          | libc opencl elf
+tools/sdk/rules            | abi .                                                      | libc
+tools/sdk/validate/drive   | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/validate/spy . | libc opencl
+tools/sdk/validate/checks  | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/validate/spy tools/sdk/validate/drive . | libc opencl elf
+tools/sdk/validate         | abi host_sim/base host_sim/guard tools/sdk/validate/drive tools/sdk/validate/checks . | libc json
+tools/machine              | abi HOST tools/machine/commands lab/report tools/machine/console . | libc
 examples/*                 | abi kernels .                                              | libc opencl
 bindings/rust/src          | abi                                                        |
 python/bench               | abi .                                                      | libc
@@ -87,11 +87,12 @@ include  include
 cl       cl
 src      include src cl
 host_sim include host_sim
-tools    include tools host_sim src cl
+tools    include tools/sdk tools/machine lab host_sim src cl
+lab      include lab tools/machine host_sim src cl
 examples include
 bindings include
 python   include
-tests    include tests tools host_sim src cl
+tests    include tests tools/sdk tools/machine lab host_sim src cl
 TABLE
 }
 

@@ -48,7 +48,7 @@ joined() {
 }
 
 # Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names; the
-# benchmark's grid stands before the renderer (tools/bench/CMakeLists.txt).
+# benchmark's grid stands before the renderer (lab/bench/CMakeLists.txt).
 kernels() {
     local code=0 file lanes host=host_sim/render/cl
     for file in cl/*/*.cl; do
@@ -58,7 +58,7 @@ kernels() {
     done
     for lanes in 1 16; do
         joined "$host"/*.cl | opencl -DLANES=$lanes - || code=1
-        joined "$host"/{base,base_rays,scan_convert}.cl tools/bench/cl/probe_grid.cl "$host/dvr.cl" |
+        joined "$host"/{base,base_rays,scan_convert}.cl lab/bench/cl/probe_grid.cl "$host/dvr.cl" |
             opencl -DLANES=$lanes - || code=1
     done
     return $code

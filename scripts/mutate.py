@@ -38,8 +38,8 @@ TESTS = [
     (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
     (r"host_sim/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
     (r"host_sim/loop", r"test_(loop|files|kretz_loop|metaimage_loop|confidence|slices)|golden/"),
-    (r"host_sim/(picture|result)|tools/show", r"test_(picture|slices|result|loop)|golden/"),
-    (r"host_sim|tools/commands", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
+    (r"host_sim/(picture|result)|tools/machine/show", r"test_(picture|slices|result|loop)|golden/"),
+    (r"host_sim|tools/machine/commands", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
 ]  # fmt: skip
 
 
@@ -54,7 +54,7 @@ def run(command: list[str], limit: int, **kwargs: object) -> bool:
 def places(tree: Path) -> list[tuple[Path, int, int, str, str]]:
     """Every (file, line, column, before, after) that could be changed: code only, no comment, text or directive."""
     found = []
-    for top, endings in (("src", ".c"), ("cl", ".cl .clh"), ("host_sim", ".c .cl"), ("tools/commands", ".c"), ("tools/show", ".c")):
+    for top, endings in (("src", ".c"), ("cl", ".cl .clh"), ("host_sim", ".c .cl"), ("tools/machine/commands", ".c"), ("tools/machine/show", ".c")):
         for path in sorted(p for p in (tree / top).rglob("*") if p.suffix and p.suffix in endings.split()):
             text = path.read_text()
             blank = re.sub(  # comments, texts and directives become blanks of the same length

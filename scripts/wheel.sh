@@ -20,7 +20,7 @@ cmake --build "$build" --target host_sim_alone > "$work/log" || {
 }
 into=$work/content # what goes into the wheel; licences/ into its licenses
 mkdir -p "$into/plugin/share/smartvis" "$into/plugin/share/fonts" "$into/licences"
-cp "$build/obj/tools/alone/host_sim" "$into/plugin"
+cp "$build/obj/tools/machine/alone/host_sim" "$into/plugin"
 cp -r "$source/data/scenes" "$into/plugin/share/smartvis"
 font=$(dpkg-query -L fonts-dejavu-core | grep '/DejaVuSans\.ttf$')
 cp "$font" "$into/plugin/share/fonts"
@@ -40,7 +40,7 @@ shared() { ldconfig -p | sed -n "s/.*$1\.so\.1 .*=> //p" | head -n 1; }
 package() { dpkg-query -S "$(realpath "$1")" | cut -d : -f 1; }
 cp "$source/LICENSE" "$into/licences"
 cp "/usr/share/doc/$(package "$(shared libOpenCL)")/copyright" "$into/licences/OpenCL-loader"
-for file in $(grep -oE '^/[^ (]+\.a' "$build/obj/tools/alone.map" | sort -u | grep -v '/libgcc\.a') "$(shared libcivetweb)" "$font"; do
+for file in $(grep -oE '^/[^ (]+\.a' "$build/obj/tools/machine/alone.map" | sort -u | grep -v '/libgcc\.a') "$(shared libcivetweb)" "$font"; do
     name=$(package "$file")
     cp "/usr/share/doc/$name/copyright" "$into/licences/${name%-dev}"
 done

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Recordings (tools/record/): what passes between host and plugin comes back as it was, from every carrier; a
- * ring keeps the last frames; without voxels nothing of them is in the file; and what is cut off or damaged
- * at any byte is told, and never read as if it were whole.
+ * Recordings (tools/sdk/record/): what passes between host and plugin comes back as it was, from every
+ * carrier; a ring keeps the last frames; without voxels nothing of them is in the file; and what is cut off
+ * or damaged at any byte is told, and never read as if it were whole.
  */
 #include "record/rec.h"
 #include "record/rec_item.h"

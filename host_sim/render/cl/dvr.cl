@@ -55,7 +55,7 @@ typedef struct {
 } gathered;
 
 /* What the rays sample: arguments of the kernel, and a packet's intensities at samples t. A program that
- * defines them before this file samples another grid (tools/bench/cl/probe_grid.cl). */
+ * defines them before this file samples another grid (lab/bench/cl/probe_grid.cl). */
 #ifndef SAMPLED
 #define SAMPLED          __global const uchar *voxels
 #define SAMPLE(p, dn, t) sample_packet(voxels, dims, p, dn, t)

@@ -151,7 +151,7 @@ bool bench_host_run(const bench_host_setup *setup, bench_host_result *result, hs
 
 /* ----------------------------------------------------------------------------------------------- grids -- */
 /* Times the renderer of a probe's volume in turns in both grids that it could sample: the Cartesian copy, as
- * the host does, and the probe's own (tools/bench/cl/probe_grid.cl). */
+ * the host does, and the probe's own (lab/bench/cl/probe_grid.cl). */
 
 /* One camera, clipped at a plane or not. Milliseconds of a picture of 512 x 512 in the thesis' look. */
 typedef struct {

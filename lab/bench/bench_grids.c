@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Times the renderer of a probe's volume in turns in both grids that it could sample: the Cartesian copy, as
- * the host does, and the probe's own (tools/bench/cl/probe_grid.cl). */
+ * the host does, and the probe's own (lab/bench/cl/probe_grid.cl). */
 #include "bench/bench_results.h"
 
 #include "kernels_bench_grids.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Plays a recording (tools/record/) into a plugin, and tells where the two part. */
+/* Plays a recording (tools/sdk/record/) into a plugin, and tells where the two part. */
 #ifndef REPLAY_H
 #define REPLAY_H
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The rules of smartvis_plugin.h that a program can tell, in one table, and judges that need no more than
- * what lies before them. sv_validate tries a plugin by them; the checking layer (tools/layer/) watches plugin
- * and host of a real machine by them.
+ * what lies before them. sv_validate tries a plugin by them; the checking layer (tools/sdk/layer/) watches
+ * plugin and host of a real machine by them.
  */
 #ifndef RULES_H
 #define RULES_H
