@@ -157,12 +157,14 @@ format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
 bench: setup # times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
-	@$(call build,build,,sv_bench sv_surfaces_bench test_lit_shapes smartvis)
+	@$(call build,build,,sv_bench test_lit_shapes smartvis host_sim sv_definitions)
 	build/sv_bench
 	build/sv_bench --only growth
 	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
-	build/sv_surfaces_bench --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
+	@scripts/python_env.sh build/python/bench python/requirements-test.txt
+	PYTHONPATH=python SMARTVIS_PLUGIN=build/smartvis.so SMARTVIS_HOST_SIM=build/host_sim \
+	  build/python/bench/bin/python python/bench/surfaces.py --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
 # Hard scenes, scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
 HARD := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,--scene H$(n))

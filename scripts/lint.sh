@@ -47,8 +47,7 @@ joined() {
     for file in "$@"; do printf '#line 1 "%s"\n' "$file" && cat "$file"; done
 }
 
-# Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names; the
-# benchmark's grid stands before the renderer (lab/bench/CMakeLists.txt).
+# Each kernel file of the plugin compiles alone. The host's are one source, in the order of their names.
 kernels() {
     local code=0 file lanes host=host_sim/render/cl
     for file in cl/*/*.cl; do
@@ -58,8 +57,6 @@ kernels() {
     done
     for lanes in 1 16; do
         joined "$host"/*.cl | opencl -DLANES=$lanes - || code=1
-        joined "$host"/{base,base_rays,scan_convert}.cl lab/bench/cl/probe_grid.cl "$host/dvr.cl" |
-            opencl -DLANES=$lanes - || code=1
     done
     return $code
 }

@@ -1,33 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* What the benchmarks share: command line, machine, times, two threads, slabs and views. */
+/* What the parts of the benchmark share: machine, times, two threads, slabs. */
 #ifndef BENCH_H
 #define BENCH_H
 
 #include "base/error.h"
 #include "guarded/guard_options.h"
+#include "loop/slabs.h"
 #include "plugin/loader.h"
-#include "render/dvr.h"
 #include "render/host_cl.h"
-#include "render/scan_convert.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* ---------------------------------------------------------------------------------------- command line -- */
-/* What the command lines of the benchmarks share: the loop over the options, and options that both have. */
-
-/* Voxels or pixels along an axis that --size chooses from. */
-enum { BENCH_SIZES = 3 };
-extern const uint32_t bench_sizes[BENCH_SIZES];
-
-bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err);
-
-/* What was not chosen is all chosen. Returns how many were. */
-int bench_choose_all_if_none(bool *chosen, int count);
-
-/* Says on stderr what went wrong; returns the exit code. */
-int bench_fail(const char *program, const hs_error *err);
 
 /* --------------------------------------------------------------------------------------------- machine -- */
 /* What the numbers were measured on. */
@@ -135,39 +119,5 @@ typedef struct {
  * loop lays them. HS_ERR_MEMORY. */
 bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs_error *err);
 void bench_slabs_destroy(bench_slabs *slabs);
-
-/* ----------------------------------------------------------------------------------------------- views -- */
-/* What the benchmarks of the renderer draw: four views, each with a picture and a
- * depthmap that is a plane. */
-
-enum { BENCH_VIEWS = 4 };
-
-/* A camera in degrees, and whether the picture is clipped. */
-typedef struct {
-    const char *label;
-    double yaw, pitch;
-    bool clipped;
-} bench_view;
-
-extern const bench_view bench_views[BENCH_VIEWS];
-
-typedef struct {
-    const hs_cl *cl;
-    cl_mem pixels;         /* RGBA of the settings' width x height */
-    hs_start_depths start; /* of the plane */
-} bench_picture;
-
-/* HS_ERR_DEVICE; call bench_picture_destroy in every case. */
-bool bench_picture_create(bench_picture *p, const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err);
-
-/* Safe on a zeroed struct. */
-void bench_picture_destroy(bench_picture *p);
-
-/* Draws into `pixels` without waiting; clips at the plane or not. */
-bool bench_picture_draw(const bench_picture *p, hs_dvr *dvr, const hs_device_volume *volume,
-                        const hs_camera *camera, bool clipped, hs_error *err);
-
-/* Waits for the queue. */
-bool bench_picture_wait(const bench_picture *p, hs_error *err);
 
 #endif

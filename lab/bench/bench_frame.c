@@ -8,13 +8,14 @@
 #include "plugin/loader_param.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 
 #define FRAME_SCENE "D01"
 
-enum { WARM_UP = 2, COMMANDS = 20, MAX_VALUES = 16 };
+enum { WARM_UP = 2, COMMANDS = 20, MAX_VALUES = 16, WAYS = 8, CAMERAS = 2 };
 static const struct timespec pause = {.tv_nsec = 5000000}; /* the driver's threads are asleep after it */
-static const struct { double yaw, pitch; } cameras[BENCH_FRAME_CAMERAS] = {{0.0, 0.0}, {30.0, 20.0}};
+static const struct { double yaw, pitch; } cameras[CAMERAS] = {{0.0, 0.0}, {30.0, 20.0}};
 
 typedef enum { HOT, ASLEEP, COLD, LOOP } before;
 
@@ -27,7 +28,7 @@ static const struct {
     hs_fan fan;
     uint32_t slab;
     before how;
-} ways[BENCH_FRAME_WAYS] = {
+} ways[WAYS] = {
     {"layers, slabs of 32, again at once; side a multiple of 32", 32, false, HS_FAN_NOTHING, 32, HOT},
     {"the side that the source gives", 1, false, HS_FAN_NOTHING, 32, HOT},
     {"slabs of 16, as the host cuts them", 1, false, HS_FAN_NOTHING, 16, HOT},
@@ -39,18 +40,24 @@ static const struct {
 };
 
 typedef struct {
-    const bench_host_setup *setup;
-    bench_team *team;
+    const bench_frame_setup *setup;
     hs_source source[2]; /* layers, the scene */
-    hs_volume volume[2];
-    const hs_volume *list[2][1];
+    hs_volume layers;
+    const hs_volume *list[1];
     sv_param_value values[MAX_VALUES + 1];
     uint32_t value_count;
-    hs_plugin plugin[BENCH_FRAME_WAYS];
-    bool opened[BENCH_FRAME_WAYS];
-    hs_loop *loop[BENCH_FRAME_WAYS];
-    bench_samples wall[BENCH_FRAME_WAYS], processor[BENCH_FRAME_WAYS], command;
+    hs_plugin plugin[WAYS];
+    bool opened[WAYS];
+    hs_loop *loop[WAYS];
+    bench_samples wall[WAYS], processor[WAYS], command;
 } bench;
+
+/* By camera and way. Milliseconds of frames in turns. */
+typedef struct {
+    hs_slab_layout layout[CAMERAS];                            /* of all ways but the first */
+    bench_times wall[CAMERAS][WAYS], processor[CAMERAS][WAYS]; /* processor: of all threads */
+    bench_times command[CAMERAS];                              /* one that does nothing */
+} result;
 
 /* Whether the way takes the loop of the one before it. */
 static bool shares_loop(int w) {
@@ -86,11 +93,25 @@ static bool open_way(bench *b, int w, int camera, hs_error *err) {
            hs_loop_convert(b->loop[w], 0, err);
 }
 
+static const double side_mm = 120.0; /* of the layered volume: what a scan of a fetus shows */
+
+/* The benchmark's layers as the host keeps a volume; beside them a scene. */
 static bool open_sources(bench *b, hs_error *err) {
-    const bench_host_setup *s = b->setup;
-    return bench_open_source(NULL, s->size, &b->source[0], &b->volume[0], b->list[0], err) &&
-           bench_open_source(s->scene ? s->scene : FRAME_SCENE, s->size, &b->source[1], &b->volume[1],
-                             b->list[1], err);
+    const uint32_t n = b->setup->size;
+    const hs_source_scene what = {
+        .name = b->setup->scene ? b->setup->scene : FRAME_SCENE, .size = n, .volumes = 1};
+    hs_volume *const volume = &b->layers;
+    if (!hs_volume_init(volume, n, n, n, err)) return false;
+    uint8_t **slice = malloc(n * sizeof *slice);
+    if (!slice) return hs_fail(err, HS_ERR_MEMORY, "benchmark volume: no memory for %u slices", n);
+    for (uint32_t z = 0; z < n; z++) slice[z] = volume->voxels + (size_t)z * n * n;
+    const bool ok = bench_volume_fill(n, n, slice, n, err);
+    free(slice);
+    (void)snprintf(volume->name, sizeof volume->name, "layered volume");
+    for (int k = 0; k < 3; k++) volume->spacing[k] = side_mm / n;
+    b->list[0] = volume;
+    b->source[0] = (hs_source){.volumes = b->list, .count = 1};
+    return ok && hs_source_open_scene(&b->source[1], &what, err);
 }
 
 static bool clip(const bench *b, int w, uint32_t index, double *ms, hs_error *err) {
@@ -108,9 +129,9 @@ static bool prepare(const bench *b, int w, uint32_t index, hs_error *err) {
     const hs_volume *source = hs_source_volume(&b->source[1], 0);
     if (ways[w].how == ASLEEP) (void)nanosleep(&pause, NULL);
     if (ways[w].how != COLD) return true;
-    bench_team_ready(b->team);
-    (void)plain_read(b->team, source->voxels, hs_volume_count(source) / 16 * 16);
-    bench_team_rest(b->team);
+    bench_team_ready(b->setup->team);
+    (void)plain_read(b->setup->team, source->voxels, hs_volume_count(source) / 16 * 16);
+    bench_team_rest(b->setup->team);
     return true;
 }
 
@@ -146,7 +167,7 @@ static bool time_commands(bench *b, cl_mem word, hs_error *err) {
 
 static bool take_turns(bench *b, cl_mem word, hs_error *err) {
     for (uint32_t i = 0; i < WARM_UP + b->setup->frames; i++)
-        for (int w = 0; w < BENCH_FRAME_WAYS; w++) {
+        for (int w = 0; w < WAYS; w++) {
             double wall = 0.0, processor = 0.0;
             if (!take_frame(b, w, i % b->setup->frames, &wall, &processor, err)) return false;
             const hs_error *failure = hs_loop_plugin_error(loop_of(b, w));
@@ -159,16 +180,16 @@ static bool take_turns(bench *b, cl_mem word, hs_error *err) {
     return true;
 }
 
-static bool run_camera(bench *b, int camera, bench_frame_result *out, hs_error *err) {
+static bool run_camera(bench *b, int camera, result *out, hs_error *err) {
     cl_mem word = NULL;
     bool ok = hs_cl_take_buffer(b->setup->cl, sizeof(cl_uint), "benchmark", &word, err) &&
               bench_samples_create(&b->command, b->setup->frames, err);
-    for (int w = 0; ok && w < BENCH_FRAME_WAYS; w++)
+    for (int w = 0; ok && w < WAYS; w++)
         ok = bench_samples_create(&b->wall[w], b->setup->frames, err) &&
              bench_samples_create(&b->processor[w], b->setup->frames, err) && open_way(b, w, camera, err);
     ok = ok && take_turns(b, word, err);
     out->layout[camera] = ok ? *hs_loop_layout(b->loop[1]) : (hs_slab_layout){0};
-    for (int w = 0; w < BENCH_FRAME_WAYS; w++) {
+    for (int w = 0; w < WAYS; w++) {
         out->wall[camera][w] = bench_samples_times(&b->wall[w]);
         out->processor[camera][w] = bench_samples_times(&b->processor[w]);
         bench_samples_destroy(&b->wall[w]);
@@ -184,33 +205,33 @@ static bool run_camera(bench *b, int camera, bench_frame_result *out, hs_error *
     return ok;
 }
 
-bool bench_frame_run(const bench_host_setup *setup, bench_team *team, bench_frame_result *out,
-                     hs_error *err) {
-    bench b = {.setup = setup, .team = team};
-    *out = (bench_frame_result){0};
-    b.value_count = setup->value_count < MAX_VALUES ? setup->value_count : MAX_VALUES;
-    for (uint32_t i = 0; i < b.value_count; i++) b.values[i] = setup->values[i];
-    bool ok = open_sources(&b, err);
-    for (int c = 0; ok && c < BENCH_FRAME_CAMERAS; c++) ok = run_camera(&b, c, out, err);
-    bench_close_source(NULL, &b.source[0], &b.volume[0]);
-    if (b.source[1].count > 0) bench_close_source(FRAME_SCENE, &b.source[1], &b.volume[1]);
-    return ok;
-}
-
-void bench_print_frame(const bench_frame_result *r) {
+static void print(const result *r) {
     printf("\nThe plugin's frame on its way into the loop, one thing more a line, in turns; milliseconds\n");
-    for (int c = 0; c < BENCH_FRAME_CAMERAS; c++) {
+    for (int c = 0; c < CAMERAS; c++) {
         const hs_slab_layout *l = &r->layout[c];
         printf("%u x %u x %u, camera at %g, %g degrees; a command that does nothing: %.3f (min %.3f)\n",
                l->width, l->height, l->slices, cameras[c].yaw, cameras[c].pitch, r->command[c].median,
                r->command[c].min);
         printf("%-58s | %8s %8s %8s %8s | %9s %8s %8s\n", "", "wall", "min", "p95", "more", "processor",
                "min", "more");
-        for (int w = 0; w < BENCH_FRAME_WAYS; w++) {
+        for (int w = 0; w < WAYS; w++) {
             const bench_times *t = &r->wall[c][w], *p = &r->processor[c][w];
             printf("%-58s | %8.2f %8.2f %8.2f %+8.2f | %9.2f %8.2f %+8.2f\n", ways[w].label, t->median,
                    t->min, t->p95, w ? t->median - t[-1].median : 0.0, p->median, p->min,
                    w ? p->median - p[-1].median : 0.0);
         }
     }
+}
+
+bool bench_frame_run(const bench_frame_setup *setup, hs_error *err) {
+    bench b = {.setup = setup};
+    result out = {0};
+    b.value_count = setup->value_count < MAX_VALUES ? setup->value_count : MAX_VALUES;
+    for (uint32_t i = 0; i < b.value_count; i++) b.values[i] = setup->values[i];
+    bool ok = open_sources(&b, err);
+    for (int c = 0; ok && c < CAMERAS; c++) ok = run_camera(&b, c, &out, err);
+    if (ok) print(&out);
+    if (b.source[1].count > 0) hs_source_close(&b.source[1]);
+    hs_volume_free(&b.layers);
+    return ok;
 }

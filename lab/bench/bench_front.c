@@ -3,39 +3,11 @@
 
 #include "guarded/in_child.h"
 
-#include "base/output_file.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
-
-/* ---------------------------------------------------------------------------------------- command line -- */
-
-const uint32_t bench_sizes[BENCH_SIZES] = {128, 171, 512};
-
-bool bench_parse_size(const char *text, bool chosen[BENCH_SIZES], hs_error *err) {
-    for (int i = 0; i < BENCH_SIZES; i++) {
-        char name[16];
-        (void)snprintf(name, sizeof name, "%u", bench_sizes[i]);
-        if (strcmp(text, name) == 0) return chosen[i] = true;
-    }
-    return hs_fail(err, HS_ERR_USAGE, "--size: %s is none of 128, 171, 512", text);
-}
-
-int bench_choose_all_if_none(bool *chosen, int count) {
-    int found = 0;
-    for (int i = 0; i < count; i++) found += chosen[i];
-    for (int i = 0; i < count; i++) chosen[i] = chosen[i] || found == 0;
-    return found;
-}
-
-int bench_fail(const char *program, const hs_error *err) {
-    (void)fprintf(stderr, "%s: %s\n", program, err->text);
-    if (err->code == HS_ERR_USAGE) (void)fprintf(stderr, "Try '%s --help'.\n", program);
-    return (int)err->code;
-}
 
 /* --------------------------------------------------------------------------------------------- machine -- */
 

@@ -8,8 +8,7 @@
 /* --------------------------------------------------------------------------------------------- methods -- */
 
 const bench_method bench_methods[BENCH_METHODS] = {
-    {"cost", {6.0, 15.0}, 171}, /* its bins of 512^3 voxels are gigabytes */
-    {"wall", {1.5, 3.5}, 512},
+    {"wall", {1.5, 3.5}},
 };
 
 /* What a frame may take, in milliseconds; 0: this size has no limit. */
@@ -23,37 +22,14 @@ static double limit_of(const char *name, uint32_t n) {
     return 0.0;
 }
 
-/* The result of the same size, slabs and route with another method; NULL if it was not measured. */
-static const bench_plugin_result *bench_find(const bench_report *report, const bench_plugin_result *like,
-                                             const char *method) {
-    for (uint32_t i = 0; i < report->plugin_count; i++) {
-        const bench_plugin_result *r = &report->plugin[i];
-        if (strcmp(r->method, method) == 0 && r->variant.n == like->variant.n &&
-            r->variant.slab_slices == like->variant.slab_slices && r->variant.route == like->variant.route)
-            return r;
-    }
-    return NULL;
-}
-
-static double per_profile(const bench_plugin_result *result, const bench_plugin_result *of) {
-    if (!of || !of->has_stages || !(of->stages.profile_ms > 0.0)) return NAN;
-    return result->times[BENCH_FRAME].median / of->stages.profile_ms;
-}
-
-bench_profile_ratio bench_per_profile(const bench_report *report, const bench_plugin_result *result) {
-    return (bench_profile_ratio){.mean = per_profile(result, bench_find(report, result, "mean")),
-                                 .own = per_profile(result, result)};
-}
-
-static void print_line(const bench_report *report, const bench_plugin_result *r) {
+static void print_line(const bench_plugin_result *r) {
     const bench_times *t = &r->times[BENCH_FRAME];
-    const bench_profile_ratio ratio = bench_per_profile(report, r);
     const double limit = limit_of(r->method, r->variant.n);
     const double n = r->variant.n;
-    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.3f %8.2f | %8.3f %9.3f %11.3f | %7.1f %5.1f | ",
-           r->variant.n, bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min,
-           t->p95, r->times[BENCH_DROPPED].median, t->median * 1e6 / (n * n * n), r->stages.profile_ms,
-           r->stages.threshold_ms, r->stages.reconstruct_ms, ratio.mean, ratio.own);
+    printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.3f %8.2f | %8.3f %9.3f %11.3f | ", r->variant.n,
+           bench_route_label(r->variant.route), r->variant.slab_slices, t->median, t->min, t->p95,
+           r->times[BENCH_DROPPED].median, t->median * 1e6 / (n * n * n), r->stages.profile_ms,
+           r->stages.threshold_ms, r->stages.reconstruct_ms);
     if (limit > 0.0) printf("%4.1f ms", limit);
     printf("%s\n", r->stats.outcome == SV_OK ? "" : "  (no surface)");
 }
@@ -64,15 +40,13 @@ void bench_print_method(const bench_report *report, const char *method) {
         if (strcmp(report->plugin[i].method, method) != 0) continue;
         if (!any) {
             printf("\nFrame with method %s, milliseconds (medians unless named); given up behind its last "
-                   "slab; as "
-                   "multiples of the profile stage of the mean filter and of its own\n",
+                   "slab\n",
                    method);
-            printf("%4s %-34s %4s | %7s %7s %7s %8s %8s | %8s %9s %11s | %7s %5s | %s\n", "n", "slabs", "of",
-                   "frame", "min", "p95", "given up", "ns/voxel", "profile", "threshold", "reconstruct",
-                   "/mean's", "/own", "limit");
+            printf("%4s %-34s %4s | %7s %7s %7s %8s %8s | %8s %9s %11s | %s\n", "n", "slabs", "of", "frame",
+                   "min", "p95", "given up", "ns/voxel", "profile", "threshold", "reconstruct", "limit");
         }
         any = true;
-        print_line(report, &report->plugin[i]);
+        print_line(&report->plugin[i]);
     }
     (void)fflush(stdout);
 }
@@ -92,10 +66,7 @@ void bench_print_worst(const bench_report *report) {
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
 
-/* Ratios to plain C are held to this (issue "speed"), DVR to milliseconds, the loop to volumes per second. */
-#define BENCH_TARGET_RATIO   3.0
-#define BENCH_TARGET_DVR_MS  60.0
-#define BENCH_TARGET_VOLUMES 12.0
+#define BENCH_TARGET_RATIO 3.0 /* to plain C */
 
 void bench_print_plugin_head(uint32_t n, uint32_t k) {
     printf("\nPlugin frame, %u^3 voxels, k = %u; milliseconds, medians unless named; ratios of medians, (of "
@@ -133,31 +104,6 @@ void bench_print_stages(const bench_plugin_result *results, uint32_t count) {
                r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, r->stages.output_ms,
                100.0 * ratio(r->stats.points, r->stats.rays), r->points.empty_points, r->points.passes);
     }
-}
-
-static void print_view(const bench_view_result *view) {
-    for (int s = 0; s < HS_SETTING_COUNT; s++) {
-        const hs_loop_result *r = &view->settings[s];
-        printf("%-20s %-32s | %7.2f %7.2f %7.2f %7.2f | %7.2f %7.2f | %6.1f %5.1f %% | %u of %u\n",
-               view->label, hs_setting_label((hs_setting)s), r->stage[HS_STAGE_UPLOAD].median,
-               r->stage[HS_STAGE_CONVERT].median, r->stage[HS_STAGE_PLUGIN].median,
-               r->stage[HS_STAGE_DVR].median, r->stage[HS_STAGE_LOOP].median, r->stage[HS_STAGE_LOOP].p95,
-               r->volumes_per_second, 100.0 * r->plugin_share, r->clipped_frames, r->frames);
-    }
-}
-
-void bench_print_host(const bench_host_result *h) {
-    printf("\nScan loop, %u^3 voxels (%s) to %u across, picture 512 x 512; medians in milliseconds\n",
-           h->size, h->volume, h->lowres);
-    printf("%-20s %-32s | %7s %7s %7s %7s | %7s %7s | %6s %7s | %s\n", "camera", "setting", "upload",
-           "convert", "plugin", "DVR", "loop", "p95", "vol/s", "plugin", "clipped");
-    print_view(&h->still);
-    print_view(&h->rotated);
-    print_view(&h->live);
-    printf("maximum intensity projection %.2f (p95 %.2f); volume to the device, with the grid of maxima "
-           "%.2f (p95 %.2f)\n",
-           h->mip.median, h->mip.p95, h->grid.median, h->grid.p95);
-    bench_print_lit(&h->lit);
 }
 
 static const char *verdict(bool holds) {
@@ -207,15 +153,4 @@ void bench_print_targets(const bench_report *report) {
         print_limit(report, &bench_methods[i], 128);
         print_limit(report, &bench_methods[i], 171);
     }
-    if (!report->host) return;
-    const hs_loop_result *still = &report->host->still.settings[HS_SETTING_SMARTVIS];
-    const hs_loop_result *live = &report->host->live.settings[HS_SETTING_SMARTVIS];
-    printf("%-63s at most %.0f ms:      %6.1f ms  %s\n", "clipped DVR", BENCH_TARGET_DVR_MS,
-           still->stage[HS_STAGE_DVR].median,
-           verdict(still->stage[HS_STAGE_DVR].median <= BENCH_TARGET_DVR_MS));
-    printf("%-63s at least %.0f a second: %5.1f  %s\n", "whole loop (still camera)", BENCH_TARGET_VOLUMES,
-           still->volumes_per_second, verdict(still->volumes_per_second >= BENCH_TARGET_VOLUMES));
-    printf("%-63s at least %.0f a second: %5.1f  %s\n", "whole loop, a new volume every frame",
-           BENCH_TARGET_VOLUMES, live->volumes_per_second,
-           verdict(live->volumes_per_second >= BENCH_TARGET_VOLUMES));
 }

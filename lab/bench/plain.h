@@ -55,30 +55,6 @@ size_t plain_mean_row_values(uint32_t width, uint32_t k);
 /* Pass `number` over rows y0 .. y1 - 1. Returns the pixels there that still have no surface. */
 uint32_t plain_mean(const plain_maps *maps, uint32_t number, uint32_t y0, uint32_t y1, uint32_t *rows);
 
-/* --------------------------------------------------------------------------------------------- surface -- */
-/* The mean filter alone in plain C, from initial points to S(q), and the memory it cannot do without. */
-
-/* Initial points of a map of width x height pixels: SV_POINT_*, and interval ends in slices. Not owned. */
-typedef struct {
-    uint32_t width, height, slices;
-    const uint8_t *status;
-    const uint16_t *near_end, *far_end;
-} plain_points;
-
-typedef struct plain_surface plain_surface;
-
-/* `team` and the points must outlive it. k odd. NULL with HS_ERR_MEMORY, or HS_ERR_USAGE if a window's sums
- * do not fit 32 bits with 10 fraction bits. */
-plain_surface *plain_surface_create(bench_team *team, const plain_points *points, uint32_t k, hs_error *err);
-void plain_surface_destroy(plain_surface *surface);
-
-/* Points to sums, all passes over both ends, S(q) into `depth` (width * height slices). Returns the passes.
- * There must be an initial point. Between bench_team_ready and _rest, as is the next. */
-uint32_t plain_surface_run(plain_surface *surface, float q, float *depth);
-
-/* The least that any method moves: reads two float32 maps and writes one, with a multiply-add between. */
-void plain_surface_touch(plain_surface *surface, float q, float *depth);
-
 /* Fraction bits with which the largest sum of a window fits 32 bits, and a depth a float's 24. Fewer than
  * PLAIN_MIN_FRACTION are too coarse. */
 enum { PLAIN_MIN_FRACTION = 10 };

@@ -13,6 +13,13 @@ PRINTED = {
     ("batch.py", "4", "32", "1"): r"4 volumes of 32\^3; reading alone: [\d.]+ a second\n1 worker: [\d.]+ a second",
     ("overhead.py", "32", "5"): r"32\^3: a frame in C [\d.]+ ms, in Python [\d.]+ ms, overhead -?[\d.]+ ms",
     ("serve.py", "32", "3"): r"[\d.]+ volumes of 32\^3 a second, there and back",
+    (
+        "surfaces.py",
+        "--quick",
+        "--size",
+        "128",
+        "--no-truth",
+    ): r"mean kernel 23 +128 \| [\d.]+ \([\d.]+\) [\d.]+ \| \d(\.\d)?e-0[5-9] ",
 }
 
 

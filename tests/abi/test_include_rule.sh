@@ -57,7 +57,7 @@ make_tree() {
     put lab/report/page.h '#include "eval/measure.h"' '#include "picture/png.h"' '#include "commands/run.h"'
     put tools/machine/main.c '#include "report/page.h"' 'int main(void) {'
     put lab/bench/times.h '#include "loop/loop.h"'
-    put lab/bench/methods_main.c '#include "bench/times.h"' '#include "ref/ref_mean.h"' 'int main(void) {'
+    put lab/judge/judge_main.c '#include "ref/ref_mean.h"' 'int main(void) {'
     put tests/check/test_any.c '#include "../../src/device/clx.h"' '#include <lapacke.h>'
     put examples/plane/plane.c '#include "smartvis/author.h"' '#include <CL/cl.h>'
 }
@@ -135,7 +135,7 @@ caught lab/eval/measure.h '#include "report/page.h"'
 caught tools/machine/main.c '#include "ref/ref_mean.h"'
 # Around them.
 caught lab/eval/measure.h '#include "ref/ref_mean.h"'
-caught lab/bench/methods_main.c '#include "method/method.h"'
+caught lab/judge/judge_main.c '#include "method/method.h"'
 caught examples/plane/plane.c '#include "base/error.h"'
 caught tests/check/test_any.c '#include "there_is_none.h"'
 caught corner/new.c '#include <stdint.h>'
