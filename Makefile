@@ -10,6 +10,8 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 # `make test`: tests with such labels only, a regular expression (abi|check). All by default.
 LABELS ?=
+# `make test`: build and test one part alone: sdk, machine, lab, or house, which is what is asked of all three. All by default.
+PART ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
 FUZZ_SEED ?= 0
@@ -69,7 +71,7 @@ try-deb: # install out/deb on this machine (needs root), then the template's thr
 wheel: ## the Python package as a wheel for other machines, with host_sim and the OpenCL loader in it: out/wheel
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build,,host_sim smartvis)
-	@bash tests/python/environment.sh . build python3
+	@bash tests/machine/python/environment.sh . build python3
 	@scripts/wheel.sh build $(OUT)/wheel
 
 try-wheel: # install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene and a file
@@ -109,8 +111,8 @@ report: setup ## set up, build, measure quality and speed over all cases; the pa
 
 test: ## set up, build, run all tests
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
-	@$(call build,build)
-	@scripts/run_tests.sh build $(JOBS) '$(LABELS)'
+	@$(call build,build,,$(PART:%=part_%))
+	@scripts/run_tests.sh build $(JOBS) '$(LABELS)' '$(PART)'
 
 test-night: # what takes long and proves little more than `make test` does
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
@@ -122,7 +124,7 @@ test-intel: # the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: a
 	@$(call build,build)
 	@mkdir -p build/intel && scripts/python_env.sh build/intel python/requirements-intel.txt
 	@readlink -f build/intel/lib/libintelocl.so > build/intel/intel.icd
-	@bash tests/check/second_runtime.sh build build/intel/intel.icd
+	@bash tests/sdk/check/second_runtime.sh build build/intel/intel.icd
 	@OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
 
 test-sanitize: setup # the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# wheel.sh BUILD OUT: the wheel of tests/python/environment.sh as one that every Linux with a C library as old as this machine's
+# wheel.sh BUILD OUT: the wheel of tests/machine/python/environment.sh as one that every Linux with a C library as old as this machine's
 # takes. host_sim goes in beside the plugin, with the scenes and the font of its pictures; its libraries are linked into it (target
 # host_sim_alone). auditwheel adds what is left, the OpenCL loader (ocl-icd, BSD) and civetweb, and names the least C library
 # (manylinux_2_34 from Debian 12). The licences of all of it go in, too. Beside the wheel comes a scene with the depthmap that is

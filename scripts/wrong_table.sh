@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# wrong_table.sh [--tsv MODE] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/wrong, guarded and not, as a
+# wrong_table.sh [--tsv MODE] [BUILD [ID...]]: what `host_sim run` makes of every plugin of tests/sdk/wrong, guarded and not, as a
 # table. With --tsv, for tests: id, mode, exit code, picture, reason, parted by tabs, in that mode (guard,
 # no-guard) only.
 #
@@ -47,7 +47,7 @@ export work build
 if [ $# -gt 0 ]; then
     printf '%s\n' "$@" > "$work/ids"
 else
-    sed -n 's/^    WRONG(\([a-z0-9_]*\), .*/\1/p' tests/wrong/wrong_list.h > "$work/ids"
+    sed -n 's/^    WRONG(\([a-z0-9_]*\), .*/\1/p' tests/sdk/wrong/wrong_list.h > "$work/ids"
 fi
 # Those that hang take the longest, and no processor.
 for mode in $modes; do sed "s/\$/ $mode/" "$work/ids"; done | sort -k 1,1 | awk '/^(hang|memory|count)/ { print; next } { rest[++n] = $0 }

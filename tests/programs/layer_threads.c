@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For tests/contract/test_layer_threads.sh, which builds it twice under ThreadSanitizer. With PLUGIN it is a
- * plugin without any state, so that only the layer can race. Else it is a host: layer_threads LAYER.so. Two
- * instances run frames on threads of their own, while a third thread asks both, and a fourth breaks the rule
- * and calls the first instance beside its own thread. It prints how often the layer told of that.
+ * For tests/sdk/contract/test_layer_threads.sh, which builds it twice under ThreadSanitizer. With PLUGIN it
+ * is a plugin without any state, so that only the layer can race. Else it is a host: layer_threads LAYER.so.
+ * Two instances run frames on threads of their own, while a third thread asks both, and a fourth breaks the
+ * rule and calls the first instance beside its own thread. It prints how often the layer told of that.
  */
 #include "smartvis_plugin.h"
 

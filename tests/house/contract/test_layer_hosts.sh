@@ -56,7 +56,7 @@ done
 quiet "$build/host_sim" report --quick --size 64 --lowres 24 --case E01 --plugin "$layer" --guard-time 300,300 --out "$work/report"
 
 # --- the console: a few settings of a page
-PYTHONPATH=$source_dir/tests/console ends 0 python3 -B - "$build" "$layer" << 'PAGE'
+PYTHONPATH=$source_dir/tests/machine/console ends 0 python3 -B - "$build" "$layer" << 'PAGE'
 import sys
 from console_client import Console, Page
 

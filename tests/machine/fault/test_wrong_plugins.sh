@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The family of wrong plugins (tests/wrong) against host_sim run. Guarded, none of them crashes or hangs the host, and
+# The family of wrong plugins (tests/sdk/wrong) against host_sim run. Guarded, none of them crashes or hangs the host, and
 # there always is a picture; in both modes a frame that failed is rendered unclipped. Unguarded, the plugins run of which
 # the host itself notices something: the others take the same way in both modes, and those that only the guard ends would end
 # the host. By day one plugin of each check, and those whose end is named below; with SV_NIGHT all.
@@ -11,7 +11,7 @@ table=$(mktemp)
 trap 'rm -f "$table"' EXIT
 # The sanitizers' own handlers would turn a crash into an exit.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:handle_segv=0:handle_abort=0:handle_sigfpe=0:handle_sigbus=0:detect_leaks=0"
-list=$1/tests/wrong/wrong_list.h
+list=$1/tests/sdk/wrong/wrong_list.h
 named=$(sed -nE 's/^ *ends ([a-z0-9_]+) .*/\1/p' "$0")
 mapfile -t tried < <(sed -nE 's/^    WRONG\(([a-z0-9_]+), [a-z]+, ([a-z-]+),.*/\1 \2/p' "$list" |
     awk -v night="${SV_NIGHT:-}" -v named="$named" 'BEGIN { n = split(named, list); while (n) wanted[list[n--]] = 1 }

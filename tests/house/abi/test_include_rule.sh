@@ -58,7 +58,7 @@ make_tree() {
     put tools/machine/main.c '#include "report/page.h"' 'int main(void) {'
     put lab/bench/times.h '#include "loop/loop.h"'
     put lab/judge/judge_main.c '#include "ref/ref_mean.h"' 'int main(void) {'
-    put tests/check/test_any.c '#include "../../src/device/clx.h"' '#include <lapacke.h>'
+    put tests/sdk/check/test_any.c '#include "../../../src/device/clx.h"' '#include <lapacke.h>'
     put examples/plane/plane.c '#include "smartvis/author.h"' '#include <CL/cl.h>'
 }
 
@@ -137,7 +137,7 @@ caught tools/machine/main.c '#include "ref/ref_mean.h"'
 caught lab/eval/measure.h '#include "ref/ref_mean.h"'
 caught lab/judge/judge_main.c '#include "method/method.h"'
 caught examples/plane/plane.c '#include "base/error.h"'
-caught tests/check/test_any.c '#include "there_is_none.h"'
+caught tests/sdk/check/test_any.c '#include "there_is_none.h"'
 caught corner/new.c '#include <stdint.h>'
 caught cl/new.cl '#include "common/sv_shared.h"'
 caught src/corner/new.c '#include <stdint.h>'

@@ -166,7 +166,7 @@ def pictures_name_their_state(page):
     holds(page.pictures[0][4] == page.serial, f"the snapshot is of state {page.pictures[0][4]}, asked for in {page.serial}")
 
 
-# What the parser is fed is in tests/check/test_console_message.c; these also meet what stands behind it.
+# What the parser is fed is in tests/machine/check/test_console_message.c; these also meet what stands behind it.
 REFUSED = ["", "{", "nonsense", "[]", "{}", "null", '{"type":"state"}', '{"type":"seen","frame":-1}', '{"type":"do","what":"rm"}',
            b'{"type":"seen","frame":"\xff\xfe"}', "x" * 16385, "[" * 4000, '{"type":"seen","frame":1,"frame":2}']
 

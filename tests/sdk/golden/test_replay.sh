@@ -83,7 +83,7 @@ holds code 4 replay "$work/turn" --guard --plugin "$build/wrong/crash_in_slab.so
 
 # --- what nobody would write: parts in an order or of sizes that cannot be, with checksums that hold
 mkdir "$work/hostile"
-python3 -B "$1/tests/golden/hostile_recordings.py" "$work/hostile"
+python3 -B "$1/tests/sdk/golden/hostile_recordings.py" "$work/hostile"
 holds code 0 replay "$work/hostile/right.svr" --plugin "$build/examples/first_edge.so"
 holds says ' 1 frames, 6 calls'
 rm "$work/hostile/right.svr"

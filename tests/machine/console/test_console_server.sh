@@ -7,4 +7,4 @@ command -v python3 > /dev/null || {
     echo "skipped: no Python"
     exit 77
 }
-exec python3 -B "$1/tests/console/${3:-console_server.py}" "$2"
+exec python3 -B "$1/tests/machine/console/${3:-console_server.py}" "$2"

@@ -33,10 +33,10 @@ grep -q '^#define SV_ABI_MINOR 2u' new/smartvis_plugin.h
 flags=(-std=c11 -Wall -Wextra -Wpedantic -Werror -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined)
 for version in old new; do
     [ $version = old ] || flags+=(-DGROWN)
-    gcc "${flags[@]}" -I $version -fPIC -shared "$source_dir/tests/abi/evolution_plugin.c" -o $version.so
-    gcc "${flags[@]}" -I $version "$source_dir/tests/abi/evolution_host.c" -o ${version}_host -ldl
+    gcc "${flags[@]}" -I $version -fPIC -shared "$source_dir/tests/sdk/abi/evolution_plugin.c" -o $version.so
+    gcc "${flags[@]}" -I $version "$source_dir/tests/sdk/abi/evolution_host.c" -o ${version}_host -ldl
 done
-gcc "${flags[@]}" -DNAIVE -I new -fPIC -shared "$source_dir/tests/abi/evolution_plugin.c" -o naive.so
+gcc "${flags[@]}" -DNAIVE -I new -fPIC -shared "$source_dir/tests/sdk/abi/evolution_plugin.c" -o naive.so
 
 failures=0
 expect() { # expect TEXT COMMAND...: the command succeeds and prints exactly this

@@ -1,12 +1,12 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# test_validate_wrong.sh SOURCE_FOLDER BUILD_FOLDER: sv_validate fails on every plugin of the family (tests/wrong/), by the check
+# test_validate_wrong.sh SOURCE_FOLDER BUILD_FOLDER: sv_validate fails on every plugin of the family (tests/sdk/wrong/), by the check
 # that the list names for it, and passes the same sources without a fault. It ends by itself every time.
 set -u
 source_folder=$1
 build=$2
 validate=$build/sv_validate
-list=$source_folder/tests/wrong/wrong_list.h
+list=$source_folder/tests/sdk/wrong/wrong_list.h
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 

@@ -13,4 +13,4 @@ command -v chromium > /dev/null || command -v chromium-browser > /dev/null || co
     echo "skipped: no Chromium"
     exit 77
 }
-exec python3 -B "$1/tests/console/${3:-console_browser.py}" "$2"
+exec python3 -B "$1/tests/machine/console/${3:-console_browser.py}" "$2"

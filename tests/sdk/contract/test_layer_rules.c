@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The checking layer names what breaks a rule: every rule that it sees is broken once, by a plugin of
- * tests/wrong/ or by the host that this test plays.
+ * tests/sdk/wrong/ or by the host that this test plays.
  */
 #include "rules/rules.h"
 #include "smartvis/confidence.h"

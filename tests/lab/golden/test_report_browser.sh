@@ -82,4 +82,4 @@ done
 
 # Contrast, dark, print and the tab key, by the browser's own driver.
 command -v chromedriver > /dev/null || exit 0
-python3 -B "$1/tests/console/page_looks.py" "$work/report/index.html" "$work/demo/index.html"
+python3 -B "$1/tests/machine/console/page_looks.py" "$work/report/index.html" "$work/demo/index.html"
