@@ -24,6 +24,15 @@ configure_file(cmake/smartvis-plugin.pc.in ${SV_PC_FOLDER}/smartvis-plugin.pc @O
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/smartvis)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/data/scenes ${CMAKE_BINARY_DIR}/share/smartvis/scenes SYMBOLIC)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/include ${CMAKE_BINARY_DIR}/include SYMBOLIC)
+# So that the commands of the examples hold for both.
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/bin ${CMAKE_BINARY_DIR}/${SV_PLUGIN_FOLDER})
+file(CREATE_LINK ../../smartvis.so ${CMAKE_BINARY_DIR}/${SV_PLUGIN_FOLDER}/smartvis.so SYMBOLIC)
+foreach(program host_sim sv_validate)
+  file(CREATE_LINK ../${program} ${CMAKE_BINARY_DIR}/bin/${program} SYMBOLIC)
+endforeach()
+foreach(folder examples bindings)
+  file(CREATE_LINK ${CMAKE_SOURCE_DIR}/${folder} ${CMAKE_BINARY_DIR}/share/smartvis/${folder} SYMBOLIC)
+endforeach()
 
 set(SV_PROGRAMS host_sim sv_validate sv_replay)
 if(SV_BENCH)
@@ -34,7 +43,8 @@ install(TARGETS smartvis LIBRARY DESTINATION ${SV_PLUGIN_FOLDER} COMPONENT smart
 # Not where hosts look: it would be a second plugin of the same id.
 install(TARGETS smartvis_check LIBRARY DESTINATION ${SV_PLUGIN_FOLDER}/check COMPONENT smartvis)
 install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.json")
-install(FILES LICENSE DESTINATION share/doc/smartvis COMPONENT smartvis)
+install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION share/doc/smartvis COMPONENT smartvis)
+install(DIRECTORY docs DESTINATION share/doc/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.jpg")
 
 install(DIRECTORY include/ DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(DIRECTORY ${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/ DESTINATION ${SV_PACKAGE_FOLDER} COMPONENT dev

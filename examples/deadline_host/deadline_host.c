@@ -156,8 +156,8 @@ int main(int argc, char **argv) {
     void *library = argc == 3 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
     const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
     const double ms = argc == 3 ? strtod(argv[2], NULL) : 0.0;
-    if (!entry || !(ms > 0.0))
-        return fprintf(stderr, "usage: deadline_host FOLDER/PLUGIN.so MILLISECONDS\n"), 2;
+    if (argc == 3 && !entry) return fprintf(stderr, "%s\n", dlerror()), 2;
+    if (!(ms > 0.0)) return fprintf(stderr, "usage: deadline_host FOLDER/PLUGIN.so MILLISECONDS\n"), 2;
     if (entry->abi_major != SV_ABI_MAJOR) return fprintf(stderr, "another ABI: %u\n", entry->abi_major), 4;
     const sv_descriptor *about = entry->descriptor(0);
     const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "deadline_host", "1", print_log, NULL};

@@ -147,7 +147,8 @@ static sv_status run_plugin(const sv_entry *entry, const sv_descriptor *about) {
 int main(int argc, char **argv) {
     void *library = argc == 2 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
     const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
-    if (!entry) return fprintf(stderr, "usage: queue_host FOLDER/PLUGIN.so\n"), 2;
+    if (!entry)
+        return fprintf(stderr, "%s\n", argc == 2 ? dlerror() : "usage: queue_host FOLDER/PLUGIN.so"), 2;
     if (entry->abi_major != SV_ABI_MAJOR) return fprintf(stderr, "another ABI: %u\n", entry->abi_major), 4;
     const sv_descriptor *about = entry->descriptor(0); /* says before what activate would refuse */
     if (!(about->queues & SV_QUEUE_HOST) || !(about->carriers & SV_BIT(SV_CARRIER_BUFFER)))

@@ -69,7 +69,8 @@ static sv_status run(const sv_plugin *p) {
 int main(int argc, char **argv) {
     void *library = argc == 2 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
     const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
-    if (!entry) return fprintf(stderr, "usage: small_host FOLDER/PLUGIN.so\n"), 2;
+    if (!entry)
+        return fprintf(stderr, "%s\n", argc == 2 ? dlerror() : "usage: small_host FOLDER/PLUGIN.so"), 2;
     if (entry->abi_major != SV_ABI_MAJOR) return fprintf(stderr, "another ABI: %u\n", entry->abi_major), 4;
     const sv_descriptor *d = entry->descriptor(0); /* says before what activate would refuse */
     if (!(d->queues & SV_QUEUE_OWN) || !(d->voxel_types & SV_BIT(SV_VOXEL_U8)))

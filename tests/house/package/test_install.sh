@@ -33,7 +33,7 @@ mv "$work/stage/opt/somewhere" "$prefix" || exit 1
 holds test -z "$(ls "$work/stage/opt")"
 host_sim=$prefix/bin/host_sim
 for file in bin/host_sim bin/sv_validate bin/sv_bench share/man/man1/sv_bench.1 lib/smartvis/smartvis.so include/smartvis_plugin.h include/smartvis/author.h \
-    share/smartvis/scenes/D01.json share/man/man1/host_sim.1 share/doc/smartvis/LICENSE \
+    share/smartvis/scenes/D01.json share/man/man1/host_sim.1 share/doc/smartvis/LICENSE share/doc/smartvis/docs/abi.md \
     share/pkgconfig/smartvis-plugin.pc share/cmake/SmartVisPlugin/SmartVisPluginConfig.cmake \
     share/smartvis/examples/README.md share/smartvis/examples/template/README.md; do
     holds test -s "$prefix/$file"

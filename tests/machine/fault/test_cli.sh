@@ -118,7 +118,9 @@ unclipped() {
     holds grep -q "rendering unclipped" stderr
     holds cmp out/result.png full.png
 }
-unclipped "no_such.so: cannot read the plugin file: No such file" "${good[@]}" --plugin no_such.so
+rm -rf out # a file that is not there ends the run before anything is drawn
+expect 4 "no_such.so: cannot read the plugin file: No such file" "${good[@]}" --plugin no_such.so
+holds [ ! -e out ]
 unclipped "good.mha: not a loadable library" "${good[@]}" --plugin good.mha
 unclipped "no symbol smartvis_plugin_entry" "${good[@]}" --plugin "$plugins/no_symbol.so"
 unclipped "ABI major 2, this host speaks 1" "${good[@]}" --plugin "$plugins/other_major.so"

@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <jansson.h>
+#include <limits.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -159,6 +160,13 @@ static bool files_at_hand(const hs_run_line *line, hs_error *err) {
     const char *reference = line->request.reference;
     if (reference && access(reference, R_OK) != 0)
         return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", reference, strerror(errno));
+    char plugin[PATH_MAX]; /* a name that was mistyped: thirty frames without it tell nothing */
+    if (line->request.plugin_path) {
+        hs_plugin_find(line->request.plugin_path, plugin, sizeof plugin);
+        if (access(plugin, R_OK) != 0)
+            return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", plugin,
+                           strerror(errno));
+    }
     return hs_path_make_folder(line->out, err) && hs_output_try(line->json, err);
 }
 
