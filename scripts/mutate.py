@@ -28,7 +28,6 @@ CHANGES = [
 # Where a source lies, and the tests that should notice, as a regular expression of CTest; the first that fits counts.
 TESTS = [
     (r"wall", r"test_wall($|_answer|_constants|_definition|_fluid)|test_confidence$"),
-    (r"cost", r"test_cost"),
     (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|reduction|hard|box)"),
     (r"spline|grid", r"test_(spline|method|hard)"),
     (r"src/(method|frame|device)", r"test_(method|mean|cl_faults|plugin|frame_path|formats|confidence)"),

@@ -21,7 +21,7 @@ def longest_gap(scene):
     return np.median(windows, axis=(2, 3))
 
 
-methods = {name: lambda scene, name=name: scene.clip(method=name) for name in ("mean", "cost", "wall")}
+methods = {name: lambda scene, name=name: scene.clip(method=name) for name in ("mean", "wall")}
 size, cases = int(sys.argv[1]) if len(sys.argv) > 1 else 128, sys.argv[2:] or smartvis.CASES
 ranked = smartvis.rank(methods | {"longest_gap": longest_gap, "unclipped": lambda scene: None}, cases, size)
 for name, measures in ranked.items():

@@ -198,7 +198,7 @@ typedef struct {
     bool exists;
     const hs_cl *cl;
     const hs_plugin *plugin;
-    char first_name[64], other_name[64];                   /* "mean", "cost" */
+    char first_name[64], other_name[64];                   /* "mean", "wall" */
     hs_eval_values first, other;                           /* without the knob */
     hs_eval_knob knob;                                     /* of the studied method */
     uint32_t best;                                         /* HS_BESIDE_KNOB's position */

@@ -167,7 +167,7 @@ bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t fr
                     hs_error *err) {
     surf_case c;
     *out = (wall_case){0};
-    if (!surf_case_make(scene, 128 / SURF_FINE_PER_VOXEL, seed, pose, frame, &c, err)) return false;
+    if (!surf_case_make(scene, 128, seed, pose, frame, &c, err)) return false;
     take(out, &c.fine.full, scene);
     out->label = c.fine.label;
     out->truth = c.truth;

@@ -89,81 +89,30 @@ static float fine_end(const uint8_t *voxels, uint32_t m, size_t pixel, float sta
     return wall_termination(voxels, (size_t)m * m, m, pixel, wall_first_drawn(start, m));
 }
 
-static uint8_t coarse_voxel(const hs_volume *fine, size_t x, size_t y, size_t z) {
-    const size_t m = fine->nx;
-    uint32_t sum = 0, count = 0;
-    for (size_t k = 0; k < 8; k++) {
-        const uint8_t v = fine->voxels[((2 * z + (k >> 2)) * m + 2 * y + (k >> 1 & 1)) * m + 2 * x + (k & 1)];
-        sum += v;
-        count += v != 0;
-    }
-    return (uint8_t)(count >= 4 ? (sum + count / 2) / count : 0);
-}
-
-bool surf_case_make(const char *name, uint32_t n, uint64_t seed, uint32_t pose, uint32_t frame,
+bool surf_case_make(const char *name, uint32_t m, uint64_t seed, uint32_t pose, uint32_t frame,
                     surf_case *out, hs_error *err) {
-    *out = (surf_case){.n = n};
+    *out = (surf_case){0};
     char path[1024];
     if (pose && !write_pose(name, pose, path, sizeof path, err)) return false;
     hs_scene *scene = hs_scene_open(pose ? path : name, err);
     if (pose) (void)unlink(path);
     if (!scene) return false;
-    const uint32_t m = SURF_FINE_PER_VOXEL * n;
     const hs_scene_options options = {.size = m, .seed = seed, .frame = frame};
     const bool made = hs_scene_frame(scene, &options, &out->fine, NULL, err);
     hs_scene_close(scene);
     if (!made) return false;
-    out->voxels = malloc((size_t)n * n * n);
     out->truth = malloc((size_t)m * m * sizeof *out->truth);
-    if (!out->voxels || !out->truth) {
+    if (!out->truth) {
         surf_case_free(out);
-        return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u^3 voxels", name, n);
+        return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u^2 depths", name, m);
     }
-    for (size_t z = 0; z < n; z++)
-        for (size_t y = 0; y < n; y++)
-            for (size_t x = 0; x < n; x++)
-                out->voxels[(z * n + y) * n + x] = coarse_voxel(&out->fine.full, x, y, z);
     for (size_t pixel = 0; pixel < (size_t)m * m; pixel++)
         out->truth[pixel] = fine_end(out->fine.truth.voxels, m, pixel, 0.0f);
     return true;
 }
 
 void surf_case_free(surf_case *c) {
-    free(c->voxels);
     free(c->truth);
     hs_scene_free(&c->fine);
     *c = (surf_case){0};
-}
-
-/* Bilinear between the pixel centres of an n x n map, at fine pixel (x, y). */
-static float depth_at(const float *depth, uint32_t n, uint32_t x, uint32_t y) {
-    const float last = (float)(n - 1);
-    const float u = fminf(fmaxf(((float)x + 0.5f) / SURF_FINE_PER_VOXEL - 0.5f, 0.0f), last);
-    const float v = fminf(fmaxf(((float)y + 0.5f) / SURF_FINE_PER_VOXEL - 0.5f, 0.0f), last);
-    const uint32_t x0 = (uint32_t)u, y0 = (uint32_t)v, x1 = x0 + (x0 + 1 < n), y1 = y0 + (y0 + 1 < n);
-    const float a = u - (float)x0, b = v - (float)y0;
-    const float top = depth[(size_t)y0 * n + x0] * (1.0f - a) + depth[(size_t)y0 * n + x1] * a;
-    const float bottom = depth[(size_t)y1 * n + x0] * (1.0f - a) + depth[(size_t)y1 * n + x1] * a;
-    return top * (1.0f - b) + bottom * b;
-}
-
-surf_score surf_judge(const surf_case *c, const float *depth) {
-    const uint32_t m = SURF_FINE_PER_VOXEL * c->n;
-    double sum = 0.0;
-    uint64_t count = 0, fetus = 0, cut = 0;
-    for (uint32_t y = 0; y < m; y++)
-        for (uint32_t x = 0; x < m; x++) {
-            const size_t pixel = (size_t)y * m + x;
-            if (c->fine.label[pixel] == HS_LABEL_NEITHER) continue;
-            const float d = depth_at(depth, c->n, x, y);
-            const float start = d <= 0.0f ? 0.0f : (d + 0.5f) * SURF_FINE_PER_VOXEL - 0.5f;
-            const float error = c->truth[pixel] - fine_end(c->fine.full.voxels, m, pixel, start);
-            sum += fabs((double)error);
-            count++;
-            if (c->fine.label[pixel] != HS_LABEL_FETUS) continue;
-            fetus++;
-            cut += error < -2.0f;
-        }
-    return (surf_score){.error = count ? sum / (double)count / SURF_FINE_PER_VOXEL : 0.0,
-                        .cut = fetus ? (double)cut / (double)fetus : 0.0};
 }

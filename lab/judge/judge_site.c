@@ -161,9 +161,8 @@ enum { QS = 31 };
 static const double q_step = 0.05;
 
 site_methods site_methods_default(const char *plugin) {
-    return (site_methods){.plugin = plugin,
-                          .method = {{"method=mean", true}, {"method=cost", false}, {"method=wall", false}},
-                          .count = 3};
+    return (site_methods){
+        .plugin = plugin, .method = {{"method=mean", true}, {"method=wall", false}}, .count = 2};
 }
 
 /* One frame, judged. */

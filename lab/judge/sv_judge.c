@@ -55,11 +55,6 @@ static const struct command {
      "the definition of wall with any of its constants changed (--set); what it knows of a case"},
     {"reverse", choose_constants, true,
      "the constants of wall chosen on all sites but one, judged on that one"},
-    {"cost", judge_cost, false,
-     "mean and cost on the nine scenes in eleven seeds and poses, and in motion; or cost on the volumes "
-     "given"},
-    {"ablation", judge_ablation, false,
-     "what each part of the cost volume is worth, by its scalar definition"},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
@@ -140,11 +135,11 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_site},
     {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_case},
-    {"volume", "FILE", "harm, page, wall, cost: a volume that nothing hides, MetaImage\n", HS_OPTION_TAKEN, 0,
-     0, 0, take_volume},
+    {"volume", "FILE", "harm, page, wall: a volume that nothing hides, MetaImage\n", HS_OPTION_TAKEN, 0, 0, 0,
+     take_volume},
     {"method", "SETTINGS",
      "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
-     "[best method=mean; method=cost; method=wall]; page: the last of them\n",
+     "[best method=mean; method=wall]; page: the last of them\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_method},
     {"set", "KEY=VALUE",
      "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"

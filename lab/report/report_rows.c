@@ -37,7 +37,7 @@ static const beside_column beside_columns[HS_BESIDE_CELLS] = {[FIRST] = {HS_BESI
                                                               {HS_BESIDE_OTHER, HS_MEASURE_OCCLUDER_LEFT},
                                                               [FLOOR] = {HS_BESIDE_TRUTH, HS_MEASURE_ABS}};
 
-/* "mean", "mean, q 0.4", "mean, tuned", "cost": who a column is about. */
+/* "mean", "mean, q 0.4", "mean, tuned", "wall": who a column is about. */
 static void name_way(const hs_eval_study *study, hs_beside_way way, char *out, size_t bytes) {
     const hs_eval_beside *b = &study->beside;
     if (way == HS_BESIDE_KNOB && b->knob.exists)

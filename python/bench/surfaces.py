@@ -62,7 +62,7 @@ MORE: list[Variant] = [
     {"method": "spline", "merge_grid": 0, "spline_grid": 32},
     *({"method": "spline", "merge_grid": 8, "spline_grid": 0, "reduction": cells} for cells in (2, 4)),
 ]
-ON_VOLUMES = ("cost", "wall")  # methods that take no points
+ON_VOLUMES = ("wall",)  # methods that take no points
 
 
 class _Stages(ctypes.Structure):

@@ -91,7 +91,7 @@ int main(int argc, char **argv) {
     if (socket->ConnectToServer("127.0.0.1", std::atoi(argv[1])) != 0) return fail("no connection");
     igtl::StringMessage::Pointer parameters = igtl::StringMessage::New();
     parameters->SetDeviceName("Knob");
-    parameters->SetString("method=cost q=0.5");
+    parameters->SetString("method=wall q=0.5");
     parameters->Pack();
     socket->Send(parameters->GetPackPointer(), parameters->GetPackSize());
     igtl::ImageMessage::Pointer volume = make_volume(side);

@@ -30,7 +30,7 @@ from smartvis._products import quick_look, small_look
 from smartvis._work import Settings
 from smartvis.cli import main
 
-SETTINGS = Settings(parameters={"method": "cost"}, products=("clipped",), scanned=None)
+SETTINGS = Settings(parameters={"method": "wall"}, products=("clipped",), scanned=None)
 SHAPE = (40, 32, 36)
 
 
@@ -99,7 +99,7 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
     assert states.pop(("bad.nrrd", 0)) == states.pop(("cut.mha", 0)) == "input" and set(states.values()) == {"ok"}
     for number, file in enumerate(files):
         clipped = _study.folder_of(out, file) / f"scan{number // 3}_clipped.nrrd"
-        expected = smartvis.clip(shifted(number), (1, 1, 1), method="cost").apply(shifted(number))
+        expected = smartvis.clip(shifted(number), (1, 1, 1), method="wall").apply(shifted(number))
         assert np.array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(clipped))), expected)
     assert len(list(out.rglob("beat_f000?_clipped.nrrd"))) == 3
     nothing_is_half(out)
@@ -253,7 +253,7 @@ def test_the_page_has_a_picture_of_every_volume(tmp_path: Path, client) -> None:
 
 
 def test_a_small_look_is_the_quick_look(volume: np.ndarray) -> None:
-    result = smartvis.clip(volume, (1, 1, 1), method="cost")
+    result = smartvis.clip(volume, (1, 1, 1), method="wall")
     look = quick_look(volume, result)
     assert np.array_equal(small_look(volume, result, len(look)), look)
     half = small_look(volume, result, len(look) // 2)
@@ -267,7 +267,7 @@ def test_a_terminal_sees_how_many_are_done(tmp_path: Path) -> None:
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     command = [sys.executable, "-P", "-m", "smartvis", "batch", str(tmp_path / "study"), "--out", str(tmp_path / "out")]
-    command += ["--workers", "1", "--write", "depth", "--method", "cost"]
+    command += ["--workers", "1", "--write", "depth", "--method", "wall"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=theirs, timeout=LONG)
     os.set_blocking(ours, False)
     said = os.read(ours, 1 << 16).decode()

@@ -31,11 +31,11 @@ def test_files_of_every_format_keep_their_geometry(tmp_path: Path, image, volume
     path = tmp_path / f"head{suffix}"
     sitk.WriteImage(image, str(path))
     out = tmp_path / "out"
-    arguments = ["clip", str(path), "--out", str(out), "--method", "cost", "--write", "clipped,depth"]
+    arguments = ["clip", str(path), "--out", str(out), "--method", "wall", "--write", "clipped,depth"]
     assert main([*arguments, "--format", suffix]) == 0
     assert "OK" in capsys.readouterr().out
     clipped = sitk.ReadImage(str(out / f"head_clipped{suffix}"))
-    expected = smartvis.clip(volume, (0.5, 0.6, 0.7), method="cost")
+    expected = smartvis.clip(volume, (0.5, 0.6, 0.7), method="wall")
     assert np.array_equal(sitk.GetArrayFromImage(clipped), expected.apply(volume))
     depth = sitk.ReadImage(str(out / f"head_depth{suffix}"))
     assert np.allclose(sitk.GetArrayFromImage(depth)[0], expected.depth_mm)
@@ -48,7 +48,7 @@ def test_files_of_every_format_keep_their_geometry(tmp_path: Path, image, volume
 
 def test_mesh_and_picture(tmp_path: Path, image) -> None:
     sitk.WriteImage(image, str(tmp_path / "head.nrrd"))
-    command = ["clip", str(tmp_path / "head.nrrd"), "--out", str(tmp_path), "--write", "mesh,look", "--method", "cost"]
+    command = ["clip", str(tmp_path / "head.nrrd"), "--out", str(tmp_path), "--write", "mesh,look", "--method", "wall"]
     assert main(command) == 0
     raw = (tmp_path / "head_mesh.ply").read_bytes()
     head, body = raw.split(b"end_header\n", 1)
@@ -84,7 +84,7 @@ def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) 
 def test_a_dicom_folder_gives_what_other_files_give(tmp_path: Path, image, capsys) -> None:
     write_dicom(tmp_path / "series", image)
     sitk.WriteImage(image, str(tmp_path / "file.nrrd"))
-    out = ["--out", str(tmp_path), "--write", "clipped,depth", "--method", "cost"]
+    out = ["--out", str(tmp_path), "--write", "clipped,depth", "--method", "wall"]
     assert main(["clip", str(tmp_path / "series"), str(tmp_path / "file.nrrd"), *out]) == 0
     for what in ("clipped", "depth"):
         one, other = (sitk.ReadImage(str(tmp_path / f"{name}_{what}.nrrd")) for name in ("series", "file"))
@@ -158,7 +158,7 @@ def test_without_the_host_a_file_that_needs_it_is_named(tmp_path: Path, image, m
     for name, code in (("a.nrrd", 0), ("b.nii.gz", 0), ("head.mha", 3), ("head.vol", 3)):
         if not (tmp_path / name).exists():
             sitk.WriteImage(image, str(tmp_path / name))
-        clip = ["clip", str(tmp_path / name), "--out", str(tmp_path), "--write", "depth", "--method", "cost"]
+        clip = ["clip", str(tmp_path / name), "--out", str(tmp_path), "--write", "depth", "--method", "wall"]
         assert main(clip) == code
         told = capsys.readouterr().err
         wanted = (
@@ -253,7 +253,7 @@ def test_a_view_by_its_place_needs_a_file_that_knows_the_patient(tmp_path: Path,
     host_sim("scenes", "D01", "--size", 48, "--export", "--out", tmp_path)
     host_sim("scenes", "D01", "--size", 48, "--export", "--format", "vol", "--out", tmp_path)
     sitk.WriteImage(image, str(tmp_path / "not.vtk"))
-    clip = ["--view", "left", "--method", "cost", "--write", "depth", "--out", str(tmp_path / "out")]
+    clip = ["--view", "left", "--method", "wall", "--write", "depth", "--out", str(tmp_path / "out")]
     for name in ("knows.nrrd", "knows.mha", "knows.nii", "series"):
         assert main(["clip", str(tmp_path / name), *clip]) == 0, capsys.readouterr().err
         made = sitk.ReadImage(str(tmp_path / "out" / f"{name.split('.')[0]}_depth.nrrd"))

@@ -22,7 +22,7 @@ def in_the_fluid(result: smartvis.Result, seen: np.ndarray) -> float:
     return float(np.mean((depth >= near - 0.5) & (depth <= far + 0.5)))
 
 
-@pytest.mark.parametrize("method", ["mean", "cost", "wall"])
+@pytest.mark.parametrize("method", ["mean", "wall"])
 def test_surface_lies_in_the_fluid(volume: np.ndarray, method: str) -> None:
     result = smartvis.clip(volume, spacing=(1, 1, 1), method=method)
     assert result.outcome in (Outcome.OK, Outcome.PARTIAL)
@@ -32,7 +32,7 @@ def test_surface_lies_in_the_fluid(volume: np.ndarray, method: str) -> None:
 
 
 def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:
-    result = smartvis.clip(volume, spacing=(0.5, 0.5, 0.8), method="cost")
+    result = smartvis.clip(volume, spacing=(0.5, 0.5, 0.8), method="wall")
     z = np.arange(64)[:, None, None]
     kept = z >= result.depth
     assert np.array_equal(result.mask(), kept)
@@ -46,7 +46,7 @@ def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:
 
 
 def test_surface_is_the_depthmap_in_millimetres(volume: np.ndarray) -> None:
-    result = smartvis.clip(volume, spacing=(0.5, 0.6, 0.8), method="cost")
+    result = smartvis.clip(volume, spacing=(0.5, 0.6, 0.8), method="wall")
     vertices, faces = result.surface()
     clips = result.depth > 0
     y, x = np.nonzero(clips)
@@ -71,14 +71,14 @@ AXES = [(0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0)]
 def test_views_along_an_axis_are_exact(volume: np.ndarray, direction: tuple[int, int, int]) -> None:
     """The volume is turned so that its front lies where the camera looks from: the map must be the same."""
     camera = smartvis.look(volume.shape, (0.7, 0.8, 0.9), direction)
-    straight = smartvis.clip(volume, spacing=(0.7, 0.8, 0.9), method="cost")
+    straight = smartvis.clip(volume, spacing=(0.7, 0.8, 0.9), method="wall")
     # A volume that this camera sees as `volume`: the inverse of what the camera does to arrays.
     order, reverse = camera._axes()
     turned = np.ascontiguousarray(np.flip(volume, reverse).transpose(np.argsort(order)))
     along = [0.0, 0.0, 0.0]
     for own, axis in enumerate(order):
         along[2 - axis] = (0.9, 0.8, 0.7)[own]
-    seen = smartvis.clip(turned, spacing=along, view=direction, method="cost")
+    seen = smartvis.clip(turned, spacing=along, view=direction, method="wall")
     assert np.array_equal(seen.depth, straight.depth)
     assert np.array_equal(np.flip(seen.mask().transpose(order), reverse), straight.mask())
 
@@ -88,7 +88,7 @@ def test_a_turned_view_clips_along_its_own_rays(resample: str) -> None:
     volume = layers((72, 64, 64))
     tilt = np.deg2rad(12)
     direction = np.array([np.sin(tilt), 0, np.cos(tilt)])
-    result = smartvis.clip(volume, spacing=(1, 1, 1), view=direction, resample=resample, method="cost")
+    result = smartvis.clip(volume, spacing=(1, 1, 1), view=direction, resample=resample, method="wall")
     assert result.clips and result.depth.shape != (64, 64)
     inner = np.s_[:, 16:-16, 16:-16]
     clipped = result.apply(volume)[inner]
@@ -126,12 +126,12 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
     fan[:5] = 0
     fan[58:] = 0
     first, end = np.full((48, 56), 5), np.full((48, 56), 58)
-    by_maps = smartvis.clip(fan, (1, 1, 1), scanned=(first, end), method="cost")
-    by_mask = smartvis.clip(fan, (1, 1, 1), scanned=fan > 0, method="cost")
-    by_itself = smartvis.clip(fan, (1, 1, 1), scanned="auto", method="cost")
+    by_maps = smartvis.clip(fan, (1, 1, 1), scanned=(first, end), method="wall")
+    by_mask = smartvis.clip(fan, (1, 1, 1), scanned=fan > 0, method="wall")
+    by_itself = smartvis.clip(fan, (1, 1, 1), scanned="auto", method="wall")
     assert by_maps.clips
     assert np.array_equal(by_maps.depth, by_mask.depth) and np.array_equal(by_maps.depth, by_itself.depth)
-    everything = smartvis.clip(fan, (1, 1, 1), method="cost")
+    everything = smartvis.clip(fan, (1, 1, 1), method="wall")
     assert not np.array_equal(everything.depth, by_maps.depth)
 
 
@@ -151,8 +151,8 @@ def test_other_types_are_mapped_as_the_host_maps_them(volume: np.ndarray) -> Non
     assert levels.min() == 0 and levels.max() == 255
     assert np.array_equal(levels, np.floor((wide - low) * (255 / (high - low)) + 0.5))
     assert np.array_equal(smartvis.to_uint8(wide, (low, high)), levels)
-    same = smartvis.clip(wide, (1, 1, 1), window=(-500, 255 * 16 - 500), method="cost")
-    assert np.array_equal(same.depth, smartvis.clip(volume, (1, 1, 1), method="cost").depth)
+    same = smartvis.clip(wide, (1, 1, 1), window=(-500, 255 * 16 - 500), method="wall")
+    assert np.array_equal(same.depth, smartvis.clip(volume, (1, 1, 1), method="wall").depth)
 
 
 def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
@@ -162,12 +162,12 @@ def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
     image.SetSpacing((0.5, 0.6, 0.7))
     image.SetOrigin((1, 2, 3))
     image.SetDirection((0, 1, 0, -1, 0, 0, 0, 0, 1))
-    result = smartvis.clip(image, method="cost")
+    result = smartvis.clip(image, method="wall")
     clipped = result.apply(image)
     for what in ("GetSpacing", "GetOrigin", "GetDirection", "GetSize", "GetPixelID"):
         assert getattr(clipped, what)() == getattr(image, what)(), what
     assert np.array_equal(sitk.GetArrayFromImage(clipped), result.apply(volume))
-    assert np.array_equal(result.depth, smartvis.clip(volume, (0.5, 0.6, 0.7), method="cost").depth)
+    assert np.array_equal(result.depth, smartvis.clip(volume, (0.5, 0.6, 0.7), method="wall").depth)
 
 
 @pytest.mark.parametrize(
@@ -200,7 +200,7 @@ def test_wrong_values_are_named(volume: np.ndarray, keywords: dict, words: str) 
 
 @pytest.mark.parametrize("fill", [256, -1, 0.5, np.nan])
 def test_a_fill_that_the_type_cannot_hold_is_named(volume: np.ndarray, fill: float) -> None:
-    result = smartvis.clip(volume, spacing=(1, 1, 1), method="cost")
+    result = smartvis.clip(volume, spacing=(1, 1, 1), method="wall")
     with pytest.raises(ValueError, match=f"fill={fill}, expected a value of uint8"):
         result.apply(volume, fill=fill)
 
@@ -238,7 +238,7 @@ def test_places_around_the_patient_are_those_of_the_host(tmp_path, volume, place
     image.SetDirection(directions)
     image.SetSpacing((1, 1, 1))
     sitk.WriteImage(image, str(tmp_path / "v.mha"))
-    result = smartvis.clip(image, view=place, method="cost")
+    result = smartvis.clip(image, view=place, method="wall")
     in_patient = np.array(directions, float).reshape(3, 3) @ result.camera.rotation.T
     few = ["--frames", 1, "--setting", "smartvis", "--picture", 64, "--few-pictures", "--out", tmp_path]
     host_sim("run", "--volume", tmp_path / "v.mha", "--view", place, "--write", "depthmap", *few)

@@ -20,10 +20,10 @@ SHAPE = (64, 48, 56)
 
 
 def test_every_volume_is_clipped_as_clip_does_it(volume: np.ndarray) -> None:
-    with Clipper(SHAPE, (1, 1, 1), method="cost") as clipper:
+    with Clipper(SHAPE, (1, 1, 1), method="wall") as clipper:
         for shift in (0, 3, 6):
             moved = np.roll(volume, shift, axis=2)
-            alone = smartvis.clip(moved, (1, 1, 1), method="cost")
+            alone = smartvis.clip(moved, (1, 1, 1), method="wall")
             result = clipper(moved, discontinuity=True)
             assert result is clipper.result
             assert np.array_equal(result.depth, alone.depth)
@@ -32,7 +32,7 @@ def test_every_volume_is_clipped_as_clip_does_it(volume: np.ndarray) -> None:
             assert result.statistics == alone.statistics
 
 
-@pytest.mark.parametrize("method", ["mean", "cost"])
+@pytest.mark.parametrize("method", ["mean", "wall"])
 def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
     with Clipper(SHAPE, (1, 1, 1), method=method) as clipper:
         clipper(volume)
@@ -91,7 +91,7 @@ def test_where_the_probe_is(volume: np.ndarray) -> None:
 
 
 def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:
-    with Clipper(SHAPE, (1, 1, 1), method="cost", buffer=True) as clipper:
+    with Clipper(SHAPE, (1, 1, 1), method="wall", buffer=True) as clipper:
         clipper.buffer[:] = volume
         inside = clipper(clipper.buffer).copy()
         other = clipper(np.roll(volume, 5, axis=2), discontinuity=True).copy()
@@ -99,11 +99,11 @@ def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:
     with Clipper(SHAPE, (1, 1, 1)) as clipper, pytest.raises(ValueError, match="buffer=True"):
         clipper.buffer[:] = volume
     ring = np.stack([volume, np.roll(volume, 5, axis=2)])
-    with Clipper(SHAPE, (1, 1, 1), method="cost", buffer=ring) as clipper:
+    with Clipper(SHAPE, (1, 1, 1), method="wall", buffer=ring) as clipper:
         assert np.array_equal(clipper(ring[0]).depth, inside.depth)
         assert np.array_equal(clipper(ring[1], discontinuity=True).depth, other.depth)
         assert np.array_equal(ring[0], volume)
-    alone = smartvis.clip(volume, (1, 1, 1), method="cost")
+    alone = smartvis.clip(volume, (1, 1, 1), method="wall")
     assert np.array_equal(inside.depth, alone.depth)
 
 
@@ -120,7 +120,7 @@ def test_adjust_is_a_frame_with_the_knob_turned(volume: np.ndarray) -> None:
 
 def test_fixed_parameters_are_refused_later(volume: np.ndarray) -> None:
     with Clipper(SHAPE, (1, 1, 1), method="mean") as clipper:
-        clipper.set(method="cost")
+        clipper.set(method="wall")
         with pytest.raises(PluginError) as caught:
             clipper(volume)
         assert caught.value.name == "SV_ERR_PARAM_FIXED" and "method" in caught.value.reason

@@ -15,7 +15,7 @@ from conftest import BUILD, host_sim, write_dicom
 from smartvis._study import find_files
 from smartvis.cli import main
 
-COST = ("--method", "cost")
+MEAN = ("--method", "mean")
 EXPLICIT, IMPLICIT = "1.2.840.10008.1.2.1", "1.2.840.10008.1.2"
 
 
@@ -58,14 +58,14 @@ def test_a_wrapped_volume_is_the_bare_one_and_the_hosts(scans: Path, tmp_path: P
     (tmp_path / "explicit.dcm").write_bytes(wrap(raw))
     (tmp_path / "implicit").write_bytes(wrap(raw, IMPLICIT))
     files = [scans / "D01_full.vol", tmp_path / "explicit.dcm", tmp_path / "implicit"]
-    assert main(["clip", *map(str, files), "--out", str(tmp_path), "--write", "clipped", *COST]) == 0
+    assert main(["clip", *map(str, files), "--out", str(tmp_path), "--write", "clipped", *MEAN]) == 0
     assert capsys.readouterr().out.count(", OK,") == 3
     clipped = [sitk.ReadImage(str(tmp_path / f"{name}_clipped.nrrd")) for name in ("D01_full", "explicit", "implicit")]
     ours = [sitk.GetArrayFromImage(image) for image in clipped]
     assert np.array_equal(ours[0], ours[1]) and np.array_equal(ours[0], ours[2]) and (ours[0] > 0).mean() > 0.05
 
     few = ["--frames", 1, "--setting", "smartvis", "--picture", 64, "--out", tmp_path / "host"]
-    host_sim("run", "--volume", files[1], "--write", "clipped", "--set", "method=cost", *few)
+    host_sim("run", "--volume", files[1], "--write", "clipped", "--set", "method=mean", *few)
     theirs = sitk.ReadImage(str(tmp_path / "host" / "clipped.mha"))
     assert clipped[0].GetSpacing() == pytest.approx(theirs.GetSpacing())
     assert clipped[0].GetOrigin() == pytest.approx(theirs.GetOrigin())
@@ -76,7 +76,7 @@ def test_a_wrapped_volume_is_the_bare_one_and_the_hosts(scans: Path, tmp_path: P
 def test_a_wrapped_sequence_is_clipped_volume_by_volume(scans: Path, tmp_path: Path) -> None:
     raw = (scans / "E02_full.vol").read_bytes()
     (tmp_path / "beat.dcm").write_bytes(wrap(raw))
-    assert main(["clip", str(tmp_path / "beat.dcm"), "--out", str(tmp_path), "--write", "clipped", *COST]) == 0
+    assert main(["clip", str(tmp_path / "beat.dcm"), "--out", str(tmp_path), "--write", "clipped", *MEAN]) == 0
     frames = [sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / f"beat_f000{n}_clipped.nrrd"))) for n in range(2)]
     assert not np.array_equal(*frames)
     copy = tmp_path / "second.mha"
@@ -86,7 +86,7 @@ def test_a_wrapped_sequence_is_clipped_volume_by_volume(scans: Path, tmp_path: P
 
 
 def test_the_other_side_is_a_choice(scans: Path, tmp_path: Path) -> None:
-    clip = ["clip", str(scans / "D01_full.vol"), "--write", "clipped", *COST]
+    clip = ["clip", str(scans / "D01_full.vol"), "--write", "clipped", *MEAN]
     assert main([*clip, "--out", str(tmp_path / "one")]) == 0
     assert main([*clip, "--mirror", "--out", str(tmp_path / "other")]) == 0
     one, other = (sitk.ReadImage(str(tmp_path / side / "D01_full_clipped.nrrd")) for side in ("one", "other"))

@@ -37,10 +37,10 @@ def test_measures_are_those_of_the_report(tmp_path) -> None:
     scene = smartvis.scene("E02", size=64)
     ours = {}
     for q in (0.0, 0.5):
-        ours[q] = smartvis.measure(scene, scene.clip(method="cost", q=q))
-    options = ["--case", "E02", "--size", 64, "--lowres", 64, "--frames", 0, "--coarse", "--set", "method=cost"]
-    host_sim("report", *options, "--beside", "none", "--shard", "1/40", "--out", tmp_path)
-    lines = (tmp_path / "space_E02.part1of40.csv").read_text().splitlines()
+        ours[q] = smartvis.measure(scene, scene.clip(method="wall", q=q))
+    options = ["--case", "E02", "--size", 64, "--lowres", 64, "--frames", 0, "--coarse", "--set", "method=wall"]
+    host_sim("report", *options, "--beside", "none", "--out", tmp_path)
+    lines = (tmp_path / "space_E02.csv").read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")]
     found = {float(row["q"]): row for row in reversed(list(csv.DictReader(rows)))}  # the method knows q alone
     for q, measured in ours.items():
@@ -51,7 +51,7 @@ def test_measures_are_those_of_the_report(tmp_path) -> None:
 def test_the_arrays_of_a_scene_are_what_is_measured(d01: smartvis.Scene) -> None:
     """Others than the host's own count, and so do a scene's that has no name."""
     own = smartvis.Scene(spacing=d01.spacing, full=d01.full, truth=d01.truth, label=d01.label)
-    depth = d01.clip(method="cost")
+    depth = d01.clip(method="wall")
     assert smartvis.measure(own, depth) == smartvis.measure(d01, depth)
     nothing_hides = replace(d01, truth=d01.full)
     assert smartvis.measure(nothing_hides, None).e_abs == 0.0 != smartvis.measure(d01, None).e_abs
@@ -87,7 +87,7 @@ def test_a_volume_of_ones_own_has_any_shape(shape: tuple[int, int, int], spacing
 def test_ranking_puts_the_better_first() -> None:
     methods = {
         "nothing": lambda scene: None,
-        "ours": lambda scene: scene.clip(method="cost"),
+        "ours": lambda scene: scene.clip(method="wall"),
         "truth": lambda scene: np.where(scene.label > 0, (scene.near + scene.far) / 2, 0),
     }
     ranked = smartvis.rank(methods, cases=["D01", "E01"], size=64)

@@ -27,7 +27,7 @@ from smartvis.serve import Server
 @contextlib.contextmanager
 def serving(**keywords):
     """A server in this process at a free port; yields the port."""
-    server = Server(Settings(parameters={"method": "cost"}, scanned="rays"), port=0, **{"patience": LONG} | keywords)
+    server = Server(Settings(parameters={"method": "wall"}, scanned="rays"), port=0, **{"patience": LONG} | keywords)
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
     thread.start()
     try:
@@ -106,7 +106,7 @@ def test_what_comes_back_is_what_clip_gives(port: int, volume: np.ndarray) -> No
     with connect(port) as peer:
         peer.sendall(image(volume).pack())
         clipped, depth, outcome = (read_message(peer) for _ in range(3))
-    expected = smartvis.clip(volume, (0.5, 0.6, 0.7), scanned="rays", method="cost")
+    expected = smartvis.clip(volume, (0.5, 0.6, 0.7), scanned="rays", method="wall")
     assert np.array_equal(clipped.image, expected.apply(volume))
     assert np.array_equal(depth.image[0], expected.depth_mm)
     assert outcome.string == "OK" and clipped.timestamp == pytest.approx(1234.5, abs=1e-6)
@@ -142,7 +142,7 @@ def test_a_client_on_libopenigtlink_is_served(port: int, tmp_path: Path) -> None
     out = subprocess.run([program, str(port), "48"], capture_output=True, text=True, timeout=LONG, check=False)
     assert out.returncode == 0, out.stderr
     lines = dict(line.partition(" ")[::2] for line in out.stdout.splitlines())
-    assert lines["Knob_set"].startswith("OK method=cost") and lines["Scan_outcome"] == "OK"
+    assert lines["Knob_set"].startswith("OK method=wall") and lines["Scan_outcome"] == "OK"
     assert 7 <= float(lines["Scan_depth"]) <= 22  # mm and "Scan_clipped" in lines
 
 
@@ -161,7 +161,7 @@ def test_parameters_come_by_string(port: int, volume: np.ndarray) -> None:
         read_message(peer)
         peer.sendall(image(volume).pack())
         assert "q" in read_message(peer).string  # the plugin's own reason, and the connection stays
-    for depth, q, method in zip(depths, (0.25, 0.75), ("cost", "mean"), strict=True):
+    for depth, q, method in zip(depths, (0.25, 0.75), ("wall", "mean"), strict=True):
         expected = smartvis.clip(volume, (0.5, 0.6, 0.7), scanned="rays", q=q, method=method)
         assert np.array_equal(depth, expected.depth_mm)
 
@@ -173,7 +173,7 @@ def test_other_types_and_byte_orders(port: int, volume: np.ndarray) -> None:
             clipped, _, outcome = (read_message(peer) for _ in range(3))
             assert outcome.string == "OK" and clipped.image.dtype.str[1:] == kind[1:], kind
             native = volume.astype(kind[1:])
-            alone = smartvis.clip(native, (0.5, 0.6, 0.7), scanned="rays", method="cost")
+            alone = smartvis.clip(native, (0.5, 0.6, 0.7), scanned="rays", method="wall")
             assert np.array_equal(clipped.image, alone.apply(native))
         peer.sendall(image(np.full((8, 8, 8), np.nan, np.float32)).pack())
         assert read_message(peer).string.startswith("ERROR the volume has values that are not finite")
@@ -278,7 +278,7 @@ def test_a_client_too_many_is_turned_away() -> None:
 
 
 def test_the_command_serves_and_ends(volume: np.ndarray) -> None:
-    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", "--method", "cost"]
+    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", "--method", "wall"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None

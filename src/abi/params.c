@@ -109,12 +109,8 @@ static const struct {
     {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
      "Reduced resolution", "pixels",
      "The surface is made on cells of N x N pixels and interpolated: faster, less exact. 1: on pixels. "
-     "Needs a fill weight above 0. Methods cost and wall have cells of their own and ignore it.",
+     "Needs a fill weight above 0. Method wall has cells of its own and ignores it.",
      1.0, 4.0, 1.0, 4.0, 1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},
-    {SV_PARAM_MEMORY, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "memory", "Memory", "",
-     "Method cost: share of the frame before in the costs of this one. A place that changes much forgets "
-     "at once.",
-     0.0, 0.9, 0.0, 0.9, 0.0, 0.05, NULL, GROUP_METHOD, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 4.0,
      1.0, 1.0, NULL, GROUP_WORK, SV_PARAM_METHOD, BY_METHOD},

@@ -16,7 +16,6 @@ static const float Q = 0.25f;
 
 typedef struct {
     uint8_t volume[PIXELS * SLICES], status[PIXELS], expected_status[PIXELS];
-    uint8_t either[PIXELS]; /* pixels where two answers are right */
     float depth[PIXELS];
     sv_ref_range ranges[PIXELS];
     sv_ref_ray rays[PIXELS];
@@ -84,7 +83,7 @@ static bool expect(bench *b, const sv_ref_method *definition, const sv_config *c
     *bound = sv_ref_bound(definition, &task, &device);
     if (!sv_method_uses(sv_method_of(c->method), SV_PARAM_EVIDENCE)) /* no points are looked for */
         memset(b->expected_status, SV_POINT_NONE, sizeof b->expected_status);
-    return sv_ref_chain(definition, &task, b->expected, b->either);
+    return sv_ref_chain(definition, &task, b->expected);
 }
 
 static sv_status compute(sv_pipeline *p, bench *b, const sv_values *values) {
@@ -104,8 +103,7 @@ static sv_status compute(sv_pipeline *p, bench *b, const sv_values *values) {
 
 static sv_status compare(sv_diag *diag, const bench *b, double bound) {
     for (int i = 0; i < PIXELS; i++)
-        if (b->status[i] != b->expected_status[i] ||
-            !(b->either[i] || fabs((double)b->depth[i] - b->expected[i]) <= bound))
+        if (b->status[i] != b->expected_status[i] || !(fabs((double)b->depth[i] - b->expected[i]) <= bound))
             return sv_fail(
                 diag, SV_ERR_SELF_TEST,
                 "self-test of the method: ray (%d, %d) has status %d and depth %g slices, expected %d "

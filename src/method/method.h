@@ -228,8 +228,8 @@ sv_status sv_slabs_one_by_one(const sv_map *map, sv_method_state *state, const s
                               sv_take_slab *take);
 
 /* A launch of a method's kernel on a slab, with the arguments that all such kernels begin with: from the
- * texture to the scanned ranges, as cost_bins has them (cl/cost/cost_rays.cl). `unread`: any buffer; the
- * kernel gets it where frames bring no ranges. */
+ * texture to the scanned ranges, as items_range has them (cl/wall/items_downsample.cl). `unread`: any buffer;
+ * the kernel gets it where frames bring no ranges. */
 sv_launch sv_slab_launch(const sv_map *map, cl_kernel kernel, const char *name, const sv_placed_slab *slab,
                          cl_mem unread);
 

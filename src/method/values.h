@@ -5,8 +5,8 @@
 
 #include "method_list.h"
 
-/* Stable ids of the parameters (never reused: 21 and 23 were data_weight and solver_steps). They index
- * sv_values. */
+/* Stable ids of the parameters (never reused: 21, 23 and 24 were data_weight, solver_steps and memory). They
+ * index sv_values. */
 enum {
     SV_PARAM_Q = 1,
     SV_PARAM_FLUID_THRESHOLD = 2,
@@ -29,7 +29,6 @@ enum {
     SV_PARAM_MERGE_GRID = 19,
     SV_PARAM_SPLINE_GRID = 20,
     SV_PARAM_PRECISION = 22,
-    SV_PARAM_MEMORY = 24,
     SV_PARAM_REDUCTION = 25,
     SV_PARAM_UNSURE = 26,
     SV_PARAM_ID_END

@@ -14,7 +14,7 @@ bool sv_define_surface(const char *method, const uint8_t *status, const double *
     for (uint32_t m = 0; m < SV_METHOD_END; m++) {
         const sv_ref_method *const definition = sv_ref_method_of(m);
         if (definition && !definition->takes_volume && strcmp(sv_ref_method_name(m), method) == 0)
-            return sv_ref_chain(definition, &task, surface, NULL);
+            return sv_ref_chain(definition, &task, surface);
     }
     return false;
 }

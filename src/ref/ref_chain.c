@@ -6,7 +6,6 @@
 #include "ref/ref_reduce.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define SV_REF_METHOD_ENTRY(NAME, value, key) [value] = {#key, &sv_ref_method_##key},
 static const struct {
@@ -35,15 +34,14 @@ double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const 
 }
 
 /* Runs pre-filter and method on a map whose settings are in its own pixels. */
-static bool filter_and_solve(const sv_ref_method *method, sv_ref_task task, double *surface,
-                             uint8_t *either) {
+static bool filter_and_solve(const sv_ref_method *method, sv_ref_task task, double *surface) {
     const sv_ref_settings *s = task.settings;
-    if (s->prefilter_passes == 0) return method->surface(&task, surface, either);
+    if (s->prefilter_passes == 0) return method->surface(&task, surface);
     double *filtered = malloc((size_t)task.map.width * task.map.height * sizeof *filtered);
     bool ok =
         filtered && sv_ref_minimum_prefilter(&task.map, s->prefilter_kernel, s->prefilter_passes, filtered);
     task.map.depth = filtered;
-    ok = ok && method->surface(&task, surface, either);
+    ok = ok && method->surface(&task, surface);
     free(filtered);
     return ok;
 }
@@ -59,16 +57,15 @@ static bool on_cells(const sv_ref_method *method, const sv_ref_task *task, doubl
     s.lambda /= (double)s.reduction * s.reduction; /* an area */
     double *small = malloc((size_t)cells.map.width * cells.map.height * sizeof *small);
     const sv_ref_task inner = {.map = cells.map, .settings = &s};
-    const bool ok = small && filter_and_solve(method, inner, small, NULL);
+    const bool ok = small && filter_and_solve(method, inner, small);
     if (ok) sv_ref_spread(small, task->map.width, task->map.height, s.reduction, surface);
     free(small);
     sv_ref_reduced_free(&cells);
     return ok;
 }
 
-bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either) {
-    if (either) memset(either, 0, (size_t)task->map.width * task->map.height);
-    if (method->takes_volume) return method->surface(task, surface, either);
+bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface) {
+    if (method->takes_volume) return method->surface(task, surface);
     if (task->settings->reduction > 1) return on_cells(method, task, surface);
-    return filter_and_solve(method, *task, surface, either);
+    return filter_and_solve(method, *task, surface);
 }

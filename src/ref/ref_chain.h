@@ -22,6 +22,6 @@ double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const 
 
 /* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those
  * of the frame. */
-bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface, uint8_t *either);
+bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface);
 
 #endif

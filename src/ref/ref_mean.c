@@ -81,8 +81,7 @@ bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uin
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
-static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
-    (void)either;
+static bool of_task(const sv_ref_task *task, double *surface) {
     const sv_ref_map *m = &task->map;
     sv_ref_fill fill;
     return sv_ref_mean(m->status, m->depth, m->width, m->height, task->settings->kernel,

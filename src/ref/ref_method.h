@@ -46,9 +46,8 @@ typedef struct {
      * for a method that takes the volume. */
     double given_up[2];
 
-    /* The surface at every pixel of task->map, in slices. `either` (may be NULL): 1 at pixels where two
-     * answers are right. False if memory runs out. */
-    bool (*surface)(const sv_ref_task *task, double *surface, uint8_t *either);
+    /* The surface at every pixel of task->map, in slices. False if memory runs out. */
+    bool (*surface)(const sv_ref_task *task, double *surface);
 } sv_ref_method;
 
 /* The tables of the definitions. */

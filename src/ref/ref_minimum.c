@@ -59,8 +59,7 @@ bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
-static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
-    (void)either;
+static bool of_task(const sv_ref_task *task, double *surface) {
     sv_ref_fill fill;
     return sv_ref_minimum(&task->map, task->settings->kernel, surface, &fill);
 }

@@ -250,8 +250,7 @@ static uint32_t merge_for(const sv_ref_task *task, double *x, double *y, double 
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
-static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
-    (void)either;
+static bool of_task(const sv_ref_task *task, double *surface) {
     const size_t count = (size_t)task->map.width * task->map.height;
     double *x = malloc(3 * count * sizeof *x), *y = x + count, *z = y + count;
     if (!x) return false;

@@ -186,8 +186,7 @@ bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3],
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
-static bool of_task(const sv_ref_task *task, double *surface, uint8_t *either) {
-    (void)either; /* integers: no two answers are right */
+static bool of_task(const sv_ref_task *task, double *surface) {
     const size_t count = (size_t)task->map.width * task->map.height;
     float *maps = malloc(2 * count * sizeof *maps);
     sv_wall_outcome outcome;

@@ -57,10 +57,10 @@ sv_format surface_format(const surface_points *points, const sv_param_value *val
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
                       sv_spline_report *report);
 
-/* The surface by definition, in float64; NAN at pixels where two answers are right. */
+/* The surface by definition, in float64. */
 double *surface_expect(const surface_points *points, const surface_chain *chain);
 
-/* Largest difference, where one is expected; NAN if a depth is not finite. */
+/* Largest difference; NAN if a depth is not finite. */
 double surface_error(const rig_result *out, const double *expected, size_t count);
 
 /* Fails unless statistics and status map name the points that there are: none with method wall, which looks

@@ -46,7 +46,7 @@ code 0 table --case "$case,$work/from.mha,$work/to.mha" --method 'best method=me
 holds [ "$(cmp -s "$work/stdout" "$work/without"; echo $?)" = 1 ]
 
 # --- no harm: four variants of every method; bare, nothing is cut by method wall
-code 0 harm --case "$case" --method method=wall --method method=cost
+code 0 harm --case "$case" --method method=wall --method method=mean
 holds [ "$(grep -c 'method=wall  *. of   1 refused' "$work/stdout")" -eq 4 ]
 holds [ "$(grep -c '^  bare, .*method=wall .* 0 cut above 2 %' "$work/stdout")" -eq 2 ]
 

@@ -234,16 +234,13 @@ expect 2 "no parameter 'foo'" list --set foo=1
 expect 2 "needs a value" list --set
 # An enum's retired values are neither listed nor taken.
 expect 0 "" list --all
-holds grep -q "mean | minimum | spline | cost | wall" stdout
-expect 2 "'plate' is not one of mean, minimum, spline, cost, wall" list --set method=plate
+holds grep -q "mean | minimum | spline | wall" stdout
+expect 2 "'plate' is not one of mean, minimum, spline, wall" list --set method=plate
 # Four matter to the default, method wall: the knob, doubtful fluid, the method itself, the work layout.
 expect 0 "" list
 holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 4 ]
-# Eleven matter to method cost; all are listed on demand.
-expect 0 "" list --set method=cost
-holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 11 ]
 expect 0 "" list --all
-holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 24 ]
+holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 23 ]
 unset OCL_ICD_VENDORS
 expect 0 "" "${good[@]}" --json "$work/result.json"
 holds grep -q '"volumes_per_second"' result.json

@@ -91,7 +91,7 @@ static void every_way_gives_the_same_bits(void **state) {
                 {"smartvis.so", NULL, NULL, SV_CARRIER_HOST, false},
                 {"smartvis.so", NULL, NULL, SV_CARRIER_HOST, true},
                 {"smartvis.so", NULL, NULL, SV_CARRIER_IMAGE, false},
-                {"smartvis.so", "method=cost", "q=0.3", SV_CARRIER_BUFFER, false},
+                {"smartvis.so", "method=wall", "q=0.3", SV_CARRIER_BUFFER, false},
                 {"smartvis.so", "method=wall", NULL, SV_CARRIER_HOST, true},
                 {"tests/plugins/confidence_ramp.so", "depth=4", "shape=tilted", SV_CARRIER_BUFFER, false},
                 {"tests/plugins/confidence_ramp.so", "depth=4", NULL, SV_CARRIER_HOST, true},

@@ -111,7 +111,7 @@ static void ranges_are_padding(void **state) {
             const bool scanned = z >= s->ranges[i].first && z < s->ranges[i].end;
             *v = scanned ? (uint8_t)(*v | 1) : 0;
         }
-    static const char *const methods[] = {"mean", "cost"};
+    static const char *const methods[] = {"mean", "spline"};
     for (uint32_t m = 0; m < 2; m++) {
         rig_result out[3];
         for (uint32_t n = 0; n < 3; n++) {
@@ -200,42 +200,9 @@ static void wrong_spacing(void **state) {
     rig_textures_free(t);
 }
 
-/* Method cost with memory: a frame remembers the one before, unless it is flagged as a discontinuity. */
-static void discontinuity_forgets(void **state) {
-    scene *s = *state;
-    const sv_plugin *p = s->r.plugin;
-    rig_format f = format_of(s);
-    f.fixed[0] = (sv_param_value){rig_param(&s->r, "method"), 0, rig_enum(&s->r, "method", "cost")};
-    f.fixed_count = 1;
-    const sv_param_value values[] = {{rig_param(&s->r, "memory"), 0, 0.9},
-                                     {rig_param(&s->r, "evidence"), 0, 0.0}};
-    rig_textures *before = rig_textures_make(&s->r, &f, s->volume);
-    for (size_t i = 0; i < sizeof s->volume; i += 41) s->volume[i] = 200; /* the next volume, much like it */
-    rig_textures *t = rig_textures_make(&s->r, &f, s->volume);
-    rig_result first = rig_result_make(WIDTH, HEIGHT), second = rig_result_make(WIDTH, HEIGHT);
-    for (uint32_t flagged = 0; flagged < 2; flagged++) {
-        assert_int_equal(p->activate(p, &t->format), SV_OK);
-        assert_int_equal(rig_frame(&s->r, before, values, 2, &first), SV_OK);
-        t->frame_flags = flagged ? SV_FRAME_DISCONTINUITY : 0;
-        assert_int_equal(rig_frame(&s->r, t, values, 2, &second), SV_OK);
-        p->deactivate(p);
-        t->frame_flags = 0;
-        assert_int_equal(p->activate(p, &t->format), SV_OK);
-        assert_int_equal(rig_frame(&s->r, t, values, 2, &first), SV_OK); /* nothing to remember */
-        p->deactivate(p);
-        const bool same = memcmp(first.depth, second.depth, RAYS * sizeof(float)) == 0;
-        assert_int_equal(same, flagged);
-    }
-    rig_result_free(&first);
-    rig_result_free(&second);
-    rig_textures_free(before);
-    rig_textures_free(t);
-}
-
 int main(void) {
 #define SCENE_TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
     const struct CMUnitTest tests[] = {SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
-                                       SCENE_TEST(wrong_ranges), SCENE_TEST(wrong_spacing),
-                                       SCENE_TEST(discontinuity_forgets)};
+                                       SCENE_TEST(wrong_ranges), SCENE_TEST(wrong_spacing)};
     return cmocka_run_group_tests_name("scanned ranges", tests, NULL, NULL);
 }

@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 enum { SIDE = 48, COUNT = SIDE * SIDE, BYTES = COUNT * 4, OFFSET = 64 };
-static const double COST = 6.0; /* the value of parameter method */
+static const double WALL = 7.0; /* the value of parameter method */
 
 static const sv_ext_confidence *extension(const rig *r) {
     const sv_ext_confidence *ext = r->plugin->get_extension(r->plugin, SV_EXT_CONFIDENCE);
@@ -38,7 +38,7 @@ static rig_textures *finish_frame(rig *r, double method, bool own_queue, rig_res
     *out = rig_result_make(SIDE, SIDE);
     assert_int_equal(extension(r)->offered(r->plugin), 0);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
-    assert_int_equal(extension(r)->offered(r->plugin), method == COST);
+    assert_int_equal(extension(r)->offered(r->plugin), method == WALL);
     assert_int_equal(extension(r)->write(r->plugin, out->depth, NULL, 0), SV_ERR_STATE);
     assert_int_equal(rig_frame(r, t, NULL, 0, out), SV_OK);
     return t;
@@ -66,7 +66,7 @@ static void write_gives_what_read_gives(void **state) {
     const sv_ext_confidence *ext = extension(r);
     for (int own = 0; own < 2; own++) {
         rig_result out;
-        rig_textures *t = finish_frame(r, COST, own, &out);
+        rig_textures *t = finish_frame(r, WALL, own, &out);
         assert_int_equal(ext->read(r->plugin, expected, NULL), SV_OK);
         assert_varied(expected);
         memset(got, 0xff, sizeof got);
@@ -91,7 +91,7 @@ static void a_buffer_is_written_where_it_was_asked(void **state) {
     rig *r = *state;
     const sv_ext_confidence *ext = extension(r);
     rig_result out;
-    rig_textures *t = finish_frame(r, COST, false, &out);
+    rig_textures *t = finish_frame(r, WALL, false, &out);
     assert_int_equal(ext->read(r->plugin, expected, NULL), SV_OK);
     memset(got, 0xa5, sizeof got);
     cl_int code = CL_SUCCESS;
@@ -121,7 +121,7 @@ static void a_buffer_is_written_where_it_was_asked(void **state) {
 static void a_queue_of_its_own_reaches_no_buffer_of_the_host(void **state) {
     rig *r = *state;
     rig_result out;
-    rig_textures *t = finish_frame(r, COST, true, &out);
+    rig_textures *t = finish_frame(r, WALL, true, &out);
     cl_int code = CL_SUCCESS;
     cl_mem buffer = clCreateBuffer(r->context, CL_MEM_READ_WRITE, BYTES, NULL, &code);
     assert_int_equal(code, CL_SUCCESS);

@@ -169,9 +169,8 @@ static void told_is_taken(void **state) {
         {"spline", "rays", 40, 60, 24, 24, .with = {{"precision", 1, true}, {"merge_grid", 7, true}}},
         {"spline", "single", 33, 65, 24, 1, .timed = true,
          .with = {{"spline_grid", 16, true}, {"prefilter", 1, true}, {"prefilter_passes", 16, false}}},
-        {"cost", "auto", 77, 66, 55, 11, .in_place = true},
-        {"cost", "rays", 77, 66, 55, 1, SV_CARRIER_IMAGE, .ranged = true, .timed = true,
-         .with = {{"memory", 0.5, false}}},
+        {"wall", "auto", 77, 66, 55, 11, .in_place = true},
+        {"wall", "rays", 77, 66, 55, 1, SV_CARRIER_IMAGE, .ranged = true, .timed = true},
     };
     spy_watch(r->entry);
     heap_spy_watch(r->entry);
