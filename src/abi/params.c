@@ -61,7 +61,7 @@ static const struct {
      "Mode fraction: T_B is the highest threshold that at least this share of the rays exceeds.", 0.0, 1.0,
      0.01, 0.1, 0.03, 0.01, NULL, GROUP_POINTS, SV_PARAM_BONE_MODE, SV_BIT(SV_BONE_FRACTION)},
     {SV_PARAM_METHOD, SV_PARAM_ENUM, SV_PARAM_REACTIVATE, "method", "Surface reconstruction", "",
-     "wall and cost find the surface in every ray's own fluid. The others spread depths from initial "
+     "wall finds the surface in every ray's own fluid. The others spread depths from initial "
      "points to all pixels. Moving the surface costs next to nothing, but with minimum.",
      0.0, SV_METHOD_END - 1.0, 0.0, SV_METHOD_END - 1.0, SV_METHOD_WALL, 1.0, methods, GROUP_SURFACE, 0, 0},
     {SV_PARAM_KERNEL, SV_PARAM_INT, 0, "kernel", "Filter size k", "pixels",

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# scripts/check_abi.sh finds nothing in the headers but additions to 1.0 and to 1.1, whose dumps are in abi/. And it would notice:
+# scripts/check_abi.sh finds nothing in the headers but additions to 1.1, whose dump is in abi/. And it would notice:
 # the headers are changed here in one way each, and what it says must name the place: every fourth by day, all with SV_NIGHT.
 # Called with the source and the build folder.
 # shellcheck disable=SC2016 # what looks like variables is Perl's
